@@ -11,13 +11,13 @@ from urllib.parse import unquote, urlsplit
 
 import pytest
 
-from app.lessons import shelf
+from app.lessons import classes, shelf
 from tests.groups import require_group
 from tests.paths import ASSETS, LESSONS, ROOT
 from tests.processes import HANG
 
 TEXTS = [*(ROOT / name for name in ("README.md", "CONTRIBUTING.md", "CHANGELOG.md")), *ASSETS.glob("*.md"),
-         *LESSONS.glob("*.md")]
+         *LESSONS.rglob("*.md")]
 
 
 class Page(HTMLParser):
@@ -100,6 +100,14 @@ def test_a_lesson_does_not_tell_before_it_is_asked(name, site):
     assert notes and claims and not any(_plain(secret) in _plain(article) for secret in (*notes, *claims))
     assert all(_plain(option) in _plain(article) for step in lesson.steps if step.question
                for option in step.asked.options if "{" not in option)
+
+
+def test_a_page_for_a_class_has_its_timetable_and_no_claims(site):
+    for name in classes.names():
+        text = (site / "lessons" / "classes" / f"{name}.html").read_text(encoding="utf-8")
+        article = text[text.index("<article"):text.index("</article>")]
+        assert _plain(classes.page(name).claims.title) in _plain(article) and article.count("<table") >= 1
+        assert "+++" not in article and "error.x" not in article
 
 
 def _plain(text: str) -> str:

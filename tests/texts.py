@@ -42,7 +42,7 @@ class Piece:
 def pages() -> list[Path]:
     """Every text but the history, which tells of what has been, and those that a command writes."""
     return [ROOT / "README.md", ROOT / "CONTRIBUTING.md", *sorted((ROOT / ".github").rglob("*.md")),
-            *sorted(ASSETS.glob("*.md")), *sorted((ASSETS / "site").glob("*.md")), *sorted(LESSONS.glob("*.md"))]
+            *sorted(ASSETS.glob("*.md")), *sorted((ASSETS / "site").glob("*.md")), *sorted(LESSONS.rglob("*.md"))]
 
 
 @functools.cache

@@ -39,6 +39,8 @@ class Export:
     """File to write, .html; with --scorm .zip."""
     scorm: Annotated[Switch, default_hint("off")] = False
     """A package for a course's own system (SCORM 1.2), which is told score, completion and answers."""
+    core: Annotated[Switch, default_hint("off")] = False
+    """A lesson's file begins with the core alone; its reader may choose all."""
     processes: NumberFlag = 2
     """Processes that run scenes."""
     quiet: Annotated[Switch, default_hint("off")] = False
@@ -64,9 +66,11 @@ class Export:
 
             def of_a_lesson(show: Callable[..., None]) -> bytes:
                 from app.export.lesson import lesson_page
-                return lesson_page(_read(name), self.processes, show).encode()
+                return lesson_page(_read(name), self.processes, show, core=self.core).encode()
 
             return of_a_lesson
+        if self.core:
+            raise BadInput("core", self.what, "a scene has no core; give a lesson, by name or number")
         try:
             scene = read(self.what).scene
         except StateError as error:
@@ -89,7 +93,7 @@ class Export:
 
         def of_lessons(show: Callable[..., None]) -> bytes:
             from app.export.course import package
-            return package([_read(name) for name in names], self.processes, show)
+            return package([_read(name) for name in names], self.processes, show, core=self.core)
 
         return of_lessons
 

@@ -1,10 +1,10 @@
 """``mpm-lab lesson list|check|guide|grade``: lessons without a page."""
 
 import os
-from collections.abc import Sized
+from collections.abc import Callable, Iterable, Sequence, Sized
 from contextlib import closing
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Annotated, ClassVar
+from typing import TYPE_CHECKING, Annotated, ClassVar, TypeVar
 
 import tyro
 
@@ -18,6 +18,7 @@ from solvers.scene.rules import require_whole
 if TYPE_CHECKING:
     from app.lessons.progress import Progress
 
+Read = TypeVar("Read")
 OK, FAILED, BAD_INPUT = 0, 1, 2
 MOST_CHARACTERS = 1_000_000  # of a file; an honest one has some thousand
 CHECKS_SCHEMA = "mpm-lab/lesson-check/1"
@@ -25,19 +26,21 @@ CHECKS_SCHEMA = "mpm-lab/lesson-check/1"
 
 @dataclass(frozen=True)
 class LessonList:
-    """List the lessons: name, minutes and title.
+    """List the lessons: name, minutes of the core and in all, title.
 
+    Minutes are computed from what a lesson holds, by one rule for all (lessons/README.md).
     Exit status: 0 ok, 2 a lesson's file has a mistake, which is told.
     """
 
     EXAMPLE: ClassVar[str] = "mpm-lab lesson list"
 
     def execute(self) -> int:
-        from app.lessons import shelf
+        from app.lessons.length import told
         lessons, mistakes = _read(())
-        width = max(map(len, shelf.names()), default=0)
-        for lesson in lessons:
-            put_text(f"{lesson.name:<{width}}  {lesson.minutes:>3} min  {lesson.title}\n")
+        rows = [(lesson.name, told(lesson), lesson.title) for lesson in lessons]
+        names, times = (max((len(row[column]) for row in rows), default=0) for column in (0, 1))
+        for name, time, title in rows:
+            put_text(f"{name:<{names}}  {time:<{times}}  {title}\n")
         return BAD_INPUT if mistakes else OK
 
 
@@ -45,14 +48,15 @@ class LessonList:
 class LessonCheck:
     """Run every scene of lessons and check every claim, headless.
 
+    So are the pages for a class in lessons/classes/, of which the timetables are added up and held against the cores.
     Exit status: 0 all claims hold, 1 one does not, 2 bad input, or a lesson's file has a mistake (the others are
     checked).
     """
 
     EXAMPLE: ClassVar[str] = "mpm-lab lesson check 4 --variants 1"
 
-    names: Annotated[NamesFlag, tyro.conf.Positional, default_hint("all lessons")] = ()
-    """Lessons, by name or number."""
+    names: Annotated[NamesFlag, tyro.conf.Positional, default_hint("all")] = ()
+    """Lessons, by name or number, and pages for a class, by name."""
     variants: Annotated[NumberFlag, default_hint("all")] = None
     """How many of each lesson's sets of numbers are tried."""
     processes: NumberFlag = 2
@@ -67,21 +71,29 @@ class LessonCheck:
         if self.variants is not None:
             require_whole("variants", self.variants, 1, 1000)
         target = json_target(self.json)
+        from app.lessons import classes, shelf
         from app.lessons.checking import checks
         from app.lessons.outcomes import Outcomes, scene_texts
-        lessons, mistakes = _read(self.names)
+        known = classes.names()
+        others = tuple(name for name in self.names if name not in known)
+        lessons, mistakes = _read(others, known) if others or not self.names else ([], {})
+        pages = _read_each([name for name in known if name in (self.names or known)], classes.page, mistakes)
         with working(self.quiet) as show, closing(Outcomes(self.processes)) as outcomes:
-            texts = [text for lesson in lessons for numbers in lesson.variants[:self.variants]
-                     for text in scene_texts(lesson, numbers)]
+            texts = [text for lesson in (*lessons, *(page.claims for page in pages))
+                     for numbers in lesson.variants[:self.variants] for text in scene_texts(lesson, numbers)]
             outcomes.prepare(texts, lambda done, total: show(done / total))
             found = [check for lesson in lessons for check in checks(lesson, outcomes, self.variants)]
+            found += [check for page in pages for check in classes.checks(page, shelf.lessons(), outcomes)]
         failed = [check for check in found if not check.holds]
         for check in failed:
             say(check)
-        told = f"{_count(lessons)}, {len(found)} checks, {len(failed)} failed" if lessons else "nothing was checked"
-        told += f"; {_count(mistakes)} could not be read" if mistakes else ""
-        put_result({"schema": CHECKS_SCHEMA, "lessons": [lesson.name for lesson in lessons],
-                    "checks": [vars(check) for check in found], "not_read": mistakes}, target, lambda _: told)
+        read = [_count(lessons)] * bool(lessons) + [_count(pages, "page", " for a class")] * bool(pages)
+        told = ", ".join((*read, f"{len(found)} checks", f"{len(failed)} failed")) if read else "nothing was checked"
+        told += f"; {_count(mistakes, 'file')} could not be read" if mistakes else ""
+        values = {"schema": CHECKS_SCHEMA, "lessons": [lesson.name for lesson in lessons],
+                  "classes": [page.name for page in pages], "checks": [vars(check) for check in found],
+                  "not_read": mistakes}
+        put_result(values, target, lambda _: told)
         return BAD_INPUT if mistakes else FAILED if failed else OK
 
 
@@ -98,6 +110,8 @@ class LessonGuide:
     """Lesson, by name or number."""
     out: Annotated[PathFlag, default_hint("Markdown on standard output")] = None
     """File for the guide: .md, or .html to read and print."""
+    core: Annotated[Switch, default_hint("off")] = False
+    """Of the core alone, without the deeper steps."""
     quiet: Annotated[Switch, default_hint("off")] = False
     """No progress bar."""
 
@@ -112,7 +126,7 @@ class LessonGuide:
         if not lessons:
             return BAD_INPUT
         with working(self.quiet), closing(Outcomes(1)) as outcomes:
-            text = guide.KINDS[ending or ".md"](lessons[0], outcomes)
+            text = guide.KINDS[ending or ".md"](lessons[0], outcomes, self.core)
         put_text(text, target)
         return OK
 
@@ -130,6 +144,8 @@ class LessonGrade:
     """Files that the page has saved."""
     out: Annotated[PathFlag, default_hint("standard output")] = None
     """File for the table, .csv."""
+    core: Annotated[Switch, default_hint("off")] = False
+    """Count the questions of the core alone, for a class that was asked for no more."""
     quiet: Annotated[Switch, default_hint("off")] = False
     """No progress bar."""
 
@@ -145,7 +161,7 @@ class LessonGrade:
             rows = []
             for done, (file, found) in enumerate(read):
                 show(done / len(read))
-                rows.append(grading.graded(file, found, lessons[found.lesson], outcomes))
+                rows.append(grading.graded(file, found, lessons[found.lesson], outcomes, self.core))
         put_text(grading.table(rows), target, "utf-8-sig")  # by which a spreadsheet knows the characters
         for sentence in () if self.quiet else grading.coverage(rows):
             say(sentence)
@@ -170,27 +186,35 @@ def _answers(file: str) -> "tuple[str, Progress] | None":
         return None
 
 
-def _count(lessons: Sized) -> str:
-    return f"{len(lessons)} lesson{'s' * (len(lessons) != 1)}"
+def _count(some: Sized, one: str = "lesson", more: str = "") -> str:
+    return f"{len(some)} {one}{'s' * (len(some) != 1)}{more}"
 
 
-def _read(names: tuple[str, ...]) -> tuple[list[Lesson], dict[str, str]]:
-    """The lessons of these names, or all, and by name what is wrong with those that cannot be read, which is told."""
+def _read(names: tuple[str, ...], also: Sequence[str] = ()) -> tuple[list[Lesson], dict[str, str]]:
+    """The lessons of these names, or all, and by name what is wrong with those that cannot be read, which is told; a
+    name that is none is told with those that could be given ``also``."""
     from app.lessons import shelf
-    lessons, mistakes = [], {}
-    for name in dict.fromkeys(map(lesson_called, names)) if names else shelf.names():
+    mistakes: dict[str, str] = {}
+    called = dict.fromkeys(lesson_called(name, also) for name in names) if names else shelf.names()
+    return _read_each(called, shelf.lesson, mistakes), mistakes
+
+
+def _read_each(names: Iterable[str], read: Callable[[str], Read], mistakes: dict[str, str]) -> list[Read]:
+    """What can be read of files of these names; the ``mistakes`` of the others are told and kept."""
+    found = []
+    for name in names:
         try:
-            lessons.append(shelf.lesson(name))
+            found.append(read(name))
         except LessonError as error:
             say(error)
             mistakes[name] = str(error)
-    return lessons, mistakes
+    return found
 
 
-def lesson_called(name: str) -> str:
-    """The full name of a lesson; raises :class:`BadInput` where there is none."""
+def lesson_called(name: str, also: Sequence[str] = ()) -> str:
+    """The full name of a lesson; raises :class:`BadInput` where there is none, with what could be given ``also``."""
     from app.lessons import shelf
     try:
         return shelf.called(name)
     except shelf.UnknownLesson as error:
-        raise BadInput("", name, str(error)) from None
+        raise BadInput("", name, ", ".join((str(error), *also))) from None

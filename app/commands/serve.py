@@ -35,6 +35,8 @@ class Serve:
     """Pictures a second that each visitor gets at most; fewer for a slow network: one has some 50 kB."""
     lesson: TextFlag = ""
     """Lesson that everyone is opened on, by name or number (mpm-lab lesson list)."""
+    core: Switch = False
+    """Lessons begin with their core alone; who has time may choose all of it."""
     teacher: Switch = False
     """Show the teacher's notes in lessons; where others come in, to those only who type a code of its own."""
     warm_up: bool = True
@@ -56,7 +58,7 @@ class Serve:
         from app.page import serving  # here: bad input and --help must not wait for the page's imports
         try:
             serving.serve(self.host, self.port, self.max_sessions, self.warm_up, self.code.strip(), self.name,
-                          self.frames, lesson, self.teacher)
+                          self.frames, lesson, self.teacher, self.core)
         except serving.ServeError as error:
             raise BadInput("port", self.port, str(error)) from error
         return 0

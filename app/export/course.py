@@ -19,14 +19,15 @@ WRITTEN = (1980, 1, 1, 0, 0, 0)  # the archive's clock: the same lessons, the sa
 
 
 def package(lessons: Sequence[Lesson], processes: int, on_progress: Progress,
-            counts: Mapping[str, int] = COUNTS) -> bytes:
-    """The archive of lessons, each a part of its own that is opened, scored and completed by itself."""
+            counts: Mapping[str, int] = COUNTS, core: bool = False) -> bytes:
+    """The archive of lessons, each a part of its own that is opened, scored and completed by itself; it begins with the
+    ``core`` alone where that is asked for."""
     pages = {}
     for number, lesson in enumerate(lessons):
         def so_far(part: float, what: str, number: int = number) -> None:
             on_progress((number + part) / len(lessons), what)
 
-        pages[_file(lesson)] = lesson_page(lesson, processes, so_far, counts, IN_A_COURSE)
+        pages[_file(lesson)] = lesson_page(lesson, processes, so_far, counts, core, IN_A_COURSE)
     return _archive({"imsmanifest.xml": manifest(lessons), **pages})
 
 

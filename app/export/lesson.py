@@ -24,14 +24,15 @@ ELSEWHERE = ("slow-motion", "look-back", "trace", "effects", "details", "pin")  
 
 
 def lesson_page(lesson: Lesson, processes: int, on_progress: Progress, counts: Mapping[str, int] = COUNTS,
-                scripts: Sequence[str] = SCRIPTS) -> str:
-    """The page of a lesson, with so many values of each field on its sliders, and with these scripts of the player."""
+                 core: bool = False, scripts: Sequence[str] = SCRIPTS) -> str:
+    """The page of a lesson, with so many values of each field on its sliders; it begins with the ``core`` alone where
+    that is asked for, and has these ``scripts`` of the player."""
     plans = _plans(lesson, counts)
     right = rules(lesson, processes, lambda part, what: on_progress(0.5 * part, what))
     once = list(dict.fromkeys(plans.values()))
     recorded = record(once, processes, lambda part, what: on_progress(0.5 + 0.5 * part, what))
     stages = {key: once.index(plan) for key, plan in plans.items()}
-    return assembled(lesson.title, once, recorded, _data(lesson, right, stages), scripts)
+    return assembled(lesson.title, once, recorded, _data(lesson, right, stages, core), scripts)
 
 
 def _plans(lesson: Lesson, counts: Mapping[str, int]) -> dict[tuple[str, int], Plan]:
@@ -107,7 +108,8 @@ def _rule(lesson: Lesson, step: Step, numbers: Numbers, outcomes: Outcomes) -> d
     return {"value": found.value, "tolerance": asked.tolerance, "told": found.told}
 
 
-def _data(lesson: Lesson, right: Mapping[str, list[Any]], stages: Mapping[tuple[str, int], int]) -> dict[str, Any]:
+def _data(lesson: Lesson, right: Mapping[str, list[Any]], stages: Mapping[tuple[str, int], int],
+          core: bool) -> dict[str, Any]:
     """The lesson as the player reads it. What differs with the numbers of a variant is a list with one for each, or,
     where all are alike, a list of one."""
     def each(text: str) -> list[str]:
@@ -116,11 +118,12 @@ def _data(lesson: Lesson, right: Mapping[str, list[Any]], stages: Mapping[tuple[
     known = shelf.lessons()
     # The variant of a name is drawn as in ``app.lessons.lesson``: by Unicode's rules of case, and of where texts split.
     letters = [chr(code) for code in range(sys.maxunicode + 1) if not 0xD800 <= code < 0xE000]
-    steps = [{"kind": step.kind, "key": step.key, "html": each(step.text),
+    steps = [{"kind": step.kind, "key": step.key, "core": step.core, "html": each(step.text),
               "title": _alike([filled(step.title, numbers) for numbers in lesson.variants]),
               "stage": [stages[step.key, k] for k in range(len(lesson.variants))] if step.stage else None,
               "question": _question(lesson, step.question, right.get(step.key, []))} for step in lesson.steps]
-    return {"name": lesson.name, "title": lesson.title, "minutes": lesson.minutes, "goals": lesson.goals,
+    return {"name": lesson.name, "title": lesson.title, "minutes": lesson.minutes,
+            "core_minutes": lesson.core_minutes, "begins_core": core and bool(lesson.deeper), "goals": lesson.goals,
             "needs": [known[name].title if name in known else name for name in lesson.prerequisites],
             "fingerprint": lesson.fingerprint, "variants": len(lesson.variants), "intro": each(lesson.intro),
             "elsewhere": [name for name in ELSEWHERE if name in lesson.controls], "steps": steps,

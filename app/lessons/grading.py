@@ -7,7 +7,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 from app.lessons.claims import ClaimError
-from app.lessons.lesson import INTERVAL, PREDICT, Lesson, Numbers, drawn, filled
+from app.lessons.lesson import INTERVAL, PREDICT, TEXT, Lesson, Numbers, Step, drawn, filled
 from app.lessons.marks import AnswerMark, mark, shown
 from app.lessons.outcomes import Outcomes, RunFailed
 from app.lessons.progress import Progress
@@ -16,11 +16,13 @@ from solvers.outside import quoting
 
 @dataclass(frozen=True)
 class Graded:
-    """A student's file: the answers in words and their marks, by the steps' keys; None where there is no answer."""
+    """A student's file: the answers in words and their marks, by the steps' keys; None where there is no answer.
+    ``asked`` are the questions that count."""
 
     file: str
     progress: Progress
     lesson: Lesson
+    asked: dict[str, Step]
     answers: dict[str, tuple[str, AnswerMark | None]]
 
     @property
@@ -29,33 +31,34 @@ class Graded:
 
     @property
     def marked(self) -> int:
-        """Questions of the lesson that have a right answer, answered or not."""
-        return sum(step.question is not None and step.question.kind != "text" for step in self.lesson.steps)
+        """Questions that count and have a right answer, answered or not."""
+        return sum(step.asked.kind != TEXT for step in self.asked.values())
 
     @property
     def minutes(self) -> float:
         return sum(answer.seconds for answer in self.progress.answers.values()) / 60
 
 
-def graded(file: str, progress: Progress, lesson: Lesson, outcomes: Outcomes) -> Graded:
-    """Mark a file. A prediction counts as it was first made, an observation as it was made at last."""
-    numbers = drawn(lesson, progress.name)
-    return Graded(file, progress, lesson, {
-        key: _answer(lesson, key, progress, numbers, outcomes) for key in progress.answers})
+def graded(file: str, progress: Progress, lesson: Lesson, outcomes: Outcomes, core: bool = False) -> Graded:
+    """Mark a file. A prediction counts as it was first made, an observation as it was made at last; with ``core`` the
+    questions of deeper steps do not count, answered or not."""
+    numbers, asked = drawn(lesson, progress.name), {step.key: step for step in lesson.walk(core) if step.question}
+    return Graded(file, progress, lesson, asked, {
+        key: _answer(lesson, key, progress, numbers, outcomes) for key in progress.answers if key in asked})
 
 
 def table(rows: Sequence[Graded]) -> str:
     """The rows as CSV: two columns a question, the answer and whether it is right."""
-    questions = {(row.lesson.name, key): None for row in rows for key in row.lesson.questions}
+    questions = {(row.lesson.name, key): None for row in rows for key in row.asked}
     several = len({row.lesson.name for row in rows}) > 1
     heads = [f"{lesson}: {key}" if several else key for lesson, key in questions]
     out = io.StringIO()
     write = csv.writer(out, lineterminator="\n")
-    write.writerow(["name", "lesson", "right", "of", "minutes", "same lesson", "file",
+    write.writerow(["name", "lesson", "right", "of", "minutes", "same lesson", "core only", "file",
                     *(part for head in heads for part in (head, f"{head}: right"))])
     for row in rows:
         cells = [row.progress.name, row.lesson.name, row.right, row.marked, f"{row.minutes:.1f}",
-                 _yes(row.progress.fingerprint == row.lesson.fingerprint), row.file]
+                 _yes(row.progress.fingerprint == row.lesson.fingerprint), _yes(row.progress.core), row.file]
         for lesson, key in questions:
             said, found = row.answers.get(key, ("", None)) if lesson == row.lesson.name else ("", None)
             cells += [said, "" if found is None or found.right is None else _yes(found.right)]

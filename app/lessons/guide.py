@@ -4,10 +4,12 @@ from collections.abc import Callable, Iterator
 from pathlib import Path
 
 from app.lessons.claims import ClaimError
+from app.lessons.length import round_minutes, told
 from app.lessons.lesson import CHOICE, TEXT, Lesson, Numbers, Step
 from app.lessons.marks import in_unit, right
 from app.lessons.markup import html
 from app.lessons.outcomes import Outcomes, RunFailed
+from app.lessons.rounds import rounds
 from app.lessons.shelf import FOLDER
 from app.templates import rendered
 from solvers.study.markdown import grid
@@ -15,24 +17,41 @@ from solvers.study.markdown import grid
 PAGE = Path(__file__).parent / "guide.html"
 
 
-def markdown(lesson: Lesson, outcomes: Outcomes) -> str:
-    """The guide as Markdown. Runs what the right answers need."""
-    parts = [f"# {lesson.title}", f"*Teacher's guide. {lesson.minutes} minutes.*", "Afterwards students can",
+def markdown(lesson: Lesson, outcomes: Outcomes, core: bool = False) -> str:
+    """The guide as Markdown, or that to the ``core`` alone. Runs what the right answers need."""
+    parts = [f"# {lesson.title}", _length(lesson, core), "Afterwards students can",
              "\n".join(f"* {goal}" for goal in lesson.goals)]
     if lesson.prerequisites:
         parts.append(f"Do before: {', '.join(lesson.prerequisites)}.")
-    parts += [f"Open the class on it: `mpm-lab serve --lesson {lesson.name}`. Handed-in files become one table by "
-              "`mpm-lab lesson grade FILES`.", *_variants(lesson), lesson.intro, _quoted(lesson.notes)]
-    for number, step in enumerate(lesson.steps, 1):
-        stage = f"On the stage: `{step.stage}`" if step.stage else ""
-        parts += [f"## {number}. {step.kind.capitalize()}: {step.title}", step.text, stage,
-                  *_question(lesson, step, outcomes), _quoted(step.notes)]
+    flag = " --core" if core else ""
+    parts += [f"Open the class on it: `mpm-lab serve --lesson {lesson.name}{flag}`. Handed-in files become one table "
+              f"by `mpm-lab lesson grade FILES{flag}`.", *_variants(lesson), lesson.intro, _quoted(lesson.notes)]
+    numbers = {step.key: number for number, step in enumerate(lesson.walk(core), 1)}
+    for one in rounds(lesson.walk(core)):
+        for step in one:
+            stage = f"On the stage: `{step.stage}`" if step.stage else ""
+            parts += [f"## {numbers[step.key]}. {step.kind.capitalize()}: {step.title}",
+                      _round(lesson, one) if step is one[0] else "", step.text, stage,
+                      *_question(lesson, step, outcomes), _quoted(step.notes)]
     return "\n\n".join(part for part in parts if part.strip()) + "\n"
 
 
-def page(lesson: Lesson, outcomes: Outcomes) -> str:
+def page(lesson: Lesson, outcomes: Outcomes, core: bool = False) -> str:
     """The guide as one html file, with its pictures in it."""
-    return rendered(PAGE, title=lesson.title, body=html(markdown(lesson, outcomes), FOLDER))
+    return rendered(PAGE, title=lesson.title, body=html(markdown(lesson, outcomes, core), FOLDER))
+
+
+def _length(lesson: Lesson, core: bool) -> str:
+    if core:
+        return f"*Teacher's guide to the core, which takes {lesson.core_minutes} minutes, without a talk.*"
+    return f"*Teacher's guide. {told(lesson)}, without a talk.*"
+
+
+def _round(lesson: Lesson, one: tuple[Step, ...]) -> str:
+    """What a round is, before its first step."""
+    takes = round_minutes(one, lesson)
+    return f"*This round takes {takes} min.*" if one[0].core else \
+        f"*Deeper: the core does without this round, which takes {takes} min.*"
 
 
 def _variants(lesson: Lesson) -> Iterator[str]:
@@ -71,4 +90,4 @@ def _quoted(notes: str) -> str:
     return "\n".join(f"> {line}" for line in ["**Teacher**", "", *notes.splitlines()]) if notes.strip() else ""
 
 
-KINDS: dict[str, Callable[[Lesson, Outcomes], str]] = {".md": markdown, ".html": page}
+KINDS: dict[str, Callable[[Lesson, Outcomes, bool], str]] = {".md": markdown, ".html": page}

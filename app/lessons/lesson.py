@@ -86,7 +86,7 @@ class Claim:
 @dataclass(frozen=True)
 class Step:
     """One step. ``key`` names it in a handed-in file, ``text`` is Markdown, ``notes`` are the teacher's, ``stage`` is
-    what the button puts on the stage, as a template of a state."""
+    what the button puts on the stage, as a template of a state. Who takes only the ``core`` skips the others."""
 
     kind: str
     title: str
@@ -98,6 +98,7 @@ class Step:
     stage: str = ""
     question: Question | None = None
     claims: tuple[Claim, ...] = ()
+    core: bool = True
 
     @property
     def asked(self) -> Question:
@@ -109,11 +110,11 @@ class Step:
 @dataclass(frozen=True)
 class Lesson:
     """A lesson. ``controls`` are those of the page that it needs, ``variants`` the sets of numbers of which a student
-    gets one, ``fingerprint`` tells whether a file handed in is of this very lesson."""
+    gets one, ``fingerprint`` tells whether a file handed in is of this very lesson. ``minutes`` are those of all steps,
+    ``core_minutes`` those of the core, as :mod:`app.lessons.length` reckons them."""
 
     name: str
     title: str
-    minutes: int
     goals: tuple[str, ...]
     controls: tuple[str, ...]
     prerequisites: tuple[str, ...] = ()
@@ -122,10 +123,29 @@ class Lesson:
     notes: str = ""
     steps: tuple[Step, ...] = ()
     fingerprint: str = ""
+    minutes: int = 0
+    core_minutes: int = 0
 
     @functools.cached_property
     def questions(self) -> dict[str, Step]:
         return {step.key: step for step in self.steps if step.question}
+
+    @property
+    def deeper(self) -> tuple[Step, ...]:
+        """The steps that are not of the core; none where nothing is marked."""
+        return tuple(step for step in self.steps if not step.core)
+
+    def walk(self, core: bool) -> tuple[Step, ...]:
+        """The steps that somebody takes, all or only the ``core``."""
+        return tuple(step for step in self.steps if step.core or not core)
+
+    def beside(self, at: int, by: int, core: bool) -> int:
+        """The number of the step after the one numbered ``at``, or before it where ``by`` is below 0, for whoever takes
+        all steps or only the core; 0 is the introduction, one more than there are steps is the end."""
+        end = len(self.steps) + 1
+        places = [0, *(k for k, step in enumerate(self.steps, 1) if step.core or not core), end]
+        return min((k for k in places if k > at), default=end) if by > 0 else \
+            max((k for k in places if k < at), default=0)
 
     @property
     def runs(self) -> dict[str, LessonRun]:

@@ -1,6 +1,7 @@
 """What a student has done in a lesson, kept by the browser, handed in as a file: what has another form is refused."""
 
 import json
+import re
 from collections.abc import Callable
 from dataclasses import asdict, dataclass, field
 from typing import Any
@@ -36,19 +37,27 @@ class Answer:
 
 @dataclass
 class Progress:
-    """Of a student in a lesson: the ``step`` that is shown, 0 for the introduction, and answers by the steps' keys."""
+    """Of a student in a lesson: the ``step`` that is shown, 0 for the introduction, answers by the steps' keys, and
+    whether only the ``core`` is taken, which older files do not say."""
 
     lesson: str
     fingerprint: str
     name: str = ""
     step: int = 0
     answers: dict[str, Answer] = field(default_factory=dict)
+    core: bool = False
 
     def answer(self, key: str, given: Any, seconds: float) -> None:
         """Record an answer; the first stays."""
         before = self.answers.get(key)
         first, attempts = (before.first, before.attempts) if before else (given, 0)
         self.answers[key] = Answer(first, given, attempts + 1, round(seconds + (before.seconds if before else 0), 1))
+
+    @property
+    def file_name(self) -> str:
+        """Of the file that is handed in."""
+        called = re.sub(r"[^\w-]+", "-", self.name).strip("-") or "answers"
+        return f"{self.lesson}-{called}.json"
 
     def text(self) -> str:
         """As JSON, for the browser to keep or the student to hand in."""
@@ -72,7 +81,8 @@ def read(text: str, find: Callable[[str], Lesson | None]) -> Progress:
     answers = {key: Answer(**{name: given[name] for name in ANSWER}) for key, given in values["answers"].items()
                if key in lesson.questions and _fits(lesson, key, given)}
     step = min(max(values["step"], 0), len(lesson.steps) + 1)
-    return Progress(lesson.name, values["fingerprint"][:64], values["name"][:LONGEST_NAME], step, answers)
+    return Progress(lesson.name, values["fingerprint"][:64], values["name"][:LONGEST_NAME], step, answers,
+                    values.get("core") is True and bool(lesson.deeper))
 
 
 def _fits(lesson: Lesson, key: str, given: dict[str, Any]) -> bool:

@@ -7,41 +7,35 @@ scenes of a ``run``, the ``question``, the ``claims`` and the ``teacher``'s note
 
 import hashlib
 import re
-from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, replace
+from collections.abc import Callable, Mapping
+from dataclasses import replace
 from pathlib import Path
-from typing import Any
+from typing import Any, TypeVar
 
-from app.lessons import blocks, claims
+from app.lessons import blocks, claims, length, rounds
 from app.lessons.lesson import ALLOWED, CONTROLS, KINDS, NEEDED, PLACE, Lesson, LessonError, Numbers, Step, filled
 from app.lessons.markup import MarkupError, html
+from app.lessons.parts import Part, notes_of, numbered, parts_of, split_head
 from solvers.outside import quoting
 
+Found = TypeVar("Found")
 LARGEST = 1_000_000  # bytes of a lesson
-FENCE = "```"
-HEAD = "+++"
-BLOCKS = ("run", "question", "claims", "teacher")
-HEAD_KEYS = ("title", "minutes", "goals", "controls", "prerequisites", "variants")
+HEAD_KEYS = ("title", "goals", "controls", "prerequisites", "variants")
 FORMULA = re.compile(r"\$\$.*?(?:\$\$|$)|\$[^$]*\$|^.*\$\$\s*$")  # or what of one stands on a line
-HEADING = re.compile(r"##\s+(?P<kind>[^:]+):\s*(?P<title>\S.*)")
-
-
-@dataclass
-class _Part:
-    """What stands under a heading, or before the first: lines of Markdown, and blocks (kind, text, line)."""
-
-    heading: str
-    line: int
-    text: list[str]
-    blocks: list[tuple[str, str, int]]
+HEADING = re.compile(r"##\s+(?P<kind>[^:(]+?)\s*(?P<core>\(core\))?\s*:\s*(?P<title>\S.*)")
 
 
 def read(path: Path) -> Lesson:
     """The lesson of a file; :class:`LessonError` where it is none."""
+    return opened(path, lambda text: parse(text, path.stem, path.parent))
+
+
+def opened(path: Path, parsed: Callable[[str], Found]) -> Found:
+    """What is ``parsed`` of a file's text; :class:`LessonError` with the file's name where nothing can be."""
     try:
         if path.stat().st_size > LARGEST:
             raise LessonError(1, f"the file has more than {LARGEST:,} bytes; make it shorter")
-        return parse(path.read_text(encoding="utf-8"), path.stem, path.parent)
+        return parsed(path.read_text(encoding="utf-8"))
     except LessonError as error:
         raise LessonError(error.line, error.sentence, path.name) from None
     except OSError as error:
@@ -54,34 +48,22 @@ def read(path: Path) -> Lesson:
 
 def parse(text: str, name: str, folder: Path | None = None) -> Lesson:
     """The lesson of a text; pictures that it shows are looked for in ``folder``."""
-    head, body, first = _head(text)
+    head, body, first = split_head(text)
     lesson = _lesson(head, name, hashlib.sha256(text.encode()).hexdigest()[:16])
-    opening, *parts = _parts(body, first)
-    lesson = replace(lesson, intro="\n".join(opening.text), notes=_notes(opening))
+    opening, *parts = parts_of(body, first)
+    lesson = replace(lesson, intro="\n".join(opening.text), notes=notes_of(opening))
     if forbidden := [block for block in opening.blocks if block[0] != "teacher"]:
         raise LessonError(forbidden[0][2] - 1, f"a {forbidden[0][0]} block before the first step; put it under a "
                                                "heading such as ## Run: A first look")
     if not parts:
         raise LessonError(first, "no step: give headings such as ## Predict: What will happen?")
-    steps = [_step(part, lesson) for part in parts]
-    lesson = replace(lesson, steps=tuple(steps))
-    _check_names(lesson)
-    _check_claims(lesson)
+    lesson = replace(lesson, steps=rounds.settled([_step(part, lesson) for part in parts]))
+    check_names(lesson)
+    check_claims(lesson)
+    rounds.check_core(lesson)
     for part in (opening, *parts):
         _check_text(part, lesson, folder)
-    return lesson
-
-
-def _head(text: str) -> tuple[str, list[str], int]:
-    """The head, the lines after it, and the number of the first of those."""
-    lines = text.splitlines()
-    if not lines or lines[0].strip() != HEAD:
-        raise LessonError(1, f"the file must begin with a head: a line {HEAD}, TOML such as title = \"...\", and a "
-                             f"line {HEAD}")
-    end = next((k for k, line in enumerate(lines[1:], 1) if line.strip() == HEAD), None)
-    if end is None:
-        raise LessonError(1, f"the head does not end; close it with a line {HEAD}")
-    return "\n".join(lines[1:end]), lines[end + 1:], end + 2
+    return length.measured(lesson)
 
 
 def _lesson(head: str, name: str, fingerprint: str) -> Lesson:
@@ -91,12 +73,11 @@ def _lesson(head: str, name: str, fingerprint: str) -> Lesson:
         return blocks.line_of(key, head, 2)
 
     for key in values:
+        if key == "minutes":
+            raise LessonError(at(key), "minutes are computed from what the lesson holds; leave the key out")
         if key not in HEAD_KEYS:
             raise LessonError(at(key), f"{key} is not known in a head; give {', '.join(HEAD_KEYS)}")
     title = blocks.require(values, "title", str, "give a text", at("title"))
-    minutes = blocks.require(values, "minutes", int, "give a whole number of minutes, 1 to 120", at("minutes"))
-    if not 1 <= minutes <= 120:
-        raise LessonError(at("minutes"), f"minutes = {minutes}: give a whole number of minutes, 1 to 120")
     goals = blocks.texts(values, "goals", at("goals"))
     if not goals:
         raise LessonError(at("goals"), "goals are missing: give a list of what a student can do afterwards")
@@ -105,8 +86,7 @@ def _lesson(head: str, name: str, fingerprint: str) -> Lesson:
         if control not in CONTROLS:
             raise LessonError(at("controls"), f"controls: '{quoting.quoted(control)}' is not known; give "
                                               f"{', '.join(CONTROLS)}")
-    return Lesson(name, title.strip(), minutes, goals, controls, blocks.texts(values, "prerequisites",
-                                                                              at("prerequisites")),
+    return Lesson(name, title.strip(), goals, controls, blocks.texts(values, "prerequisites", at("prerequisites")),
                   _variants(values, at("variants")), fingerprint=fingerprint)
 
 
@@ -122,35 +102,8 @@ def _variants(values: Mapping[str, Any], line: int) -> tuple[Numbers, ...]:
     return tuple(found)
 
 
-def _parts(lines: list[str], first: int) -> list[_Part]:
-    """What stands before the first heading, and under each."""
-    parts, block, opened = [_Part("", first, [], [])], None, 0
-    for number, line in enumerate(lines, first):
-        fence = line.strip()
-        if block is not None:
-            if fence == FENCE:
-                parts[-1].blocks.append((block, "\n".join(lines[opened - first + 1:number - first]), opened + 1))
-                block = None
-        elif fence.startswith(FENCE):
-            block, opened = fence[len(FENCE):].strip(), number
-            if block not in BLOCKS:
-                raise LessonError(number, f"a block '{quoting.quoted(block)}' is not known; give "
-                                          f"{', '.join(BLOCKS)} after {FENCE}")
-        elif line.startswith("## "):
-            parts.append(_Part(line, number, [], []))
-        else:
-            parts[-1].text.append(line)
-    if block is not None:
-        raise LessonError(opened, f"the block {block} does not end; close it with a line {FENCE}")
-    return parts
-
-
-def _notes(part: _Part) -> str:
-    return "\n\n".join(text for kind, text, _ in part.blocks if kind == "teacher")
-
-
-def _step(part: _Part, lesson: Lesson) -> Step:
-    kind, title = _kind(part)
+def _step(part: Part, lesson: Lesson) -> Step:
+    kind, title, core = _kind(part)
     seen: set[str] = set()
     for name, _, line in part.blocks:
         if name not in ALLOWED[kind]:
@@ -162,7 +115,8 @@ def _step(part: _Part, lesson: Lesson) -> Step:
     if kind in NEEDED and NEEDED[kind] not in seen:
         raise LessonError(part.line, f"a step that begins with {kind.capitalize()} needs a {NEEDED[kind]} block")
     key = re.sub(r"[^a-z0-9]+", "-", title.lower()).strip("-")[:60] or "step"
-    step = Step(kind, title, key, part.line, "\n".join(part.text).strip(), _notes(part))
+    step = Step(kind, title, key, part.line, "\n".join(part.text).strip(), notes_of(part),
+                core=core)
     for name, text, line in part.blocks:
         if name == "run":
             found, stage = blocks.runs(text, line, lesson.variants)
@@ -174,17 +128,20 @@ def _step(part: _Part, lesson: Lesson) -> Step:
     return step
 
 
-def _kind(part: _Part) -> tuple[str, str]:
+def _kind(part: Part) -> tuple[str, str, bool]:
+    """A step's kind and title, and whether its heading says (core)."""
     found = HEADING.fullmatch(part.heading.strip())
     kind = found["kind"].strip().lower() if found else ""
     if not found or kind not in KINDS:
         meant = quoting.meant(kind.capitalize(), [known.capitalize() for known in KINDS])
         raise LessonError(part.line, f"'{quoting.quoted(part.heading.strip())}' begins no step{meant}; give "
-                          "## Predict: ..., ## Run: ..., ## Observe: ... or ## Explain: ...")
-    return kind, found["title"].strip()
+                          "## Predict: ..., ## Run: ..., ## Observe: ... or ## Explain: ..., of a core round "
+                          "## Predict (core): ...")
+    return kind, found["title"].strip(), bool(found["core"])
 
 
-def _check_names(lesson: Lesson) -> None:
+def check_names(lesson: Lesson) -> None:
+    """No two steps or runs are called alike."""
     keys: dict[str, int] = {}
     names: dict[str, int] = {}
     for step in lesson.steps:
@@ -199,7 +156,7 @@ def _check_names(lesson: Lesson) -> None:
             names[run.name] = run.line
 
 
-def _check_claims(lesson: Lesson) -> None:
+def check_claims(lesson: Lesson) -> None:
     """Every claim and expected value is about runs that there are and results that they have."""
     for step in lesson.steps:
         main = lesson.main_run(step)
@@ -217,10 +174,10 @@ def _check_claims(lesson: Lesson) -> None:
                     raise LessonError(line, str(error)) from None
 
 
-def _check_text(part: _Part, lesson: Lesson, folder: Path | None) -> None:
+def _check_text(part: Part, lesson: Lesson, folder: Path | None) -> None:
     """Formulas, pictures and places for numbers are all right."""
     known = set(lesson.variants[0])
-    for number, line in _numbered(part):
+    for number, line in numbered(part):
         plain = FORMULA.sub("", line)
         for found in PLACE.finditer(plain):
             if found[1] not in known:
@@ -229,12 +186,5 @@ def _check_text(part: _Part, lesson: Lesson, folder: Path | None) -> None:
     try:
         html("\n".join(part.text), folder)
     except MarkupError as error:
-        number = next((k for k, line in _numbered(part) if error.piece in line), part.line)
+        number = next((k for k, line in numbered(part) if error.piece in line), part.line)
         raise LessonError(number, str(error)) from None
-
-
-def _numbered(part: _Part) -> Sequence[tuple[int, str]]:
-    """Lines of Markdown with their numbers in the file. Blocks between them are left out of the count on purpose."""
-    inside = [k for _, text, line in part.blocks for k in range(line - 1, line + len(text.splitlines()) + 1)]
-    numbers = (k for k in range(part.line + bool(part.heading), 10**9) if k not in inside)
-    return list(zip(numbers, part.text, strict=False))

@@ -45,6 +45,12 @@ def lessons(folder: Path = FOLDER) -> dict[str, Lesson]:
         return _read(folder, files)
 
 
+def after(lesson: Lesson, folder: Path = FOLDER) -> Lesson | None:
+    """The lesson that comes next, if there is one."""
+    every = list(lessons(folder).values())
+    return next(iter(every[every.index(lesson) + 1:]), None) if lesson in every else None
+
+
 @lru_cache(2)
 def _read(folder: Path, files: tuple[tuple[str, int], ...]) -> dict[str, Lesson]:
     """The lessons of files that were last changed then."""

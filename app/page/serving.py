@@ -155,14 +155,14 @@ class Visitors:
 
 def serve(host: str, port: int, max_sessions: int, warm_up: bool = True, code: str = "",
           names: tuple[str, ...] = (), frames: float = 1 / FRAME_SECONDS, lesson: str = "",
-          teacher: bool = False) -> None:
+          teacher: bool = False, core: bool = False) -> None:
     """Serve the page until interrupted; with ``warm_up`` usual scenes are compiled beside it. Each visitor gets so many
     ``frames`` a second, if they can be had.
 
     Visitors need the class ``code``; without one it is made up where others than this machine's users can come in.
     ``names`` are those of proxies before the lab. Everyone is opened on the ``lesson``, if there is one. With
-    ``teacher`` its notes are shown: where others can come in, to those who know the teacher's own code. Raises
-    :class:`ServeError` when host and port cannot be had.
+    ``teacher`` its notes are shown: where others can come in, to those who know the teacher's own code. With ``core``
+    every lesson begins with its core alone. Raises :class:`ServeError` when host and port cannot be had.
     """
     addresses = Addresses(host, names)
     code = code or ("" if addresses.private else made_up())
@@ -170,7 +170,7 @@ def serve(host: str, port: int, max_sessions: int, warm_up: bool = True, code: s
     _require_free(host, port)
     # The engines start before the page's imports: they need longest.
     pool, server = EnginePool(OPENING.scene, _engine_count(), 1 / frames), None
-    classroom = Classroom(lesson, teacher)
+    classroom = Classroom(lesson, teacher, core=core)
     signal.signal(signal.SIGTERM, signal.default_int_handler)  # it ends as by Ctrl-C
     log = logging.StreamHandler()
     log.addFilter(Brief())

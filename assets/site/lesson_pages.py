@@ -11,6 +11,7 @@ from typing import Any
 from app import state
 from app.commands.serve import Serve
 from app.lessons import shelf
+from app.lessons.blocks import toml
 from app.lessons.lesson import (
     CHOICE,
     DRAG,
@@ -27,11 +28,16 @@ from app.lessons.lesson import (
     drawn,
     filled,
 )
+from app.lessons.parts import parts_of, split_head
 from app.lessons.reading import parse
+from app.lessons.rounds import rounds
+from app.page.features.lesson import core
 from app.page.sharing import link
 
 FOLDER = "lessons/"
+CLASSES = "lessons/classes/"
 LAB = f"http://127.0.0.1:{Serve.port}/"
+DEEPER = "<small class='deeper'>Deeper: the core does without this round.</small>"
 BUTTON = "Press **On the stage**"
 #: How an answer is given; a choice shows its options.
 GIVEN = {NUMBER: "A number{unit}.", INTERVAL: "Two numbers{unit} that hold it between them.",
@@ -45,21 +51,32 @@ def setup(app: Any) -> dict:
 
 
 def as_page(app: Any, docname: str, source: list[str]) -> None:
-    """The page of a lesson's file in the place of its text."""
+    """The page of a lesson's file in the place of its text, and of one for a class."""
     name = docname.removeprefix(FOLDER)
     if docname.startswith(FOLDER) and name in shelf.names():
         source[0] = page(parse(source[0], name, shelf.FOLDER))
+    if docname.startswith(CLASSES):
+        source[0] = class_page(source[0])
+
+
+def class_page(text: str) -> str:
+    """A page for a class as Markdown: its title for its head, and no runs and claims."""
+    head, body, first = split_head(text)
+    parts = (f"{part.heading}\n" + "\n".join(part.text) for part in parts_of(body, first))
+    return f"# {toml(head, 2)['title']}\n\n" + "\n\n".join(parts) + "\n"
 
 
 def page(lesson: Lesson) -> str:
     """A lesson as Markdown, with the numbers that a student without a name gets."""
     numbers = drawn(lesson, "")
     before = ", ".join(f"[{shelf.lesson(name).title}]({name}.md)" for name in lesson.prerequisites)
-    parts = [f"# {lesson.title}", f"{lesson.minutes} minutes. Afterwards you can",
+    parts = [f"# {lesson.title}", core.takes(lesson),
              "\n".join(f"* {goal}" for goal in lesson.goals), f"Do before: {before}." if before else "",
              f"In the lab: `mpm-lab serve --lesson {lesson.name}`, or the tab *Lessons*. Links *On the stage* lead to "
              "a lab that runs on this machine.", lesson.intro]
+    deeper = [first for first, *_ in rounds(lesson.steps) if not first.core]
     for number, step in enumerate(lesson.steps, 1):
+        parts += [DEEPER] * (step in deeper)
         parts += (_explained if step.kind == EXPLAIN else _step)(lesson, step, number, numbers)
     return filled("\n\n".join(part for part in parts if part.strip()), numbers) + "\n"
 

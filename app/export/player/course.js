@@ -60,12 +60,13 @@ function report(progress) {
     : short.length ? `Your course's system has room for ${CHARACTERS} characters, and does not keep all that you wrote at ${titles}; Hand in, at the end, saves it.` : "";
 }
 
-// Completed, and never passed or failed: predictions are there to go wrong. A score that counts stays when one begins anew.
+// Completed, and never passed or failed: predictions are there to go wrong. A score that counts stays when one begins anew,
+// or goes deeper than the core.
 function reportScore(progress) {
-  const marked = askedSteps().filter((step) => step.question.kind !== "text" && own(step.question.rules));
+  const asked = walked().filter((step) => step.question), marked = asked.filter((step) => step.question.kind !== "text" && own(step.question.rules));
   const right = marked.filter((step) => step.key in progress.answers && mark(step.question, progress.answers[step.key].last).right);
   const raw = Math.round(10000 * right.length / (marked.length || 1)) / 100;
-  if (!course.finished && progress.step > LESSON.steps.length && askedSteps().every((step) => step.key in progress.answers)) {
+  if (!course.finished && progress.step > LESSON.steps.length && asked.every((step) => step.key in progress.answers)) {
     course.finished = true;
     tell("core.lesson_status", "completed");
   }

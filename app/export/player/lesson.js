@@ -11,7 +11,11 @@ function openLesson() {
 }
 
 function go(by) {
-  progress.step = Math.min(Math.max(progress.step + by, 0), LESSON.steps.length + 1);
+  goTo(stepBeside(progress.step, by));
+}
+
+function goTo(step) {
+  progress.step = step;
   keep();
   showStep();
   lessonBox.scrollTop = 0;
@@ -27,9 +31,8 @@ function goOnAt(place) {
 
 function showStep() {
   shownAt = performance.now();
-  const at = progress.step, total = LESSON.steps.length;
-  const where = element("p", at === 0 ? "Introduction" : at <= total ? `Step ${at} of ${total}` : "The end", {id: "where", tabIndex: -1});
-  const bar = element("progress", "", {max: total + 1, value: at});
+  const at = progress.step, total = LESSON.steps.length, where = element("p", whereSaid(), {id: "where", tabIndex: -1});
+  const bar = element("progress", "", {max: walked().length + 1, value: howFar(at)});
   bar.setAttribute("aria-label", "progress");
   lessonBox.replaceChildren(where, bar, ...(at === 0 ? introduction() : at <= total ? stepParts(LESSON.steps[at - 1]) : ending()));
 }
@@ -64,21 +67,21 @@ function introduction() {
     text.replaceWith(text = written(own(LESSON.intro)));
   });
   let text = written(own(LESSON.intro));
-  const parts = [element("p", `${LESSON.minutes} minutes. Afterwards you can`), goals];
+  const parts = [element("p", takes()), goals];
   if (LESSON.needs.length) parts.push(element("p", `Do before: ${LESSON.needs.join("; ")}.`));
   if (LESSON.elsewhere.length) parts.push(element("p", "This file shows recorded runs. What the text says of "
     + `${LESSON.elsewhere.join(", ").replaceAll("-", " ")} needs the live page.`, {className: "elsewhere"}));
-  return [...parts, text, field("Your name", name), element("p", keeper.hint, {className: "hint"}), moves(false, true)];
+  return [...parts, text, field("Your name", name), element("p", keeper.hint, {className: "hint"}), ...coreChoice(), moves(false, true)];
 }
 
 function stepParts(step) {
   const heading = element("h2"), kind = element("span", KINDS[step.kind], {className: step.kind});
-  heading.append(kind, " ", own(step.title));
+  heading.append(kind, " ", ...(step.core ? [] : [element("span", "deeper", {className: "deeper"}), " "]), own(step.title));
   const parts = [heading];
   if (step.kind === "explain") parts.push(compared(askedBefore(step)));
   parts.push(written(own(step.html)));
   if (step.stage) parts.push(stageButton(step));
-  return step.question ? [...parts, ...asking(step)] : [...parts, moves(true, true)];
+  return [...parts, ...(step.question ? asking(step) : [moves(true, true)]), ...(step.core ? [] : [skipDeeper()])];
 }
 
 function stageButton(step) {
@@ -155,11 +158,12 @@ function compared(steps) {
 }
 
 function ending() {
-  const asked = LESSON.steps.filter((step) => step.question), missing = asked.filter((step) => !progress.answers[step.key]).length;
+  const asked = LESSON.steps.filter((step) => step.question);
+  const missing = walked().filter((step) => step.question && !progress.answers[step.key]).length;
   const button = element("button", "Hand in", {type: "button", title: "save your answers as a file"});
   button.addEventListener("click", handIn);
   const open = missing ? [element("p", `${missing} question${missing > 1 ? "s are" : " is"} still open; go back to answer.`)] : [];
-  return [element("h2", "The end"), ...open, compared(asked), element("p", keeper.handed), button, moves(true, false), again()];
+  return [element("h2", "The end"), ...open, compared(asked), element("p", keeper.handed), button, ...wayDeeper(), moves(true, false), again()];
 }
 
 function again() {

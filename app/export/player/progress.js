@@ -19,7 +19,7 @@ function own(each) {
 }
 
 function begun() {
-  return {schema: LESSON.schema, lesson: LESSON.name, fingerprint: LESSON.fingerprint, name: keeper.name, step: 0, answers: {}};
+  return {schema: LESSON.schema, lesson: LESSON.name, fingerprint: LESSON.fingerprint, name: keeper.name, step: 0, answers: {}, core: LESSON.begins_core};
 }
 
 function keep() {
@@ -33,6 +33,7 @@ function restored() {
     const known = Object.fromEntries(LESSON.steps.filter((step) => step.question).map((step) => [step.key, step.question]));
     for (const [key, given] of Object.entries(found.answers))
       if (!known[key] || trouble(known[key], given.first) || trouble(known[key], given.last)) return begun();
+    found.core = found.core === true && hasDeeper();
     found.step = Math.min(Math.max(found.step | 0, 0), LESSON.steps.length + 1);
     return found;
   } catch {

@@ -28,7 +28,7 @@ function suspended(progress) {
     const answer = progress.answers[step.key];
     return answer ? [{step, row: [k, answer.last, answer.attempts, answer.seconds, ...same(answer.first, answer.last) ? [] : [answer.first]]}] : [];
   });
-  const written = () => plainLetters(JSON.stringify([LESSON.fingerprint.slice(0, 16), progress.name, ...kept.map(({row}) => row)]));
+  const written = () => plainLetters(JSON.stringify([LESSON.fingerprint.slice(0, 16), progress.name, +progress.core, ...kept.map(({row}) => row)]));
   const longestFirst = () => [...kept].sort((one, other) => size(other.row) - size(one.row));
   for (const one of longestFirst().filter(({step, row}) => step.question.kind === "text" && row.length > 4)) {
     if (written().length <= CHARACTERS) break;
@@ -48,8 +48,8 @@ const size = (row) => plainLetters(JSON.stringify(row)).length;
 
 // Progress from such a text; null where it is of another lesson.
 function resumed(text, step) {
-  const [fingerprint, name, ...rows] = JSON.parse(allLetters(text)), asked = askedSteps();
+  const [fingerprint, name, core, ...rows] = JSON.parse(allLetters(text)), asked = askedSteps();
   if (!LESSON.fingerprint.startsWith(fingerprint)) return null;
   const answers = rows.map(([k, last, attempts, seconds, first = last]) => [asked[k].key, {first, last, attempts, seconds}]);
-  return {schema: LESSON.schema, lesson: LESSON.name, fingerprint: LESSON.fingerprint, name, step, answers: Object.fromEntries(answers)};
+  return {schema: LESSON.schema, lesson: LESSON.name, fingerprint: LESSON.fingerprint, name, step, answers: Object.fromEntries(answers), core: core === 1};
 }

@@ -120,7 +120,6 @@ def test_every_reader_of_files_of_particles(text, tmp_path, monkeypatch, capsys)
 
 LESSON = """+++
 title = "T"
-minutes = 5
 goals = ["g"]
 {head}
 +++
@@ -188,7 +187,8 @@ def test_every_field_of_handed_in_answers(text, tmp_path, monkeypatch, capsys):
 def test_tables_hold_no_formula_and_nothing_that_does_not_show(text):
     lesson = shelf.lessons()["01-one-step"]
     key = next(key for key, step in lesson.questions.items())
-    found = grading.Graded(text, progress.Progress("01-one-step", "", text), lesson, {key: (text, None)})
+    found = grading.Graded(text, progress.Progress("01-one-step", "", text), lesson, lesson.questions,
+                            {key: (text, None)})
     row = {"scene": {"method": text, text: text}, "asked": {}, "status": "failed", "reason": text, "index": None}
     for table in (grading.table([found]), csv_text([row])):
         cells = [cell for line in csv.reader(io.StringIO(table)) for cell in line]

@@ -15,7 +15,7 @@ from app.export.course import manifest, package
 from app.export.lesson import lesson_page
 from app.lessons.reading import parse
 
-HEAD = '+++\ntitle = "<Öl> & \\"Wasser\\""\nminutes = 10\ngoals = ["see"]\n+++\n\nBegin.\n'
+HEAD = '+++\ntitle = "<Öl> & \\"Wasser\\""\ngoals = ["see"]\n+++\n\nBegin.\n'
 READ = parse(HEAD + "\n## Explain: Only read\n\nNothing is asked.\n", "10-read")
 LESSONS = [READ, replace(READ, name="11 zwei&drei", fingerprint="f" * 64)]
 IMS, ADL = "{http://www.imsproject.org/xsd/imscp_rootv1p1p2}", "{http://www.adlnet.org/xsd/adlcp_rootv1p2}"
@@ -84,7 +84,7 @@ def test_bad_input_is_told_in_one_sentence(arguments, sentence, capsys, monkeypa
 
 def test_several_lessons_are_packed_once_each(capsys, monkeypatch, tmp_path):
     asked = []
-    monkeypatch.setattr("app.export.course.package", lambda lessons, *others: asked.extend(lessons) or b"PK")
+    monkeypatch.setattr("app.export.course.package", lambda lessons, *others, core: asked.extend(lessons) or b"PK")
     assert main(["export", "1", "04", "1", "--scorm", "--quiet", "--out", str(tmp_path / "a.zip")]) == 0
     assert [lesson.name for lesson in asked] == ["01-one-step", "04-grid-crossing"]
     assert (tmp_path / "a.zip").read_bytes() == b"PK"

@@ -9,7 +9,7 @@ import json
 import pytest
 
 from app.cli import main
-from app.lessons import grading, shelf
+from app.lessons import classes, grading, shelf
 from app.lessons.marks import mark, shown, trouble
 from app.lessons.outcomes import Outcomes
 from app.lessons.progress import NotAnswers, Progress, read
@@ -48,6 +48,8 @@ def shelf_of_one(tmp_path, monkeypatch):
     (tmp_path / "01-test.md").write_text(SAVED, encoding="utf-8")
     for function in (shelf.names, shelf.called, shelf.lesson, shelf.lessons):
         monkeypatch.setattr(function, "__defaults__", (tmp_path,))
+    for function in (classes.names, classes.page):
+        monkeypatch.setattr(function, "__defaults__", (tmp_path / "classes",))
     return tmp_path / "01-test.md"
 
 
@@ -71,17 +73,17 @@ def test_check_passes_and_fails_with_lesson_step_and_claim(shelf_of_one, capfd):
     shelf_of_one.write_text(shelf_of_one.read_text().replace("in 1..3", "in 4..5"))
     assert main(["lesson", "check", "1", "--quiet", "--variants", "1"]) == 1
     said = capfd.readouterr().err
-    assert "01-test, line 30, step \"Look\": order(grids.error.x.max) in 4..5: does not hold, found 2." in said
+    assert "01-test, line 29, step \"Look\": order(grids.error.x.max) in 4..5: does not hold, found 2." in said
 
 
 def test_a_file_with_a_mistake_fails_and_is_told(shelf_of_one, capfd):
-    shelf_of_one.write_text(shelf_of_one.read_text().replace("minutes = 10", "minutes = 0"))
+    shelf_of_one.write_text(shelf_of_one.read_text().replace("goals =", "minutes = 20\ngoals ="))
     assert main(["lesson", "list"]) == main(["lesson", "guide", "1"]) == 2
     capfd.readouterr()
     assert main(["lesson", "check", "--quiet"]) == 2
     said = capfd.readouterr()
-    assert said.err.startswith("mpm-lab: 01-test.md, line 3: minutes = 0: give a whole number")
-    assert said.out == "nothing was checked; 1 lesson could not be read\n"
+    assert said.err.startswith("mpm-lab: 01-test.md, line 3: minutes are computed from what")
+    assert said.out == "nothing was checked; 1 file could not be read\n"
 
 
 def test_a_lesson_that_cannot_be_read_keeps_no_other_from_being_checked(shelf_of_one, capfd):
@@ -95,7 +97,7 @@ def test_a_lesson_that_cannot_be_read_keeps_no_other_from_being_checked(shelf_of
     assert [line.partition(", line")[0] for line in seen.err.splitlines()] == [
         "mpm-lab: 02-broken.md", "mpm-lab: 03-folder.md"] and "cannot be read: is a directory" in seen.err
     assert main(["lesson", "check", "2", "3", "--quiet"]) == 2
-    assert capfd.readouterr().out == "nothing was checked; 2 lessons could not be read\n"
+    assert capfd.readouterr().out == "nothing was checked; 2 files could not be read\n"
 
 
 @pytest.mark.parametrize("arguments, said", [

@@ -10,7 +10,6 @@ from app.lessons.shelf import FOLDER, UnknownLesson, called, lessons, names
 
 TEXT = """+++
 title = "A test"
-minutes = 10
 goals = ["see"]
 controls = ["cells", "method"]
 [[variants]]
@@ -61,7 +60,7 @@ Ask them.
 
 def test_a_lesson_is_read():
     lesson = parse(TEXT, "test")
-    assert (lesson.title, lesson.minutes, lesson.controls) == ("A test", 10, ("cells", "method"))
+    assert (lesson.title, lesson.controls) == ("A test", ("cells", "method"))
     assert [step.kind for step in lesson.steps] == ["predict", "run", "observe", "explain"]
     assert lesson.runs["grids"].texts == ("bar cells=8 amplitude={A} periods=0.1",
                                           "bar cells=16 amplitude={A} periods=0.1")
@@ -74,13 +73,16 @@ def test_a_lesson_is_read():
 @pytest.mark.parametrize("old, new, where, said", [
     ("+++\ntitle", "title", "title", "must begin with a head"),
     ('title = "A test"', 'title = "A test', "title", "this is no TOML"),
-    ('title = "A test"\n', "", "minutes", "title is missing"),
-    ("minutes = 10", "minutes = 1000", "minutes", "1 to 120"),
+    ('title = "A test"\n', "", "goals", "title is missing"),
+    ('title = "A test"\n', 'title = "A test"\nminutes = 20\n', "minutes", "minutes are computed from what the lesson"),
     ("goals", "goal", "goal", "goal is not known in a head"),
     ('"cells", "method"', '"cels"', "controls", "'cels' is not known; give problem, method"),
     ("A = 0.03", "B = 0.03", "[[variants]]", "is not like"),
     ("## Predict: What happens?", "## Pedict: What happens?", "## Pedict", "did you mean Predict?"),
     ("## Explain: Why", "## Explain", "## Explain", "begins no step"),
+    ("## Predict: What", "## Predict (kern): What", "## Predict", "of a core round ## Predict (core): ..."),
+    ("## Predict: What", "## Predict (core): What", "## Predict", "every round is (core); where none"),
+    ("## Run: Look", "## Run (core): Look", "## Run", "the first step of a round, which is in line 13"),
     ('kind = "choice"', 'kind = "choose"', "kind", "give one of number, choice"),
     ('"nothing", "something"', '"nothing"', "kind", "give 2 to 8"),
     ('options = ["nothing"', 'choices = ["nothing"', "choices", "choices means nothing for a choice"),
@@ -98,7 +100,7 @@ def test_a_lesson_is_read():
     ("Because", "{B}", "{B}", "{B} is no number of a variant"),
     ("```teacher\nAsk them.\n```", "```teacher\nAsk them.", "```teacher", "does not end"),
     ("```teacher", "```teachers", "```teachers", "a block 'teachers' is not known"),
-    ("## Observe: And?", "## Observe: What happens?", "## Observe", "is called as the one in line 14"),
+    ("## Observe: And?", "## Observe: What happens?", "## Observe", "is called as the one in line 13"),
     ("```run", "```question", "```question\ngrids", "has no question block"),
 ])
 def test_a_mistake_is_told_with_its_line(old, new, where, said):
@@ -135,6 +137,5 @@ def test_lessons_are_found_by_name_and_number():
 def test_prerequisites_and_pictures_of_our_lessons_are_there():
     for lesson in lessons().values():
         assert set(lesson.prerequisites) <= set(names())
-        assert 10 <= lesson.minutes <= 20
         assert lesson.notes or any(step.notes for step in lesson.steps)
     assert (FOLDER / "README.md").exists()

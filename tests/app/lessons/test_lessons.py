@@ -6,6 +6,7 @@ import re
 
 import pytest
 
+from app.lessons import classes
 from app.lessons.checking import checks
 from app.lessons.lesson import CHOICE
 from app.lessons.marks import expressions, right
@@ -104,6 +105,13 @@ def test_every_claim_of_a_lesson_holds(name, outcomes):
     assert asked == pytest.approx(RIGHT[name], rel=0.02)
     assert {key: right(lesson, step, numbers, outcomes).told for key, step in lesson.questions.items()
             if step.question.kind == CHOICE} == CHOSEN[name]
+
+
+@pytest.mark.parametrize("name", classes.names())
+def test_every_claim_of_a_page_for_a_class_holds(name, outcomes):
+    """Most of its runs are those of lessons."""
+    found = list(classes.checks(classes.page(name), lessons(), outcomes))
+    assert [str(check) for check in found if not check.holds] == [] and len(found) > 20
 
 
 @pytest.mark.slow

@@ -18,12 +18,14 @@ from tests.browser import courses
 from tests.browser.driving import until
 
 SYSTEM = Path(__file__).with_name("scorm12.js").read_text(encoding="utf-8")
-HEAD = '+++\ntitle = "Öl & <words>"\nminutes = 10\ngoals = ["see"]\n+++\n\nBegin.\n'
+HEAD = '+++\ntitle = "Öl & <words>"\ngoals = ["see"]\n+++\n\nBegin.\n'
 ASKED = "\n## Observe: {}\n\n```question\n{}\n```\n"
 KINDS = {"Drag": 'kind = "drag"\ncontrol = "cells"\nexpected = "20"', "Between": 'kind = "interval"\nexpected = "1e-7"',
          "Number": 'kind = "number"\nexpected = "-2.5e-9"\nunit = "m"', "First words": 'kind = "text"',
          "Second words": 'kind = "text"', "Third words": 'kind = "text"'}
-LESSONS = [parse(TEXT, "97-runs"), parse(HEAD + "".join(ASKED.format(*one) for one in KINDS.items()), "98-kinds"),
+DEEPER = ASKED.format("In words", KINDS["First words"]) + "\n## Explain: The end of it\n"
+LESSONS = [parse(TEXT.replace("## Predict", "## Predict (core)") + DEEPER, "97-runs"),
+           parse(HEAD + "".join(ASKED.format(*one) for one in KINDS.items()), "98-kinds"),
            parse(HEAD + "\n## Explain: Only read\n\nNothing is asked.\n", "99-read")]
 FILES = [f"{lesson.name}.html" for lesson in LESSONS]
 LONG = "Ω" * 500
@@ -109,6 +111,19 @@ def test_a_wrong_answer_lowers_the_score_until_it_is_right(system, begin):
     assert results == ["correct", "correct", "wrong", "correct"]
 
 
+def test_the_core_alone_is_a_lesson_completed(system, begin):
+    """And stays so where one goes deeper; who comes back takes the core again."""
+    frame = begin(FILES[0])
+    frame.get_by_label("Core only").check()
+    courses.walked(frame)
+    frame, record = again(system, FILES[0])
+    assert (record["core.lesson_status"], record["core.score.raw"]) == ("completed", "100")
+    assert [one["id"] for one in record["interactions"]] == ["what-happens", "and"]
+    frame.get_by_role("button", name="Go deeper").click()
+    _, record = again(system, FILES[0])
+    assert (record["core.lesson_status"], record["core.score.raw"]) == ("completed", "100")
+
+
 def test_what_is_completed_stays_so(system, begin):
     frame = begin(FILES[0], core__lesson_status="passed", core__score__raw="80")
     courses.walked(frame, 2)
@@ -186,7 +201,7 @@ def test_a_system_that_keeps_nothing_is_told_to_the_student(system, begin):
 
 
 def test_another_lesson_begins_anew_and_says_so(system, begin):
-    frame = begin(FILES[0], suspend_data='["0123456789abcdef","",[0,2,1,3]]', core__lesson_location="3")
+    frame = begin(FILES[0], suspend_data='["0123456789abcdef","",0,[0,2,1,3]]', core__lesson_location="3")
     assert frame.locator("#where").inner_text() == "Introduction"
     assert "changed since your last visit" in frame.locator("#course").inner_text()
     courses.closed(system)

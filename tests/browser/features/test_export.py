@@ -83,7 +83,7 @@ def opened(chromium, path):
 
 @pytest.fixture(scope="module")
 def lesson():
-    return parse(TEXT + MORE, "99-test")
+    return parse(TEXT.replace("## Predict", "## Predict (core)") + MORE, "99-test")
 
 
 @pytest.fixture(scope="module", autouse=True)
@@ -257,6 +257,42 @@ def test_a_lesson_is_played_to_its_hand_in(chromium, lesson, lesson_file, tmp_pa
     assert found.answers["and"].attempts == 3 and found.answers["and"].first == 1.5
     for key, is_right in (("what-happens", True), ("and", True), ("in-words", None)):
         assert mark(lesson, lesson.questions[key], found.answers[key].last, numbers, outcomes).right is is_right
+
+
+def test_the_core_of_a_lesson_is_taken_alone(chromium, lesson, lesson_file, tmp_path):
+    """What is deeper is marked, skipped and offered at the end; the file says what was taken."""
+    with opened(chromium, lesson_file[0]) as page:
+        where, only, text = page.locator("#where"), page.get_by_label("Core only"), page.locator("#lesson")
+        onward, back = (page.get_by_role("button", name=name) for name in ("Next", "Back"))
+        assert f"{lesson.core_minutes} minutes for the core, {lesson.minutes} in all" in text.inner_text()
+        assert page.locator("#lesson progress").get_attribute("max") == "7" and not only.is_checked()
+        only.check()
+        assert page.locator("#lesson progress").get_attribute("max") == "5"
+        onward.click()
+        page.get_by_label("something").check()
+        page.get_by_role("button", name="Record my prediction").click()
+        onward.click()
+        onward.click()
+        page.get_by_label("Answer, m").fill("1")
+        page.get_by_role("button", name="Check my answer").click()
+        onward.click()
+        assert where.inner_text() == "Step 4 of 4 of the core" and not page.locator(".deeper").count()
+        page.reload()  # it is kept
+        onward.click()
+        assert where.inner_text() == "The end" and "still open" not in text.inner_text()
+        assert "This was the core. The lesson has 2 deeper steps" in text.inner_text()
+        with page.expect_download() as download:
+            page.get_by_role("button", name="Hand in").click()
+        download.value.save_as(tmp_path / "answers.json")
+        back.click()
+        assert where.inner_text() == "Step 4 of 4 of the core"
+        onward.click()
+        page.get_by_role("button", name="Go deeper").click()
+        assert where.inner_text() == "Step 5 of 6" and page.locator(".deeper").inner_text() == "deeper"
+        page.get_by_role("button", name="Core only").click()
+        assert where.inner_text() == "The end"
+    found = progress.read((tmp_path / "answers.json").read_text(encoding="utf-8"), {lesson.name: lesson}.get)
+    assert found.core is True and found.answers.keys() == {"what-happens", "and"}
 
 
 def script(*files):

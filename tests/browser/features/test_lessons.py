@@ -10,6 +10,7 @@ import pytest
 from app.cli import main
 from app.lessons import shelf
 from app.lessons.lesson import OBSERVE, PREDICT, TEXT
+from app.lessons.progress import Progress
 from tests.browser.conftest import PHONE, SIZE, serving, visit
 from tests.browser.driving import again_until, click, row, scene, shown, until
 from tests.browser.following import answer, go_on
@@ -84,6 +85,41 @@ def test_a_lesson_from_start_to_hand_in(class_room, chromium, tmp_path, capfd):
     predicted = [mark for mark, step in zip(marks, lesson.questions.values(), strict=True) if step.kind == PREDICT]
     said = [{"✓": "yes", "✗": "no"}.get(sign.strip(), "") for sign in signs]
     assert said == marks and {"yes", "no"} >= set(predicted)
+
+
+def test_the_core_is_taken_alone(class_room, chromium):
+    """From a deeper step one goes past all that is deeper, from the end of the core back to it; it outlives a reload.
+    What an older page has kept does not say whether."""
+    lesson = shelf.lesson(NAME)
+    deeper, end = lesson.steps.index(lesson.deeper[0]) + 1, len(lesson.steps) + 1
+    old = json.loads(Progress(NAME, lesson.fingerprint, step=deeper).text())
+    del old["core"]
+    last = Progress(NAME, lesson.fingerprint, step=end, core=True).text()
+    keep = f"sessionStorage.begun || localStorage.setItem('mpm-lab/{NAME}', {json.dumps(json.dumps(old))});" \
+           "sessionStorage.begun = 'yes';"
+    with visit(chromium, class_room[0], script=keep) as page:
+        head, count = page.locator(".lab-lesson-head"), len(lesson.walk(core=True))
+
+        def at(said):
+            until(lambda: head.is_visible() and said in head.inner_text(), said)
+
+        at(f"step {deeper} of {len(lesson.steps)}")
+        assert page.locator(".lab-kind-deeper").inner_text() == "deeper"
+        assert page.locator(".lab-segments .lab-deep").count() == len(lesson.deeper)
+        click(page, "Core only: skip what is deeper")
+        at(f"step {deeper} of {count} of the core")
+        until(lambda: page.locator(".lab-kind-deeper").count() == 0, "a step of the core")
+        click(page, "Back")
+        at(f"step {deeper - 1} of {count} of the core")
+        page.reload()
+        at(f"step {deeper - 1} of {count} of the core")
+        page.evaluate("([name, kept]) => localStorage.setItem(name, kept)", [f"mpm-lab/{NAME}", last])
+        page.reload()
+        shown(page, f"This was the core. The lesson has {len(lesson.deeper)} deeper steps")
+        asked = sum(step.question is not None for step in lesson.walk(core=True))
+        assert page.get_by_text(f"{asked} questions are still open").is_visible()
+        click(page, "Go deeper")
+        at(f"step {deeper} of {len(lesson.steps)}")
 
 
 @pytest.mark.slow

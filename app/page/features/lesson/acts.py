@@ -2,7 +2,7 @@
 
 import itertools
 import re
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from html import unescape
 
@@ -64,6 +64,17 @@ def with_buttons(html: str) -> str:
                f"<b>{name}</b>{to}</button></li>"
 
     return LINE.sub(button, html)
+
+
+def pressed(said: object, step: int, known: Sequence[Act]) -> Act | str | None:
+    """What of the step that is shown a browser says is pressed, by the step's number and the act's, which may be
+    anything: one of the acts, or :data:`STAGE` for the step's run."""
+    if not isinstance(said, list) or len(said) != 2 or said[0] != step:
+        return None
+    number = said[1]
+    if number == "stage":
+        return STAGE
+    return known[number] if type(number) is int and 0 <= number < len(known) else None
 
 
 def _act(line: re.Match[str]) -> Act:

@@ -6,11 +6,12 @@ from html import escape
 from string import ascii_lowercase
 
 from app.lessons import shelf
+from app.lessons.length import told
 from app.lessons.lesson import TEXT, Lesson, Numbers, Step, filled
 from app.lessons.marks import AnswerMark, shown
 from app.lessons.markup import html
 from app.lessons.progress import Answer, Progress
-from app.page.features.lesson import acts
+from app.page.features.lesson import acts, core
 
 FIGURE = re.compile(r"(<img [^>]*>)")
 SIGNS = {True: ("right", "✓", "right"), False: ("wrong", "✗", "not so"), None: ("unmarked", "", "")}
@@ -20,8 +21,9 @@ def shelf_html(lessons: Mapping[str, Lesson]) -> str:
     """What there is to choose from. How far one has come in each only the browser knows (``js/lessons.js``)."""
     rows = "".join(
         f"<li><button type='button' class='lab-open' data-lesson='{escape(name)}' data-steps='{len(lesson.steps)}' "
-        f"data-fingerprint='{lesson.fingerprint}'><span class='lab-number'>{k}</span><b>{escape(lesson.title)}</b>"
-        f"<small>{lesson.minutes} min</small><small class='lab-come'></small></button></li>"
+        f"data-core='{core.numbers(lesson)}' data-fingerprint='{lesson.fingerprint}'>"
+        f"<span class='lab-number'>{k}</span><b>{escape(lesson.title)}</b>"
+        f"<small>{told(lesson)}</small><small class='lab-come'></small></button></li>"
         for k, (name, lesson) in enumerate(lessons.items(), 1))
     return "<div class='lab-lesson lab-shelf'><p>You predict, run, observe, and then read why.</p>" \
            f"<div class='lab-go-on'></div><ol>{rows}</ol></div>"
@@ -29,14 +31,8 @@ def shelf_html(lessons: Mapping[str, Lesson]) -> str:
 
 def head_html(lesson: Lesson, progress: Progress) -> str:
     """Title, and how far one has come."""
-    total, at = len(lesson.steps), progress.step
-    where = "introduction" if at == 0 else f"step {at} of {total}" if at <= total else "the end"
-    segments = "".join(f"<i class='{'lab-now' if k == at else 'lab-past' if k < at else ''}'></i>"
-                       for k in range(1, total + 1))
-    bar = f"<div class='lab-segments' role='progressbar' aria-label='progress' aria-valuemin='0' " \
-          f"aria-valuemax='{total}' aria-valuenow='{min(at, total)}'>{segments}</div>"
     return f"<div class='lab-lesson lab-lesson-head'><i class='lab-studying'></i><b>{escape(lesson.title)}</b>" \
-           f"<div>{where}</div>{bar}</div>"
+           f"{core.where(lesson, progress)}</div>"
 
 
 def intro_html(lesson: Lesson, numbers: Numbers, teacher: bool) -> str:
@@ -45,7 +41,7 @@ def intro_html(lesson: Lesson, numbers: Numbers, teacher: bool) -> str:
     known = shelf.lessons()
     before = [known[name].title if name in known else name for name in lesson.prerequisites]
     needs = f"<p>Do before: {escape('; '.join(before))}.</p>" if before else ""
-    return f"<div class='lab-lesson'><p>{lesson.minutes} minutes. Afterwards you can</p><ul>{goals}</ul>{needs}" \
+    return f"<div class='lab-lesson'><p>{core.takes(lesson)}</p><ul>{goals}</ul>{needs}" \
            f"{text_html(lesson.intro, numbers)}{_notes(lesson.notes, teacher)}</div>"
 
 
@@ -55,7 +51,9 @@ def step_html(step: Step, number: int, numbers: Numbers, before: str, teacher: b
     if step.stage and acts.PUT not in text:
         text += f"<p>The run that this is about:</p>{acts.PUT}"
     kind = f"<span class='lab-kind lab-kind-{step.kind}'>{step.kind.capitalize()}</span>"
-    return f"<div class='lab-lesson' data-step='{number}'>{kind}<h2>{escape(filled(step.title, numbers))}</h2>" \
+    deeper = "" if step.core else core.DEEPER
+    title = f"<h2>{escape(filled(step.title, numbers))}</h2>"
+    return f"<div class='lab-lesson' data-step='{number}'>{kind}{deeper}{title}" \
            f"{before}{text}{_notes(step.notes, teacher)}</div>"
 
 
@@ -99,12 +97,12 @@ def recorded_html(said: str, comment: str, right: bool | None) -> str:
            f"{escape(comment)}</div>"
 
 
-def end_html(table: str, missing: int) -> str:
-    """The end: all answers, and what to do with them."""
+def end_html(table: str, missing: int, more: str) -> str:
+    """The end: all answers, what to do with them, and what there is ``more``, which is html."""
     left = f"<p>{missing} question{'s are' if missing > 1 else ' is'} still open; go back to answer." \
            "</p>" if missing else ""
     return f"<div class='lab-lesson'><h2>The end</h2>{left}{table}<p><b>Hand in</b> saves a file with your answers " \
-           "and times, and your name if you have given one. Nothing is sent to anybody.</p></div>"
+           f"and times, and your name if you have given one. Nothing is sent to anybody.</p>{more}</div>"
 
 
 def text_html(markdown: str, numbers: Numbers) -> str:

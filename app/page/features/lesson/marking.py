@@ -19,11 +19,16 @@ POLITE = 10  # more than the engines: marks can wait, stages cannot
 @dataclass(frozen=True)
 class Classroom:
     """What all visitors of one server share: the lesson that everyone is opened on, if any, whether teacher's notes are
-    shown, and what answers are marked by."""
+    shown, what answers are marked by, and whether lessons begin with their core alone."""
 
     lesson: str = ""
     teacher: bool = False
     outcomes: Outcomes = field(default_factory=lambda: Outcomes(politeness=POLITE))
+    core: bool = False
+
+    def begun(self, lesson: Lesson) -> Progress:
+        """How somebody begins a lesson."""
+        return Progress(lesson.name, lesson.fingerprint, core=self.core and bool(lesson.deeper))
 
 
 class Marker:

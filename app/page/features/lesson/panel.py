@@ -1,6 +1,5 @@
 """The lesson player: one step at a time beside the stage, a prediction before what it is about runs."""
 
-import re
 import threading
 from collections.abc import Callable
 from time import monotonic
@@ -12,7 +11,7 @@ from app.lessons import progress as kept
 from app.lessons import shelf
 from app.lessons.lesson import EXPLAIN, PREDICT, TEXT, Lesson, Numbers, Step, drawn, filled
 from app.lessons.marks import LONGEST, TOLD_AFTER, AnswerMark, shown, trouble
-from app.page.features.lesson import acts
+from app.page.features.lesson import acts, core
 from app.page.features.lesson import html as page
 from app.page.features.lesson.answer import AnswerWidgets
 from app.page.features.lesson.hands import Hands
@@ -71,8 +70,7 @@ class Player:
         if lesson is None or lesson is self._lesson:
             return
         with self._lock:
-            self._lesson, self._restored = lesson, False
-            self._progress = kept.Progress(lesson.name, lesson.fingerprint)
+            self._lesson, self._restored, self._progress = lesson, False, self._room.begun(lesson)
             self._marker.forget()
         self._controls.offer(lesson.controls, self._below)
         self._rebuild()
@@ -114,7 +112,7 @@ class Player:
         with self._lock:
             if self._lesson is None:
                 return
-            self._progress.step = min(max(self._progress.step + by, 0), len(self._lesson.steps) + 1)
+            self._progress.step = self._lesson.beside(self._progress.step, by, self._progress.core)
         self._on_change()  # first: a step that is seen is one to come back to
         self._rebuild()
 
@@ -131,21 +129,36 @@ class Player:
             if self._lesson is None:
                 self._gui.add_html(page.shelf_html(shelf.lessons()))
             else:
-                self._gui.add_html(page.head_html(self._lesson, self._progress))
+                head = self._gui.add_html(page.head_html(self._lesson, self._progress))
                 at, steps = self._progress.step, self._lesson.steps
                 if at == 0:
-                    self._build_intro(self._lesson)
+                    self._build_intro(self._lesson, head)
                 elif at <= len(steps):
                     self._build_step(self._lesson, steps[at - 1])
                 else:
                     self._build_end(self._lesson)
 
-    def _build_intro(self, lesson: Lesson) -> None:
+    def _build_intro(self, lesson: Lesson, head: viser.GuiHtmlHandle) -> None:
         self._gui.add_html(page.intro_html(lesson, self._numbers, self._room.teacher))
         hint = "for your own numbers in this lesson, and on the file that you hand in; it is sent to nobody"
         name = self._gui.add_text("Your name", self._progress.name, hint=hint)
         name.on_update(lambda _: self._call(name.value))
+        if lesson.deeper:
+            core.add_choice(self._gui, lesson, self._progress.core, lambda only: self._choose_core(lesson, only, head))
         self._buttons(back=False, onward=True)
+
+    def _choose_core(self, lesson: Lesson, only: bool, head: viser.GuiHtmlHandle) -> None:
+        with self._lock:
+            self._progress.core = only
+        self._on_change()
+        self._show(head, lambda: page.head_html(lesson, self._progress))
+
+    def _turn(self, only: bool, step: int) -> None:
+        """Take the core alone from now on, or all again, and go on with the step of this number."""
+        with self._lock:
+            self._progress.core, self._progress.step = only, step
+        self._on_change()
+        self._rebuild()
 
     def _call(self, name: str) -> None:
         with self._lock:
@@ -204,14 +217,11 @@ class Player:
     def _act(self, said: object) -> None:
         """The visitor has pressed what a step's text tells him to do: a step's number, and that of the act."""
         with self._lock:
-            step, number = self._step, said[1] if isinstance(said, list) and len(said) == 2 else None
-            if step is None or not isinstance(said, list) or said[0] != self._progress.step:
-                return
-            act = self._acts[number] if type(number) is int and 0 <= number < len(self._acts) else None
-            stage = filled(step.stage, self._numbers) if number == "stage" else ""
+            act, step = acts.pressed(said, self._progress.step, self._acts), self._step
+            stage = filled(step.stage, self._numbers) if step and act == acts.STAGE else ""
         if stage:
             self._controls.show(state.read(stage))
-        elif act is not None:
+        elif isinstance(act, acts.Act):
             acts.do(act, self._controls)
 
     @property
@@ -251,7 +261,7 @@ class Player:
 
     def _mark_all(self, lesson: Lesson, step: Step | None, text: viser.GuiHtmlHandle) -> None:
         """Mark what a step looks back on, or everything at the end, and show it there."""
-        steps = asked_since(lesson, step) if step else [other for other in lesson.steps if other.question]
+        steps = asked_since(lesson, step) if step else list(lesson.questions.values())
         self._marker.mark_first(lesson, steps, self._progress, lambda: self._show(
             text, lambda: self._explained(lesson, step) if step else self._end(lesson)))
 
@@ -264,29 +274,26 @@ class Player:
     def _build_end(self, lesson: Lesson) -> None:
         text = self._gui.add_html(self._end(lesson))
         self._mark_all(lesson, None, text)
-        following = next(iter(self._following(lesson)), None)
+        following = shelf.after(lesson)
         if following:
             self._gui.add_html(MAIN)
             onward = self._gui.add_button(f"Next lesson: {following.title}")
             onward.on_click(lambda _: self.open(following.name))
+        if self._progress.core:
+            self._gui.add_button(core.GO_DEEPER).on_click(lambda _: self._turn(False, core.deeper_from(lesson)))
         hand_in = self._gui.add_button("Hand in", icon=viser.Icon.DOWNLOAD, hint="save your answers as a file")
-        hand_in.on_click(lambda _: self._hand_in(lesson))
+        hand_in.on_click(lambda _: self._hand_in())
         self._buttons(back=True, onward=False)
 
-    def _following(self, lesson: Lesson) -> list[Lesson]:
-        """The lessons after this one."""
-        every = list(shelf.lessons().values())
-        return every[every.index(lesson) + 1:] if lesson in every else []
-
     def _end(self, lesson: Lesson) -> str:
-        steps = [step for step in lesson.steps if step.question]
-        table = page.compared_html(steps, self._progress.answers, self._marker.marks, self._numbers)
-        return page.end_html(table, sum(step.key not in self._progress.answers for step in steps))
+        given, asked = self._progress.answers, [step for step in lesson.walk(self._progress.core) if step.question]
+        table = page.compared_html(list(lesson.questions.values()), given, self._marker.marks, self._numbers)
+        missing = sum(step.key not in given for step in asked)
+        return page.end_html(table, missing, core.left(lesson) if self._progress.core else "")
 
-    def _hand_in(self, lesson: Lesson) -> None:
+    def _hand_in(self) -> None:
         with self._lock:
-            called = re.sub(r"[^\w-]+", "-", self._progress.name).strip("-") or "answers"
-            self._client.send_file_download(f"{lesson.name}-{called}.json", self._progress.text().encode(),
+            self._client.send_file_download(self._progress.file_name, self._progress.text().encode(),
                                             save_immediately=True)
 
     def _buttons(self, back: bool, onward: bool, main: bool = True) -> viser.GuiButtonHandle:
@@ -298,6 +305,10 @@ class Player:
         following.on_click(lambda _: self._go(1))
         first = self._step is not None and self._step.kind == PREDICT and not onward
         self._gui.add_html(f"<p class='lab-lesson lab-kept-here'>{FIRST_PREDICT if first else KEPT}</p>")
+        if self._lesson and self._step and not self._step.core:
+            self._gui.add_html(LINK)
+            after = self._lesson.beside(self._progress.step, 1, core=True)
+            self._gui.add_button(core.SKIP).on_click(lambda _: self._turn(True, after))
         self._gui.add_html(LINK)
         leave = self._gui.add_button("Close the lesson")
         leave.on_click(lambda _: self._leave())

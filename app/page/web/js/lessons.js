@@ -12,18 +12,21 @@
     for (let area = head(); area; area = area.parentElement?.closest("[data-scrollarea-viewport]")) area.scrollTop = 0;
   }
 
-  function progress(button) {  // in a lesson that has been changed since one begins again
+  function progress(button) {  // and of how many steps; in a lesson that has been changed since one begins again
+    const steps = Number(button.dataset.steps), core = button.dataset.core.split(" ").map(Number);
     try {
       const kept = JSON.parse(stored(store => store.getItem(STORE + button.dataset.lesson), "null"));
-      return kept && kept.fingerprint === button.dataset.fingerprint ? kept.step : 0;
-    } catch { return 0; }
+      if (!kept || kept.fingerprint !== button.dataset.fingerprint) return [0, steps];
+      if (!kept.core) return [kept.step, steps];
+      return [kept.step > steps ? core.length + 1 : core.filter(number => number <= kept.step).length, core.length];
+    } catch { return [0, steps]; }
   }
 
   function shelf(list) {
     if (list.dataset.filled) return;
     list.dataset.filled = "yes";
     for (const button of list.querySelectorAll(".lab-open[data-steps]")) {
-      const at = progress(button), steps = Number(button.dataset.steps), come = button.querySelector(".lab-come");
+      const [at, steps] = progress(button), come = button.querySelector(".lab-come");
       if (!(at > 0)) continue;
       come.textContent = at > steps ? "done" : `${at} of ${steps}`;
       button.classList.toggle("lab-done", at > steps);

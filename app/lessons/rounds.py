@@ -1,0 +1,51 @@
+"""Rounds, from a prediction to its explanation, and the core of a lesson: the rounds that stand by themselves.
+
+The first step of a round of the core says so, ``## Predict (core): ...``; all others are deeper. Where no round is
+marked everything is core.
+"""
+
+from collections.abc import Iterator, Sequence
+from dataclasses import replace
+
+from app.lessons.claims import needed
+from app.lessons.lesson import EXPLAIN, Lesson, LessonError, Step, filled
+
+
+def rounds(steps: Sequence[Step]) -> list[tuple[Step, ...]]:
+    """The steps, round by round: a round ends with its explanation."""
+    found: list[tuple[Step, ...]] = [()]
+    for step in steps:
+        found[-1] += (step,)
+        if step.kind == EXPLAIN:
+            found.append(())
+    return [one for one in found if one]
+
+
+def settled(steps: Sequence[Step]) -> tuple[Step, ...]:
+    """Steps of which those with a mark are ``core``, as a lesson has them: whole rounds are."""
+    every = rounds(steps)
+    for first, *others in every:
+        if stray := next((step for step in others if step.core), None):
+            raise LessonError(stray.line, f"(core) stands at the first step of a round, which is in line {first.line}")
+    core = any(first.core for first, *_ in every)
+    if core and all(first.core for first, *_ in every):
+        raise LessonError(every[0][0].line, "every round is (core); where none is deeper mark none")
+    return tuple(replace(step, core=first.core or not core) for first, *others in every for step in (first, *others))
+
+
+def check_core(lesson: Lesson) -> None:
+    """What the core claims and asks is about runs of the core: :class:`LessonError` where it needs a deeper step."""
+    deeper = {run.name: step.line for step in lesson.deeper for run in step.runs}
+    for step in lesson.walk(core=True):
+        for text, line in _expressions(step, lesson):
+            for name in sorted(needed(text, lesson.runs, lesson.main_run(step)) & deeper.keys()):
+                raise LessonError(line, f"the core needs the run {name} of the deeper step in line {deeper[name]}; "
+                                        "move it into the core, or this out of it")
+
+
+def _expressions(step: Step, lesson: Lesson) -> Iterator[tuple[str, int]]:
+    """Claims and expected values of a step, with their lines."""
+    found = [(claim.text, claim.line) for claim in step.claims]
+    if asked := step.question:
+        found += [(text, asked.line) for text in (*asked.holds, asked.expected) if text]
+    yield from ((filled(text, lesson.variants[0]), line) for text, line in found)

@@ -1,0 +1,196 @@
+"""A lesson's core and its minutes: they are computed, the core stands by itself, and who takes it skips the rest."""
+
+from __future__ import annotations
+
+import re
+from dataclasses import replace
+
+import pytest
+
+from app.cli import main
+from app.lessons import grading, length, shelf
+from app.lessons.lesson import CHOICE, EXPLAIN, OBSERVE, PREDICT, RUN, TEXT, Lesson, LessonError, Question, Step, drawn
+from app.lessons.progress import Progress, read
+from app.lessons.reading import parse
+from app.lessons.rounds import rounds
+from tests.app.lessons.test_lesson_format import TEXT as ROUND
+
+DEEPER = """
+## Predict: More of it?
+
+```question
+kind = "number"
+expected = "fine.error.x.final"
+```
+
+## Run: Finer
+
+```run
+fine = "bar cells=32 periods=0.1"
+```
+
+## Explain: Less
+
+"""
+TWO = ROUND.replace("## Predict", "## Predict (core)") + DEEPER
+WORDS = " ".join(["word"] * 180)  # a minute of reading
+PLAYS = "bar periods=2 speed=0.1 stops"  # for 20 s
+
+
+@pytest.fixture(scope="module")
+def two():
+    return parse(TWO, "two")
+
+
+def test_a_round_is_of_the_core_as_its_first_step_says(two):
+    assert [step.core for step in two.steps] == [True] * 4 + [False] * 3
+    assert [len(one) for one in rounds(two.steps)] == [4, 3]
+    assert two.deeper == two.steps[4:] and two.walk(core=True) == two.steps[:4] and two.walk(core=False) == two.steps
+    plain = parse(ROUND + DEEPER, "plain")
+    assert plain.deeper == () and plain.walk(core=True) == plain.steps
+    assert [step.key for step in two.steps] == [step.key for step in plain.steps]  # a mark is not part of the title
+
+
+@pytest.mark.parametrize("old, new, where", [
+    ("status == ok", "fine.status == ok", "fine.status"),
+    ('"first(grids', '"fine.error.x.final + first(grids', 'kind = "number"')])
+def test_the_core_needs_no_run_of_a_deeper_step(old, new, where):
+    text = TWO.replace(old, new, 1)
+    with pytest.raises(LessonError, match="the core needs the run fine of the deeper step in line") as mistake:
+        parse(text, "two")
+    assert mistake.value.line == text[:text.index(where)].count("\n") + 1
+
+
+def test_a_deeper_step_may_need_a_run_of_the_core():
+    assert parse(TWO.replace("fine.error.x.final", "first(grids.error.x.final)"), "two").deeper
+
+
+def test_who_takes_the_core_goes_past_what_is_deeper(two):
+    """Forwards and backwards, from anywhere; the introduction and the end are there for all."""
+    first = replace(two, steps=two.steps[4:] + two.steps[:4])  # the deeper round first
+    end = len(two.steps) + 1
+    assert [two.beside(at, 1, core=True) for at in (0, 3, 4, 6, end)] == [1, 4, end, end, end]
+    assert [two.beside(at, -1, core=True) for at in (end, 6, 1, 0)] == [4, 4, 0, 0]
+    assert [first.beside(0, 1, core=True), first.beside(4, -1, core=True)] == [4, 0]
+    assert [two.beside(at, by, core=False) for at, by in ((0, 1), (4, 1), (end, -1), (1, -1))] == [1, 5, 7, 0]
+
+
+def lesson(*steps: Step, intro: str = "") -> Lesson:
+    return length.measured(Lesson("l", "L", (), (), intro=intro, steps=steps))
+
+
+def step(kind: str = RUN, text: str = "", **more) -> Step:
+    return Step(kind, "", f"{len(text)}", 1, text, **more)
+
+
+@pytest.mark.parametrize("text, stage, seconds", [
+    (WORDS, "", 60), (f"| {WORDS} |\n|:--|", "", 60), ("`norm of true / norm of pinned`", "", 1 / 3),
+    (r"$\frac{h}{2}$", "", 1), (r"$$e \approx C\,h^2$$", "", 20), ("![a long text to read](figures/a.svg)", "", 30),
+    ("- Press **Forward**.", "", 10 + 2 / 3), ("Take **5 minutes** to try.", "", 300 + 5 / 3),
+    ("- Press **On the stage**.", PLAYS, 10 + 4 / 3 + 20 + 10), ("", PLAYS, 20 + 10), ("", "bar periods=2", 30),
+    ("- Set **Cells** to `80`.", PLAYS, 10 + 4 / 3 + 2 * (20 + 10)),
+    ("- Choose **Error of** `stress σ`.", PLAYS, 10 + 4 / 3 + 20 + 10)])
+def test_what_a_step_takes(text, stage, seconds):
+    """Beyond turning the page. A word is a third of a second."""
+    found = step(text=text, stage=stage)
+    assert length.round_seconds((found,), lesson(found)) - length.TURN_SECONDS == pytest.approx(seconds)
+
+
+def test_a_run_that_is_only_offered_is_not_counted():
+    found = step(EXPLAIN, stage=PLAYS)
+    assert length.round_seconds((found,), lesson(found)) == length.TURN_SECONDS
+
+
+def test_thinking_takes_longer_than_telling_and_what_is_compared_counts():
+    asked = Question(CHOICE, 1, options=("one word", "two words"))
+    predict, observe, explain = step(PREDICT, question=asked), step(OBSERVE, question=asked), step(EXPLAIN)
+
+    def seconds(*steps):
+        return length.round_seconds(steps, lesson(*steps)) - len(steps) * length.TURN_SECONDS - len(steps[:2]) * 4 / 3
+
+    assert seconds(predict, predict) == pytest.approx(120) and seconds(observe, observe) == pytest.approx(60)
+    assert seconds(predict, observe, explain) == pytest.approx(60 + 30 + 2 * 10)
+    assert all(length.PREDICTING[kind] >= length.TELLING[kind] for kind in length.PREDICTING)
+
+
+def test_minutes_are_whole_and_told():
+    deep = step(text=WORDS, core=False)
+    found = lesson(step(text=f"{WORDS} {WORDS}"), deep, intro=WORDS)
+    assert (found.core_minutes, found.minutes) == (3, 4)
+    assert length.told(found) == "3 min core, 4 min in all" and length.told(lesson(deep)) == "1 min core, 1 min in all"
+    assert length.told(lesson(step(text=WORDS))) == "1 min"
+
+
+@pytest.mark.parametrize("name", shelf.names())
+def test_the_core_of_our_lessons_is_some_twenty_minutes_and_stands_by_itself(name):
+    """It looks back upon nothing that is deeper by its title; and no text of a lesson says minutes of its own."""
+    found = shelf.lesson(name)
+    assert 15 <= found.core_minutes <= 25 and found.core_minutes <= found.minutes
+    core = "\n".join((found.intro, *(f"{step.title}\n{step.text}" for step in found.walk(core=True))))
+    assert not any(step.title in core for step in found.deeper if len(step.title) > 20)
+    assert not re.search(r"\b(last|first|second|third|fourth) (round|part) of this lesson|deeper", core)
+    notes = "\n".join((found.notes, *(step.notes for step in found.steps)))
+    assert not re.search(r"\b(\d+|ten|twenty) min(utes)?\b", notes)
+
+
+def test_which_is_told_by_the_list(capsys):
+    assert main(["lesson", "list"]) == 0
+    lines = capsys.readouterr().out.splitlines()
+    for line, found in zip(lines, shelf.lessons().values(), strict=True):
+        assert f"{found.core_minutes} min core, {found.minutes} min in all  {found.title}" in line
+
+
+def test_whether_the_core_is_taken_is_kept_and_an_older_file_still_reads(two):
+    find = {"two": two}.get
+    assert read(Progress("two", two.fingerprint, core=True).text(), find).core is True
+    old = Progress("two", two.fingerprint, core=True).text().replace(', "core": true', "")
+    assert '"core"' not in old and read(old, find).core is False
+    assert read(old.replace('"step"', '"core": "yes", "step"'), find).core is False
+    whole = parse(ROUND, "whole")  # where nothing is deeper there is nothing to skip
+    assert read(Progress("whole", "", core=True).text(), {"whole": whole}.get).core is False
+
+
+class NoRuns:
+    """Nothing is marked that needs a run."""
+
+
+def test_of_the_core_alone_its_questions_count(two):
+    """Answered or not; what was answered beyond them is neither marked nor in the table."""
+    said = Step(OBSERVE, "", "said", 1, question=Question(TEXT, 1))
+    asked = replace(two, steps=(said, replace(said, key="more", core=False), *two.steps[4:]))
+    progress = Progress("two", two.fingerprint, "Ada", core=True)
+    for key in ("said", "more"):
+        progress.answer(key, "words", 1.0)
+    core, every = (grading.graded("file", progress, asked, NoRuns(), core) for core in (True, False))
+    assert (core.marked, every.marked) == (0, 1)
+    assert list(core.answers) == ["said"] and list(every.answers) == ["said", "more"]
+    head, row = grading.table([core]).splitlines()
+    assert head.endswith("core only,file,said,said: right") and row.endswith("yes,file,words,")
+
+
+def test_the_guide_says_what_is_deeper_or_leaves_it_out(monkeypatch, capsys):
+    """Of lesson 6, whose deeper round asks nothing, the right answers are not run here."""
+    monkeypatch.setattr("app.lessons.guide._answer", lambda *_: "42")
+    found = shelf.lesson("06-ring")
+    title = found.deeper[0].title
+    assert main(["lesson", "guide", "6", "--quiet"]) == 0
+    text = capsys.readouterr().out
+    assert title in text and text.count("*Deeper: the core does without this round, which takes") == 1
+    assert length.told(found) in text and text.count("*This round takes") == 3
+    assert main(["lesson", "guide", "6", "--quiet", "--core"]) == 0
+    text = capsys.readouterr().out
+    assert title not in text and "*Deeper" not in text
+    assert f"the core, which takes {found.core_minutes} minutes" in text
+    assert "mpm-lab serve --lesson 06-ring --core" in text and "mpm-lab lesson grade FILES --core" in text
+
+
+def test_bad_input_is_one_sentence(capsys):
+    assert main(["export", "bar cells=8", "--core", "--out", "x.html"]) == 2
+    assert capsys.readouterr().err == "mpm-lab: --core bar cells=8: a scene has no core; give a lesson, by name or " \
+        "number\n"
+
+
+@pytest.mark.parametrize("name", shelf.names())
+def test_numbers_of_a_student_do_not_depend_on_the_core(name):
+    found = shelf.lesson(name)
+    assert drawn(found, "Ada") == drawn(replace(found, steps=found.walk(core=True)), "Ada")
