@@ -88,6 +88,8 @@ def walk(server, chromium, tmp_path_factory):
                 press(page, "On the stage")
                 until(page.locator(".lab-put.lab-did").count, "the run put on the stage")
             said = answered(page, step) if step.question else ""
+            if step.question and step.question.kind != CHOICE:  # a box that is made anew is named a moment later
+                until(page.get_by_role("textbox", name=re.compile("^(Answer|At most)")).count, "a name for the box")
             told.append({"step": step, "aloud": said, "tree": page.locator("body").aria_snapshot()})
         faults = axe_finds(page)
         press(page, "Next")
