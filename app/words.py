@@ -5,6 +5,8 @@ import math
 import re
 from dataclasses import dataclass, fields
 
+from app.language.heard import heard
+from app.language.spoken import kept, later, tr, trn
 from solvers.outside import numerals
 from solvers.problems import PROBLEMS
 from solvers.scene import causes
@@ -28,33 +30,38 @@ class Method:
     full: str = ""
 
     def __str__(self) -> str:
-        return self.full or self.name
+        return tr(self.full) if self.full else self.name
 
 
-METHODS = {"mpm": Method("MPM", "MPM (hat functions)"), "ugimp": Method("uGIMP"), "cpgimp": Method("cpGIMP"),
-           "cpgimp-v": Method("cpGIMP (V)", "cpGIMP with the spatial stretch V"),
+METHODS = {"mpm": Method("MPM", later("MPM (hat functions)")), "ugimp": Method("uGIMP"), "cpgimp": Method("cpGIMP"),
+           "cpgimp-v": Method("cpGIMP (V)", later("cpGIMP with the spatial stretch V")),
            "bspline": Method("B-spline"), "cpdi": Method("CPDI")}
 
 
 @dataclass(frozen=True)
 class Quantity:
-    """What an error is of: its noun, its symbol and its unit."""
+    """What an error is of: what it is called, its symbol and its unit."""
 
-    noun: str
+    name: str
     symbol: str
     unit: str
 
+    @property
+    def noun(self) -> str:
+        """What it is called, in the language that is spoken."""
+        return tr(self.name)
+
     def __str__(self) -> str:
-        return f"{self.noun} {self.symbol}"
+        return f"{self.noun} {tr(self.symbol)}"
 
 
 #: By their keys in samples and results, in the order of the error columns.
-QUANTITIES = {"x": Quantity("displacement", "x", "m"), "v": Quantity("velocity", "v", "m/s"),
-              "sigma": Quantity("stress", "σ", "Pa"), "a": Quantity("acceleration", "a", "m/s²")}
+QUANTITIES = {"x": Quantity(later("displacement"), "x", "m"), "v": Quantity(later("velocity"), "v", "m/s"),
+              "sigma": Quantity(later("stress"), "σ", "Pa"), "a": Quantity(later("acceleration"), "a", "m/s²")}
 MAGNIFICATIONS = (1, 10, 100, 1000)  # of what a field misses, in its plot
 #: Norms that one problem has.
 EXTRA_NORMS = {"sigma_log": Quantity("stress", "σ, E ln F", "Pa"),
-               "a_nodes": Quantity("acceleration", "a at nodes", "m/s²")}
+               "a_nodes": Quantity("acceleration", later("a at nodes"), "m/s²")}
 #: Fields of a scene that say nothing of the run itself, or only together: the time step's.
 UNSAID = ("problem", "dt", "cfl", "t_end", "periods", "effects", "arch", "threads", "sample_every")
 #: Sizes of a scene, by their symbols.
@@ -62,21 +69,23 @@ SYMBOLS = {"amplitude": "A", "modulus": "E", "density": "ρ", "stretch": "F", "i
            "frequency": "B"}
 #: Fields that some problems have, beside what moves them all.
 OF_SOME = ("motion", "stretch", "initial_velocity")
-#: What a scene's fields may be, in words, in the order in which they are offered.
-CHOICES = {"method": {code: str(method) for code, method in METHODS.items()},
-           "body_force": {"material": "at the particles", "node": "at the nodes", "none": "none",
-                          "two-tone": "two-tone: no exact solution known"},
-           "velocity": {"grid": "grid velocity", "particle": "particle velocity", "corners": "domain corners"},
-           "motion": {"vibrate": "vibration", "patch": "patch test"},
-           "take_away": {causes.NOTHING: "nothing", **causes.CAUSES},
+#: What a scene's fields may be, in words that are put into the visitor's language by :func:`choices`, in the order in
+#: which they are offered.
+CHOICES = {"method": {code: method.full or method.name for code, method in METHODS.items()},
+           "body_force": {"material": later("at the particles"), "node": later("at the nodes"), "none": later("none"),
+                          "two-tone": later("two-tone: no exact solution known")},
+           "velocity": {"grid": later("grid velocity"), "particle": later("particle velocity"),
+                        "corners": later("domain corners")},
+           "motion": {"vibrate": later("vibration"), "patch": later("patch test")},
+           "take_away": {causes.NOTHING: later("nothing"), **causes.CAUSES},
            "remedies": {remedy.name: remedy.label for remedy in REMEDIES.values()},
-           "layout": {"polar": "polar", "cartesian": "Cartesian"}}
+           "layout": {"polar": later("polar"), "cartesian": later("Cartesian")}}
 
 
 def choices(kind: type[Scene], field: str) -> dict[str, str]:
     """What a field of a kind of scene may be, in words; what has none keeps its own."""
     allowed, words = kind.choices(field), CHOICES.get(field, {})
-    return {code: words[code] for code in words if code in allowed} | {c: c for c in allowed if c not in words}
+    return {code: tr(words[code]) for code in words if code in allowed} | {c: c for c in allowed if c not in words}
 
 
 def unit_of(kind: type[Scene], field: str) -> str:
@@ -92,7 +101,8 @@ def method_name(method: str) -> str:
 def moving(scene: Scene) -> str:
     """What moves the material, in few words: "A = 25 mm"; of a patch test its stretch and velocity."""
     motion = scene.to_dict().get("motion")  # of a problem that has several
-    unusual = [CHOICES["motion"][motion]] if motion and motion != type(scene)().to_dict()["motion"] else []
+    names = choices(type(scene), "motion") if motion else {}
+    unusual = [names[motion]] if motion and motion != type(scene)().to_dict()["motion"] else []
     return ", ".join([*unusual, _moved_by(scene)])
 
 
@@ -106,7 +116,8 @@ def in_a_line(scene: Scene) -> str:
     """A run in a line: what every run says of itself, and what else is not as usual."""
     said = ("method", "cells", "ppc", "amplitude", "estimators", *(name for name in OF_SOME if hasattr(scene, name)))
     more = differing(scene, type(scene)(**{name: getattr(scene, name) for name in said}))
-    return f"{scene.title.capitalize()}: {METHODS[scene.method]}, {scene.cells} cells, " \
+    title, cells = tr(scene.title), tr("{count} cells", count=scene.cells)
+    return f"{title[:1].upper()}{title[1:]}: {METHODS[scene.method]}, {cells}, " \
            f"{particles_per_cell(scene.problem, scene.ppc)}, {_moved_by(scene)}" + f", {more}" * bool(more)
 
 
@@ -118,29 +129,33 @@ def per_cell(problem: str, ppc: float) -> str:
 def particles_per_cell(problem: str, ppc: float) -> str:
     """The same in words: 1 particle per cell, 2 × 2 particles per cell."""
     said = per_cell(problem, ppc)
-    return f"{said} particle{'s' * (said != '1')} per cell"
+    return trn("{said} particle per cell", "{said} particles per cell", 1 if said == "1" else 2, said=said)
 
 
 def on_page(sentence: str) -> str:
-    """A sentence that names flags, methods and remedies as one types them, with the words that stand beside the
-    widgets."""
-    for typed, shown in ((f"--dt {AUTO} takes", "the box \"Auto step\" takes"),
-                         ("--velocity grid", CHOICES["velocity"]["grid"]),
-                         ("the right --cells and --ppc", "the right cells and particles per cell"),
+    """A sentence of the solvers in the visitor's language, and with the words that stand beside the widgets where it
+    names flags, methods and remedies as one types them.
+
+    What is to be said is found by the sentence as it was made: so its language comes first, and translations name
+    flags as well."""
+    sentence = heard(sentence)
+    for typed, shown in ((tr("--dt auto takes"), tr("the box \"Auto step\" takes")),
+                         ("--velocity grid", tr("grid velocity")),
+                         (tr("the right --cells and --ppc"), tr("the right cells and particles per cell")),
                          (", cfl ", ", CFL "),
                          (", or the flag --time with one time for each file", ""),
                          (", and --cells with one number for each file of several grids", "")):
         sentence = sentence.replace(typed, shown)
-    labels = {remedy.name: f"\"{remedy.label}\"" for remedy in REMEDIES.values()}
+    labels = {remedy.name: tr("\"{name}\"", name=tr(remedy.label)) for remedy in REMEDIES.values()}
     name = "|".join(map(re.escape, labels))
-    sentence = re.sub(rf"({name}),({name})", r"\1 and \2", sentence)
+    sentence = re.sub(rf"({name}),({name})", lambda found: _and(found[1], found[2]), sentence)
     sentence = re.sub(rf"({name}) (?={name})", r"\1, ", sentence)
     sentence = re.sub(name, lambda found: labels[found[0]], sentence)
     methods = "|".join(sorted(METHODS, key=len, reverse=True))
     return re.sub(rf"(?<!--method )\b({methods})\b(?!-lab)", lambda found: METHODS[found[0]].name, sentence)
 
 
-@functools.lru_cache(maxsize=64)  # asked for with every frame
+@kept(64)  # asked for with every frame
 def differing(scene: Scene, other: Scene) -> str:
     """What a scene is where another of its problem is not: "uGIMP, 40 cells, A = 25 mm"; "" where both are one run."""
     return ", ".join(mine for mine, theirs in zip(_said(scene), _said(other), strict=True) if mine != theirs)
@@ -148,29 +163,33 @@ def differing(scene: Scene, other: Scene) -> str:
 
 def _said(scene: Scene) -> list[str]:
     """Each thing that a visitor sets about a run, in few words."""
-    step = f"CFL number {DEFAULT_CFL if scene.cfl is None else scene.cfl:g}"
+    step = tr("CFL number {number:g}", number=DEFAULT_CFL if scene.cfl is None else scene.cfl)
     if scene.dt is not None:
-        step = "auto step" if scene.dt == AUTO else f"step {with_unit(float(scene.dt), 's')}"
+        step = tr("auto step") if scene.dt == AUTO else tr("step {size}", size=with_unit(float(scene.dt), "s"))
     return [*(_field_said(scene, field.name, field.metadata["unit"]) for field in fields(scene)
               if field.name not in UNSAID), step]
 
 
 def _field_said(scene: Scene, field: str, unit: str) -> str:
-    value, label, names = getattr(scene, field), field_label(field), choices(type(scene), field)
+    value, label, names = getattr(scene, field), tr(field_label(field)), choices(type(scene), field)
     if field == "take_away":
-        return "as it is" if value == causes.NOTHING else f"without {causes.CAUSES[value]}"
+        return tr("as it is") if value == causes.NOTHING else tr("without {cause}", cause=tr(causes.CAUSES[value]))
     if isinstance(value, bool):
-        return label if value else f"not {label}"
+        return label if value else tr("not {label}", label=label)
     if isinstance(value, tuple):
-        told = " and ".join(names[name] for name in value)
-        return (told if field in CHOICES else f"{label} {told}") if value else f"no {label}"
+        told = functools.reduce(_and, (names[name] for name in value)) if value else ""
+        return (told if field in CHOICES else f"{label} {told}") if value else tr("no {label}", label=label)
     if field == "cells":
-        return f"{value} cells"
+        return tr("{count} cells", count=value)
     if field == "ppc":
         return particles_per_cell(scene.problem, value)
     if unit:
         return f"{SYMBOLS.get(field, label)} = {with_unit(value, unit)}"
     return names[value] if field in ("method", "velocity") else f"{label} {names.get(value, value)}"
+
+
+def _and(several: str, last: str) -> str:
+    return tr("{several} and {last}", several=several, last=last)
 
 
 def command_line(scene: Scene) -> str:
@@ -191,8 +210,9 @@ def command_line(scene: Scene) -> str:
 
 def brief(silence: str) -> str:
     """Why an estimator says nothing, for where there is little room and the readout has the reason."""
-    name, found, _ = silence.partition(": not valid here")
-    return f"{name} is not valid here" if found else silence
+    not_valid = tr("not valid here")  # as the sentence says it
+    name, found, _ = silence.partition(f": {not_valid}")
+    return tr("{name} is not valid here", name=name) if found else silence
 
 
 def number(value: float) -> str:
@@ -245,7 +265,7 @@ def with_unit(value: float, unit: str, digits: int = 3) -> str:
 
 def in_periods(count: float) -> str:
     """So many periods, to three digits."""
-    return "1 period" if f"{count:.3g}" == "1" else f"{count:.3g} periods"
+    return trn("{count:g} period", "{count:g} periods", float(f"{count:.3g}"))
 
 
 def size_in(text: str, unit: str) -> float:

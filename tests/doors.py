@@ -6,6 +6,7 @@ import socket
 from contextlib import contextmanager
 
 from app.doors.address import Addresses
+from app.doors.code import BOARD, CLASS, TEACHER
 from app.page.features.lesson.marking import Classroom
 from app.page.serving import _start_server
 from solvers.workers.processes import free_port
@@ -36,10 +37,11 @@ class Pool:
 
 
 @contextmanager
-def lab(host="127.0.0.1", names=(), code="", notes="", classroom=None):
+def lab(host="127.0.0.1", names=(), code="", notes="", classroom=None, board=None, board_code=""):
     """The page's own web server in this process, without engines; and its address."""
     port = free_port()
-    one = _start_server(host, port, Pool(), 4, Addresses(host, names), code, classroom or Classroom(), notes)
+    codes = {CLASS: code, TEACHER: notes, BOARD: board_code}
+    one = _start_server(host, port, Pool(), 4, Addresses(host, names), codes, classroom or Classroom(), board)
     try:
         yield one, f"http://127.0.0.1:{port}"
     finally:

@@ -1,6 +1,8 @@
-"""All words that another language must have others for, found in the code: ``python -m tests.words`` puts new ones into
+"""All words that another language must have others for, found in the code of the app and the sentences of the solvers
+(:mod:`tests.sentences`): ``python -m tests.words`` puts new ones into
 ``app/language/de.po``, without a translation, and takes out those that are said no more."""
 
+import ast
 import re
 from collections.abc import Iterator
 from io import BytesIO
@@ -10,9 +12,20 @@ from babel.messages.extract import extract_from_dir
 from babel.messages.pofile import read_po, write_po
 
 from tests.paths import ROOT
+from tests.sentences import sentences
 
 APP, GERMAN = ROOT / "app", ROOT / "app" / "language" / "de.po"
 KEYWORDS = {"tr": None, "trn": (1, 2), "later": None}  # of app/language/spoken.py, and of the scripts
+
+
+def words_of_code(file, keywords, comments, options) -> Iterator[tuple]:
+    """The words of Python: those within an f-string, too, which Babel's own way sees from Python 3.12 on."""
+    for node in ast.walk(ast.parse(file.read())):
+        if isinstance(node, ast.Call) and isinstance(node.func, ast.Name) and node.func.id in keywords:
+            texts = [given.value for given in node.args[:2]
+                     if isinstance(given, ast.Constant) and isinstance(given.value, str)]
+            if texts:
+                yield node.lineno, node.func.id, tuple(texts), []
 
 
 def words_of_a_template(file, keywords, comments, options) -> Iterator[tuple]:
@@ -25,7 +38,7 @@ def words_of_a_template(file, keywords, comments, options) -> Iterator[tuple]:
 #: What Babel says of a file beside its words, and what differs each time.
 PASSING = (b"POT-Creation-Date", b"PO-Revision-Date", b"Last-Translator", b"Language-Team", b"Generated-By",
            b"Report-Msgid-Bugs-To")
-METHODS = [("**.py", "python"), ("**.js", "javascript"), ("**.html", words_of_a_template)]
+METHODS = [("**.py", words_of_code), ("**.js", "javascript"), ("**.html", words_of_a_template)]
 
 
 def template() -> Catalog:
@@ -33,6 +46,8 @@ def template() -> Catalog:
     found = Catalog(project="mpm-lab", charset="utf-8")
     for file, _, text, _, _ in extract_from_dir(APP, METHODS, keywords=KEYWORDS):
         found.add(text, locations=[(f"app/{file}", None)])
+    for text, file in sentences():
+        found.add(text, locations=[(file, None)])
     return found
 
 

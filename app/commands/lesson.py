@@ -135,6 +135,8 @@ class LessonGuide:
 class LessonGrade:
     """Make one table of handed-in files, every mark derived anew from the runs.
 
+    An interval counts 1 - score/2 of a right answer, but never less than nothing. Its score is its width in factors of
+    ten, and ten times as much (at a level of 0.8) for what it misses by; so width costs, and so does luck that fails.
     Exit status: 0 ok, 1 a file could not be read or is no file of answers, 2 bad input.
     """
 

@@ -39,6 +39,8 @@ class Serve:
     """Lessons begin with their core alone; who has time may choose all of it."""
     teacher: Switch = False
     """Show the teacher's notes in lessons; where others come in, to those only who type a code of its own."""
+    board: Switch = False
+    """Show, at a link of its own, what the class says to the lesson, without names, and open its steps from there."""
     warm_up: bool = True
     """Compile what visitors usually ask for before they do; takes a processor for some minutes the first time."""
 
@@ -55,10 +57,12 @@ class Serve:
         require_whole("max_sessions", self.max_sessions, 1, 10_000)
         require_number("frames", self.frames, 0, MOST_FRAMES)
         lesson = lesson_called(self.lesson) if self.lesson.strip() else ""
+        if self.board and not lesson:
+            raise BadInput("", "--board", "needs --lesson with the name or number of a lesson (mpm-lab lesson list)")
         from app.page import serving  # here: bad input and --help must not wait for the page's imports
         try:
             serving.serve(self.host, self.port, self.max_sessions, self.warm_up, self.code.strip(), self.name,
-                          self.frames, lesson, self.teacher, self.core)
+                          self.frames, lesson, self.teacher, self.core, self.board)
         except serving.ServeError as error:
             raise BadInput("port", self.port, str(error)) from error
         return 0

@@ -1,4 +1,5 @@
-"""The class code: who knows it gets a cookie, and with that the lab; the teacher's own opens the notes, too.
+"""The class code: who knows it gets a cookie, and with that the lab; the teacher's own opens the notes, too, and that
+of the board, the board. A cookie is one browser's: it has a key, made up and proven, that says nothing of who that is.
 
 A right code opens whatever others do. So wrong ones are counted, by network and in all, for what is said of them alone:
 who guesses on is told to wait, and learns nothing else. What keeps a code from being found is that there are too many.
@@ -21,17 +22,26 @@ MADE_UP, SHORTEST, LONGEST = 8, 6, 64  # letters; half of 31^8 codes, a thousand
 # Wrong guesses at once and a second: of one network, behind which a whole class may be, and of all.
 ONE, ALL = (20, 1 / 6), (60, 1 / 2)
 
+CLASS, TEACHER, BOARD = "class", "teacher", "board"  # whose codes there are
+
 WRONG = later("This is not the code. Look at the board again, or ask your teacher.")
 
 
 class Entry(NamedTuple):
-    """What came of a code: the ``cookie`` that opens, perhaps the notes, too; else why not, and in how many seconds to
-    try again."""
+    """What came of a code: the ``cookie`` that opens, perhaps ``more`` than the lab; else why not, and in how many
+    seconds to try again."""
 
     cookie: str = ""
-    teaches: bool = False
+    more: bool = False
     sentence: str = ""
     wait: int = 0
+
+
+class Guest(NamedTuple):
+    """Who brings a cookie: with ``whose`` code he has come, and the ``key`` that all pages of his browser have."""
+
+    whose: str
+    key: str = ""
 
 
 def made_up() -> str:
@@ -46,29 +56,34 @@ def plain(code: str) -> str:
 
 
 class ClassCode:
-    """The code of one server and that of its ``teacher``, if there is one; what wrong guesses there were, and the
-    cookies for those who knew one."""
+    """The code of one server and those of its ``teacher`` and its ``board``, if there are any; what wrong guesses there
+    were, and the cookies for those who knew one."""
 
-    def __init__(self, code: str, port: int, teacher: str = ""):
+    def __init__(self, code: str, port: int, teacher: str = "", board: str = ""):
         self._name = f"mpm-lab-{port}"  # cookies do not know ports: two labs on a machine must not share one
-        self._keys = [(_digest(plain(key)), secrets.token_urlsafe(32)) for key in (code, teacher) if key]
-        self._has_teacher = bool(teacher)
+        codes = {CLASS: code, TEACHER: teacher, BOARD: board}
+        self._secrets = {whose: secrets.token_bytes(32) for whose, key in codes.items() if key}
+        self._codes = {whose: _digest(plain(codes[whose])) for whose in self._secrets}
         self._all, self._of = Bucket(*ALL), Buckets(partial(Bucket, *ONE))
 
     def knows(self, headers: Headers) -> bool:
         """Whether a request brings a cookie of this server."""
-        return any(self._brought(headers))
+        return self.guest(headers) is not None
 
-    def teaches(self, headers: Headers) -> bool:
-        """Whether it brings the teacher's."""
-        return self._has_teacher and self._brought(headers)[-1]
+    def guest(self, headers: Headers) -> Guest | None:
+        """Who asks, by the cookie that opens most; all are looked at, so that the time tells nothing."""
+        pairs = (pair.partition("=") for line in headers.get_all("Cookie") for pair in line.split(";"))
+        brought = [value.strip().partition(".") for name, _, value in pairs if name.strip() == self._name]
+        found = [Guest(whose, key) for whose in self._secrets for key, _, proof in brought
+                 if hmac.compare_digest(_digest(self._proof(whose, key)), _digest(proof))]
+        return found[-1] if found else None
 
     def enter(self, guess: str, who: str) -> Entry:
         """Look at a code from an IP address."""
         digest = _digest(plain(guess))
-        opened = [token for key, token in self._keys if hmac.compare_digest(digest, key)]
+        opened = [whose for whose, code in self._codes.items() if hmac.compare_digest(digest, code)]
         if opened:
-            return Entry(self._cookie(opened[-1]), teaches=self._has_teacher and opened[-1] == self._keys[-1][1])
+            return Entry(self._cookie(opened[-1]), more=opened[-1] != CLASS)
         own = self._of.of(network_of(who))
         wait = math.ceil(max(own.wait(), self._all.wait()))
         if wait:
@@ -78,15 +93,14 @@ class ClassCode:
         self._all.pay()
         return Entry(sentence=tr(WRONG))
 
-    def _cookie(self, token: str) -> str:
+    def _cookie(self, whose: str) -> str:
         """The header that sets it, until the browser is closed or the server ends."""
-        return f"{self._name}={token}; Path=/; HttpOnly; SameSite=Strict"
+        key = secrets.token_urlsafe(16)
+        return f"{self._name}={key}.{self._proof(whose, key)}; Path=/; HttpOnly; SameSite=Strict"
 
-    def _brought(self, headers: Headers) -> list[bool]:
-        """Of each key whether its cookie is brought; all are looked at, so that the time tells nothing."""
-        pairs = (pair.partition("=") for line in headers.get_all("Cookie") for pair in line.split(";"))
-        brought = [_digest(value.strip()) for name, _, value in pairs if name.strip() == self._name]
-        return [any([hmac.compare_digest(digest, _digest(token)) for digest in brought]) for _, token in self._keys]
+    def _proof(self, whose: str, key: str) -> str:
+        """That a key is of this server's making."""
+        return hmac.new(self._secrets[whose], key.encode("utf-8", "replace"), hashlib.sha256).hexdigest()
 
 
 def _digest(text: str) -> bytes:

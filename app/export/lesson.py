@@ -6,12 +6,13 @@ from typing import Any
 
 from app import state
 from app.export import lattice
+from app.export.bets import bet_words, judged
 from app.export.page import SCRIPTS, Progress, assembled, quantities, record
 from app.export.plan import Plan, planned
 from app.lessons import progress, shelf
 from app.lessons.claims import ClaimError, needed
 from app.lessons.lesson import CHOICE, DRAG, NAMES, POWERS, REACH, TEXT, Lesson, Numbers, Question, Step, filled
-from app.lessons.marks import LONGEST, MOST, TOLD_AFTER, expressions, right
+from app.lessons.marks import BARE, DIGITS, LONGEST, MOST, TOLD_AFTER, expressions, right
 from app.lessons.markup import html
 from app.lessons.outcomes import Outcomes, RunFailed
 from app.words import QUANTITIES, SYMBOLS
@@ -30,9 +31,10 @@ def lesson_page(lesson: Lesson, processes: int, on_progress: Progress, counts: M
     plans = _plans(lesson, counts)
     right = rules(lesson, processes, lambda part, what: on_progress(0.5 * part, what))
     once = list(dict.fromkeys(plans.values()))
+    bets = judged(lesson, processes)
     recorded = record(once, processes, lambda part, what: on_progress(0.5 + 0.5 * part, what))
     stages = {key: once.index(plan) for key, plan in plans.items()}
-    return assembled(lesson.title, once, recorded, _data(lesson, right, stages, core), scripts)
+    return assembled(lesson.title, once, recorded, _data(lesson, right, stages, bets, core), scripts)
 
 
 def _plans(lesson: Lesson, counts: Mapping[str, int]) -> dict[tuple[str, int], Plan]:
@@ -109,7 +111,7 @@ def _rule(lesson: Lesson, step: Step, numbers: Numbers, outcomes: Outcomes) -> d
 
 
 def _data(lesson: Lesson, right: Mapping[str, list[Any]], stages: Mapping[tuple[str, int], int],
-          core: bool) -> dict[str, Any]:
+          bets: Mapping[str, list[Any]], core: bool) -> dict[str, Any]:
     """The lesson as the player reads it. What differs with the numbers of a variant is a list with one for each, or,
     where all are alike, a list of one."""
     def each(text: str) -> list[str]:
@@ -121,6 +123,7 @@ def _data(lesson: Lesson, right: Mapping[str, list[Any]], stages: Mapping[tuple[
     steps = [{"kind": step.kind, "key": step.key, "core": step.core, "html": each(step.text),
               "title": _alike([filled(step.title, numbers) for numbers in lesson.variants]),
               "stage": [stages[step.key, k] for k in range(len(lesson.variants))] if step.stage else None,
+              "bets": step.bets, "judged": _alike(bets.get(step.key, [{}])),
               "question": _question(lesson, step.question, right.get(step.key, []))} for step in lesson.steps]
     return {"name": lesson.name, "title": lesson.title, "minutes": lesson.minutes,
             "core_minutes": lesson.core_minutes, "begins_core": core and bool(lesson.deeper), "goals": lesson.goals,
@@ -128,7 +131,8 @@ def _data(lesson: Lesson, right: Mapping[str, list[Any]], stages: Mapping[tuple[
             "fingerprint": lesson.fingerprint, "variants": len(lesson.variants), "intro": each(lesson.intro),
             "elsewhere": [name for name in ELSEWHERE if name in lesson.controls], "steps": steps,
             "schema": progress.SCHEMA, "longest_name": progress.LONGEST_NAME, "longest": LONGEST, "most": MOST,
-            "told_after": TOLD_AFTER,
+            "bare": BARE, "digits": DIGITS,
+            "told_after": TOLD_AFTER, "bets": bet_words(),
             "fold": {letter: letter.casefold() for letter in letters if letter.casefold() != letter.lower()},
             "spaces": "".join(letter for letter in letters if letter.isspace())}
 
@@ -141,7 +145,8 @@ def _question(lesson: Lesson, asked: Question | None, right: list[Any]) -> dict[
     if asked is None:
         return None
     options = _alike([[filled(option, numbers) for option in asked.options] for numbers in lesson.variants])
-    made: dict[str, Any] = {"kind": asked.kind, "options": options, "unit": asked.unit, "rules": right}
+    made: dict[str, Any] = {"kind": asked.kind, "options": options, "unit": asked.unit, "rules": right,
+                            "level": asked.level}
     if asked.kind == DRAG:
         low, high, step = REACH[asked.control]
         made["drag"] = {"name": f"{NAMES[asked.control]} {SYMBOLS.get(asked.control, '')}".strip(), "low": low,

@@ -20,7 +20,7 @@ from app.templates import rendered
 PLAYER = Path(__file__).parent / "player"
 #: In their order: what one file says at once, those after it use.
 SCRIPTS = ("words", "tracks", "frame", "colours", "field", "bar", "plane", "stage", "readout", "budget", "controls",
-           "sha256", "keeping", "progress", "core", "answers", "lesson", "main")
+           "sha256", "keeping", "progress", "core", "answers", "bets", "lesson", "main")
 IN_A_COURSE = (*SCRIPTS[:-1], "scorm", "suspended", "course", "main")
 USUAL = ("x", "v", "sigma")  # quantities whose errors are recorded; accelerations only where they are asked for
 

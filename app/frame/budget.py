@@ -6,21 +6,27 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from app.language.spoken import later, tr
 from app.words import QUANTITIES, per_cent
 from solvers.scene.causes import CAUSES, FIELDS
 from solvers.scene.scene import Scene
 from solvers.solver import budget
 
-QUESTION = "Who made this error?"
-CAPTION = ("The line is the error, RMS over particles; each colour is the part of it that one cause has made, below "
-           "zero where it makes it smaller.")
+QUESTION = later("Who made this error?")
+CAPTION = later("The line is the error, RMS over particles; each colour is the part of it that one cause has made, "
+                "below zero where it makes it smaller.")
 #: What each cause is, in few words.
-MEANINGS = {"crossings": "counted in the wrong cell", "coarse_grid": "cells too wide for the motion",
-            "body_force": "taken at nodes, not at particles", "time_step": "steps that are not short enough"}
+MEANINGS = {"crossings": later("counted in the wrong cell"), "coarse_grid": later("cells too wide for the motion"),
+            "body_force": later("taken at nodes, not at particles"),
+            "time_step": later("steps that are not short enough")}
 UNITS = {"x": "m", "v": "m/s", "F": ""}
 SEEN = 2e-3  # of the largest error: a cause that never makes more is not drawn
 EARLY = 0.05  # periods, before which a share says nothing yet
-_WHO = {name: words if name == "crossings" else f"the {words}" for name, words in CAUSES.items()}
+#: Who has made how much of an error: a fact for the sentence above the stage.
+_MADE = {"crossings": later("crossings made {share} of the error of {symbol}{whose}"),
+         "coarse_grid": later("the coarse grid made {share} of the error of {symbol}{whose}"),
+         "body_force": later("the body force made {share} of the error of {symbol}{whose}"),
+         "time_step": later("the time step made {share} of the error of {symbol}{whose}")}
 
 
 @dataclass(frozen=True)
@@ -82,9 +88,9 @@ def blamed(scene: Scene, series: Mapping[str, np.ndarray], quantity: str) -> str
     if not scene.has("budget") or quantity not in FIELDS or not divided(series) \
             or series["time"][-1] < EARLY * scene.period or (found := largest_share(series, quantity)) is None:
         return ""
-    return f"{_WHO[found[0]]} made {per_cent(found[1])} of the error of {QUANTITIES[quantity].symbol}{whose(scene)}"
+    return tr(_MADE[found[0]], share=per_cent(found[1]), symbol=QUANTITIES[quantity].symbol, whose=whose(scene))
 
 
 def whose(scene: Scene) -> str:
     """What is said behind a share where the error is not the true one."""
-    return "" if scene.has("truth") else ", as companion sees it"
+    return "" if scene.has("truth") else tr(", as companion sees it")

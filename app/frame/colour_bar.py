@@ -7,6 +7,7 @@ import numpy as np
 from app.frame.layout import Top, top
 from app.frame.marks import Dots, Label, Room, Sheet, in_plane
 from app.frame.scale import MOST_TICKS, ColourScale
+from app.language.spoken import tr
 from app.words import QUANTITIES
 
 POINTS = 256
@@ -37,7 +38,7 @@ class ColourBar:
 
 def labels(place: Top, gutter: bool, quantity: str, ticks: list[tuple[float, str]]) -> Iterator[Label]:
     """What the bar measures, beside it in a ``gutter`` or above it, and its numbers."""
-    for name, text, (x, y, anchor) in (("title", "Error of", place.title),
+    for name, text, (x, y, anchor) in (("title", tr("Error of"), place.title),
                                        ("quantity", str(QUANTITIES[quantity]), place.quantity)):
         yield Label(name, text, x, y, anchor, "gutter" if gutter else "caption", bold=True)
     for k, (at, text) in enumerate(ticks + [(0.5, "")] * (MOST_TICKS - len(ticks))):

@@ -10,6 +10,7 @@ from app.frame.captions import CURVE, PARTICLES, FieldWords, counting, field_wor
 from app.frame.layout import Places, Seat
 from app.frame.marks import AWAY, Dots, Label, Lines, Mark, Role, Sign, Tone, in_plane, joined
 from app.frame.scale import LEAST_REACH, SMALLEST, largest, round_up
+from app.language.spoken import tr
 from app.words import QUANTITIES, with_unit
 from solvers.scene.scene import Scene
 
@@ -230,7 +231,8 @@ def labels(places: Places, ends: tuple[str, str], words: FieldWords, magnified: 
     yield Label("field/start", ends[0] if written else "", box.left, below, "top-left", "number")
     yield Label("field/end", ends[1] if written else "", box.right, below, "top-right", "number")
     x, y, anchor = box.magnified or box.remark
-    yield Label("field/magnified", f"error × {magnified}" if box.magnified and exact else "", x, y, anchor, "caption")
+    larger = tr("error × {magnified}", magnified=magnified) if box.magnified and exact else ""
+    yield Label("field/magnified", larger, x, y, anchor, "caption")
     x, y, anchor = box.remark
     named = words.name if box.at is None and places.seat == Seat.ALONE else ""  # beside another one the scale says it
     yield Label("field/remark", ": ".join(filter(None, (named, words.remark))), x, y, anchor, "caption")
@@ -238,7 +240,8 @@ def labels(places: Places, ends: tuple[str, str], words: FieldWords, magnified: 
     role: Role = "gutter" if x < 0 else "title"
     size = 1.1 if box.keys or x >= 0 else 1.0  # without keys it stands beside the axis's numbers
     yield Label("field/name", words.name if box.at else "", x, y, "center-left", role, size, bold=True)
-    keys: tuple[tuple[str, Tone, Sign], ...] = (PARTICLES, "plain", "dot"), (CURVE if exact else "", "truth", "line")
+    curve = tr(CURVE) if exact else ""
+    keys: tuple[tuple[str, Tone, Sign], ...] = (tr(PARTICLES), "plain", "dot"), (curve, "truth", "line")
     for row, (text, tone, sign) in enumerate(keys, 1):
         yield Label(f"field/key{row}", text if box.keys else "", x, y - 1.15 * row * room.line, "center-left",
                     "gutter" if x < 0 else "note", tone=tone, sign=sign)

@@ -10,6 +10,7 @@ from app.frame.layout import EDGE, Seat
 from app.frame.marks import Dots, Label, Lines, Mark, Room, in_plane, joined
 from app.frame.planar_places import AROUND, PlanarPlaces, planar_labels, planar_places
 from app.frame.stage import Stage, Words, Worst
+from app.language.spoken import later, tr
 from solvers.engine.frames import FrameArrays
 from solvers.problems.planar.layout import half_edges, particle_layout
 from solvers.problems.planar.scene import PlanarScene
@@ -30,9 +31,9 @@ class PlanarStage(Stage[PlaneScene]):
 
     MIRRORS: ClassVar[Mirrors] = ((1, 1),)
     OUTLINED: ClassVar[Mirrors] = ((1, 1),)
-    DOMAINS_HINT = "outline what each particle stands for: a box for GIMP, a parallelogram for CPDI; up to " \
-                   f"{MOST_DOMAINS:,} particles"
-    MOST_MARKED, HALVES = 24, "Halves"
+    DOMAINS_HINT = later("outline what each particle stands for: a box for GIMP, a parallelogram for CPDI; up to 5,000 "
+                         "particles")
+    MOST_MARKED, HALVES = 24, later("Halves")
 
     @staticmethod
     @abstractmethod
@@ -123,7 +124,7 @@ class PlanarStage(Stage[PlaneScene]):
                 bend = in_plane(np.array([edge - (8 * room.pixel if sign > 0 else 0), edge]), np.full(2, height), 0.02)
                 corners = np.concatenate([place, bend])
                 segments.append(joined(corners[:-1], corners[1:]))
-                text = f"worst: {found.size}"
+                text = tr("worst: {size}", size=found.size)
             yield Label(f"{name}-worst", text, edge + 3 * sign * room.pixel, height,
                         "center-left" if sign > 0 else "center-right", "note", bold=True)
         yield Lines("worst", np.concatenate(segments), room.palette.dot, 1.5)

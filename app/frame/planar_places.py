@@ -8,6 +8,7 @@ from app.frame.field import ROOM
 from app.frame.layout import HALVES, Box, Places, Seat, Spot, rectangle, top
 from app.frame.marks import Anchor, Label, Role, Room, Tone
 from app.frame.stage import Words
+from app.language.spoken import tr
 from app.words import brief
 
 AROUND = 1.05  # of the outermost the body should come, that its cells are drawn to
@@ -102,7 +103,7 @@ def _above(words: Words, places: PlanarPlaces) -> Iterator[Label]:
 def _of_pair(words: Words, places: PlanarPlaces) -> Iterator[Label]:
     """Which run it is, above the body; the halves are named in the corners that a round body leaves free."""
     room, (x, y), reach, first = places.room, places.middle, AROUND * places.radius, places.seat == Seat.FIRST
-    for name, title, at, anchor in _sides(HALVES, x, reach, False):
+    for name, title, at, anchor in _sides((tr("estimate"), tr("truth")), x, reach, False):
         yield Label(f"{name}-title", title, at, y + reach, anchor, "title", 0.9, tone=name)
     by, gutter = words.by[0] if first else "", room.gutter > 0
     yield Label("estimate-by", by, -room.gutter if gutter else 0.6, y if gutter else 0.0,

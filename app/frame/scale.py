@@ -7,6 +7,7 @@ from time import monotonic
 import numpy as np
 
 from app.colours import colour_table
+from app.language.spoken import later, tr
 from app.words import PREFIXES, number, with_unit
 
 #: Tops between two powers of ten, each with the number of parts into which ticks divide it, so that these are round
@@ -16,7 +17,7 @@ MOST_TICKS = max(*TOPS.values()) + 1
 DECADES = 3  # that a logarithmic scale shows below its top
 CALM_SECONDS = 1.0  # for which the top stays, once it has grown ...
 HIDDEN = 3.0  # ... unless errors are so many times as large: they would all look alike
-ZERO = "0, exact"
+ZERO = later("0, exact")
 REMEMBERED = 64  # runs whose largest error is known when they are shown again
 SMALLEST = 1e-300
 #: Where nothing should happen, of a quantity's size: the colours' top at least, for coloured round-off would say that
@@ -88,7 +89,7 @@ class ColourScale:
             n, end = self._parts, with_unit(self.top, unit)
             power = math.floor(math.log10(self.top) / 3 + 1e-9)
             size = 1000.0**power if power in PREFIXES else self.top / float(end.split()[0])
-            ticks = [(0.0, ZERO), *((k / n, number(self.top * k / n / size)) for k in range(1, n)), (1.0, end)]
+            ticks = [(0.0, tr(ZERO)), *((k / n, number(self.top * k / n / size)) for k in range(1, n)), (1.0, end)]
         at, text = ticks.pop()
         return [*ticks, (at, f"≥ {text}" if self.exceeded else text)]
 

@@ -10,15 +10,17 @@ import re
 from collections.abc import Hashable, Mapping
 from dataclasses import dataclass
 
+from app.language.spoken import later, tr
 from app.words import QUANTITIES, brief, per_cent, ratio, with_unit
 from solvers.scene.scene import Scene
 from solvers.solver.rounding import rounding
 
 ROUND_OFF = 1e-9  # of a quantity's size, and far above what a patch test that is passed has
-UNSTABLE, LAST = "the run went unstable and has stopped at t = {time} s", "this is its last picture"
-LOST = "the run is lost from t = {since} s on"
-SO_FAR, NOW, PAUSED, BACK = "so far ", "now ", "at t = {time} s ", "{ago} periods back "  # of when a headline is
-LESS, MORE = "finds {share} of it", "says {factor} times as much"
+UNSTABLE, LAST = later("the run went unstable and has stopped at t = {time} s"), later("this is its last picture")
+LOST = later("the run is lost from t = {since} s on")
+#: Of when a headline is: what it begins with.
+SO_FAR, NOW, PAUSED, BACK = later("so far "), later("now "), later("at t = {time} s "), later("{ago} periods back ")
+LESS, MORE = later("finds {share} of it"), later("says {factor} times as much")
 ALL_OF_IT = 1.005  # index up to which an estimate finds what there is
 
 ENDS = (".", "?", "!")  # of a sentence
@@ -26,6 +28,8 @@ ENDS = (".", "?", "!")  # of a sentence
 Span = tuple[str, str]  # a kind, "" or one of KINDS, and a text
 #: What a text in a place is, by the place's name: for the eye only, the words say it too.
 KINDS = {"wrong": "number", "off": "truth", "by": "estimate", "share": "figure", "factor": "figure", "lost": "bad"}
+#: Places that are filled later, with the numbers of a moment.
+PLACES = {name: f"{{{name}}}" for name in ("wrong", "off", "by", "found", "true")}
 
 
 @dataclass(frozen=True)
@@ -84,19 +88,21 @@ class ErrorWords:
 def error_words(scene: Scene, quantity: str, estimator: str | None, no_estimate: str, no_truth: str) -> ErrorWords:
     """What is said of the errors of a quantity; arguments as of :func:`app.frame.captions.captions`."""
     words, size = QUANTITIES[quantity], scene.size_of(quantity)
+    noun = words.noun
     why = no_truth
     if no_truth and no_estimate:
-        told, why = f"nothing is known of the error of the {words.noun}", f"{no_truth}; {no_estimate}"
+        told, why = tr("nothing is known of the error of the {noun}", noun=noun), f"{no_truth}; {no_estimate}"
     elif no_truth:
-        told = f"{{by}} estimates that the {words.noun} is {{wrong}} wrong"
+        told = tr("{by} estimates that the {noun} is {wrong} wrong", noun=noun, **PLACES)
     elif no_estimate:
-        told = f"the {words.noun} is {{wrong}} {{off}}; {brief(no_estimate)}"
+        told = tr("the {noun} is {wrong} {off}; {silence}", noun=noun, silence=brief(no_estimate), **PLACES)
     else:
-        told = f"the {words.noun} is {{wrong}} {{off}}; {{by}} {{found}}"
-    return ErrorWords(told, {"by": estimator or "", "off": "wrong"}, size,
-                      f"{{true}} of {with_unit(size, words.unit)} at most", why,
-                      f"no error of the {words.noun} has been measured", "exactly nothing happens, as it should",
-                      f"the true error of the {words.noun} is {{true}}, round-off",
+        told = tr("the {noun} is {wrong} {off}; {by} {found}", noun=noun, **PLACES)
+    return ErrorWords(told, {"by": estimator or "", "off": tr("wrong")}, size,
+                      tr("{true} of {size} at most", size=with_unit(size, words.unit), **PLACES), why,
+                      tr("no error of the {noun} has been measured", noun=noun),
+                      tr("exactly nothing happens, as it should"),
+                      tr("the true error of the {noun} is {true}, round-off", noun=noun, **PLACES),
                       -1.0 if scene.swings else max(ROUND_OFF * size, rounding(scene, quantity, scene.steps)))
 
 
@@ -116,7 +122,7 @@ def errors(words: ErrorWords, unit: str, true: float, estimate: float, index: fl
         Of which moment or time: what the headline begins with, where there is anything to say.
     """
     if true <= words.least:
-        return Said.of(before + words.still, words.trace.format(true=_size(true, unit) if true else "zero"))
+        return Said.of(before + words.still, words.trace.format(true=_size(true, unit) if true else tr("zero")))
     norm = true if math.isfinite(true) else estimate
     if "{wrong}" not in words.told:
         return Said.of(words.told, words.why)
@@ -129,7 +135,7 @@ def errors(words: ErrorWords, unit: str, true: float, estimate: float, index: fl
 
 def found(index: float) -> str:
     """What an estimate says of a true error so many times smaller."""
-    return MORE if index >= ALL_OF_IT else LESS
+    return tr(MORE if index >= ALL_OF_IT else LESS)
 
 
 def _size(value: float, unit: str) -> str:
@@ -147,5 +153,6 @@ def fill(text: str, **numbers: str) -> str:
 
 def spans(text: str, places: Mapping[str, str]) -> list[Span]:
     """The text in spans, with what is in the places of their names; a place of another name stays as it is."""
-    return [(KINDS.get(piece[1:-1], ""), places[piece[1:-1]]) if piece[1:-1] in places else ("", piece)
-            for piece in re.split(r"(\{\w+\})", text) if piece]
+    pieces = re.split(r"\{(\w+)\}", text)  # every second one is the name of a place
+    return [(KINDS.get(piece, ""), places[piece]) if k % 2 and piece in places
+            else ("", f"{{{piece}}}" if k % 2 else piece) for k, piece in enumerate(pieces) if piece]

@@ -14,6 +14,7 @@ from app.frame.layout import Rectangle, Seat
 from app.frame.marks import Label, Mark, Room, Sheet, shades
 from app.frame.scale import ColourScale
 from app.frame.view import Half
+from app.language.spoken import later, tr
 from app.words import brief
 from solvers.engine.frames import FrameArrays
 from solvers.scene.scene import Scene
@@ -71,7 +72,7 @@ class Stage(ABC, Generic[AnyScene]):
     PLOT: ClassVar[Plotted]  # what the plot of the field is of
     MOST_MARKED: ClassVar[int]  # particles whose crossings are marked
     LINES: ClassVar[int] = 0  # of material, drawn as the exact solution has them
-    MARKED: ClassVar[str] = "crosses an edge"  # what is said of the marks
+    MARKED: ClassVar[str] = later("crosses an edge")  # what is said of the marks
     HALVES: ClassVar[str]  # what estimate and truth are drawn as
     MIRRORS: ClassVar[tuple[tuple[int, int], ...]] = ()  # signs of x and y in each image of a body in the plane
     OUTLINED: ClassVar[tuple[tuple[int, int], ...]] = ()  # images whose domains are drawn
@@ -137,7 +138,7 @@ class Stage(ABC, Generic[AnyScene]):
         self._remarks = remarks
         both = not any(self._words.silences)
         told = ALIKE if not remarks.lost else ALIKE_LOST if remarks.right else ""
-        self._say(alike=told.format(self.HALVES) if both else "")
+        self._say(alike=tr(told).format(tr(self.HALVES)) if both and told else "")
         self.sheet.show(*self._worst(remarks.worst, arrays))
 
     def draw(self, scene: AnyScene, arrays: FrameArrays, estimated: np.ndarray | None, true: np.ndarray | None,

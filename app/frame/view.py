@@ -6,6 +6,7 @@ import numpy as np
 
 from app.frame.captions import captions
 from app.frame.silences import NOT_COMPARED, not_estimated, why_no_estimate, why_no_truth
+from app.language.spoken import tr
 from solvers.engine.frames import FrameArrays
 from solvers.engine.messages import FrameReport
 from solvers.solver import samples
@@ -67,7 +68,7 @@ def view(quantity: str, estimator: str | None, estimated: np.ndarray | None, tru
         Sizes of both errors, and of estimate minus truth.
     """
     said = captions(quantity, estimator, difference, no_estimate, no_truth)
-    silence = said.silences[0] or NOT_COMPARED * (difference and apart is None)
+    silence = said.silences[0] or (tr(NOT_COMPARED) if difference and apart is None else "")
     shown = None if silence else apart if difference else estimated
     return View(Half(said.titles[0], said.by[0], shown, silence), Half(said.titles[1], said.by[1], true, no_truth),
                 said.measures, estimated, true)

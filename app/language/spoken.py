@@ -50,10 +50,10 @@ class Catalogue:
     def several(self, one: str, many: str, count: float) -> str:
         return self._words.ngettext(one, many, int(count) if count == int(count) else 2)  # 2.5 are several
 
-    def of_files(self, folder: str) -> dict[str, str]:
-        """The texts of files in a folder, for those whose language is none of Python."""
-        return {text: said for text, (said, places) in self._texts.items() if said
-                and any(place.startswith(folder) for place in places)}
+    def of_files(self, places: str | tuple[str, ...]) -> dict[str, str]:
+        """The texts of files whose paths begin so, for those whose language is none of Python."""
+        return {text: said for text, (said, files) in self._texts.items() if said
+                and any(file.startswith(places) for file in files)}
 
     def texts(self) -> dict[str, str]:
         """All texts that have one form."""

@@ -6,7 +6,9 @@ from collections.abc import Callable, Mapping
 from typing import Any
 
 from app import state
+from app.lessons.bets import BETTORS
 from app.lessons.lesson import CHOICE, QUESTIONS, REACH, Claim, LessonError, LessonRun, Numbers, Question, filled
+from solvers.outside import quoting
 
 if sys.version_info >= (3, 11):
     import tomllib
@@ -150,6 +152,24 @@ def claims(text: str, line: int) -> tuple[Claim, ...]:
     return tuple(claim for claim in found if claim.text)
 
 
+def bettors(text: str, line: int) -> tuple[str, ...]:
+    """Whose bets a block lays side by side, one a line."""
+    found = tuple(row.strip() for row in text.splitlines() if row.strip())
+    if unknown := [name for name in found if name not in BETTORS]:
+        raise LessonError(line, f"'{quoting.quoted(unknown[0])}' does not bet; give {', '.join(BETTORS)}, one a line")
+    if not found:
+        raise LessonError(line, f"nobody bets here; give {', '.join(BETTORS)}, one a line")
+    return tuple(dict.fromkeys(found))
+
+
+def _level(values: Mapping[str, Any], key: str, line: int) -> float:
+    expected = "give a chance above 0 and below 1, such as 0.8"
+    found = require(values, key, (int, float), expected, line)
+    if not 0 < found < 1:
+        raise LessonError(line, f"{key} = {found}: {expected}")
+    return float(found)
+
+
 def _tolerance(values: Mapping[str, Any], key: str, line: int) -> float:
     expected = "give a part of the expected value, above 0 and up to 1, such as 0.1"
     found = require(values, key, (int, float), expected, line)
@@ -167,7 +187,7 @@ def _control(values: Mapping[str, Any], key: str, line: int) -> str:
 
 
 _READ: dict[str, Callable[[Mapping[str, Any], str, int], Any]] = {
-    "options": texts, "holds": texts, "tolerance": _tolerance, "control": _control,
+    "options": texts, "holds": texts, "tolerance": _tolerance, "control": _control, "level": _level,
     "expected": lambda values, key, line: str(require(values, key, (str, int, float), "give a number or an expression "
                                                       "such as \"error.x.max\"", line)),
     "correct": lambda values, key, line: require(values, key, int, "give the number of the right option", line),

@@ -3,6 +3,7 @@
     error.x.max < 1e-5                      of the step's first run
     hat.index.recovered.x in 0.9..1.1       of the run called hat
     budget.v.crossings > 0.8                share of a cause in the error of v, with the effect budget
+    hat.bet.gci.x.score > 2                 what a judge's bet on an error of hat at its end scored; its low and high
     predicted.v.crossings < 0.1 * rms.v     what it predicts without the cause, and the error over the run as it is
     order(grids.error.x.max) in 1.9..2.1    of a run on several grids
     node.error.x.max / material.error.x.max > 10
@@ -22,6 +23,7 @@ from typing import Any
 
 import numpy as np
 
+from app.lessons import bets
 from app.words import EXTRA_NORMS, QUANTITIES
 from solvers.outside.quoting import quoted, sentence
 from solvers.scene.causes import CAUSES, FIELDS
@@ -53,6 +55,7 @@ def paths() -> Vocabulary:
         "error": ((*QUANTITIES, *EXTRA_NORMS), NORMS), "estimate": (estimators, tuple(QUANTITIES), NORMS),
         "index": (estimators, tuple(QUANTITIES)), "distance": (estimators, tuple(QUANTITIES)),
         "budget": (FIELDS, tuple(CAUSES)), "rms": (FIELDS,), "predicted": (FIELDS, tuple(CAUSES)),
+        "bet": (tuple(map(bets.word, bets.JUDGES)), bets.QUANTITIES, ("low", "high", "score")),
         "valid": (estimators,), "status": (), "steps": (), "particles": (), "t": (), **found,
         "step": (("dt", "bound", "margin"),), "life": (("accurate", "sound", "first_period"),),
         "seconds": (("run", "estimate"),),

@@ -2,16 +2,18 @@
 
 import csv
 import io
-from collections import Counter
 from collections.abc import Sequence
 from dataclasses import dataclass
 
+from app.lessons.bets import YOURS, Bet, Bettor
 from app.lessons.claims import ClaimError
 from app.lessons.lesson import INTERVAL, PREDICT, TEXT, Lesson, Numbers, Step, drawn, filled
 from app.lessons.marks import AnswerMark, mark, shown
 from app.lessons.outcomes import Outcomes, RunFailed
 from app.lessons.progress import Progress
 from solvers.outside import quoting
+
+BETS = ("intervals", "held", "mean score")  # columns of a table that has any
 
 
 @dataclass(frozen=True)
@@ -26,8 +28,15 @@ class Graded:
     answers: dict[str, tuple[str, AnswerMark | None]]
 
     @property
-    def right(self) -> int:
-        return sum(mark is not None and bool(mark.right) for _, mark in self.answers.values())
+    def right(self) -> float:
+        """How many answers are right; an interval counts by its score, from 1 down to 0."""
+        return sum(mark.points for _, mark in self.answers.values() if mark is not None)
+
+    @property
+    def bettor(self) -> Bettor:
+        """The student, by the intervals."""
+        marks = (mark for _, mark in self.answers.values() if mark is not None)
+        return Bettor(YOURS, tuple(mark.bet for mark in marks if mark.bet))
 
     @property
     def marked(self) -> int:
@@ -48,35 +57,57 @@ def graded(file: str, progress: Progress, lesson: Lesson, outcomes: Outcomes, co
 
 
 def table(rows: Sequence[Graded]) -> str:
-    """The rows as CSV: two columns a question, the answer and whether it is right."""
+    """The rows as CSV: two columns a question, the answer and whether it is right, and of an interval its score.
+
+    "right" counts right answers; an interval counts 1 - score/2 of one, but never less than nothing, so that width
+    costs: the score is its width in factors of ten, and ten times as much (at 80 %) for what it misses by.
+    """
     questions = {(row.lesson.name, key): None for row in rows for key in row.asked}
     several = len({row.lesson.name for row in rows}) > 1
-    heads = [f"{lesson}: {key}" if several else key for lesson, key in questions]
+    bets = {(row.lesson.name, key) for row in rows for key, step in row.asked.items()
+            if step.asked.kind == INTERVAL}
+    heads = []
+    for lesson, key in questions:
+        head = f"{lesson}: {key}" if several else key
+        heads += [head, f"{head}: right", *([f"{head}: score"] if (lesson, key) in bets else [])]
     out = io.StringIO()
     write = csv.writer(out, lineterminator="\n")
     write.writerow(["name", "lesson", "right", "of", "minutes", "same lesson", "core only", "file",
-                    *(part for head in heads for part in (head, f"{head}: right"))])
+                    *(BETS if bets else ()), *heads])
     for row in rows:
-        cells = [row.progress.name, row.lesson.name, row.right, row.marked, f"{row.minutes:.1f}",
+        cells = [row.progress.name, row.lesson.name, f"{round(row.right, 2):g}", row.marked, f"{row.minutes:.1f}",
                  _yes(row.progress.fingerprint == row.lesson.fingerprint), _yes(row.progress.core), row.file]
+        if bets:
+            cells += [len(row.bettor.made), row.bettor.held, _score(row.bettor.score)]
         for lesson, key in questions:
             said, found = row.answers.get(key, ("", None)) if lesson == row.lesson.name else ("", None)
             cells += [said, "" if found is None or found.right is None else _yes(found.right)]
+            if (lesson, key) in bets:
+                cells.append(_score(found.bet.score if found is not None and found.bet else None))
         write.writerow([quoting.cell(cell) for cell in cells])
     return out.getvalue()
 
 
 def coverage(rows: Sequence[Graded]) -> list[str]:
-    """How many of a class's intervals hold what came out: a sentence for each such question."""
-    asked, held = Counter[tuple[str, str]](), Counter[tuple[str, str]]()
+    """How many of a class's intervals hold what came out, beside how many should, and their mean score: a sentence for
+    each such question, and for each lesson that has several."""
+    found: dict[tuple[str, str], list[Bet]] = {}
     for row in rows:
-        for key, (_, found) in row.answers.items():
-            question = row.lesson.questions[key].question
-            if question and question.kind == INTERVAL and found is not None:
-                asked[row.lesson.name, key] += 1
-                held[row.lesson.name, key] += bool(found.right)
-    return [f"{lesson}, {key}: {held[lesson, key]} of {count} intervals hold what came out "
-            f"({held[lesson, key] / count:.0%})" for (lesson, key), count in asked.items()]
+        for key, (_, answer) in row.answers.items():
+            if answer is not None and answer.bet:
+                found.setdefault((row.lesson.name, key), []).append(answer.bet)
+    told = [_covered(f"{lesson}, {key}", bets) for (lesson, key), bets in found.items()]
+    for lesson in dict.fromkeys(lesson for lesson, _ in found):
+        questions = [bets for (name, _), bets in found.items() if name == lesson]
+        told += [_covered(lesson, [bet for bets in questions for bet in bets])] if len(questions) > 1 else []
+    return told
+
+
+def _covered(what: str, bets: Sequence[Bet]) -> str:
+    """The share of bets that hold beside that which was said, which is the mean where levels differ."""
+    bettor, said = Bettor(YOURS, tuple(bets)), sum(bet.level for bet in bets) / len(bets)
+    return f"{what}: {bettor.held} of {len(bets)} intervals hold what came out, {bettor.held / len(bets):.0%} where " \
+           f"{said:.0%} was said; their mean score is {_score(bettor.score)}, and less is better"
 
 
 def _answer(lesson: Lesson, key: str, progress: Progress, numbers: Numbers,
@@ -88,6 +119,10 @@ def _answer(lesson: Lesson, key: str, progress: Progress, numbers: Numbers,
         return said, mark(lesson, step, given, numbers, outcomes)
     except (ClaimError, RunFailed):
         return said, None
+
+
+def _score(found: float | None) -> str:
+    return "" if found is None else f"{found:.2f}"
 
 
 def _yes(true: bool) -> str:

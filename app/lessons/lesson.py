@@ -15,14 +15,14 @@ NUMBER, CHOICE, DRAG, INTERVAL, TEXT = ("number", "choice", "drag", "interval", 
 
 #: Which blocks a step of a kind may have, and which it must have.
 ALLOWED = {PREDICT: ("question", "claims", "teacher"), RUN: ("run", "claims", "teacher"),
-           OBSERVE: ("question", "claims", "teacher"), EXPLAIN: ("claims", "teacher", "run")}
+           OBSERVE: ("question", "claims", "teacher"), EXPLAIN: ("claims", "teacher", "run", "bets")}
 NEEDED = {PREDICT: "question", RUN: "run", OBSERVE: "question"}
 #: The keys that a question of a kind has beside ``kind``: with True those that it must have.
 QUESTIONS: dict[str, dict[str, bool]] = {
     NUMBER: {"expected": True, "tolerance": False, "unit": False},
     CHOICE: {"options": True, "correct": False, "holds": False},
     DRAG: {"control": True, "expected": True, "tolerance": False, "unit": False},
-    INTERVAL: {"expected": True, "unit": False},
+    INTERVAL: {"expected": True, "unit": False, "level": False},
     TEXT: {}}
 
 #: Controls of the page that a lesson may leave visible, by the names that it gives them.
@@ -62,7 +62,8 @@ class LessonRun:
 class Question:
     """What is asked. A number is right within ``tolerance`` of ``expected``, a part of it; of the ``options`` that one
     is right whose claim in ``holds`` does, or the ``correct`` one, counted from 1. ``control`` is the field of the
-    scene that is dragged, ``unit`` that of the number. A text is not marked."""
+    scene that is dragged, ``unit`` that of the number. An interval is a bet that it holds what comes out, with the
+    chance ``level`` (``app.lessons.bets``). A text is not marked."""
 
     kind: str
     line: int
@@ -73,6 +74,7 @@ class Question:
     tolerance: float = 0.1
     unit: str = ""
     control: str = ""
+    level: float = 0.8
 
 
 @dataclass(frozen=True)
@@ -86,7 +88,8 @@ class Claim:
 @dataclass(frozen=True)
 class Step:
     """One step. ``key`` names it in a handed-in file, ``text`` is Markdown, ``notes`` are the teacher's, ``stage`` is
-    what the button puts on the stage, as a template of a state. Who takes only the ``core`` skips the others."""
+    what the button puts on the stage, as a template of a state, ``bets`` says whose bets are laid side by side. Who
+    takes only the ``core`` skips the others."""
 
     kind: str
     title: str
@@ -99,6 +102,7 @@ class Step:
     question: Question | None = None
     claims: tuple[Claim, ...] = ()
     core: bool = True
+    bets: tuple[str, ...] = ()
 
     @property
     def asked(self) -> Question:

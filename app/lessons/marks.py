@@ -3,7 +3,8 @@
 from dataclasses import dataclass
 from typing import Any
 
-from app.lessons.claims import decide, said, value
+from app.lessons.bets import Bet
+from app.lessons.claims import ClaimError, decide, said, value
 from app.lessons.lesson import CHOICE, DRAG, INTERVAL, NUMBER, TEXT, Lesson, Numbers, Question, Step, filled
 from app.lessons.outcomes import Outcomes
 from app.words import with_unit
@@ -16,10 +17,17 @@ TOLD_AFTER = 3  # attempts, after which the right answer is shown
 
 @dataclass(frozen=True)
 class AnswerMark:
-    """``right`` is None for an answer that nobody marks; ``expected`` says what is right, in words."""
+    """``right`` is None for an answer that nobody marks; ``expected`` says what is right, in words. An interval, which
+    is right where it holds what came out, is a ``bet`` as well."""
 
     right: bool | None
     expected: str
+    bet: Bet | None = None
+
+    @property
+    def points(self) -> float:
+        """What the answer counts: 1 or 0, and an interval by its score, so that width costs (:attr:`Bet.points`)."""
+        return self.bet.points if self.bet else float(bool(self.right))
 
 
 @dataclass(frozen=True)
@@ -39,7 +47,11 @@ def mark(lesson: Lesson, step: Step, answer: Any, numbers: Numbers, outcomes: Ou
     if step.asked.kind == TEXT:
         return AnswerMark(None, "")
     found = right(lesson, step, numbers, outcomes)
-    return AnswerMark(_fits(step.asked, answer, found), found.told)
+    right_or_not = fits(step.asked, answer, found)
+    if step.asked.kind != INTERVAL:
+        return AnswerMark(right_or_not, found.told)
+    low, high = map(float, answer)
+    return AnswerMark(right_or_not, found.told, Bet(low, high, float(found.value), step.asked.level))
 
 
 def right(lesson: Lesson, step: Step, numbers: Numbers, outcomes: Outcomes) -> Right:
@@ -52,6 +64,8 @@ def right(lesson: Lesson, step: Step, numbers: Numbers, outcomes: Outcomes) -> R
             tuple(k for k, claim in enumerate(texts, 1) if decide(claim, scope).holds)
         return Right(" or ".join(filled(asked.options[k - 1], numbers) for k in options), options)
     expected = value(texts[-1], scope)
+    if asked.kind == INTERVAL and (isinstance(expected, str) or expected <= 0):
+        raise ClaimError(f"{texts[-1]} is {said(expected)}: intervals are bets on a size; ask for one above 0")
     told = in_unit(asked, expected)
     if asked.kind != INTERVAL and not isinstance(expected, str):
         told += f" (± {100 * asked.tolerance:g} %)"
@@ -70,7 +84,8 @@ def in_unit(asked: Question, found: float | str) -> str:
     return f"{said(found)} {asked.unit}".strip()
 
 
-def _fits(asked: Question, answer: Any, found: Right) -> bool:
+def fits(asked: Question, answer: Any, found: Right) -> bool:
+    """Whether an answer to a question is right, or an interval holds what came out."""
     if asked.kind == CHOICE:
         return answer in found.options
     if isinstance(found.value, str):
@@ -92,7 +107,9 @@ def trouble(asked: Question, answer: Any) -> str:
     if asked.kind == INTERVAL:
         if not (isinstance(answer, (list, tuple)) and len(answer) == 2 and all(map(_is_real, answer))):
             return "give two numbers, the least and the most"
-        return "" if answer[0] <= answer[1] else "the first number must not be above the second"
+        if answer[0] > answer[1]:
+            return "the first number must not be above the second"
+        return "" if answer[0] > 0 else "give two numbers above 0: a bet is scored by factors, and 0 is infinitely far"
     assert asked.kind in (NUMBER, DRAG)
     return "" if _is_real(answer) else "give a number"
 

@@ -7,6 +7,7 @@ from concurrent.futures import Future, as_completed
 from typing import Any
 
 from app import state
+from app.lessons.bets import Ends, about_bets, told
 from app.lessons.claims import Outcome, Scope, needed
 from app.lessons.lesson import Lesson, Numbers, Step, filled
 from solvers.workers.pool import WorkerPool
@@ -26,35 +27,50 @@ class Outcomes:
     def __init__(self, processes: int = 1, politeness: int = 0):
         self._pool, self._politeness = WorkerPool(WORK, processes), politeness
         self._lock = threading.Lock()
-        self._runs: dict[str, Future[dict[str, Any]]] = {}
+        self._runs: dict[tuple[str, bool], Future[dict[str, Any]]] = {}
 
     def close(self) -> None:
         self._pool.close()
 
     def result(self, text: str) -> dict[str, Any]:
         """The result's JSON object of the scene of a state; waits for it."""
+        return self._waited(text, False)
+
+    def bets(self, text: str) -> dict[str, dict[str, Ends | None]]:
+        """What the judges bet on the errors at the end of such a scene: ends by quantity and judge; waits for it."""
+        return self._waited(text, True)
+
+    def _waited(self, text: str, judged: bool) -> dict[str, Any]:
         try:
-            return self._run(text).result()
+            return self._run(text, judged).result()
         except ProcessDied as error:
             raise RunFailed(f"{_scene(text)} could not be run: the process {error}") from None
 
-    def _run(self, text: str) -> Future[dict[str, Any]]:
-        """The run of the scene of a state, one that failed once more."""
+    def _run(self, text: str, judged: bool = False) -> Future[dict[str, Any]]:
+        """The run of the scene of a state, or the judges' bets on it; one that failed once more."""
         scene = _scene(text)
         with self._lock:
-            run = self._runs.get(scene)
+            run = self._runs.get((scene, judged))
             if run is None or (run.done() and run.exception()):
                 if len(self._runs) >= KEPT:
                     self._runs.pop(next(iter(self._runs)))
-                run = self._runs[scene] = self._pool.submit({"scene": scene, "politeness": self._politeness})
+                run = self._runs[scene, judged] = self._pool.submit(
+                    {"scene": scene, "politeness": self._politeness, "judged": judged})
             return run
 
     def scope(self, lesson: Lesson, step: Step, numbers: Numbers, texts: Iterable[str]) -> Scope:
         """What the names in these expressions mean in a step: only the runs that they need are run."""
         main, runs = lesson.main_run(step), lesson.runs
+        texts = list(texts)
         asked = set().union(*(needed(text, runs, main) for text in texts))
-        return Scope({name: Outcome([self.result(filled(text, numbers)) for text in run.texts], run.varied)
+        result = self._with_bets if any(map(about_bets, texts)) else self.result
+        return Scope({name: Outcome([result(filled(text, numbers)) for text in run.texts], run.varied)
                       for name, run in runs.items() if name in asked}, main)
+
+    def _with_bets(self, text: str) -> dict[str, Any]:
+        """A result with the judges' bets on it, as claims have them."""
+        found = self.result(text)
+        return {**found, "bet": told(self.bets(text), found["error"])}
 
     def prepare(self, texts: Iterable[str], on_progress: Callable[[int, int], None]) -> None:
         """Run all of these scenes, as many at a time as there are processes; failures show when they are asked for."""
@@ -74,9 +90,11 @@ def scene_texts(lesson: Lesson, numbers: Numbers) -> list[str]:
 
 
 def work(question: Mapping[str, Any], answer: Callable[[dict], None]) -> None:
-    """In a process of its own: run one scene."""
+    """In a process of its own: run one scene, or ask the judges for their bets on it."""
     from solvers.running.run import run
+    from solvers.study.coverage.bets import bets
 
     if nice := getattr(os, "nice", None):  # not on every system
         nice(max(0, question["politeness"] - nice(0)))
-    answer(run(state.read(question["scene"]).scene, prices=False, mid_run=False).to_dict())
+    scene = state.read(question["scene"]).scene
+    answer(bets(scene) if question["judged"] else run(scene, prices=False, mid_run=False).to_dict())

@@ -9,7 +9,7 @@ from solvers.outside import quoting
 
 FENCE = "```"
 HEAD = "+++"
-BLOCKS = ("run", "question", "claims", "teacher")
+BLOCKS = ("run", "question", "claims", "teacher", "bets")
 
 
 @dataclass

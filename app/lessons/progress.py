@@ -85,6 +85,16 @@ def read(text: str, find: Callable[[str], Lesson | None]) -> Progress:
                     values.get("core") is True and bool(lesson.deeper))
 
 
+def of_lesson(text: str, lesson: Lesson) -> Progress | None:
+    """What a text says of a lesson as it is now; None where it is no such text, or the lesson has been changed since:
+    its questions may mean something else."""
+    try:
+        found = read(text, {lesson.name: lesson}.get)
+    except NotAnswers:
+        return None
+    return found if found.fingerprint == lesson.fingerprint else None
+
+
 def _fits(lesson: Lesson, key: str, given: dict[str, Any]) -> bool:
     asked = lesson.questions[key].asked
     return not trouble(asked, given["first"]) and not trouble(asked, given["last"]) \

@@ -12,7 +12,7 @@ from dataclasses import replace
 from pathlib import Path
 from typing import Any, TypeVar
 
-from app.lessons import blocks, claims, length, rounds
+from app.lessons import bets, blocks, claims, length, rounds
 from app.lessons.lesson import ALLOWED, CONTROLS, KINDS, NEEDED, PLACE, Lesson, LessonError, Numbers, Step, filled
 from app.lessons.markup import MarkupError, html
 from app.lessons.parts import Part, notes_of, numbered, parts_of, split_head
@@ -61,6 +61,7 @@ def parse(text: str, name: str, folder: Path | None = None) -> Lesson:
     check_names(lesson)
     check_claims(lesson)
     rounds.check_core(lesson)
+    _check_bets(lesson)
     for part in (opening, *parts):
         _check_text(part, lesson, folder)
     return length.measured(lesson)
@@ -125,6 +126,8 @@ def _step(part: Part, lesson: Lesson) -> Step:
             step = replace(step, question=blocks.question(text, line))
         elif name == "claims":
             step = replace(step, claims=blocks.claims(text, line))
+        elif name == "bets":
+            step = replace(step, bets=blocks.bettors(text, line))
     return step
 
 
@@ -172,6 +175,19 @@ def check_claims(lesson: Lesson) -> None:
                     check(filled(text, numbers), lesson.runs, main)
                 except claims.ClaimError as error:
                     raise LessonError(line, str(error)) from None
+
+
+def _check_bets(lesson: Lesson) -> None:
+    """Bets that are laid side by side are there, and judges can bet on what is asked."""
+    for step in lesson.steps:
+        asked = bets.asked_before(lesson, step) if step.bets else []
+        if step.bets and not asked:
+            raise LessonError(step.line, "bets are shown, and no interval is asked before; ask one, or leave them out")
+        for question in (other.asked for other in asked if set(step.bets) - {*bets.OWN}):
+            if not bets.PATH.fullmatch(question.expected) or question.level != bets.LEVEL:
+                raise LessonError(question.line, "judges bet on errors at the end, at a level of "
+                                                 f"{bets.LEVEL:g}; give expected = \"fine.error.x.final\", or of v or "
+                                                 f"sigma, and that level, or leave the judges out in line {step.line}")
 
 
 def _check_text(part: Part, lesson: Lesson, folder: Path | None) -> None:

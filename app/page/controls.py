@@ -7,7 +7,8 @@ from typing import Any
 import viser
 
 from app.frame.scale import ColourScale
-from app.page.features.budget.panel import WHO
+from app.language.spoken import later, tr
+from app.page.features.budget.panel import who
 from app.page.features.slow.panel import SlowMotion
 from app.page.panels.answers import Answers
 from app.page.panels.bound import BoundWidgets
@@ -23,7 +24,7 @@ from app.page.transport import Transport
 from app.page.visit.session import Session, first_scene
 from app.problems.views import VIEWS
 from app.state import State
-from app.words import CHOICES
+from app.words import choices
 from solvers.engine.frames import FrameArrays
 from solvers.engine.messages import FrameReport
 from solvers.problems import PROBLEMS
@@ -31,7 +32,7 @@ from solvers.scene.effects import ALL
 from solvers.scene.remedies import REMEDIES
 from solvers.scene.scene import Scene
 
-ELSEWHERE = "<p class='lab-elsewhere'>A lesson is open: its controls are in <b>Lessons</b>, below its text.</p>"
+ELSEWHERE = later("A lesson is open: its controls are in <b>Lessons</b>, below its text.")
 
 
 class Controls:
@@ -47,8 +48,9 @@ class Controls:
         self._turn = threading.RLock()  # widgets must not be removed while others are made or changed among them
         self._bound, self._lasting = (BoundWidgets(gui, session, self._answers, self._turn) for _ in range(2))
         self._problem_mark = gui.add_html("<i class='lab-at-problem'></i>")
-        self._problem = gui.add_dropdown("Problem", tuple(problem.scene.TITLE for problem in PROBLEMS.values()),
-                                         initial_value=session.scene.TITLE, hint="what moves; each has its own scene")
+        self._problem = gui.add_dropdown(tr("Problem"), tuple(tr(problem.scene.TITLE) for problem in PROBLEMS.values()),
+                                         initial_value=tr(session.scene.TITLE),
+                                         hint=tr("what moves; each has its own scene"))
         self._stage = StageChoice(gui, session, scale, on_view)
         self._transport = Transport(gui, session, looking, slow, self._lasting, on_view)
         self._drawn = Drawn(session, scale, looking, on_view)
@@ -68,7 +70,7 @@ class Controls:
         """Make the widgets of the tab, within it."""
         self._home = tab
         self._place: viser.GuiTabHandle | viser.GuiFolderHandle = tab
-        self._elsewhere = self._gui.add_html(ELSEWHERE, visible=False)
+        self._elsewhere = self._gui.add_html(f"<p class='lab-elsewhere'>{tr(ELSEWHERE)}</p>", visible=False)
         self._build()
 
     def hear(self, report: FrameReport, arrays: FrameArrays) -> None:
@@ -90,7 +92,7 @@ class Controls:
 
     def choose_problem(self, problem: str) -> None:
         """Put another problem on the stage, as it is at first."""
-        self._problem.value = PROBLEMS[problem].scene.TITLE  # type: ignore[misc]
+        self._problem.value = tr(PROBLEMS[problem].scene.TITLE)  # type: ignore[misc]
         self._choose_problem()
 
     @property
@@ -145,7 +147,8 @@ class Controls:
             except ValueError:
                 value = None
             if value is None or (scene.choices(field) and value not in scene.choices(field)):
-                self._session.refuse(f"{said}: not of the {scene.TITLE}; press On the stage first")
+                self._session.refuse(tr("{said}: not of the {problem}; press On the stage first", said=said,
+                                        problem=tr(scene.TITLE)))
                 return
             self._session.set(**{field: value}, **({"dt": None} if field == "cfl" else {}))
             self._rebuild()
@@ -158,7 +161,7 @@ class Controls:
             elif estimator in self._session.scene.estimators:
                 self._stage.put(estimator)
             else:
-                self._session.refuse(f"{estimator} does not run here; press On the stage first")
+                self._session.refuse(tr("{estimator} does not run here; press On the stage first", estimator=estimator))
 
     def press(self, name: str) -> None:
         """What the button of this name in the deck does."""
@@ -202,7 +205,7 @@ class Controls:
 
     def _rebuild(self) -> None:
         """Make the widgets anew, for the session's present scene."""
-        self._problem.value = self._session.scene.TITLE  # type: ignore[misc]  # it is chosen: nothing follows from it
+        self._problem.value = tr(self._session.scene.TITLE)  # type: ignore[misc]  # it is chosen: nothing follows from it
         self._transport.show()
         self._bound.forget()
         self._widgets.remove()
@@ -211,8 +214,9 @@ class Controls:
 
     def _choose_problem(self) -> None:
         """Another problem has other choices and reaches."""
-        if self._problem.value != self._session.scene.TITLE:
-            kind = next(problem.scene for problem in PROBLEMS.values() if problem.scene.TITLE == self._problem.value)
+        if self._problem.value != tr(self._session.scene.TITLE):
+            kind = next(problem.scene for problem in PROBLEMS.values()
+                        if tr(problem.scene.TITLE) == self._problem.value)
             self.load(first_scene(kind.problem))
 
     def _build(self) -> None:
@@ -224,29 +228,29 @@ class Controls:
             self._run.build(self._gui, self._part)
             with self._part("estimators"):
                 self._judges.build(self._gui)
-                self._gui.add_html(WHO)
-            with self._fold("What is drawn", "estimators", "colours", "trace", "domains"):
+                self._gui.add_html(who())
+            with self._fold("drawn", tr("What is drawn"), "estimators", "colours", "trace", "domains"):
                 self._drawn.build(self._gui, self._part)
             if view.motion or view.material:
-                with self._fold("Motion and material", "motion", "modulus"):
+                with self._fold("motion", tr("Motion and material"), "motion", "modulus"):
                     with self._part("motion"):
                         self._bound.motions(self._move)
                     with self._part("modulus"):
                         self._bound.sliders(view.material)
             with self._part("slow-motion"):
-                mark(self._gui, "lab-slow-fold", words="phase by phase")
+                mark(self._gui, "lab-slow-fold", words=tr("phase by phase"))
                 self._slow.build(self._gui)
             with self._part("details"):
                 self._folds["details"] = mark(self._gui, words=says["details"])
-                with self._gui.add_folder("Method details and remedies", expand_by_default=False):
+                with self._gui.add_folder(tr("Method details and remedies"), expand_by_default=False):
                     for field, hint in view.details.items():
                         if field != "body_force" or scene.takes_force:
                             self._bound.field(field, hint)
-                    self._gui.add_html("<div class='lab-group'>Remedies for long and large motions</div>")
+                    self._gui.add_html(f"<div class='lab-group'>{tr('Remedies for long and large motions')}</div>")
                     self._bound.boxes("remedies", REMEDIES)
             with self._part("effects"):
                 self._folds["effects"] = mark(self._gui, words=says["effects"])
-                with self._gui.add_folder("Effects: compute only what you need", expand_by_default=False):
+                with self._gui.add_folder(tr("Effects: compute only what you need"), expand_by_default=False):
                     self._bound.boxes("effects", ALL)
 
     def _enter(self, text: Any) -> None:
@@ -258,11 +262,11 @@ class Controls:
         """Room for a control, which a lesson may do without. Without a label nothing of it is seen."""
         return self._gui.add_folder(None, visible=not self._offered or control in self._offered)
 
-    def _fold(self, label: str, *controls: str) -> viser.GuiFolderHandle:
+    def _fold(self, name: str, label: str, *controls: str) -> viser.GuiFolderHandle:
         """A folded part of the panel; with the few controls that a lesson leaves there is nothing to fold."""
         if self._offered:
             return self._gui.add_folder(None, visible=not {*controls}.isdisjoint(self._offered))
-        self._folds[label] = mark(self._gui, words=self._fold_words()[label])
+        self._folds[name] = mark(self._gui, words=self._fold_words()[name])
         return self._gui.add_folder(label, expand_by_default=False)
 
     def _say_folds(self) -> None:
@@ -275,11 +279,11 @@ class Controls:
         """What is set in each fold, for the right of its name."""
         scene, view = self._session.scene, VIEWS[self._session.scene.problem]
         values = scene.to_dict()
-        motion = [CHOICES["motion"][values["motion"]]] if view.motion else []
-        material = [f"{slider[0].split()[-1]} = {values[field]:g}" for field, slider in view.material.items()]
-        return {"What is drawn": self._drawn.words, "Motion and material": ", ".join([*motion, *material]),
-                "details": ", ".join(REMEDIES[name].label for name in scene.remedies) or "none",
-                "effects": f"{len(scene.effects)} of {len(scene.choices('effects'))}"}
+        motion = [choices(type(scene), "motion")[values["motion"]]] if view.motion else []
+        material = [f"{tr(slider[0]).split()[-1]} = {values[field]:g}" for field, slider in view.material.items()]
+        return {"drawn": self._drawn.words, "motion": ", ".join([*motion, *material]),
+                "details": ", ".join(tr(REMEDIES[name].label) for name in scene.remedies) or tr("none"),
+                "effects": tr("{n} of {all}", n=len(scene.effects), all=len(scene.choices("effects")))}
 
     def _move(self, changed: Scene, quantity: str | None, speed: float | None) -> None:
         """Another motion has other controls."""

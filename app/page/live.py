@@ -6,6 +6,7 @@ from app.frame.scale import LEAST_TOP
 from app.frame.sentence import Said
 from app.frame.silences import why_no_index
 from app.frame.view import View, look
+from app.language.spoken import tr
 from app.page.measurements import Numbers
 from app.page.panels.readout import readout
 from app.page.panels.timeline import Now
@@ -46,7 +47,8 @@ class LiveRun:
         pinned = self._session.pinned
         if pinned and pinned.scene.problem != scene.problem:
             pinned = None  # it goes with the next frame
-        name = f"this run: {differing(scene, pinned.scene)}".removesuffix(": ") if pinned else ""
+        said = differing(scene, pinned.scene) if pinned else ""
+        name = tr("this run: {run}", run=said) if said else tr("this run") if pinned else ""
         picture = self._picture(report, arrays, look(report, arrays, *asked), name)
         if not report.playing:  # while it moves, words that change with each frame could not be read
             self._worst.look(report, arrays, picture.view, choice.quantity)
@@ -90,7 +92,7 @@ class LiveRun:
 
     def _beside(self, pinned: PinnedRun, other: Scene, asked: tuple[str, str | None, bool]) -> Picture | str:
         """A pinned run beside an ``other`` one, or before its first frame that there will be one."""
-        name, view = f"pinned: {differing(pinned.scene, other) or 'the same so far'}", pinned.view(*asked)
+        run, view = differing(pinned.scene, other) or tr("the same so far"), pinned.view(*asked)
         if view is None or pinned.last is None:
-            return f"{name}, being prepared"
-        return self._picture(*pinned.last, view, name)
+            return tr("pinned: {run}, being prepared", run=run)
+        return self._picture(*pinned.last, view, tr("pinned: {run}", run=run))

@@ -6,6 +6,7 @@ from html import escape
 
 import viser
 
+from app.language.spoken import tr
 from app.page.panels.plots import Past, Plots
 from app.page.panels.readout import Readout
 from app.page.panels.timeline import Now, Timeline
@@ -50,10 +51,10 @@ class Measurements:
     def build(self, gui: viser.GuiApi) -> None:
         """Make the fold, before the tabs: the style lays it below them, for lessons have their numbers read there, and
         of these what an error is by each judge stays in view while one is open (``css/33-numbers.css``)."""
-        gui.add_html("<i class='lab-numbers' data-words='time, energy, steps'></i>")
-        fold = gui.add_folder("All numbers of this run", expand_by_default=False)
+        gui.add_html(f"<i class='lab-numbers' data-words='{escape(tr('time, energy, steps'))}'></i>")
+        fold = gui.add_folder(tr("All numbers of this run"), expand_by_default=False)
         with fold:
-            self._readout = gui.add_html("<div class='lab-readout'>waiting for the first frame</div>")
+            self._readout = gui.add_html(f"<div class='lab-readout'>{tr('waiting for the first frame')}</div>")
         self._plots = Plots(self._client, fold)
         gui.add_html("<i class='lab-estimates-foot'></i>")
         self._foot = gui.add_html("")

@@ -10,9 +10,11 @@ from app import state
 from app.doors.faults import noted
 from app.frame.scale import ColourScale
 from app.frame.sentence import Said
-from app.language.spoken import carried
+from app.language.heard import heard
+from app.language.spoken import carried, language, tr
 from app.page.canvas import Canvas
 from app.page.controls import Controls
+from app.page.features.board.panel import BoardPanel, Lectern, stage_of
 from app.page.features.budget.panel import BudgetFold
 from app.page.features.cost.panel import CostTab
 from app.page.features.lesson.marking import Classroom
@@ -55,9 +57,10 @@ class Page:
     """Private to one client. Frames draw on the engine's reader thread, the rest on a thread of its own. The browser
     calls it by its ``token`` (``attendance.js``)."""
 
-    def __init__(self, client: viser.ClientHandle, pool: PageLinks, classroom: Classroom):
+    def __init__(self, client: viser.ClientHandle, pool: PageLinks, classroom: Classroom,
+                 lectern: Lectern | None = None):
         self.client, self._ready, self._links, self._classroom = client, False, pool, classroom
-        self.token = secrets.token_urlsafe(12)
+        self.token, self.language = secrets.token_urlsafe(12), language()
         self._closed, self._drawing, self._refreshing = threading.Event(), threading.Lock(), threading.Lock()
         self._keeping = threading.Lock()
         self._watched = self._takes = True  # the browser shows the page, and takes what is sent to it
@@ -95,6 +98,10 @@ class Page:
                                   "method": self._controls.next_method, "code": self._sharing.show_code,
                                   "phase": self._slow.forward, "phase back": self._slow.back,
                                   "present": self._presenter.begin})
+        self._lectern, self._board, self._covered, self._at = lectern, None, False, ""
+        if lectern:
+            self._cover(True, 0)
+            self._board = BoardPanel(client, self._store, lectern, self._cover)
         self._problems = ProblemButtons(client.gui, self._store, self._controls.choose_problem)
         self._store.heard["spark"], self._store.heard["budget"] = self._sparks.press, self._budget.press
         self._store.listen(self._follow_link, self._player.restore)
@@ -105,7 +112,7 @@ class Page:
     def attend(self, watched: bool) -> None:
         """The browser shows the page, or no longer: then nothing is computed or sent for it."""
         self._watched = watched
-        self._session.attend(watched and self._takes)
+        self._session.attend(watched and self._takes and not self._covered)
 
     def fall_silent(self) -> None:
         """Nothing is drawn or said from now on."""
@@ -125,6 +132,8 @@ class Page:
         self._links.close()
         self._cost.jobs.close()
         self._budget.jobs.close()
+        if self._board:
+            self._board.close()
 
     def _tabs(self, client: viser.ClientHandle) -> None:
         self._looking = looking = Looking(self._session, self._recent, self._trace, self._redraw)
@@ -134,18 +143,19 @@ class Page:
         self._measurements.build(client.gui)
         self._controls.open_on(OPENING)
         tabs = client.gui.add_tab_group()
-        with tabs.add_tab("Explore", viser.Icon.ADJUSTMENTS_HORIZONTAL) as explore:
+        with tabs.add_tab(tr("Explore"), viser.Icon.ADJUSTMENTS_HORIZONTAL) as explore:
             client.gui.add_html("<div class='lab-sparks-here'></div>")  # on a phone
             self._controls.build(explore)
             self._sharing = Sharing(client.gui, self._store, self._controls)
             self._own.build(client.gui)
-        with tabs.add_tab("Lessons", viser.Icon.SCHOOL) as lessons:
+        with tabs.add_tab(tr("Lessons"), viser.Icon.SCHOOL) as lessons:
             self._player = Player(client, lessons, self._classroom, self._controls, self._store, self._keep)
-        with tabs.add_tab("Cost", viser.Icon.HOURGLASS):
+        with tabs.add_tab(tr("Cost"), viser.Icon.HOURGLASS):
             self._cost = CostTab(client, self._session, self._controls.load)
-        with tabs.add_tab("About", viser.Icon.INFO_CIRCLE):
+        with tabs.add_tab(tr("About"), viser.Icon.INFO_CIRCLE):
             client.gui.add_html("<i class='lab-replay'></i>")
-            self._replay = client.gui.add_button("Replay the story", hint="what the page opens on, in four beats")
+            self._replay = client.gui.add_button(tr("Replay the story"),
+                                                   hint=tr("what the page opens on, in four beats"))
             add_about(client.gui)
 
     def _on_frame(self, report: FrameReport, arrays: FrameArrays) -> None:
@@ -172,7 +182,7 @@ class Page:
         try:
             self._controls.show(state.read(text))
         except state.StateError as error:
-            self._session.refuse(f"The link cannot be followed: {error}")
+            self._session.refuse(tr("The link cannot be followed: {reason}", reason=heard(str(error))))
 
     def _keep(self) -> None:
         """Have the browser keep what is seen: in its address, and the answers to a lesson."""
@@ -205,6 +215,17 @@ class Page:
         self._canvas.shade(dark)
         self._measurements.timeline.shade(dark)
         self._redraw()
+
+    def _cover(self, covered: bool, step: int) -> None:
+        """The board covers the stage, where nothing need move then; or lets it be seen, at this step of the lesson."""
+        self._covered = covered
+        self.attend(self._watched)
+        if self._lectern and not covered:
+            self._presenter.begin()
+            self._player.turn(self._lectern.board.core, step)
+            if (stage := stage_of(self._lectern.board, step)) != self._at:
+                self._at = stage
+                self._controls.show(state.read(stage))
 
     def _point(self, said: object) -> None:
         """The visitor reads the curves over time at a part of their axis, or no longer."""

@@ -9,7 +9,7 @@ import socket
 import sys
 import threading
 import warnings
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import replace
 from time import sleep
@@ -17,12 +17,13 @@ from typing import Any
 from urllib.parse import quote
 
 from app.doors.address import Addresses
-from app.doors.code import ClassCode, made_up
+from app.doors.code import BOARD, CLASS, TEACHER, ClassCode, Guest, made_up
 from app.doors.faults import Brief
 from app.identity import ICON
-from app.language.spoken import carried
+from app.language.spoken import carried, later, tr
 from app.lessons import shelf
 from app.page.ending import ending, in_background
+from app.page.features.board.board import Board
 from app.page.features.lesson.marking import Classroom
 from app.page.prewarm import usual_scenes
 from app.page.visit.health import Tally
@@ -37,9 +38,9 @@ CLOSED_WITHIN, ENDS_WITHIN = 0.3, 1.3  # seconds in which pages close, and after
 MAKERS = 2  # pages that are made at once; each takes some 30 ms of a processor
 MOST_ENGINES = 4  # each holds its own copy of Taichi and of every kernel; more gain little
 
-FULL = "Every place on this server is taken. This page tries again by itself; nothing needs to be done."
-OVER = "The lab has been closed. Once it is open again, this page comes back by itself."
-FAILED = "The page could not be made. Reload it, or see the terminal for the reason."
+FULL = later("Every place on this server is taken. This page tries again by itself; nothing needs to be done.")
+OVER = later("The lab has been closed. Once it is open again, this page comes back by itself.")
+FAILED = later("The page could not be made. Reload it, or see the terminal for the reason.")
 AGAIN = "<i class='lab-again'></i>"  # has the page loaded anew after a while
 
 
@@ -50,13 +51,15 @@ class ServeError(Exception):
 class Visitors:
     """Who is here: a page for each of at most ``places`` visitors, closed when its visitor leaves.
 
-    A client is known by its ``client_id``; ``make_page`` gets it and what opens lines to the engines. The web server
-    calls from many threads: a visitor may leave while the page is being made, or even before :meth:`connect`.
+    A client is known by its ``client_id``; ``make_page`` gets it and what opens lines to the engines. Whom the lab
+    ``expects`` needs no place to be free. The web server calls from many threads: a visitor may leave while the page is
+    being made, or even before :meth:`connect`.
     """
 
     def __init__(self, pool: EnginePool, places: int, make_page: Callable[[Any, PageLinks], Any],
-                 show: Callable[[Any, str], None]):
+                 show: Callable[[Any, str], None], expects: Callable[[Any], bool] = lambda client: False):
         self._pool, self._places, self._make_page, self._show = pool, places, make_page, show
+        self._expects = expects
         self._lock, self._frames = threading.Lock(), Tally()
         self._pages: dict[int, Any] = {}  # places taken; None while the page is being made
         self._pageless: set[int] = set()  # here, but refused or with a page that failed
@@ -70,7 +73,7 @@ class Visitors:
             if visitor in self._left:
                 self._left.discard(visitor)
                 return
-            over, admitted = self._over, not self._over and len(self._pages) < self._places
+            over, admitted = self._over, not self._over and (len(self._pages) < self._places or self._expects(client))
             if admitted:
                 self._pages[visitor] = None
             else:
@@ -78,7 +81,7 @@ class Visitors:
         if admitted:
             self._admit(client)
         else:
-            self._show(client, OVER if over else FULL + AGAIN)
+            self._show(client, tr(OVER) if over else tr(FULL) + AGAIN)
 
     def disconnect(self, client: Any) -> None:
         """Close the visitor's page, now or as soon as it is made."""
@@ -108,7 +111,8 @@ class Visitors:
         with self._lock:
             pages, self._over = list(filter(None, self._pages.values())), True
             self._pages = {visitor: page for visitor, page in self._pages.items() if page is None}
-        closing = [threading.Thread(target=self._send_home, args=(page,), daemon=True) for page in pages]
+        closing = [threading.Thread(target=carried(self._send_home, page.language), args=(page,), daemon=True)
+                   for page in pages]
         for thread in closing:
             thread.start()
         return closing
@@ -125,7 +129,7 @@ class Visitors:
 
     def _send_home(self, page: Any) -> None:
         page.fall_silent()
-        self._show(page.client, OVER)
+        self._show(page.client, tr(OVER))
         page.client.flush()
         page.close()
 
@@ -148,46 +152,40 @@ class Visitors:
         if page is not None:
             page.close()
         if not gone:
-            self._show(client, OVER if over else FAILED)
+            self._show(client, tr(OVER if over else FAILED))
         with self._lock:
             self._pages.pop(visitor, None)
 
 
 def serve(host: str, port: int, max_sessions: int, warm_up: bool = True, code: str = "",
           names: tuple[str, ...] = (), frames: float = 1 / FRAME_SECONDS, lesson: str = "",
-          teacher: bool = False, core: bool = False) -> None:
+          teacher: bool = False, core: bool = False, board: bool = False) -> None:
     """Serve the page until interrupted; with ``warm_up`` usual scenes are compiled beside it. Each visitor gets so many
     ``frames`` a second, if they can be had.
 
     Visitors need the class ``code``; without one it is made up where others than this machine's users can come in.
     ``names`` are those of proxies before the lab. Everyone is opened on the ``lesson``, if there is one. With
     ``teacher`` its notes are shown: where others can come in, to those who know the teacher's own code. With ``core``
-    every lesson begins with its core alone. Raises :class:`ServeError` when host and port cannot be had.
+    every lesson begins with its core alone. A ``board`` shows what the class says to the lesson to those who know its
+    own code; visitors are told apart by cookies, which a code gives, so that there always is a class code then. Raises
+    :class:`ServeError` when host and port cannot be had.
     """
     addresses = Addresses(host, names)
-    code = code or ("" if addresses.private else made_up())
-    notes = made_up() if teacher and code else ""
+    code = code or (made_up() if board or not addresses.private else "")
+    codes = {CLASS: code, TEACHER: made_up() if teacher and code else "", BOARD: made_up() if board else ""}
     _require_free(host, port)
     # The engines start before the page's imports: they need longest.
     pool, server = EnginePool(OPENING.scene, _engine_count(), 1 / frames), None
     classroom = Classroom(lesson, teacher, core=core)
+    shared = Board(shelf.lesson(lesson), classroom.outcomes, core) if board else None
     signal.signal(signal.SIGTERM, signal.default_int_handler)  # it ends as by Ctrl-C
     log = logging.StreamHandler()
     log.addFilter(Brief())
     logging.getLogger().addHandler(log)
     try:
-        server = _start_server(host, port, pool, max_sessions, addresses, code, classroom, notes)
-        address = f"{HERE if host in EVERYWHERE else host}:{server.get_port()}"
-        print(f"mpm-lab is at http://{address} (Ctrl-C ends it)", file=sys.stderr, flush=True)
-        if code:
-            link = f"http://{_outside(host)}:{server.get_port()}/#code={quote(code)}"
-            print(f"the class code is {code}; {link} brings it along", file=sys.stderr, flush=True)
-            if sys.stderr.isatty():
-                print(_picture(link), file=sys.stderr, flush=True)
-        if notes:
-            link = f"http://{_outside(host)}:{server.get_port()}/#code={quote(notes)}"
-            print(f"the teacher's code, which shows the notes too, is {notes}; {link} brings it along", file=sys.stderr,
-                  flush=True)
+        server = _start_server(host, port, pool, max_sessions, addresses, codes, classroom, shared)
+        _announce(f"{HERE if host in EVERYWHERE else host}:{server.get_port()}",
+                  f"http://{_outside(host)}:{server.get_port()}/", codes)
         lessons = shelf.lessons()  # while nothing else is to be done: the first visitor wants them
         if warm_up:
             pool.expect(usual_scenes(lessons, lesson))
@@ -198,6 +196,8 @@ def serve(host: str, port: int, max_sessions: int, warm_up: bool = True, code: s
             pool.dismiss()  # first: it takes them longest
             closing = [] if server is None else server.visitors.say_goodbye()
             closing.append(in_background(classroom.outcomes.close))
+            if shared is not None:
+                shared.close()
             if server is not None:
                 server.wait_until_told(TOLD_WITHIN)
             pool.close(CLOSED_WITHIN)
@@ -208,8 +208,9 @@ def serve(host: str, port: int, max_sessions: int, warm_up: bool = True, code: s
                     server.stop()
 
 
-def _start_server(host: str, port: int, pool: EnginePool, max_sessions: int, addresses: Addresses, code: str,
-                  classroom: Classroom, notes: str = "") -> Any:
+def _start_server(host: str, port: int, pool: EnginePool, max_sessions: int, addresses: Addresses,
+                  codes: Mapping[str, str], classroom: Classroom, board: Board | None = None) -> Any:
+    from app.page.features.board.panel import Door, Lectern
     from app.page.page import Page
     from app.page.panels.head import ground, set_up
     from app.viewer import faults
@@ -221,17 +222,31 @@ def _start_server(host: str, port: int, pool: EnginePool, max_sessions: int, add
     faults.mend()
     # A frame may be drawn for a visitor who left a moment ago; that is nobody's fault.
     warnings.filterwarnings("ignore", message="Queued a .* on a closed connection")
-    doors = Doors(addresses, ClassCode(code, port, notes) if code else None)
+    code = codes[CLASS]
+    doors = Doors(addresses, ClassCode(code, port, codes[TEACHER], codes[BOARD]) if code else None)
     # The viewer would announce itself in a box of its own.
     with contextlib.redirect_stdout(io.StringIO()), doors.guarding(Index(ground, ICON)):
         server = Lab(host=host, port=port, verbose=False)
     set_up(server.gui)
 
     def make_page(client: Any, links: PageLinks) -> Any:
-        teacher = classroom.teacher and doors.teaches(client.client_id)
-        return Page(client, links, replace(classroom, teacher=teacher))
+        whose, key = doors.guest(client.client_id) or Guest(CLASS)
+        seat = board.seat(key) if board and whose == CLASS else None
+        lectern = Lectern(board, Door(f"http://{_outside(host)}:{port}/", code)) if board and whose == BOARD else None
+        try:
+            return Page(client, links, replace(classroom, teacher=classroom.teacher and whose == TEACHER, seat=seat),
+                        lectern)
+        except Exception:
+            if seat:
+                seat.leave()
+            raise
 
-    visitors = Visitors(pool, max_sessions, make_page, _show)
+    def expects(client: Any) -> bool:
+        """The lecturer's page has a place, however many are here."""
+        guest = doors.guest(client.client_id)
+        return guest is not None and guest.whose == BOARD
+
+    visitors = Visitors(pool, max_sessions, make_page, _show, expects)
     doors.watch(server, visitors)
     server.on_client_disconnect(visitors.disconnect)  # first: nobody who is let in may leave unnoticed
     # On threads of their own: callbacks of those who are here need not wait for the pages of those who come.
@@ -243,6 +258,22 @@ def _start_server(host: str, port: int, pool: EnginePool, max_sessions: int, add
     server.on_client_connect(connect)
     server.visitors = visitors
     return server
+
+
+def _announce(address: str, link: str, codes: Mapping[str, str]) -> None:
+    """Say where the lab is for this machine and, by its ``link``, for others, and with which codes one comes in."""
+    print(f"mpm-lab is at http://{address} (Ctrl-C ends it)", file=sys.stderr, flush=True)
+    if code := codes[CLASS]:
+        link_of_class = f"{link}#code={quote(code)}"
+        print(f"the class code is {code}; {link_of_class} brings it along", file=sys.stderr, flush=True)
+        if sys.stderr.isatty():
+            print(_picture(link_of_class), file=sys.stderr, flush=True)
+    if notes := codes[TEACHER]:
+        print(f"the teacher's code, which shows the notes too, is {notes}; {link}#code={quote(notes)} brings it along",
+              file=sys.stderr, flush=True)
+    if own := codes[BOARD]:
+        print(f"the board's code, for the lecturer alone, is {own}; {link}#code={quote(own)} opens the board",
+              file=sys.stderr, flush=True)
 
 
 def _show(client: Any, sentence: str) -> None:

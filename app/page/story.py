@@ -10,6 +10,7 @@ import numpy as np
 import viser
 
 from app.frame.sentence import Said
+from app.language.spoken import tr, trn
 from app.page.visit.opening import OPENING
 from app.page.visit.pinned import PinnedRun
 from app.page.visit.session import Session
@@ -110,43 +111,48 @@ def _beat(beat: int, report: FrameReport, arrays: FrameArrays, pinned: PinnedRun
     error = arrays.error[:, SIGMA].astype(float)
     wrong, crossed = math.sqrt(np.mean(error**2)) / size, arrays.steps_since_crossing >= 0
     if beat == 1:
-        return ("We know the exact stress of every point of this bar: the blue line.",
-                [f"The bar swings by {with_unit(scene.amplitude, 'm')}. What is computed are dots: will they stay on "
-                 "the line?"], {})
+        return (tr("We know the exact stress of every point of this bar: the blue line."),
+                [tr("The bar swings by {amplitude}. What is computed are dots: will they stay on the line?",
+                    amplitude=with_unit(scene.amplitude, "m"))], {})
     if beat == 2 and not crossed.any():
-        return ("{by}, the oldest way: does the stress stay on the line?",
-                ["No particle has changed its cell yet. Watch for the magenta dots."],
+        return (tr("{by}, the oldest way: does the stress stay on the line?"),
+                [tr("No particle has changed its cell yet. Watch for the magenta dots.")],
                 {"by": str(METHODS[scene.method])})
     if beat == 2:
-        return ("The stress is {wrong} {off}: it leaves the line where a particle changes its cell.",
-                [f"{_particles(crossed)} changed {'its' if crossed.sum() == 1 else 'their'} cell: {_share(arrays)} of "
-                 "the squared error lies within a cell's width."], {"wrong": per_cent(wrong), "off": "wrong"})
+        return (tr("The stress is {wrong} {off}: it leaves the line where a particle changes its cell."),
+                [_crossed(int(crossed.sum()), _share(arrays))], {"wrong": per_cent(wrong), "off": tr("wrong")})
     if beat == 3:
         estimate = arrays.estimate.get("recovered", np.full_like(arrays.error, np.nan))[:, SIGMA].astype(float)
         index = math.sqrt(np.mean(estimate**2)) / (wrong * size) if wrong else math.nan
-        return ("{by} that does not know the line finds {wrong} of that error.",
-                ["It is called recovered, and smooths the particles' own motion. Upper lane: what it says; lower "
-                 "lane: the truth."], {"by": "An estimator", "wrong": per_cent(index)})
+        return (tr("{by} that does not know the line finds {wrong} of that error."),
+                [tr("It is called recovered, and smooths the particles' own motion. Upper lane: what it says; lower "
+                    "lane: the truth.")], {"by": tr("An estimator"), "wrong": per_cent(index)})
     if pinned is None or pinned.last is None:
-        return "The same bar with B-splines is being prepared.", [], {}
+        return tr("The same bar with B-splines is being prepared."), [], {}
     other = pinned.last[1]
     its = math.sqrt(np.mean(other.error[:, SIGMA].astype(float)**2)) / size
     same = int((other.steps_since_crossing >= 0).sum())
-    too = f"{same} particles have changed their cell there, too" if same != 1 else "a particle has, too"
-    return ("{by}: {wrong} {off}, though {count}.",
-            ["At what price? Ask one of the questions that come now, or open Cost."],
-            {"by": "B-splines", "wrong": per_cent(its), "off": "wrong",
-             "count": too})
+    places = {"by": tr("B-splines"), "wrong": per_cent(its), "off": tr("wrong")}
+    headline = trn("{by}: {wrong} {off}, though a particle has, too.",
+                   "{by}: {wrong} {off}, though {count} particles have changed their cell there, too.", same,
+                   **{name: f"{{{name}}}" for name in places})
+    return headline, [tr("At what price? Ask one of the questions that come now, or open Cost.")], places
 
 
-def _particles(crossed: np.ndarray) -> str:
-    count = int(crossed.sum())
-    return f"{count} particle{'s' * (count != 1)} {'have' if count != 1 else 'has'}"
+def _crossed(count: int, share: str) -> str:
+    """How many particles have changed their cell, and the ``share`` of the error beside them, "" for all of it."""
+    if share:
+        return trn("{count} particle has changed its cell: {share} of the squared error lies within a cell's width.",
+                   "{count} particles have changed their cell: {share} of the squared error lies within a cell's "
+                   "width.", count, share=share)
+    return trn("{count} particle has changed its cell: all of the squared error lies within a cell's width.",
+               "{count} particles have changed their cell: all of the squared error lies within a cell's width.", count)
 
 
 def _share(arrays: FrameArrays) -> str:
-    """The share of the squared error of the stress within a cell's width of particles that have changed their cell."""
+    """The share of the squared error of the stress within a cell's width of particles that have changed their cell; ""
+    where there is no error."""
     x, square = arrays.position[:, 0].astype(float), arrays.error[:, SIGMA].astype(float) ** 2
     there = x[arrays.steps_since_crossing >= 0]
     near = np.abs(x[:, None] - there[None, :]).min(axis=1) <= WIDE * OPENING.scene.spacing
-    return per_cent(float(square[near].sum() / square.sum())) if square.sum() else "all"
+    return per_cent(float(square[near].sum() / square.sum())) if square.sum() else ""

@@ -13,6 +13,7 @@ from app.frame.budget import blamed
 from app.frame.crossings import recent, window
 from app.frame.sentence import BACK, LAST, LOST, PAUSED, SO_FAR, UNSTABLE, Said, error_words, errors, fill
 from app.frame.view import View
+from app.language.spoken import later, tr, trn
 from app.page.stage.worst import WorstRegions
 from app.page.visit.downsampled import until
 from app.words import QUANTITIES, differing, factor, number, on_page
@@ -21,7 +22,7 @@ from solvers.engine.messages import FrameReport
 from solvers.scene.scene import Scene
 from solvers.solver import soundness
 
-WAITING = Said.of("Waiting for the first frame")
+WAITING = later("Waiting for the first frame")
 SAY_SECONDS = 2.0  # between two sentences, which would else be replaced before they are read
 MOST_DIFFERING = 40  # characters, of what a pinned run is where the other is not
 
@@ -57,33 +58,33 @@ def summary(report: FrameReport | None, arrays: FrameArrays | None, view: View |
     by in one of the visitor's.
     """
     if report is None or arrays is None or view is None:
-        return WAITING
+        return Said.of(tr(WAITING))
     series, when = until(series, report.time), number(report.time)
     moment = report.scene, report.playing, report.status, ago
     if report.status == soundness.UNSTABLE:
-        return Said((("bad", fill(UNSTABLE, time=when)),), (*_reason(report), LAST), moment)
+        return Said((("bad", fill(tr(UNSTABLE), time=when)),), (*_reason(report), tr(LAST)), moment)
     lost = report.status == soundness.LOST
     of_now = not report.playing or lost
     true, estimate = map(_norm, (view.true, view.estimated)) if of_now else (
         _mean(series, name) for name in (f"error_{quantity}", f"{drawn}/estimate_{quantity}"))
     words = error_words(report.scene, quantity, drawn, view.left.silence if view.estimated is None else "",
                         view.right.silence if view.true is None else "")
-    before = "" if lost else SO_FAR
+    before = "" if lost else tr(SO_FAR)
     if not report.playing:
-        before = fill(BACK, ago=f"{ago:.2f}") if ago else fill(PAUSED, time=when)
+        before = fill(tr(BACK), ago=f"{ago:.2f}") if ago else fill(tr(PAUSED), time=when)
     index = estimate / true if true else math.nan
     said = errors(words, QUANTITIES[quantity].unit, true, estimate,
                   index if of_now else _last(series, f"{drawn}/index_{quantity}"), before)
     region = None if true <= words.least else worst.by_truth or worst.by_estimate
     who = blamed(report.scene, series, quantity)
     facts = [*said.facts[:1], who, *said.facts[1:],
-             f"worst at {region.name}" if region else "", *_crossings(report, arrays, speed)]
+             tr("worst at {region}", region=region.name) if region else "", *_crossings(report, arrays, speed)]
     if beside:  # in place of what it is compared with
         facts[:1] = [*said.facts[1:], beside]
     headline = said.headline
     if lost:
         facts = _reason(report) or facts
-        headline = ("bad", fill(LOST, since=f"{report.since or 0.0:.4g}")), ("", ": "), *headline
+        headline = ("bad", fill(tr(LOST), since=f"{report.since or 0.0:.4g}")), ("", ": "), *headline
     return Said(headline, tuple(filter(None, facts)), moment)
 
 
@@ -95,10 +96,11 @@ def compared(live: dict[str, np.ndarray], pinned: dict[str, np.ndarray], quantit
     if not math.isfinite(larger) or larger <= 0:
         return ""
     said = differing(scenes[1], scenes[0])
-    name = f", {said}" if 0 < len(said) <= MOST_DIFFERING else ""
-    if larger >= 1:
-        return f"{factor(larger)} times as wrong as the pinned run{name}"
-    return f"the pinned run{name}{',' * bool(name)} is {factor(1 / larger)} times as wrong"
+    if not 0 < len(said) <= MOST_DIFFERING:
+        return tr("{factor} times as wrong as the pinned run", factor=factor(larger)) if larger >= 1 else \
+            tr("the pinned run is {factor} times as wrong", factor=factor(1 / larger))
+    return tr("{factor} times as wrong as the pinned run, {run}", factor=factor(larger), run=said) if larger >= 1 else \
+        tr("the pinned run, {run}, is {factor} times as wrong", factor=factor(1 / larger), run=said)
 
 
 def in_common(live: dict[str, np.ndarray], pinned: dict[str, np.ndarray], name: str,
@@ -119,7 +121,8 @@ def periods_of(series: dict[str, np.ndarray], scene: Scene) -> float:
 
 def _reason(report: FrameReport) -> list[str]:
     """Why a run is lost, without when: the headline has that."""
-    return [on_page(report.reason.partition(": ")[2] or report.reason)] if report.reason else []
+    reason = on_page(report.reason or "")
+    return [reason.partition(": ")[2] or reason] if reason else []
 
 
 def _norm(sizes: np.ndarray | None) -> float:
@@ -144,5 +147,8 @@ def _crossings(report: FrameReport, arrays: FrameArrays, speed: float) -> list[s
     if not report.scene.has("crossings"):
         return []
     count = int(np.count_nonzero(recent(arrays.steps_since_crossing, report.scene, speed)))
-    who = f"{count:,} particles" if count > 1 else "1 particle" if count else "no particle"
-    return [f"{who} crossed a cell boundary in the last {number(window(report.scene, speed))} s"]
+    seconds = number(window(report.scene, speed))
+    if not count:
+        return [tr("no particle crossed a cell boundary in the last {seconds} s", seconds=seconds)]
+    return [trn("{count:,} particle crossed a cell boundary in the last {seconds} s",
+                "{count:,} particles crossed a cell boundary in the last {seconds} s", count, seconds=seconds)]

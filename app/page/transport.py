@@ -6,6 +6,7 @@ from typing import Any
 
 import viser
 
+from app.language.spoken import later, tr
 from app.page.features.slow.panel import SlowMotion
 from app.page.panels.bound import BoundWidgets
 from app.page.panels.looking import Looking
@@ -14,8 +15,9 @@ from app.page.visit.session import Session
 from app.problems.views import VIEWS
 from solvers.scene.scene import Scene
 
-PIN, UNPIN = "Pin this run", "Unpin"
-SLOW, NOT_SLOW = "Slow motion", "Normal speed"
+PLAY, PAUSE, STEP, RESET = later("Play"), later("Pause"), later("Step"), later("Reset")
+PIN, UNPIN = later("Pin this run"), later("Unpin")
+SLOW, NOT_SLOW = later("Slow motion"), later("Normal speed")
 
 
 class Transport:
@@ -24,20 +26,21 @@ class Transport:
     def __init__(self, gui: viser.GuiApi, session: Session, looking: Looking, slow: SlowMotion, bound: BoundWidgets,
                  on_view: Callable[[], None]):
         self._session, self._slow, self._on_view = session, slow, on_view
-        self.acts = {"Play": lambda: session.play(True), "Pause": lambda: session.play(False),
-                     "Step": lambda: session.play(False, single_steps=1), "Reset": session.reset}
+        self.acts = {PLAY: lambda: session.play(True), PAUSE: lambda: session.play(False),
+                     STEP: lambda: session.play(False, single_steps=1), RESET: session.reset}
+        shown = {tr(name): act for name, act in self.acts.items()}
         gui.add_html("<i class='lab-at-run'></i>")
-        buttons = gui.add_button_group("Run", tuple(self.acts))
-        buttons.on_click(lambda event: self.acts[event.target.value]())
+        buttons = gui.add_button_group(tr("Run"), tuple(shown))
+        buttons.on_click(lambda event: shown[event.target.value]())
         self._speed = SizeControl(gui, bound, self._pace, session.speed, session.set_speed)
         pin_mark = gui.add_html("<i class='lab-at-pin'></i>")
-        self._pin = gui.add_button(PIN, hint="keep the run on the stage beside what you change: both begin at t = 0 "
-                                   "and go on together, period by period")
+        self._pin = gui.add_button(tr(PIN), hint=tr("keep the run on the stage beside what you change: both begin at "
+                                               "t = 0 and go on together, period by period"))
         self._pin.on_click(lambda _: self._turn())
         back_mark = gui.add_html("<i class='lab-at-back'></i>")
         self._back = looking.build_slider(gui)
         slow_mark = gui.add_html("<i class='lab-at-slow'></i>")
-        self._slowly = gui.add_button(SLOW, hint="pause, and walk through one time step phase by phase")
+        self._slowly = gui.add_button(tr(SLOW), hint=tr("pause, and walk through one time step phase by phase"))
         self._slowly.on_click(lambda _: slow.end() if slow.on else slow.forward())
         # A mark that stayed where its widget has gone would mark what comes next.
         self._parts: dict[str, tuple[Any, ...]] = {
@@ -61,14 +64,14 @@ class Transport:
 
     def refresh(self) -> None:
         """Show what the session has come to by itself."""
-        self._pin.label = PIN if self._session.pinned is None else UNPIN
-        self._slowly.label = NOT_SLOW if self._slow.on else SLOW
+        self._pin.label = tr(PIN if self._session.pinned is None else UNPIN)
+        self._slowly.label = tr(NOT_SLOW if self._slow.on else SLOW)
 
     @property
     def _pace(self) -> Size:
         view = VIEWS[self._session.scene.problem]
-        return Size("Speed", "", view.reach.speed, view.speed,
-                    "periods of the exact vibration in a second of yours", place="lab-at-speed")
+        return Size(tr("Speed"), "", view.reach.speed, view.speed,
+                    tr("periods of the exact vibration in a second of yours"), place="lab-at-speed")
 
     def _turn(self) -> None:
         if self._session.pinned is None:

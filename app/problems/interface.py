@@ -9,6 +9,7 @@ import numpy as np
 
 from app.frame.slow.stage import SlowStage
 from app.frame.stage import Stage
+from app.language.spoken import later, localised
 from app.problems.spark import Spark
 from app.state import State
 
@@ -61,7 +62,7 @@ class Motion:
 
 @dataclass(frozen=True)
 class ProblemView:
-    """How one problem is shown.
+    """How one problem is shown. Its words are put into the visitor's language where they are said.
 
     ``stage`` makes marks of its frames, ``slow`` of one step in slow motion. ``draw(figure, space, particles, result)``
     draws a run's error in space into the axes ``space`` and the particles at its end into the place ``particles``; it
@@ -88,7 +89,7 @@ class ProblemView:
     speed: float
     details: Mapping[str, str]
     motion: Motion | None = None
-    modulus_hint: str = "Young's modulus: what is stiffer vibrates faster"
+    modulus_hint: str = later("Young's modulus: what is stiffer vibrates faster")
     material: Mapping[str, LinearSlider] = field(default_factory=dict)
     estimators: tuple[str, ...] = ()
     sparks: Callable[[State], tuple[Spark, ...]] = lambda _: ()
@@ -97,5 +98,5 @@ class ProblemView:
     @property
     def about(self) -> str:
         """Html on what moves: the folder's ``about.html``, if it has one."""
-        path = Path(__file__).parent / self.problem / "about.html"
+        path = localised(Path(__file__).parent / self.problem / "about.html")
         return path.read_text(encoding="utf-8") if path.exists() else ""

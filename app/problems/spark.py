@@ -7,6 +7,8 @@ from typing import Any
 
 import numpy as np
 
+from app.language.heard import heard
+from app.language.spoken import later, tr
 from app.state import State
 from app.words import QUANTITIES, factor, number, ratio
 from solvers.scene.rules import SceneError
@@ -56,7 +58,8 @@ Answer = tuple[str, str]  # a sentence, and what there is to think about
 
 @dataclass(frozen=True)
 class Spark:
-    """A question, with a ``title`` for when it cannot be asked.
+    """A question, with a ``title`` for when it cannot be asked, which is put into the visitor's language where it is
+    said.
 
     ``offer`` says what it does with a state, or raises :class:`NotNow`; ``answer`` is made once the runs have come to
     ``periods``; a run that is lost goes without one where that is what was asked for (``breaks``). ``icon`` is the name
@@ -79,7 +82,7 @@ def asked(state: State, changes: Mapping[str, Any], pinned: bool = True, **view:
     try:
         after = replace(before, **changes)
     except SceneError as error:
-        raise NotNow(error.sentence) from None
+        raise NotNow(heard(error.sentence)) from None
     return replace(state, **{"scene": after, "pinned": before if pinned and after != before else None, "speed": None,
                              "stops": False, "traced": None, "magnified": 1, "difference": False, **view})
 
@@ -94,15 +97,15 @@ def work(ran: Ran) -> float:
 
 def fell(ran: Ran) -> Answer:
     """What has become of the error with cells half as wide."""
-    by, hint = ran.ratio, "In the first period. Second order: 0.25, " \
-        f"at {number(work(ran))} times the particle steps."
+    by, hint = ran.ratio, tr("In the first period. Second order: 0.25, at {work} times the particle steps.",
+                             work=number(work(ran)))
     if not math.isfinite(by):
-        return "Nobody knows: there is no true error to compare.", hint
+        return tr("Nobody knows: there is no true error to compare."), hint
     if by >= 1 + SAME:
-        return f"It rose to {factor(by)} times as much. Why?", hint
+        return tr("It rose to {factor} times as much. Why?", factor=factor(by)), hint
     if QUARTER[0] <= by <= QUARTER[1]:
-        return f"It fell to {factor(by)}: a quarter.", hint
-    return f"It fell to {factor(by)}, not to a quarter. Why?", hint
+        return tr("It fell to {factor}: a quarter.", factor=factor(by)), hint
+    return tr("It fell to {factor}, not to a quarter. Why?", factor=factor(by)), hint
 
 
 def halving(most: int) -> Spark:
@@ -110,10 +113,10 @@ def halving(most: int) -> Spark:
     def offer(state: State) -> Offer:
         cells = 2 * state.scene.cells
         if cells > most:
-            raise NotNow(f"{most} cells are the most here")
-        return Offer("Halve the cells", "the textbook says: a quarter", asked(state, {"cells": cells}))
+            raise NotNow(tr("{most} cells are the most here", most=most))
+        return Offer(tr("Halve the cells"), tr("the textbook says: a quarter"), asked(state, {"cells": cells}))
 
-    return Spark("halve", "halve", "Halve the cells", offer, fell)
+    return Spark("halve", "halve", later("Halve the cells"), offer, fell)
 
 
 def breaking(title: str, hint: str, changes: Mapping[str, Any], periods: float) -> Spark:
@@ -122,12 +125,13 @@ def breaking(title: str, hint: str, changes: Mapping[str, Any], periods: float) 
         wanted = changes if "companion" not in state.scene.choices("estimators") else {
             **changes, "estimators": ("companion",), "remedies": ()}
         if all(getattr(state.scene, name) == value for name, value in wanted.items()):
-            raise NotNow("it is on the stage")
-        return Offer(title, hint, asked(state, wanted, pinned=False, quantity="x", estimator=None))
+            raise NotNow(tr("it is on the stage"))
+        return Offer(tr(title), tr(hint), asked(state, wanted, pinned=False, quantity="x", estimator=None))
 
     def answer(ran: Ran) -> Answer:
         index = ran.index("companion")
-        knows = f"Companion says {ratio(index)} times what the error is." if math.isfinite(index) else ""
-        return f"It has held for {periods:g} periods. Go on?", knows
+        said = ratio(index) if math.isfinite(index) else ""
+        knows = tr("Companion says {index} times what the error is.", index=said) if said else ""
+        return tr("It has held for {periods:g} periods. Go on?", periods=periods), knows
 
     return Spark("break", "break", title, offer, answer, periods, breaks=True)

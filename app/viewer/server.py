@@ -21,7 +21,7 @@ from websockets.http11 import Request, Response
 
 from app.doors.address import FOREIGN_PAGE, Addresses, untidy
 from app.doors.bucket import Bucket
-from app.doors.code import ClassCode
+from app.doors.code import TEACHER, ClassCode, Guest
 from app.doors.faults import noted
 from app.doors.network import Buckets, network_of
 from app.doors.page import has_page
@@ -217,12 +217,13 @@ class Doors:
         there = self._host is not None and self._host.attend(looks[2], looks[1] == "here")
         return said(HTTPStatus.NO_CONTENT if there else HTTPStatus.NOT_FOUND, "")
 
-    def teaches(self, visitor: int) -> bool:
-        """Whether a visitor who is here has come with the teacher's code; everyone has where none is asked for."""
+    def guest(self, visitor: int) -> Guest | None:
+        """With whose code a visitor who is here has come: everyone with the teacher's where none is asked for. None for
+        one who has gone."""
         if self._code is None:
-            return True
+            return Guest(TEACHER)
         connection = self._connection(visitor)
-        return connection is not None and self._code.teaches(connection.request.headers)
+        return None if connection is None else self._code.guest(connection.request.headers)
 
     def language(self, visitor: int) -> str:
         """The code of the language in which the page of a visitor who is here has come."""
@@ -255,7 +256,7 @@ class Doors:
     def _enter(self, code: ClassCode, headers: Headers, who: str) -> Response:
         guesses = headers.get_all("X-Class-Code")
         entry = code.enter(unquote(guesses[0][:1000]) if guesses else "", who)
-        if entry.cookie and code.knows(headers) and not entry.teaches:
+        if entry.cookie and code.knows(headers) and not entry.more:
             return said(HTTPStatus.NO_CONTENT, "")  # of no use to one who is in
         if entry.cookie:
             return said(HTTPStatus.OK, "", cookie=entry.cookie)

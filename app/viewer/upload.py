@@ -19,10 +19,11 @@ import viser
 from viser._messages import FileTransferPartAck
 
 from app.doors.room import Room
+from app.language.spoken import later, tr
 
 START, PART = "FileTransferStartUpload", "FileTransferPart"
 PART_BYTES = 512 * 1024  # as the viewer's page cuts a file
-LARGEST = 32_000_000  # bytes of a file
+LARGEST = 32_000_000  # bytes of a file; TOO_LARGE says it
 LARGEST_PART = PART_BYTES + 1000  # bytes of a message with a part
 ROOM = Room(128_000_000, 256_000_000)  # bytes on the disk for the files of one network, and of all visitors
 STUCK = 30.0  # seconds without a part after which a file is not waited for, if another one is to come
@@ -31,8 +32,8 @@ _OWN = "lab_upload"  # where a button for files has its own
 #: What such messages begin with, as the viewer's page writes them: fields in this order. Others are not even read.
 HEADS = {kind: bytes([0x80 + fields, 0xA4]) + b"type" + bytes([0xA0 + len(kind)]) + kind.encode()
          for kind, fields in ((START, 7), (PART, 5))}
-NO_ROOM = "The server has no room for the file; try again later"
-TOO_LARGE = f"The file is larger than {LARGEST / 1e6:g} MB; give fewer times, or judge it with `mpm-lab judge`"
+NO_ROOM = later("The server has no room for the file; try again later")
+TOO_LARGE = later("The file is larger than 32 MB; give fewer times, or judge it with `mpm-lab judge`")
 
 
 def kind_of(message: bytes | str) -> str | None:
@@ -81,8 +82,8 @@ class Upload:
     def coming(self) -> str:
         """What is on its way, in words; "" for nothing."""
         file = self._coming_file
-        return "" if file is None else f"The file is coming: {file.received / 1e6:.1f} of " \
-                                         f"{file.size / 1e6:.1f} MB are here"
+        return "" if file is None else tr("The file is coming: {received:.1f} of {size:.1f} MB are here",
+                                          received=file.received / 1e6, size=file.size / 1e6)
 
     def open(self) -> None:
         """From now on files are taken in: all is there that they are for."""

@@ -55,8 +55,13 @@ class Estimator:
     @property
     def explanation(self) -> str:
         """Html for a student: what it is, assumes, sees and misses."""
-        path = EXPLANATIONS / f"{self.name}.html"
-        return self.page or (path.read_text(encoding="utf-8") if path.exists() else f"<p>{self.summary}</p>")
+        return self.explained("en")
+
+    def explained(self, language: str) -> str:
+        """The same in a language by its code, ``de``; where there is none in it, in English."""
+        files = (EXPLANATIONS / f"{self.name}.{language}.html", EXPLANATIONS / f"{self.name}.html")
+        file = next((file for file in files if file.exists()), None)
+        return self.page or (file.read_text(encoding="utf-8") if file else f"<p>{self.summary}</p>")
 
 
 ESTIMATORS: dict[str, Estimator] = {}

@@ -72,9 +72,9 @@ def _browser() -> str:
 
 
 @contextmanager
-def serving(environment=None, arguments=(), coded=False, log=None, frames=FEW):
+def serving(environment=None, arguments=(), coded=0, log=None, frames=FEW):
     """Address and process id of a page served by the command line itself, with further ``arguments``, and where it is
-    ``coded`` also the line that says the class code; ``log`` is extended by what it says later. Nothing is compiled
+    ``coded`` also so many lines that say its codes; ``log`` is extended by what it says later. Nothing is compiled
     unasked, and few ``frames`` a second come: the tests need the processors."""
     command = [sys.executable, "-m", "app", "serve", "--port", str(free_port()), "--no-warm-up",
                "--frames", str(frames), *arguments]
@@ -84,7 +84,8 @@ def serving(environment=None, arguments=(), coded=False, log=None, frames=FEW):
     found = re.search(r"http://\S+", line)
     assert found, f"the server said: {line}"
     try:
-        yield (found[0], process.pid, process.stderr.readline()) if coded else (found[0], process.pid)
+        codes = "".join(process.stderr.readline() for _ in range(coded))
+        yield (found[0], process.pid, codes) if coded else (found[0], process.pid)
     finally:
         process.send_signal(signal.SIGINT)
         assert process.wait(HANG) in (0, 130)

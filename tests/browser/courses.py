@@ -76,9 +76,8 @@ def answer(frame, question: dict, variant: int = 0) -> None:
     elif question["kind"] == "text":
         frame.get_by_role("textbox").fill("in words")
     elif question["kind"] == "interval":
-        low, high = sorted((0.5 * rule["value"], 2 * rule["value"]))
-        for box, end in zip(frame.get_by_role("textbox").all(), (low, high), strict=True):
-            box.fill(repr(end))
+        for box in frame.get_by_role("textbox").all():  # as narrow as can be, which costs nothing
+            box.fill(repr(rule["value"]))
     elif question["kind"] == "number":
         frame.get_by_role("textbox").fill(repr(rule["value"]))
     else:

@@ -94,7 +94,7 @@ def answer(page, step, text):
         first = page.get_by_role("radiogroup", name="Answer").get_by_role("radio").first
         again_until(first.click, first.is_checked, "the first answer chosen")
     elif asked.kind == "interval":
-        page.get_by_label(re.compile("^At least")).fill("0")
+        page.get_by_label(re.compile("^At least")).fill("1e-9")
         page.get_by_label(re.compile("^At most")).fill("1")
     elif asked.kind != "drag":
         page.get_by_role("textbox", name=re.compile("^Answer")).fill(text)

@@ -64,8 +64,8 @@ function report(progress) {
 // or goes deeper than the core.
 function reportScore(progress) {
   const asked = walked().filter((step) => step.question), marked = asked.filter((step) => step.question.kind !== "text" && own(step.question.rules));
-  const right = marked.filter((step) => step.key in progress.answers && mark(step.question, progress.answers[step.key].last).right);
-  const raw = Math.round(10000 * right.length / (marked.length || 1)) / 100;
+  const right = marked.reduce((sum, step) => sum + (step.key in progress.answers ? credit(step.question, progress.answers[step.key].last) : 0), 0);
+  const raw = Math.round(10000 * right / (marked.length || 1)) / 100;
   if (!course.finished && progress.step > LESSON.steps.length && asked.every((step) => step.key in progress.answers)) {
     course.finished = true;
     tell("core.lesson_status", "completed");
@@ -75,6 +75,12 @@ function reportScore(progress) {
   tell("core.score.min", "0");
   tell("core.score.max", "100");
   tell("core.score.raw", decimal(Math.max(raw, course.best)));
+}
+
+// How much of a right answer one is; of an interval by its score, as app/lessons/grading.py has it.
+function credit(question, answer) {
+  const {right, score} = mark(question, answer);
+  return score === undefined ? +right : Math.max(0, 1 - score / 2);
 }
 
 // An interaction for each answer, the wrong ones too.

@@ -78,7 +78,7 @@ function stepParts(step) {
   const heading = element("h2"), kind = element("span", KINDS[step.kind], {className: step.kind});
   heading.append(kind, " ", ...(step.core ? [] : [element("span", "deeper", {className: "deeper"}), " "]), own(step.title));
   const parts = [heading];
-  if (step.kind === "explain") parts.push(compared(askedBefore(step)));
+  if (step.kind === "explain") parts.push(compared(askedBefore(step)), ...(step.bets.length ? [betsFigure(bettorsOf(step))] : []));
   parts.push(written(own(step.html)));
   if (step.stage) parts.push(stageButton(step));
   return [...parts, ...(step.question ? asking(step) : [moves(true, true)]), ...(step.core ? [] : [skipDeeper()])];
@@ -145,7 +145,8 @@ function compared(steps) {
   const rows = steps.filter((step) => progress.answers[step.key]).map((step) => {
     const answer = progress.answers[step.key].first, found = mark(step.question, answer), line = element("tr");
     const [kind, sign] = SIGNS[found ? found.right : null];
-    const came = step.question.kind === "text" ? "for your teacher" : found ? found.told : "could not be checked";
+    const came = step.question.kind === "text" ? "for your teacher" : !found ? "could not be checked"
+      : found.score === undefined ? found.told : fill(BETS.scored, {told: found.told, score: fixed(found.score, 2)});
     line.append(element("th", own(step.title), {scope: "row"}), element("td", shown(step.question, answer)), element("td", came),
       element("td", sign, {className: kind}));
     return line;

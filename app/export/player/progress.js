@@ -66,7 +66,8 @@ function trouble(question, answer) {
     return Number.isInteger(answer) && answer >= 1 && answer <= question.options[0].length ? "" : "choose one of the answers";
   if (question.kind === "interval") {
     if (!Array.isArray(answer) || answer.length !== 2 || !answer.every(real)) return "give two numbers, the least and the most";
-    return answer[0] <= answer[1] ? "" : "the first number must not be above the second";
+    if (answer[0] > answer[1]) return "the first number must not be above the second";
+    return answer[0] > 0 ? "" : "give two numbers above 0: a bet is scored by factors, and 0 is infinitely far";
   }
   return real(answer) ? "" : "give a number";
 }
@@ -78,13 +79,21 @@ function mark(question, answer) {
   if (question.kind === "text") return {right: null, told: ""};
   if (rule.options) return {right: rule.options.includes(answer), told: rule.told};
   if (typeof rule.value === "string") return {right: answer === rule.value, told: rule.told};
-  if (question.kind === "interval") return {right: answer[0] <= rule.value && rule.value <= answer[1], told: rule.told};
+  if (question.kind === "interval") {
+    const bet = betOf(answer, rule.value, question.level);
+    return {right: bet.holds, told: rule.told, score: bet.score};
+  }
   return {right: Math.abs(answer - rule.value) <= rule.tolerance * Math.abs(rule.value), told: rule.told};
 }
 
 // An answer in words.
 function shown(question, answer) {
   if (question.kind === "choice") return own(question.options)[answer - 1];
-  if (question.kind === "interval") return `${number(answer[0], 4)} to ${number(answer[1], 4)} ${question.unit}`.trim();
-  return question.kind === "text" ? answer : `${number(answer, 4)} ${question.unit}`.trim();
+  if (question.kind === "interval") return answer.map((end) => inUnit(end, question.unit)).join(" to ");
+  return question.kind === "text" ? answer : inUnit(answer, question.unit);
+}
+
+// A value in words, as app/lessons/marks.py has it.
+function inUnit(value, unit) {
+  return LESSON.bare.includes(unit) ? withUnit(value, unit, LESSON.digits) : `${number(value, LESSON.digits)} ${unit}`.trim();
 }

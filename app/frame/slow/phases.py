@@ -6,20 +6,44 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from app.language.spoken import later, tr
 from app.words import PREFIXES
 from solvers.scene.remedies import PIECES
 from solvers.scene.scene import Scene
 from solvers.solver.step_breakdown import StepBreakdown
 
 #: What a node's weight is, by method.
-WEIGHT = {"mpm": "the node's hat function at the particle", "bspline": "the node's quadratic B-spline at the particle",
-          "cpdi": "the node's hat function, mean of the particle's four corners"}
-AVERAGED = "the node's hat function, averaged over the particle's domain"
+WEIGHT = {"mpm": later("weight S = the node's hat function at the particle"),
+          "bspline": later("weight S = the node's quadratic B-spline at the particle"),
+          "cpdi": later("weight S = the node's hat function, mean of the particle's four corners")}
+AVERAGED = later("weight S = the node's hat function, averaged over the particle's domain")
+#: The equations of some phases, by what they depend on.
+FORCE = {
+    "none": later("force of a node = − sum of slope × {volume} × stress of the particles{corrected}; no body force"),
+    "node": later("force of a node = − sum of slope × {volume} × stress of the particles{corrected} + body force at "
+                  "the node, × its mass"),
+    "": later("force of a node = − sum of slope × {volume} × stress of the particles{corrected} + sum of weight × body "
+              "force")}
+FORCE_OF_PIECES = {
+    "none": later("force of a node = sum over the corners between pieces of its function there × jump of the "
+                  "stress{corrected}; no body force"),
+    "node": later("force of a node = sum over the corners between pieces of its function there × jump of the "
+                  "stress{corrected} + body force at the node, × its mass"),
+    "": later("force of a node = sum over the corners between pieces of its function there × jump of the "
+              "stress{corrected} + sum of weight × body force")}
+MOTION = {
+    "particle": later("the particle's v grows by time step × sum of weight × a of the nodes, x by time step × its "
+                      "new v"),
+    "corners": later("the particle's v grows by time step × sum of weight × a of the nodes, x by time step × the "
+                     "nodes' new v at the ends of its domain (mean)"),
+    "": later("the particle's v grows by time step × sum of weight × a of the nodes, x by time step × sum of weight × "
+              "new v of the nodes")}
 
 
 @dataclass(frozen=True)
 class Column:
-    """A number of each node (n,) or a vector (n, D), with the unit that it has after ``scale``."""
+    """A number of each node (n,) or a vector (n, D), with the unit that it has after ``scale``; its ``name`` is put
+    into the visitor's language where it is said."""
 
     name: str
     unit: str
@@ -27,21 +51,22 @@ class Column:
     scale: float = 1.0
 
 
-WEIGHTS = Column("weight S", "", lambda a: a.links.weight[0])
-SLOPES = Column("slope of S", "1/m", lambda a: a.links.slope[0])
-MASS = Column("mass", "g", lambda a: a.node_mass, 1000.0)
-MOMENTUM = Column("momentum", "N s", lambda a: a.momentum)
-INTERNAL = Column("force of stress", "N", lambda a: a.internal_force)
-BODY = Column("body force", "N", lambda a: a.body_force)
-OLD = Column("old v", "m/s", lambda a: a.before_velocity)
-NEW = Column("new v", "m/s", lambda a: a.velocity)
-ACCELERATION = Column("acceleration a", "m/s²", lambda a: a.acceleration)
+WEIGHTS = Column(later("weight S"), "", lambda a: a.links.weight[0])
+SLOPES = Column(later("slope of S"), "1/m", lambda a: a.links.slope[0])
+MASS = Column(later("mass"), "g", lambda a: a.node_mass, 1000.0)
+MOMENTUM = Column(later("momentum"), "N s", lambda a: a.momentum)
+INTERNAL = Column(later("force of stress"), "N", lambda a: a.internal_force)
+BODY = Column(later("body force"), "N", lambda a: a.body_force)
+OLD = Column(later("old v"), "m/s", lambda a: a.before_velocity)
+NEW = Column(later("new v"), "m/s", lambda a: a.velocity)
+ACCELERATION = Column(later("acceleration a"), "m/s²", lambda a: a.acceleration)
 
 
 @dataclass(frozen=True)
 class Phase:
     """``words`` is the equation, ``columns`` the nodes' numbers, the first ``drawn`` of them beside the nodes too;
-    ``front`` has the lines about the particle in front."""
+    ``front`` has the lines about the particle in front. The ``title`` is put into the visitor's language where it is
+    said."""
 
     title: str
     words: Callable[[Scene], str]
@@ -51,49 +76,46 @@ class Phase:
 
 
 def _of_force(scene: Scene) -> str:
-    body = {"none": "; no body force", "node": " + body force at the node, × its mass"}
-    corrected = ", corrected to be exact for linear stress" * scene.linearity_preserving
-    volume = "volume at rest" if scene.frozen else "volume"
-    if PIECES in scene.remedies:
-        return (f"force of a node = sum over the corners between pieces of its function there × jump of the stress"
-                f"{corrected}" + body.get(scene.body_force, " + sum of weight × body force"))
-    return (f"force of a node = − sum of slope × {volume} × stress of the particles{corrected}"
-            + body.get(scene.body_force, " + sum of weight × body force"))
+    forces = FORCE_OF_PIECES if PIECES in scene.remedies else FORCE
+    words = forces.get(scene.body_force, forces[""])
+    corrected = tr(", corrected to be exact for linear stress") if scene.linearity_preserving else ""
+    volume = tr("volume at rest") if scene.frozen else tr("volume")
+    return tr(words, volume=volume, corrected=corrected)
 
 
 def _of_motion(scene: Scene) -> str:
-    moved = {"particle": "its new v", "corners": "the nodes' new v at the ends of its domain (mean)"}
-    return ("the particle's v grows by time step × sum of weight × a of the nodes, x by time step × "
-            + moved.get(scene.velocity, "sum of weight × new v of the nodes"))
+    words = MOTION.get(scene.velocity, MOTION[""])
+    return tr(words)
 
 
 def _of_stress(scene: Scene) -> str:
     if PIECES in scene.remedies:
-        return ("F grows by time step × difference of the nodes' new v at the corners of the piece / its length × F; "
-                "stress follows from the new F")
-    gradient = "sum of slope × new v of the nodes"
-    return f"F grows by time step × {gradient}{'' if scene.frozen else ' × F'}; stress follows from the new F"
+        return tr("F grows by time step × difference of the nodes' new v at the corners of the piece / its length × F; "
+                  "stress follows from the new F")
+    if scene.frozen:
+        return tr("F grows by time step × sum of slope × new v of the nodes; stress follows from the new F")
+    return tr("F grows by time step × sum of slope × new v of the nodes × F; stress follows from the new F")
 
 
 def _carried(_: Scene, a: StepBreakdown) -> list[str]:
     here = a.before
     return [f"x = {amount(here.position[0], 'm')}, v = {amount(here.velocity[0], 'm/s')}",
-            f"mass {amount(1000 * a.mass[:1], 'g')}, stress {_tensor(here.stress[0])}"]
+            tr("mass {mass}, stress {stress}", mass=amount(1000 * a.mass[:1], "g"), stress=_tensor(here.stress[0]))]
 
 
 def _given(_: Scene, a: StepBreakdown) -> list[str]:
     momentum = a.mass[0] * a.before.velocity[0]
-    return [f"each node gets its weight × mass {amount(1000 * a.mass[:1], 'g')}, and × momentum "
-            f"{amount(momentum, 'N s')}"]
+    return [tr("each node gets its weight × mass {mass}, and × momentum {momentum}",
+               mass=amount(1000 * a.mass[:1], "g"), momentum=amount(momentum, "N s"))]
 
 
 def _pulled(scene: Scene, a: StepBreakdown) -> list[str]:
     if PIECES in scene.remedies:
-        return [f"stress {_tensor(a.before.stress[0])}, the same in the whole piece"]
+        return [tr("stress {stress}, the same in the whole piece", stress=_tensor(a.before.stress[0]))]
     if scene.frozen:
-        return [f"volume × stress at rest {_tensor(a.tension[0], 'N m', True)}",
-                "the weights stay those of the particle at rest"]
-    return [f"volume × stress {_tensor(a.tension[0], 'N m')}"]
+        return [tr("volume × stress at rest {tension}", tension=_tensor(a.tension[0], "N m", True)),
+                tr("the weights stay those of the particle at rest")]
+    return [tr("volume × stress {tension}", tension=_tensor(a.tension[0], "N m"))]
 
 
 def _moved(_: Scene, a: StepBreakdown) -> list[str]:
@@ -101,28 +123,29 @@ def _moved(_: Scene, a: StepBreakdown) -> list[str]:
     lines = [f"v = {change(before.velocity[0], after.velocity[0], 'm/s')}",
              f"x = {change(before.position[0], after.position[0], 'm')}"]
     if np.abs(a.left_over).max() > 1e-9 * np.abs(after.velocity[0]).max():  # far above round-off
-        lines.append(f"of this v, the remedies have added {amount(a.left_over, 'm/s')}")
+        lines.append(tr("of this v, the remedies have added {amount}", amount=amount(a.left_over, "m/s")))
     return lines
 
 
 def _strained(_: Scene, a: StepBreakdown) -> list[str]:
     before, after = a.before, a.after
     return [f"F {_tensor(before.deformation_gradient[0], '', True, after.deformation_gradient[0])}",
-            f"stress {_tensor(before.stress[0], 'Pa', False, after.stress[0])}"]
+            tr("stress {stress}", stress=_tensor(before.stress[0], "Pa", False, after.stress[0]))]
 
 
 PHASES = (
-    Phase("A particle and its nodes", lambda scene: f"weight S = {WEIGHT.get(scene.method, AVERAGED)}",
+    Phase(later("A particle and its nodes"), lambda scene: tr(WEIGHT.get(scene.method, AVERAGED)),
           (WEIGHTS, SLOPES), 1, _carried),
-    Phase("Mass and momentum go to the nodes",
-          lambda _: "mass of a node = sum of weight × mass of the particles; its momentum likewise",
+    Phase(later("Mass and momentum go to the nodes"),
+          lambda _: tr("mass of a node = sum of weight × mass of the particles; its momentum likewise"),
           (MASS, MOMENTUM, WEIGHTS), 2, _given),
-    Phase("Forces at the nodes", _of_force, (INTERNAL, BODY, SLOPES), 2, _pulled),
-    Phase("New velocities of the nodes",
-          lambda _: "new v of a node = momentum / mass + time step × a, with a = force / mass",
-          (OLD, NEW, ACCELERATION), 2, lambda scene, a: [f"time step {amount(np.array([a.time_step]), 's')}"]),
-    Phase("Velocities come back, the particles move", _of_motion, (NEW, ACCELERATION, WEIGHTS), 1, _moved),
-    Phase("Stress last", _of_stress, (NEW, SLOPES), 1, _strained))
+    Phase(later("Forces at the nodes"), _of_force, (INTERNAL, BODY, SLOPES), 2, _pulled),
+    Phase(later("New velocities of the nodes"),
+          lambda _: tr("new v of a node = momentum / mass + time step × a, with a = force / mass"),
+          (OLD, NEW, ACCELERATION), 2,
+          lambda scene, a: [tr("time step {size}", size=amount(np.array([a.time_step]), "s"))]),
+    Phase(later("Velocities come back, the particles move"), _of_motion, (NEW, ACCELERATION, WEIGHTS), 1, _moved),
+    Phase(later("Stress last"), _of_stress, (NEW, SLOPES), 1, _strained))
 
 
 def scaled(values: np.ndarray, unit: str, digits: int) -> tuple[list[str], str]:

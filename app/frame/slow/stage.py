@@ -9,6 +9,7 @@ from app.frame.layout import Rectangle, rectangle
 from app.frame.marks import Anchor, Colour, Room, Sheet, wrapped
 from app.frame.slow.phases import PHASES, scaled
 from app.frame.slow.sketch import SIZES, Sketch
+from app.language.spoken import tr
 from solvers.scene.scene import Scene
 from solvers.solver.step_breakdown import StepBreakdown
 
@@ -63,7 +64,7 @@ class SlowStage(ABC):
         (self._functions_phase, self._gather, self._forces, self._velocities, self._scatter, self._strain)[phase](
             scene, a, s)
         if phase >= 4 and moved > 1:
-            self._legend.append(f"particles' way drawn × {moved:g}")
+            self._legend.append(tr("particles' way drawn × {factor:g}", factor=moved))
         self._sketch.dots(self._spots[1:][self._seen(self._spots[1:])], OTHERS, 1)
         self._sketch.dots(self._spots[:1], FRONT, 2)
         self._sketch.dots(self._nodes, NODE, 0)
@@ -74,7 +75,7 @@ class SlowStage(ABC):
     def _functions_phase(self, scene: Scene, a: StepBreakdown, s: float) -> None:
         self._functions(scene, a, s)
         self._weights(a, FRONT, s)
-        self._legend.append("green: the particle; its lines to nodes are as thick as the weight")
+        self._legend.append(tr("green: the particle; its lines to nodes are as thick as the weight"))
 
     def _gather(self, _: Scene, a: StepBreakdown, s: float) -> None:
         """Parcels go from particles to nodes, whose squares grow; green in them: what the particle in front gives."""
@@ -88,14 +89,15 @@ class SlowStage(ABC):
         seen = self._seen(self._spots)
         self._arrows(self._spots[seen], a.before.velocity[seen], OTHERS)
         self._arrows(self._nodes, s * a.momentum, NODE, a.momentum)
-        self._legend.append("squares: mass of the nodes (green: from the particle); arrows: v of particles, momentum")
+        self._legend.append(tr("squares: mass of the nodes (green: from the particle); arrows: v of particles, "
+                               "momentum"))
 
     def _forces(self, _: Scene, a: StepBreakdown, s: float) -> None:
         self._weights(a, FRONT, 1.0)
         both = np.concatenate([a.internal_force, a.body_force])
         self._arrows(self._nodes, s * a.internal_force, STRESS, both, 3.5)
         self._arrows(self._nodes - 0.05 * self._scale * self._aside, s * a.body_force, BODY, both, 3.5)
-        self._legend.append("orange: force of stress; blue: body force")
+        self._legend.append(tr("orange: force of stress; blue: body force"))
 
     def _velocities(self, _: Scene, a: StepBreakdown, s: float) -> None:
         """The change is small beside the velocity: it has a scale of its own."""
@@ -104,7 +106,7 @@ class SlowStage(ABC):
         self._arrows(self._nodes, old, OTHERS, np.concatenate([old, a.velocity]), 2.0)
         self._arrows(self._nodes, old + s * gained, NODE, np.concatenate([old, a.velocity]), 3.5)
         self._arrows(self._nodes - 0.07 * self._scale * self._aside, s * gained, STRESS, gained, 3.5)
-        self._legend.append(f"grey: old v; black: new v; orange: what is gained, drawn × {factor:g}")
+        self._legend.append(tr("grey: old v; black: new v; orange: what is gained, drawn × {factor:g}", factor=factor))
 
     def _scatter(self, _: Scene, a: StepBreakdown, s: float) -> None:
         """Parcels come back in the first half, the particles move in the second."""
@@ -117,7 +119,7 @@ class SlowStage(ABC):
             seen = self._seen(start) & self._seen(self._spots)
             self._sketch.line(start[seen], self._spots[seen], OTHERS, 2.0)
             self._sketch.dots(start[seen], DOMAINS, 1)
-        self._legend.append("black: new v of the nodes")
+        self._legend.append(tr("black: new v of the nodes"))
 
     def _strain(self, _: Scene, a: StepBreakdown, s: float) -> None:
         """The material of the particle changes its shape, magnified."""
@@ -129,7 +131,8 @@ class SlowStage(ABC):
         edges = a.edges[0] if np.abs(a.edges[0]).max() > 0 else 0.25 * a.spacing * np.eye(len(F))
         for share, colour, thickness in ((0.0, OTHERS, 1.0), (s * factor, FRONT, 3.5)):
             self._outline(self._places[:1], (edges @ (np.eye(len(F)) + share * gained).T)[None], colour, thickness)
-        self._legend.append(f"outline: the particle's material before and after, its strain in this step × {factor:g}")
+        self._legend.append(tr("outline: the particle's material before and after, its strain in this step × "
+                               "{factor:g}", factor=factor))
 
     def _weights(self, a: StepBreakdown, colour: Colour, s: float) -> None:
         """Lines from the particle in front to its nodes, as thick as the weights."""
@@ -174,11 +177,14 @@ class SlowStage(ABC):
             anchor, side = SIDES[self._free_side(spot, away, text, reaching, written)]
             x, y = spot + away * np.array(side)
             self._sketch.text(x, y, text, anchor, NUMBERS)
-        names = [f"{c.name} in {unit}" if unit else c.name for c, unit in zip(shown, units, strict=True)]
-        self._legend.insert(0, "numbers at the nodes: " + ", below it ".join(names))
+        names = [tr("{name} in {unit}", name=tr(c.name), unit=unit) if unit else tr(c.name)
+                 for c, unit in zip(shown, units, strict=True)]
+        self._legend.insert(0, tr("numbers at the nodes: {first}, below it {second}", first=names[0], second=names[1])
+                            if len(names) > 1 else tr("numbers at the nodes: {first}", first=names[0]))
 
     def _caption(self, scene: Scene, a: StepBreakdown, phase: int) -> None:
-        lines, width, x = [f"Particle {a.particle} in step {a.step}", *PHASES[phase].front(scene, a)], self.width, 0.0
+        which = tr("Particle {particle} in step {step}", particle=a.particle, step=a.step)
+        lines, width, x = [which, *PHASES[phase].front(scene, a)], self.width, 0.0
         self._sketch.text(x, self._room.high, wrapped("; ".join(self._legend), width), "top-left", CAPTION)
         self._sketch.text(x, 0.0, "\n".join(wrapped(line, width) for line in lines), "bottom-left", CAPTION)
 

@@ -7,6 +7,8 @@ from concurrent.futures import Future
 from dataclasses import dataclass, replace
 from typing import Any, ClassVar, Generic, TypeVar
 
+from app.language.heard import heard
+from app.language.spoken import carried, tr
 from solvers.workers.pool import Slots, WorkerPool
 
 MOST_JOBS = max(1, (os.cpu_count() or 2) // 2)  # on this server; each keeps a processor busy
@@ -85,15 +87,17 @@ class Background(ABC, Generic[S]):
             if self.status.running or self._closed:
                 return
             if not self.slots.take():
-                self.status = replace(status, trouble=self.BUSY.format(MOST_JOBS))
+                self.status = replace(status, trouble=tr(self.BUSY, n=MOST_JOBS))
                 return
             self.status = replace(status, running=True)
             self._pool = WorkerPool(f"{self.WORK}:{status.kind}")
-            job = self._pool.submit(question, self._hear, patience)
-        job.add_done_callback(self._end)
+            job = self._pool.submit(question, carried(self._hear), patience)
+        job.add_done_callback(carried(self._end))
 
     def _hear(self, message: dict[str, Any]) -> None:
         """There is no other job's message, because the next waits for this one's end."""
+        if trouble := message.get("trouble"):
+            message = message | {"trouble": heard(trouble)}
         with self._lock:
             self.status = self.heard(self.status, message)
 
@@ -110,5 +114,5 @@ class Background(ABC, Generic[S]):
 def _trouble(error: BaseException | None) -> str | None:
     """What has become of the process, in a sentence."""
     if isinstance(error, OSError):
-        return f"No process could be started: {error.strerror or error}."
-    return None if error is None else f"the background process {error}"
+        return tr("No process could be started: {reason}.", reason=error.strerror or error)
+    return None if error is None else tr("the background process {has_ended}", has_ended=heard(str(error)))

@@ -8,6 +8,7 @@ from typing import Any
 
 import viser
 
+from app.language.spoken import tr
 from app.viewer.widgets import identity, is_removed
 
 REST = 0.7  # seconds without another refusal, after which the control goes back: not under the hand that moves it
@@ -48,7 +49,7 @@ class Answers:
         elif self._refusal:
             content = _said(widget, "refused", f"{sentence[:1].upper()}{sentence[1:]}.")
         else:
-            content = _said(widget, "compiling", "compiling …") if compiling else ""
+            content = _said(widget, "compiling", tr("compiling …")) if compiling else ""
         if self._html.content != content:
             self._html.content = content
         if back and not is_removed(widget):

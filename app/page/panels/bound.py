@@ -8,6 +8,7 @@ from typing import Any
 import viser
 
 from app import words
+from app.language.spoken import tr
 from app.page.panels.answers import Answers
 from app.page.visit.session import Session, first_scene
 from app.problems.interface import LinearSlider
@@ -59,8 +60,8 @@ class BoundWidgets:
         session, scene = self._session, self._session.scene
         boxes = {}
         for name in scene.choices(field):
-            boxes[name] = self._gui.add_checkbox(kinds[name].label, name in getattr(scene, field),
-                                                 hint=kinds[name].explanation)
+            boxes[name] = self._gui.add_checkbox(tr(kinds[name].label), name in getattr(scene, field),
+                                                 hint=tr(kinds[name].explanation))
         for box in boxes.values():
             self.follow(box, lambda _: session.set(**{field: tuple(name for name, b in boxes.items() if b.value)}))
 
@@ -100,7 +101,8 @@ class BoundWidgets:
 
     def field(self, field: str, hint: str) -> None:
         """A dropdown of what the scene's field may be, in words; a box for one that is true or false."""
-        scene, label = self._session.scene, field_label(field).capitalize()
+        scene, label, hint = self._session.scene, tr(field_label(field)), tr(hint)
+        label = label[:1].upper() + label[1:]
         value, names = getattr(scene, field), words.choices(type(scene), field)
         codes = {name: code for code, name in names.items()}
         widget = self._gui.add_dropdown(label, tuple(codes), hint=hint, initial_value=names[value]) if names \
@@ -112,7 +114,7 @@ class BoundWidgets:
         values = self._session.scene.to_dict()
         for field, (label, low, high, step, hint) in sliders.items():
             value = values[field]
-            slider = self._gui.add_slider(label, min(low, value), max(high, value), step, value, hint=hint)
+            slider = self._gui.add_slider(tr(label), min(low, value), max(high, value), step, value, hint=tr(hint))
             self.follow(slider, functools.partial(self._set, field))
 
     def _set(self, field: str, value: float) -> None:
@@ -126,7 +128,7 @@ class BoundWidgets:
         if motion is None:
             return
         names = words.choices(type(scene), "motion")
-        shown = self._gui.add_dropdown("Motion", tuple(names.values()), hint=motion.hint,
+        shown = self._gui.add_dropdown(tr("Motion"), tuple(names.values()), hint=tr(motion.hint),
                                        initial_value=names[scene.to_dict()["motion"]])
 
         def chosen(_: viser.GuiEvent) -> None:

@@ -10,6 +10,7 @@ from typing import Any
 
 import viser
 
+from app.language.spoken import tr
 from app.viewer.widgets import allow
 
 LONGEST = 20_000  # characters that a browser may tell at once
@@ -27,7 +28,7 @@ class BrowserStore:
         self.heard: dict[str, Callable[[Any], None]] = {}  # what is done with further things that the browser says
         self._early: dict[str, Any] = {}  # said before anybody listened, the latest of each kind
         gui.add_html(MARK)
-        self._text = gui.add_text("kept by the browser", "")
+        self._text = gui.add_text(tr("kept by the browser"), "")
         allow(self._text, LONGEST)
         self._mark = gui.add_html("")
         self._waiting: deque[str] = deque(maxlen=MOST_KINDS)  # what it has said and nobody has heard yet

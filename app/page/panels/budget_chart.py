@@ -11,6 +11,8 @@ import numpy as np
 from app.colours import cause_token
 from app.frame.budget import CAPTION, MEANINGS, UNITS, error, percent, stacked, whose
 from app.frame.scale import round_up
+from app.language.heard import heard
+from app.language.spoken import later, tr
 from app.page.visit.downsampled import until
 from app.words import number, per_cent, with_unit
 from solvers.scene.causes import CAUSES, NOTHING
@@ -22,7 +24,7 @@ TICKS = (1, 2, 5)
 MOST = 160  # times of a chart: further ones are left out
 WHOLE = 1e-9  # by which rounding may take a run beyond its last period
 WIDTH, HEIGHT = 600, 200  # of a chart, in units of its own
-PHRASES = {"before": "before", "predicted": "foretold", "again": "run again"}
+PHRASES = {"before": later("before"), "predicted": later("foretold"), "again": later("run again")}
 
 
 @dataclass(frozen=True)
@@ -38,7 +40,7 @@ class Divided:
     @property
     def not_valid(self) -> str:
         """Why shares say nothing of it, or ""."""
-        return budget.not_valid(self.series) or ""
+        return heard(budget.not_valid(self.series) or "")
 
 
 @dataclass(frozen=True)
@@ -80,7 +82,7 @@ def chart(runs: Sequence[Divided], field: str) -> str:
     axes = _axes(drawn, field) if drawn else None
     figures = "".join(_figure(run, field, axes) if axes and not run.not_valid else
                       _titled(run, f"<p class='lab-no-budget'>{escape(sentence(run.not_valid))}</p>") for run in runs)
-    caption = f"<p class='lab-caption'>{CAPTION}</p>" if drawn else ""
+    caption = f"<p class='lab-caption'>{tr(CAPTION)}</p>" if drawn else ""
     return f"<div class='lab-budget-chart'>{figures}{_shares(drawn, field) if drawn else ''}{caption}</div>"
 
 
@@ -128,8 +130,8 @@ def _titled(run: Divided, inside: str) -> str:
 def _said(run: Divided, field: str) -> str:
     """The chart in words."""
     shares = budget.shares(run.series, field)
-    parts = ", ".join(f"{CAUSES[cause]} {percent(share)}" for cause, share in shares.items())
-    return escape(f"error of {field} over time, made by {parts}", quote=True)
+    parts = ", ".join(f"{tr(CAUSES[cause])} {percent(share)}" for cause, share in shares.items())
+    return escape(tr("error of {field} over time, made by {parts}", field=field, parts=parts), quote=True)
 
 
 def _shares(runs: Sequence[Divided], field: str) -> str:
@@ -138,10 +140,10 @@ def _shares(runs: Sequence[Divided], field: str) -> str:
     several = len(runs) > 1
     head = "".join(f"<th>{escape(run.name.partition(':')[0])}</th>" for run in runs) if several else "<td></td>"
     rows = "".join(
-        f"<tr data-cause='{cause}'><td><i style='background:var(--{cause_token(cause)})'></i><b>{words}</b> "
-        f"<span>{MEANINGS[cause]}</span></td>{''.join(f'<td>{percent(one[cause])}</td>' for one in shares)}</tr>"
+        f"<tr data-cause='{cause}'><td><i style='background:var(--{cause_token(cause)})'></i><b>{tr(words)}</b> "
+        f"<span>{tr(MEANINGS[cause])}</span></td>{''.join(f'<td>{percent(one[cause])}</td>' for one in shares)}</tr>"
         for cause, words in CAUSES.items())
-    of = f"share of the error of {field} over the run{whose(runs[-1].scene)}"
+    of = tr("share of the error of {field} over the run", field=field) + whose(runs[-1].scene)
     return f"<table class='lab-causes{' lab-two' * several}'><tr><th>{of}</th>{head}</tr>{rows}</table>"
 
 
@@ -154,15 +156,16 @@ def outcome(before: Divided, again: Divided, field: str, cause: str) -> str:
              "again": budget.rms(second, field)}
     if not (whole := sizes["before"]):
         return ""
-    rows = "".join(_bar(PHRASES[key], size, whole, UNITS[field], key) for key, size in sizes.items())
-    return f"<div class='lab-outcome'><p>RMS of {field} over the run, without {CAUSES[cause]}</p>{rows}</div>"
+    rows = "".join(_bar(tr(PHRASES[key]), size, whole, UNITS[field], key) for key, size in sizes.items())
+    of = tr("RMS of {field} over the run, without {cause}", field=field, cause=tr(CAUSES[cause]))
+    return f"<div class='lab-outcome'><p>{of}</p>{rows}</div>"
 
 
 def picture(png: str, words: str) -> str:
     """A picture over the page, in base64, with what it shows in words; "" where there is none. The page's script opens
     it (``js/budget.js``)."""
-    said = escape(words, quote=True)
-    return f"<dialog class='lab-map' aria-label='{said}'><button type='button' aria-label='Close'>×</button>" \
+    said, close = escape(words, quote=True), tr("Close")
+    return f"<dialog class='lab-map' aria-label='{said}'><button type='button' aria-label='{close}'>×</button>" \
            f"<img alt='{said}' src='data:image/png;base64,{png}'></dialog>" if png else ""
 
 

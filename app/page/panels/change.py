@@ -6,6 +6,7 @@ from typing import Any
 import viser
 
 from app import words
+from app.language.spoken import tr
 from app.page.panels.bound import BoundWidgets
 from app.page.panels.browser_store import BrowserStore
 from app.page.panels.marks import mark, marked
@@ -18,7 +19,6 @@ from solvers.scene.scene import AUTO, DEFAULT_CFL, Scene
 from solvers.scene.step_bound import SAFE
 
 CFL = (0.01, 2.0)
-HEADING = "<h2 class='lab-h2'>Change the run<small>answers at once</small></h2>"
 
 
 class RunWidgets:
@@ -32,27 +32,28 @@ class RunWidgets:
         """Make the widgets, for the session's present scene."""
         session, scene, view = self._session, self._session.scene, VIEWS[self._session.scene.problem]
         default = type(scene)()
-        gui.add_html(HEADING)
+        gui.add_html(f"<h2 class='lab-h2'>{tr('Change the run')}<small>{tr('answers at once')}</small></h2>")
         with part("method"):
             self._method(gui)
         with part("cells"):
             self._cells(gui)
         with part("ppc"):
             low, high = view.reach.ppc
-            step, hint = (1, "in each direction") if scene.whole_per_cell else (0.5, "need not be whole here")
-            mark(gui, words="how fine the body is")
-            per_cell = gui.add_slider("Particles / cell", low, max(high, scene.ppc), step, scene.ppc, hint=hint)
+            step, hint = (1, tr("in each direction")) if scene.whole_per_cell else (0.5, tr("need not be whole here"))
+            mark(gui, words=tr("how fine the body is"))
+            per_cell = gui.add_slider(tr("Particles / cell"), low, max(high, scene.ppc), step, scene.ppc, hint=hint)
             self._bound.follow(per_cell, lambda count: session.set(ppc=count))
         if "amplitude" in scene.moved_by:
             with part("amplitude"):
-                amplitude = Size("Amplitude A", words.unit_of(type(scene), "amplitude"), view.reach.amplitude,
-                                 default.amplitude, view.amplitude_hint, "how far it swings")
+                amplitude = Size(tr("Amplitude A"), words.unit_of(type(scene), "amplitude"), view.reach.amplitude,
+                                 default.amplitude, tr(view.amplitude_hint), tr("how far it swings"))
                 SizeControl(gui, self._bound, amplitude, scene.amplitude, lambda value: session.set(amplitude=value))
         elif view.motion:
             with part("stretch"):
                 self._bound.sliders(view.motion.sliders)
         with part("modulus"):
-            modulus = Size("Modulus E", "Pa", view.reach.modulus, default.modulus, view.modulus_hint, "how stiff it is")
+            modulus = Size(tr("Modulus E"), "Pa", view.reach.modulus, default.modulus, tr(view.modulus_hint),
+                           tr("how stiff it is"))
             SizeControl(gui, self._bound, modulus, scene.modulus, lambda value: session.set(modulus=value))
         with part("step"):
             self._step(gui)
@@ -61,8 +62,9 @@ class RunWidgets:
         scene = self._session.scene
         self._names = words.choices(type(scene), "method")
         codes = {name: code for code, name in self._names.items()}
-        self._shown_method = gui.add_dropdown("Method", tuple(codes), initial_value=self._names[scene.method],
-                                              hint="shape functions that carry data between particles and grid")
+        self._shown_method = gui.add_dropdown(
+            tr("Method"), tuple(codes), initial_value=self._names[scene.method],
+            hint=tr("shape functions that carry data between particles and grid"))
         self._pictured = scene.method
         self._pictures = gui.add_html(pictures(tuple(self._names), scene.method))
         self._bound.follow(self._shown_method, lambda name: self._session.set(method=codes[name]))
@@ -86,16 +88,16 @@ class RunWidgets:
         across = scene.cells * scene.spacing
 
         def label(count: int) -> str:
-            return f"Cells, h = {across:g}/{count}"
+            return tr("Cells, h = {across:g}/{count}", across=across, count=count)
 
         def size(count: int) -> str:
-            return f"{with_unit(across / count, 'm', 3)} each"
+            return tr("{size} each", size=with_unit(across / count, "m", 3))
 
         low, high, step = VIEWS[scene.problem].reach.cells
         high = max(high, scene.cells)  # of a scene that was loaded
         words_beside = mark(gui, words=size(scene.cells))
         cells = gui.add_slider(label(scene.cells), low, high, step, scene.cells,
-                               hint=f"grid cells across {across:g} m")
+                               hint=tr("grid cells across {across:g} m", across=across))
 
         def changed(count: int) -> None:
             cells.label, words_beside.content = label(count), marked(words=size(count))
@@ -118,12 +120,14 @@ class RunWidgets:
                 by_hand(float(f"{session.scene.courant_number:.3g}"))
 
         mark(gui, "lab-auto")
-        self._auto = gui.add_checkbox("Auto step", scene.dt == AUTO, hint=f"take {SAFE:g} of the longest step that the "
-                                      "motion ahead bears by linear theory; the slider shows it")
+        self._auto = gui.add_checkbox(tr("Auto step"), scene.dt == AUTO, hint=tr(
+            "take {safe:g} of the longest step that the motion ahead bears by linear theory; the slider shows it",
+            safe=SAFE))
         self._shown_step = scene.courant_number
         self._step_size = SizeControl(gui, self._bound,
-            Size("CFL number", "", CFL, DEFAULT_CFL, "time step as a share of the time a wave takes through a cell",
-                 "time step"), scene.courant_number, by_hand)
+            Size(tr("CFL number"), "", CFL, DEFAULT_CFL,
+                 tr("time step as a share of the time a wave takes through a cell"), tr("time step")),
+            scene.courant_number, by_hand)
         self._bound.follow(self._auto, automatic)
 
     def refresh(self) -> None:

@@ -6,6 +6,7 @@ from typing import Any
 import viser
 
 from app.frame.silences import TRUE
+from app.language.spoken import later, tr
 from app.page.panels.bound import BoundWidgets
 from app.page.panels.browser_store import BrowserStore
 from app.page.panels.readout import sample
@@ -16,11 +17,10 @@ from solvers.problems import PROBLEMS
 from solvers.scene.registry import ESTIMATORS
 
 #: What an estimator does, in the few words that a card has room for; others say their summary.
-IDEAS = {"recovered": "smooths the particles' motion", "transport": "the method's own equations",
-         "companion": "a hidden, finer solve beside it", "two-grid": "the same run on wider cells"}
-HEADING = ("<h2 class='lab-h2'>Who judges the run?<small title='error index: estimated over true, summed over the run "
-           "so far; price: the running time that it adds to the usual scene'>index, 1 is perfect · price</small></h2>"
-           f"<div class='lab-judge-true'>{sample(TRUE)} <b>{TRUE}</b> <span>norm now</span> <strong></strong></div>")
+IDEAS = {"recovered": later("smooths the particles' motion"), "transport": later("the method's own equations"),
+         "companion": later("a hidden, finer solve beside it"), "two-grid": later("the same run on wider cells")}
+INDEX = later("error index: estimated over true, summed over the run so far; price: the running time that it adds to "
+              "the usual scene")
 
 
 class Judges:
@@ -42,7 +42,7 @@ class Judges:
     def build(self, gui: viser.GuiApi) -> None:
         """Make the widgets, for the session's present scene."""
         wished, problem = self._session.scene.estimators, self._session.scene.problem
-        gui.add_html(HEADING)
+        gui.add_html(_heading())
         self._boxes = {}
         usual = VIEWS[problem].estimators
         for name in (*usual, *(name for name in PROBLEMS[problem].estimators if name not in usual)):
@@ -75,13 +75,20 @@ class Judges:
             self._stage.put(name)
 
 
+def _heading() -> str:
+    return (f"<h2 class='lab-h2'>{tr('Who judges the run?')}<small title='{escape(tr(INDEX))}'>"
+            f"{tr('index, 1 is perfect · price')}</small></h2><div class='lab-judge-true'>{sample(TRUE)} "
+            f"<b>{tr(TRUE)}</b> <span>{tr('norm now')}</span> <strong></strong></div>")
+
+
 def _card(name: str, problem: str) -> str:
     """A card, which the browser fills from runs of the problem. The price is what an estimator adds to the rest."""
     estimator, price = ESTIMATORS[name], VIEWS[problem].prices.get(name)
     cost = "" if price is None else f"+{100 * price / (1 - price):.0f}\N{NO-BREAK SPACE}%"
-    idea = escape(IDEAS.get(name, estimator.summary))
+    idea, stage = escape(tr(IDEAS.get(name, estimator.summary))), tr("put it on the stage: {summary}",
+                                                                     summary=tr(estimator.summary))
     return (f"<div class='lab-judge lab-off' data-judge='{escape(name)}' data-problem='{escape(problem)}'>"
-            f"<button type='button' class='lab-judge-name' title='put it on the stage: {escape(estimator.summary)}'>"
-            f"{sample(name)} {escape(estimator.title)}</button><span class='lab-tag'>on the stage</span>"
+            f"<button type='button' class='lab-judge-name' title='{escape(stage)}'>"
+            f"{sample(name)} {escape(estimator.title)}</button><span class='lab-tag'>{tr('on the stage')}</span>"
             f"<p class='lab-idea'>{idea}</p><p class='lab-index'><strong></strong> <span>{cost}</span></p>"
             "<i class='lab-gauge' aria-hidden='true'><b></b></i><p class='lab-trust'></p><p class='lab-why'></p></div>")

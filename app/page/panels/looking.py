@@ -4,13 +4,14 @@ from collections.abc import Callable
 
 import viser
 
+from app.language.spoken import later, tr
 from app.page.visit.downsampled import LAST_PERIODS
 from app.page.visit.recent import Recent
 from app.page.visit.session import Session
 from app.page.visit.trace import Trace
 from solvers.outside import numerals, quoting
 
-ALL, LATEST = "all", f"last {LAST_PERIODS} periods"
+ALL, LATEST = later("all"), later("last {n} periods")
 
 
 class Looking:
@@ -23,20 +24,22 @@ class Looking:
 
     def build_slider(self, gui: viser.GuiApi) -> viser.GuiSliderHandle[int]:
         """Make the slider: to the left is the past."""
-        self._slider = gui.add_slider("Look back", -1, 0, 1, 0, disabled=True, hint=_hint(0, 0.0))
+        self._slider = gui.add_slider(tr("Look back"), -1, 0, 1, 0, disabled=True, hint=_hint(0, 0.0))
         self._slider.on_update(self._moved)
         self._at = 0
         return self._slider
 
     def build_trace(self, gui: viser.GuiApi) -> None:
         """Make what belongs to the plots over time."""
-        show = gui.add_dropdown("Plots show", (ALL, LATEST), initial_value=LATEST if self.latest else ALL,
-                                hint="how much of the run the plots over time show")
-        self._number = gui.add_text("Trace particle", "", hint="its number, or click it on the stage: its error, its "
-                                    "estimates and its crossings are plotted over time; empty for none")
-        self._end = gui.add_button("Trace no more", visible=False, color="gray",
-                                   hint="take its mark and its plot away")
-        show.on_update(lambda _: setattr(self, "latest", show.value == LATEST))
+        shown = tr(ALL), tr(LATEST, n=LAST_PERIODS)
+        show = gui.add_dropdown(tr("Plots show"), shown, initial_value=shown[self.latest],
+                                hint=tr("how much of the run the plots over time show"))
+        self._number = gui.add_text(tr("Trace particle"), "", hint=tr(
+            "its number, or click it on the stage: its error, its estimates and its crossings are plotted over time; "
+            "empty for none"))
+        self._end = gui.add_button(tr("Trace no more"), visible=False, color="gray",
+                                   hint=tr("take its mark and its plot away"))
+        show.on_update(lambda _: setattr(self, "latest", show.value == shown[True]))
         self._number.on_update(self._typed)
         self._end.on_click(lambda _: self._choose(None))
         self._followed: int | None = None
@@ -90,8 +93,8 @@ class Looking:
             return
         text, particles = self._number.value.strip(), self._session.report.particles
         if text and not ((number := numerals.count(text)) is not None and number < particles):
-            self._session.refuse(f"Trace particle: '{quoting.quoted(text, 20)}' is not the number of one; give one "
-                                 f"from 0 to {particles - 1}, or nothing")
+            self._session.refuse(tr("Trace particle: '{typed}' is not the number of one; give one from 0 to {last}, or "
+                                    "nothing", typed=quoting.quoted(text, 20), last=particles - 1))
             self._refused = True
             return
         if self._refused:
@@ -105,5 +108,7 @@ class Looking:
 
 
 def _hint(frames: int, periods: float) -> str:
-    far = f" The last {frames} frames are kept, {periods:.2g} periods." if frames else ""
-    return f"while paused: earlier frames, numbered back from the last one, 0.{far}"
+    if not frames:
+        return tr("while paused: earlier frames, numbered back from the last one, 0.")
+    return tr("while paused: earlier frames, numbered back from the last one, 0. The last {frames} frames are kept, "
+              "{periods:.2g} periods.", frames=frames, periods=periods)

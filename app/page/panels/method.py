@@ -4,6 +4,7 @@ from html import escape
 
 import numpy as np
 
+from app.language.spoken import later, tr
 from app.words import METHODS, Method
 from solvers.scene.step_bound import stencil
 
@@ -13,7 +14,7 @@ WIDTH, HEIGHT = 44.0, 22.0  # of a picture, in its own units
 HALF_WIDTH = 0.125  # of a particle at rest, in cells: four in each
 STRETCHED = 0.32  # of one that is stretched, for methods whose particles follow the motion: wide enough to be seen
 FOLLOWS = ("cpgimp", "cpgimp-v", "cpdi")
-NAMES = {"mpm": "hat"}  # where the picture has another name than the method
+NAMES = {"mpm": later("hat")}  # where the picture has another name than the method
 
 
 def weights(method: str) -> tuple[np.ndarray, np.ndarray]:
@@ -43,7 +44,7 @@ def pictures(methods: tuple[str, ...], chosen: str) -> str:
 
 
 def _name(method: str) -> str:
-    return NAMES.get(method) or (METHODS[method].name if method in METHODS else method)
+    return tr(NAMES[method]) if method in NAMES else (METHODS[method].name if method in METHODS else method)
 
 
 def _curve(method: str) -> str:

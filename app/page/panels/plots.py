@@ -6,6 +6,7 @@ when it is first used and hidden while another set runs.
 """
 
 from collections.abc import Sequence
+from html import escape
 from typing import Protocol
 
 import numpy as np
@@ -15,6 +16,7 @@ from viser import uplot
 from app.colours import PINNED, TRUTH
 from app.frame.scale import BEYOND, largest
 from app.frame.silences import NOT_COUNTED, TRUE
+from app.language.spoken import later, tr
 from app.page.panels.readout import named
 from app.page.visit.pinned import PinnedRun
 from app.page.visit.trace import Traced
@@ -38,10 +40,12 @@ _TIMES = (("s", 1.0, 1e-2), ("ms", 1e-3, 1e-5), ("µs", 1e-6, 0.0))
 _GRID: uplot.Axis_Grid = {"stroke": "#e6e9ee", "width": 1}
 _TICKS: uplot.Axis_Ticks = {"stroke": "#c6ccd4", "width": 1, "size": 4}
 #: What each plot shows, for who rests on its title.
-NORM = "root of the mean square over all particles: the broad line is the true error, the others estimate it"
-INDEX = "estimated over true error, summed over the run so far; on the grey line, at 1, an estimate is perfect"
-CROSSED = "particles that pass from one cell of the grid into the next, in a second of simulated time"
-TRACE = "true error and its estimates at the particle that is traced; magenta: where it crosses a cell boundary"
+NORM = later("root of the mean square over all particles: the broad line is the true error, the others estimate it")
+INDEX = later("estimated over true error, summed over the run so far; on the grey line, at 1, an estimate is perfect")
+CROSSED = later("particles that pass from one cell of the grid into the next, in a second of simulated time")
+TRACE = later("true error and its estimates at the particle that is traced; magenta: where it crosses a cell boundary")
+ABOVE = later("{estimator} is above the plot, at {index}")
+BELOW = later("{estimator} is below the plot, at {index}")
 HeadedPlot = tuple[viser.GuiHtmlHandle, viser.GuiUplotHandle]
 PlotSet = tuple[list[HeadedPlot], viser.GuiHtmlHandle]  # and the label of their times
 
@@ -97,11 +101,13 @@ class Plots:
         errors, unit = self._errors(series, valid, quantity, grey)
         of_time, second = _time_unit(time[-1], history.scene)
         self._time_label.content = _time_label(of_time)
-        title = f"error norm of {words.symbol} / {unit}" + "<br>grey: pinned" * bool(grey) + _legend(valid, of_time)
+        title = tr("error norm of {symbol} / {unit}", symbol=words.symbol, unit=unit) \
+            + f"<br>{tr('grey: pinned')}" * bool(grey) + _legend(valid, of_time)
         self._headings[0].content = _heading(title, NORM, kind="lab-presented")
         put(self._plots[0], finite(second * time, *errors))
         beyond = no_index or _beyond({name: series[f"{name}/index_{quantity}"][-1] for name in valid})
-        self._headings[1].content = _heading(f"error index of {words.symbol}: estimated / true", INDEX, beyond)
+        title = tr("error index of {symbol}: estimated / true", symbol=words.symbol)
+        self._headings[1].content = _heading(title, INDEX, beyond)
         indices = [np.minimum(series[f"{name}/index_{quantity}"], INDEX_RANGE[1]) if name in valid else nothing
                    for name in self._estimators]
         put(self._plots[1], finite(second * time, *(np.minimum(values, INDEX_RANGE[1]) for values in grey_index),
@@ -118,7 +124,8 @@ class Plots:
         first = next((values for values in errors if np.isfinite(values).any()), np.zeros(len(time)))
         crossed = np.where(traced.crossed(time), first, np.nan)
         at = np.where(np.arange(len(time)) == np.argmin(np.abs(time - shown)), first, np.nan)
-        heading.content = _heading(f"{traced.title}<br>error of {QUANTITIES[quantity].symbol} / {unit}", TRACE,
+        error = tr("error of {symbol} / {unit}", symbol=QUANTITIES[quantity].symbol, unit=unit)
+        heading.content = _heading(f"{traced.title}<br>{error}", TRACE,
                                    kind=f"lab-traced' data-particle='{traced.particle}")
         put(plot, (*finite(_time_unit(time[-1], traced.scene)[1] * time, *errors), crossed, at))
 
@@ -139,16 +146,16 @@ class Plots:
             put(plot, finite(EMPTY, *(np.full(2, np.nan) for _ in plot.data[1:])))
 
     def _build(self, estimators: tuple[str, ...], height: int, pinned: bool) -> PlotSet:
-        grey = [line("pinned, true", PINNED, 2.5), line("pinned", PINNED, 1.5, (5, 3))] if pinned else []
+        grey = [line(tr("pinned, true"), PINNED, 2.5), line(tr("pinned"), PINNED, 1.5, (5, 3))] if pinned else []
         lines = [line(name, ESTIMATORS[name].colour, 2, ESTIMATORS[name].dashes) for name in estimators]
-        true, perfect = line("true", TRUTH, 3.5), line("perfect", PERFECT, 2.5)
-        crossings = line("crossings", CROSSINGS, 1.5)
-        marks = _marks("crossed", CROSSINGS, 7), _marks("shown", "black", 5)
+        true, perfect = line(tr(TRUE), TRUTH, 3.5), line(tr("perfect"), PERFECT, 2.5)
+        crossings = line(tr("crossings"), CROSSINGS, 1.5)
+        marks = _marks(tr("crossed"), CROSSINGS, 7), _marks(tr("shown"), "black", 5)
         with self._tab:
-            return [self._plot("particle", (true, *lines, *marks), height),
-                    self._plot("error norm", (*grey, true, *lines), height),
-                    self._plot("error index", (*grey[1:], perfect, *lines), height, _RATIOS, _RATIO_MARKS),
-                    self._plot("grid crossings per second", (*grey[:1], crossings), height)], \
+            return [self._plot(tr("particle"), (true, *lines, *marks), height),
+                    self._plot(tr("error norm"), (*grey, true, *lines), height),
+                    self._plot(tr("error index"), (*grey[1:], perfect, *lines), height, _RATIOS, _RATIO_MARKS),
+                    self._plot(tr("grid crossings per second"), (*grey[:1], crossings), height)], \
                 self._gui.add_html(_time_label("t / s"))
 
     def _show_crossings(self, history: Past, series: dict[str, np.ndarray], grey: list[np.ndarray],
@@ -158,8 +165,8 @@ class Plots:
         time = np.append(series["time"][:1], time)  # from where the other plots begin, and the first rate counts too
         power = power_of_ten(max(map(largest, (*grey, rate))))
         self._headings[2].content = _heading(
-            f"grid crossings per second{' / ' * bool(power)}{power_text(power)}", CROSSED,
-            "" if history.scene.has("crossings") else NOT_COUNTED)
+            f"{tr('grid crossings per second')}{' / ' * bool(power)}{power_text(power)}", CROSSED,
+            "" if history.scene.has("crossings") else tr(NOT_COUNTED))
         rates = [np.append(values[:1], values) / 10.0**power for values in (*grey, rate)]
         if len(time) < 3:  # nothing to draw yet, over the time that has passed
             time, rates = series["time"][[0, -1]], [np.full(2, np.nan) for _ in rates]
@@ -208,7 +215,7 @@ def put(plot: viser.GuiUplotHandle, data: tuple[np.ndarray, ...]) -> None:
 def _beyond(indices: dict[str, float]) -> str:
     """Which indices are outside of the plot, and where."""
     low, high = INDEX_RANGE
-    return "; ".join(f"{name} is {'above' if index > high else 'below'} the plot, at {number(index)}"
+    return "; ".join(tr(ABOVE if index > high else BELOW, estimator=name, index=number(index))
                      for name, index in indices.items() if np.isfinite(index) and not low <= index <= high)
 
 
@@ -241,7 +248,7 @@ def _time_unit(end: float, scene: Scene) -> tuple[str, float]:
     """What times until ``end`` in s are counted in, in words, and how many of them a second has: periods, as all texts
     do, but where nothing swings."""
     if scene.swings:
-        return "t in periods", 1 / scene.period
+        return tr("t in periods"), 1 / scene.period
     unit, size = next((unit, size) for unit, size, shortest in _TIMES if end >= shortest or end <= 0)
     return f"t / {unit}", 1 / size
 
@@ -253,11 +260,11 @@ def _time_label(of_time: str) -> str:
 def _legend(estimators: Sequence[str], of_time: str) -> str:
     """What the lines of the presented plot are, for where the readout does not say it."""
     lines = "".join(f"<span>{named(name)}</span>" for name in (TRUE, *estimators))
-    return f"<div class='lab-lines'>{lines}<span>over {of_time}</span></div>"
+    return f"<div class='lab-lines'>{lines}<span>{tr('over {time}', time=of_time)}</span></div>"
 
 
 def _heading(text: str, hint: str = "", remark: str = "", kind: str = "") -> str:
     """A plot's title with what it means for who rests on it, and below why it is empty; one of ``kind`` "lab-presented"
     stays in the presenter's view. Not the plot's own: the viewer builds a plot anew when it changes."""
     below = f"<br><span>{remark}</span>" if remark else ""
-    return f"<div class='lab-heading {kind}' title='{hint}'>{text}{below}</div>"
+    return f"<div class='lab-heading {kind}' title='{escape(tr(hint) if hint else '')}'>{text}{below}</div>"

@@ -4,11 +4,12 @@ from html import escape
 
 import viser
 
+from app.language.spoken import later, tr
 from app.words import in_a_line
 from solvers.scene.scene import Scene
 
 _BUTTON, _ON = "<i class='lab-present'></i>", "<i class='lab-present lab-presenting'></i>"
-PRESENT, END = "Present", "End"
+PRESENT, END = later("Present"), later("End")
 
 
 class Presenter:
@@ -20,7 +21,8 @@ class Presenter:
         self._scene: Scene | None = None
         self._named = gui.add_html("")
         self._mark = gui.add_html(_BUTTON)
-        self._button = gui.add_button(PRESENT, hint="for a projector: stage and one plot, large text; ? lists the keys")
+        self._button = gui.add_button(
+            tr(PRESENT), hint=tr("for a projector: stage and one plot, large text; ? lists the keys"))
         self._button.on_click(lambda _: self._turn())
 
     def name(self, scene: Scene) -> None:
@@ -37,4 +39,4 @@ class Presenter:
     def _turn(self) -> None:
         self.on = not self.on
         self._mark.content = _ON if self.on else _BUTTON
-        self._button.label = END if self.on else PRESENT
+        self._button.label = tr(END if self.on else PRESENT)

@@ -7,6 +7,7 @@ from typing import Any
 
 import viser
 
+from app.language.spoken import tr
 from app.page.panels.browser_store import BrowserStore
 from solvers.problems import PROBLEMS
 
@@ -22,7 +23,8 @@ class ProblemButtons:
 
     def show(self, chosen: str, offered: bool) -> None:
         """Mark the one that is chosen; a lesson may offer none."""
-        said = json.dumps({"titles": TITLES if offered else {}, "chosen": chosen})
+        titles = {problem: tr(title) for problem, title in TITLES.items() if offered}
+        said = json.dumps({"titles": titles, "chosen": chosen})
         content = f"<i class='lab-problems' data-said='{escape(said)}'></i>"
         if content != self._html.content:
             self._html.content = content

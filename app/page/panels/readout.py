@@ -9,7 +9,10 @@ from dataclasses import dataclass
 import numpy as np
 
 from app.colours import ESTIMATE, PINNED, TRUTH
-from app.frame.silences import TRUE, why_no_numbers
+from app.frame.silences import ESTIMATED, TRUE, why_no_numbers
+from app.language.heard import heard
+from app.language.spoken import later, tr
+from app.page.panels.hints import DISTANCE, HINTS, INDEX, NORM, WORST
 from app.page.stage.worst import WorstRegion, WorstRegions
 from app.page.visit.downsampled import until
 from app.page.visit.history import History
@@ -27,27 +30,11 @@ from solvers.solver.soundness import OK, UNSTABLE
 from solvers.study.coverage import track_record
 
 CAPPED_BELOW = 0.9  # of the speed asked for
-ROUNDED = "nothing but rounding"
-GOALS = {ENERGY: "kinetic energy", STRESS: "mean stress"}
+ROUNDED = later("nothing but rounding")
+GOALS = {ENERGY: later("kinetic energy"), STRESS: later("mean stress")}
 SHORT = 30  # characters of a reason that fit beside a name
-#: What a line of the readout means, for who rests on it.
-HINTS = {
-    "time": "simulated time since the start, and in periods of the exact vibration",
-    "steps": "time steps taken, and how long each is",
-    "step": "the time step over the longest that the present configuration bears by linear theory; above 1 it breaks",
-    "solver": "how fast the kernels run, waiting not counted, and on what",
-    "speed": "periods of the vibration in a second of yours: reached, of those asked for",
-    "shown": "an earlier frame, of those that the slider Look back goes through",
-    "kinetic energy": "of all particles, ± twice the error that the estimator on the stage says it has",
-    "mean stress": "over the body at rest, ± twice the error that the estimator on the stage says it has",
-    "verdict": "a run is ok if its positions are; this is as wrong as it is large",
-    "unseen": "what the verdict does not rest on",
-    "region": "mean and worst error of the particles in a rectangle that you drag on the stage",
-    "norm": "root of the mean square over the particles, now",
-    "index": "error index: estimated over true, summed over the run so far; 1 is perfect",
-    "worst": "where the root mean square of the error is largest, by the estimate on the stage and in truth",
-    "distance": "what the estimate misses, direction and all, over the true error; 0 is perfect",
-}
+BARS = later("{value} ± {bar}; such bars held in {n} of {all} runs like this")
+DRAG = later("drag a rectangle on the stage")
 
 
 @dataclass(frozen=True)
@@ -101,7 +88,8 @@ def judged(report: FrameReport, series: dict[str, np.ndarray], quantity: str, dr
 def _trust(scene: Scene, estimator: str, quantity: str) -> str:
     """How often an estimator was right in runs like a scene that were drawn at random; nothing where nobody counted."""
     counts = track_record.right(scene, estimator, quantity)
-    return "" if counts is None else f"right within 10\N{NO-BREAK SPACE}% in {counts[0]} of {counts[1]} runs like this"
+    return "" if counts is None else tr("right within 10\N{NO-BREAK SPACE}% in {n} of {all} runs like this",
+                                        n=counts[0], all=counts[1])
 
 
 def place(index: float) -> float | None:
@@ -116,30 +104,31 @@ def _run(session: Session, history: History, report: FrameReport, series: dict[s
     scene = report.scene
     speed = report.real_speed / scene.period if report.playing and report.real_speed is not None else None
     slow = speed is not None and speed < CAPPED_BELOW * session.speed
-    moves = f"{NOTHING if speed is None else f'{speed:.2g}'} of {session.speed:.3g} periods/s" \
-            + " <span class='lab-capped'>CAPPED</span>" * slow
-    rests = "stopped" if report.status == UNSTABLE else "at its end" if session.ended else "paused"
+    moves = tr("{speed} of {asked:.3g} periods/s", speed=NOTHING if speed is None else f"{speed:.2g}",
+               asked=session.speed) + f" <span class='lab-capped'>{tr('CAPPED')}</span>" * slow
+    rests = tr("stopped") if report.status == UNSTABLE else tr("at its end") if session.ended else tr("paused")
     margin = history.margin
     if ago:
         known = series.get("margin", np.zeros(0))
         margin = next(reversed(known[np.isfinite(known)]), math.nan)
-    rows = [("time", f"{report.time:.4g} s = {report.time / scene.period:.2f} periods"),
-            ("shown", f"<b>{ago:.2f} periods back</b>, {rests}") if ago else
-            ("speed", moves if report.playing else f"<b>{rests}</b>, {session.speed:.3g} periods/s asked")]
+    rows = [("time", tr("{time:.4g} s = {periods:.2f} periods", time=report.time, periods=report.time / scene.period)),
+            ("shown", tr("<b>{periods:.2f} periods back</b>, {rests}", periods=ago, rests=rests)) if ago else
+            ("speed", moves if report.playing else
+             tr("<b>{rests}</b>, {speed:.3g} periods/s asked", rests=rests, speed=session.speed))]
     lines = told(lambda effect: effect.readout)
     rows += [(line.name, text) for name, line in lines.items()
              if scene.has(name) and (text := _found(name, line, series))]
     if scene.has("margin"):
         rows.append(("step", _margin(margin)))
     rows += [] if ago else list(_goals(report, drawn))
-    rows += [("steps", f"{report.step:,} of {with_unit(scene.time_step, 's')}"),
-             ("solver", f"{report.rate:.1f} M particle-steps/s on {html.escape(report.arch)}"),
-             *([("verdict", html.escape(report.reason))] if report.status == OK and report.reason else []),
-             *([("unseen", html.escape(report.not_checked))] if report.not_checked else []),
-             ("region", html.escape(probed or "drag a rectangle on the stage"))]
-    hints = {**{line.name: html.escape(line.hint) for line in lines.values()}, **HINTS}
-    return table("".join(f"<tr title=\"{hints[name]}\"><td>{html.escape(name)}</td>\n<td>{text}</td></tr>\n"
-                         for name, text in rows), "lab-run")
+    rows += [("steps", tr("{steps:,} of {length}", steps=report.step, length=with_unit(scene.time_step, "s"))),
+             ("solver", tr("{rate:.1f} M particle-steps/s on {arch}", rate=report.rate, arch=html.escape(report.arch))),
+             *([("verdict", html.escape(heard(report.reason)))] if report.status == OK and report.reason else []),
+             *([("unseen", html.escape(heard(report.not_checked)))] if report.not_checked else []),
+             ("region", html.escape(probed or tr(DRAG)))]
+    hints = {**{line.name: line.hint for line in lines.values()}, **HINTS}
+    return table("".join(f"<tr title=\"{html.escape(tr(hints[name]) if hints[name] else '')}\">"
+                         f"<td>{html.escape(tr(name))}</td>\n<td>{text}</td></tr>\n" for name, text in rows), "lab-run")
 
 
 def _goals(report: FrameReport, drawn: str | None) -> Iterator[tuple[str, str]]:
@@ -149,9 +138,8 @@ def _goals(report: FrameReport, drawn: str | None) -> Iterator[tuple[str, str]]:
             continue
         text, bar = with_unit(goal["value"], goal["unit"]), goal["bar"].get(drawn)
         if bar is not None:
-            counts = track_record.held(report.scene, name, drawn or "")
-            text += f" ± {with_unit(bar, goal['unit'])}" + (f"; such bars held in {counts[0]} of {counts[1]} runs like "
-                                                            "this" if counts else "")
+            counts, size = track_record.held(report.scene, name, drawn or ""), with_unit(bar, goal["unit"])
+            text = tr(BARS, value=text, bar=size, n=counts[0], all=counts[1]) if counts else f"{text} ± {size}"
         yield GOALS[name], html.escape(text)
 
 
@@ -164,7 +152,7 @@ def _found(name: str, line: Line, series: dict[str, np.ndarray]) -> str:
     lights = "".join(light(abs(value), number.bounds) for number in numbers
                      if number.bounds and (value := values[number.key]) is not None)
     texts = {number.key: _said_number(values[number.key], number) for number in numbers}
-    return lights + html.escape(line.words).format(*texts.values(), **texts)
+    return lights + html.escape(tr(line.words)).format(*texts.values(), **texts)
 
 
 def _said_number(value: float | None, number: Number) -> str:
@@ -175,8 +163,8 @@ def _said_number(value: float | None, number: Number) -> str:
 
 def light(size: float, bounds: tuple[float, float]) -> str:
     """A light and a word before a number: calm up to the first bound, alarming beyond the second."""
-    kind, word = ("good", "fine") if size <= bounds[0] else ("watch", "watch it") if size <= bounds[1] else \
-        ("bad", "alarming")
+    kind, word = ("good", tr("fine")) if size <= bounds[0] else ("watch", tr("watch it")) if size <= bounds[1] else \
+        ("bad", tr("alarming"))
     return f"<span class='lab-light lab-{kind}'>{word}</span> "
 
 
@@ -193,7 +181,7 @@ def _margin(margin: float) -> str:
     """The step over the bound of what the present configuration bears; beyond 1 it will not hold."""
     if math.isnan(margin):  # before the first step nothing has a mass
         return NOTHING
-    text = f"{ratio(margin)} of its bound"
+    text = tr("{margin} of its bound", margin=ratio(margin))
     return f"<span class='lab-over'>{text}</span>" if margin > 1 else text
 
 
@@ -201,9 +189,9 @@ def _estimates(session: Session, report: FrameReport, series: dict[str, np.ndarr
                drawn: str | None) -> str:
     """A line for the truth, each estimator and a pinned run: its norm now, its index and its distance so far."""
     unit = QUANTITIES[key].unit
-    heads = (f"<span title=\"{HINTS[head]}\">{head}{said}</span>" for head, said in
-             (("norm", " now"), ("index", " so far"), ("distance", " so far")))
-    rows = [row("head", f"error of {QUANTITIES[key].symbol}", *heads)]
+    heads = (f"<span title=\"{html.escape(tr(hint))}\">{head}</span>" for head, hint in
+             ((tr("norm now"), NORM), (tr("index so far"), INDEX), (tr("distance so far"), DISTANCE)))
+    rows = [row("head", tr("error of {symbol}", symbol=QUANTITIES[key].symbol), *heads)]
     for name, silence in silences(report, series, key).items():
         if len(silence) > SHORT:
             rows.append(row("", f"<span class='lab-name'>{named(name)}</span>: {html.escape(silence)}"))
@@ -221,19 +209,22 @@ def _estimates(session: Session, report: FrameReport, series: dict[str, np.ndarr
 
 def _said(run: PinnedRun, report: FrameReport) -> str:
     """What a pinned run is where the other is not: on the stage it is drawn, which no screen reader reads."""
-    return differing(run.scene, report.scene) or "the same so far" if run.scene.problem == report.scene.problem else ""
+    if run.scene.problem != report.scene.problem:
+        return ""
+    return differing(run.scene, report.scene) or tr("the same so far")
 
 
 def _pinned(run: PinnedRun, said: str, key: str, drawn: str | None) -> str:
     """A pinned run's true error now, with index and distance of the estimator on the stage; or why it has stopped."""
     estimator, series = run.estimator(drawn), run.history.series
-    what = f"norm: its true error; index and distance: its estimate by {estimator}" if estimator else HINTS["norm"]
-    name = f"<span title='{html.escape(what)}'>{line(PINNED)} pinned</span>"
+    what = tr("norm: its true error; index and distance: its estimate by {estimator}", estimator=estimator) \
+        if estimator else tr(NORM)
+    name = f"<span title='{html.escape(what)}'>{line(PINNED)} {tr('pinned')}</span>"
     if trouble := run.shortfall():
         said = f"{said}; {trouble}"
     ratios = (_ratio(series, f"{estimator}/{ratio}_{key}") for ratio in ("index", "distance"))
     return row("", name, norm(series, f"error_{key}", QUANTITIES[key].unit), *ratios) \
-        + row("", f"<span class='lab-name'>pinned: {html.escape(said)}</span>")
+        + row("", f"<span class='lab-name'>{tr('pinned: {run}', run=html.escape(said))}</span>")
 
 
 def silences(report: FrameReport, series: dict[str, np.ndarray], quantity: str) -> dict[str, str]:
@@ -243,23 +234,24 @@ def silences(report: FrameReport, series: dict[str, np.ndarray], quantity: str) 
     reasons = why_no_numbers(report.scene, report.not_valid, quantity, silent)
     true = series.get(f"error_{quantity}", np.zeros(0))
     if len(true) > 1 and nothing_but_rounding(true, rounding(report.scene, quantity, report.step)):
-        reasons |= {name: reason or ROUNDED for name, reason in reasons.items() if name != TRUE}
+        reasons |= {name: reason or tr(ROUNDED) for name, reason in reasons.items() if name != TRUE}
     return reasons
 
 
 def _worst(worst: WorstRegions, drawn: str | None, quantity: str) -> str:
     """Where the error is worst, by the estimate on the stage and by the truth, with both errors there."""
     by = [(drawn, worst.by_estimate)] if drawn else []
-    heads = "".join(f"<td>{head}</td>" for head in ("estim.", "true"))
-    rows = [f"<tr class='lab-head' title='{HINTS['worst']}'><td colspan='2'>worst region</td>{heads}</tr>",
-            *(row("", html.escape(name), *_region(region, QUANTITIES[quantity].unit))
+    heads = "".join(f"<td>{head}</td>" for head in (tr("estim."), tr(TRUE)))
+    rows = [f"<tr class='lab-head' title='{html.escape(tr(WORST))}'>"
+            f"<td colspan='2'>{tr('worst region')}</td>{heads}</tr>",
+            *(row("", html.escape(_title(name)), *_region(region, QUANTITIES[quantity].unit))
               for name, region in (*by, (TRUE, worst.by_truth)))]
     return table("".join(rows), "lab-numbers lab-worst")
 
 
 def _region(region: WorstRegion | None, unit: str) -> tuple[str, ...]:
     if region is None:
-        return "unknown", "", ""
+        return tr("unknown"), "", ""
     place = ", ".join(f"<span class='lab-together'>{html.escape(part)}</span>" for part in region.name.split(", "))
     return (place, *(NOTHING if value is None else with_unit(value, unit, 2)
                                         for value in (region.estimated, region.true)))
@@ -280,7 +272,12 @@ def row(kind: str, *cells: str) -> str:
 
 def named(name: str) -> str:
     """A name behind a piece of its line in the plots."""
-    return f"{sample(name)} {html.escape(name)}"
+    return f"{sample(name)} {html.escape(_title(name))}"
+
+
+def _title(name: str) -> str:
+    """The truth and what is estimated have a word, estimators their names."""
+    return tr(name) if name in (TRUE, ESTIMATED) else name
 
 
 def sample(name: str) -> str:

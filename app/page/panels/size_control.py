@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 import viser
 
+from app.language.spoken import carried, later, tr
 from app.page.panels.bound import BoundWidgets
 from app.page.panels.marks import mark
 from app.words import size_in, with_unit
@@ -16,6 +17,9 @@ from solvers.outside import quoting
 TYPING = 0.8  # seconds without another key, after which what has been typed counts
 STEP = 0.005  # of the slider, in powers of ten
 DIGITS = 6
+TYPE_SIZE, TYPE = later("type a number in {unit}, or with a prefix: {example}"), later("type a number: {example}")
+NO_SIZE = later("{name}: '{typed}' is not a number above 0 in {unit}; give one such as {example}")
+NO_NUMBER = later("{name}: '{typed}' is not a number above 0; give one such as {example}")
 
 
 @dataclass(frozen=True)
@@ -45,9 +49,9 @@ class SizeControl:
         marks = [mark(gui, "lab-logarithmic", *filter(None, [size.place]), words=size.words)]
         self._slider = gui.add_slider(size.name, low, high, STEP, float(np.log10(value)), hint=size.hint)
         marks.append(mark(gui, "lab-typed", *filter(None, [size.place])))
-        self._text = gui.add_text(f"{size.name}, typed", self._shown(value),
-                                  hint=f"type a number{f' in {size.unit}, or with a prefix' * bool(size.unit)}: "
-                                       f"{self._shown(size.default)}")
+        self._text = gui.add_text(
+            tr("{name}, typed", name=size.name), self._shown(value),
+            hint=tr(TYPE_SIZE if size.unit else TYPE, unit=size.unit, example=self._shown(size.default)))
         # A mark that stayed where its widget has gone would mark what comes next.
         self._parts: tuple[Any, ...] = (*marks, self._slider, self._text)
         self._read_in_turn = bound.in_turn(self._read)
@@ -98,7 +102,7 @@ class SizeControl:
         """Wait for the rest: half a number is another number."""
         if self._typed:
             self._typed.cancel()
-        self._typed = threading.Timer(TYPING, self._read_in_turn, (text,))
+        self._typed = threading.Timer(TYPING, carried(self._read_in_turn), (text,))
         self._typed.daemon = True
         self._typed.start()
 
@@ -115,10 +119,10 @@ class SizeControl:
         try:
             value = size_in(text, self._size.unit)
         except ValueError:
-            unit = f" in {self._size.unit}" * bool(self._size.unit)
-            self._bound.ask(self._slider, lambda: self._bound.refuse(
-                f"{self._size.name}: '{quoting.quoted(text, 20)}' is not a number above 0{unit}; "
-                f"give one such as {self._shown(self._size.default)}"), lambda: self.show(self._value))
+            size = self._size
+            refusal = tr(NO_SIZE if size.unit else NO_NUMBER, name=size.name, typed=quoting.quoted(text, 20),
+                         unit=size.unit, example=self._shown(size.default))
+            self._bound.ask(self._slider, lambda: self._bound.refuse(refusal), lambda: self.show(self._value))
             return
         self._place(value)
         self._try(value)

@@ -9,6 +9,8 @@ from html import escape
 
 import viser
 
+from app.language.heard import heard
+from app.language.spoken import later, tr
 from app.page.panels.what_now import Card, what_now
 from app.page.summary import in_common, periods_of
 from app.page.visit.downsampled import until
@@ -18,7 +20,7 @@ from app.problems.views import VIEWS
 from app.state import State
 from solvers.solver.soundness import OK, UNSTABLE
 
-TRY, COMPARING, ANSWER, LOST = "Try one", "Comparing …", "The answer", "What now?"
+TRY, COMPARING, ANSWER, LOST = later("Try one"), later("Comparing …"), later("The answer"), later("What now?")
 WHOLE = 1e-9  # by which rounding may keep a run from its last period
 
 
@@ -59,7 +61,7 @@ class Sparks:
         content = ""
         if offered and self._session.report is not None:
             label, answer, cards = self._now()
-            said = json.dumps({"label": label, "answer": answer, "cards": [asdict(card) for card in cards]},
+            said = json.dumps({"label": tr(label), "answer": answer, "cards": [asdict(card) for card in cards]},
                               ensure_ascii=False)
             content = f"<i class='lab-sparks' data-sparks=\"{escape(said)}\"></i>"
         if self._html.content != content:
@@ -85,7 +87,8 @@ class Sparks:
         keys = [card.key for card in cards]
         at = keys.index(asked[0].key)
         following = next((card for card in (*cards[at + 1:], *cards[:at]) if not card.off), None)
-        return ANSWER, answer, [] if following is None else [replace(following, title=f"Next: {following.title}")]
+        return ANSWER, answer, [] if following is None else [
+            replace(following, title=tr("Next: {title}", title=following.title))]
 
     def _cards(self, base: State) -> list[Card]:
         cards = []
@@ -95,7 +98,7 @@ class Sparks:
                 offer = spark.offer(base)
                 cards.append(Card(spark.key, spark.icon, offer.title, offer.hint, done))
             except NotNow as reason:
-                cards.append(Card(spark.key, spark.icon, spark.title, str(reason), done, off=True))
+                cards.append(Card(spark.key, spark.icon, tr(spark.title), heard(str(reason)), done, off=True))
         return cards
 
     def _base(self) -> State:

@@ -10,12 +10,13 @@ import viser
 
 from app import words
 from app.frame.scale import ColourScale
+from app.language.spoken import later, tr
 from app.page.visit.session import Session
 from solvers.engine.frames import FrameArrays
 from solvers.scene.scene import Scene
 from solvers.solver import samples
 
-NONE = "none"
+NONE = later("none")
 _FACTORS = {f"× {factor}": factor for factor in words.MAGNIFICATIONS}
 _NAMES = {factor: name for name, factor in _FACTORS.items()}
 
@@ -32,16 +33,18 @@ class StageChoice:
         self._kept: dict[str, str] = {}  # by problem, the estimator that was put on the stage there
         self._silent = False  # whether an estimator that says nothing may give way: nobody has asked for it by name
         quantity_mark = gui.add_html("<i class='lab-at-quantity'></i>")
-        self._quantity = gui.add_dropdown("Error of", tuple(self._quantities), initial_value=self._shown_quantity,
-                                          hint="the quantity whose error gives the colours, and whose field is plotted")
+        self._quantity = gui.add_dropdown(
+            tr("Error of"), tuple(self._quantities), initial_value=self._shown_quantity,
+            hint=tr("the quantity whose error gives the colours, and whose field is plotted"))
         estimator_mark = gui.add_html("<i class='lab-at-estimator'></i>")
-        self._estimator = gui.add_dropdown("On the stage", session.scene.estimators or (NONE,),
-                                           initial_value=self.estimator or NONE,
-                                           hint="the estimator whose errors are drawn, of those that run")
+        self._estimator = gui.add_dropdown(
+            tr("On the stage"), session.scene.estimators or (tr(NONE),), initial_value=self.estimator or tr(NONE),
+            hint=tr("the estimator whose errors are drawn, of those that run"))
         magnify_mark = gui.add_html("<i class='lab-at-magnify'></i>")
-        self._magnify = gui.add_dropdown("Magnify error", tuple(_FACTORS), initial_value=_NAMES[1],
-                                         hint="in the plot of the field: how many times the deviation of the particles "
-                                              "from the exact curve is drawn")
+        self._magnify = gui.add_dropdown(
+            tr("Magnify error"), tuple(_FACTORS), initial_value=_NAMES[1],
+            hint=tr("in the plot of the field: how many times the deviation of the particles from the exact curve is "
+                    "drawn"))
         # A mark that stayed where its widget has gone would mark what comes next.
         self._parts: dict[str, tuple[Any, Any]] = {
             "quantity": (quantity_mark, self._quantity), "estimators": (estimator_mark, self._estimator),
@@ -81,10 +84,11 @@ class StageChoice:
         before = self.estimator
         if before not in estimators:
             self.estimator = next(iter(estimators), None)
-        if self._estimator.options != (estimators or (NONE,)):
-            self._estimator.options = estimators or (NONE,)
-        if self._estimator.value != (self.estimator or NONE):
-            self._estimator.value = self.estimator or NONE  # type: ignore[misc]
+        options, shown = estimators or (tr(NONE),), self.estimator or tr(NONE)
+        if self._estimator.options != options:
+            self._estimator.options = options
+        if self._estimator.value != shown:
+            self._estimator.value = shown  # type: ignore[misc]
         if self.estimator != before:
             self._on_view()
 
@@ -96,7 +100,7 @@ class StageChoice:
 
     def next_judge(self) -> None:
         """Put the estimator on the stage that runs next to the one that is there."""
-        running = [name for name in self._estimator.options if name != NONE]
+        running = [name for name in self._estimator.options if name != tr(NONE)]
         if running:
             at = running.index(self.estimator) if self.estimator in running else -1
             self.put(running[(at + 1) % len(running)])
@@ -125,7 +129,7 @@ class StageChoice:
         self.measure(self._quantities[self._quantity.value])
 
     def _choose_estimator(self) -> None:
-        self.estimator = None if self._estimator.value == NONE else self._estimator.value
+        self.estimator = None if self._estimator.value == tr(NONE) else self._estimator.value
         self._keep()
         self._on_view()
 

@@ -2,6 +2,7 @@
 
 import viser
 
+from app.language.spoken import language
 from app.page.panels.head import WEB
 from app.problems.views import VIEWS
 from solvers.problems import PROBLEMS
@@ -19,7 +20,7 @@ def add_about(gui: viser.GuiApi) -> None:
                               divisions=", ".join(view.division for view in VIEWS.values())))
     for estimator in ESTIMATORS.values():
         with gui.add_folder(f"The estimator {estimator.title}", expand_by_default=False):
-            gui.add_html(f"<div class='lab-about lab-explanation'>{estimator.explanation}</div>")
+            gui.add_html(f"<div class='lab-about lab-explanation'>{estimator.explained(language())}</div>")
     rules = "".join(f"<li>{rule.sentence.format(size=f'more than {rule.most:g}')}</li>"
                     for rule in CONTRADICTIONS.values())
     remedies = ""

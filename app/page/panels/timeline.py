@@ -13,6 +13,7 @@ from viser import uplot
 from app.colours import LINES, PINNED
 from app.frame.scale import BEYOND, largest, round_up
 from app.frame.silences import TRUE
+from app.language.spoken import later, tr
 from app.page.panels.plots import EMPTY, Past, finite, grey_curves, line, put
 from app.page.visit.pinned import PinnedRun
 from app.words import QUANTITIES, in_periods, with_unit
@@ -24,6 +25,8 @@ HEADROOM = 1.04  # over the largest error
 BINS = 120  # of the strip of crossings
 SHADES = 9  # of the strip
 TICKS = 4  # of the time's axis, at least
+
+UNSTABLE, LOST = later("unstable from {time} on"), later("lost from {time} on")
 
 
 @dataclass(frozen=True)
@@ -83,7 +86,7 @@ class Timeline:
         top = self._scaled(past, (quantity, latest), time, [*grey, true, *estimated])
         start, end, _ = self._ends or (0.0, 1.0, 1.0)
         put(self._plot, finite(time - start, *grey, true, *estimated))
-        self._read = time, {TRUE: true, **dict(zip(self._estimators, estimated, strict=True))}
+        self._read = time, {tr(TRUE): true, **dict(zip(self._estimators, estimated, strict=True))}
         self._say(past, series, quantity, start, end, top, now)
 
     def point(self, part: float | None) -> None:
@@ -136,7 +139,7 @@ class Timeline:
                 "clock": with_unit(now.time, "s"), "playing": now.playing,
                 "read": self._at_pointer(past.scene, words.unit), "lost": None if now.lost is None else part(now.lost),
                 "says": "" if now.lost is None else
-                f"{'unstable' if now.unstable else 'lost'} from {with_unit(now.lost, 's')} on"}
+                tr(UNSTABLE if now.unstable else LOST, time=with_unit(now.lost, "s"))}
         self._tell(said)
 
     def _tell(self, said: dict[str, object]) -> None:
@@ -178,10 +181,10 @@ class Timeline:
 
     def _series(self, estimators: tuple[str, ...], pinned: bool) -> tuple[uplot.Series, ...]:
         """What each line looks like, the truth's broad and beneath."""
-        grey = [line("pinned, true", PINNED, 2.5), line("pinned", PINNED, 1.5, (5, 3))] if pinned else []
+        grey = [line(tr("pinned, true"), PINNED, 2.5), line(tr("pinned"), PINNED, 1.5, (5, 3))] if pinned else []
         lines = [line(name, LINES[name.replace("-", "")][self._dark], 2, ESTIMATORS[name].dashes)
                  for name in estimators]
-        return {"label": "t"}, *grey, line("true", LINES["truth"][self._dark], 4), *lines
+        return {"label": "t"}, *grey, line(tr(TRUE), LINES["truth"][self._dark], 4), *lines
 
 
 def unit_of_time(scene: Scene) -> float:

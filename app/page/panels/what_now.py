@@ -3,6 +3,8 @@
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 
+from app.language.heard import heard
+from app.language.spoken import later, tr
 from app.problems.spark import NotNow, asked
 from app.state import State
 from app.words import METHODS, number
@@ -12,8 +14,9 @@ from solvers.scene.scene import AUTO, Scene
 
 BEFORE = 0.03  # periods before a run broke, to which one goes back: more than half of what lies between frames
 #: Methods that bear more than hat functions do, the first choice first, and what they are.
-OTHERS = {"ugimp": "small intervals", "cpdi": "boxes that deform", "bspline": "smooth functions"}
-SHORT = {COUPLED: "coupled F"}  # where a label is too long for a button
+OTHERS = {"ugimp": later("the same {problem}, small intervals"), "cpdi": later("the same {problem}, boxes that deform"),
+          "bspline": later("the same {problem}, smooth functions")}
+SHORT = {COUPLED: later("coupled F")}  # where a label is too long for a button
 TWO, ONE = (FILTER, COUPLED), (FROZEN,)  # remedies that go together, and what there is where they do not
 
 
@@ -40,7 +43,8 @@ def what_now(state: State, report: FrameReport, seek: Callable[[float], bool], s
         if not seek(back):  # it is not kept: run again until then
             show(replace(state, scene=replace(scene, periods=None, t_end=back), speed=None, stops=True))
 
-    return [(Card("back", "back", "See the moment it broke", f"back to t = {number(back)} s, paused"), look),
+    hint = tr("back to t = {time} s, paused", time=number(back))
+    return [(Card("back", "back", tr("See the moment it broke"), hint), look),
             _changed("cure", "filter", state, show, *_cure(scene)),
             _changed("other", "halve", state, show, *_other(scene))]
 
@@ -51,22 +55,23 @@ def _changed(key: str, icon: str, state: State, show: Callable[[State], None], t
     try:
         wanted = asked(state, changes, pinned=False)
     except NotNow as reason:
-        return Card(key, icon, title, str(reason), off=True), lambda: None
+        return Card(key, icon, title, heard(str(reason)), off=True), lambda: None
     return Card(key, icon, title, hint, off=not changes), lambda: show(wanted)
 
 
 def _cure(scene: Scene) -> tuple[str, str, dict[str, object]]:
     """A step that the motion bears, or the remedies that are not on yet."""
     if scene.time_step > scene.step_bound:
-        return "Take a step that holds", "Auto step: what the motion bears", {"dt": AUTO, "cfl": None}
+        return tr("Take a step that holds"), tr("Auto step: what the motion bears"), {"dt": AUTO, "cfl": None}
     names = TWO if all(name in scene.REMEDIES for name in TWO) else ONE
     missing = tuple(name for name in names if name not in scene.remedies)
-    hint = ", ".join(SHORT.get(name, REMEDIES[name].label) for name in names)
-    title = "Switch on two remedies" if len(names) > 1 else "Switch on a remedy"
-    return title, hint if missing else "it is on already", {"remedies": names} if missing else {}
+    hint = ", ".join(tr(SHORT.get(name, REMEDIES[name].label)) for name in names)
+    title = tr("Switch on two remedies") if len(names) > 1 else tr("Switch on a remedy")
+    return title, hint if missing else tr("it is on already"), {"remedies": names} if missing else {}
 
 
 def _other(scene: Scene) -> tuple[str, str, dict[str, object]]:
     """Another method that the problem has."""
     method = next(name for name in OTHERS if name in scene.choices("method") and name != scene.method)
-    return f"Take {METHODS[method].name} instead", f"the same {scene.problem}, {OTHERS[method]}", {"method": method}
+    return (tr("Take {method} instead", method=METHODS[method].name),
+            tr(OTHERS[method], problem=scene.problem), {"method": method})

@@ -5,10 +5,13 @@ import viser
 
 from app.frame.marks import Lines, in_plane, joined
 from app.frame.stage import Stage
+from app.language.spoken import later, tr
 from app.page.stage.camera import FlatCamera
 from app.renderers.viewer import Sheet
 from app.words import with_unit
 from solvers.engine.frames import FrameArrays
+
+ESTIMATED, TRUE = later("estimated mean {mean}, worst {worst}"), later("true mean {mean}, worst {worst}")
 
 
 class Probe:
@@ -33,11 +36,11 @@ class Probe:
             self._rectangle, self.text = None, None
             self._show(np.empty((0, 2, 3), np.float32))
             return
-        parts = [f"{np.count_nonzero(inside)} particles"]
-        for name, sizes in (("estimated", estimated), ("true", true)):
+        parts = [tr("{n} particles", n=np.count_nonzero(inside))]
+        for said, sizes in ((ESTIMATED, estimated), (TRUE, true)):
             if sizes is not None and np.isfinite(sizes[inside]).any():
                 mean, worst = (with_unit(float(of(sizes[inside])), unit) for of in (np.nanmean, np.nanmax))
-                parts.append(f"{name} mean {mean}, worst {worst}")
+                parts.append(tr(said, mean=mean, worst=worst))
         self.text = "; ".join(parts)
 
     def _select(self, camera: FlatCamera, event: viser.SceneRectSelectEvent) -> None:

@@ -5,6 +5,7 @@ keep up with its clock falls behind (``solvers.engine.stepper``). Memory goes wi
 back at has a bound of its own (``app.page.visit.recent``).
 """
 
+from app.language.spoken import tr
 from solvers.scene.scene import Scene
 
 MOST_WATCHED = 40_000  # particles; browsers show not much more
@@ -13,5 +14,5 @@ FASTEST = 1000.0  # periods a second; nobody sees anything of one run at such a 
 
 def too_many(scene: Scene) -> str:
     """Why the stage cannot show a scene, or nothing."""
-    return f"{scene.particles:,} particles are too many to watch; at most {MOST_WATCHED:,} go on the stage" \
-        if scene.particles > MOST_WATCHED else ""
+    return tr("{particles:,} particles are too many to watch; at most {most:,} go on the stage",
+              particles=scene.particles, most=MOST_WATCHED) if scene.particles > MOST_WATCHED else ""

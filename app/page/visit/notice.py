@@ -2,6 +2,7 @@
 
 from dataclasses import dataclass
 
+from app.language.spoken import tr
 from app.page.visit.history import History
 from app.words import on_page, ratio
 from solvers.outside.quoting import as_html
@@ -34,7 +35,7 @@ def doubt(history: History, valid: tuple[str, ...]) -> Notice | None:
     for estimator in valid:
         index = series[f"{estimator}/index_x"][-1]
         if index > BROKEN:
-            return Notice("refused", f"The estimate {estimator} has broken down: it is {ratio(index)} times the "
-                                     "true error of x. Do not trust it here.")
+            return Notice("refused", tr("The estimate {estimator} has broken down: it is {index} times the true error "
+                                        "of x. Do not trust it here.", estimator=estimator, index=ratio(index)))
     warnings = scene.warnings()
     return Notice("refused", f"{on_page(warnings[0])}.") if warnings else None

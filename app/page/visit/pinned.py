@@ -4,6 +4,8 @@ from collections.abc import Callable
 from dataclasses import replace
 
 from app.frame.view import View, look
+from app.language.heard import heard
+from app.language.spoken import tr
 from app.page.visit.history import History
 from solvers.engine.frames import FrameArrays, FrameOptions
 from solvers.engine.messages import FrameReport, Pace
@@ -46,11 +48,11 @@ class PinnedRun:
     def shortfall(self) -> str | None:
         """Why it does not go on, in few words; None while it does."""
         if self._trouble:
-            return self._trouble
+            return heard(self._trouble)
         report = self.last[0] if self.last else None
         if report is None or report.status != UNSTABLE:
             return None
-        return f"went unstable and has stopped at {report.time / self.scene.period:.2f} periods"
+        return tr("went unstable and has stopped at {periods:.2f} periods", periods=report.time / self.scene.period)
 
     def on_frame(self, report: FrameReport, arrays: FrameArrays) -> None:
         """From the engine's reader thread, as the three below."""

@@ -7,6 +7,8 @@ from dataclasses import asdict, replace
 from time import monotonic
 from typing import Any
 
+from app.language.heard import heard
+from app.language.spoken import later, tr
 from app.page.visit.history import History
 from app.page.visit.limits import FASTEST, too_many
 from app.page.visit.links import PageLinks
@@ -24,6 +26,11 @@ from solvers.solver.soundness import OK
 
 TO_BE_READ = 8.0  # seconds that what has happened is said
 SLOW_ANSWER = 0.4  # seconds without an answer after which the page says that it is preparing
+SAID_AFTER = 2.0  # seconds after which it says for how long it has been
+PREPARING = later("Preparing this scene: a combination of method, estimators and effects is compiled the first time it "
+                  "is used; several estimators at once take longest.")
+STILL_PREPARING = later("Preparing this scene, for {seconds} s so far: a combination of method, estimators and effects "
+                        "is compiled the first time it is used; several estimators at once take longest.")
 CROWDED_BELOW = 0.8  # of the speed asked for, from which on a visitor is told of those who share the computer
 
 
@@ -85,7 +92,7 @@ class Session:
                 return
             if scene.problem != self.scene.problem and self.pinned:
                 self.unpin()
-                self._news = monotonic(), "The pinned run has gone: the two are compared on one problem only."
+                self._news = monotonic(), tr("The pinned run has gone: the two are compared on one problem only.")
             self._start(scene, speed, ends)
             self._ask(restarts=self._pace.restarts + 1)  # also where it is the scene that there is
 
@@ -178,8 +185,8 @@ class Session:
         """Periods a second."""
         with self._lock:
             if speed > FASTEST:
-                self.refuse(f"Speed: {speed:g} periods a second are too many; at most {FASTEST:g} can be asked for",
-                            "speed")
+                self.refuse(tr("Speed: {speed:g} periods a second are too many; at most {most:g} can be asked for",
+                               speed=speed, most=FASTEST), "speed")
                 return
             self._ask(speed=speed)
 
@@ -236,20 +243,19 @@ class Session:
     def _urgent(self, waiting: bool) -> Notice | None:
         """What must be said before any doubt; ``waiting`` says that the last wish has no answer yet."""
         if self._trouble:
-            return Notice("trouble", self._trouble)
+            return Notice("trouble", heard(self._trouble))
         if self._engine_lost and waiting:
-            return Notice("wait", "The simulation process ended unexpectedly; it is being restarted "
-                                  "and the scene begins again.")
+            return Notice("wait", tr("The simulation process ended unexpectedly; it is being restarted and the scene "
+                                     "begins again."))
         if self._refused:
-            return Notice("refused", f"{self._refused[1]}. The scene before it runs on.", bool(self._refused[0]))
+            return Notice("refused", tr("{refusal}. The scene before it runs on.", refusal=self._refused[1]),
+                          bool(self._refused[0]))
         if self._rests and not self.playing:
-            return Notice("wait", "The run rests, because nobody has asked anything of it for a while. Press Play to "
-                                  "go on.")
+            return Notice("wait", tr("The run rests, because nobody has asked anything of it for a while. Press Play "
+                                     "to go on."))
         waited = monotonic() - self._asked_at
         if waiting and waited > SLOW_ANSWER and not (self.report and self.compiling):
-            so_far = f", for {waited:.0f} s so far" if waited > 2 else ""
-            return Notice("wait", f"Preparing this scene{so_far}: a combination of method, estimators and effects "
-                                  "is compiled the first time it is used; several estimators at once take longest.")
+            return Notice("wait", tr(PREPARING if waited <= SAID_AFTER else STILL_PREPARING, seconds=f"{waited:.0f}"))
         if self.report and self.report.status != OK and self.report.reason and not waiting:
             return Notice(self.report.status, f"{on_page(self.report.reason)}.")
         happened, sentence = self._news
@@ -263,8 +269,8 @@ class Session:
             self._crowded_at = monotonic()
         if monotonic() > self._crowded_at + TO_BE_READ:
             return None
-        return Notice("wait", f"{others + 1} runs share this computer, which cannot move all of them as fast as they "
-                              "are asked to: they take turns, and each is as right as ever.")
+        return Notice("wait", tr("{runs} runs share this computer, which cannot move all of them as fast as they are "
+                                 "asked to: they take turns, and each is as right as ever.", runs=others + 1))
 
     def on_frame(self, report: FrameReport, arrays: FrameArrays) -> None:
         """From the engine's reader thread, as the two below."""
@@ -286,8 +292,8 @@ class Session:
     def on_engine_lost(self) -> None:
         with self._lock:
             self._engine_lost = True
-            self._news = monotonic(), ("The simulation process ended unexpectedly; another one has taken its place, "
-                                       "and the scene has begun again.")
+            self._news = monotonic(), tr("The simulation process ended unexpectedly; another one has taken its place, "
+                                         "and the scene has begun again.")
             self._number += 1  # the link asks again under the next number
 
     def _start(self, scene: Scene, speed: float | None = None, ends: bool = False) -> None:

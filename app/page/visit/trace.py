@@ -5,6 +5,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from app.language.spoken import tr
 from app.page.visit.downsampled import MOST_ROWS, RunSeries
 from app.page.visit.recent import Frame, Recent
 from solvers.engine.frames import FrameArrays
@@ -54,7 +55,8 @@ class Traced(RunSeries):
     def title(self) -> str:
         digits = 5 - len(self.at_rest)  # one line of the narrowest panel
         place = ", ".join(f"{x:.{digits}g}" for x in self.at_rest)
-        return f"particle {self.particle}, X = {f'({place})' if len(self.at_rest) > 1 else place} m"
+        return tr("particle {particle}, X = {place} m", particle=self.particle,
+                  place=f"({place})" if len(self.at_rest) > 1 else place)
 
 
 class Trace:

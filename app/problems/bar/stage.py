@@ -9,6 +9,7 @@ from app.frame.field import ROOM, Plotted
 from app.frame.layout import HALVES, Seat
 from app.frame.marks import Anchor, Dots, Label, Lines, Mark, Room, Tone, faded, in_plane, joined
 from app.frame.stage import TOUCH, Stage, Words, Worst
+from app.language.spoken import later, tr
 from app.problems.bar.places import BarPlaces, bar_places
 from app.words import brief
 from solvers.engine.frames import FrameArrays
@@ -33,7 +34,7 @@ class BarStage(Stage[BarScene]):
     """Makes marks of frames of the bar."""
 
     PLOT = Plotted(0.0, 1.0, ("x = 0", "1 m"), exact.field, where=where)
-    MOST_MARKED, HALVES = 200, "Lanes"
+    MOST_MARKED, HALVES = 200, later("Lanes")
 
     @staticmethod
     def places(room: Room, seat: Seat) -> BarPlaces:
@@ -109,7 +110,7 @@ class BarStage(Stage[BarScene]):
                 ends, high = np.array([at.min(), at.max()]), y + up * BRACKET * room.pixel
                 corners = in_plane(ends[[0, 0, 1, 1]], np.array([y, high, high, y]), 0.02)
                 segments.append(joined(corners[:-1], corners[1:]))
-                text, y = f"worst: {found.size}", high + up * 2 * room.pixel
+                text, y = tr("worst: {size}", size=found.size), high + up * 2 * room.pixel
                 beside = 1.1 * room.extent(text)[0]
                 x = float(np.clip(ends.mean(), 0.5 * beside, 1 - 0.5 * beside))
             yield Label(f"{name}-worst", text, x, y, "bottom-center" if up > 0 else "top-center", "note", bold=True)
@@ -161,7 +162,7 @@ def _pair_names(words: Words, places: BarPlaces) -> Iterator[Label]:
     """A heading above the plot; beside the strips, which is which."""
     room, first = places.room, places.seat == Seat.FIRST
     for name, _, _, y in _halves(words, places):
-        yield Label(f"{name}-title", name if room.gutter else "", -0.01, y, "center-right", "number", tone=name)
+        yield Label(f"{name}-title", tr(name) if room.gutter else "", -0.01, y, "center-right", "number", tone=name)
         by = words.by[0] if first and name == "estimate" else ""
         if room.gutter:
             yield Label(f"{name}-by", by, -room.gutter, places.field.middle - 0.5 * places.field.half, "center-left",

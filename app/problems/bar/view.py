@@ -5,6 +5,7 @@ from typing import Any
 
 import numpy as np
 
+from app.language.spoken import later
 from app.problems.bar.slow import BarSlowStage
 from app.problems.bar.sparks import sparks
 from app.problems.bar.stage import BarStage
@@ -35,9 +36,12 @@ def change(scene: BarScene, motion: str, usual: tuple[str, ...]) -> BarScene:
 
 
 MOTION = Motion(
-    "vibrate, or be stretched evenly and move on at constant speed, so that exactly nothing should happen", change,
-    {"stretch": ("Stretch F", 0.8, 1.2, 0.01, "length of the bar over that at rest; at 1 it has no stress"),
-     "initial_velocity": ("Velocity v, m/s", 0.0, 2.0, 0.05, "at which the whole bar moves through the grid")},
+    later("vibrate, or be stretched evenly and move on at constant speed, so that exactly nothing should happen"),
+    change,
+    {"stretch": (later("Stretch F"), 0.8, 1.2, 0.01,
+                 later("length of the bar over that at rest; at 1 it has no stress")),
+     "initial_velocity": (later("Velocity v, m/s"), 0.0, 2.0, 0.05,
+                          later("at which the whole bar moves through the grid"))},
     speed=1.0, quantity="sigma")
 
 
@@ -48,10 +52,11 @@ def draw(*places: Any) -> None:
 
 
 BAR = ProblemView(
-    "bar", BarStage, BarSlowStage, draw, regions, f"the bar into {LENGTHS} lengths", picture=(10.0, 1.25 / 3),
+    "bar", BarStage, BarSlowStage, draw, regions, later("the bar into 20 lengths"), picture=(10.0, 1.25 / 3),
     speed=0.5, reach=Reach((8, 160, 1), (1, 8), (1e-4, 0.2), (1.0, 1000.0), (1e-2, 10.0)),
-    amplitude_hint="amplitude of the vibration; from 0.159 m on the exact bar turns inside out",
+    amplitude_hint=later("amplitude of the vibration; from 0.159 m on the exact bar turns inside out"),
     prices={"transport": 0.09, "recovered": 0.09, "companion": 0.06, "two-grid": 0.18},  # two-grid: of 80 cells
     motion=MOTION, estimators=("recovered", "transport"), sparks=sparks,
-    details={"linearity_preserving": "correct the gradient so that linear stress gives the exact force",
-             "body_force": "where the force is evaluated", "velocity": "the velocity that moves the particles"})
+    details={"linearity_preserving": later("correct the gradient so that linear stress gives the exact force"),
+             "body_force": later("where the force is evaluated"),
+             "velocity": later("the velocity that moves the particles")})

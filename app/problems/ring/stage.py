@@ -8,6 +8,7 @@ import numpy as np
 from app.frame.field import Plotted
 from app.frame.marks import Dots, Mark
 from app.frame.planar import PlanarStage
+from app.language.spoken import tr
 from solvers.problems.ring import exact
 from solvers.problems.ring.exact import INNER, OUTER
 from solvers.problems.ring.scene import RingScene
@@ -28,7 +29,8 @@ class RingStage(PlanarStage[RingScene]):
 
     @staticmethod
     def note(scene: RingScene) -> str:
-        return f"outer radius {OUTER}{NO_BREAK}m at rest, h{NO_BREAK}={NO_BREAK}{scene.spacing:.3g}{NO_BREAK}m"
+        h = f"h{NO_BREAK}={NO_BREAK}{scene.spacing:.3g}{NO_BREAK}m"
+        return tr("outer radius {radius} at rest, {h}", radius=f"{OUTER}{NO_BREAK}m", h=h)
 
     @staticmethod
     def stretched(scene: RingScene) -> float:

@@ -8,6 +8,7 @@ import numpy as np
 from app.frame.field import Plotted
 from app.frame.marks import Dots, Lines, Mark, joined
 from app.frame.planar import PlanarStage
+from app.language.spoken import tr
 from solvers.engine.frames import FrameArrays
 from solvers.problems.vortex import exact
 from solvers.problems.vortex.exact import INNER, OUTER
@@ -30,8 +31,9 @@ class VortexStage(PlanarStage[VortexScene]):
 
     @staticmethod
     def note(scene: VortexScene) -> str:
-        lines = ", blue: exact lines" * scene.solution_known
-        return f"h = {scene.spacing:.3g} m{lines}"  # the plot below says how large it is
+        if not scene.solution_known:
+            return f"h = {scene.spacing:.3g} m"
+        return tr("h = {h:.3g} m, blue: exact lines", h=scene.spacing)  # the plot below says how large it is
 
     @staticmethod
     def first_line(scene: VortexScene) -> float:

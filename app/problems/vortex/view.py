@@ -5,12 +5,17 @@ from typing import Any
 import numpy as np
 
 from app.frame.slow.planar import PlanarSlowStage
+from app.language.spoken import later, tr
 from app.problems.interface import ProblemView, Reach, Regions
 from app.problems.vortex.sparks import sparks
 from app.problems.vortex.stage import VortexStage
 from solvers.problems.vortex.scene import INNER, MOST_AMPLITUDE, OUTER
 
-ANGLES, FIFTHS = 8, ("innermost", "inner", "middle", "outer", "outermost")  # regions: 45 degrees each
+ANGLES = 8
+#: Regions: 45 degrees each.
+FIFTHS = (later("innermost fifth, {low}–{high}°"), later("inner fifth, {low}–{high}°"),
+          later("middle fifth, {low}–{high}°"), later("outer fifth, {low}–{high}°"),
+          later("outermost fifth, {low}–{high}°"))
 
 
 def regions(X: np.ndarray) -> Regions:
@@ -19,7 +24,7 @@ def regions(X: np.ndarray) -> Regions:
     turns = np.arctan2(X[:, 1], X[:, 0]) / (2 * np.pi) % 1
     angle = np.clip((turns * ANGLES).astype(int), 0, ANGLES - 1)
     step = 360 // ANGLES
-    names = tuple(f"{fifth} fifth, {k * step}–{(k + 1) * step}°" for fifth in FIFTHS for k in range(ANGLES))
+    names = tuple(tr(fifth, low=k * step, high=(k + 1) * step) for fifth in FIFTHS for k in range(ANGLES))
     return Regions(names, fifth * ANGLES + angle)
 
 
@@ -31,16 +36,16 @@ def draw(*places: Any) -> None:
 
 VORTEX = ProblemView(
     "vortex", VortexStage, PlanarSlowStage, draw, regions,
-    f"the ring into {ANGLES} angles from the x axis on and {len(FIFTHS)} fifths of the wall",
+    later("the ring into 8 angles from the x axis on and 5 fifths of the wall"),
     picture=(15.0, 1.3), speed=0.1,
     reach=Reach((12, 96, 2), (1, 3), (0.01, MOST_AMPLITUDE), (100.0, 10_000.0), (1e-2, 2.0)),
-    amplitude_hint="angle in radians by which the middle circle turns against the rims, which rest; the largest shear "
-                   "is seven times as much",
+    amplitude_hint=later("angle in radians by which the middle circle turns against the rims, which rest; the largest "
+                         "shear is seven times as much"),
     prices={"transport": 0.07, "recovered": 0.24, "companion": 0.05},
-    details={"layout": "where particles begin: Cartesian rims are staircases",
-             "body_force": "which force acts", "velocity": "the velocity that moves the particles"},
-    modulus_hint="Young's modulus: the body force sees to it that the motion stays the same, the errors do not",
-    material={"poisson_ratio": ("Poisson's ratio ν", -0.5, 0.49, 0.01,
-                                "resistance to a change of volume: not in the exact motion, which has none, but in the "
-                                "errors and, with the speed of waves, in the time step")},
+    details={"layout": later("where particles begin: Cartesian rims are staircases"),
+             "body_force": later("which force acts"), "velocity": later("the velocity that moves the particles")},
+    modulus_hint=later("Young's modulus: the body force sees to it that the motion stays the same, the errors do not"),
+    material={"poisson_ratio": (later("Poisson's ratio ν"), -0.5, 0.49, 0.01,
+                                later("resistance to a change of volume: not in the exact motion, which has none, but "
+                                      "in the errors and, with the speed of waves, in the time step"))},
     sparks=sparks, estimators=("companion", "transport"))  # transport alone would show only an estimate that fails

@@ -65,20 +65,22 @@ def _measured(draw: Draw) -> dict:
 
     begun, scene = time.perf_counter(), draw.scene()
     goals = {DISPLACEMENT: draw.point(), STRESS: STRESS, ENERGY: ENERGY}
-    result = run(_heard(scene), mid_run=False, goals=list(goals.values()))
+    result = run(heard(scene), mid_run=False, goals=list(goals.values()))
     others = [run(coarser(scene, 2**k), mid_run=False, goals=list(goals.values())) for k in range(1, GRIDS)] \
         if result.status == OK else []
     numbers = {kind: [one.goals[name]["value"] for one in (result, *others)] for kind, name in goals.items()}
     return {**_identity(draw), "status": result.status, "reason": result.reason, "scene": scene.to_dict(),
             "moved": scene.motion_amplitude / scene.spacing,
-            "estimators": {name: {"refused": _refused(name, scene, result), **_ratios(result, name)}
+            "estimators": {name: {"refused": refused(name, scene, result), **_ratios(result, name)}
                            for name in scene.estimators},
             "goals": {kind: {"grids": numbers[kind], **{key: result.goals[name][key] for key in KEPT}}
                       for kind, name in goals.items()},
             "seconds": time.perf_counter() - begun}
 
 
-def _refused(name: str, scene: Scene, result: Result) -> str:
+def refused(name: str, scene: Scene, result: Result) -> str:
+    """How an estimator was refused in the ``result`` of what a scene has become when it is :func:`heard`; "" where it
+    was not."""
     if name not in result.scene.active_estimators:
         return IMPOSSIBLE
     return BEFORE if name in scene.not_valid else AFTER if name in result.not_valid else ""
@@ -108,7 +110,8 @@ def _hearing(kind: type[Scene]) -> type[Scene]:
     return type(kind.__name__, (kind,), {"active_estimators": property(active)})
 
 
-def _heard(scene: Scene) -> Scene:
+def heard(scene: Scene) -> Scene:
+    """The same scene, whose estimators run although they are refused, if they can."""
     return _hearing(type(scene))(**{one.name: getattr(scene, one.name) for one in fields(scene)})
 
 

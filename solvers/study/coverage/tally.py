@@ -13,6 +13,8 @@ import statistics
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from typing import Any
 
+import numpy as np
+
 from solvers.running.goals import SAFETY
 from solvers.solver.soundness import OK
 from solvers.study.coverage.grid_convergence import INTERVALS
@@ -22,6 +24,7 @@ SCHEMA = "mpm-lab/coverage/1"
 FACTORS = (1.1, 1.5, 2.0)
 NEEDLESS = 1.5  # a refusal was needless where the estimate would have been within such a factor of x, v and sigma
 SAFETIES = (1.0, SAFETY, 3.0)
+MIDDLE = 0.8  # the share of runs between whose ratios an estimator may bet; as many lie below as above
 STAY, WITHIN, SEVERAL = "within their cells", "up to a cell", "several cells"
 REGIMES = (STAY, WITHIN, SEVERAL)
 NORMAL = 1.96  # standard deviations, for 95 %
@@ -76,8 +79,13 @@ def _right(rows: Iterable[dict], name: str) -> dict:
         indices = [one["index"][q] for one in said if one["index"][q] is not None]
         ends = [one["end"][q] for one in said if one["end"][q] is not None]
         found[q] = {"runs": len(indices), "within": _within(indices), "median": _median(indices),
-                    "at the end": {"runs": len(ends), "within": _within(ends)}}
+                    "at the end": {"runs": len(ends), "within": _within(ends), "middle": _middle(ends)}}
     return found
+
+
+def _middle(ends: Sequence[float]) -> list[float] | None:
+    """Between which two ratios the middle of all lies."""
+    return [float(end) for end in np.quantile(ends, [(1 - MIDDLE) / 2, (1 + MIDDLE) / 2])] if ends else None
 
 
 def _within(indices: Sequence[float]) -> dict[str, int]:

@@ -1,15 +1,17 @@
 """What was counted of drawn runs, as tables in Markdown."""
 
-from collections.abc import Iterable, Mapping
+import math
+from collections.abc import Iterable, Mapping, Sequence
 
 from solvers.running.goals import DISPLACEMENT, ENERGY, SAFETY, STRESS
 from solvers.study.coverage.draws import REACH
 from solvers.study.coverage.grid_convergence import INTERVALS
 from solvers.study.coverage.measured import AFTER, BEFORE, IMPOSSIBLE, QUANTITIES
-from solvers.study.coverage.tally import FACTORS, NEEDLESS, REGIMES, interval
+from solvers.study.coverage.tally import FACTORS, MIDDLE, NEEDLESS, REGIMES, interval
 from solvers.study.markdown import grid
 
 NOTHING = "–"
+CLOSE = 0.1  # to 1: a multiple of which more digits are told
 GOALS = {DISPLACEMENT: "displacement of a point", STRESS: "mean stress", ENERGY: "kinetic energy"}
 PARTS = {"x": "x", "v": "v", "sigma": "σ"}
 
@@ -24,7 +26,8 @@ def summary(counted: Mapping, picture: str = "") -> str:
              f"{reach.amplitude[0]:g} to {reach.amplitude[1]:g}, {reach.periods[0]:g} to {reach.periods[1]:g} periods, "
              f"steps of {reach.step[0]:g} to {reach.step[1]:g} of the longest, up to {reach.work:,.0f} particle-steps. "
              "Only runs that ended as ok count.",
-             estimates(counted), regimes(counted), refusals(counted), bars(counted), bars_by_regime(counted)]
+             estimates(counted), middles(counted), regimes(counted), refusals(counted), bars(counted),
+             bars_by_regime(counted)]
     return "\n\n".join([*parts, *([f"![{picture}]({picture})"] if picture else [])]) + "\n"
 
 
@@ -40,6 +43,17 @@ def estimates(counted: Mapping) -> str:
     return ("## The estimate within a factor of the true error\n\nShares of the runs in which the estimator speaks, in "
             "per cent, the first with its 95 % interval; norms over the whole run.\n\n"
             + grid(["estimator", "of", "runs", *(f"factor {f:g}" for f in FACTORS), "median index"], lines))
+
+
+def middles(counted: Mapping) -> str:
+    """Where the middle of the true errors lies, by what each estimator says of the end."""
+    lines = []
+    for name, split in counted["estimators"].items():
+        cells = [_middle(split["all"][q]["at the end"]["middle"]) for q in QUANTITIES]
+        lines.append([name, *cells])
+    return (f"## Where {100 * MIDDLE:g} of 100 true errors lie\n\nAt the end of the run, in multiples of the estimate; "
+            "as many lie below as above. Between these an estimator bets in lesson 10.\n\n"
+            + grid(["estimator", *(PARTS[q] for q in QUANTITIES)], lines))
 
 
 def regimes(counted: Mapping) -> str:
@@ -110,6 +124,15 @@ def _bar(name: str) -> str:
 
 def _of(found: Mapping, factor: str) -> str:
     return f"{found['within'][factor]} of {found['runs']}" if found["runs"] else NOTHING
+
+
+def _middle(ratios: Sequence[float] | None) -> str:
+    """Estimated over true, turned round."""
+    if not ratios:
+        return NOTHING
+    least, most = (1 / ratio if ratio > 0 else math.inf for ratio in reversed(ratios))
+    return " to ".join(f"{end:.4f}" if abs(end - 1) < CLOSE else f"{end:.3g}".replace("inf", "∞")
+                       for end in (least, most))
 
 
 def _held(found: Mapping) -> Iterable[str]:

@@ -31,6 +31,17 @@ def right(scene: Scene, estimator: str, quantity: str = "x") -> tuple[int, int] 
     return found["within"][f"{FACTORS[0]:g}"], found["runs"]
 
 
+def middle(problem: str, estimator: str, quantity: str) -> tuple[float, float] | None:
+    """Between which two ratios of estimated to true error, at the end of a run, 80 of 100 of a problem's runs lay; None
+    where there were too few, or a tenth of them read nothing."""
+    known = counted(problem)
+    found = known and known["estimators"].get(estimator, {}).get("all", {}).get(quantity, {}).get("at the end")
+    if not found or found["runs"] < FEWEST or not found["middle"][0] > 0:
+        return None
+    low, high = found["middle"]
+    return low, high
+
+
 def held(scene: Scene, goal: str, estimator: str) -> tuple[int, int] | None:
     """In how many such runs a bar of twice the estimated error around a goal (by its name) held the truth, and of how
     many; None where there were too few."""

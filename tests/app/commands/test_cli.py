@@ -152,6 +152,9 @@ def test_bad_input_is_one_line_that_names_the_flag(flags, names, allows, capsys,
     (["serve", "--host", ""], "--host (no value):"),
     *((["serve", "--host", host], "give the name or the address of this machine") for host in (
         "\x1b[31mevil\u202e", "two words", "x\x00y")),
+    (["serve", "--board"], "--board: needs --lesson with the name or number of a lesson"),
+    (["serve", "--board", "--lesson", "99"], "there is no lesson"),
+    (["serve", "--board", "--lesson", "4", "--code", "short"], "give 6 to 64 letters and digits, or none"),
     (["serve", "--code", "wave\x1b[31m4711"], "give 6 to 64 letters and digits, or none"),
 ])
 def test_bad_commands_are_one_line(words, says, capsys):

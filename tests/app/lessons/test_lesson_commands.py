@@ -5,11 +5,13 @@ from __future__ import annotations
 import csv
 import io
 import json
+import math
 
 import pytest
 
 from app.cli import main
 from app.lessons import classes, grading, shelf
+from app.lessons.lesson import drawn, filled
 from app.lessons.marks import mark, shown, trouble
 from app.lessons.outcomes import Outcomes
 from app.lessons.progress import NotAnswers, Progress, read
@@ -134,19 +136,29 @@ def test_marks_are_derived_from_the_runs(outcomes):
     assert right("say", "anything") is None
 
 
-def test_grade_makes_one_table(shelf_of_one, tmp_path, capfd):
+def test_grade_makes_one_table(shelf_of_one, outcomes, tmp_path, capfd):
     lesson = shelf.lesson("01-test")
-    one = answers(lesson, "Ada", what_happens=2, drag=20.0, bet=[0.0, 1.0], say="=1+1 <img src=x onerror=alert(1)>")
+    hers, his = (outcomes.result(filled(lesson.runs["grids"].texts[0], drawn(lesson, name)))["error"]["x"]["final"]
+                 for name in ("Ada", "Émile"))
+    one = answers(lesson, "Ada", what_happens=2, drag=20.0, bet=[hers / 2, hers * 2],
+                  say="=1+1 <img src=x onerror=alert(1)>")
     two = answers(lesson, "Émile", what_happens=1, bet=[5.0, 6.0])
     for k, progress in enumerate((one, two)):
         (tmp_path / f"{k}.json").write_text(progress.text(), encoding="utf-8")
     assert main(["lesson", "grade", str(tmp_path / "0.json"), str(tmp_path / "1.json")]) == 0
     said = capfd.readouterr()
     first, second = csv.DictReader(io.StringIO(said.out))
-    assert (first["name"], first["right"], first["of"], first["same lesson"]) == ("Ada", "3", "4", "yes")
+    assert (first["name"], first["of"], first["same lesson"]) == ("Ada", "4", "yes")
+    # A bet that holds and is four times as high as low scores log10 4 = .60, and counts 1 - .60/2; so do two answers 1.
+    assert (first["right"], first["bet: score"], first["bet: right"]) == ("2.7", "0.60", "yes")
+    assert [first[name] for name in ("intervals", "held", "mean score")] == ["1", "1", "0.60"]
+    assert (second["right"], second["bet: right"], second["held"]) == ("0", "no", "0")
     assert first["what-happens: right"] == "yes" and second["what-happens: right"] == "no"
     assert first["say"].startswith("'=1+1 <img") and second["drag"] == ""
-    assert "01-test, bet: 1 of 2 intervals hold what came out (50%)" in said.err
+    missed = math.log10(6 / 5) + 10 * math.log10(5 / his)
+    assert second["bet: score"] == second["mean score"] == f"{missed:.2f}"
+    assert "01-test, bet: 1 of 2 intervals hold what came out, 50% where 80% was said; their mean score is " \
+           f"{(math.log10(4) + missed) / 2:.2f}, and less is better" in said.err
 
 
 @pytest.mark.parametrize("text, said", [
@@ -176,7 +188,7 @@ def test_answers_that_no_question_can_have_are_left_out():
 @pytest.mark.parametrize("key, answer, said", [
     ("what-happens", None, "choose one"), ("what-happens", True, "choose one"), ("and", None, "give a number"),
     ("and", float("nan"), "give a number"), ("bet", [2.0, 1.0], "must not be above"),
-    ("bet", [None, 1.0], "two numbers"),
+    ("bet", [None, 1.0], "two numbers"), ("bet", [0.0, 1.0], "give two numbers above 0: a bet is scored by factors"),
     ("say", " ", "write one to 500")])
 def test_what_is_no_answer_is_told(key, answer, said):
     lesson = parse(SAVED, "01-test")

@@ -128,7 +128,7 @@ def test_numbers_are_drawn_from_the_name():
 
 def test_lessons_are_found_by_name_and_number():
     full = names()
-    assert len(full) == len(lessons()) == 9
+    assert len(full) == len(lessons()) == 10
     assert called("4") == called("04") == called("grid-crossing") == called("04-grid-crossing") == full[3]
     with pytest.raises(UnknownLesson, match="give one of 01-"):
         called("99")

@@ -140,9 +140,9 @@ def test_scene_too_large_to_watch_is_not_loaded():
     """It would freeze the visitor's browser: the page gives the command instead."""
     loaded, tab = [], CostTab.__new__(CostTab)
     tab._load, tab._input = loaded.append, tuple
-    tab._put(RingScene(cells=396, periods=1), "The advice")
+    tab._put(RingScene(cells=396, periods=1), "The advice is on the stage.")
     assert not loaded and "too many to watch" in tab._remark and "mpm-lab run ring" in tab._remark
-    tab._put(SCENE, "Run 1")
+    tab._put(SCENE, "Run 1 is on the stage.")
     assert loaded == [SCENE] and tab._remark == "Run 1 is on the stage."
 
 

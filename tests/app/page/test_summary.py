@@ -140,7 +140,7 @@ def test_lost_and_unstable_come_first():
 def test_before_there_are_numbers():
     assert said(series={}).startswith("So far no error of the displacement has been measured. ")
     assert said(series=SERIES | {"transport/index_x": [np.nan]}).startswith("So far no error of the displacement has ")
-    assert summary(None, None, None, WorstRegions(), {}, "x", None) == WAITING
+    assert summary(None, None, None, WorstRegions(), {}, "x", None) == Said.of(WAITING)
 
 
 def test_sentences_come_calmly():

@@ -15,7 +15,7 @@ from websockets.exceptions import InvalidStatus
 
 from app.doors import code
 from app.doors.bucket import Bucket
-from app.doors.code import ALL, LETTERS, ONE, ClassCode, made_up
+from app.doors.code import ALL, CLASS, LETTERS, ONE, ClassCode, made_up
 from app.doors.network import REMEMBERED
 from app.lessons import shelf
 from app.page.features.lesson.marking import Classroom
@@ -24,7 +24,7 @@ from tests.doors import get, lab
 from tests.processes import until
 from tests.raw import Raw
 
-CODE, NOTES = "wave-4711", "tide-0815"
+CODE, NOTES, BOARD = "wave-4711", "tide-0815", "surf-2323"
 BUILD = Path(viser.__file__).parent / "client" / "build"
 DOOR = b"<title>mpm-lab: class code</title>"
 
@@ -99,9 +99,9 @@ def test_codes_and_cookies_are_compared_in_constant_time(monkeypatch):
     for guess in ("", "w", CODE, NOTES, "x" * 1000, "\ud800"):
         assert bool(door.enter(guess, "::1").cookie) == (guess in (CODE, NOTES))
     cookie = door.enter(CODE, "::1").cookie.partition(";")[0]
-    assert door.knows(Headers({"Cookie": cookie})) and not door.teaches(Headers({"Cookie": cookie}))
+    assert door.guest(Headers({"Cookie": cookie})).whose == CLASS
     assert not door.knows(Headers({"Cookie": "mpm-lab-8080=x"})) and not door.knows(Headers())
-    assert compared == [(32, 32)] * 20
+    assert compared == [(32, 32)] * 18
 
 
 def test_wrong_guesses_are_limited_for_one_network_and_for_all_and_a_right_one_opens(monkeypatch):
@@ -148,7 +148,22 @@ def test_the_teachers_code_opens_the_notes_and_the_class_code_does_not():
             return get(address, "/enter", {"X-Class-Code": guess, "Cookie": cookies[cookie]})[0]
 
         assert (status(CODE, NOTES), status(CODE, CODE), status(NOTES, CODE)) == (204, 204, 200)
-    assert not ClassCode(CODE, 1).teaches(Headers({"Cookie": cookies[CODE]}))
+    another = ClassCode(CODE, int(address.rpartition(":")[2]))  # a lab that has come in the place of this one
+    assert not another.knows(Headers({"Cookie": cookies[CODE]}))
+
+
+def test_a_cookie_is_one_browsers_and_made_by_this_lab():
+    """Each who comes has a key of his own; one who makes up a key, or takes another's proof for his own, has none."""
+    door = ClassCode(CODE, 8080, NOTES, BOARD)
+    first, second = (door.enter(CODE, "::1").cookie.partition(";")[0] for _ in range(2))
+    guests = [door.guest(Headers({"Cookie": cookie})) for cookie in (first, second)]
+    assert guests[0].key != guests[1].key and {guest.whose for guest in guests} == {CLASS}
+    name, _, value = first.partition("=")
+    key, _, proof = value.partition(".")
+    made_up = [f"{name}=x.{proof}", f"{name}={key}", f"{name}={key}.", f"{name}={key}.{proof[:-1]}", f"{name}=.{proof}",
+               f"{name}={key}x.{proof}", f"mpm-lab-8081={value}"]
+    assert [door.guest(Headers({"Cookie": cookie})) for cookie in made_up] == [None] * len(made_up)
+    assert door.guest(Headers({"Cookie": door.enter(BOARD, "::1").cookie.partition(";")[0]})).whose == "board"
 
 
 def test_strangers_learn_no_more_of_a_lab_than_that_it_is_ready(locked):
@@ -165,9 +180,10 @@ def test_made_up_codes_are_long_and_plain():
 
 def test_lab_that_others_reach_makes_up_a_code_and_prints_it():
     """On any address but this machine's own, and with a public name; with it there are frames, without it nothing. And
-    another one for the teacher."""
+    others for the teacher and for the board."""
     log = []
-    with serving(arguments=("--host", "0.0.0.0", "--teacher"), coded=True, log=log) as (address, _, line):
+    arguments = ("--host", "0.0.0.0", "--teacher", "--lesson", "4", "--board")
+    with serving(arguments=arguments, coded=1, log=log) as (address, _, line):
         printed = re.search(r"class code is (\S+); (http://\S+)/#code=(\S+)", line)
         assert printed[1] == printed[3] and "0.0.0.0" not in address + printed[2]
         assert get(printed[2])[0] == get(address)[0] == 200  # under this machine's own name for itself, and for others
@@ -179,3 +195,5 @@ def test_lab_that_others_reach_makes_up_a_code_and_prints_it():
             until(lambda: visitor.frames > 3, "frames")
     notes = re.search(r"teacher's code.* is (\S+); (http://\S+)/#code=(\S+)", log[0])
     assert notes[1] == notes[3] != printed[1] and notes[2] == printed[2]
+    board = re.search(r"board's code.* is (\S+); (http://\S+)/#code=(\S+) opens", log[0])
+    assert board[1] == board[3] not in (printed[1], notes[1]) and board[2] == printed[2]

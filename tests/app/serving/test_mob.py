@@ -36,6 +36,7 @@ FRAMES = 6  # a second, of each of the class at most
 TICKS = os.sysconf("SC_CLK_TCK")
 CODE = "wave-4711"
 ENOUGH = 0.9  # of the frames a second without the mob
+GOODBYE = 0.5  # seconds that a class has to leave
 WITHIN, ENDS = 3.0, 2.0  # seconds in which a newcomer has the page, and in which the server ends
 MOST_MEMORY = 150  # MB: pages of those of the mob who came in, and frames to look back at
 LOG = 12_000  # bytes of log, however long: some minutes with ten lines and a sum each
@@ -56,14 +57,15 @@ class Pupil(Visitor):
 
 
 class Class:
-    """So many pupils, on a thread of their own, who look at a run that goes on."""
+    """A pupil with each of these cookies, on a thread of their own, who look at a run that goes on."""
 
-    def __init__(self, address, cookie, count):
-        self.pupils = [Pupil(address) for _ in range(count)]
-        for pupil in self.pupils:
+    def __init__(self, address, cookies):
+        self.pupils = [Pupil(address) for _ in cookies]
+        for pupil, cookie in zip(self.pupils, cookies, strict=True):
             pupil.cookie = cookie
         self.lost, self._loop = [], asyncio.new_event_loop()
-        threading.Thread(target=self._loop.run_forever, daemon=True).start()
+        self._thread = threading.Thread(target=self._loop.run_forever, daemon=True)
+        self._thread.start()
         for pupil in self.pupils:
             asyncio.run_coroutine_threadsafe(self._visit(pupil), self._loop)
         until(lambda: all(len(pupil.frames) > 5 for pupil in self.pupils), "frames for all", 120)
@@ -85,7 +87,13 @@ class Class:
         return statistics.median(sum(begun <= at < end for at in pupil.frames) / (end - begun) for pupil in self.pupils)
 
     def go(self):
-        self._loop.call_soon_threadsafe(self._loop.stop)
+        def leave():
+            for task in asyncio.all_tasks(self._loop):
+                task.cancel()
+            self._loop.call_later(GOODBYE, self._loop.stop)
+
+        self._loop.call_soon_threadsafe(leave)
+        self._thread.join()
 
 
 def shared(process):
@@ -157,7 +165,7 @@ def test_a_class_beside_a_mob(pupils, seconds, turns, tmp_path):
     log, shares, costs, comes, grown = [], [], [], [], []
     with locked(log, tmp_path) as (address, server), ExitStack() as stack:
         cookie = enter(f"http://{address}", CODE)[2][1]
-        class_ = Class(address, cookie, pupils)
+        class_ = Class(address, [cookie] * pupils)
         mob = subprocess.Popen([sys.executable, "-m", "tests.mob", address, CODE], cwd=ROOT, stdout=subprocess.PIPE)
         stack.callback(mob.kill)
         assert mob.stdout.readline() == b"here\n"

@@ -94,7 +94,7 @@ def test_answers_are_told_in_the_forms_of_the_standard(system, begin):
     told = {one["id"]: (one["type"], one["student_response"], one["result"])
             for one in system.evaluate("system.record.interactions")}
     words = ("fill-in", "in words", "neutral")
-    assert told == {"drag": ("numeric", "20", "correct"), "between": ("fill-in", "0.00000005 to 0.0000002", "correct"),
+    assert told == {"drag": ("numeric", "20", "correct"), "between": ("fill-in", "0.0000001 to 0.0000001", "correct"),
                     "number": ("numeric", "-0.0000000025", "correct"), "first-words": words, "second-words": words,
                     "third-words": words}
     assert system.evaluate("system.faults") == []
@@ -109,6 +109,16 @@ def test_a_wrong_answer_lowers_the_score_until_it_is_right(system, begin):
         assert system.evaluate("system.record['core.score.raw']") == raw
     results = [one["result"] for one in system.evaluate("system.record.interactions")]
     assert results == ["correct", "correct", "wrong", "correct"]
+
+
+def test_a_wide_interval_is_less_than_a_right_answer(system, begin):
+    """A factor of ten between its ends costs a half, as where answers are graded."""
+    frame = begin(FILES[1])
+    courses.walked(frame, 2)
+    for box, end in zip(frame.get_by_role("textbox").all(), ("3e-8", "3e-7"), strict=True):
+        box.fill(end)
+    frame.locator("button", has_text="my ").click()
+    assert system.evaluate("system.record['core.score.raw']") == "50"  # one and a half of three
 
 
 def test_the_core_alone_is_a_lesson_completed(system, begin):

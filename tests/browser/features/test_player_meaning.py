@@ -6,15 +6,19 @@ from __future__ import annotations
 import json
 import math
 
+import numpy as np
 import pytest
 
 from app import words
+from app.export.bets import bet_words
 from app.export.page import PLAYER
 from app.export.vocabulary import vocabulary
 from app.frame.scale import TOPS, ZERO
+from app.lessons.bet_lines import drawn
+from app.lessons.bets import BY_ROUND, YOURS, Bet, Bettor
 from solvers.problems import PROBLEMS
 
-SCRIPTS = ("words", "tracks", "frame", "colours", "field", "bar", "plane")
+SCRIPTS = ("words", "tracks", "frame", "colours", "field", "bar", "plane", "bets")
 #: What is filled on a canvas: its colour and where its middle is, in pixels to the right and down.
 PEN = """
 class Pen {
@@ -52,10 +56,12 @@ def player(chromium):
     """A page that knows the player's functions, and no run."""
     page = chromium.new_page()
     data = json.dumps(vocabulary(PROBLEMS), ensure_ascii=False)
+    lesson = json.dumps({"bets": bet_words()}, ensure_ascii=False)
     scripts = [(PLAYER / f"{name}.js").read_text(encoding="utf-8") for name in SCRIPTS]
-    page.evaluate("(text) => (0, eval)(text)", "\n".join([f"var DATA = {data};", PEN, *scripts,
+    page.evaluate("(text) => (0, eval)(text)", "\n".join([f"var DATA = {data}, LESSON = {lesson};", PEN, *scripts,
                                                          f"var drawBare = {DRAW}; var shadeOf = shade;",
-                                                         "var rows = SHADES, ticks = ticksOf;"]))
+                                                         "var rows = SHADES, ticks = ticksOf;",
+                                                         "var bet = betOf, picture = betsDrawn, figure = betsFigure;"]))
     yield page
     page.close()
 
@@ -82,3 +88,39 @@ def test_the_colour_at_a_tick_is_that_of_its_number(player, top, logarithmic):
         value = 0.0 if text == ZERO else words.size_in(text if text.endswith("m") else f"{text} {unit}", "m")
         row = player.evaluate("([value, scale]) => rows.indexOf(shadeOf(value, scale))", [value, scale])
         assert abs(row - 255 * at) <= 1 + logarithmic
+
+
+def test_bets_are_scored_and_drawn_as_in_python(player):
+    """Scores to the last digit but for a logarithm's rounding, of which there are three and a factor of 20: 1e-13; and
+    the picture, with all that it says."""
+    chance = np.random.default_rng(5)
+
+    def bet(level):
+        low, high = sorted(map(float, 10 ** chance.uniform(-9, -2, 2)))
+        return None if chance.uniform() < 0.2 else Bet(low, high, float(10 ** chance.uniform(-8, -3)), level)
+
+    made = [[bet((0.5, 0.8, 0.9)[k % 3]) for k in range(8)] for _ in range(12)]
+    bettors = [Bettor(YOURS, tuple(made[0])), Bettor(BY_ROUND, tuple(made[1]), 2), Bettor("transport", (None, None)),
+               *(Bettor("GCI", tuple(one)) for one in made[2:])]
+    told = [{"name": bettor.name, "round": bettor.round, "bets": [
+        bet and [[bet.low, bet.high], bet.truth, bet.level] for bet in bettor.bets]} for bettor in bettors]
+    again = "told.map((one) => ({...one, bets: one.bets.map((each) => each && bet(...each))}))"
+    scores = player.evaluate(
+        f"(told) => {again}.map(({{bets}}) => bets.map((one) => one && [one.score, one.holds]))", told)
+    for found, bettor in zip(scores, bettors, strict=True):
+        for one, bet in zip(found, bettor.bets, strict=True):
+            assert (one is None) == (bet is None)
+            assert bet is None or (one[1] == bet.holds and one[0] == pytest.approx(bet.score, rel=1e-13, abs=1e-13))
+    for some in (bettors, bettors[2:3], bettors[:1]):
+        picture, seen = drawn(some), player.evaluate(f"(told) => picture({again})", [
+            told[bettors.index(one)] for one in some])
+        assert (seen["reach"], seen["said"]) == (picture.reach, picture.said)
+        assert [tuple(tick) for tick in seen["ticks"]] == picture.ticks
+        for lines, one in zip(seen["bettors"], picture.bettors, strict=True):
+            assert (lines["name"], lines["told"], lines["own"]) == (one.name, one.told, one.own)
+            assert [line and line[2] for line in lines["lines"]] == [line and line[2] for line in one.lines]
+            for line, drawn_line in zip(lines["lines"], one.lines, strict=True):
+                assert line is None or line[:2] == pytest.approx(drawn_line[:2], abs=1e-9)
+    labels = player.evaluate(f"(told) => [...figure({again}).querySelectorAll('svg')].map((one) => "
+                             "one.getAttribute('aria-label'))", told)
+    assert labels == [f"{one.name}: {one.told}" for one in drawn(bettors).bettors]

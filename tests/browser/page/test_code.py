@@ -12,7 +12,7 @@ CODE = "wave-4711"
 
 @pytest.fixture(scope="module")
 def address():
-    with serving(arguments=("--code", CODE), coded=True) as (address, _, line):
+    with serving(arguments=("--code", CODE), coded=1) as (address, _, line):
         assert f"#code={CODE}" in line
         yield address
 

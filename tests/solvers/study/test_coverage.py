@@ -7,18 +7,20 @@ import math
 from dataclasses import replace
 from pathlib import Path
 
+import numpy as np
 import pytest
 
 from app.commands.dispatch import dispatch
-from solvers import BarScene
+from solvers import BarScene, run
 from solvers.problems import PROBLEMS
 from solvers.running.goals import ENERGY
 from solvers.solver.soundness import OK
 from solvers.study.coverage import track_record
+from solvers.study.coverage.bets import JUDGES, bets, by_its_word, by_the_record
 from solvers.study.coverage.draws import COARSEST, REACH, Draw, coarser
-from solvers.study.coverage.grid_convergence import factor_of_safety, observed_order, three_grids, two_grids
+from solvers.study.coverage.grid_convergence import TWO_GRIDS, factor_of_safety, observed_order, three_grids, two_grids
 from solvers.study.coverage.measured import BEFORE, IMPOSSIBLE, fault, measure
-from solvers.study.coverage.tally import REGIMES, STAY, interval, regime, tally
+from solvers.study.coverage.tally import MIDDLE, NORMAL, REGIMES, STAY, interval, regime, tally
 from solvers.study.coverage.text import summary
 from tests.paths import ROOT
 
@@ -86,6 +88,14 @@ def test_fifty_runs(rows):
     assert bars["2 x companion"]["held"] == bars["2 x companion"]["runs"]
     assert bars["1 x companion"]["held"] < bars["2 x companion"]["held"]
     assert 0 < bars["GCI, 2 grids"]["held"] < bars["GCI, 2 grids"]["runs"]
+    for split in counted["estimators"].values():
+        ends = split["all"]["x"]["at the end"]
+        low, high = ends["middle"]
+        assert low < high and ends["runs"] > 20
+        outside = [row for row in rows if row["status"] == OK for name, said in row["estimators"].items()
+                   if split is counted["estimators"][name] and not said["refused"] and said["end"]["x"] is not None
+                   and not low <= said["end"]["x"] <= high]
+        assert len(outside) == pytest.approx((1 - MIDDLE) * ends["runs"], abs=2)  # one to either side
     for split in (*counted["estimators"].values(), *counted["goals"].values()):
         for group in ("regime", "method"):
             for key, all_runs in split["all"].items():
@@ -145,7 +155,7 @@ def test_the_text_quotes_what_was_counted(problem):
     """Every table of assets/coverage.md is that of the counts beside it."""
     counted, text = track_record.counted(problem), (ROOT / "assets/coverage.md").read_text(encoding="utf-8")
     made = [block for block in summary(counted).split("\n\n") if block.startswith("|")]
-    assert counted["runs"] == 1000 and len(made) == 5
+    assert counted["runs"] == 1000 and len(made) == 6
     assert [table for table in made if table not in text] == []
 
 
@@ -163,6 +173,30 @@ def test_a_track_record_is_that_of_runs_alike():
         assert track_record.right(unlike, "companion") is None
     assert track_record.right(scene, "transport") is None  # it refuses all B-splines
     assert track_record.right(scene, "companion", "a") is None
+
+
+def test_a_judge_bets_by_its_record_and_the_index_by_its_word():
+    """The ratios of estimated to true error are turned round. Of normal errors of which the index holds 95 of 100, its
+    bet holds 80, as many below as above: of 200,000 to four standard deviations, .0036."""
+    low, high = track_record.middle("bar", "two-grid", "x")
+    assert by_the_record("bar", "two-grid", "x", 3e-6) == (3e-6 / high, 3e-6 / low)
+    assert by_the_record("bar", "two-grid", "x", None) is by_the_record("vortex", "transport", "x", 1.0) is None
+    assert by_the_record("bar", "nobody", "x", 1.0) is by_the_record("bar", "two-grid", "a", 1.0) is None
+    sizes = np.abs(np.random.default_rng(1).normal(size=200_000))
+    least, most = by_its_word(NORMAL / TWO_GRIDS)  # so that a standard deviation is 1
+    assert np.mean(sizes < least) == pytest.approx(0.1, abs=0.0036)
+    assert np.mean(sizes > most) == pytest.approx(0.1, abs=0.0036)
+    assert by_its_word(None) is None
+
+
+def test_bets_on_a_run():
+    """Whoever is not valid does not bet, but for the index, which is asked of every run."""
+    scene = BarScene(cells=16, ppc=1, amplitude=0.05, periods=0.2, estimators=("companion",))
+    said, result = bets(scene), run(scene, prices=False)
+    assert set(said) == {"x", "v", "sigma"} and all(list(judged) == list(JUDGES) for judged in said.values())
+    assert said["x"]["two-grid"] is None and said["x"]["GCI"] is not None
+    low, high = said["x"]["companion"]
+    assert low == pytest.approx(high, rel=1e-3) and low == pytest.approx(result.error["x"]["final"], rel=0.01)
 
 
 @pytest.mark.slow

@@ -5,6 +5,8 @@ from typing import Any
 
 import numpy as np
 
+from app.language.heard import heard
+from app.language.spoken import later, tr
 from app.page.features.background import SLOTS, Background, JobStatus
 from solvers.scene.causes import NOTHING
 from solvers.scene.scene import Scene
@@ -36,7 +38,7 @@ class BudgetJobs(Background[Found]):
     """One visitor's."""
 
     WORK = "app.page.features.budget.work"
-    BUSY = "Other visitors' questions keep this server busy: it answers {} at a time. Try again in a while."
+    BUSY = later("Other visitors' questions keep this server busy: it answers {n} at a time. Try again in a while.")
 
     def __init__(self, slots: Slots = SLOTS):
         super().__init__(Found(), slots)
@@ -58,6 +60,9 @@ class BudgetJobs(Background[Found]):
     def heard(self, before: Found, message: dict[str, Any]) -> Found:
         given: dict[str, Any] = message | {name: _arrays(message[name]) for name in ("series", "again")
                                            if name in message}
+        if (reason := given.pop("bad", None)) is not None:
+            given["trouble"] = tr("the run goes bad: {reason}", reason=heard(reason)) if reason else \
+                tr("the run goes bad before this moment")
         return replace(before, **given)
 
 

@@ -13,6 +13,8 @@ from typing import Any
 import viser
 
 from app.frame.budget import QUESTION, divided, field_of, largest_share, percent
+from app.language.heard import heard
+from app.language.spoken import later, tr
 from app.page.features.budget.jobs import BUDGET, MAP, BudgetJobs, Found
 from app.page.measurements import Numbers
 from app.page.panels.budget_chart import Divided, chart, outcome, picture, sentence, taken_away
@@ -27,16 +29,20 @@ from solvers.scene.scene import Scene
 
 EFFECT = "budget"
 REDRAWN = 0.9  # seconds between two charts of a run that plays
-#: Below the judges' cards: it opens the fold (``js/budget.js``).
-WHO = (f"<button type='button' class='lab-who'><b>{QUESTION}</b> <span>crossings, grid, body force or time step"
-       "</span></button>")
-OFFER = ("<p class='lab-budget-offer'>Which part of the error have crossings made, and which the coarse grid, the body "
-         "force and the time step? Computed beside the run, from t = 0 on.</p>")
-ON_DEMAND = ("<p class='lab-budget-offer'>Which part of the error have crossings made, and which the coarse grid and "
-             "the time step? Found beside your stage, from t = 0 to the end of the scene.</p>")
-WAITING = "<p class='lab-budget-offer'>The run begins again, with the errors of each cause beside it.</p>"
-FINDING, TRACING = "Being found beside your stage", "The error is traced back"
-_NAMES = {"x": "displacement x", "v": "velocity v", "F": "deformation F"}
+OFFER = later("Which part of the error have crossings made, and which the coarse grid, the body force and the time "
+              "step? Computed beside the run, from t = 0 on.")
+ON_DEMAND = later("Which part of the error have crossings made, and which the coarse grid and the time step? Found "
+                  "beside your stage, from t = 0 to the end of the scene.")
+WAITING = later("The run begins again, with the errors of each cause beside it.")
+FINDING, TRACING = later("Being found beside your stage: {share}"), later("The error is traced back: {share}")
+PINNED, THIS = (later("pinned"), later("pinned: {run}")), (later("this run"), later("this run: {run}"))
+_NAMES = {"x": later("displacement x"), "v": later("velocity v"), "F": later("deformation F")}
+
+
+def who() -> str:
+    """A button below the judges' cards: it opens the fold (``js/budget.js``)."""
+    return (f"<button type='button' class='lab-who'><b>{tr(QUESTION)}</b> "
+            f"<span>{tr('crossings, grid, body force or time step')}</span></button>")
 
 
 class BudgetFold:
@@ -50,22 +56,24 @@ class BudgetFold:
         self._particle: int | None = None
         self._followed, self._drawn_at = "", -math.inf
         self._mark = gui.add_html(marked("lab-budget"))
-        self._fold = gui.add_folder(QUESTION, expand_by_default=False)
+        self._fold = gui.add_folder(tr(QUESTION), expand_by_default=False)
         with self._fold:
-            self._offer = gui.add_html(OFFER)
-            self._find = gui.add_button("Find out", hint="with the causes' errors beside the run, from t = 0 on")
-            self._cancel = gui.add_button("Cancel", hint="leave it at what has been found")
-            self._field = gui.add_dropdown("Divide the error of", tuple(_NAMES.values()),
-                                           hint="it follows the quantity on the stage, as far as that has a budget")
+            self._offer = gui.add_html(_offer(OFFER))
+            self._find = gui.add_button(tr("Find out"),
+                                        hint=tr("with the causes' errors beside the run, from t = 0 on"))
+            self._cancel = gui.add_button(tr("Cancel"), hint=tr("leave it at what has been found"))
+            self._field = gui.add_dropdown(
+                tr("Divide the error of"), tuple(map(tr, _NAMES.values())),
+                hint=tr("it follows the quantity on the stage, as far as that has a budget"))
             self._chart = gui.add_html("")
-            self._cause = gui.add_dropdown("Suspect", tuple(CAUSES.values()),
-                                           hint="the cause that is taken out of the run")
-            self._again = gui.add_button("Take it away and run again", hint="the same scene without this cause, from "
-                                         "t = 0; the run as it is stays beside it")
+            self._cause = gui.add_dropdown(tr("Suspect"), tuple(map(tr, CAUSES.values())),
+                                           hint=tr("the cause that is taken out of the run"))
+            self._again = gui.add_button(tr("Take it away and run again"), hint=tr(
+                "the same scene without this cause, from t = 0; the run as it is stays beside it"))
             self._outcome = gui.add_html("")
-            self._back = gui.add_button("Put it back", hint="the scene as it is, by itself")
-            self._where = gui.add_button("Where and when?", hint="trace the error of this moment back to where and "
-                                         "when it was made: of the traced particle, or of all")
+            self._back = gui.add_button(tr("Put it back"), hint=tr("the scene as it is, by itself"))
+            self._where = gui.add_button(tr("Where and when?"), hint=tr(
+                "trace the error of this moment back to where and when it was made: of the traced particle, or of all"))
             self._map = gui.add_html("")
         self._cancel.on_click(lambda _: self.jobs.cancel())
         self._where.on_click(lambda _: self.jobs.map(self._session.scene, self._seen_at, self._shown_field,
@@ -110,7 +118,8 @@ class BudgetFold:
         _see(bool(runs), self._chart)
         _see(bool(runs) and not found.running, self._cause, self._again)
         _see(own and taken_away(scene) != NOTHING, self._back)
-        _say(self._offer, (_missing(scene) if on else OFFER) if own else _going(found, FINDING) or ON_DEMAND)
+        _say(self._offer, (_missing(scene) if on else _offer(OFFER)) if own else
+             _going(found, FINDING) or _offer(ON_DEMAND))
         self._follow(choice.quantity)
         self._draw(runs, self._cause_between(runs) if own else found.cause, on, numbers.now.playing)
         self._show_map(numbers, found, own and bool(runs))
@@ -128,7 +137,7 @@ class BudgetFold:
         field, now = self._shown_field, self._clock()
         if not runs:
             self._drawn_at = -math.inf
-            _say(self._mark, marked("lab-budget", words="" if on else "not asked yet"))
+            _say(self._mark, marked("lab-budget", words="" if on else tr("not asked yet")))
             _say(self._outcome, "")
         elif not playing or now >= self._drawn_at + REDRAWN:
             self._drawn_at = now
@@ -144,7 +153,7 @@ class BudgetFold:
         of_now = found.kind == MAP and found.time == self._seen_at and found.field == self._shown_field
         _see(offered and not numbers.now.playing and self._seen_at > 0 and not found.running, self._where)
         _say(self._map, "" if not (offered and of_now) else _going(found, TRACING) or picture(
-            found.picture, f"where and when the error of {found.field} was made"))
+            found.picture, tr("where and when the error of {field} was made", field=found.field)))
 
     @staticmethod
     def _cause_between(runs: list[Divided]) -> str:
@@ -156,13 +165,13 @@ class BudgetFold:
 
     @property
     def _shown_field(self) -> str:
-        return next(field for field, name in _NAMES.items() if name == self._field.value)
+        return next(field for field, name in _NAMES.items() if tr(name) == self._field.value)
 
     def _follow(self, quantity: str) -> None:
         """Another quantity is on the stage: its field is divided."""
         if quantity != self._followed:
             self._followed, self._drawn_at = quantity, -math.inf
-            self._field.value = _NAMES[field_of(quantity)]  # type: ignore[misc]
+            self._field.value = tr(_NAMES[field_of(quantity)])  # type: ignore[misc]
 
     def _redraw(self) -> None:
         self._drawn_at = -math.inf
@@ -173,14 +182,14 @@ class BudgetFold:
         if past is None or past.scene != scene or not divided(past.series) or not divided(past.latest):
             return []
         both = [] if pinned is None or not divided(pinned.history.series) or not divided(pinned.history.latest) else [
-            Divided(_named("pinned", pinned.scene, scene), pinned.scene, pinned.history.series,
+            Divided(_named(PINNED, pinned.scene, scene), pinned.scene, pinned.history.series,
                     pinned.history.latest if latest else pinned.history.series)]
-        name = "" if pinned is None or not both else _named("this run", scene, pinned.scene)
+        name = "" if pinned is None or not both else _named(THIS, scene, pinned.scene)
         return [*both, Divided(name, scene, past.series, past.latest if latest else past.series)]
 
     def _take_away(self) -> None:
         state = self._state()
-        suspect = next(cause for cause, words in CAUSES.items() if words == self._cause.value)
+        suspect = next(cause for cause, words in CAUSES.items() if tr(words) == self._cause.value)
         if EFFECT not in state.scene.OWN_EFFECTS:
             self.jobs.budget(state.scene, suspect)
             return
@@ -189,7 +198,7 @@ class BudgetFold:
         try:
             after = replace(before, **changes)
         except SceneError as error:
-            self._session.refuse(f"Take it away: {error}")
+            self._session.refuse(tr("Take it away: {reason}", reason=heard(str(error))))
         else:
             self._show(replace(state, scene=after, pinned=before))
 
@@ -204,15 +213,15 @@ def _runs_found(found: Found) -> list[Divided]:
         return []
     if found.again is None:
         return [Divided("", found.scene, found.series, found.series)]
-    return [Divided("as it is", found.scene, found.series, found.series),
-            Divided(f"without {CAUSES[found.cause]}", found.scene, found.again, found.again)]
+    return [Divided(tr("as it is"), found.scene, found.series, found.series),
+            Divided(tr("without {cause}", cause=tr(CAUSES[found.cause])), found.scene, found.again, found.again)]
 
 
 def _going(found: Found, doing: str) -> str:
     """How far a job is, or what has become of it; "" where there is nothing to say."""
     if found.running:
-        return f"<p class='lab-budget-offer' role='status'>{doing}: {percent(found.part)}</p>"
-    said = "It was cancelled" if found.cancelled else found.trouble
+        return f"<p class='lab-budget-offer' role='status'>{tr(doing, share=percent(found.part))}</p>"
+    said = tr("It was cancelled") if found.cancelled else found.trouble
     return f"<p class='lab-budget-offer' role='alert'>{escape(sentence(said.removesuffix('.')))}</p>" if said else ""
 
 
@@ -226,20 +235,26 @@ def _whole(scene: Scene) -> Scene:
     return replace(scene, **nothing) if taken_away(scene) != NOTHING else scene
 
 
-def _named(name: str, scene: Scene, other: Scene) -> str:
-    return f"{name}: {differing(scene, other)}".removesuffix(": ")
+def _named(name: tuple[str, str], scene: Scene, other: Scene) -> str:
+    said = differing(scene, other)
+    return tr(name[bool(said)], run=said)
+
+
+def _offer(text: str) -> str:
+    return f"<p class='lab-budget-offer'>{tr(text)}</p>"
 
 
 def _verdict(run: Divided, field: str) -> str:
     """Who has made most of the error, for the right of the fold's name."""
     found = largest_share(run.series, field)
-    return "not valid here" if found is None else f"{CAUSES[found[0]]} {percent(found[1])}"
+    return tr("not valid here") if found is None else f"{tr(CAUSES[found[0]])} {percent(found[1])}"
 
 
 def _missing(scene: Scene) -> str:
     """Why there is no chart yet, or cannot be one."""
     reason = next((text for text in scene.warnings() if text.startswith("error budget")), "")
-    return f"<p class='lab-budget-offer'>{escape(reason.partition(': ')[2].capitalize())}.</p>" if reason else WAITING
+    said = heard(reason).partition(": ")[2]
+    return f"<p class='lab-budget-offer'>{escape(sentence(said))}</p>" if reason else _offer(WAITING)
 
 
 def _see(visible: bool, *widgets: Any) -> None:

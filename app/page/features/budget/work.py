@@ -4,6 +4,7 @@
     {"series": {...}, "again": {...}}   of a budget: the samples of the run, and of that without the cause, or None
     {"picture": base64}                 of a map: a PNG
     {"trouble": a sentence}             why there is none
+    {"bad": a sentence}                 or that a run goes bad, and why; without words where that is before the end
 """
 
 import base64
@@ -32,10 +33,10 @@ def budget(question: dict[str, Any], tell: Tell) -> None:
     except SceneError as error:
         tell({"trouble": str(error)})
         return
-    bad = [f"the run goes bad: {result.reason}" for result in (found.result, found.again)
+    bad = [result.reason for result in (found.result, found.again)
            if result is not None and result.status != "ok"]
     tell({"series": _columns(found.result), "again": found.again and _columns(found.again),
-          **({"trouble": bad[0]} if bad else {})})
+          **({"bad": bad[0]} if bad else {})})
 
 
 def where_and_when(question: dict[str, Any], tell: Tell) -> None:
@@ -50,7 +51,7 @@ def where_and_when(question: dict[str, Any], tell: Tell) -> None:
         tell({"trouble": str(error)})
         return
     if found is None:
-        tell({"trouble": "the run goes bad before this moment"})
+        tell({"bad": ""})
     elif refusal := found.not_valid():
         tell({"trouble": refusal})
     else:

@@ -4,10 +4,11 @@ import math
 from collections.abc import Sequence
 from html import escape
 
+from app.language.spoken import tr, trn
 from app.page.features.cost.front import cheapest, measured
 from app.page.features.cost.picture import Axes, curves
 from app.page.features.cost.runs import NumberedRun
-from app.page.features.cost.words import called, details, percent, seconds, whole
+from app.page.features.cost.words import called, details, percent, seconds, together, whole
 from app.words import METHODS
 from solvers.problems import PROBLEMS
 from solvers.scene.scene import Scene
@@ -20,19 +21,21 @@ def headline(like: Sequence[NumberedRun], scene: Scene, tolerance: float, troubl
     there is no tolerance, ``sweep`` the number of runs that a small sweep makes."""
     known, of = measured(like), whole(scene)
     if not known:
-        button = f"<button data-press='Small sweep'>Begin with a small sweep of {sweep} runs</button>"
+        begin = tr("Begin with a small sweep of {n} runs", n=sweep)
+        button = f"<button data-press='{escape(tr('Small sweep'))}'>{begin}</button>"
         return _nothing(like, scene, button)
     if trouble:
-        return "How accurate must it be?", escape(trouble)
+        return tr("How accurate must it be?"), escape(trouble)
     best = cheapest(like, tolerance)
     if best is None:
         near = min(known, key=lambda run: run.size)
-        return (f"No run so far comes below <b>{percent(tolerance)} of {of}</b>.",
-                f"The closest errs by {percent(near.size)}{_by(near)}: {escape(called(near))}, {seconds(near.seconds)}."
-                " <b>Find the cheapest run</b> looks for a better one.")
-    return (f"For <b>{percent(tolerance)} of {of}</b>, pay <strong>{seconds(best.seconds)}</strong>: "
-            f"{escape(called(best))}.",
-            " ".join([f"Its error is {percent(best.size)}{_by(best)}; {escape(details(best))}.", *_worse(like)]))
+        return (tr("No run so far comes below <b>{share} of {whole}</b>.", share=percent(tolerance), whole=of),
+                tr("The closest errs by {error}: {run}, {seconds}. <b>Find the cheapest run</b> looks for a better "
+                   "one.", error=_error(near), run=escape(called(near)), seconds=seconds(near.seconds)))
+    return (tr("For <b>{share} of {whole}</b>, pay <strong>{seconds}</strong>: {run}.", share=percent(tolerance),
+               whole=of, seconds=seconds(best.seconds), run=escape(called(best))),
+            " ".join([tr("Its error is {error}; {run}.", error=_error(best), run=escape(details(best))),
+                      *_worse(like)]))
 
 
 def _nothing(like: Sequence[NumberedRun], scene: Scene, begin: str) -> tuple[str, str]:
@@ -40,9 +43,11 @@ def _nothing(like: Sequence[NumberedRun], scene: Scene, begin: str) -> tuple[str
     live = next((run for run in reversed(like) if run.drawable and not run.broken), None)
     if live is None:
         title = PROBLEMS[scene.problem].scene.TITLE
-        return "Nothing measured yet.", f"What does accuracy cost on the {title}?<br>{begin}"
-    return "Nothing timed yet.", (f"The run on the stage errs by {percent(live.size)} of {whole(scene)}, but its time "
-                                  f"was taken beside pictures and estimates.<br>{begin}")
+        asked = tr("What does accuracy cost on the {problem}?", problem=tr(title))
+        return tr("Nothing measured yet."), f"{asked}<br>{begin}"
+    known = tr("The run on the stage errs by {share} of {whole}, but its time was taken beside pictures and estimates.",
+               share=percent(live.size), whole=whole(scene))
+    return tr("Nothing timed yet."), f"{known}<br>{begin}"
 
 
 def line(like: Sequence[NumberedRun], scene: Scene, tolerance: float, inside: Axes | None) -> str:
@@ -52,20 +57,23 @@ def line(like: Sequence[NumberedRun], scene: Scene, tolerance: float, inside: Ax
         return "<i class='lab-cost-line'></i>"
     best, text = cheapest(like, tolerance), percent(tolerance)
     price = f" data-best='{best.number}' data-price='{seconds(best.seconds)}'" if best else ""
-    found = f"{seconds(best.seconds)}, {called(best)}" if best else "no run so far"
+    found = f"{seconds(best.seconds)}, {called(best)}" if best else tr("no run so far")
+    spoken = tr("{share} of {whole}: {found}", share=text, whole=whole(scene), found=found)
     return (f"<i class='lab-cost-line' data-low='{inside.up.low:.6g}' data-high='{inside.up.high:.6g}' "
             f"data-value='{math.log10(tolerance):.6g}' data-text='{text}' "
-            f"data-spoken='{escape(f'{text} of {whole(scene)}: {found}', quote=True)}'{price}></i>")
+            f"data-spoken='{escape(spoken, quote=True)}'{price}></i>")
 
 
-def _by(run: NumberedRun) -> str:
-    """Whose word an error is, where it is not the true one."""
-    return "" if run.error is not None else f", as {escape(run.estimator)} estimates"
+def _error(run: NumberedRun) -> str:
+    """How wrong a run is, and whose word that is, where it is not the true error."""
+    share = percent(run.size)
+    return share if run.error is not None else tr("{share}, as {estimator} estimates", share=share,
+                                                  estimator=escape(run.estimator))
 
 
 def _worse(runs: Sequence[NumberedRun]) -> list[str]:
     """Methods that more cells make worse, if any."""
     found = dict.fromkeys(str(METHODS.get(curve[0].method, curve[0].method)) for curve in curves(runs)
                           if len(curve) > 1 and curve[-1].size > WORSE * curve[0].size)
-    return [f"{escape(' and '.join(found))} {'get' if len(found) > 1 else 'gets'} worse, however much you pay."] * bool(
-        found)
+    return [trn("{methods} gets worse, however much you pay.", "{methods} get worse, however much you pay.", len(found),
+                methods=escape(together(found)))] if found else []

@@ -6,6 +6,7 @@ from collections.abc import Sequence
 from dataclasses import asdict, dataclass, replace
 
 from app import __version__
+from app.language.spoken import later
 from app.page.features.background import SLOTS, Background, JobStatus
 from app.page.features.cost.front import bare
 from app.page.features.cost.runs import LIVE, SEARCH, SWEEP, NumberedRun, Runs
@@ -64,7 +65,8 @@ class Jobs(Background[CostStatus]):
     """What a visitor's jobs measure goes to ``runs``. Rows stay, whatever becomes of the job."""
 
     WORK = "solvers.study.jobs"
-    BUSY = "Other visitors' sweeps and searches keep this server busy: it does {} at a time. Try again in a while."
+    BUSY = later("Other visitors' sweeps and searches keep this server busy: it does {n} at a time. Try again in a "
+                 "while.")
 
     def __init__(self, runs: Runs, slots: Slots = SLOTS):
         super().__init__(CostStatus(), slots)

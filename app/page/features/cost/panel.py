@@ -8,6 +8,7 @@ from time import monotonic
 
 import viser
 
+from app.language.spoken import tr
 from app.page.features.cost import words
 from app.page.features.cost.front import comparable, question, staged
 from app.page.features.cost.headline import headline, line
@@ -104,7 +105,7 @@ class CostTab:
         if self.jobs.status.running:
             self._asked = asked
             self.jobs.cancel()
-            self._say("What it was to find has changed.")
+            self._say(tr("What it was to find has changed."))
         else:
             self._asked = None
             self.jobs.forget()
@@ -121,38 +122,39 @@ class CostTab:
     def _build(self, gui: viser.GuiApi) -> None:
         self._chart, self._line = gui.add_html(""), gui.add_html("")
         gui.add_html(PICKED)
-        picked = gui.add_text("Run to load", "")
+        picked = gui.add_text(tr("Run to load"), "")
         picked.on_update(lambda event: self._pick(event.target.value))
-        gui.add_html("<h2 class='lab-h2'>How accurate must it be?</h2>" + WANTED)
-        self._tolerance = gui.add_text("Tolerance / A", "1e-3", hint="largest RMS error of x that is allowed at any "
-                                       "time of one period, as a part of the amplitude A")
+        gui.add_html(f"<h2 class='lab-h2'>{tr('How accurate must it be?')}</h2>" + WANTED)
+        self._tolerance = gui.add_text(tr("Tolerance / A"), "1e-3", hint=tr(
+            "largest RMS error of x that is allowed at any time of one period, as a part of the amplitude A"))
         self._tolerance.on_update(lambda _: self.refresh())
-        self._budget = gui.add_text("Longest run, s", "10", hint="longest bare run that may be recommended")
+        self._budget = gui.add_text(tr("Longest run, s"), "10",
+                                    hint=tr("longest bare run that may be recommended"))
         gui.add_html("<i class='lab-primary'></i>")
-        self._search = gui.add_button("Find the cheapest run", icon=viser.Icon.TARGET_ARROW, hint="tries methods, "
-                                      "cells, particles per cell and steps in the background, on estimates alone")
+        self._search = gui.add_button(tr("Find the cheapest run"), icon=viser.Icon.TARGET_ARROW, hint=tr(
+            "tries methods, cells, particles per cell and steps in the background, on estimates alone"))
         self._search.on_click(lambda _: self._start_search())
         self._bar = gui.add_progress_bar(0.0, visible=False, animated=True)
         self._sentence = gui.add_html("")
-        self._cancel = gui.add_button("Cancel", icon=viser.Icon.X, color="gray", visible=False, hint="end the sweep or "
-                                      "search; what it has found so far stays")
+        self._cancel = gui.add_button(tr("Cancel"), icon=viser.Icon.X, color="gray", visible=False,
+                                      hint=tr("end the sweep or search; what it has found so far stays"))
         self._cancel.on_click(lambda _: self.jobs.cancel())
-        self._take = gui.add_button("Load this scene", icon=viser.Icon.PLAYER_PLAY, visible=False, hint="put the "
-                                    "run that was found on the stage")
+        self._take = gui.add_button(tr("Load this scene"), icon=viser.Icon.PLAYER_PLAY, visible=False,
+                                    hint=tr("put the run that was found on the stage"))
         self._take.on_click(lambda _: self._load_advice())
-        gui.add_html("<h2 class='lab-h2'>Runs so far</h2>")
+        gui.add_html(f"<h2 class='lab-h2'>{tr('Runs so far')}</h2>")
         gui.add_html(BESIDE)
-        self._sweep = gui.add_button("Small sweep", icon=viser.Icon.CHART_DOTS, hint="the problem on the stage on four "
-                                     "grids with each of its methods, timed in the background")
+        self._sweep = gui.add_button(tr("Small sweep"), icon=viser.Icon.CHART_DOTS, hint=tr(
+            "the problem on the stage on four grids with each of its methods, timed in the background"))
         self._sweep.on_click(lambda _: self._start_sweep(small_sweep(self._session.scene)))
         gui.add_html(BESIDE)
-        self._download = gui.add_button("Download CSV", icon=viser.Icon.DOWNLOAD, disabled=True, hint="all these runs, "
-                                        "a row each, for a spreadsheet")
+        self._download = gui.add_button(tr("Download CSV"), icon=viser.Icon.DOWNLOAD, disabled=True,
+                                        hint=tr("all these runs, a row each, for a spreadsheet"))
         self._download.on_click(lambda _: self._client.send_file_download(
             FILE_NAME, csv_bytes(self.runs.all()), save_immediately=True))
-        self._time = gui.add_button("Time my runs alone", icon=viser.Icon.CLOCK, visible=False, hint="runs on the "
-                                    "stage are timed in small pieces and with every effect; this runs them bare and in "
-                                    "one go, in the background")
+        self._time = gui.add_button(tr("Time my runs alone"), icon=viser.Icon.CLOCK, visible=False, hint=tr(
+            "runs on the stage are timed in small pieces and with every effect; this runs them bare and in one go, in "
+            "the background"))
         self._time.on_click(lambda _: self._start_sweep(timings(self.runs.all())))
         self._table = gui.add_html("")
 
@@ -185,7 +187,7 @@ class CostTab:
     def _wanted(self) -> tuple[float, str]:
         """The tolerance that was typed, or NaN and why it is none."""
         try:
-            return words.typed("Tolerance", self._tolerance.value), ""
+            return words.typed(tr("Tolerance"), self._tolerance.value), ""
         except words.NoNumber as refusal:
             return math.nan, str(refusal)
 
@@ -205,7 +207,7 @@ class CostTab:
         number = numerals.count(text.partition(" ")[0])
         run = None if number is None else self.runs.find(number)
         if run:
-            self._put(run.scene, f"Run {run.number}")
+            self._put(run.scene, tr("Run {number} is on the stage.", number=run.number))
 
     def _start_sweep(self, tasks: list[Task]) -> None:
         self._remark, self._asked = "", None
@@ -214,11 +216,11 @@ class CostTab:
 
     def _start_search(self) -> None:
         if not self._session.scene.swings:
-            self._say(words.NOTHING_TO_FIND)
+            self._say(tr(words.NOTHING_TO_FIND))
             return
         try:
-            job = search(self._session.scene, words.typed("Tolerance", self._tolerance.value),
-                         words.typed("Longest run", self._budget.value, words.LONGEST_BUDGET))
+            job = search(self._session.scene, words.typed(tr("Tolerance"), self._tolerance.value),
+                         words.typed(tr("Longest run"), self._budget.value, words.LONGEST_BUDGET))
         except words.NoNumber as refusal:
             self._say(str(refusal))
             return
@@ -228,12 +230,12 @@ class CostTab:
 
     def _load_advice(self) -> None:
         if advice := self.jobs.status.advice:
-            self._put(Task(**advice["task"]).scene(), "The advice")
+            self._put(Task(**advice["task"]).scene(), tr("The advice is on the stage."))
 
-    def _put(self, scene: Scene, name: str) -> None:
-        """Put a scene on the stage if a browser can show it."""
+    def _put(self, scene: Scene, done: str) -> None:
+        """Put a scene on the stage if a browser can show it, and say that it is ``done``."""
         if refusal := too_many(scene):
-            self._say(f"{refusal}. Run it in a terminal: {command_line(scene)}")
+            self._say(tr("{refusal}. Run it in a terminal: {command}", refusal=refusal, command=command_line(scene)))
             return
         self._load(scene)
-        self._say(f"{name} is on the stage.")
+        self._say(done)

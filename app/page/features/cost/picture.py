@@ -5,6 +5,7 @@ drawn in SVG, dots are buttons and names are text (``css/60-cost.css``). What is
 script keeps names apart and puts the line of the accuracy that is wanted (``js/cost.js``).
 """
 
+import functools
 import json
 import math
 from collections.abc import Sequence
@@ -13,6 +14,7 @@ from html import escape
 from itertools import pairwise
 
 from app.colours import METHOD_MARKS
+from app.language.spoken import tr
 from app.page.features.cost.axes import LogAxis, around
 from app.page.features.cost.front import front, measured, staged
 from app.page.features.cost.runs import SWEEP, NumberedRun
@@ -65,7 +67,7 @@ def picture(runs: Sequence[NumberedRun], like: Sequence[NumberedRun], scene: Sce
     numbers = {run.number for run in like}
     dots = [run for run in runs if run.drawable]
     best = front(like)
-    band = "<div class='lab-band'><span>not timed alone</span></div>" * any(not run.alone for run in dots)
+    band = f"<div class='lab-band'><span>{tr('not timed alone')}</span></div>" * any(not run.alone for run in dots)
     drawn = [_path(curve, inside, f"class='lab-curve' style='{_colour(curve[0])}'") for curve in curves(like)]
     under = _path(best, inside, "class='lab-front'")
     lines = "".join([_grid(inside), _guides(inside, scene.DIMENSIONS) if inside.times else "", under, *drawn])
@@ -73,7 +75,7 @@ def picture(runs: Sequence[NumberedRun], like: Sequence[NumberedRun], scene: Sce
     texts += [_at_edge(run, inside) for run in unnamed(like)]
     texts += [_beside(run, inside, "lab-cells", str(run.scene.cells)) for run in [*_on_curves(like), *best]]
     if own := staged(like, scene):
-        texts.append(_beside(own, inside, f"lab-on-stage{' lab-untimed' * (not own.alone)}", "on the stage"))
+        texts.append(_beside(own, inside, f"lab-on-stage{' lab-untimed' * (not own.alone)}", tr("on the stage")))
     # What is drawn last is on top: those that count.
     last = sorted(dots, key=lambda run: (run.number in numbers, run in best))
     words = _titles(scene) + (_keys(dots, best, scene.DIMENSIONS) if inside.times else "")
@@ -96,10 +98,11 @@ def names(runs: Sequence[NumberedRun]) -> list[tuple[NumberedRun, str]]:
     found = []
     for end in ends:
         others = [other for other in ends if other is not end and other.method == end.method]
-        told = [words for words, of in ((f"{end.scene.ppc} per cell", lambda run: run.scene.ppc),
+        filled = tr("{particles} per cell", particles=end.scene.ppc)
+        told = [words for words, of in ((filled, lambda run: run.scene.ppc),
                                         (f"CFL {end.scene.courant_number:.3g}", lambda run: run.scene.courant_number))
                 if any(of(other) != of(end) for other in others)]
-        preserving = ["linearity-preserving"] * end.scene.linearity_preserving
+        preserving = [tr("linearity-preserving")] * end.scene.linearity_preserving
         found.append((end, ", ".join([method_name(end.method), *preserving, *told])))
     return found
 
@@ -154,20 +157,23 @@ def _guides(inside: Axes, dimensions: int) -> str:
 
 def _keys(dots: Sequence[NumberedRun], best: Sequence[NumberedRun], dimensions: int) -> str:
     """What looks differ by, where no run can be: fast and exact."""
-    judges = " or ".join(dict.fromkeys(run.estimator for run in dots if run.error is None and not run.broken))
-    keys = [f"hollow: as {judges} estimates"] * bool(judges) + ["grey: no run is better for less"] * (len(best) > 1)
-    keys.append(f"dashed: a quarter of the error for {2 ** (dimensions + 1)} times the time")
+    judges = list(dict.fromkeys(run.estimator for run in dots if run.error is None and not run.broken))
+    keys = [tr("hollow: as {judges} estimates", judges=functools.reduce(
+        lambda before, last: tr("{before} or {last}", before=before, last=last), judges))] if judges else []
+    keys += [tr("grey: no run is better for less")] * (len(best) > 1)
+    keys.append(tr("dashed: a quarter of the error for {times} times the time", times=2 ** (dimensions + 1)))
     lines = "".join(f"<text x='12' y='100%' dy='{-12 - 17 * k}' class='lab-key-line'>{escape(words)}</text>"
                     for k, words in enumerate(reversed(keys)))
     return f"<g class='lab-keys'>{lines}</g>"
 
 
 def _titles(scene: Scene) -> str:
-    length = "the run" if not scene.periods else "one period" if scene.periods == 1 else f"{scene.periods:g} periods"
-    return (f"<text x='0' y='0' class='lab-title lab-above'>error of x, in % of {whole(scene)} "
-            f"<tspan>the RMS, largest in {length}</tspan></text>"
-            "<text x='100%' y='100%' dy='3.2em' text-anchor='end' class='lab-title'>time of one run "
-            "<tspan>alone on this machine</tspan></text>")
+    length = tr("the RMS, largest in the run") if not scene.periods else tr("the RMS, largest in one period") \
+        if scene.periods == 1 else tr("the RMS, largest in {n:g} periods", n=scene.periods)
+    return (f"<text x='0' y='0' class='lab-title lab-above'>{tr('error of x, in % of {whole}', whole=whole(scene))} "
+            f"<tspan>{length}</tspan></text>"
+            f"<text x='100%' y='100%' dy='3.2em' text-anchor='end' class='lab-title'>{tr('time of one run')} "
+            f"<tspan>{tr('alone on this machine')}</tspan></text>")
 
 
 def _path(runs: Sequence[NumberedRun], inside: Axes, look: str) -> str:
@@ -182,8 +188,8 @@ def _dot(run: NumberedRun, inside: Axes, aside: bool) -> str:
     shape = CROSS if run.broken else SHAPES[METHOD_MARKS[run.method]]
     kinds = [kind for kind, holds in (("lab-broken", run.broken), ("lab-judged", run.error is None),
                                       ("lab-untimed", not run.alone), ("lab-aside", aside)) if holds]
-    other = "; of another scene than the one on the stage" * aside
-    words = escape(sentence(run) + other, quote=True)
+    said = sentence(run)
+    words = escape(tr("{run}; of another scene than the one on the stage", run=said) if aside else said, quote=True)
     return (f"<button class='{' '.join(['lab-dot', *kinds])}' data-run='{run.number}' tabindex='-1' "
             f"style='left:{x}%;top:{y}%;{_colour(run)}' aria-label='{words}'>"
             f"<svg viewBox='-8 -8 16 16'><path d='{shape}'/></svg></button>")

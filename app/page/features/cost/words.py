@@ -1,17 +1,20 @@
 """Runs, jobs and advice in words: sentences and the table of the Cost tab."""
 
+import functools
 import math
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from html import escape
 
+from app.language.heard import heard
+from app.language.spoken import later, tr, trn
 from app.page.features.cost.jobs import CostStatus
-from app.page.features.cost.runs import MOST_RUNS, NumberedRun
+from app.page.features.cost.runs import MOST_RUNS, SEARCH, SWEEP, NumberedRun
 from app.words import NOTHING, method_name, moving, on_page, particles_per_cell, per_cell, power_text, with_unit
 from solvers.outside import numerals, quoting
 from solvers.problems import PROBLEMS
 from solvers.scene.remedies import REMEDIES
 from solvers.scene.scene import Scene
-from solvers.solver.soundness import BROKEN
+from solvers.solver.soundness import BROKEN, LOST, UNSTABLE
 from solvers.study.grid import Task
 from solvers.study.row import FAILED
 
@@ -19,8 +22,22 @@ LONGEST_BUDGET = 60.0
 TOGETHER = "\N{NO-BREAK SPACE}"  # between a number and its unit: they stand in sentences
 LEAST_PLAIN, MOST_PLAIN = -5, 3  # powers of ten of a percentage that are written out
 MOST_LINES = 40  # of the table: it is made anew with every run
-NOTHING_TO_FIND = ("There is nothing to find in a patch test: its error is round-off, or does not fall with the cells. "
-                   "Compare methods and particles per cell instead.")
+NOTHING_TO_FIND = later("There is nothing to find in a patch test: its error is round-off, or does not fall with the "
+                        "cells. Compare methods and particles per cell instead.")
+ENDS = {LOST: later("lost"), UNSTABLE: later("unstable"), FAILED: later("failed")}  # of runs that have no error
+#: What is said of a job, of a sweep and of a search.
+STARTING = {SWEEP: later("Sweep: starting."), SEARCH: later("Search: starting.")}
+ON_THE_WAY = {SWEEP: later("Sweep: {done} of {total} runs."),
+              SEARCH: later("Search: {done} of {total} runs on coarse grids.")}
+DONE = {SWEEP: later("Sweep: {done} runs."), SEARCH: later("Search: {done} runs.")}
+CANCELLED = {SWEEP: later("The sweep was cancelled."), SEARCH: later("The search was cancelled.")}
+ENDED = {SWEEP: later("The sweep ended: {trouble}."), SEARCH: later("The search ended: {trouble}.")}
+PAUSED = {SWEEP: later("The stage is paused while your sweep takes times, and goes on by itself. Play lets it go on "
+                       "now."),
+          SEARCH: later("The stage is paused while your search takes times, and goes on by itself. Play lets it go on "
+                        "now.")}
+BOUNDED = later("{name} '{typed}': give a number above 0 and up to {most:g}.")
+POSITIVE = later("{name} '{typed}': give a number above 0, such as 1e-3.")
 
 
 class NoNumber(ValueError):
@@ -34,51 +51,63 @@ def typed(name: str, text: str, most: float = math.inf) -> float:
     except ValueError:
         value = math.nan
     if not 0 < value <= most:
-        allowed = f"above 0 and up to {most:g}" if math.isfinite(most) else "above 0, such as 1e-3"
-        raise NoNumber(f"{name} '{quoting.quoted(text.strip(), 20)}': give a number {allowed}.")
+        raise NoNumber(tr(BOUNDED if math.isfinite(most) else POSITIVE, name=name, most=most,
+                          typed=quoting.quoted(text.strip(), 20)))
     return value
 
 
 def setting(scene: Scene) -> str:
     """A scene in short."""
-    preserving = "linearity-preserving " * scene.linearity_preserving
-    called = " and ".join(REMEDIES[name].label for name in scene.remedies)
-    remedies = f" with {called}" * bool(called)
-    return (f"{preserving}{method_name(scene.method)}{remedies}, {scene.cells} cells, "
-            f"{particles_per_cell(scene.problem, scene.ppc)}, CFL {scene.courant_number:.3g}")
+    method = method_name(scene.method)
+    if scene.linearity_preserving:
+        method = tr("linearity-preserving {method}", method=method)
+    if scene.remedies:
+        method = tr("{method} with {remedies}", method=method,
+                    remedies=together([tr(REMEDIES[name].label) for name in scene.remedies]))
+    return tr("{method}, {cells} cells, {particles}, CFL {number:.3g}", method=method, cells=scene.cells,
+              particles=particles_per_cell(scene.problem, scene.ppc), number=scene.courant_number)
+
+
+def together(names: Iterable[str]) -> str:
+    """One and another."""
+    return functools.reduce(lambda before, last: tr("{before} and {last}", before=before, last=last), names)
 
 
 def sentence(run: NumberedRun) -> str:
     """A run in short, one fact after the other."""
     scene = run.scene
-    parts = [f"run {run.number}: {called(run)}", details(run), f"{moving(scene)}, E {with_unit(scene.modulus, 'Pa')}"]
+    parts = [tr("run {number}: {run}", number=run.number, run=called(run)), details(run),
+             f"{moving(scene)}, E {with_unit(scene.modulus, 'Pa')}"]
     if run.status in (*BROKEN, FAILED):
-        return "; ".join([*parts, f"{run.status}: {run.row['reason']}"])
+        return "; ".join([*parts, f"{tr(ENDS[run.status])}: {heard(run.row['reason'] or '')}"])
     of = whole(scene)
     if run.error is not None:
-        parts.append(f"true error of x {percent(run.error)} of {of}")
+        parts.append(tr("true error of x {share} of {whole}", share=percent(run.error), whole=of))
     if run.estimate is not None:
-        parts.append(f"{percent(run.estimate)} of {of} as {run.estimator} estimates")
-    return "; ".join([*parts, f"{seconds(run.seconds)} {'alone' if run.alone else 'on the stage'}"])
+        parts.append(tr("{share} of {whole} as {estimator} estimates", share=percent(run.estimate), whole=of,
+                        estimator=run.estimator))
+    time = seconds(run.seconds)
+    return "; ".join([*parts, tr("{time} alone", time=time) if run.alone else tr("{time} on the stage", time=time)])
 
 
 def called(run: NumberedRun) -> str:
     """Its method and cells."""
-    return f"{method_name(run.method)} on {run.scene.cells} cells"
+    return tr("{method} on {cells} cells", method=method_name(run.method), cells=run.scene.cells)
 
 
 def details(run: NumberedRun) -> str:
     """What else was chosen, and how many steps that makes."""
     scene = run.scene
-    remedies = "".join(f", {REMEDIES[name].label}" for name in scene.remedies)
-    return (f"{per_cell(scene.problem, scene.ppc)} per cell, CFL {scene.courant_number:.3g}, {scene.steps:,} steps"
-            f"{', linearity-preserving' * scene.linearity_preserving}{remedies}")
+    chosen = tr("{particles} per cell, CFL {number:.3g}, {steps:,} steps", particles=per_cell(scene.problem, scene.ppc),
+                number=scene.courant_number, steps=scene.steps)
+    return ", ".join([chosen, *[tr("linearity-preserving")] * scene.linearity_preserving,
+                      *(tr(REMEDIES[name].label) for name in scene.remedies)])
 
 
 def whole(scene: Scene) -> str:
     """What an error is a part of."""
     moved = "amplitude" in scene.moved_by and scene.size_of("x") == scene.amplitude
-    return "A" if moved else "the largest displacement"
+    return "A" if moved else tr("the largest displacement")
 
 
 def percent(value: float | None) -> str:
@@ -103,23 +132,26 @@ def table(runs: Sequence[NumberedRun]) -> str:
     """The newest runs as a table, the newest first; their numbers are buttons."""
     if not runs:
         return ""
-    more = f" {len(runs) - MOST_LINES} more are on the chart and in the file." * (len(runs) > MOST_LINES)
+    said = [tr("Errors of x in % of {whole}: the RMS, largest over time.", whole=whole(runs[-1].scene)),
+            *[tr("{n} more are on the chart and in the file.", n=len(runs) - MOST_LINES)] * (len(runs) > MOST_LINES),
+            tr("The newest {n} runs are kept.", n=MOST_RUNS)]
     lines = "".join(_line(run) for run in list(reversed(runs))[:MOST_LINES])
-    heads = "<tr><th>run</th><th>method, cells</th><th>error</th><th>time</th></tr>"
-    return (f"<table class='lab-runs'><thead>{heads}</thead>{lines}</table><p>Errors of x in % of "
-            f"{whole(runs[-1].scene)}: the RMS, largest over time.{more} The newest {MOST_RUNS} runs are kept.</p>")
+    heads = "".join(f"<th>{head}</th>" for head in (tr("run"), tr("method, cells"), tr("error"), tr("time")))
+    return f"<table class='lab-runs'><thead><tr>{heads}</tr></thead>{lines}</table><p>{' '.join(said)}</p>"
 
 
 def _line(run: NumberedRun) -> str:
     small = [details(run)]
     if run.status in (*BROKEN, FAILED):
-        error = f"<td class='lab-bad'>{run.status}</td>"
+        error = f"<td class='lab-bad'>{tr(ENDS[run.status])}</td>"
     else:
-        error = f"<td>{f'est. {percent(run.estimate)}' if run.error is None else percent(run.error)}</td>"
+        estimated = tr("est. {share}", share=percent(run.estimate))
+        error = f"<td>{estimated if run.error is None else percent(run.error)}</td>"
         small += [f"{run.estimator}: {percent(run.estimate)}"] * (run.estimate is not None)
-    small += ["timed on the stage"] * (not run.alone)
+    small += [tr("timed on the stage")] * (not run.alone)
+    load = tr("load run {number}", number=run.number)
     return (f"<tbody title='{escape(sentence(run), quote=True)}'><tr><td rowspan=2><button data-run='{run.number}' "
-            f"aria-label='load run {run.number}'>{run.number}</button></td><td>{escape(method_name(run.method))}, "
+            f"aria-label='{load}'>{run.number}</button></td><td>{escape(method_name(run.method))}, "
             f"{run.scene.cells}</td>{error}<td>{seconds(run.seconds)}</td></tr>"
             f"<tr><td colspan=3 class='lab-details'>{escape('; '.join(small))}</td></tr></tbody>")
 
@@ -130,58 +162,63 @@ def others(runs: Sequence[NumberedRun], problem: str) -> str:
     if not hidden:
         return ""
     name = PROBLEMS[hidden[0].row["problem"]].scene.TITLE
-    count = f"{len(hidden)} runs" if len(hidden) > 1 else "1 run"
-    return f"And {count} of the {name}: shown when that problem is chosen; the CSV file has all."
+    return trn("And {count} run of the {problem}: shown when that problem is chosen; the CSV file has all.",
+               "And {count} runs of the {problem}: shown when that problem is chosen; the CSV file has all.",
+               len(hidden), problem=tr(name))
 
 
 def counted(status: CostStatus) -> str:
     """How far a job has come that runs."""
-    name = status.kind.capitalize()
     if not status.total:
-        return f"{name}: starting."
-    if status.done < status.total:
-        return f"{name}: {status.done} of {status.total} runs{' on coarse grids' * (status.kind == 'search')}."
-    return f"{name}: {status.done} runs."
+        return tr(STARTING[status.kind])
+    said = ON_THE_WAY if status.done < status.total else DONE
+    return tr(said[status.kind], done=status.done, total=status.total)
 
 
 def going(status: CostStatus) -> str:
     """How a job goes, or how it ended."""
     if status.running:
-        if status.kind == "sweep" or status.task is None:
+        if status.kind == SWEEP or status.task is None:
             return counted(status)
-        coarse = f" of {status.total} on coarse grids" if status.done < status.total else ""
-        return f"Search, run {status.done + 1}{coarse}: {setting(status.task.scene())}."
+        run = setting(status.task.scene())
+        if status.done < status.total:
+            return tr("Search, run {number} of {total} on coarse grids: {run}.", number=status.done + 1,
+                      total=status.total, run=run)
+        return tr("Search, run {number}: {run}.", number=status.done + 1, run=run)
     if status.cancelled:
-        kept = f" The {status.done} runs that were done are kept." if status.done else ""
-        return f"The {status.kind} was cancelled.{kept}"
+        kept = [tr("The {n} runs that were done are kept.", n=status.done)] if status.done else []
+        return " ".join([tr(CANCELLED[status.kind]), *kept])
     if status.trouble:
-        return status.trouble if status.trouble.endswith(".") else f"The {status.kind} ended: {status.trouble}."
+        return status.trouble if status.trouble.endswith(".") else tr(ENDED[status.kind], trouble=status.trouble)
     if status.advice:
         return found(status.advice)
-    return f"The sweep is done: {status.done} runs." if status.kind == "sweep" else ""
+    return tr("The sweep is done: {n} runs.", n=status.done) if status.kind == SWEEP else ""
 
 
 def stage(paused: bool, playing: bool, others: bool) -> str:
     """What the stages do to the times while a job runs: the visitor's own and those of ``others``."""
-    own = "Your stage is paused meanwhile, so that it does not disturb the times." if paused else \
-        "Your stage runs beside it: times come out longer. Pause makes them true." if playing else ""
-    theirs = "Other visitors use this server at the same time: times may come out longer." if others else ""
+    own = tr("Your stage is paused meanwhile, so that it does not disturb the times.") if paused else \
+        tr("Your stage runs beside it: times come out longer. Pause makes them true.") if playing else ""
+    theirs = tr("Other visitors use this server at the same time: times may come out longer.") if others else ""
     return f"{own} {theirs}".strip()
 
 
 def pause(kind: str) -> str:
     """On a stage that has been paused."""
-    return f"The stage is paused while your {kind} takes times, and goes on by itself. Play lets it go on now."
+    return tr(PAUSED[kind])
 
 
 def found(advice: dict) -> str:
     """The recommendation."""
     scene = Task(**advice["task"]).scene()
     size = scene.size_of("x")
-    error = "no usable error" if advice["error"] is None else \
-        f"an error of {with_unit(advice['error'], 'm')}, {percent(advice['error'] / size)} of {whole(scene)}"
-    known = "by its own estimate" if advice["measured"] else "expected, not run"
-    run = f"{setting(scene)}: {error} ({known}), {seconds(advice['seconds'])} for the bare run"
-    runner_up = f"Runner-up: {on_page(advice['why'])}." if advice["why"] else ""
-    start = "Take" if advice["met"] else "Nothing within reach meets that. The closest is"
-    return f"{start} {run}. {runner_up} {advice['looks']} runs were tried."
+    error = tr("no usable error") if advice["error"] is None else tr(
+        "an error of {size}, {share} of {whole}", size=with_unit(advice["error"], "m"),
+        share=percent(advice["error"] / size), whole=whole(scene))
+    known = tr("by its own estimate") if advice["measured"] else tr("expected, not run")
+    run = tr("{run}: {error} ({known}), {seconds} for the bare run", run=setting(scene), error=error, known=known,
+             seconds=seconds(advice["seconds"]))
+    runner_up = tr("Runner-up: {why}.", why=on_page(advice["why"])) if advice["why"] else ""
+    taken = tr("Take {run}.", run=run) if advice["met"] else \
+        tr("Nothing within reach meets that. The closest is {run}.", run=run)
+    return f"{taken} {runner_up} {tr('{n} runs were tried.', n=advice['looks'])}"

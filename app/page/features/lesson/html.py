@@ -6,9 +6,10 @@ from html import escape
 from string import ascii_lowercase
 
 from app.lessons import shelf
+from app.lessons.bet_lines import scored
 from app.lessons.length import told
-from app.lessons.lesson import TEXT, Lesson, Numbers, Step, filled
-from app.lessons.marks import AnswerMark, shown
+from app.lessons.lesson import PREDICT, TEXT, Lesson, Numbers, Step, filled
+from app.lessons.marks import TOLD_AFTER, AnswerMark, shown
 from app.lessons.markup import html
 from app.lessons.progress import Answer, Progress
 from app.page.features.lesson import acts, core
@@ -79,7 +80,7 @@ def compared_html(steps: Sequence[Step], answers: Mapping[str, Answer], marks: M
             out = f"<td colspan='2'>{escape(mark)}</td>"
         else:
             kind, sign, word = SIGNS[mark.right]
-            came = "for your teacher" if asked.kind == TEXT else escape(mark.expected)
+            came = "for your teacher" if asked.kind == TEXT else escape(scored(mark))
             out = f"<td>{came}</td><td class='lab-{kind}' title='{word}' aria-label='{word}'>{sign}</td>"
         said = escape(filled(shown(asked, answer.first), numbers))
         rows.append(f"<tr><th scope='row'>{escape(filled(step.title, numbers))}</th><td>{said}</td>{out}</tr>")
@@ -87,6 +88,19 @@ def compared_html(steps: Sequence[Step], answers: Mapping[str, Answer], marks: M
         return ""
     heads = "".join(f"<th scope='col'>{name}</th>" for name in ("question", "you said", "came out", "mark"))
     return f"<table class='lab-compared'><tr>{heads}</tr>{''.join(rows)}</table>"
+
+
+def taken_html(step: Step, answer: Answer, numbers: Numbers, found: AnswerMark | str | None) -> str:
+    """That an answer has been taken, and what was ``found`` of it, a mark or a sentence, if that may be told yet."""
+    said = filled(shown(step.asked, answer.last), numbers)
+    if step.kind == PREDICT:
+        return recorded_html(said, "It is recorded; now see what happens.", None)
+    if found is None or isinstance(found, str):
+        return recorded_html(said, found or "", None)
+    if found.right is not False:
+        return recorded_html(said, "", found.right)
+    told = answer.attempts >= TOLD_AFTER
+    return recorded_html(said, f"It is {found.expected}." if told else "Look again, and try once more.", False)
 
 
 def recorded_html(said: str, comment: str, right: bool | None) -> str:
@@ -97,12 +111,19 @@ def recorded_html(said: str, comment: str, right: bool | None) -> str:
            f"{escape(comment)}</div>"
 
 
-def end_html(table: str, missing: int, more: str) -> str:
-    """The end: all answers, what to do with them, and what there is ``more``, which is html."""
+def end_html(lesson: Lesson, progress: Progress, marks: Mapping[str, AnswerMark | str], numbers: Numbers,
+             paced: bool) -> str:
+    """The end: all answers, what to do with them, in a class that is ``paced`` by a board or without, and what there is
+    more."""
+    table = compared_html(list(lesson.questions.values()), progress.answers, marks, numbers)
+    missing = sum(step.question is not None and step.key not in progress.answers for step in lesson.walk(progress.core))
+    more = core.left(lesson) if progress.core and not paced else ""
     left = f"<p>{missing} question{'s are' if missing > 1 else ' is'} still open; go back to answer." \
            "</p>" if missing else ""
-    return f"<div class='lab-lesson'><h2>The end</h2>{left}{table}<p><b>Hand in</b> saves a file with your answers " \
-           f"and times, and your name if you have given one. Nothing is sent to anybody.</p>{more}</div>"
+    kept = "<b>Hand in</b> saves a file with your answers and times, without a name; they are not kept otherwise." if \
+        paced else "<b>Hand in</b> saves a file with your answers and times, and your name if you have given one. " \
+        "Nothing is sent to anybody."
+    return f"<div class='lab-lesson'><h2>The end</h2>{left}{table}<p>{kept}</p>{more}</div>"
 
 
 def text_html(markdown: str, numbers: Numbers) -> str:

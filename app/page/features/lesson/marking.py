@@ -6,11 +6,14 @@ from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, field
 from typing import Any
 
+from app.lessons.bets import Bettor
 from app.lessons.claims import ClaimError
-from app.lessons.lesson import EXPLAIN, Lesson, Step, drawn
+from app.lessons.laid import laid
+from app.lessons.lesson import EXPLAIN, PREDICT, Lesson, Step, drawn
 from app.lessons.marks import AnswerMark, mark
 from app.lessons.outcomes import Outcomes, RunFailed
 from app.lessons.progress import Progress
+from app.page.features.lesson.seat import Seat
 
 LATER = "could not be checked just now"
 POLITE = 10  # more than the engines: marks can wait, stages cannot
@@ -19,15 +22,19 @@ POLITE = 10  # more than the engines: marks can wait, stages cannot
 @dataclass(frozen=True)
 class Classroom:
     """What all visitors of one server share: the lesson that everyone is opened on, if any, whether teacher's notes are
-    shown, what answers are marked by, and whether lessons begin with their core alone."""
+    shown, what answers are marked by, and whether lessons begin with their core alone. And what each has alone: a
+    ``seat``, where a board paces the lesson."""
 
     lesson: str = ""
     teacher: bool = False
     outcomes: Outcomes = field(default_factory=lambda: Outcomes(politeness=POLITE))
     core: bool = False
+    seat: Seat | None = None
 
     def begun(self, lesson: Lesson) -> Progress:
-        """How somebody begins a lesson."""
+        """How somebody begins a lesson, or goes on with the one that is paced."""
+        if self.seat and self.seat.lesson == lesson.name:
+            return self.seat.progress()
         return Progress(lesson.name, lesson.fingerprint, core=self.core and bool(lesson.deeper))
 
 
@@ -39,13 +46,14 @@ class Marker:
         self._outcomes = outcomes
         self._thread = ThreadPoolExecutor(1)
         self.marks: dict[str, AnswerMark | str] = {}
+        self.bets: dict[str, list[Bettor] | str] = {}  # that steps show, by the steps' keys
 
     def close(self) -> None:
         self._thread.shutdown(wait=False, cancel_futures=True)
 
     def forget(self) -> None:
         """Another lesson, or another student: marks mean something else."""
-        self.marks = {}
+        self.marks, self.bets = {}, {}
 
     def check(self, lesson: Lesson, step: Step, progress: Progress, tell: Callable[[AnswerMark | str], None]) -> None:
         """Mark what a step was answered last, and ``tell``."""
@@ -60,6 +68,19 @@ class Marker:
             for step in steps:
                 if step.key in answers and step.key not in marks:
                     marks[step.key] = self._marked(lesson, step, progress, answers[step.key].first)
+            tell()
+
+        self._later(work)
+
+    def lay(self, lesson: Lesson, step: Step, progress: Progress, tell: Callable[[], None]) -> None:
+        """Find the bets that a step shows, and ``tell`` that it is done."""
+        bets, given = self.bets, {key: answer.first for key, answer in progress.answers.items()}
+
+        def work() -> None:
+            try:
+                bets[step.key] = laid(lesson, step, given, drawn(lesson, progress.name), self._outcomes)
+            except (RunFailed, ClaimError):
+                bets[step.key] = LATER
             tell()
 
         self._later(work)
@@ -85,3 +106,10 @@ def asked_since(lesson: Lesson, step: Step) -> list[Step]:
     before = lesson.steps[:lesson.steps.index(step)]
     first = max((k for k, other in enumerate(before, 1) if other.kind == EXPLAIN), default=0)
     return [other for other in before[first:] if other.question]
+
+
+def bets_ahead(lesson: Lesson, step: Step) -> Step | None:
+    """The step that ends a round, where it shows bets: they are found from the run on, so that they are there when it
+    is explained; nothing of a round runs before its predictions."""
+    ends = next((other for other in lesson.steps[lesson.steps.index(step):] if other.kind == EXPLAIN), None)
+    return ends if ends is not None and ends.bets and step.kind != PREDICT else None

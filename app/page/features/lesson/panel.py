@@ -7,24 +7,26 @@ from time import monotonic
 import viser
 
 from app import state
+from app.language.spoken import carried
 from app.lessons import progress as kept
 from app.lessons import shelf
 from app.lessons.lesson import EXPLAIN, PREDICT, TEXT, Lesson, Numbers, Step, drawn, filled
-from app.lessons.marks import LONGEST, TOLD_AFTER, AnswerMark, shown, trouble
+from app.lessons.marks import LONGEST, AnswerMark, trouble
 from app.page.features.lesson import acts, core
 from app.page.features.lesson import html as page
 from app.page.features.lesson.answer import AnswerWidgets
+from app.page.features.lesson.bets import WAITED_FOR, bets_html
 from app.page.features.lesson.hands import Hands
-from app.page.features.lesson.marking import Classroom, Marker, asked_since
+from app.page.features.lesson.marking import Classroom, Marker, asked_since, bets_ahead
+from app.page.features.lesson.seat import Seat
+from app.page.features.lesson.way import Way
 from app.page.panels.browser_store import BrowserStore
-from app.page.panels.head import BESIDE
 from app.viewer.widgets import allow, is_removed
 
 FIRST = -1e9  # in the order of what stands in the tab: a step, and then the controls that it needs
-BESIDE_MAIN = "<i class='lab-beside lab-main'></i>"
-MAIN, LINK = "<i class='lab-main'></i>", "<i class='lab-link'></i>"  # the button that is meant, and one that is less
+MAIN = "<i class='lab-main'></i>"  # the button that is meant
 KEPT = "Your answers stay in this browser."
-FIRST_PREDICT = f"You predict first: Next opens when your answer is recorded. {KEPT}"
+PACED = "The board shows what the class has answered, without names; nothing of it is stored."
 
 
 class Player:
@@ -43,6 +45,9 @@ class Player:
         self._shown_at = monotonic()
         self._answer: AnswerWidgets | None = None  # of the question that is shown
         self._acts: list[acts.Act] = []  # that the step's text has buttons for
+        self._way: Way | None = None  # on from the step that is shown
+        if classroom.seat:
+            classroom.seat.listen(carried(self._step_opened))
         self._widgets = self._gui.add_folder(None, order=FIRST)
         self._below = self._gui.add_folder(None)  # the controls' own: only one thread may put into a place at a time
         self._build()
@@ -62,6 +67,8 @@ class Player:
 
     def close(self) -> None:
         """The visitor has gone."""
+        if self._room.seat:
+            self._room.seat.leave()
         self._marker.close()
 
     def open(self, name: str) -> None:
@@ -86,17 +93,11 @@ class Player:
         """The browser has said what it keeps of a lesson, perhaps nothing."""
         with self._lock:
             lesson = self._lesson
-            if lesson is None or name != lesson.name or self._restored:
+            if lesson is None or name != lesson.name or self._restored or self._paced:
                 return
             self._restored = True
-            if not text:
+            if (found := kept.of_lesson(text, lesson)) is None:
                 return
-            try:
-                found = kept.read(text, shelf.lessons().get)
-            except kept.NotAnswers:
-                return
-            if found.fingerprint != lesson.fingerprint:
-                return  # the lesson has been changed since: its questions may mean something else
             self._progress = found
             self._marker.forget()
         self._rebuild()
@@ -112,7 +113,8 @@ class Player:
         with self._lock:
             if self._lesson is None:
                 return
-            self._progress.step = self._lesson.beside(self._progress.step, by, self._progress.core)
+            at = self._lesson.beside(self._progress.step, by, self._progress.core)
+            self._progress.step = min(at, self._paced.opened) if self._paced else at
         self._on_change()  # first: a step that is seen is one to come back to
         self._rebuild()
 
@@ -124,7 +126,9 @@ class Player:
                 self._build()
 
     def _build(self) -> None:
-        self._shown_at, self._answer, self._acts = monotonic(), None, []
+        self._shown_at, self._answer, self._acts, self._way = monotonic(), None, [], None
+        if self._paced:
+            self._paced.shows(self._progress.step)
         with self._widgets:
             if self._lesson is None:
                 self._gui.add_html(page.shelf_html(shelf.lessons()))
@@ -140,6 +144,9 @@ class Player:
 
     def _build_intro(self, lesson: Lesson, head: viser.GuiHtmlHandle) -> None:
         self._gui.add_html(page.intro_html(lesson, self._numbers, self._room.teacher))
+        if self._paced:  # all have the same numbers
+            self._buttons(back=False, onward=True)
+            return
         hint = "for your own numbers in this lesson, and on the file that you hand in; it is sent to nobody"
         name = self._gui.add_text("Your name", self._progress.name, hint=hint)
         name.on_update(lambda _: self._call(name.value))
@@ -153,7 +160,7 @@ class Player:
         self._on_change()
         self._show(head, lambda: page.head_html(lesson, self._progress))
 
-    def _turn(self, only: bool, step: int) -> None:
+    def turn(self, only: bool, step: int) -> None:
         """Take the core alone from now on, or all again, and go on with the step of this number."""
         with self._lock:
             self._progress.core, self._progress.step = only, step
@@ -171,6 +178,9 @@ class Player:
         text = self._gui.add_html(self._explained(lesson, step))
         if step.kind != PREDICT:  # when it is run, so that marks are there when it is explained
             self._mark_all(lesson, step, text)
+        if (ahead := bets_ahead(lesson, step)) is not None:
+            self._marker.lay(lesson, ahead, self._progress, lambda: self._show(
+                text, lambda: self._explained(lesson, step)))
         self._acts = acts.found(page.text_html(step.text, self._numbers))
         if step.question is None:
             self._buttons(back=True, onward=True)
@@ -189,7 +199,7 @@ class Player:
         self._gui.add_html(MAIN)
         record = self._gui.add_button("Record my prediction" if step.kind == PREDICT else "Check my answer",
                                       disabled=fixed)
-        onward = self._buttons(back=True, onward=answered is not None, main=answered is not None)
+        self._buttons(back=True, onward=answered is not None, main=answered is not None)
 
         def take(_: viser.GuiEvent) -> None:
             answer = widgets.value
@@ -197,13 +207,16 @@ class Player:
                 trouble_said = f"<div class='lab-lesson lab-recorded' role='alert'>Please {why}.</div>"
                 return self._show(said, lambda: trouble_said)
             with self._lock:
-                self._progress.answer(step.key, answer, monotonic() - self._shown_at)
+                if step.kind != PREDICT or step.key not in self._progress.answers:  # on another page of his meanwhile
+                    self._progress.answer(step.key, answer, monotonic() - self._shown_at)
+                    if self._paced:
+                        self._paced.answered(step, answer)
                 self._shown_at = monotonic()
             self._on_change()
             if step.kind == PREDICT:
                 self._rebuild()
             else:
-                self._check(lesson, step, said, onward)
+                self._check(lesson, step, said)
 
         record.on_click(take)
 
@@ -232,23 +245,15 @@ class Player:
 
     def _taken(self, step: Step, found: AnswerMark | str | None) -> str:
         """What is said of the answer that the step has."""
-        answer = self._progress.answers[step.key]
-        said = filled(shown(step.asked, answer.last), self._numbers)
-        if step.kind == PREDICT:
-            return page.recorded_html(said, "It is recorded; now see what happens.", None)
-        if found is None or isinstance(found, str):
-            return page.recorded_html(said, found or "", None)
-        if found.right is not False:
-            return page.recorded_html(said, "", found.right)
-        told = answer.attempts >= TOLD_AFTER
-        return page.recorded_html(said, f"It is {found.expected}." if told else "Look again, and try once more.", False)
+        return page.taken_html(step, self._progress.answers[step.key], self._numbers, found)
 
-    def _check(self, lesson: Lesson, step: Step, said: viser.GuiHtmlHandle, onward: viser.GuiButtonHandle) -> None:
+    def _check(self, lesson: Lesson, step: Step, said: viser.GuiHtmlHandle) -> None:
         """Mark the answer, which may need a run, and say so; the way on is free, and may have been taken already."""
         with self._lock:
             if is_removed(said):
                 return
-            onward.disabled = False
+            if self._way is not None:
+                self._way.answered()
             said.content = self._taken(step, "" if step.asked.kind == TEXT else "Being checked against the run …")
         self._marker.check(lesson, step, self._progress, lambda found: self._show(
             said, lambda: self._taken(step, found)))
@@ -257,6 +262,7 @@ class Player:
         """The step's text; where it explains, below what was said and what came out."""
         before = page.compared_html(asked_since(lesson, step), self._progress.answers, self._marker.marks,
                                     self._numbers) if step.kind == EXPLAIN else ""
+        before += bets_html(self._marker.bets.get(step.key, WAITED_FOR)) if step.bets else ""
         return page.step_html(step, self._progress.step, self._numbers, before, self._room.teacher)
 
     def _mark_all(self, lesson: Lesson, step: Step | None, text: viser.GuiHtmlHandle) -> None:
@@ -274,45 +280,43 @@ class Player:
     def _build_end(self, lesson: Lesson) -> None:
         text = self._gui.add_html(self._end(lesson))
         self._mark_all(lesson, None, text)
-        following = shelf.after(lesson)
-        if following:
+        if following := shelf.after(lesson):
             self._gui.add_html(MAIN)
-            onward = self._gui.add_button(f"Next lesson: {following.title}")
-            onward.on_click(lambda _: self.open(following.name))
-        if self._progress.core:
-            self._gui.add_button(core.GO_DEEPER).on_click(lambda _: self._turn(False, core.deeper_from(lesson)))
+            self._gui.add_button(f"Next lesson: {following.title}").on_click(lambda _: self.open(following.name))
+        if self._progress.core and not self._paced:
+            self._gui.add_button(core.GO_DEEPER).on_click(lambda _: self.turn(False, core.deeper_from(lesson)))
         hand_in = self._gui.add_button("Hand in", icon=viser.Icon.DOWNLOAD, hint="save your answers as a file")
         hand_in.on_click(lambda _: self._hand_in())
         self._buttons(back=True, onward=False)
 
     def _end(self, lesson: Lesson) -> str:
-        given, asked = self._progress.answers, [step for step in lesson.walk(self._progress.core) if step.question]
-        table = page.compared_html(list(lesson.questions.values()), given, self._marker.marks, self._numbers)
-        missing = sum(step.key not in given for step in asked)
-        return page.end_html(table, missing, core.left(lesson) if self._progress.core else "")
+        return page.end_html(lesson, self._progress, self._marker.marks, self._numbers, bool(self._paced))
 
     def _hand_in(self) -> None:
         with self._lock:
             self._client.send_file_download(self._progress.file_name, self._progress.text().encode(),
                                             save_immediately=True)
 
-    def _buttons(self, back: bool, onward: bool, main: bool = True) -> viser.GuiButtonHandle:
-        """Back, next and leave; returns the one for next, which is the ``main`` one where no answer is asked for."""
-        self._gui.add_html(BESIDE)
-        self._gui.add_button("Back", icon=viser.Icon.ARROW_LEFT, disabled=not back).on_click(lambda _: self._go(-1))
-        self._gui.add_html(BESIDE_MAIN if main else BESIDE)
-        following = self._gui.add_button("Next", icon=viser.Icon.CHEVRON_RIGHT, disabled=not onward)
-        following.on_click(lambda _: self._go(1))
-        first = self._step is not None and self._step.kind == PREDICT and not onward
-        self._gui.add_html(f"<p class='lab-lesson lab-kept-here'>{FIRST_PREDICT if first else KEPT}</p>")
-        if self._lesson and self._step and not self._step.core:
-            self._gui.add_html(LINK)
-            after = self._lesson.beside(self._progress.step, 1, core=True)
-            self._gui.add_button(core.SKIP).on_click(lambda _: self._turn(True, after))
-        self._gui.add_html(LINK)
-        leave = self._gui.add_button("Close the lesson")
-        leave.on_click(lambda _: self._leave())
-        return following
+    def _buttons(self, back: bool, onward: bool, main: bool = True) -> None:
+        """Back, next and leave; the one for next is the ``main`` one where no answer is asked for."""
+        lesson, step, at, paced = self._lesson, self._step, self._progress.step, self._paced
+        assert lesson is not None
+        self._way = Way(
+            self._gui, back, onward, main, step is not None and step.kind == PREDICT,
+            lambda: paced is not None and paced.opened <= at <= len(lesson.steps), PACED if paced else KEPT, self._go,
+            self._leave, lambda: self.turn(True, lesson.beside(at, 1, core=True)),
+            step is not None and not step.core and not paced)
+
+    def _step_opened(self) -> None:
+        """A further step is open to all: what is seen stays, and what is being typed."""
+        with self._lock:
+            if self._way is not None:
+                self._way.refresh()
+
+    @property
+    def _paced(self) -> Seat | None:
+        """The visitor's seat, while the lesson that is open is the one that is paced from the board."""
+        return self._room.seat if self._room.seat and self._room.seat.lesson == self.name else None
 
     @property
     def _numbers(self) -> Numbers:

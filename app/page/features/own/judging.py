@@ -7,6 +7,8 @@ from concurrent.futures import Future
 from dataclasses import asdict
 from pathlib import Path
 
+from app.language.heard import heard
+from app.language.spoken import carried, later, tr
 from app.page.features.background import MOST_JOBS
 from app.page.visit.limits import MOST_WATCHED
 from solvers.judging.reading import KINDS
@@ -20,8 +22,9 @@ from solvers.workers.processes import ProcessDied, TookTooLong
 PATIENCE = 180.0  # seconds that a file may take
 SLOTS = Slots(MOST_JOBS)  # files that are judged at once on this server
 ONE_THREAD = {"OPENBLAS_NUM_THREADS": "1", "OMP_NUM_THREADS": "1"}  # each would take its part of the memory
-BUSY = "Other visitors' files keep this server busy; give yours again in a while"
-TOO_LONG = f"takes more than {PATIENCE:g} s to judge; give fewer times, or judge it with `mpm-lab judge`"
+BUSY = later("Other visitors' files keep this server busy; give yours again in a while")
+TOO_LONG = later("The file {file} takes more than {seconds:g} s to judge; give fewer times, or judge it with `mpm-lab "
+                 "judge`")
 
 
 class Judging:
@@ -33,17 +36,18 @@ class Judging:
                  slots: Slots = SLOTS, chosen: bool = False):
         self.name, self._on_message, self._slots = file_name(name), on_message, slots
         kind = Path(name).suffix.lower()
+        say = carried(self._say)
         self.file = file.replace(file.with_name(f"particles{kind if kind in KINDS else '.unknown'}"))
         self.table = file.with_name(f"table-{secrets.token_hex(4)}")
         self._pool, self._cancelled = WorkerPool("solvers.judging.show:show", environment=ONE_THREAD), threading.Event()
         if slots.take():
             question = ShowRequest(str(self.file), self.name, task_of(scene).to_dict(), str(self.table), MOST_WATCHED,
                                    chosen)
-            judged = self._pool.submit(asdict(question), self._say, PATIENCE)
+            judged = self._pool.submit(asdict(question), say, PATIENCE)
             self._pool.give_way()  # to the stages, which are everybody's
-            judged.add_done_callback(self._end)
+            judged.add_done_callback(carried(self._end))
         else:
-            threading.Thread(target=self._say, args=({"refused": BUSY},), name="judge", daemon=True).start()
+            threading.Thread(target=say, args=({"refused": tr(BUSY)},), name="judge", daemon=True).start()
 
     @property
     def process_id(self) -> int | None:
@@ -61,10 +65,11 @@ class Judging:
     def _end(self, judged: Future[dict]) -> None:
         error = judged.exception()
         if isinstance(error, TookTooLong):
-            self._say({"refused": f"The file {self.name} {TOO_LONG}"})
+            self._say({"refused": tr(TOO_LONG, file=self.name, seconds=PATIENCE)})
         elif isinstance(error, ProcessDied):
-            self._say({"refused": f"The file {self.name} could not be judged: the process {error}"})
+            self._say({"refused": tr("The file {file} could not be judged: the process {has_ended}", file=self.name,
+                                      has_ended=heard(str(error)))})
         elif isinstance(error, OSError):
-            self._say({"refused": f"No process could be started: {error.strerror or error}"})
+            self._say({"refused": tr("No process could be started: {reason}", reason=error.strerror or error)})
         self._pool.close()
         self._slots.give_back()

@@ -11,6 +11,7 @@ import viser
 
 from app.frame.sentence import Said
 from app.frame.silences import NO_INDEX
+from app.language.spoken import carried, later, tr
 from app.page.features.own import words
 from app.page.features.own.judging import Judging
 from app.page.features.own.question import FIRST, Question, sentence
@@ -32,11 +33,11 @@ from solvers.study.grid import Task
 TO_BE_READ = 30.0  # seconds that a refusal is said; it stays beside the button
 FRAME_SECONDS = (0.12, 0.6)  # that a frame is seen, at least and at most
 LAST = 0.9e9  # in the order of what stands in the panel
-BACK, BACK_HINT = "Back to our run", "go back to what was on the stage before"
-BUSY, ONE = "A file is still on its way; wait until it is here.", "Give one file at a time."
-WHAT = (f"Drop a file of particles anywhere on this page, or choose it ({', '.join(KINDS)}; at most {LARGEST / 1e6:g} "
-        "MB): of the problem and the settings above, run with any code, or a run of ours, which says its scene. It is "
-        "judged, and shown on the stage. <code>mpm-lab problem</code> writes all that a code needs.")
+BACK, BACK_HINT = later("Back to our run"), later("go back to what was on the stage before")
+BUSY, ONE = later("A file is still on its way; wait until it is here."), later("Give one file at a time.")
+WHAT = later("Drop a file of particles anywhere on this page, or choose it ({kinds}; at most {most:g} MB): of the "
+             "problem and the settings above, run with any code, or a run of ours, which says its scene. It is judged, "
+             "and shown on the stage. <code>mpm-lab problem</code> writes all that a code needs.")
 
 
 class OwnCode:
@@ -55,27 +56,32 @@ class OwnCode:
         self._moves: tuple = ()  # of the run that rests meanwhile
         self._turn = threading.Event()  # ends the wait of the thread that plays
         self._news: tuple[float, Notice] | None = None
-        gui.add_html(f"<i class='lab-upload' data-largest='{LARGEST}' data-too-large='{TOO_LARGE}.' data-busy='{BUSY}' "
-                     f"data-one='{ONE}'></i>")
-        button = gui.add_upload_button("file of particles", mime_type=",".join(KINDS))
-        self._upload = Upload(gui, button, self._arrived, self._refuse)
+        large, busy, one = (escape(tr(text), quote=True) for text in (TOO_LARGE, BUSY, ONE))
+        gui.add_html(f"<i class='lab-upload' data-largest='{LARGEST}' data-too-large='{large}.' data-busy='{busy}' "
+                     f"data-one='{one}'></i>")
+        button = gui.add_upload_button(tr("file of particles"), mime_type=",".join(KINDS))
+        self._upload = Upload(gui, button, carried(self._arrived), carried(lambda text: self._refuse(tr(text))))
 
     def build(self, gui: viser.GuiApi) -> None:
         """Make the widgets, in their tab."""
-        with gui.add_folder("Your own code, judged", order=LAST, expand_by_default=False):
-            gui.add_html(f"<div class='lab-own'>{WHAT}</div>")
+        with gui.add_folder(tr("Your own code, judged"), order=LAST, expand_by_default=False):
+            what = tr(WHAT, kinds=", ".join(KINDS), most=LARGEST / 1e6)
+            gui.add_html(f"<div class='lab-own'>{what}</div>")
             gui.add_html("<i class='lab-choose'></i>")
-            gui.add_button("Choose a file", icon=viser.Icon.UPLOAD, hint="of particles, as any code may write them")
-            self._back = gui.add_button(BACK, icon=viser.Icon.ARROW_BACK_UP, visible=False, hint=BACK_HINT)
+            gui.add_button(tr("Choose a file"), icon=viser.Icon.UPLOAD,
+                           hint=tr("of particles, as any code may write them"))
+            self._back = gui.add_button(tr(BACK), icon=viser.Icon.ARROW_BACK_UP, visible=False, hint=tr(BACK_HINT))
             self._text = gui.add_html("")
         self._back.on_click(lambda _: self.leave())
         self._question = Question(gui, self._answer)
-        self._folder = gui.add_folder("Your file on the stage", order=FIRST, visible=False)
+        self._folder = gui.add_folder(tr("Your file on the stage"), order=FIRST, visible=False)
         with self._folder:
-            self._slider = gui.add_slider("Frame", 1, 2, 1, 1, hint="the times in the file, one after the other")
+            self._slider = gui.add_slider(tr("Frame"), 1, 2, 1, 1,
+                                          hint=tr("the times in the file, one after the other"))
             gui.add_html(BARE)
-            acts = {"Play": lambda: self._play(True), "Pause": lambda: self._play(False), BACK: self.leave}
-            buttons = gui.add_button_group("File", tuple(acts), hint=f"play the times in the file, or {BACK_HINT}")
+            acts = {tr("Play"): lambda: self._play(True), tr("Pause"): lambda: self._play(False), tr(BACK): self.leave}
+            buttons = gui.add_button_group(tr("File"), tuple(acts), hint=tr(
+                "play the times in the file, or go back to what was on the stage before"))
         self._slider.on_update(lambda event: self._go_to(event.target.value) if event.client else None)
         buttons.on_click(lambda event: acts[event.target.value]())
         self._upload.open()
@@ -99,7 +105,7 @@ class OwnCode:
         if coming := self._upload.coming:
             return Notice("wait", f"{coming}.")
         if judging is not None and self._run is None and not self._question.asked:
-            return Notice("wait", f"The file {judging.name} is being read and judged.")
+            return Notice("wait", tr("The file {file} is being read and judged.", file=judging.name))
         if news is None or (age := monotonic() - news[0]) > TO_BE_READ or self._session.untouched < age:
             return None  # what the visitor has done since has its own answer
         return news[1]
@@ -146,7 +152,7 @@ class OwnCode:
             self._question.end()
             self._news = None
             self._judging = Judging(name, file, self._session.scene, self._hear)
-            self._say(f"The file {self._judging.name} is being read and judged …")
+            self._say(tr("The file {file} is being read and judged …", file=self._judging.name))
 
     def _hear(self, judging: Judging, message: dict) -> None:
         if "frames" in message and judging is self._judging:
@@ -179,7 +185,7 @@ class OwnCode:
     def _ask(self, name: str, reason: str, problems: tuple[str, ...]) -> None:
         """A file that is not of the problem on the stage: it waits for an answer."""
         said = sentence(name, reason, problems)
-        self._news = monotonic(), Notice("refused", f"{said} Say it at the top of Explore.")
+        self._news = monotonic(), Notice("refused", tr("{question} Say it at the top of Explore.", question=said))
         self._question.ask(said, problems)
         self._say(said)
 
@@ -231,7 +237,8 @@ class OwnCode:
             if self.playing and run is not None:
                 self._k = self._k if self._k < len(run) - 1 else 0
                 self._turn = threading.Event()
-                threading.Thread(target=self._go_on, args=(run, self._turn), name="own-run", daemon=True).start()
+                threading.Thread(target=carried(self._go_on), args=(run, self._turn), name="own-run",
+                                 daemon=True).start()
 
     def _go_on(self, run: OwnRun, over: threading.Event) -> None:
         """Show one frame after the other, to the last."""
@@ -284,7 +291,7 @@ class OwnFile:
         run, k = shown
         return Numbers(words.readout(run, k, choice.quantity, probed), None if run.estimate is None else run,
                        (JUDGE,), (JUDGE,), JUDGE, Now(run.times[k], (run.times[0], run.times[-1]), self._code.playing),
-                       "" if run.true is not None else NO_INDEX)
+                       "" if run.true is not None else tr(NO_INDEX))
 
     def sentence(self, choice: Choice, picture: Picture) -> Said:
         shown = self._code.shown

@@ -7,6 +7,7 @@ import numpy as np
 
 from app.frame.silences import UNKNOWN
 from app.frame.view import View, view
+from app.language.spoken import later, tr
 from app.page.visit.downsampled import RunSeries
 from app.words import QUANTITIES
 from solvers.engine.frames import FrameArrays, FrameOptions
@@ -18,8 +19,8 @@ from solvers.solver.samples import QUANTITIES as KEYS
 from solvers.study.grid import Task
 
 JUDGE = "companion"  # which estimates the errors of a file
-COMING = "the companion is being solved"
-NO_ACCELERATION = "a file is not judged by its acceleration"
+COMING = later("the companion is being solved")
+NO_ACCELERATION = later("a file is not judged by its acceleration")
 
 
 class OwnRun(RunSeries):
@@ -74,10 +75,10 @@ class OwnRun(RunSeries):
     def view(self, arrays: FrameArrays, quantity: str, difference: bool) -> View:
         """What the two halves show."""
         column = KEYS.index(quantity)
-        lacks = NO_ACCELERATION if quantity == "a" else \
-            f"the file has no {QUANTITIES[quantity].noun}" if quantity in self.missing else ""
-        no_truth = lacks or (UNKNOWN if self.true is None else "")
-        no_estimate = lacks or (COMING if self.estimate is None else "")
+        lacks = tr(NO_ACCELERATION) if quantity == "a" else \
+            tr("the file has no {quantity}", quantity=QUANTITIES[quantity].noun) if quantity in self.missing else ""
+        no_truth = lacks or (tr(UNKNOWN) if self.true is None else "")
+        no_estimate = lacks or (tr(COMING) if self.estimate is None else "")
         true = None if no_truth else arrays.error[:, column]
         estimated = None if no_estimate else arrays.estimate[JUDGE][:, column]
         return view(quantity, JUDGE, estimated, true, no_estimate, no_truth, difference,

@@ -9,17 +9,19 @@ import numpy as np
 from app.frame.sentence import Said, error_words, errors
 from app.frame.silences import TRUE
 from app.frame.view import View
+from app.language.heard import heard
+from app.language.spoken import later, tr
 from app.page.features.own.run import JUDGE, OwnRun
-from app.page.panels.readout import Readout, named, row, table
+from app.page.panels.readout import DRAG, Readout, named, row, table
 from app.page.stage.worst import WorstRegions
 from app.words import NOTHING, QUANTITIES, differing, number, ratio, with_unit
 from solvers.judging.said import NOT_OF_THE_PROBLEM
 from solvers.scene.rules import SceneError
 from solvers.scene.scene import Scene
 
-HINTS = {"now": "root of the mean square over the particles, at the time that is shown",
-         "largest": "of all times in the file after the start",
-         "index": "estimated over true error, summed over the times; 1 is perfect"}
+HINTS = {later("now"): later("root of the mean square over the particles, at the time that is shown"),
+         later("largest"): later("of all times in the file after the start"),
+         later("index"): later("estimated over true error, summed over the times; 1 is perfect")}
 
 
 def sentence(run: OwnRun, k: int, view: View, worst: WorstRegions, quantity: str) -> Said:
@@ -28,9 +30,9 @@ def sentence(run: OwnRun, k: int, view: View, worst: WorstRegions, quantity: str
                         view.right.silence if true is None else "")
     wrong, says = (np.nan if norm is None else norm for norm in (true, estimated))
     said = errors(words, QUANTITIES[quantity].unit, wrong, says, says / wrong if wrong else np.nan,
-                  f"at t = {number(run.times[k])} s in {run.name} ")
+                  tr("at t = {time} s in {file} ", time=number(run.times[k]), file=run.name))
     region = worst.by_truth or worst.by_estimate
-    return replace(said, facts=(*said.facts, f"worst at {region.name}") if region else said.facts)
+    return replace(said, facts=(*said.facts, tr("worst at {region}", region=region.name)) if region else said.facts)
 
 
 def scene_of(own: Scene, page: Scene) -> Scene:
@@ -43,18 +45,21 @@ def scene_of(own: Scene, page: Scene) -> Scene:
 def taken(run: OwnRun, page: Scene) -> str:
     """That a file is on the stage, and with what it is judged where that is not what the page shows."""
     said = differing(scene_of(run.scene, page), page) if run.scene.problem == page.problem else ""
-    return f"The file {run.name} is on the stage{f', judged with {said}' if said else ''}."
+    return tr("The file {file} is on the stage, judged with {settings}.", file=run.name, settings=said) if said else \
+        tr("The file {file} is on the stage.", file=run.name)
 
 
 def readout(run: OwnRun, k: int, quantity: str, probed: str | None) -> Readout:
     verdict = run.verdict or {}
-    rows = [("file", f"<b>{escape(run.name)}</b>"),
-            ("frame", f"{k + 1} of {len(run)}"),
-            ("time", f"{run.times[k]:.4g} s = {run.times[k] / run.scene.period:.2f} periods"),
-            ("grid", f"{run.scene.cells} cells, h = {with_unit(run.scene.spacing, 'm')}"),
-            ("particles", f"{run.particles(k):,}"),
-            *([("crossings", f"{verdict['crossings_at_least']:,} at least")] if verdict else []),
-            ("region", escape(probed or "drag a rectangle on the stage"))]
+    rows = [(tr("file"), f"<b>{escape(run.name)}</b>"),
+            (tr("frame"), tr("{n} of {all}", n=k + 1, all=len(run))),
+            (tr("time"), tr("{time:.4g} s = {periods:.2f} periods", time=run.times[k],
+                            periods=run.times[k] / run.scene.period)),
+            (tr("grid"), tr("{cells} cells, h = {spacing}", cells=run.scene.cells,
+                            spacing=with_unit(run.scene.spacing, "m"))),
+            (tr("particles"), f"{run.particles(k):,}"),
+            *([(tr("crossings"), tr("{n:,} at least", n=verdict["crossings_at_least"]))] if verdict else []),
+            (tr("region"), escape(probed or tr(DRAG)))]
     run_of = table("".join(f"<tr><td>{name}</td>\n<td>{text}</td></tr>\n" for name, text in rows))
     found = "".join(f"<p>{escape(text)}</p>" for text in _found(run, quantity))
     return Readout(f"{_errors(run, k, quantity)}<div class='lab-own'>{found}</div>", run_of)
@@ -63,10 +68,10 @@ def readout(run: OwnRun, k: int, quantity: str, probed: str | None) -> Readout:
 def _errors(run: OwnRun, k: int, quantity: str) -> str:
     """A line for the truth and one for the companion."""
     words = QUANTITIES[quantity]
-    heads = (f"<span title=\"{HINTS[head]}\">{head}</span>" for head in ("now", "largest", "index"))
-    rows = [row("head", f"error of {words.symbol}", *heads)]
+    heads = (f"<span title=\"{escape(tr(hint))}\">{tr(head)}</span>" for head, hint in HINTS.items())
+    rows = [row("head", tr("error of {symbol}", symbol=words.symbol), *heads)]
     if quantity in run.missing or quantity == "a":
-        return table("".join([*rows, row("", named(TRUE), "not in the file")]), "lab-numbers lab-estimates")
+        return table("".join([*rows, row("", named(TRUE), tr("not in the file"))]), "lab-numbers lab-estimates")
     for name, norms in ((TRUE, run.true), (JUDGE, run.estimate)):
         index = _index(run, quantity) if name == JUDGE else ""
         rows.append(row("", named(name), *(NOTHING if value is None else with_unit(value, words.unit, 2) for value in (
@@ -77,17 +82,20 @@ def _errors(run: OwnRun, k: int, quantity: str) -> str:
 def _found(run: OwnRun, quantity: str) -> list[str]:
     """What the judge says, sentence by sentence."""
     if run.verdict is None:
-        return [f"There is no verdict: {run.trouble}" if run.trouble else "The judge is still at work."]
+        return [tr("There is no verdict: {reason}", reason=run.trouble) if run.trouble else
+                tr("The judge is still at work.")]
     found, worst = [], run.verdict["worst"].get(quantity)
     if worst:
         size = with_unit(worst["size"], QUANTITIES[quantity].unit)
-        found.append(f"Worst of all: {size}, particle {worst['particle']} at {_place(worst['X'])}, "
-                     f"t = {number(worst['t'])} s.")
+        found.append(tr("Worst of all: {size}, particle {particle} at {place}, t = {time} s.", size=size,
+                        particle=worst["particle"], place=_place(worst["X"]), time=number(worst["t"])))
     if gap := run.verdict["neighbour_gap"]:
-        found.append(f"{gap['count']:,} particles ({100 * gap['share']:.2g} %) are not where their neighbours are, "
-                     f"by up to {gap['farthest_over_h']:.2g} h, at t = {number(gap['t'])} s: the farthest is "
-                     f"particle {gap['particle']} at {_place(gap['X'])}.")
-    return [*found, *(f"{note[:1].upper()}{note[1:]}." for note in run.verdict["notes"])]
+        found.append(tr("{count:,} particles ({share:.2g} %) are not where their neighbours are, by up to {apart:.2g} "
+                        "h, at t = {time} s: the farthest is particle {particle} at {place}.", count=gap["count"],
+                        share=100 * gap["share"], apart=gap["farthest_over_h"], time=number(gap["t"]),
+                        particle=gap["particle"], place=_place(gap["X"])))
+    notes = map(heard, run.verdict["notes"])
+    return [*found, *(f"{note[:1].upper()}{note[1:]}." for note in notes)]
 
 
 def _place(X: list[float]) -> str:

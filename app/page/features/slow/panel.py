@@ -13,6 +13,7 @@ from app.frame.marks import Room
 from app.frame.sentence import Said
 from app.frame.slow.phases import PHASES, scaled
 from app.frame.slow.stage import DIGITS, SlowStage
+from app.language.spoken import carried, tr
 from app.page.canvas import Canvas
 from app.page.measurements import Numbers
 from app.page.panels.head import BARE
@@ -60,18 +61,19 @@ class SlowMotion:
     def build(self, gui: viser.GuiApi) -> None:
         """Make the widgets, for the session's present scene."""
         least, most, _ = SECONDS
-        with self._lock, gui.add_folder("One step in slow motion", expand_by_default=False):
-            self._box = gui.add_checkbox("Slow motion", self.on, hint="pause, take one time step and show its phases "
-                                         "on the stage, around one particle; every number is the solver's own")
-            acts = {"Back": self.back, "Forward": self.forward, "Walk": lambda: self._walk(True),
-                    "Hold": lambda: self._walk(False)}
+        with self._lock, gui.add_folder(tr("One step in slow motion"), expand_by_default=False):
+            self._box = gui.add_checkbox(tr("Slow motion"), self.on, hint=tr(
+                "pause, take one time step and show its phases on the stage, around one particle; every number is the "
+                "solver's own"))
+            acts = {tr("Back"): self.back, tr("Forward"): self.forward, tr("Walk"): lambda: self._walk(True),
+                    tr("Hold"): lambda: self._walk(False)}
             gui.add_html(BARE)
-            buttons = gui.add_button_group("Phase", tuple(acts))
-            seconds = gui.add_slider("Seconds a phase", least, most, 0.5, self._seconds,
-                                     hint="how long Walk shows each phase, before it goes on by itself")
+            buttons = gui.add_button_group(tr("Phase"), tuple(acts))
+            seconds = gui.add_slider(tr("Seconds a phase"), least, most, 0.5, self._seconds,
+                                     hint=tr("how long Walk shows each phase, before it goes on by itself"))
             particles = self._session.scene.particles
-            self._particle = gui.add_number("Particle", particles // 3, min=0, max=particles - 1, step=1,
-                                            hint="the one in front of the others")
+            self._particle = gui.add_number(tr("Particle"), particles // 3, min=0, max=particles - 1, step=1,
+                                            hint=tr("the one in front of the others"))
             self._text = gui.add_html("")
         self._box.on_update(lambda event: self._switch(event.target.value) if event.client else None)
         buttons.on_click(lambda event: acts[event.target.value]())
@@ -145,7 +147,7 @@ class SlowMotion:
     def _enter(self) -> None:
         self.on, self._box.value, self._over = True, True, threading.Event()  # type: ignore[misc]
         self._take()
-        threading.Thread(target=self._draw_loop, args=(self._over,), name="slow-motion", daemon=True).start()
+        threading.Thread(target=carried(self._draw_loop), args=(self._over,), name="slow-motion", daemon=True).start()
 
     def _leave(self) -> None:
         self.on = self._walking = self._box.value = False  # type: ignore[misc]
@@ -230,22 +232,26 @@ class SlowStep:
 
 def _sentence(scene: Scene, phase: int) -> Said:
     """What happens in a phase, for above the stage."""
-    return Said.of(f"{phase + 1} of {len(PHASES)}: {PHASES[phase].title}.", PHASES[phase].words(scene))
+    return Said.of(tr("{n} of {all}: {title}.", n=phase + 1, all=len(PHASES), title=tr(PHASES[phase].title)),
+                   PHASES[phase].words(scene))
 
 
 def _table(scene: Scene, a: StepBreakdown, phase: int) -> str:
     """All the numbers of a phase: the equation in words, those of the particle, and the nodes' in a table."""
     what = PHASES[phase]
-    names, rows = ["node at, m"], [[", ".join(f"{x:.4g}".replace("-", "−") for x in place) for place in a.nodes]]
+    names, rows = [tr("node at, m")], [[", ".join(f"{x:.4g}".replace("-", "−") for x in place) for place in a.nodes]]
     for column in what.columns:
         texts, unit = scaled(column.scale * column.values(a), column.unit, DIGITS[a.nodes.shape[1]])
-        names.append(f"{column.name}, {unit.replace(' ', NO_BREAK)}" if unit else column.name)
+        name = tr(column.name)
+        names.append(f"{name}, {unit.replace(' ', NO_BREAK)}" if unit else name)
         rows.append(texts)
     head = "".join(f"<th>{escape(name)}</th>" for name in names)
     body = "".join("<tr>" + "".join(f"<td>{escape(text)}</td>" for text in row) + "</tr>"
                    for row in zip(*rows, strict=True))
     front = "<br>".join(map(escape, what.front(scene, a)))
     kind = "lab-slow lab-plane" if a.nodes.shape[1] > 1 else "lab-slow"
-    return (f"<div class='{kind}'><b>Step {a.step}, phase {phase + 1} of {len(PHASES)}: {escape(what.title)}</b>"
-            f"<p>Particle {a.particle}: {front}</p>"
+    title = tr("Step {step}, phase {n} of {all}: {title}", step=a.step, n=phase + 1, all=len(PHASES),
+               title=escape(tr(what.title)))
+    return (f"<div class='{kind}'><b>{title}</b>"
+            f"<p>{tr('Particle {particle}: {numbers}', particle=a.particle, numbers=front)}</p>"
             f"<table><tr>{head}</tr>{body}</table></div>")

@@ -1,0 +1,114 @@
+"""Bets: intervals that are to hold what comes out, how they are scored, and those of a class and of judges.
+
+An interval from a to b, said to hold the truth t with the chance 1 - alpha, has the interval score (R. L. Winkler, "A
+decision-theoretic approach to interval estimation", J. Am. Stat. Assoc. 67 (1972) 187; T. Gneiting and A. E. Raftery,
+"Strictly proper scoring rules, prediction, and estimation", J. Am. Stat. Assoc. 102 (2007) 359): its width, and 2/alpha
+times the distance by which it misses. The less the better. It is proper: on the average nobody scores less than by
+giving his own quantiles alpha/2 and 1 - alpha/2.
+
+It is counted in factors of ten here, of log10 a, log10 b and log10 t. Errors span decades: in metres one bad run would
+decide everything; and a share of the truth is not proper, since it makes the same miss dearer where the truth is small,
+and pays for betting low. A logarithm keeps order, so that quantiles stay quantiles, and the score is proper as before.
+"""
+
+from __future__ import annotations
+
+import math
+import re
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+from app.lessons.lesson import INTERVAL, Lesson, Step
+from solvers.study.coverage.bets import JUDGES, LEVEL, Ends
+from solvers.study.coverage.measured import QUANTITIES
+
+__all__ = ["BETTORS", "BY_ROUND", "JUDGES", "LEVEL", "OWN", "PATH", "QUANTITIES", "YOURS", "Bet", "Bettor", "Ends",
+           "about_bets", "asked_before", "score", "told", "word"]
+
+YOURS, BY_ROUND = "yours", "yours by round"
+OWN = (YOURS, BY_ROUND)  # whose answers are, and no judge's
+BETTORS = (YOURS, BY_ROUND, *JUDGES)
+WORTHLESS = 2.0  # a score from which on a bet counts nothing: a factor of 100 wide, or, at 0.8, off by one of 1.6
+#: What judges can bet on: a run's error at its end, "fine.error.x.final".
+PATH = re.compile(r"(?:(?P<run>[a-z][a-z0-9_]*)\.)?error\.(?P<quantity>x|v|sigma)\.final")
+ABOUT_BETS = re.compile(r"\bbet\.")
+
+
+def score(low: float, high: float, truth: float, level: float) -> float:
+    """The interval score of a bet at a level, all sizes above 0, in factors of ten: 0 is perfect."""
+    least, most, true = math.log10(low), math.log10(high), math.log10(truth)
+    return most - least + 2 / (1 - level) * max(least - true, true - most, 0.0)
+
+
+@dataclass(frozen=True)
+class Bet:
+    """An interval, and what came out."""
+
+    low: float
+    high: float
+    truth: float
+    level: float = LEVEL
+
+    @property
+    def holds(self) -> bool:
+        return self.low <= self.truth <= self.high
+
+    @property
+    def score(self) -> float:
+        return score(self.low, self.high, self.truth, self.level)
+
+    @property
+    def points(self) -> float:
+        """What it counts of a right answer: 1 for a score of 0, falling evenly to 0 at 2, so that who says what he
+        thinks gets the most."""
+        return max(0.0, 1 - self.score / WORTHLESS)
+
+
+@dataclass(frozen=True)
+class Bettor:
+    """Somebody's bets, None where he does not bet; of a student perhaps those of one ``round``, counted from 1."""
+
+    name: str
+    bets: tuple[Bet | None, ...]
+    round: int = 0
+
+    @property
+    def made(self) -> list[Bet]:
+        return [bet for bet in self.bets if bet is not None]
+
+    @property
+    def held(self) -> int:
+        return sum(bet.holds for bet in self.made)
+
+    @property
+    def score(self) -> float | None:
+        """The mean score; None of whoever has not bet."""
+        return sum(bet.score for bet in self.made) / len(self.made) if self.made else None
+
+
+def asked_before(lesson: Lesson, step: Step) -> list[Step]:
+    """The steps before this one that ask for bets."""
+    before = lesson.steps[:lesson.steps.index(step)]
+    return [other for other in before if other.question and other.question.kind == INTERVAL]
+
+
+def word(judge: str) -> str:
+    """A judge's name in a claim: "two_grid", "gci"."""
+    return judge.replace("-", "_").lower()
+
+
+def about_bets(claim: str) -> bool:
+    """Whether a claim is about what judges bet."""
+    return ABOUT_BETS.search(claim) is not None
+
+
+def told(ends: Mapping[str, Mapping[str, Ends | None]], errors: Mapping[str, Mapping[str, float | None]]) -> dict:
+    """The bets of judges on a run, by quantity, as claims have them: by judge and quantity low, high and score; None
+    without a bet, or an error."""
+    found: dict[str, dict[str, dict[str, float] | None]] = {word(judge): {} for judge in JUDGES}
+    for quantity, judged in ends.items():
+        truth = errors[quantity]["final"]
+        for judge, pair in judged.items():
+            found[word(judge)][quantity] = None if pair is None or not truth else \
+                {"low": pair[0], "high": pair[1], "score": score(*pair, truth, LEVEL)}
+    return found

@@ -1,0 +1,108 @@
+"""The lecturer's view of the board: it covers the page (``js/board.js``), or lets the stage be seen."""
+
+import threading
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+from html import escape
+from typing import Any
+from urllib.parse import urlsplit
+
+import viser
+
+from app.doors.address import is_loopback
+from app.doors.faults import noted
+from app.language.spoken import carried
+from app.lessons.lesson import filled
+from app.page.features.board import saved
+from app.page.features.board.board import BACK, NEXT, Board
+from app.page.features.board.slides import Door, says_next, slide
+from app.page.panels.browser_store import BrowserStore
+
+AGAIN = 0.25  # seconds at least between two pictures: thirty may answer at once
+STAGE, SAVE = "stage", "save"
+OF_NO_USE = "Only this computer can open this address: serve with --host 0.0.0.0 for a class."
+
+
+@dataclass(frozen=True)
+class Lectern:
+    """What a lecturer's page has beside that of others: the ``board``, and the ``door`` by which a class comes in, as
+    far as the server knows it."""
+
+    board: Board
+    door: Door
+
+    def seen_from(self, here: str) -> Door:
+        """The door for a class, where the lecturer's browser has found the lab under this address."""
+        known = self.door.link
+        link = here if here and not is_loopback(urlsplit(here).hostname or "") else known
+        return replace(self.door, link=link, warning=OF_NO_USE * is_loopback(urlsplit(link).hostname or ""))
+
+
+class BoardPanel:
+    """One lecturer's page. ``on_cover`` is told whether the stage is covered, and at which step the board is then."""
+
+    def __init__(self, client: viser.ClientHandle, store: BrowserStore, lectern: Lectern,
+                 on_cover: Callable[[bool, int], None]):
+        self._client, self._store, self._lectern, self._on_cover = client, store, lectern, on_cover
+        self._board = board = lectern.board
+        self._covers, self._closed = True, threading.Event()
+        self._drawing, self._news = threading.Lock(), threading.Event()
+        self._says = client.gui.add_html("")
+        store.heard["board"] = self._hear
+        board.watch(self._news.set)
+        self.draw()
+        threading.Thread(target=carried(self._follow), name="board", daemon=True).start()
+
+    @property
+    def covers(self) -> bool:
+        """Whether the stage cannot be seen."""
+        return self._covers
+
+    def close(self) -> None:
+        """The lecturer has gone, and the board is as it was."""
+        self._board.unwatch(self._news.set)
+        self._closed.set()
+        self._news.set()
+
+    def draw(self) -> None:
+        """Show what there is now."""
+        with self._drawing:
+            place = self._board.place
+            content = f"<template class='lab-board' data-turn='{place.turn}' data-covers='{'yes' * self._covers}' " \
+                      f"data-next='{escape(says_next(self._board, place))}' data-back='{'yes' * (place.at > 0)}'>" \
+                      f"{slide(self._board, place, self._lectern.seen_from(self._store.here))}</template>"
+            if self._says.content != content:
+                self._says.content = content
+
+    def _follow(self) -> None:
+        while not self._closed.is_set():
+            self._news.wait()
+            self._news.clear()
+            if not self._closed.is_set():
+                try:
+                    self.draw()
+                except Exception as error:  # one bad picture must not end the board
+                    noted("the board could not be drawn", error)
+            self._closed.wait(AGAIN)
+
+    def _hear(self, said: Any) -> None:
+        """What was pressed, and at which turn of the board; of the stage, whether it is to be seen. Anything may be
+        said."""
+        if not (isinstance(said, list) and len(said) == 2 and type(said[1]) is int):
+            return
+        what, turn = said
+        if what in (NEXT, BACK):
+            self._board.press(what, turn)
+        elif what == STAGE:
+            self._covers = turn == 0
+            self._on_cover(self._covers, self._board.place.at)
+        elif what == SAVE:
+            self._client.send_file_download(f"{self._board.lesson.name}-class.json", saved.text(self._board).encode(),
+                                            save_immediately=True)
+        self.draw()
+
+
+def stage_of(board: Board, at: int) -> str:
+    """The state that belongs on the stage at a place of the lesson: that of the last step up to there which has one."""
+    stages = [step.stage for step in board.lesson.steps[:at] if step.stage]
+    return filled(stages[-1], board.numbers) if stages else ""

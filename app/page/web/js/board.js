@@ -1,0 +1,77 @@
+// The board of a class, on a page that was opened with the board's code: it covers all else, or leaves the stage to be seen.
+// What is on it the page says in a template (features/board); what is pressed goes with the turn that it was meant for.
+(() => {
+  const SILENT = 4000;  // milliseconds without an answer to what was pressed
+  const boards = document.getElementsByClassName("lab-board"), body = document.body;
+  let section = null, said = null, waits = null, buttons = {};
+  const covers = () => body.classList.contains("lab-board-view");
+  function tell(what, turn = Number(said.dataset.turn)) {
+    dispatchEvent(new CustomEvent("lab-tell", {detail: {board: [what, turn]}}));
+    if (what !== "save") waits ??= setTimeout(() => { section.querySelector(".lab-silent").hidden = false; }, SILENT);
+  }
+  const next = () => said.dataset.next && tell("next");
+  const back = () => said.dataset.back && tell("back");
+  const turn = () => tell("stage", covers() ? 1 : 0);
+  const save = () => tell("save");
+  const scroll = by => section.querySelector(".lab-slide [tabindex]")?.scrollBy({top: by * 0.3 * innerHeight});
+  const nothing = () => {};  // of keys that mean something on the page below
+  const keys = new Map([
+    ["ArrowRight", ["→  Page ↓  Space", "the one next thing, as its button says", next]],
+    ["PageDown", ["", "", next]], [" ", ["", "", next]],
+    ["ArrowLeft", ["←  Page ↑", "look back; nothing is closed by it", back]],
+    ["PageUp", ["", "", back]],
+    ["ArrowDown", ["↓  ↑", "what is longer than the window", () => scroll(1)]],
+    ["ArrowUp", ["", "", () => scroll(-1)]],
+    ["v", ["V", "the stage, and back to the board", turn]],
+    ["?", ["?", "this list", null]],
+    ...["Escape", ".", "r", "p", "1", "2", "3", "e", "m", "l"].map(key => [key, ["", "", nothing]]),
+  ]);
+
+  function build() {
+    section = body.appendChild(document.createElement("section"));
+    section.id = "lab-board";
+    section.setAttribute("aria-label", "the board");
+    section.innerHTML = "<div class='lab-slide'></div><p class='lab-silent' role='alert' hidden></p>"
+      + "<nav aria-label='what the board shows'></nav>";
+    section.querySelector(".lab-silent").textContent = "The lab does not answer. Once it does, the board goes on.";
+    const nav = section.querySelector("nav");
+    for (const [name, label, act] of [["back", "← Look back", back], ["save", "Save", save], ["stage", "", turn], ["next", "", next]]) {
+      buttons[name] = nav.appendChild(Object.assign(document.createElement("button"), {type: "button", textContent: label}));
+      buttons[name].className = `lab-board-${name}`;
+      buttons[name].addEventListener("click", act);
+    }
+    buttons.save.title = "a file of what was answered, without names";
+    const usual = window.lab.special, all = window.lab.keys;
+    keys.set("?", all.get("?"));
+    window.lab.special = () => covers() ? keys : new Map([...(usual() || all), ["v", keys.get("v")]]);
+    addEventListener("keydown", event => {  // a key that is held down opens one step, not all of them
+      if (covers() && event.repeat && keys.has(event.key)) { event.preventDefault(); event.stopImmediatePropagation(); }
+    }, true);
+  }
+
+  function set(button, text, on) {
+    if (button.textContent !== text) button.textContent = text;
+    if (button.disabled === on) button.disabled = !on;
+  }
+
+  function look() {
+    const now = boards[0];
+    if (now === said || !now) return;
+    said = now;
+    if (!section) build();
+    clearTimeout(waits);
+    waits = null;
+    section.querySelector(".lab-silent").hidden = true;
+    const on = said.dataset.covers === "yes", slide = section.querySelector(".lab-slide");
+    const top = slide.querySelector("[tabindex]")?.scrollTop || 0, where = slide.querySelector("h2")?.textContent;
+    slide.replaceChildren(said.content.cloneNode(true));
+    if (slide.querySelector("h2")?.textContent === where && slide.querySelector("[tabindex]")) slide.querySelector("[tabindex]").scrollTop = top;
+    set(buttons.back, "← Look back", said.dataset.back === "yes");
+    set(buttons.stage, on ? "The stage (V)" : "Back to the board (V)", true);
+    set(buttons.next, said.dataset.next ? `${said.dataset.next} →` : "This is the end", said.dataset.next !== "");
+    body.classList.toggle("lab-board-view", on);
+    for (const other of body.children)
+      if (other !== section && !other.matches("dialog, script, style")) other.inert = on;
+  }
+  new MutationObserver(look).observe(document.getElementById("root"), {childList: true, subtree: true});
+})();

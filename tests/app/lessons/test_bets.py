@@ -1,0 +1,203 @@
+"""Intervals as bets: what they cost, that honesty costs least, whose are laid side by side, and lesson 10's runs."""
+
+from __future__ import annotations
+
+import itertools
+from concurrent.futures import Future
+from contextlib import closing
+
+import numpy as np
+import pytest
+
+from app import state
+from app.lessons import shelf
+from app.lessons.bet_lines import drawn
+from app.lessons.bets import BY_ROUND, JUDGES, YOURS, Bet, Bettor, score
+from app.lessons.claims import ClaimError, check_claim, decide
+from app.lessons.laid import laid
+from app.lessons.lesson import LessonError
+from app.lessons.marks import right
+from app.lessons.outcomes import Outcomes, work
+from app.lessons.reading import parse
+from solvers.study.coverage.draws import Draw
+
+HEAD = """+++
+title = "Bets"
+minutes = 10
+goals = ["bet"]
++++
+"""
+BET = """
+## Predict: Bet {name}
+
+```question
+kind = "interval"
+expected = "{expected}"
+level = 0.8
+```
+"""
+ROUND = """
+## Run: Look {name}
+
+```run
+{name} = "bar cells={cells} ppc=4 amplitude=0.001 periods=0.1"
+```
+
+## Explain: Why {name}
+
+```bets
+{bettors}
+```
+"""
+
+
+def lesson_of(**bettors):
+    """A lesson of a round for each name, whose bet is on a bar of so many cells, and which shows these bets."""
+    rounds = [BET.format(name=name, expected=f"{name}.error.x.final")
+              + ROUND.format(name=name, cells=8 + 4 * k, bettors=who) for k, (name, who) in enumerate(bettors.items())]
+    return parse(HEAD + "".join(rounds), "99-bets")
+
+
+class Here(Outcomes):
+    """Runs in this process, which others would take seconds to start for."""
+
+    def _run(self, text, judged=False):
+        if (text, judged) not in self._runs:
+            self._runs[text, judged] = Future()
+            work({"scene": text, "politeness": 0, "judged": judged}, self._runs[text, judged].set_result)
+        return self._runs[text, judged]
+
+
+def test_a_bet_costs_its_width_and_ten_times_what_it_misses_by():
+    """In factors of ten, to rounding of the logarithms: 1e-12."""
+    near = pytest.approx
+    assert score(1e-6, 1e-5, 3e-6, 0.8) == near(1, abs=1e-12)
+    assert score(2e-6, 2e-6, 2e-6, 0.8) == 0
+    assert score(1e-6, 1e-5, 2e-5, 0.8) == score(1e-6, 1e-5, 5e-7, 0.8) == near(1 + 10 * np.log10(2), abs=1e-12)
+    assert score(1e-6, 1e-5, 2e-5, 0.9) == near(1 + 20 * np.log10(2), abs=1e-12)
+    for unit in (1e-9, 1e6):  # a bet in other units costs the same
+        assert score(unit * 1e-6, unit * 1e-5, unit * 2e-5, 0.8) == near(score(1e-6, 1e-5, 2e-5, 0.8), abs=1e-12)
+    assert score(1e-300, 1e300, 1, 0.8) == near(600)
+
+
+@pytest.mark.parametrize("level", [0.5, 0.8, 0.9])
+def test_nobody_scores_less_than_by_what_he_thinks(level):
+    """Of a hundred and one truths, equally likely and lopsided, the mean score of all bets between two of them is least
+    at their own quantiles. Of shares of the truth in the place of logarithms it is not: betting low pays."""
+    truths = np.exp(0.5 + 2 * np.random.default_rng(3).gamma(2.0, size=101))
+    truths.sort()
+    pairs = list(itertools.combinations(range(101), 2))
+    mean = {(low, high): np.mean([score(truths[low], truths[high], truth, level) for truth in truths])
+            for low, high in pairs if abs(low - 100 * (1 - level) / 2) < 8 and abs(high - 100 * (1 + level) / 2) < 8}
+    assert min(mean, key=mean.get) == (round(50 * (1 - level)), round(50 * (1 + level)))
+
+    def in_shares(low, high):
+        a, b = truths[low], truths[high]
+        return np.mean((b - a + 2 / (1 - level) * np.maximum(np.maximum(a - truths, truths - b), 0)) / truths)
+
+    best = min(pairs, key=lambda pair: in_shares(*pair))
+    assert best[0] < 50 * (1 - level) - 1 and best[1] < 50 * (1 + level) - 1
+
+
+def test_width_and_luck_lose():
+    """Of ten truths spread over a factor of ten, the honest bet counts most; one that never misses, and one that is
+    narrow and lucky twice, count less."""
+    truths = 10 ** np.linspace(-6.5, -5.5, 11)
+    bets = {"honest": (truths[1], truths[-2]), "wide": (1e-9, 1e-3), "safe": (10**-6.75, 10**-5.25),
+            "lucky": (0.98e-6, 1.02e-6)}
+    points = {name: np.mean([Bet(*ends, truth).points for truth in truths]) for name, ends in bets.items()}
+    assert points["honest"] > points["lucky"] and points["honest"] > points["safe"] > points["wide"] == 0
+    assert Bet(2e-6, 2e-6, 2e-6).points == 1 and Bet(2e-6, 2e-6, 4e-6).points == 0
+
+
+def test_bettors_are_counted():
+    some = Bettor("two-grid", (Bet(1, 10, 3), None, Bet(1, 10, 20)))
+    assert (some.held, len(some.made), some.score) == (1, 2, pytest.approx(1 + 5 * np.log10(2)))
+    assert Bettor("transport", (None, None)).score is None
+
+
+def test_bets_are_drawn_as_multiples_of_the_truth():
+    """Factors of ten are equally wide; what goes on beyond ten thousand is cut."""
+    yours = Bettor(YOURS, (Bet(1, 100, 10), Bet(20, 30, 10)))
+    picture = drawn([yours, Bettor("GCI", (Bet(9.99, 10.01, 10), None))])
+    own, gci = picture.bettors
+    assert picture.reach == 1 and [text for _, text in picture.ticks] == ["÷ 10", "truth", "× 10"]
+    assert own.lines[0] == (0, 100, True)
+    assert own.lines[1][:2] == pytest.approx((50 + 50 * np.log10(2), 50 + 50 * np.log10(3)))
+    assert own.told == "1 of 2 hold the truth, mean score 2.59" and (own.name, own.own) == ("Your bets", True)
+    assert gci.told == "1 of 1 hold the truth, 1 not bet on, mean score 0.00" and gci.lines[1] is None
+    assert drawn([Bettor(YOURS, (Bet(1e-12, 1e12, 1),))]).bettors[0].lines == ((0, 100, True),)
+    assert drawn([Bettor("transport", (None,))]).bettors[0].told == "does not bet on these"
+
+
+def test_bets_are_laid_beside_those_of_judges():
+    """By rounds where that is asked for; a judge that is not valid does not bet, and claims know what it bets."""
+    lesson = lesson_of(first=YOURS, second="\n".join((BY_ROUND, *JUDGES)))
+    with closing(Here()) as outcomes:
+        truths = [outcomes.result(lesson.runs[name].texts[0])["error"]["x"]["final"] for name in ("first", "second")]
+        given = {"bet-first": [truths[0] / 2, truths[0] * 2], "bet-second": [truths[1] * 2, truths[1] * 3]}
+        [yours] = laid(lesson, lesson.steps[2], given, {}, outcomes)
+        assert yours == Bettor(YOURS, (Bet(truths[0] / 2, truths[0] * 2, truths[0]),))
+        one, two, companion, *others = laid(lesson, lesson.steps[-1], given, {}, outcomes)
+        assert [(bettor.round, bettor.held, len(bettor.made)) for bettor in (one, two)] == [(1, 1, 1), (2, 0, 1)]
+        assert companion.score < 0.01  # it may miss by as little: the grids are coarser than any that was drawn
+        assert [bettor.name for bettor in others] == [*JUDGES[1:]] and others[-1].made
+        assert laid(lesson, lesson.steps[-1], {}, {}, outcomes) == []
+        scope = outcomes.scope(lesson, lesson.steps[-1], {}, ["first.bet.companion.x.score"])
+        said = scope.outcomes["first"].results[0]["bet"]["companion"]["x"]
+        assert said["low"] <= truths[0] * (1 + 1e-3) and said["score"] == pytest.approx(companion.bets[0].score)
+        assert decide("first.bet.companion.x.score < 0.01", scope).holds
+        below = parse(HEAD + BET.format(name="z", expected="-1 * first.error.x.final") + ROUND.format(
+            name="first", cells=8, bettors=YOURS), "99-below")
+        with pytest.raises(ClaimError, match="intervals are bets on a size; ask for one above 0"):
+            right(below, below.steps[0], {}, outcomes)
+
+
+@pytest.mark.parametrize("old, new, said", [
+    ("level = 0.8", "level = 80", "level = 80: give a chance above 0 and below 1, such as 0.8"),
+    ("level = 0.8", 'level = "high"', "level = high: give a chance"),
+    (f"\n{YOURS}\n", "\nmine\n", "'mine' does not bet; give yours, yours by round, companion, "),
+    (f"\n{YOURS}\n", "\n\n", "nobody bets here"),
+    ("level = 0.8", "level = 0.9", ""),
+    ("first.error.x.final", "1e6 * first.error.x.final", ""),
+    ("level = 0.8", "tolerance = 0.1", "tolerance means nothing for a interval; give expected, unit, level")])
+def test_mistakes_of_bets_are_told(old, new, said):
+    """Of those that mean something to a student and nothing to a judge, only where judges bet."""
+    bet = BET.format(name="a", expected="first.error.x.final")
+    text = HEAD + bet + ROUND.format(name="first", cells=8, bettors=YOURS)
+    assert old in text
+    changed = text.replace(old, new, 1)
+    if not said:
+        parse(changed, "99-bets")
+        changed, said = changed.replace(YOURS, "GCI"), "judges bet on errors at the end, at a level of 0.8; give exp"
+    with pytest.raises(LessonError, match=said):
+        parse(changed, "99-bets")
+
+
+def test_bets_without_an_interval_are_told():
+    with pytest.raises(LessonError, match="bets are shown, and no interval is asked before"):
+        parse(HEAD + ROUND.format(name="first", cells=8, bettors=YOURS), "99-bets")
+
+
+def test_claims_about_bets_are_read():
+    check_claim("hat.bet.two_grid.v.low < 1", {"hat": None}, "")
+    for wrong in ("hat.bet.me.v.low < 1", "hat.bet.gci.a.low < 1", "hat.bet.gci.x.width < 1"):
+        with pytest.raises(ClaimError, match="give one of"):
+            check_claim(wrong, {"hat": None}, "")
+
+
+def test_the_eight_runs_of_lesson_ten_are_those_that_were_drawn():
+    """With the seed 10, the first five bars and three rings, rounded to two digits, but for the bar that came first,
+    which goes unstable, as the lesson claims."""
+    def rounded(scene):
+        sizes = (f"{size:.2g}" for size in (scene.amplitude, scene.courant_number, scene.periods))
+        return (scene.problem, scene.method, scene.cells, scene.ppc, *map(float, sizes), scene.body_force,
+                scene.linearity_preserving, scene.velocity)
+
+    lesson = shelf.lesson("10-how-sure-are-you")
+    bets = [step.asked.expected.split(".")[0] for step in lesson.questions.values() if step.asked.kind == "interval"]
+    runs = {rounded(state.read(lesson.runs[name].texts[0]).scene) for name in bets}
+    assert rounded(state.read(lesson.runs["broken"].texts[0]).scene) == rounded(Draw("bar", 10, 0).scene())
+    drawn_runs = [Draw(problem, 10, number).scene() for problem, numbers in (("bar", range(1, 6)), ("ring", range(3)))
+                  for number in numbers]
+    assert len(bets) == len(runs) == 8 and runs == set(map(rounded, drawn_runs))

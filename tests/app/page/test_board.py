@@ -1,0 +1,232 @@
+"""A board without a page: what a press does, what seats are told, what is shown when, and what is saved."""
+
+from __future__ import annotations
+
+import json
+import re
+import threading
+from dataclasses import replace
+
+import pytest
+
+from app.lessons import shelf
+from app.lessons.lesson import CHOICE, INTERVAL, TEXT
+from app.lessons.outcomes import Outcomes, RunFailed
+from app.page.features.board import saved
+from app.page.features.board.board import BACK, COUNTED, NEXT, REVEALED, SHOWN, Board
+from app.page.features.board.panel import Lectern
+from app.page.features.board.slides import Door, calibration, says_next, scores, slide
+from tests.processes import until
+
+DOOR = Door("http://lab/", "wave-4711")
+
+
+class Waiting(Outcomes):
+    """Runs nothing: who asks for a result waits until it fails."""
+
+    def __init__(self):
+        self.go = threading.Event()
+
+    def result(self, text):
+        self.go.wait(30)
+        raise RunFailed("it is broken")
+
+
+@pytest.fixture
+def lesson():
+    """Two predictions that need no run, a step without a question, a free text and an interval."""
+    four = shelf.lesson("04-grid-crossing")
+    number = next(step for step in four.steps if step.key == "where-does-the-trouble-begin")
+    choice = replace(four.steps[0], question=replace(four.steps[0].asked, holds=("1 < 0", "1 < 2", "2 < 1")))
+    text = replace(number, key="why", title="Why?", question=replace(number.asked, kind=TEXT, expected=""))
+    wide = replace(number, key="how-much", title="How much?", question=replace(number.asked, kind=INTERVAL))
+    return replace(four, steps=(choice, four.steps[1], number, text, wide))
+
+
+@pytest.fixture
+def board(lesson):
+    board = Board(lesson, Outcomes())
+    yield board
+    board.close()
+
+
+def press(board, *whats):
+    for what in whats:
+        board.press(what, board.place.turn)
+
+
+def shown(board):
+    return slide(board, board.place, DOOR)
+
+
+def revealed(board):
+    """Press for what came out, and wait until it is there."""
+    press(board, NEXT)
+    until(lambda: "being worked out" not in shown(board), "what came out")
+    return shown(board)
+
+
+def test_the_one_next_thing_is_what_the_button_says(board):
+    """From the beginning to the end, and no further."""
+    said = []
+    while following := says_next(board, board.place):
+        said.append((following, board.place.at, board.place.stage))
+        press(board, NEXT)
+    assert said == [
+        ("Open step 1 for all", 0, COUNTED), ("Show the answers", 1, COUNTED), ("Reveal what came out", 1, SHOWN),
+        ("Open step 2 for all", 1, REVEALED), ("Open step 3 for all", 2, COUNTED), ("Show the answers", 3, COUNTED),
+        ("Reveal what came out", 3, SHOWN), ("Open step 4 for all", 3, REVEALED), ("Open step 5 for all", 4, COUNTED),
+        ("Show the answers", 5, COUNTED), ("Reveal what came out", 5, SHOWN), ("Show how the class did", 5, REVEALED)]
+    end = board.place
+    press(board, NEXT)
+    assert board.place == end and end.at == board.end == board.opened
+
+
+def test_the_core_alone_is_opened_where_that_is_asked_for(lesson):
+    """Steps are counted as the class takes them, there and back, and seats know it."""
+    deep = replace(lesson, steps=tuple(replace(step, core=step.key not in ("why", lesson.steps[1].key))
+                                       for step in lesson.steps))
+    board = Board(deep, Outcomes(), core=True)
+    press(board, *[NEXT] * 4)
+    assert (board.place.at, board.opened, board.total) == (3, 3, 3) and "step 2 of 3" in shown(board)
+    assert board.seat("a").progress().core
+    press(board, BACK)
+    assert board.place.at == 1 and says_next(board, board.place) == "Go forward to step 2"
+    board.close()
+
+
+def test_looking_back_closes_nothing_and_opens_nothing(board):
+    press(board, *[NEXT] * 4, BACK)
+    assert (board.place.at, board.opened, board.place.now) == (1, 2, False)
+    assert "the class is at step 2" in shown(board) and says_next(board, board.place) == "Go forward to step 2"
+    press(board, *[BACK] * 5)
+    assert board.place.at == 0 and board.opened == 2
+    press(board, NEXT, NEXT)
+    assert board.place.now and board.opened == 2
+
+
+def test_a_press_counts_only_for_the_board_that_it_was_meant_for(board):
+    """Two lecturers who press at once, or one press that comes twice."""
+    turn = board.place.turn
+    for _ in range(3):
+        board.press(NEXT, turn)
+    assert board.opened == 1
+    for what in ("", "reveal", "stage"):
+        press(board, what)
+    assert board.place.turn == 1
+
+
+def test_seats_are_told_when_a_step_is_open_and_of_nothing_else(board):
+    told, seat = [], board.seat("a")
+    gone = board.seat("b")
+    seat.listen(lambda: told.append(seat.opened))
+    gone.listen(lambda: told.append("gone"))
+    gone.leave()
+    board.seat("c").listen(lambda: 1 / 0)
+    last = board.seat("d")
+    last.listen(lambda: told.append("and the last"))
+    press(board, NEXT, NEXT, NEXT, NEXT, BACK, NEXT)
+    assert told == [1, "and the last", 2, "and the last"]
+
+
+def test_how_many_first_then_what_and_then_what_came_out(board):
+    seats = [board.seat(key) for key in "abc"]
+    first = board.step(1)
+    assert "3 are here" in shown(board) and "wave-4711" in shown(board) and "http://lab/" in shown(board)
+    press(board, NEXT)
+    for seat in seats:
+        seat.shows(1)
+    seats[0].answered(first, 3)
+    assert "1 of 3 has predicted" in shown(board)
+    seats[1].answered(first, 2)
+    assert "2 of 3 have predicted" in shown(board) and "--part: 0.3333" not in shown(board)
+    assert not re.search(r"<b>\d</b></li>", shown(board)) and "came out" not in shown(board)
+    press(board, NEXT)
+    assert re.findall(r"<b>(\d)</b></li>", shown(board)) == ["0", "1", "1"] and "came out" not in shown(board)
+    seats[2].answered(first, 2)
+    seats[0].answered(first, 2)
+    assert re.findall(r"<b>(\d)</b></li>", shown(board)) == ["0", "1", "1"]
+    assert "1 came later and is not counted" in shown(board)
+    assert "1 of 2 was right" in revealed(board) and "✓ this came out" in shown(board)
+
+
+def test_a_step_without_a_question_says_who_has_come_and_what_comes_next(board):
+    seats = [board.seat(key) for key in "ab"]
+    press(board, *[NEXT] * 4)
+    seats[0].shows(2)
+    assert "1 of 2 have come to this step" in shown(board)
+    assert "Next: Predict: Where does the trouble begin?" in shown(board)
+
+
+def test_free_texts_are_counted_and_never_shown_or_saved(board):
+    seat = board.seat("a")
+    press(board, *[NEXT] * 8)
+    seat.answered(board.step(4), "my name is Ada")
+    assert "1 of 1 has predicted" in shown(board)
+    press(board, NEXT)
+    assert "Ada" not in saved.text(board) + shown(board) and board.place.at == 5
+    assert board.tally.answers("why") == [""]
+
+
+def test_the_end_says_how_well_the_class_has_known(board):
+    seats = [board.seat(key) for key in "abc"]
+    given = {CHOICE: (2, 2, 1), "number": (3.125, 3.0, 10.0), INTERVAL: ([3, 4], [1, 2], [0, 9])}
+    while board.place.at < board.end:
+        step = board.step(board.place.at)
+        if step and step.question and step.asked.kind != TEXT and board.place.stage == COUNTED:
+            for seat, answer in zip(seats, given[step.asked.kind], strict=True):
+                seat.answered(step, answer)
+        press(board, NEXT)
+    until(lambda: len(scores(board)) == 3, "what came out")
+    assert calibration(scores(board)) == ["4 of 6 predictions were right: 67 %",
+                                          "2 of 3 intervals hold what came out: 67 %"]
+    assert "2 of 3 held" in shown(board) and shown(board).count("2 of 3 right") == 2
+    kept = json.loads(saved.text(board))
+    assert kept.keys() == {"schema", "lesson", "fingerprint", "numbers", "questions"}
+    assert {key for question in kept["questions"] for key in question} == {
+        "key", "step", "title", "kind", "unit", "options", "count", "late", "answers", "came_out", "right"}
+    assert [(question["count"], question["answers"], question["right"]) for question in kept["questions"]] == [
+        (3, [1, 2, 2], 2), (3, [3.0, 3.125, 10.0], 2), (0, None, None), (3, [[0, 9], [1, 2], [3, 4]], 2)]
+
+
+@pytest.mark.parametrize("here, link", [
+    ("", "http://10.0.0.5:8080/"), ("http://localhost:8080/", "http://10.0.0.5:8080/"),
+    ("https://lab.school.example/", "https://lab.school.example/")])
+def test_the_board_shows_the_address_by_which_a_class_comes_in(board, here, link):
+    """That of the lecturer's browser, unless only this machine can mean it."""
+    door = Lectern(board, Door("http://10.0.0.5:8080/", "wave 4711")).seen_from(here)
+    assert (door.link, door.warning, door.whole) == (link, "", f"{link}#code=wave%204711")
+
+
+def test_an_address_that_nobody_else_can_open_is_told(board):
+    door = Lectern(board, Door("http://127.0.0.1:8080/", "wave-4711")).seen_from("http://localhost:8080/")
+    assert "Only this computer" in slide(board, board.place, door)
+
+
+def test_what_is_not_revealed_is_not_saved(board):
+    press(board, NEXT, NEXT)
+    assert json.loads(saved.text(board))["questions"][0]["came_out"] is None
+
+
+def test_what_cannot_be_worked_out_is_said_and_ends_nothing():
+    outcomes = Waiting()
+    board = Board(shelf.lesson("04-grid-crossing"), outcomes)
+    press(board, NEXT, NEXT, NEXT)
+    assert "being worked out" in shown(board)
+    outcomes.go.set()
+    until(lambda: "could not be worked out" in shown(board), "the sentence")
+    press(board, NEXT)
+    assert board.opened == 2
+    board.close()
+
+
+def test_a_visitor_who_comes_back_finds_his_answers_and_his_place(board):
+    """By his key; another finds nothing of them."""
+    seat = board.seat("a")
+    press(board, NEXT)
+    seat.shows(1)
+    seat.progress().answer("a-gentle-test", 2, 1.0)
+    seat.leave()
+    again = board.seat("a").progress()
+    assert again.step == 1 and again.answers["a-gentle-test"].first == 2
+    assert board.seat("b").progress().answers == {} and board.seat("b").progress().step == 0

@@ -1,0 +1,187 @@
+"""What the page says on its many threads it says in its visitor's language, also where visitors of two are here at
+once: on those of widgets, of the refresh, of a typed number that waits, of a file's way, of jobs, of engines, and at
+the end."""
+
+from __future__ import annotations
+
+import re
+import threading
+from concurrent.futures import Future
+from html import unescape
+from types import SimpleNamespace
+
+import pytest
+
+from app.language.spoken import carried, language, speaking, tr
+from app.language.wish import as_cookie
+from app.page.features import background
+from app.page.features.background import MOST_JOBS
+from app.page.features.budget.jobs import BudgetJobs
+from app.page.features.own.judging import BUSY, Judging
+from app.page.serving import OVER, Visitors
+from app.page.visit.links import PageLinks
+from app.page.visit.session import Session, first_scene
+from app.viewer.upload import TOO_LARGE
+from solvers.workers.pool import Slots
+from solvers.workers.processes import ProcessDied
+from tests.app.page.test_own_file import Sender
+from tests.doors import Link, Pool, lab
+from tests.processes import until
+from tests.raw import Raw
+
+CODES = ("de", "en")
+TIMES = 2  # that both do the same at once
+
+
+def on_a_thread(work, *args):
+    """Do this where nobody speaks any language."""
+    thread = threading.Thread(target=work, args=args)
+    thread.start()
+    thread.join()
+
+
+@pytest.fixture(scope="module")
+def visitors():
+    """One who reads German and one who reads English, with what each is to read: made at once, on two threads."""
+    with lab() as (_, address):
+        both = [Raw(address, {"Cookie": as_cookie(code).partition(";")[0]}) for code in CODES]
+        yield dict(zip(CODES, both, strict=True))
+        for visitor in both:
+            visitor.close()
+
+
+def label(code, text, **values):
+    with speaking(code):
+        return tr(text, **values)
+
+
+def find(visitors, text):
+    """Each visitor's widget with this label."""
+    return {code: visitor.find(label(code, text)) for code, visitor in visitors.items()}
+
+
+def reads(visitor, pattern):
+    return any(re.search(pattern, unescape(text)) for text in dict(visitor.html).values())
+
+
+def test_each_has_widgets_in_his_own_language(visitors):
+    assert label("de", "Method") != label("en", "Method") == "Method"
+    find(visitors, "Method")
+    find(visitors, "Tolerance / A")
+    assert not {"Method", "Tolerance / A", "Pin this run"} & visitors["de"]._labels().keys()
+
+
+def test_a_refusal_is_in_the_language_of_the_hand_that_typed(visitors):
+    """It is found on a timer's thread, and shown on the refresh's, where both visitors' words are made side by side."""
+    boxes = {code: visitor.find(label(code, "{name}, typed", name=label(code, "Modulus E")))
+             for code, visitor in visitors.items()}
+    refused = {"de": "E-Modul E: „{}“ ist keine Zahl über 0 in Pa",
+               "en": "Modulus E: '{}' is not a number above 0 in Pa"}
+    for turn in range(TIMES):
+        typed = f"much{turn}"
+        for code, visitor in visitors.items():
+            visitor.set(boxes[code], typed)
+        for code, visitor in visitors.items():
+            until(lambda v=visitor, c=code, t=typed: reads(v, refused[c].format(t)), refused[code])
+    other = {"de": "is not a number", "en": "ist keine Zahl"}
+    assert not any(reads(visitor, other[code]) for code, visitor in visitors.items())
+
+
+def test_what_the_refresh_says_by_itself(visitors):
+    """No engine answers here: each page says that it is preparing the scene."""
+    for code, slider in find(visitors, "Particles / cell").items():
+        visitors[code].set(slider, 3)  # what has been refused before is forgotten
+    for visitor, pattern, other in ((visitors["de"], "Diese Szene wird vorbereitet", "Preparing this scene"),
+                                    (visitors["en"], "Preparing this scene", "Diese Szene wird vorbereitet")):
+        until(lambda v=visitor, p=pattern: reads(v, p), pattern)
+        assert not reads(visitor, other)
+
+
+def test_a_file_is_refused_on_the_web_servers_own_thread(visitors):
+    for code, visitor in visitors.items():
+        sender = Sender.__new__(Sender)
+        sender.visitor, sender.box = visitor, visitor.find(label(code, "file of particles"))
+        sender.start(10**9)
+        until(lambda v=visitor, c=code: reads(v, re.escape(label(c, TOO_LARGE))), f"a refusal in {code}")
+    assert not reads(visitors["de"], "<p>The file is larger")
+
+
+def test_a_file_for_which_there_is_no_process(tmp_path):
+    """The sentence comes from a thread of its own, as those of a file that is judged do."""
+    slots, heard = Slots(1), {code: [] for code in CODES}
+    assert slots.take()
+    for code in CODES:
+        (file := tmp_path / code).write_bytes(b"id,x\n")
+        with speaking(code):
+            Judging("a.csv", file, first_scene("bar"),
+                    lambda _, message, c=code: heard[c].append((message["refused"], language())), slots)
+    until(lambda: all(heard.values()), "both sentences")
+    assert heard == {code: [(label(code, BUSY), code)] for code in CODES}
+
+
+class Jobs(BudgetJobs):
+    """Those whose work is at hand: ``hear`` and ``end`` say from another thread what a process would."""
+
+    def begin(self, monkeypatch, code):
+        monkeypatch.setattr(background, "WorkerPool", lambda _: SimpleNamespace(
+            submit=self._taken, give_way=lambda: None, close=lambda: None, kill=lambda: None, process_ids=()))
+        with speaking(code):
+            self.budget(first_scene("ring"))
+        return self
+
+    def _taken(self, question, hear, patience):
+        self.future, self.tell = Future(), hear
+        return self.future
+
+
+@pytest.mark.parametrize(("code", "bad", "died"), [
+    ("de", "der Lauf wird vor diesem Zeitpunkt schlecht", "der Hintergrundprozess was closed"),
+    ("en", "the run goes bad before this moment", "the background process was closed")])
+def test_what_becomes_of_a_job(monkeypatch, code, bad, died):
+    jobs = Jobs(Slots(1)).begin(monkeypatch, code)
+    on_a_thread(jobs.tell, {"bad": ""})
+    assert jobs.status.trouble == bad
+    on_a_thread(jobs.future.set_result, {})
+    assert not jobs.status.running and jobs.status.trouble == bad
+    jobs.begin(monkeypatch, code)
+    on_a_thread(jobs.future.set_exception, ProcessDied("was closed"))
+    assert jobs.status.trouble == died
+
+
+def test_a_job_that_has_no_place_says_so(monkeypatch):
+    slots = Slots(1)
+    assert slots.take()
+    said = {code: Jobs(slots).begin(monkeypatch, code).status.trouble for code in CODES}
+    assert said == {code: label(code, BudgetJobs.BUSY, n=MOST_JOBS) for code in CODES} and said["de"] != said["en"]
+
+
+class Lines(Pool):
+    """A pool that keeps who listens."""
+
+    def open(self, listener, beside=None):
+        self.listener = listener
+        return Link()
+
+
+def test_what_an_engine_says_is_heard_in_the_language_of_its_line():
+    for code, news in (("de", "unerwartet zu Ende gegangen; ein anderer"), ("en", "ended unexpectedly; another one")):
+        pool = Lines()
+        with speaking(code):
+            session = Session(PageLinks(pool), first_scene("bar"), lambda *_: None)
+        on_a_thread(pool.listener.on_engine_lost)
+        assert news in session._news[1]
+
+
+@pytest.mark.parametrize("code", CODES)
+def test_a_goodbye_is_everyones_own(code):
+    """Said on threads that the server starts when it ends."""
+    told = []
+    pages = {one: SimpleNamespace(client=SimpleNamespace(client_id=k, flush=lambda: None), language=one,
+                                  fall_silent=lambda: None, close=lambda: None) for k, one in enumerate(CODES)}
+    house = Visitors(None, 2, lambda client, _: pages[CODES[client.client_id]], lambda client, text: told.append(
+        (CODES[client.client_id], text)))
+    for page in pages.values():
+        carried(house.connect, page.language)(page.client)
+    for thread in house.say_goodbye():
+        thread.join()
+    assert (code, label(code, OVER)) in told and len(told) == 2

@@ -1,0 +1,47 @@
+"""Bets on the page: whose lines stand there, what they say, and when they are asked for."""
+
+from __future__ import annotations
+
+import re
+
+from app.lessons import shelf
+from app.lessons.bets import YOURS, Bet, Bettor
+from app.lessons.lesson import EXPLAIN, PREDICT, Step
+from app.lessons.marks import AnswerMark
+from app.lessons.progress import Answer
+from app.page.features.lesson.bets import bets_html
+from app.page.features.lesson.html import compared_html
+from app.page.features.lesson.marking import bets_ahead
+
+
+def test_a_picture_has_a_line_for_each_bet_and_says_it_in_words():
+    """A bet that holds crosses the middle, where the truth is; one that was not made has no line."""
+    html = bets_html([Bettor(YOURS, (Bet(1, 100, 10), Bet(20, 40, 10))), Bettor("two-grid", (None, Bet(9, 11, 10)))])
+    assert re.findall(r"aria-label='([^']*)'", html) == [
+        "Your bets: 1 of 2 hold the truth, mean score 2.66",
+        "two-grid: 1 of 1 hold the truth, 1 not bet on, mean score 0.09"]
+    assert re.findall(r"class='lab-(held|missed)' x1='([^%]*)%' x2='([^%]*)%'", html) == [
+        ("held", "0.00", "100.00"), ("missed", "65.05", "80.10"), ("held", "47.71", "52.07")]
+    assert "÷ 10" in html and "× 10" in html and "80 of 100 were to hold it" in html
+    assert bets_html([]) == ""
+    assert bets_html("could not be <b>") == "<p class='lab-bets-later'>could not be &lt;b&gt;</p>"
+
+
+def test_what_came_out_has_a_bets_score_beside_it():
+    step = next(step for step in shelf.lesson("10-how-sure-are-you").steps if step.question)
+    mark = AnswerMark(True, "44.56 nm", Bet(2e-8, 2e-7, 4.456e-8))
+    html = compared_html([step], {step.key: Answer([2e-8, 2e-7], [2e-8, 2e-7], 1, 1.0)}, {step.key: mark}, {})
+    assert "<td>20 nm to 200 nm</td><td>44.56 nm; score 1.00</td>" in html
+
+
+def test_bets_are_asked_for_from_the_run_on():
+    """So that they are there when they are explained; never where somebody still predicts."""
+    lesson = shelf.lesson("10-how-sure-are-you")
+
+    def ends(step: Step) -> Step:
+        return next(other for other in lesson.steps[lesson.steps.index(step):] if other.kind == EXPLAIN)
+
+    assert [bets_ahead(lesson, step) for step in lesson.steps] == [
+        None if step.kind == PREDICT else ends(step) for step in lesson.steps]
+    other = shelf.lesson("09-four-judges")
+    assert {bets_ahead(other, step) for step in other.steps} == {None}
