@@ -263,6 +263,11 @@ def with_unit(value: float, unit: str, digits: int = 3) -> str:
     return f"{float(f'{value / 1000.0**power:.{digits}g}'):g} {PREFIXES[power]}{unit}"
 
 
+def in_periods(count: float) -> str:
+    """So many periods, to three digits."""
+    return trn("{count:g} period", "{count:g} periods", float(f"{count:.3g}"))
+
+
 def size_in(text: str, unit: str) -> float:
     """The size that a text says, the other way round: "2.1 mm", "2.1e-3" or "0,0021" in m.
 

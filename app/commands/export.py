@@ -1,5 +1,7 @@
-"""``mpm-lab export LESSON|SCENE --out FILE.html``: one file that plays from disk, without a server or a network."""
+"""``mpm-lab export LESSON|SCENE --out FILE.html``: one file that plays from disk, without a server or a network; with
+``--scorm`` a package of lessons for a course's own system."""
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Annotated, ClassVar
 
@@ -11,9 +13,12 @@ from app.commands.output import Target, say
 from app.commands.progress import working
 from app.export.lattice import within_reach
 from app.language.spoken import ENGLISH, LANGUAGES, speaking
-from app.lessons.lesson import LessonError
+from app.lessons.lesson import Lesson, LessonError
 from app.state import StateError, begins, read
 from solvers.scene.rules import require_choice, require_whole
+
+#: Makes a file; given what shows how far that is.
+Make = Callable[[Callable[..., None]], bytes]
 
 
 @dataclass(frozen=True)
@@ -22,16 +27,19 @@ class Export:
 
     WHAT is a lesson, by name or number, or a scene such as "bar cells=80 error-of=sigma". The file holds recorded
     runs, for the sliders too, and needs nothing else: neither this program nor a network. In a lesson's file stand
-    the expected answers as well, for whoever reads its source.
+    the expected answers as well, for whoever reads its source. With --scorm lessons become a package for Moodle and
+    its like, one part a lesson: "mpm-lab export 1 4 8 --scorm --out course.zip".
     Exit status: 0 ok, 1 could not run or write, 2 bad input.
     """
 
     EXAMPLE: ClassVar[str] = "mpm-lab export 4 --out crossing.html"
 
     what: Annotated[TextFlag, tyro.conf.Positional]
-    """A lesson or a scene."""
+    """A lesson or a scene; with --scorm one or more lessons."""
     out: TextFlag
-    """File to write, .html."""
+    """File to write, .html; with --scorm .zip."""
+    scorm: Annotated[Switch, default_hint("off")] = False
+    """A package for a course's own system (SCORM 1.2), which is told score, completion and answers."""
     core: Annotated[Switch, default_hint("off")] = False
     """A lesson's file begins with the core alone; its reader may choose all."""
     lang: TextFlag = ENGLISH
@@ -44,31 +52,60 @@ class Export:
     def execute(self) -> int:
         require_whole("processes", self.processes, 1, 64)
         require_choice("lang", self.lang, tuple(LANGUAGES))
-        is_scene = begins(self.what)
-        if is_scene and self.core:
-            raise BadInput("core", self.what, "a scene has no core; give a lesson, by name or number")
-        if is_scene:
-            try:
-                scene = read(self.what).scene
-            except StateError as error:
-                raise BadInput("", self.what, str(error)) from None
-            if refusal := within_reach(scene):
-                raise BadInput("", self.what, refusal)
-        name = self.what if is_scene else lesson_called(self.what)
-        target = Target("out", self.out, ending=".html")
-        # Imports here: bad input and --help must not wait for the page's.
+        make = self._package() if self.scorm else self._page()
+        target = Target("out", self.out, ending=".zip" if self.scorm else ".html")
         with working(self.quiet) as show, speaking(self.lang):
-            if is_scene:
-                from app.export.page import scene_page
-                page = scene_page(name, self.processes, show).encode()
-            else:
-                from app.export.lesson import lesson_page
-                from app.lessons import shelf
-                try:
-                    lesson = shelf.lesson(name)
-                except LessonError as error:
-                    raise BadInput("", name, str(error)) from None
-                page = lesson_page(lesson, self.processes, show, core=self.core).encode()
-        target.write(page)
-        say(f"{target.text}: {len(page) / 1e6:.1f} MB")
+            # Imports are in there: bad input and --help must not wait for the page's.
+            content = make(show)
+        target.write(content)
+        say(f"{target.text}: {len(content) / 1e6:.1f} MB")
         return 0
+
+    def _page(self) -> Make:
+        """What makes the one file."""
+        if not begins(self.what):
+            if len(self.what.split()) > 1:
+                raise BadInput("", self.what, "is no scene, and a file has one lesson; give one, or --scorm for a "
+                                              "package of several")
+            name = lesson_called(self.what)
+
+            def of_a_lesson(show: Callable[..., None]) -> bytes:
+                from app.export.lesson import lesson_page
+                return lesson_page(_read(name), self.processes, show, core=self.core).encode()
+
+            return of_a_lesson
+        if self.core:
+            raise BadInput("core", self.what, "a scene has no core; give a lesson, by name or number")
+        try:
+            scene = read(self.what).scene
+        except StateError as error:
+            raise BadInput("", self.what, str(error)) from None
+        if refusal := within_reach(scene):
+            raise BadInput("", self.what, refusal)
+
+        def of_a_scene(show: Callable[..., None]) -> bytes:
+            from app.export.page import scene_page
+            return scene_page(self.what, self.processes, show).encode()
+
+        return of_a_scene
+
+    def _package(self) -> Make:
+        """What makes the package."""
+        if not self.what.strip() or begins(self.what):
+            raise BadInput("", self.what, "is no lesson, and a course keeps a score of lessons alone; give lessons by "
+                                          "name or number")
+        names = list(dict.fromkeys(map(lesson_called, self.what.split())))
+
+        def of_lessons(show: Callable[..., None]) -> bytes:
+            from app.export.course import package
+            return package([_read(name) for name in names], self.processes, show, core=self.core)
+
+        return of_lessons
+
+
+def _read(name: str) -> Lesson:
+    from app.lessons import shelf
+    try:
+        return shelf.lesson(name)
+    except LessonError as error:
+        raise BadInput("", name, str(error)) from None

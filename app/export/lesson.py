@@ -7,7 +7,7 @@ from typing import Any
 from app import state
 from app.export import lattice
 from app.export.bets import bet_words, judged
-from app.export.page import Progress, assembled, quantities, record
+from app.export.page import SCRIPTS, Progress, assembled, quantities, record
 from app.export.plan import Plan, planned
 from app.frame.budget import QUESTION
 from app.language.spoken import later, speaking, tr
@@ -29,16 +29,16 @@ ELSEWHERE = {"slow-motion": later("slow motion"), "look-back": later("look back"
 
 
 def lesson_page(lesson: Lesson, processes: int, on_progress: Progress, counts: Mapping[str, int] = COUNTS,
-                core: bool = False) -> str:
+                 core: bool = False, scripts: Sequence[str] = SCRIPTS) -> str:
     """The page of a lesson, with so many values of each field on its sliders; it begins with the ``core`` alone where
-    that is asked for."""
+    that is asked for, and has these ``scripts`` of the player."""
     plans = _plans(lesson, counts)
     right = rules(lesson, processes, lambda part, what: on_progress(0.5 * part, what))
     once = list(dict.fromkeys(plans.values()))
     bets = judged(lesson, processes)
     recorded = record(once, processes, lambda part, what: on_progress(0.5 + 0.5 * part, what))
     stages = {key: once.index(plan) for key, plan in plans.items()}
-    return assembled(lesson.title, once, recorded, _data(lesson, right, stages, bets, core))
+    return assembled(lesson.title, once, recorded, _data(lesson, right, stages, bets, core), scripts)
 
 
 def _plans(lesson: Lesson, counts: Mapping[str, int]) -> dict[tuple[str, int], Plan]:

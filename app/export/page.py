@@ -21,7 +21,8 @@ from app.templates import rendered
 PLAYER = Path(__file__).parent / "player"
 #: In their order: what one file says at once, those after it use.
 SCRIPTS = ("words", "tracks", "frame", "colours", "field", "bar", "plane", "stage", "readout", "budget", "controls",
-           "sha256", "progress", "core", "answers", "bets", "lesson", "main")
+           "sha256", "keeping", "progress", "core", "answers", "bets", "lesson", "main")
+IN_A_COURSE = (*SCRIPTS[:-1], "scorm", "suspended", "course", "main")
 USUAL = ("x", "v", "sigma")  # quantities whose errors are recorded; accelerations only where they are asked for
 
 Progress = Callable[[float, str], None]
@@ -72,8 +73,8 @@ def _each_once(plans: Sequence[Plan], make: Callable[[list[Wanted]], list[dict[s
 
 
 def assembled(heading: str, plans: Sequence[Plan], recorded: Mapping[tuple[int, str], dict[str, Any]],
-              lesson: Mapping[str, Any] | None) -> str:
-    """The page, of a lesson where one is given."""
+              lesson: Mapping[str, Any] | None, scripts: Sequence[str] = SCRIPTS) -> str:
+    """The page, of a lesson where one is given, with so many of the player's scripts."""
     runs = list({id(run): run for run in recorded.values()}.values())
     places = {id(run): number for number, run in enumerate(runs)}
     stages = [described(one, {text: places[id(recorded[k, text])] for text in one.runs}) for k, one in enumerate(plans)]
@@ -90,7 +91,7 @@ def assembled(heading: str, plans: Sequence[Plan], recorded: Mapping[tuple[int, 
              "style": faces() + tokens() + _file("player.css"), "mark": MARK, "icon": ICON,
              "data": _json(data), "runs": packed,
              "script": "const DATA = JSON.parse(document.getElementById(\"data\").textContent);\n"
-                       + "\n".join(_file(f"{name}.js") for name in SCRIPTS)}
+                       + "\n".join(_file(f"{name}.js") for name in scripts)}
     return rendered(PLAYER / "player.html", **parts)
 
 

@@ -68,7 +68,7 @@ function drawMade(run, field) {
   Object.assign(pen, {strokeStyle: "#15171c", lineWidth: 1.4});
   stroke(pen, points(error));
   words(pen, "0", left, floor + 4, "left", "top", "#454b58");
-  words(pen, `${number(end)} s`, right, floor + 4, "right", "top", "#454b58");
+  words(pen, counted(end, run), right, floor + 4, "right", "top", "#454b58");
   Object.assign(pen, {strokeStyle: "#454b58", lineWidth: 1});
   stroke(pen, [[left, y(0)], [right, y(0)]]);
   stroke(pen, [[x(stage.time), high - 4], [x(stage.time), floor]]);

@@ -20,7 +20,13 @@ function goTo(step) {
   showStep();
   lessonBox.scrollTop = 0;
   if (window.scrollY > lessonBox.offsetTop) lessonBox.scrollIntoView();
-  document.getElementById("where").focus({preventScroll: true});
+  goOnAt(lessonBox.querySelector("h2") ?? document.getElementById("where"));
+}
+
+// The focus goes on with the reader: what had it is there no more.
+function goOnAt(place) {
+  place.tabIndex = -1;
+  place.focus({preventScroll: true});
 }
 
 function showStep() {
@@ -57,7 +63,7 @@ function budgetButton() {
 function introduction() {
   const goals = element("ul"), name = element("input", "", {type: "text", value: progress.name, maxLength: LESSON.longest_name, autocomplete: "off"});
   goals.append(...LESSON.goals.map((goal) => ofLesson("li", goal)));
-  name.disabled = Object.keys(progress.answers).length > 0;  // its numbers are those of the answers
+  name.disabled = keeper.name !== "" || Object.keys(progress.answers).length > 0;  // its numbers are those of the answers
   name.addEventListener("input", () => {
     progress.name = [...name.value.trim()].slice(0, LESSON.longest_name).join("");
     keep();
@@ -69,8 +75,7 @@ function introduction() {
   if (LESSON.language !== document.documentElement.lang) parts.unshift(element("p", tr("This lesson is in English."), {className: "elsewhere"}));
   if (LESSON.elsewhere.length) parts.push(element("p", tr("This file shows recorded runs. What the text says of {controls} needs the live page.",
     {controls: LESSON.elsewhere.join(", ")}), {className: "elsewhere"}));
-  const hint = tr("It gives you numbers of your own, and stands in the file that you hand in. It is sent to nobody.");
-  return [...parts, text, field(tr("Your name"), name), element("p", hint, {className: "hint"}), ...coreChoice(), moves(false, true)];
+  return [...parts, text, field(tr("Your name"), name), element("p", keeper.hint, {className: "hint"}), ...coreChoice(), moves(false, true)];
 }
 
 function stepParts(step) {
@@ -110,7 +115,10 @@ function asking(step) {
     }
     record(step.key, answer, (performance.now() - shownAt) / 1000);
     shownAt = performance.now();
-    if (step.kind === "predict") return showStep();
+    if (step.kind === "predict") {
+      showStep();
+      return goOnAt(lessonBox.querySelector(".recorded"));
+    }
     tellTaken(step, said, true);
     onward.querySelector(".next").disabled = false;
   });
@@ -164,17 +172,18 @@ function ending() {
   button.addEventListener("click", handIn);
   const left = missing === 1 ? tr("1 question is still open; go back to answer.") : tr("{count} questions are still open; go back to answer.", {count: missing});
   return [element("h2", tr("The end")), ...missing ? [element("p", left)] : [], compared(asked),
-    element("p", tr("Hand in saves a file with your answers and times, and your name if you have given one. Nothing is sent to anybody.")),
+    element("p", keeper.handed),
     button, ...wayDeeper(), moves(true, false), again()];
 }
 
 function again() {
   const button = element("button", tr("Begin anew"), {type: "button", className: "again"});
   button.addEventListener("click", () => {
-    if (!window.confirm(tr("Forget all answers in this browser?"))) return;
+    if (!window.confirm(keeper.forget)) return;
     progress = begun();
     keep();
     showStep();
+    goOnAt(document.getElementById("where"));
   });
   return button;
 }

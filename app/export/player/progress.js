@@ -1,4 +1,4 @@
-// What a student has done: kept by the browser where it lets a file keep anything, handed in as a file; and what is right.
+// What a student has done: kept (keeping.js), handed in as a file; and what is right.
 
 const LESSON = DATA.lesson;
 let progress = null;
@@ -19,22 +19,16 @@ function own(each) {
 }
 
 function begun() {
-  return {schema: LESSON.schema, lesson: LESSON.name, fingerprint: LESSON.fingerprint, name: "", step: 0, answers: {}, core: LESSON.begins_core};
+  return {schema: LESSON.schema, lesson: LESSON.name, fingerprint: LESSON.fingerprint, name: keeper.name, step: 0, answers: {}, core: LESSON.begins_core};
 }
 
-const keptAs = () => `mpm-lab ${LESSON.name}`;
-
 function keep() {
-  try {
-    localStorage.setItem(keptAs(), JSON.stringify(progress));
-  } catch {
-    // this browser keeps nothing for files: then it lasts as long as the page is open
-  }
+  keeper.write(progress);
 }
 
 function restored() {
   try {
-    const found = JSON.parse(localStorage.getItem(keptAs()));
+    const found = keeper.read();
     if (found.schema !== LESSON.schema || found.fingerprint !== LESSON.fingerprint || typeof found.name !== "string") return begun();
     const known = Object.fromEntries(LESSON.steps.filter((step) => step.question).map((step) => [step.key, step.question]));
     for (const [key, given] of Object.entries(found.answers))
@@ -51,6 +45,7 @@ function record(key, given, seconds) {
   const before = progress.answers[key] || {first: given, attempts: 0, seconds: 0};
   progress.answers[key] = {first: before.first, last: given, attempts: before.attempts + 1,
     seconds: Math.round(10 * (before.seconds + seconds)) / 10};
+  keeper.answered(key, given, seconds);
   keep();
 }
 

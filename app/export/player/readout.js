@@ -37,6 +37,12 @@ function readout() {
   drawChart(run, view);
 }
 
+// A time as an axis counts it: in periods, but where nothing swings.
+function counted(time, run) {
+  const periods = number(time / run.period);
+  return run.moves_on ? `${number(time)} s` : periods === "1" ? "1 period" : `${periods} periods`;
+}
+
 // The step over the bound of what the present configuration bears; beyond 1 it will not hold.
 const marginText = (margin) => Number.isFinite(margin) ? tr("{ratio} of its bound", {ratio: ratio(margin)}) : NOTHING;
 
@@ -138,7 +144,7 @@ function drawChart(run, view) {
     words(pen, number(share * highest) + (share === 1 ? ` ${unit}` : ""), left - 5, y(share * top), "right", "middle", "#454b58");
   }
   words(pen, "0", left, low + 4, "left", "top", "#454b58");
-  words(pen, `${number(end)} s`, right, low + 4, "right", "top", "#454b58");
+  words(pen, counted(end, run), right, low + 4, "right", "top", "#454b58");
   for (const line of lines) {
     const [, colour, dashes, thickness, of] = line, values = norms(line);
     Object.assign(pen, {strokeStyle: colour, lineWidth: thickness});

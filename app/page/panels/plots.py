@@ -99,7 +99,7 @@ class Plots:
         nothing = np.full(len(time), np.nan)
         grey, grey_index, grey_rate = grey_curves(pinned, history, series, quantity, drawn, latest)
         errors, unit = self._errors(series, valid, quantity, grey)
-        of_time, second = _time_unit(time[-1])
+        of_time, second = _time_unit(time[-1], history.scene)
         self._time_label.content = _time_label(of_time)
         title = tr("error norm of {symbol} / {unit}", symbol=words.symbol, unit=unit) \
             + f"<br>{tr('grey: pinned')}" * bool(grey) + _legend(valid, of_time)
@@ -127,7 +127,7 @@ class Plots:
         error = tr("error of {symbol} / {unit}", symbol=QUANTITIES[quantity].symbol, unit=unit)
         heading.content = _heading(f"{traced.title}<br>{error}", TRACE,
                                    kind=f"lab-traced' data-particle='{traced.particle}")
-        put(plot, (*finite(_time_unit(time[-1])[1] * time, *errors), crossed, at))
+        put(plot, (*finite(_time_unit(time[-1], traced.scene)[1] * time, *errors), crossed, at))
 
     def _errors(self, series: dict[str, np.ndarray], valid: tuple[str, ...], quantity: str,
                 grey: Sequence[np.ndarray] = ()) -> tuple[list[np.ndarray], str]:
@@ -141,7 +141,7 @@ class Plots:
 
     def clear(self) -> None:
         """Show nothing: no time has passed."""
-        self._time_label.content = _time_label("s")
+        self._time_label.content = _time_label("t / s")
         for plot in self._plots:
             put(plot, finite(EMPTY, *(np.full(2, np.nan) for _ in plot.data[1:])))
 
@@ -156,7 +156,7 @@ class Plots:
                     self._plot(tr("error norm"), (*grey, true, *lines), height),
                     self._plot(tr("error index"), (*grey[1:], perfect, *lines), height, _RATIOS, _RATIO_MARKS),
                     self._plot(tr("grid crossings per second"), (*grey[:1], crossings), height)], \
-                self._gui.add_html(_time_label("s"))
+                self._gui.add_html(_time_label("t / s"))
 
     def _show_crossings(self, history: Past, series: dict[str, np.ndarray], grey: list[np.ndarray],
                         second: float) -> None:
@@ -244,20 +244,23 @@ def finite(time: np.ndarray, *values: np.ndarray) -> tuple[np.ndarray, ...]:
     return (time, *drawn)
 
 
-def _time_unit(end: float) -> tuple[str, float]:
-    """What times until ``end`` in s are counted in, and how many of them a second has."""
+def _time_unit(end: float, scene: Scene) -> tuple[str, float]:
+    """What times until ``end`` in s are counted in, in words, and how many of them a second has: periods, as all texts
+    do, but where nothing swings."""
+    if scene.swings:
+        return tr("t in periods"), 1 / scene.period
     unit, size = next((unit, size) for unit, size, shortest in _TIMES if end >= shortest or end <= 0)
-    return unit, 1 / size
+    return f"t / {unit}", 1 / size
 
 
-def _time_label(unit: str) -> str:
-    return f"<div class='lab-time'>t / {unit}</div>"
+def _time_label(of_time: str) -> str:
+    return f"<div class='lab-time'>{of_time}</div>"
 
 
 def _legend(estimators: Sequence[str], of_time: str) -> str:
     """What the lines of the presented plot are, for where the readout does not say it."""
     lines = "".join(f"<span>{named(name)}</span>" for name in (TRUE, *estimators))
-    return f"<div class='lab-lines'>{lines}<span>{tr('over t / {unit}', unit=of_time)}</span></div>"
+    return f"<div class='lab-lines'>{lines}<span>{tr('over {time}', time=of_time)}</span></div>"
 
 
 def _heading(text: str, hint: str = "", remark: str = "", kind: str = "") -> str:

@@ -16,8 +16,9 @@ from app.frame.silences import TRUE
 from app.language.spoken import later, tr
 from app.page.panels.plots import EMPTY, Past, finite, grey_curves, line, put
 from app.page.visit.pinned import PinnedRun
-from app.words import QUANTITIES, with_unit
+from app.words import QUANTITIES, in_periods, with_unit
 from solvers.scene.registry import ESTIMATORS
+from solvers.scene.scene import Scene
 
 ENDS = (1, 1.5, 2, 3, 4, 5, 6, 8)  # times a power of ten: where an axis may end
 HEADROOM = 1.04  # over the largest error
@@ -106,8 +107,8 @@ class Timeline:
     def _scaled(self, past: Past, of: object, time: np.ndarray, curves: Sequence[np.ndarray]) -> float:
         """Let the axes reach so far; within one run they only grow. The error that is their top."""
         most = max(map(largest, curves))
-        start = float(time[0]) if time[0] > past.scene.period else 0.0
-        end, _ = round_up(float(time[-1]) - start, ENDS)
+        start, of_time = float(time[0]) if time[0] > past.scene.period else 0.0, unit_of_time(past.scene)
+        end = round_up((float(time[-1]) - start) / of_time, ENDS)[0] * of_time
         top, _ = round_up(HEADROOM * most, ENDS) if most > 0 else (1.0, 0)
         if self._ends and self._of == (past.scene, of) and not start:
             end, top = max(end, self._ends[1]), max(top, self._ends[2])
@@ -124,17 +125,19 @@ class Timeline:
             return round(min(1.0, max(0.0, (time - start) / (end - start))), 4)
 
         tick, _ = round_up(0.5 * top, (1, 2, 5))
-        step, _ = round_up((end - start) / TICKS / 1.0001, (1, 2, 5))
+        of_time, swings = unit_of_time(past.scene), past.scene.swings
+        step = round_up((end - start) / of_time / TICKS / 1.0001, (1, 2, 5))[0] * of_time
         ticks = [start + k * step for k in range(1, int((end - start) / step * 1.0001) + 1)] if not start else []
-        last = with_unit(ticks[-1], "s") if ticks else ""
+        last = "" if not ticks else in_periods(ticks[-1] / of_time) if swings else with_unit(ticks[-1], "s")
         factor = float(last.split()[0]) / ticks[-1] if ticks else 1.0  # a unit with a prefix, said once
         marks = [[part(tick), f"{tick * factor:.4g}" if tick != ticks[-1] else last] for tick in ticks]
+        begin = "0" if not start else in_periods(start / of_time) if swings else with_unit(start, "s")
         words = QUANTITIES[quantity]
         said = {"symbol": words.symbol, "top": [round(1 - tick / top, 4), with_unit(tick, words.unit)],
-                "start": with_unit(start, "s") if start else "0", "ticks": marks, "now": part(now.time),
+                "start": begin, "ticks": marks, "now": part(now.time),
                 "reach": [*map(part, now.reach)], "strip": self._strip(past, series, start, end),
                 "clock": with_unit(now.time, "s"), "playing": now.playing,
-                "read": self._at_pointer(words.unit), "lost": None if now.lost is None else part(now.lost),
+                "read": self._at_pointer(past.scene, words.unit), "lost": None if now.lost is None else part(now.lost),
                 "says": "" if now.lost is None else
                 tr(UNSTABLE if now.unstable else LOST, time=with_unit(now.lost, "s"))}
         self._tell(said)
@@ -145,13 +148,14 @@ class Timeline:
         if content != self._html.content:
             self._html.content = content
 
-    def _at_pointer(self, unit: str) -> list[str]:
+    def _at_pointer(self, scene: Scene, unit: str) -> list[str]:
         """The time at which the visitor reads, and what each curve says then; nothing beyond the run."""
         time, curves = self._read
         if self._pointed is None or not curves or (at := self.time_at(self._pointed)) > time[-1]:
             return []
         values = {name: float(np.interp(at, time, curve)) for name, curve in curves.items()}
-        return [with_unit(at, "s"), *(f"{name} {with_unit(value, unit)}" for name, value in values.items()
+        periods = f" = {in_periods(at / scene.period)}" * scene.swings
+        return [with_unit(at, "s") + periods, *(f"{name} {with_unit(value, unit)}" for name, value in values.items()
                                       if np.isfinite(value))]
 
     def _strip(self, past: Past, series: dict[str, np.ndarray], start: float, end: float) -> str:
@@ -181,6 +185,11 @@ class Timeline:
         lines = [line(name, LINES[name.replace("-", "")][self._dark], 2, ESTIMATORS[name].dashes)
                  for name in estimators]
         return {"label": "t"}, *grey, line(tr(TRUE), LINES["truth"][self._dark], 4), *lines
+
+
+def unit_of_time(scene: Scene) -> float:
+    """What its times are counted in, in s: periods, of which all texts speak, or seconds where nothing swings."""
+    return scene.period if scene.swings else 1.0
 
 
 def _most(true: np.ndarray) -> float:

@@ -13,6 +13,7 @@ import pytest
 from app.page.panels.timeline import BINS, Now, Timeline
 from app.page.panels.window import Size, Window
 from solvers.problems.bar.scene import BarScene
+from solvers.problems.ring.scene import RingScene
 from tests.app.page.test_recent import frame, recent_of, shown
 
 SCENE = BarScene()
@@ -91,9 +92,22 @@ def test_what_is_said_round_the_curves(monkeypatch):
     """Places are parts of the axis, sizes have a unit with a prefix, said once on the time's axis."""
     at = show(timeline(monkeypatch), 0.9)
     assert at["symbol"] == "x" and at["top"] == [0.5, "100 µm"] and at["start"] == "0"
-    assert at["ticks"] == [[0.5, "0.5"], [1.0, "1 s"]]
+    assert at["ticks"] == [[0.5, "0.5"], [1.0, "1 period"]]
     assert at["now"] == 0.9 and at["reach"] == [0.45, 0.9] and at["lost"] is None and at["clock"] == "900 ms"
     assert at["strip"] == "9" * round(0.9 * BINS)
+
+
+def test_times_are_counted_in_periods_where_something_swings(monkeypatch):
+    """The ring's last a fiftieth of a second; of a patch test's nobody speaks."""
+    ring, patch_test = RingScene(), BarScene(motion="patch")
+    line = timeline(monkeypatch)
+    line.point(0.5)
+    at = show(line, 2.4 * ring.period, scene=ring)
+    assert [text for _, text in at["ticks"]] == ["1", "2", "3 periods"]
+    assert line._plot.scales["x"]["range"] == [0.0, pytest.approx(3 * ring.period)]
+    assert at["read"][0] == "30 ms = 1.5 periods"
+    at = show(timeline(monkeypatch), 0.9, scene=patch_test)
+    assert [text for _, text in at["ticks"]] == ["0.5", "1 s"]
 
 
 def test_a_lost_run_says_since_when(monkeypatch):
@@ -144,7 +158,7 @@ def test_what_the_curves_are_under_the_pointer(monkeypatch):
     """Between two samples in a straight line; nothing beyond the run, and nothing once the pointer has left."""
     line = timeline(monkeypatch)
     line.point(0.5)
-    assert show(line, 0.9)["read"] == ["500 ms", "true 50 µm", "transport 100 µm"]
+    assert show(line, 0.9)["read"] == ["500 ms = 0.5 periods", "true 50 µm", "transport 100 µm"]
     line.point(0.95)
     assert show(line, 0.9)["read"] == []
     line.point(None)

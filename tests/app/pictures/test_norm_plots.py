@@ -8,6 +8,8 @@ import pytest
 from app.frame.scale import BEYOND
 from app.page.panels.plots import _bounded, _time_unit
 from app.words import power_of_ten
+from solvers.problems.bar.scene import BarScene
+from solvers.problems.ring.scene import RingScene
 
 
 def test_a_lost_estimate_is_drawn_at_the_edge():
@@ -31,7 +33,12 @@ def test_a_power_of_ten_goes_where_digits_would_not(largest, power):
 @pytest.mark.parametrize("end", [0.0, 2e-6, 4e-5, 2e-3, 0.02, 1.0, 300.0])
 def test_an_axis_of_time_tells_its_numbers_apart(end):
     """It has three digits after the point, and some five numbers."""
-    unit, second = _time_unit(end)
-    assert second == {"s": 1, "ms": 1e3, "µs": 1e6}[unit]
+    unit, second = _time_unit(end, BarScene(motion="patch"))
+    assert second == {"t / s": 1, "t / ms": 1e3, "t / µs": 1e6}[unit]
     numbers = {f"{second * end * k / 5:.3f}" for k in range(6)}
     assert len(numbers) == 6 or end == 0
+
+
+def test_an_axis_counts_periods_where_something_swings():
+    ring = RingScene()
+    assert _time_unit(0.02, ring) == ("t in periods", 1 / ring.period)

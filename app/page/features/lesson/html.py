@@ -105,9 +105,9 @@ def compared_html(lesson: Lesson, steps: Sequence[Step], answers: Mapping[str, A
                     f"<td{own if asked.kind == CHOICE else ''}>{said}</td>{out}</tr>")
     if not rows:
         return ""
-    said, came = tr("you said"), tr("came out")
-    head = f"<tr><th></th><th scope='col'>{said}</th><th scope='col'>{came}</th><th></th></tr>"
-    return f"<table class='lab-compared'>{head}{''.join(rows)}</table>"
+    heads = "".join(f"<th scope='col'>{name}</th>" for name in (tr("question"), tr("you said"), tr("came out"),
+                                                                 tr("mark")))
+    return f"<table class='lab-compared'><tr>{heads}</tr>{''.join(rows)}</table>"
 
 
 def taken_html(lesson: Lesson, step: Step, answer: Answer, numbers: Numbers, comment: str, right: bool | None) -> str:
@@ -118,11 +118,11 @@ def taken_html(lesson: Lesson, step: Step, answer: Answer, numbers: Numbers, com
 
 def recorded_html(said: str, comment: str, right: bool | None, lang: str = "") -> str:
     """That an answer has been taken: what it was, and what is to be said of it; ``lang`` is the attribute of what was
-    chosen."""
+    chosen. It is read out by ``js/lesson_aloud.js``."""
     kind, sign, word = SIGNS[right]
     mark = f" <span class='lab-{kind}'>{sign} {tr(word)}</span>" if sign else ""
     yours = tr("Your answer:")
-    return f"<div class='lab-lesson lab-recorded' role='status'>{yours} <b{lang}>{escape(said)}</b>{mark} " \
+    return f"<div class='lab-lesson lab-recorded'>{yours} <b{lang}>{escape(said)}</b>{mark} " \
            f"{escape(comment)}</div>"
 
 

@@ -1,0 +1,110 @@
+// A lesson in a course: its system is told by SCORM 1.2 what a student has done, and says so again when they come back.
+
+const api = apiOfCourse(), call = api && callOf(api);
+const course = {open: false, told: 0, best: 0, finished: false, began: performance.now()};  // told: interactions
+const said = element("p", "", {id: "course"});
+said.setAttribute("role", "status");
+document.querySelector("header").append(said);
+
+const heard = (name) => call("LMSGetValue", `cmi.${name}`);
+// Whether the system takes a value, or another form of it.
+const tell = (name, ...values) => values.some((value) => call("LMSSetValue", `cmi.${name}`, value) === "true");
+const isDone = (status) => status === "completed" || status === "passed";
+
+if (!api) {
+  said.textContent = "Opened outside of a course: no system is told what you do.";
+} else if (call("LMSInitialize", "") !== "true") {
+  said.textContent = "The course's system did not let this lesson begin, so it is told nothing of what you do; open the lesson again from the course.";
+} else {
+  enterCourse();
+}
+
+function enterCourse() {
+  const mode = heard("core.lesson_mode"), status = heard("core.lesson_status");
+  course.open = mode === "" || mode === "normal";
+  course.told = Number(heard("interactions._count")) || 0;
+  course.finished = isDone(status);
+  course.best = course.finished ? Number(heard("core.score.raw")) || 0 : 0;
+  keeper = {
+    name: [...heard("core.student_name").trim()].slice(0, LESSON.longest_name).join(""),
+    hint: "It gives you numbers of your own. Answers, times and a score go to your course's system.",
+    handed: "Your course's system has your answers, times and score. Hand in saves the answers as a file as well.",
+    forget: "Forget your answers and begin anew? Your course keeps what it has been told of them.",
+    read: remembered, write: report, answered: reportAnswer,
+  };
+  if (!course.open) said.textContent = "Opened to look at again: nothing of what you do now is kept.";
+  else if (!course.finished) tell("core.lesson_status", "incomplete");
+  window.addEventListener("pagehide", leaveCourse);
+  window.addEventListener("pageshow", (event) => event.persisted && location.reload());  // that visit has been ended
+}
+
+// What the system has from an earlier visit. A name counts as it was when there were answers: their numbers are its.
+function remembered() {
+  const text = heard("suspend_data");
+  if (!text) return null;
+  const found = resumed(text, Number(heard("core.lesson_location")));
+  if (!found) said.textContent = "This lesson has been changed since your last visit, and begins anew.";
+  else if (!Object.keys(found.answers).length && keeper.name) found.name = keeper.name;
+  return found;
+}
+
+function report(progress) {
+  if (!course.open) return;
+  const {text, short} = suspended(progress), taken = tell("suspend_data", text);
+  tell("core.lesson_location", String(progress.step));
+  reportScore(progress);
+  tell("core.session_time", timespan((performance.now() - course.began) / 1000));
+  const titles = short.map((step) => `"${own(step.title)}"`).join(", ");
+  said.textContent = !taken || call("LMSCommit", "") !== "true"
+    ? "Your course's system did not keep what you have done last; Hand in, at the end, saves it as a file."
+    : short.length ? `Your course's system has room for ${CHARACTERS} characters, and does not keep all that you wrote at ${titles}; Hand in, at the end, saves it.` : "";
+}
+
+// Completed, and never passed or failed: predictions are there to go wrong. A score that counts stays when one begins anew,
+// or goes deeper than the core.
+function reportScore(progress) {
+  const asked = walked().filter((step) => step.question), marked = asked.filter((step) => step.question.kind !== "text" && own(step.question.rules));
+  const right = marked.reduce((sum, step) => sum + (step.key in progress.answers ? credit(step.question, progress.answers[step.key].last) : 0), 0);
+  const raw = Math.round(10000 * right / (marked.length || 1)) / 100;
+  if (!course.finished && progress.step > LESSON.steps.length && asked.every((step) => step.key in progress.answers)) {
+    course.finished = true;
+    tell("core.lesson_status", "completed");
+  }
+  if (course.finished) course.best = Math.max(course.best, raw);
+  if (!marked.length) return;
+  tell("core.score.min", "0");
+  tell("core.score.max", "100");
+  tell("core.score.raw", decimal(Math.max(raw, course.best)));
+}
+
+// How much of a right answer one is; of an interval by its score, as app/lessons/grading.py has it.
+function credit(question, answer) {
+  const {right, score} = mark(question, answer);
+  return score === undefined ? +right : Math.max(0, 1 - score / 2);
+}
+
+// An interaction for each answer, the wrong ones too.
+function reportAnswer(key, answer, seconds) {
+  if (!course.open) return;
+  const {question} = LESSON.steps.find((step) => step.key === key), found = mark(question, answer), [type, forms] = interaction(question, answer);
+  const part = (name, ...values) => tell(`interactions.${course.told}.${name}`, ...values);
+  if (!part("id", key)) return;  // not every system has them
+  part("type", type);
+  part("time", new Date().toTimeString().slice(0, 8));
+  part("student_response", ...forms);
+  part("result", found?.right === true ? "correct" : found?.right === false ? "wrong" : "neutral");
+  part("latency", timespan(seconds));
+  course.told++;
+}
+
+function leaveCourse() {
+  if (!call) return;
+  if (course.open) {
+    tell("core.session_time", timespan((performance.now() - course.began) / 1000));
+    tell("core.exit", "suspend");  // also of a completed lesson: who comes back sees what was answered
+    call("LMSCommit", "");
+  }
+  course.open = false;
+  call("LMSFinish", "");
+  window.removeEventListener("pagehide", leaveCourse);
+}

@@ -1,0 +1,281 @@
+"""Lessons in a course's own system, in a real browser: SCORM 1.2 by a system that takes it to the letter."""
+
+from __future__ import annotations
+
+import io
+import re
+import zipfile
+from pathlib import Path
+
+import pytest
+
+from app.export.course import package
+from app.export.record import recording
+from app.lessons.lesson import drawn
+from app.lessons.reading import parse
+from tests.app.lessons.test_lesson_format import TEXT
+from tests.browser import courses
+from tests.browser.driving import until
+
+SYSTEM = Path(__file__).with_name("scorm12.js").read_text(encoding="utf-8")
+HEAD = '+++\ntitle = "Öl & <words>"\ngoals = ["see"]\n+++\n\nBegin.\n'
+ASKED = "\n## Observe: {}\n\n```question\n{}\n```\n"
+KINDS = {"Drag": 'kind = "drag"\ncontrol = "cells"\nexpected = "20"', "Between": 'kind = "interval"\nexpected = "1e-7"',
+         "Number": 'kind = "number"\nexpected = "-2.5e-9"\nunit = "m"', "First words": 'kind = "text"',
+         "Second words": 'kind = "text"', "Third words": 'kind = "text"'}
+DEEPER = ASKED.format("In words", KINDS["First words"]) + "\n## Explain: The end of it\n"
+LESSONS = [parse(TEXT.replace("## Predict", "## Predict (core)") + DEEPER, "97-runs"),
+           parse(HEAD + "".join(ASKED.format(*one) for one in KINDS.items()), "98-kinds"),
+           parse(HEAD + "\n## Explain: Only read\n\nNothing is asked.\n", "99-read")]
+FILES = [f"{lesson.name}.html" for lesson in LESSONS]
+LONG = "Ω" * 500
+
+
+@pytest.fixture(scope="module")
+def packed():
+    with pytest.MonkeyPatch.context() as patch:  # a process of their own would take seconds to start
+        patch.setattr("app.export.page.recordings", lambda wanted, *others: [recording(one) for one in wanted])
+        return package(LESSONS, 1, lambda part, what: None, {})
+
+
+@pytest.fixture(scope="module")
+def system(chromium, packed):
+    """The system's page."""
+    with courses.course(chromium, packed, SYSTEM) as page:
+        yield page
+
+
+@pytest.fixture
+def begin(system):
+    """Begins a visit with this record, and opens a file; returns its frame."""
+    def begun(file, **record):
+        system.evaluate("record => { system.begin(record); system.refuses = ''; }",
+                        {name.replace("__", "."): value for name, value in record.items()})
+        return courses.opened(system, file)
+
+    yield begun
+    courses.closed(system)
+
+
+def again(system, file):
+    """Closes the lesson and comes back with what the system has kept; returns the frame and the record."""
+    courses.closed(system)
+    record = system.evaluate("system.record")
+    # A text is tried in its own letters first, which many systems take.
+    assert [fault for fault in system.evaluate("system.faults") if fault[-1].isascii()] == []
+    assert system.evaluate("system.state") == "ended"
+    system.evaluate("system.begin(system.record)")
+    return courses.opened(system, file), record
+
+
+@pytest.mark.parametrize("number", range(3))
+def test_a_lesson_is_scored_completed_and_resumed(system, begin, number):
+    lesson, file = LESSONS[number], FILES[number]
+    frame = begin(file)
+    half = len(lesson.steps) // 2 + 1
+    courses.walked(frame, half)
+    frame, record = again(system, file)
+    assert record["core.lesson_status"] == "incomplete" and record["core.lesson_location"] == str(half)
+    assert record["core.entry"] == "resume" and re.fullmatch(r"0000:00:\d\d\.00", record["core.total_time"])
+    assert f"Step {half} of" in frame.locator("#where").inner_text()
+    courses.walked(frame)
+    frame, record = again(system, file)
+    assert record["core.lesson_status"] == "completed"
+    asked = [step for step in lesson.steps if step.question]
+    marked = [step for step in asked if step.question.kind != "text"]
+    assert (record["core.score.raw"], record["core.score.max"]) == (("100", "100") if marked else ("", ""))
+    assert [one["id"] for one in record["interactions"]] == [step.key for step in asked]
+    assert frame.locator("#where").inner_text() == "The end"
+    assert "still open" not in frame.locator("#lesson").inner_text()
+
+
+def test_answers_are_told_in_the_forms_of_the_standard(system, begin):
+    courses.walked(begin(FILES[1]))
+    told = {one["id"]: (one["type"], one["student_response"], one["result"])
+            for one in system.evaluate("system.record.interactions")}
+    words = ("fill-in", "in words", "neutral")
+    assert told == {"drag": ("numeric", "20", "correct"), "between": ("fill-in", "0.0000001 to 0.0000001", "correct"),
+                    "number": ("numeric", "-0.0000000025", "correct"), "first-words": words, "second-words": words,
+                    "third-words": words}
+    assert system.evaluate("system.faults") == []
+
+
+def test_a_wrong_answer_lowers_the_score_until_it_is_right(system, begin):
+    frame = begin(FILES[1])
+    courses.walked(frame, 3)
+    for value, raw in (("7", "66.67"), ("-2.5e-9", "100")):
+        frame.get_by_role("textbox").fill(value)
+        frame.locator("button", has_text="my ").click()
+        assert system.evaluate("system.record['core.score.raw']") == raw
+    results = [one["result"] for one in system.evaluate("system.record.interactions")]
+    assert results == ["correct", "correct", "wrong", "correct"]
+
+
+def test_a_wide_interval_is_less_than_a_right_answer(system, begin):
+    """A factor of ten between its ends costs a half, as where answers are graded."""
+    frame = begin(FILES[1])
+    courses.walked(frame, 2)
+    for box, end in zip(frame.get_by_role("textbox").all(), ("3e-8", "3e-7"), strict=True):
+        box.fill(end)
+    frame.locator("button", has_text="my ").click()
+    assert system.evaluate("system.record['core.score.raw']") == "50"  # one and a half of three
+
+
+def test_the_core_alone_is_a_lesson_completed(system, begin):
+    """And stays so where one goes deeper; who comes back takes the core again."""
+    frame = begin(FILES[0])
+    frame.get_by_label("Core only").check()
+    courses.walked(frame)
+    frame, record = again(system, FILES[0])
+    assert (record["core.lesson_status"], record["core.score.raw"]) == ("completed", "100")
+    assert [one["id"] for one in record["interactions"]] == ["what-happens", "and"]
+    frame.get_by_role("button", name="Go deeper").click()
+    _, record = again(system, FILES[0])
+    assert (record["core.lesson_status"], record["core.score.raw"]) == ("completed", "100")
+
+
+def test_what_is_completed_stays_so(system, begin):
+    frame = begin(FILES[0], core__lesson_status="passed", core__score__raw="80")
+    courses.walked(frame, 2)
+    frame, record = again(system, FILES[0])
+    assert record["core.lesson_status"] == "passed" and record["core.score.raw"] == "80"
+    system.once("dialog", lambda dialog: dialog.accept())
+    courses.walked(frame)
+    frame.get_by_role("button", name="Begin anew").click()
+    _, record = again(system, FILES[0])
+    assert record["core.lesson_status"] == "passed" and record["core.score.raw"] == "100"
+
+
+def test_a_name_of_the_system_draws_the_numbers(system, begin):
+    for name in ("Lovelace, Ada", "李, 小龍"):
+        frame = begin(FILES[0], core__student_name=name)
+        numbers = drawn(LESSONS[0], name)
+        assert frame.get_by_label("Your name").input_value() == name and frame.get_by_label("Your name").is_disabled()
+        assert f"Begin with A = {numbers['A']}." in frame.locator("#lesson").inner_text()
+        variant = LESSONS[0].variants.index(numbers)
+        courses.walked(frame, 4, variant)
+        frame, record = again(system, FILES[0])
+        assert record["core.score.raw"] == "100" and "Step 4 of" in frame.locator("#where").inner_text()
+        courses.closed(system)
+        system.evaluate("name => system.begin({...system.record, 'core.student_name': name})", "Somebody, Else")
+        frame = courses.opened(system, FILES[0])  # a name that has changed since leaves the numbers of the answers
+        frame.get_by_role("button", name="← Back").click()
+        assert f"amplitude={numbers['A']}" not in frame.locator("#lesson").inner_text()
+        courses.walked(frame, 4, variant)
+        assert system.evaluate("system.record['core.score.raw']") == "100"
+        courses.closed(system)
+
+
+def write(frame, *answers):
+    for text in answers:
+        frame.get_by_role("textbox").fill(text)
+        frame.locator("button", has_text="my ").click()
+
+
+def test_long_texts_in_any_letters_come_back(system, begin):
+    frame = begin(FILES[1])
+    courses.walked(frame, 4)
+    written = "So & so -\n\"quoted\" \\ ünï 𝒙 &-" + "δ" * 300
+    write(frame, LONG, written)
+    frame, record = again(system, FILES[1])
+    assert len(record["suspend_data"]) < 4096 and record["suspend_data"].isascii()
+    assert frame.get_by_role("textbox").input_value() == written
+    assert record["interactions"][-1]["student_response"].startswith("So & so - \"quoted\" \\ ?n? ? &-???")
+
+
+def test_what_the_system_has_no_room_for_is_told(system, begin):
+    frame = begin(FILES[1])
+    courses.walked(frame, 4)
+    for _ in range(3):
+        write(frame, LONG, LONG.lower())
+        frame.get_by_role("button", name="Next →").click()
+    said = frame.locator("#course")
+    assert "has room for 4096 characters" in said.inner_text() and '"Third words"' in said.inner_text()
+    frame, record = again(system, FILES[1])
+    assert len(record["suspend_data"]) <= 4096 and record["core.lesson_status"] == "completed"
+    # Two of three last wordings of 500 letters have room, which take 8 characters for 3 letters.
+    assert frame.locator(".compared").inner_text().count(LONG.lower()) == 2
+    assert "1 question is still open" in frame.locator("#lesson").inner_text()
+
+
+def test_a_system_that_keeps_nothing_is_told_to_the_student(system, begin):
+    frame = begin(FILES[1])
+    said = frame.locator("#course")
+    for what in ("commit", "suspend_data"):
+        system.evaluate("what => { system.refuses = what; }", what)
+        frame.get_by_role("button", name="Next →").click()
+        assert "did not keep what you have done last" in said.inner_text()
+        system.evaluate("system.refuses = ''")
+        frame.get_by_role("button", name="← Back").click()
+        assert said.inner_text() == ""
+
+
+def test_another_lesson_begins_anew_and_says_so(system, begin):
+    frame = begin(FILES[0], suspend_data='["0123456789abcdef","",0,[0,2,1,3]]', core__lesson_location="3")
+    assert frame.locator("#where").inner_text() == "Introduction"
+    assert "changed since your last visit" in frame.locator("#course").inner_text()
+    courses.closed(system)
+    frame = begin(FILES[0], suspend_data="rubbish", core__lesson_location="x")
+    assert frame.locator("#where").inner_text() == "Introduction"
+
+
+def test_looking_again_changes_nothing(system, begin):
+    frame = begin(FILES[1], core__lesson_mode="review", core__lesson_status="completed")
+    courses.walked(frame)
+    assert "nothing of what you do now is kept" in frame.locator("#course").inner_text()
+    courses.closed(system)
+    assert not [call for call in system.evaluate("system.log") if call[0] == "LMSSetValue"]
+    assert system.evaluate("system.state") == "ended"
+
+
+def test_it_is_begun_and_ended_once(system, begin):
+    frame = begin(FILES[2])
+    frame.get_by_role("button", name="Next →").click()
+    courses.closed(system)
+    calls = [call[0] for call in system.evaluate("system.log")]
+    assert calls[0] == "LMSInitialize" and calls[-1] == "LMSFinish"
+    assert calls.count("LMSInitialize") == calls.count("LMSFinish") == 1
+
+
+def framed(file, levels):
+    """The address of a file in so many frames, of another origin every second one."""
+    inner = f"{courses.COURSE}/package/{file}"
+    for level in range(levels):
+        inner = f"{(courses.ELSEWHERE, courses.COURSE)[level % 2]}/frame?{inner}"
+    return inner
+
+
+@pytest.mark.parametrize("levels, found", [(0, True), (1, True), (6, True), (7, False)])
+def test_the_system_is_found_above_frames_of_others(system, levels, found):
+    system.evaluate("system.begin({})")
+    system.evaluate("address => { document.getElementById('lesson').src = address; }", framed(FILES[2], levels))
+    inner = courses.lesson(system)
+    for _ in range(levels):
+        inner = inner.frame_locator("iframe")
+    inner.locator("#where").wait_for()
+    assert ("outside of a course" not in inner.locator("#course").inner_text()) is found
+    assert system.evaluate("system.state") == ("open" if found else "new")
+    system.evaluate(courses.CLOSE)
+    until(lambda: not inner.locator("#where").count(), "the lesson closed")
+
+
+def test_the_system_is_found_where_it_has_opened_a_window(system):
+    system.evaluate("system.begin({})")
+    with system.expect_popup() as opened:
+        system.evaluate("file => { window.open('/package/' + file); }", FILES[2])
+    opened.value.locator("#where").wait_for()
+    assert system.evaluate("system.state") == "open" and opened.value.locator("#course").inner_text() == ""
+    opened.value.close(run_before_unload=True)
+    until(lambda: system.evaluate("system.state") == "ended", "the window closed")
+
+
+def test_without_a_system_it_plays_and_says_so(chromium, packed, tmp_path):
+    zipfile.ZipFile(io.BytesIO(packed)).extractall(tmp_path)
+    context = chromium.new_context(offline=True)
+    page = context.new_page()
+    page.goto((tmp_path / FILES[1]).as_uri())
+    assert page.locator("#course").inner_text() == "Opened outside of a course: no system is told what you do."
+    courses.walked(page)
+    page.reload()
+    assert page.locator("#where").inner_text() == "The end"
+    context.close()
