@@ -3,9 +3,9 @@
 const keptAs = () => `mpm-lab ${DATA.lesson.name}`;
 let keeper = {
   name: "",  // of the student, where it is known
-  hint: "It gives you numbers of your own, and stands in the file that you hand in. It is sent to nobody.",
-  handed: "Hand in saves a file with your answers and times, and your name if you have given one. Nothing is sent to anybody.",
-  forget: "Forget all answers in this browser?",
+  hint: tr("It gives you numbers of your own, and stands in the file that you hand in. It is sent to nobody."),
+  handed: tr("Hand in saves a file with your answers and times, and your name if you have given one. Nothing is sent to anybody."),
+  forget: tr("Forget all answers in this browser?"),
   read: () => JSON.parse(localStorage.getItem(keptAs())),
   write(progress) {
     try {
