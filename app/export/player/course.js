@@ -54,7 +54,7 @@ function report(progress) {
   tell("core.lesson_location", String(progress.step));
   reportScore(progress);
   tell("core.session_time", timespan((performance.now() - course.began) / 1000));
-  const titles = short.map((step) => `"${own(step.title)}"`).join(", ");
+  const titles = short.map((step) => tr('"{name}"', {name: own(step.title)})).join(", ");
   said.textContent = !taken || call("LMSCommit", "") !== "true"
     ? tr("Your course's system did not keep what you have done last; Hand in, at the end, saves it as a file.")
     : short.length ? tr("Your course's system has room for {most} characters, and does not keep all that you wrote at {titles}; Hand in, at the end, saves it.",

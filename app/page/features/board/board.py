@@ -12,6 +12,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from app.doors.faults import noted
+from app.language.spoken import later
 from app.lessons.claims import ClaimError
 from app.lessons.lesson import TEXT, Lesson, Step
 from app.lessons.marks import Right, right
@@ -21,6 +22,7 @@ from app.page.features.board.tally import Tally
 
 COUNTED, SHOWN, REVEALED = range(3)  # what is shown of a question
 NEXT, BACK = "next", "back"
+FAILED = later("What came out could not be worked out.")
 
 
 @dataclass(frozen=True)
@@ -112,14 +114,15 @@ class Board:
             seat.open()
 
     def came_out(self, step: Step) -> Right | str | None:
-        """What is right in a step's question; a sentence where that cannot be said, None while it is worked out."""
+        """What is right in a step's question; a sentence in English where that cannot be said, None while it is worked
+        out."""
         run = self._rights.get(step.key)
         if run is None or not run.done():
             return None
         try:
             return run.result()
         except (RunFailed, ClaimError):
-            return "What came out could not be worked out."
+            return FAILED
 
     def watch(self, on_change: Callable[[], None]) -> None:
         """Have ``on_change`` called, on any thread, when something that a board shows is another."""

@@ -7,6 +7,7 @@ from html import escape
 from string import ascii_lowercase
 from typing import Any
 
+from app.language.spoken import tr
 from app.lessons.lesson import CHOICE, INTERVAL, Numbers, Question, filled
 from app.lessons.marks import Right, fits, in_unit
 from app.page.features.board.axis import Axis, axis_for
@@ -41,10 +42,10 @@ def right_among(asked: Question, answers: Sequence[Any], found: Right) -> int:
 
 
 def _bars(asked: Question, answers: Sequence[int], numbers: Numbers, found: Right | None) -> str:
-    counts, rows = Counter(answers), []
+    counts, rows, says = Counter(answers), [], tr("this came out")
     for k, (letter, option) in enumerate(zip(ascii_lowercase, asked.options, strict=False), 1):
         came = found is not None and k in found.options
-        sign = "<em>✓ this came out</em>" if came else ""
+        sign = f"<em>✓ {says}</em>" if came else ""
         rows.append(f"<li{' class=lab-came-out' * came}><b>{letter})</b> <span>{escape(filled(option, numbers))} {sign}"
                     f"</span><i style='--part: {counts[k] / max(1, len(answers)):.4f}'></i><b>{counts[k]}</b></li>")
     return f"<ol class='lab-bars lab-counted'>{''.join(rows)}</ol>"
@@ -80,10 +81,10 @@ def _truth(asked: Question, axis: Axis, found: Right | None) -> str:
     if found is None or isinstance(found.value, str):
         return ""
     low, high = (100 * axis.place(end) for end in _band(asked, found))
-    at = 100 * axis.place(found.value)
+    at, told = 100 * axis.place(found.value), tr("{value} came out", value=in_unit(asked, found.value))
     return f"<div class='lab-band' style='left: {low:.2f}%; width: {high - low:.2f}%'></div>" \
            f"<div class='lab-truth{' lab-leftwards' * (at > 50)}' style='left: {at:.2f}%'>" \
-           f"<b>{escape(in_unit(asked, found.value))} came out</b></div>"
+           f"<b>{escape(told)}</b></div>"
 
 
 def _ticks(asked: Question, axis: Axis) -> str:
@@ -94,12 +95,15 @@ def _ticks(asked: Question, axis: Axis) -> str:
 def _beyond(ends: Sequence[float], axis: Axis) -> str:
     """What has no place of its own on the axis."""
     sides = Counter(axis.beyond(end) for end in ends)
-    left = f"<span>◂ {sides[-1]} further to the left</span>" if sides[-1] else ""
-    right = f"<span class='lab-rightmost'>{sides[1]} further to the right ▸</span>" if sides[1] else ""
+    low = tr("{count} further to the left", count=sides[-1])
+    high = tr("{count} further to the right", count=sides[1])
+    left = f"<span>◂ {low}</span>" if sides[-1] else ""
+    right = f"<span class='lab-rightmost'>{high} ▸</span>" if sides[1] else ""
     return f"<p class='lab-beyond'>{left}{right}</p>" if left or right else ""
 
 
 def _in_words(asked: Question, answers: Sequence[Any]) -> str:
     if asked.kind == INTERVAL:
-        return "; ".join(f"{in_unit(asked, float(low))} to {in_unit(asked, float(high))}" for low, high in answers)
+        return "; ".join(tr("{low} to {high}", low=in_unit(asked, float(low)), high=in_unit(asked, float(high)))
+                         for low, high in answers)
     return "; ".join(in_unit(asked, float(answer)) for answer in answers)

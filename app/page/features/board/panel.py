@@ -11,7 +11,7 @@ import viser
 
 from app.doors.address import is_loopback
 from app.doors.faults import noted
-from app.language.spoken import carried
+from app.language.spoken import carried, later, tr
 from app.lessons.lesson import filled
 from app.page.features.board import saved
 from app.page.features.board.board import BACK, NEXT, Board
@@ -20,7 +20,7 @@ from app.page.panels.browser_store import BrowserStore
 
 AGAIN = 0.25  # seconds at least between two pictures: thirty may answer at once
 STAGE, SAVE = "stage", "save"
-OF_NO_USE = "Only this computer can open this address: serve with --host 0.0.0.0 for a class."
+OF_NO_USE = later("Only this computer can open this address: serve with --host 0.0.0.0 for a class.")
 
 
 @dataclass(frozen=True)
@@ -35,7 +35,7 @@ class Lectern:
         """The door for a class, where the lecturer's browser has found the lab under this address."""
         known = self.door.link
         link = here if here and not is_loopback(urlsplit(here).hostname or "") else known
-        return replace(self.door, link=link, warning=OF_NO_USE * is_loopback(urlsplit(link).hostname or ""))
+        return replace(self.door, link=link, warning=tr(OF_NO_USE) * is_loopback(urlsplit(link).hostname or ""))
 
 
 class BoardPanel:

@@ -6,15 +6,20 @@ from urllib.parse import quote
 
 import segno
 
+from app.language.spoken import later, tr, trn
 from app.lessons import shelf
-from app.lessons.lesson import CHOICE, INTERVAL, PREDICT, Step, filled
+from app.lessons.lesson import CHOICE, INTERVAL, PREDICT, TITLES, Step, filled
 from app.lessons.marks import Right
 from app.lessons.markup import html
 from app.page.features.board import chart
 from app.page.features.board.board import COUNTED, REVEALED, Board, Place, has_chart
 
 IN_ONE = 8  # scores, in one column
-NOBODY, WORKING = "Nobody is here yet.", "What came out is being worked out …"
+NOBODY, WORKING = later("Nobody is here yet."), later("What came out is being worked out …")
+HOW, HELD, RIGHT = later("How the class did"), later("{right} of {of} held"), later("{right} of {of} right")
+PREDICTIONS = later("{right} of {of} predictions were right: {share} %")
+OBSERVATIONS = later("{right} of {of} observations were right: {share} %")
+INTERVALS = later("{right} of {of} intervals hold what came out: {share} %")
 
 
 @dataclass(frozen=True)
@@ -43,9 +48,9 @@ class Scored:
 def slide(board: Board, place: Place, door: Door) -> str:
     """All of a place but its buttons."""
     step = board.step(place.at)
-    where = f"step {board.number(place.at)} of {board.total}" if step else \
-        "the beginning" if place.at == 0 else "the end"
-    now = f"you look back; the class is at step {board.number(place.opened)}"
+    where = tr("step {at} of {total}", at=board.number(place.at), total=board.total) if step else \
+        tr("the beginning") if place.at == 0 else tr("the end")
+    now = tr("you look back; the class is at step {at}", at=board.number(place.opened))
     past = "" if place.now else f"<b class='lab-looks-back'>{now}</b>"
     count = f"<span>{_here(board.tally.here)}</span>" if place.at else ""  # at the beginning it is said below
     top = f"<header><span>{where}</span>{past}{count}</header>"
@@ -57,12 +62,13 @@ def says_next(board: Board, place: Place) -> str:
     """What the next press does; "" where there is nothing more."""
     step, following = board.step(place.at), board.after(place.at)
     if not place.now:
-        return "Show how the class did" if following == board.end else f"Go forward to step {board.number(following)}"
+        return tr("Show how the class did") if following == board.end else \
+            tr("Go forward to step {at}", at=board.number(following))
     if step and has_chart(step) and place.stage < REVEALED:
-        return "Show the answers" if place.stage == COUNTED else "Reveal what came out"
+        return tr("Show the answers") if place.stage == COUNTED else tr("Reveal what came out")
     if following < board.end:
-        return f"Open step {board.number(following)} for all"
-    return "Show how the class did" if place.at < board.end else ""
+        return tr("Open step {at} for all", at=board.number(following))
+    return tr("Show how the class did") if place.at < board.end else ""
 
 
 def scores(board: Board) -> list[Scored]:
@@ -77,28 +83,30 @@ def scores(board: Board) -> list[Scored]:
 
 
 def _here(count: int) -> str:
-    return "nobody is here" if count == 0 else "1 is here" if count == 1 else f"{count} are here"
+    return trn("{count} is here", "{count} are here", count) if count else tr("nobody is here")
 
 
 def _beginning(board: Board, door: Door) -> str:
     picture = segno.make(door.whole, error="l", micro=False).svg_inline(border=2, omitsize=True)
     warning = f"<p class='lab-warns'>{escape(door.warning)}</p>" if door.warning else ""
     here = board.tally.here
-    count = NOBODY if here == 0 else "1 is here." if here == 1 else f"{here} are here."
-    return f"<h2>{escape(board.lesson.title)}</h2><div class='lab-door'><div><p>Open</p>" \
-           f"<p class='lab-address'>{escape(door.link)}</p><p>and type the class code</p>" \
+    count = trn("{count} is here.", "{count} are here.", here) if here else tr(NOBODY)
+    first, then = tr("Open"), tr("and type the class code")
+    image = tr("the link with the code, for phones")
+    return f"<h2>{escape(board.lesson.title)}</h2><div class='lab-door'><div><p>{first}</p>" \
+           f"<p class='lab-address'>{escape(door.link)}</p><p>{then}</p>" \
            f"<p class='lab-class-code'>{escape(door.code)}</p><p class='lab-said'>{count}</p>{warning}</div>" \
-           f"<figure role='img' aria-label='the link with the code, for phones'>{picture}</figure></div>"
+           f"<figure role='img' aria-label='{image}'>{picture}</figure></div>"
 
 
 def _step(board: Board, place: Place, step: Step) -> str:
     title = escape(filled(step.title, board.numbers))
-    head = f"<h2><span class='lab-kind lab-kind-{step.kind}'>{step.kind.capitalize()}</span> {title}</h2>"
+    head = f"<h2><span class='lab-kind lab-kind-{step.kind}'>{tr(TITLES[step.kind])}</span> {title}</h2>"
     if step.question is None:
         return head + _without_question(board, place)
     if place.stage == COUNTED:
-        text = html(filled(step.text, board.numbers), shelf.FOLDER)
-        return f"{head}<div class='lab-asked' tabindex='0' role='region' aria-label='the question'>{text}</div>" \
+        text, name = html(filled(step.text, board.numbers), shelf.FOLDER), tr("the question")
+        return f"{head}<div class='lab-asked' tabindex='0' role='region' aria-label='{name}'>{text}</div>" \
                f"{chart.options(step.asked, board.numbers)}{_counted(board, step, place.at)}"
     answers = board.tally.answers(step.key)
     came = board.came_out(step) if place.stage == REVEALED else None
@@ -110,9 +118,10 @@ def _step(board: Board, place: Place, step: Step) -> str:
 def _without_question(board: Board, place: Place) -> str:
     here, come = board.tally.here, board.tally.reached(place.at)
     following = board.step(board.after(place.at))
-    onward = f"Next: {following.kind.capitalize()}: {filled(following.title, board.numbers)}" if following else \
-        "Next: the end, and how the class did"
-    said = NOBODY if here == 0 else f"{come} of {here} have come to this step"
+    onward = tr("Next: {kind}: {title}", kind=tr(TITLES[following.kind]),
+                title=filled(following.title, board.numbers)) if following else \
+        tr("Next: the end, and how the class did")
+    said = tr("{come} of {here} have come to this step", come=come, here=here) if here else tr(NOBODY)
     return f"<div class='lab-waits'>{_meter(said, come, here)}<p>{escape(onward)}</p></div>"
 
 
@@ -121,13 +130,15 @@ def _counted(board: Board, step: Step, at: int) -> str:
     said, asked = len(tally.answers(step.key)), tally.asked(step.key)
     behind = tally.here - tally.reached(at)
     if not asked:
-        told = NOBODY
+        told = tr(NOBODY)
     elif step.kind == PREDICT:
-        told = f"{said} of {asked} {'has' if said == 1 else 'have'} predicted"
+        told = trn("{count} of {asked} has predicted", "{count} of {asked} have predicted", said, asked=asked)
     else:
-        told = f"{said} of {asked} {'has' if said == 1 else 'have'} answered"
-    more = f"<p>{behind} of those who are here {'has' if behind == 1 else 'have'} not come to this step yet.</p>"
-    return f"<div class='lab-count'>{_meter(told, said, asked)}{more if behind else ''}</div>"
+        told = trn("{count} of {asked} has answered", "{count} of {asked} have answered", said, asked=asked)
+    late = trn("{count} of those who are here has not come to this step yet.",
+               "{count} of those who are here have not come to this step yet.", behind)
+    more = f"<p>{late}</p>" if behind else ""
+    return f"<div class='lab-count'>{_meter(told, said, asked)}{more}</div>"
 
 
 def _meter(told: str, part: int, whole: int) -> str:
@@ -137,14 +148,14 @@ def _meter(told: str, part: int, whole: int) -> str:
 
 def _said(step: Step, count: int) -> str:
     if step.asked.kind == INTERVAL:
-        return "No interval was given." if count == 0 else "1 interval." if count == 1 else f"{count} intervals."
-    return "Nobody has answered." if count == 0 else "1 answer." if count == 1 else f"{count} answers."
+        return trn("{count} interval.", "{count} intervals.", count) if count else tr("No interval was given.")
+    return trn("{count} answer.", "{count} answers.", count) if count else tr("Nobody has answered.")
 
 
 def _late(board: Board, step: Step) -> str:
     late = board.tally.late(step.key)
-    return "" if late == 0 else "1 came later and is not counted." if late == 1 else \
-        f"{late} came later and are not counted."
+    return "" if late == 0 else \
+        trn("{count} came later and is not counted.", "{count} came later and are not counted.", late)
 
 
 def _outcome(place: Place, step: Step, answers: list, came: Right | str | None) -> str:
@@ -152,27 +163,36 @@ def _outcome(place: Place, step: Step, answers: list, came: Right | str | None) 
     if place.stage != REVEALED:
         return ""
     if came is None or isinstance(came, str):
-        return came or WORKING
+        return tr(came or WORKING)
     count = chart.right_among(step.asked, answers, came)
     if step.asked.kind == INTERVAL:
-        return f"<b>{count} of {len(answers)} hold what came out: {escape(came.told)}.</b>"
-    told = f"{count} of {len(answers)} {'was' if count == 1 else 'were'} right"
-    if step.asked.kind == CHOICE:  # the bars say which
-        return f"<b>{told}.</b>" if came.options else "<b>Nothing of this came out.</b>"
-    return f"<b>{told}: {escape(came.told)}.</b>"
+        told = tr("{right} of {of} hold what came out: {told}.", right=count, of=len(answers), told=escape(came.told))
+    elif step.asked.kind != CHOICE:
+        told = trn("{count} of {of} was right: {told}.", "{count} of {of} were right: {told}.", count, of=len(answers),
+                   told=escape(came.told))
+    elif came.options:  # the bars say which
+        told = trn("{count} of {of} was right.", "{count} of {of} were right.", count, of=len(answers))
+    else:
+        told = tr("Nothing of this came out.")
+    return f"<b>{told}</b>"
 
 
 def _end(board: Board) -> str:
     found = scores(board)
     rows = "".join(f"<li><span>{escape(filled(one.step.title, board.numbers))}</span>"
                    f"<i style='--part: {one.right / max(1, one.answers):.4f}'></i>"
-                   f"<b>{one.right} of {one.answers} {'held' if one.step.asked.kind == INTERVAL else 'right'}</b></li>"
-                   for one in found)
+                   f"<b>{_score(one)}</b></li>" for one in found)
     sums = "".join(f"<p class='lab-many'>{told}</p>" for told in calibration(found))
-    nothing = "" if found else "<p class='lab-said'>No question has been revealed.</p>"
-    return f"<h2>How the class did</h2><div class='lab-sums'>{sums}</div>{nothing}" \
+    none, name = tr("No question has been revealed."), tr("question by question")
+    nothing = "" if found else f"<p class='lab-said'>{none}</p>"
+    return f"<h2>{tr(HOW)}</h2><div class='lab-sums'>{sums}</div>{nothing}" \
            f"<ol class='lab-scores{' lab-in-two' * (len(found) > IN_ONE)}' tabindex='0' " \
-           f"aria-label='question by question'>{rows}</ol>"
+           f"aria-label='{name}'>{rows}</ol>"
+
+
+def _score(one: Scored) -> str:
+    held = one.step.asked.kind == INTERVAL
+    return tr(HELD if held else RIGHT, right=one.right, of=one.answers)
 
 
 def calibration(found: list[Scored]) -> list[str]:
@@ -182,11 +202,11 @@ def calibration(found: list[Scored]) -> list[str]:
 
     said = []
     intervals = [one for one in found if one.step.asked.kind == INTERVAL]
-    for name, kind in (("predictions", True), ("observations", False)):
-        right, of = share([one for one in found if one not in intervals and (one.step.kind == PREDICT) == kind])
+    for sentence, some in (
+            (PREDICTIONS, [one for one in found if one not in intervals and one.step.kind == PREDICT]),
+            (OBSERVATIONS, [one for one in found if one not in intervals and one.step.kind != PREDICT]),
+            (INTERVALS, intervals)):
+        right, of = share(some)
         if of:
-            said.append(f"{right} of {of} {name} were right: {100 * right / of:.0f} %")
-    held, of = share(intervals)
-    if of:
-        said.append(f"{held} of {of} intervals hold what came out: {100 * held / of:.0f} %")
+            said.append(tr(sentence, right=right, of=of, share=f"{100 * right / of:.0f}"))
     return said

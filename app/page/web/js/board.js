@@ -16,31 +16,32 @@
   const scroll = by => section.querySelector(".lab-slide [tabindex]")?.scrollBy({top: by * 0.3 * innerHeight});
   const nothing = () => {};  // of keys that mean something on the page below
   const keys = new Map([
-    ["ArrowRight", ["→  Page ↓  Space", "the one next thing, as its button says", next]],
+    ["ArrowRight", [tr("→  Page ↓  Space"), tr("the one next thing, as its button says"), next]],
     ["PageDown", ["", "", next]], [" ", ["", "", next]],
-    ["ArrowLeft", ["←  Page ↑", "look back; nothing is closed by it", back]],
+    ["ArrowLeft", [tr("←  Page ↑"), tr("look back; nothing is closed by it"), back]],
     ["PageUp", ["", "", back]],
-    ["ArrowDown", ["↓  ↑", "what is longer than the window", () => scroll(1)]],
+    ["ArrowDown", ["↓  ↑", tr("what is longer than the window"), () => scroll(1)]],
     ["ArrowUp", ["", "", () => scroll(-1)]],
-    ["v", ["V", "the stage, and back to the board", turn]],
-    ["?", ["?", "this list", null]],
+    ["v", ["V", tr("the stage, and back to the board"), turn]],
+    ["?", ["?", tr("this list"), null]],
     ...["Escape", ".", "r", "p", "1", "2", "3", "e", "m", "l"].map(key => [key, ["", "", nothing]]),
   ]);
 
   function build() {
     section = body.appendChild(document.createElement("section"));
     section.id = "lab-board";
-    section.setAttribute("aria-label", "the board");
+    section.setAttribute("aria-label", tr("the board"));
     section.innerHTML = "<div class='lab-slide'></div><p class='lab-silent' role='alert' hidden></p>"
-      + "<nav aria-label='what the board shows'></nav>";
-    section.querySelector(".lab-silent").textContent = "The lab does not answer. Once it does, the board goes on.";
+      + "<nav></nav>";
+    section.querySelector(".lab-silent").textContent = tr("The lab does not answer. Once it does, the board goes on.");
     const nav = section.querySelector("nav");
-    for (const [name, label, act] of [["back", "← Look back", back], ["save", "Save", save], ["stage", "", turn], ["next", "", next]]) {
+    nav.setAttribute("aria-label", tr("what the board shows"));
+    for (const [name, label, act] of [["back", tr("← Look back"), back], ["save", tr("Save"), save], ["stage", "", turn], ["next", "", next]]) {
       buttons[name] = nav.appendChild(Object.assign(document.createElement("button"), {type: "button", textContent: label}));
       buttons[name].className = `lab-board-${name}`;
       buttons[name].addEventListener("click", act);
     }
-    buttons.save.title = "a file of what was answered, without names";
+    buttons.save.title = tr("a file of what was answered, without names");
     const usual = window.lab.special, all = window.lab.keys;
     keys.set("?", all.get("?"));
     window.lab.special = () => covers() ? keys : new Map([...(usual() || all), ["v", keys.get("v")]]);
@@ -66,9 +67,9 @@
     const top = slide.querySelector("[tabindex]")?.scrollTop || 0, where = slide.querySelector("h2")?.textContent;
     slide.replaceChildren(said.content.cloneNode(true));
     if (slide.querySelector("h2")?.textContent === where && slide.querySelector("[tabindex]")) slide.querySelector("[tabindex]").scrollTop = top;
-    set(buttons.back, "← Look back", said.dataset.back === "yes");
-    set(buttons.stage, on ? "The stage (V)" : "Back to the board (V)", true);
-    set(buttons.next, said.dataset.next ? `${said.dataset.next} →` : "This is the end", said.dataset.next !== "");
+    set(buttons.back, tr("← Look back"), said.dataset.back === "yes");
+    set(buttons.stage, on ? tr("The stage (V)") : tr("Back to the board (V)"), true);
+    set(buttons.next, said.dataset.next ? `${said.dataset.next} →` : tr("This is the end"), said.dataset.next !== "");
     body.classList.toggle("lab-board-view", on);
     for (const other of body.children)
       if (other !== section && !other.matches("dialog, script, style")) other.inert = on;
