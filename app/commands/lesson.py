@@ -204,9 +204,10 @@ def _read(names: tuple[str, ...], find: Callable[[str], Iterable[Lesson]],
     """The lessons of these names, or all, as one ``find``s them, and by name what is wrong with those that cannot be
     read, which is told; a name that is none is told with those that could be given ``also``."""
     from app.lessons import shelf
-    mistakes: dict[str, str] = {}
+    lessons, mistakes = list[Lesson](), dict[str, str]()
     called = dict.fromkeys(lesson_called(name, also) for name in names) if names else shelf.names()
-    return [lesson for found in _read_each(called, find, mistakes) for lesson in found], mistakes
+    _read_each(called, lambda name: lessons.extend(find(name)), mistakes)  # a lesson stays without its translation
+    return lessons, mistakes
 
 
 def _read_each(names: Iterable[str], read: Callable[[str], Read], mistakes: dict[str, str]) -> list[Read]:

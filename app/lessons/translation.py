@@ -8,7 +8,7 @@ from typing import Any
 from app.lessons.lesson import Lesson, LessonError, Step
 from app.lessons.reading import read
 
-ALIKE = ("minutes", "controls", "prerequisites", "variants")
+ALIKE = ("controls", "prerequisites", "variants")
 
 
 def translated(original: Lesson, path: Path, language: str) -> Lesson:
@@ -32,8 +32,8 @@ def _differences(original: Lesson, own: Lesson) -> Iterator[tuple[int, str]]:
             yield 1, f"the {name} of the head"
     if len(own.goals) != len(original.goals):
         yield 1, "the numbers of goals"
-    if [step.kind for step in own.steps] != [step.kind for step in original.steps]:
-        yield own.steps[0].line, "the kinds of the steps"
+    if [(step.kind, step.core) for step in own.steps] != [(step.kind, step.core) for step in original.steps]:
+        yield own.steps[0].line, "the kinds of the steps, or which are core,"
         return
     for step, other in zip(own.steps, original.steps, strict=True):
         for name, mine, theirs in zip(("runs", "question", "claims"), _fixed(step), _fixed(other), strict=True):

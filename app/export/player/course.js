@@ -57,8 +57,8 @@ function report(progress) {
   const titles = short.map((step) => tr('"{name}"', {name: own(step.title)})).join(", ");
   said.textContent = !taken || call("LMSCommit", "") !== "true"
     ? tr("Your course's system did not keep what you have done last; Hand in, at the end, saves it as a file.")
-    : short.length ? tr("Your course's system has room for {characters} characters, and does not keep all that you wrote at {titles}; Hand in, at the end, saves it.",
-      {characters: CHARACTERS, titles}) : "";
+    : short.length ? tr("Your course's system has room for {most} characters, and does not keep all that you wrote at {titles}; Hand in, at the end, saves it.",
+      {most: CHARACTERS, titles}) : "";
 }
 
 // Completed, and never passed or failed: predictions are there to go wrong. A score that counts stays when one begins anew,

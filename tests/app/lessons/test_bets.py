@@ -23,7 +23,6 @@ from solvers.study.coverage.draws import Draw
 
 HEAD = """+++
 title = "Bets"
-minutes = 10
 goals = ["bet"]
 +++
 """

@@ -116,6 +116,11 @@ def taken_html(lesson: Lesson, step: Step, answer: Answer, numbers: Numbers, com
     return recorded_html(said, comment, right, lang(lesson) if step.asked.kind == CHOICE else "")
 
 
+def trouble_html(why: str) -> str:
+    """Why something is no answer."""
+    return f"<div class='lab-lesson lab-recorded' role='alert'>{why}</div>"
+
+
 def recorded_html(said: str, comment: str, right: bool | None, lang: str = "") -> str:
     """That an answer has been taken: what it was, and what is to be said of it; ``lang`` is the attribute of what was
     chosen. It is read out by ``js/lesson_aloud.js``."""

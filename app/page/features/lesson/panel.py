@@ -39,7 +39,6 @@ class Player:
         self._lesson: Lesson | None = None
         self._progress = kept.Progress("", "")  # of the lesson that is open
         self._restored = False  # whether the browser has said what it keeps of this lesson
-        self._shown_at = monotonic()
         self._answer: AnswerWidgets | None = None  # of the question that is shown
         self._acts: list[acts.Act] = []  # that the step's text has buttons for
         self._way: Way | None = None  # on from the step that is shown
@@ -129,15 +128,14 @@ class Player:
         with self._widgets:
             if self._lesson is None:
                 self._gui.add_html(page.shelf_html(shelf.lessons()))
+                return
+            head = self._gui.add_html(page.head_html(self._lesson, self._progress))
+            if (step := self._step) is not None:
+                self._build_step(self._lesson, step)
+            elif self._progress.step == 0:
+                self._build_intro(self._lesson, head)
             else:
-                head = self._gui.add_html(page.head_html(self._lesson, self._progress))
-                at, steps = self._progress.step, self._lesson.steps
-                if at == 0:
-                    self._build_intro(self._lesson, head)
-                elif at <= len(steps):
-                    self._build_step(self._lesson, steps[at - 1])
-                else:
-                    self._build_end(self._lesson)
+                self._build_end(self._lesson)
 
     def _build_intro(self, lesson: Lesson, head: viser.GuiHtmlHandle) -> None:
         self._gui.add_html(page.intro_html(lesson, self._numbers, self._room.teacher))
@@ -176,14 +174,13 @@ class Player:
         if step.kind != PREDICT:  # when it is run, so that marks are there when it is explained
             self._mark_all(lesson, step, text)
         if (ahead := bets_ahead(lesson, step)) is not None:
-            self._marker.lay(lesson, ahead, self._progress, lambda: self._show(
-                text, lambda: self._explained(lesson, step)))
+            self._marker.lay(lesson, ahead, self._progress,
+                             lambda: self._show(text, lambda: self._explained(lesson, step)))
         with speaking(lesson.language):
             self._acts = acts.found(page.text_html(step.text, self._numbers))
-        if step.question is None:
-            self._buttons(back=True, onward=True)
-            return
-        self._ask(lesson, step)
+        if step.question is not None:
+            return self._ask(lesson, step)
+        self._buttons(back=True, onward=True)
 
     def _ask(self, lesson: Lesson, step: Step) -> None:
         answered = self._progress.answers.get(step.key)
@@ -195,15 +192,14 @@ class Player:
             allow(text, LONGEST)
         said = self._gui.add_html("" if answered is None else self._taken(step, None))
         self._gui.add_html(MAIN)
-        record = self._gui.add_button(tr("Record my prediction") if step.kind == PREDICT
-                                      else tr("Check my answer"), disabled=fixed)
+        does = tr("Record my prediction") if step.kind == PREDICT else tr("Check my answer")
+        record = self._gui.add_button(does, disabled=fixed)
         self._buttons(back=True, onward=answered is not None, main=answered is not None)
 
         def take(_: viser.GuiEvent) -> None:
             answer = widgets.value
             if why := trouble(step.asked, answer):
-                trouble_said = f"<div class='lab-lesson lab-recorded' role='alert'>{why}</div>"
-                return self._show(said, lambda: trouble_said)
+                return self._show(said, lambda: page.trouble_html(why))
             with self._lock:
                 if step.kind != PREDICT or step.key not in self._progress.answers:  # on another page of his meanwhile
                     self._progress.answer(step.key, answer, monotonic() - self._shown_at)
@@ -238,14 +234,13 @@ class Player:
     @property
     def _step(self) -> Step | None:
         """That is shown."""
-        at = self._progress.step
-        return self._lesson.steps[at - 1] if self._lesson and 0 < at <= len(self._lesson.steps) else None
+        return self._lesson.step_at(self._progress.step) if self._lesson else None
 
     def _taken(self, step: Step, found: AnswerMark | str | None) -> str:
         """What is said of the answer that the step has."""
+        assert self._lesson is not None
         answer = self._progress.answers[step.key]
-        return page.taken_html(self._lesson, step, answer, self._numbers, *comment(step, answer, found)) \
-            if self._lesson else ""
+        return page.taken_html(self._lesson, step, answer, self._numbers, *comment(step, answer, found))
 
     def _check(self, lesson: Lesson, step: Step, said: viser.GuiHtmlHandle) -> None:
         """Mark the answer, which may need a run, and say so; the way on is free, and may have been taken already."""
@@ -254,10 +249,9 @@ class Player:
                 return
             if self._way is not None:
                 self._way.answered()
-            said.content = self._taken(step, "" if step.asked.kind == TEXT
-                                       else tr("Being checked against the run …"))
-        self._marker.check(lesson, step, self._progress, lambda found: self._show(
-            said, lambda: self._taken(step, found)))
+            said.content = self._taken(step, "" if step.asked.kind == TEXT else tr("Being checked against the run …"))
+        self._marker.check(lesson, step, self._progress,
+                           lambda found: self._show(said, lambda: self._taken(step, found)))
 
     def _explained(self, lesson: Lesson, step: Step) -> str:
         """The step's text; where it explains, below what was said and what came out."""
@@ -283,14 +277,12 @@ class Player:
         self._mark_all(lesson, None, text)
         if following := shelf.after(lesson):
             self._gui.add_html(MAIN)
-            onward = self._gui.add_button(tr("Next lesson: {title}", title=following.title))
-            onward.on_click(lambda _: self.open(following.name))
+            title = tr("Next lesson: {title}", title=following.title)
+            self._gui.add_button(title).on_click(lambda _: self.open(following.name))
         if self._progress.core and not self._paced:
-            deeper = self._gui.add_button(tr(core.GO_DEEPER))
-            deeper.on_click(lambda _: self.turn(False, core.deeper_from(lesson)))
-        hand_in = self._gui.add_button(tr("Hand in"), icon=viser.Icon.DOWNLOAD,
-                                       hint=tr("save your answers as a file"))
-        hand_in.on_click(lambda _: self._hand_in())
+            self._gui.add_button(tr(core.GO_DEEPER)).on_click(lambda _: self.turn(False, core.deeper_from(lesson)))
+        hint = tr("save your answers as a file")
+        self._gui.add_button(tr("Hand in"), icon=viser.Icon.DOWNLOAD, hint=hint).on_click(lambda _: self._hand_in())
         self._buttons(back=True, onward=False)
 
     def _end(self, lesson: Lesson) -> str:
@@ -298,8 +290,8 @@ class Player:
 
     def _hand_in(self) -> None:
         with self._lock:
-            self._client.send_file_download(self._progress.file_name, self._progress.text().encode(),
-                                            save_immediately=True)
+            name, text = self._progress.file_name, self._progress.text()
+        self._client.send_file_download(name, text.encode(), save_immediately=True)
 
     def _buttons(self, back: bool, onward: bool, main: bool = True) -> None:
         """Back, next and leave; the one for next is the ``main`` one where no answer is asked for."""
