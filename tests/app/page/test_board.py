@@ -179,7 +179,7 @@ def test_the_end_says_how_well_the_class_has_known(board):
         press(board, NEXT)
     until(lambda: len(scores(board)) == 3, "what came out")
     assert calibration(scores(board)) == ["4 of 6 predictions were right: 67 %",
-                                          "2 of 3 intervals hold what came out: 67 %"]
+                                          "2 of 3 intervals hold what came out: 67 %, where 80 % was said"]
     assert "2 of 3 held" in shown(board) and shown(board).count("2 of 3 right") == 2
     kept = json.loads(saved.text(board))
     assert kept.keys() == {"schema", "lesson", "fingerprint", "numbers", "questions"}

@@ -114,7 +114,7 @@ def test_visitor_who_leaves_takes_the_process_along(jobs):
     page, tab = Page.__new__(Page), CostTab.__new__(CostTab)
     tab.jobs = jobs
     page._closed, page._stands, page._cost = threading.Event(), threading.Event(), tab
-    page._budget = SimpleNamespace(jobs=tab.jobs)
+    page._budget, page._board = SimpleNamespace(jobs=tab.jobs), None
     page._drawing, page._refreshing = threading.Lock(), threading.Lock()
     page._session = page._slow = page._player = page._own = page._links = SimpleNamespace(close=lambda: None)
     page.close()

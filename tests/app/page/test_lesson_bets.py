@@ -28,9 +28,10 @@ def test_a_picture_has_a_line_for_each_bet_and_says_it_in_words():
 
 
 def test_what_came_out_has_a_bets_score_beside_it():
-    step = next(step for step in shelf.lesson("10-how-sure-are-you").steps if step.question)
+    lesson = shelf.lesson("10-how-sure-are-you")
+    step = next(step for step in lesson.steps if step.question)
     mark = AnswerMark(True, "44.56 nm", Bet(2e-8, 2e-7, 4.456e-8))
-    html = compared_html([step], {step.key: Answer([2e-8, 2e-7], [2e-8, 2e-7], 1, 1.0)}, {step.key: mark}, {})
+    html = compared_html(lesson, [step], {step.key: Answer([2e-8, 2e-7], [2e-8, 2e-7], 1, 1.0)}, {step.key: mark}, {})
     assert "<td>20 nm to 200 nm</td><td>44.56 nm; score 1.00</td>" in html
 
 

@@ -19,7 +19,7 @@ NOBODY, WORKING = later("Nobody is here yet."), later("What came out is being wo
 HOW, HELD, RIGHT = later("How the class did"), later("{right} of {of} held"), later("{right} of {of} right")
 PREDICTIONS = later("{right} of {of} predictions were right: {share} %")
 OBSERVATIONS = later("{right} of {of} observations were right: {share} %")
-INTERVALS = later("{right} of {of} intervals hold what came out: {share} %")
+INTERVALS = later("{right} of {of} intervals hold what came out: {share} %, where {level} % was said")
 
 
 @dataclass(frozen=True)
@@ -166,7 +166,8 @@ def _outcome(place: Place, step: Step, answers: list, came: Right | str | None) 
         return tr(came or WORKING)
     count = chart.right_among(step.asked, answers, came)
     if step.asked.kind == INTERVAL:
-        told = tr("{right} of {of} hold what came out: {told}.", right=count, of=len(answers), told=escape(came.told))
+        told = tr("{right} of {of} hold what came out, where {level} % was said: {told}.", right=count,
+                  of=len(answers), level=f"{100 * step.asked.level:g}", told=escape(came.told))
     elif step.asked.kind != CHOICE:
         told = trn("{count} of {of} was right: {told}.", "{count} of {of} were right: {told}.", count, of=len(answers),
                    told=escape(came.told))
@@ -208,5 +209,6 @@ def calibration(found: list[Scored]) -> list[str]:
             (INTERVALS, intervals)):
         right, of = share(some)
         if of:
-            said.append(tr(sentence, right=right, of=of, share=f"{100 * right / of:.0f}"))
+            level = sum(one.step.asked.level * one.answers for one in some) / of  # of predictions it is not said
+            said.append(tr(sentence, right=right, of=of, share=f"{100 * right / of:.0f}", level=f"{100 * level:.0f}"))
     return said
