@@ -25,4 +25,4 @@ def test_its_numbers_are_those_of_the_readme():
                      for path in ("assets/paper/paper.md", "README.md"))
     for number in ("88 of 90 random trials", "97 %", "14 %", "87 %"):
         assert number in paper and number in readme, number
-    assert "Nine lessons" in readme and "nine lessons" in paper
+    assert "Ten lessons" in readme and "ten lessons" in paper

@@ -40,7 +40,7 @@ function readout() {
 // A time as an axis counts it: in periods, but where nothing swings.
 function counted(time, run) {
   const periods = number(time / run.period);
-  return run.moves_on ? `${number(time)} s` : periods === "1" ? "1 period" : `${periods} periods`;
+  return run.moves_on ? `${number(time)} s` : periods === "1" ? tr("1 period") : tr("{periods} periods", {periods});
 }
 
 // The step over the bound of what the present configuration bears; beyond 1 it will not hold.

@@ -129,7 +129,8 @@ class Timeline:
         step = round_up((end - start) / of_time / TICKS / 1.0001, (1, 2, 5))[0] * of_time
         ticks = [start + k * step for k in range(1, int((end - start) / step * 1.0001) + 1)] if not start else []
         last = "" if not ticks else in_periods(ticks[-1] / of_time) if swings else with_unit(ticks[-1], "s")
-        factor = float(last.split()[0]) / ticks[-1] if ticks else 1.0  # a unit with a prefix, said once
+        # A unit with a prefix, said once.
+        factor = 1 / of_time if swings or not ticks else float(last.split()[0]) / ticks[-1]
         marks = [[part(tick), f"{tick * factor:.4g}" if tick != ticks[-1] else last] for tick in ticks]
         begin = "0" if not start else in_periods(start / of_time) if swings else with_unit(start, "s")
         words = QUANTITIES[quantity]
