@@ -12,7 +12,6 @@ import tempfile
 import zipfile
 from pathlib import Path
 
-
 from app.export.course import package
 from app.lessons import shelf
 from tests.browser import courses

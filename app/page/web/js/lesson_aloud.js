@@ -36,7 +36,7 @@
     step = now;
     if (said && said !== before.said && now === before.step) {
       before.said = said;
-      told.textContent = said;
+      told.replaceChildren(...find(".lab-recorded").cloneNode(true).childNodes);  // words keep their languages
     }
     if (lost()) setTimeout(follow, 100);
   }
