@@ -64,7 +64,9 @@ def at(page):
 
 def switch(page, to):
     """Press the link to a language."""
-    again_until(page.locator(f"#lab-head a.lab-language[lang={to}]").click, lambda: spoken(page) == to, to)
+    with page.expect_navigation(wait_until="commit"):  # what is asked of a page that goes would fail
+        page.locator(f"#lab-head a.lab-language[lang={to}]").click()
+    until(lambda: spoken(page) == to, to)
     there(page)
 
 

@@ -31,10 +31,17 @@
   const named = asked?.toLowerCase() === spoken, search = named || spoken === "en" ? location.search
     : `${location.search || "?"}${location.search ? "&" : ""}lang=${spoken}`;
   const here = location.origin + location.pathname + (named || spoken !== "en" ? `?lang=${spoken}` : "");
-  const tellLink = () => tell({link, here});
+  // What is to be seen, for a link elsewhere: what was asked for, until the page has another one than at first.
+  const root = document.documentElement;
+  let asking = "", first = null;
+  const tellLink = () => {
+    [asking, first, root.dataset.link] = [link, null, link || root.dataset.link || ""];
+    tell({link, here});
+  };
 
   read();
-  document.documentElement.classList.toggle("lab-linked", link !== "");
+  root.dataset.link = link;
+  root.classList.toggle("lab-linked", link !== "");
   history.replaceState(null, "", location.pathname + search);
 
   function look() {
@@ -55,6 +62,8 @@
       if (lesson) tell({lesson, answers: stored(store => store.getItem(STORE + lesson), "") || ""});
     }
     if (lesson && kept.answers) stored(store => store.setItem(STORE + lesson, kept.answers));
+    if (kept.link) first ??= kept.link;
+    if (kept.link && (!asking || kept.link !== first)) [asking, root.dataset.link] = ["", kept.link];
     if (kept.link && kept.link !== shown) {
       link = shown = kept.link;
       history.replaceState(null, "", `${location.pathname}${location.search}#${link}`);
