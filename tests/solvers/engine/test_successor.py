@@ -127,13 +127,22 @@ def test_an_engine_killed_while_it_compiles_takes_its_successor_along(pool, sess
     number = link.ask(wanted)
     until(lambda: compilers(pool), "a successor")
     child = compilers(pool)[0]
+    began = begun(child)
     with held([child]):
         os.kill(pool.process_ids[0], signal.SIGKILL)
         until(lambda: ended(child), "the successor killed as well")
     assert listener.frame(number + 1)[0].scene == wanted
     assert listener.losses == 1
     assert pool.wait_ready(PATIENCE)
-    until(lambda: not Path(f"/proc/{child}").exists(), "nothing left of it")
+    until(lambda: begun(child) != began, "nothing left of it")
+
+
+def begun(process):
+    """When a process began, by the system's clock; None where there is none. Its number may soon be another's."""
+    try:
+        return Path(f"/proc/{process}/stat").read_text(encoding="utf-8").rpartition(")")[2].split()[19]
+    except OSError:
+        return None
 
 
 def test_what_is_usual_is_compiled_unasked():
