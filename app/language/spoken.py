@@ -37,8 +37,7 @@ _spoken: ContextVar[str] = ContextVar("language", default=ENGLISH)
 
 
 class Catalogue:
-    """What the words of the code are in one language; those that it does not have stay as they are. ``entries`` are
-    those of a file of translations: text, plural or "", translations, files in which the text stands."""
+    """What the words of the code are in one language; those that it does not have stay as they are."""
 
     def __init__(self, file: polib.POFile):
         self._words = gettext.GNUTranslations(io.BytesIO(file.to_binary()))
@@ -54,10 +53,6 @@ class Catalogue:
         """The texts of files whose paths begin so, for those whose language is none of Python."""
         return {text: said for text, (said, files) in self._texts.items() if said
                 and any(file.startswith(places) for file in files)}
-
-    def texts(self) -> dict[str, str]:
-        """All texts that have one form."""
-        return {text: said for text, (said, _) in self._texts.items() if said}
 
 
 @functools.lru_cache

@@ -213,6 +213,12 @@ def test_what_is_right_is_known_for_every_variant():
     (["bar", "--out", "a.htm"], "give a file that ends in .html"),
     (["bar", "--out", "no/such/place/a.html"], "cannot be written"),
     (["bar", "--out", "a.html", "--processes", "0"], "processes 0: give a whole number"),
+    (["bar cells=8", "--scorm", "--out", "a.zip"], "is no lesson, and a course keeps a score of lessons alone"),
+    (["--scorm", "--out", "a.zip"], "give lessons by name or number"),
+    (["1", "99", "--scorm", "--out", "a.zip"], "there is no lesson '99'"),
+    (["1", "--scorm", "--out", "a.html"], "give a file that ends in .zip"),
+    (["1", "--out", "a.zip"], "give a file that ends in .html"),
+    (["1", "4", "--out", "a.html"], "a file has one lesson; give one, or --scorm for a package of several"),
 ])
 def test_bad_input_is_told_in_one_sentence(arguments, sentence, capsys, monkeypatch, tmp_path):
     monkeypatch.chdir(tmp_path)

@@ -66,22 +66,6 @@ def test_only_a_package_speaks_to_a_system(archive):
     assert page.partition("<script>")[0] == plain.partition("<script>")[0], "as strict a policy, and the same page"
 
 
-@pytest.mark.parametrize("arguments, sentence", [
-    (["bar cells=8", "--scorm", "--out", "a.zip"], "is no lesson, and a course keeps a score of lessons alone"),
-    (["--scorm", "--out", "a.zip"], "give lessons by name or number"),
-    (["1", "99", "--scorm", "--out", "a.zip"], "there is no lesson '99'"),
-    (["1", "--scorm", "--out", "a.html"], "give a file that ends in .zip"),
-    (["1", "--out", "a.zip"], "give a file that ends in .html"),
-    (["1", "4", "--out", "a.html"], "a file has one lesson; give one, or --scorm for a package of several"),
-])
-def test_bad_input_is_told_in_one_sentence(arguments, sentence, capsys, monkeypatch, tmp_path):
-    monkeypatch.chdir(tmp_path)
-    assert main(["export", *arguments]) == 2
-    said = capsys.readouterr().err.strip()
-    assert sentence in said and "\n" not in said
-    assert not list(tmp_path.iterdir())
-
-
 def test_several_lessons_are_packed_once_each(capsys, monkeypatch, tmp_path):
     asked = []
     monkeypatch.setattr("app.export.course.package", lambda lessons, *others, core: asked.extend(lessons) or b"PK")

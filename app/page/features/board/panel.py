@@ -53,11 +53,6 @@ class BoardPanel:
         self.draw()
         threading.Thread(target=carried(self._follow), name="board", daemon=True).start()
 
-    @property
-    def covers(self) -> bool:
-        """Whether the stage cannot be seen."""
-        return self._covers
-
     def close(self) -> None:
         """The lecturer has gone, and the board is as it was."""
         self._board.unwatch(self._news.set)

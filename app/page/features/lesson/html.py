@@ -111,24 +111,19 @@ def compared_html(lesson: Lesson, steps: Sequence[Step], answers: Mapping[str, A
 
 
 def taken_html(lesson: Lesson, step: Step, answer: Answer, numbers: Numbers, comment: str, right: bool | None) -> str:
-    """That the answer of a step has been taken, and what is to be said of it."""
-    said = filled(shown(step.asked, answer.last), numbers)
-    return recorded_html(said, comment, right, lang(lesson) if step.asked.kind == CHOICE else "")
+    """That the answer of a step has been taken: what it was, and what is to be said of it. It is read out by
+    ``js/lesson_aloud.js``."""
+    said, own = filled(shown(step.asked, answer.last), numbers), lang(lesson) if step.asked.kind == CHOICE else ""
+    kind, sign, word = SIGNS[right]
+    mark = f" <span class='lab-{kind}'>{sign} {tr(word)}</span>" if sign else ""
+    yours = tr("Your answer:")
+    return f"<div class='lab-lesson lab-recorded'>{yours} <b{own}>{escape(said)}</b>{mark} " \
+           f"{escape(comment)}</div>"
 
 
 def trouble_html(why: str) -> str:
     """Why something is no answer."""
     return f"<div class='lab-lesson lab-recorded' role='alert'>{why}</div>"
-
-
-def recorded_html(said: str, comment: str, right: bool | None, lang: str = "") -> str:
-    """That an answer has been taken: what it was, and what is to be said of it; ``lang`` is the attribute of what was
-    chosen. It is read out by ``js/lesson_aloud.js``."""
-    kind, sign, word = SIGNS[right]
-    mark = f" <span class='lab-{kind}'>{sign} {tr(word)}</span>" if sign else ""
-    yours = tr("Your answer:")
-    return f"<div class='lab-lesson lab-recorded'>{yours} <b{lang}>{escape(said)}</b>{mark} " \
-           f"{escape(comment)}</div>"
 
 
 def end_html(lesson: Lesson, progress: Progress, marks: Mapping[str, AnswerMark | str], numbers: Numbers,
