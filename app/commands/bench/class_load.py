@@ -10,7 +10,7 @@ import subprocess
 import threading
 from bisect import bisect_right
 from collections import deque
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager, suppress
 from dataclasses import dataclass, field
 from itertools import pairwise
@@ -19,7 +19,7 @@ from typing import Any
 
 from app.commands.bench.itself import ITSELF
 from app.viewer.client import connected
-from solvers.workers.processes import LINUX, descendants, free_port, proportional_bytes
+from solvers.workers.processes import LINUX, descendants, free_port, processor_seconds, proportional_bytes
 
 SCHEMA = "mpm-lab/class/1"
 JOINING = 5.0  # seconds within which all come
@@ -79,6 +79,10 @@ class Visitor:
             await connection.send(CAMERA)
             async for messages in connection:
                 self._take(messages)
+
+    def says(self, words: str) -> bool:
+        """Whether any text on the page has these words now."""
+        return any(words in str(control.props.get("content", "")) for control in self.controls.values())
 
     async def move(self, control: str, value: Any) -> None:
         """Set the control with this number."""
@@ -149,11 +153,10 @@ class Visitor:
 
 
 @contextmanager
-def serving(*arguments: str) -> Iterator[tuple[str, int]]:
+def serving(*arguments: str, command: Sequence[str] = ITSELF) -> Iterator[tuple[str, int]]:
     """A server of the page in a process of its own: its address (host:port) and the number of the process."""
     port = free_port()
-    command = [*ITSELF, "serve", "--port", str(port), *arguments]
-    process = subprocess.Popen(command, stderr=subprocess.PIPE, text=True)
+    process = subprocess.Popen([*command, "serve", "--port", str(port), *arguments], stderr=subprocess.PIPE, text=True)
     assert process.stderr
     try:
         line = process.stderr.readline()
@@ -169,9 +172,9 @@ def serving(*arguments: str) -> Iterator[tuple[str, int]]:
         process.kill()
 
 
-def class_load(load: Load, on_progress: Callable[[float], None]) -> dict[str, Any]:
-    """Have a class use a server, and say what its visitors got."""
-    with serving("--max-sessions", str(load.visitors)) as (address, server):
+def class_load(load: Load, on_progress: Callable[[float], None], command: Sequence[str] = ITSELF) -> dict[str, Any]:
+    """Have a class use a server, of another version of the lab perhaps, and say what its visitors got."""
+    with serving("--max-sessions", str(load.visitors), command=command) as (address, server):
         return asyncio.run(_attend(address, server, load, on_progress))
 
 
@@ -184,7 +187,7 @@ async def _attend(address: str, server: int, load: Load, on_progress: Callable[[
         while (waited := monotonic() - came) < 2 * JOINING or (waited < LATEST and not all(
                 visitor.frames or visit.done() for visitor, visit in zip(visitors, visits, strict=True))):
             await asyncio.sleep(0.1)
-        begin, memory = monotonic(), [memory_held(server)]
+        begin, memory, worked = monotonic(), [memory_held(server)], processor_seconds(server)
         while (done := (monotonic() - begin) / load.seconds) < 1:
             on_progress(done)
             if done > 0.5 and len(memory) == 1:
@@ -192,13 +195,15 @@ async def _attend(address: str, server: int, load: Load, on_progress: Callable[[
             await asyncio.sleep(min(1.0, load.seconds / 4, begin + load.seconds - monotonic()))
         end = monotonic()
         memory.append(memory_held(server))
+        work = None if worked is None else (processor_seconds(server) or 0.0) - worked
     finally:
         for visit in visits:
             visit.cancel()
         ended = await asyncio.gather(*visits, return_exceptions=True)
     on_progress(1.0)
     lost = [str(error) for error in ended if error and not isinstance(error, asyncio.CancelledError)]
-    return {**load_report(visitors, begin, end, lost), "memory": None if None in memory else memory}
+    return {**load_report(visitors, begin, end, lost), "memory": None if None in memory else memory,
+            "server_seconds_per_frame": None if work is None else work_per_frame(visitors, begin, end, work)}
 
 
 async def _visit(visitor: Visitor, dice: random.Random) -> None:
@@ -228,6 +233,12 @@ def memory_held(server: int) -> dict[str, int] | None:
     return {"server": proportional_bytes(server), "engines": engines}
 
 
+def work_per_frame(visitors: list[Visitor], begin: float, end: float, work: float) -> float | None:
+    """Processor seconds of the web process, out of its ``work`` between two times, for each frame of each visitor."""
+    frames = sum(begin <= at < end for visitor in visitors for at in visitor.frames)
+    return work / frames if frames else None
+
+
 def load_report(visitors: list[Visitor], begin: float, end: float, lost: list[str]) -> dict[str, Any]:
     """What visitors got between two times; ``lost`` has a reason for each visit that has ended by itself."""
     rates = sorted(rate for visitor in visitors if (rate := visitor.rate(begin, end)) is not None) or [0.0]
@@ -255,6 +266,8 @@ def class_table(found: dict[str, Any], /) -> str:
              f"  longest standstill     {seconds(found['standstill_longest'])}; "
              f"{seconds(found['standstill_own_longest'])} after a visitor's own choice",
              f"  connections lost       {len(found['lost'])}" + "".join(f"; {reason}" for reason in found["lost"][:3])]
+    if work := found["server_seconds_per_frame"]:
+        lines.append(f"  the server's own work  {1e3 * work:.2f} ms of a processor for each frame of each visitor")
     if memory := found["memory"]:
         rooms = (f"{name} " + ", ".join(f"{moment[name] / MEGABYTE:.0f}" for moment in memory)
                  for name in ("server", "engines"))
