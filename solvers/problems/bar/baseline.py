@@ -7,7 +7,8 @@ the solver against it, and a test that both give the same numbers.
 
 import taichi as ti
 
-from solvers.kernels.shapes import gimp, stencil
+from solvers.kernels.lanes import LANES, read
+from solvers.kernels.shapes import gimp
 from solvers.problems.bar.method.nodes import EMPTY, GHOSTS, fold, spread, stencil_of
 from solvers.problems.bar.solver import BarSolver
 from solvers.problems.bar.state import WatchedBar
@@ -24,12 +25,15 @@ BaselineState = part_types(WatchedBar, (
 
 @ti.func
 def find_weights(bar: ti.template()):
-    for p in range(bar.particles):
-        x = bar.position[p]
-        first, left, right, slope_left, slope_right = gimp((x - ti.floor(x)) * bar.cells_per_length, bar.half_width)
-        S, dS = stencil(left, right, slope_left, slope_right)
-        bar.first_node[p] = ti.cast(ti.min(ti.max(first, -1.0), bar.cells), ti.i32) + 1
-        bar.weights[p] = ti.Vector([S[0], S[2], dS[0] * bar.cells_per_length, dS[2] * bar.cells_per_length])
+    for block in range((bar.particles + LANES - 1) // LANES):
+        p, per = ti.min(block * LANES, bar.particles - LANES), bar.cells_per_length
+        x = read(bar.position, p)
+        first, left, right, slope_left, slope_right = gimp((x - ti.floor(x)) * per, bar.half_width)
+        slope_left, slope_right = slope_left * per, slope_right * per
+        node = ti.min(ti.max(first, -1.0), float(bar.cells)) + 1
+        for k in ti.static(range(LANES)):
+            bar.first_node[p + k] = ti.cast(node[k], ti.i32)
+            bar.weights[p + k] = ti.Vector([left[k], right[k], slope_left[k], slope_right[k]])
 
 
 @ti.func
@@ -37,15 +41,22 @@ def particles_to_nodes(bar: ti.template(), t):
     size = bar.force_scale * ti.sin(bar.angular_frequency * t)
     for i in range(bar.cells + GHOSTS):
         bar.node_sums[i] = ti.Vector([0.0, 0.0, 0.0, 0.0])
+    at = bar.first_node[0]
+    left, middle, right = bar.node_sums[at], bar.node_sums[at + 1], bar.node_sums[at + 2]
     for p in range(bar.particles):
         S, dS = stencil_of(bar, p)
-        i = bar.first_node[p]
         volume = bar.deformation_gradient[p] * bar.volume
         stress = bar.modulus * (bar.deformation_gradient[p] - bar.unstretched)
-        interpolated = ti.Vector([1.0, bar.velocity[p], 0.0, size * bar.sine[p]])
-        force = ti.Vector([0.0, 0.0, -volume * stress, 0.0])
-        for k in ti.static(range(3)):
-            bar.node_sums[i + k] += S[k] * interpolated + dS[k] * force
+        carried = ti.Vector([1.0, bar.velocity[p], -volume * stress, size * bar.sine[p]])
+        i = bar.first_node[p]
+        if i != at:
+            bar.node_sums[at], bar.node_sums[at + 1], bar.node_sums[at + 2] = left, middle, right
+            left, middle, right = bar.node_sums[i], bar.node_sums[i + 1], bar.node_sums[i + 2]
+            at = i
+        left = left + ti.Vector([S[0], S[0], dS[0], S[0]]) * carried
+        middle = middle + ti.Vector([S[1], S[1], dS[1], S[1]]) * carried
+        right = right + ti.Vector([S[2], S[2], dS[2], S[2]]) * carried
+    bar.node_sums[at], bar.node_sums[at + 1], bar.node_sums[at + 2] = left, middle, right
     fold(bar.node_sums, bar.cells)
 
 
@@ -67,11 +78,12 @@ def nodes_to_particles(bar: ti.template()):
         S, dS = stencil_of(bar, p)
         i = bar.first_node[p]
         n0, n1, n2 = bar.node_motion[i], bar.node_motion[i + 1], bar.node_motion[i + 2]
-        motion = S[0] * n0 + S[1] * n1 + S[2] * n2
-        L = dS[0] * n0[0] + dS[1] * n1[0] + dS[2] * n2[0]
-        bar.velocity[p] += bar.dt * motion[1]
-        bar.position[p] += bar.dt * motion[0]
-        bar.deformation_gradient[p] *= 1 + bar.dt * L
+        v_a_L = ti.Vector([S[0], S[0], dS[0], dS[0]]) * ti.Vector([n0[0], n0[1], n0[0], n0[1]]) \
+            + ti.Vector([S[1], S[1], dS[1], dS[1]]) * ti.Vector([n1[0], n1[1], n1[0], n1[1]]) \
+            + ti.Vector([S[2], S[2], dS[2], dS[2]]) * ti.Vector([n2[0], n2[1], n2[0], n2[1]])
+        bar.velocity[p] += bar.dt * v_a_L[1]
+        bar.position[p] += bar.dt * v_a_L[0]
+        bar.deformation_gradient[p] *= 1 + bar.dt * v_a_L[2]
 
 
 @ti.kernel

@@ -101,7 +101,7 @@ def nodes_to_particles(bar: ti.template(), now, on: ti.template()):
 @ti.func
 def between_corners(bar: ti.template(), p, on: ti.template()):
     """Where the corners of its domain move a particle: the causes' velocity, and that of the reference."""
-    reach, M = half_width(bar, p, on) * bar.spacing, bar.cells + GHOSTS
+    reach, M = half_width(bar, bar.deformation_gradient[p], on) * bar.spacing, bar.cells + GHOSTS
     velocity, reference = ti.Vector([0.0, 0.0, 0.0, 0.0]), 0.0
     for side in ti.static((-1, 1)):
         x = bar.position[p] + side * reach

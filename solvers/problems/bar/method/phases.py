@@ -6,7 +6,8 @@ to nodes, nodes, nodes to particles. Equal masses cancel: v_i = sum S v / sum S.
 
 import taichi as ti
 
-from solvers.kernels.shapes import weights_1d
+from solvers.kernels.lanes import LANES, read
+from solvers.kernels.shapes import outer_weights
 from solvers.problems.bar.method import pieces
 from solvers.problems.bar.method.forces import force_on_particle, tones
 from solvers.problems.bar.method.nodes import (
@@ -33,54 +34,78 @@ def update_grid(bar: ti.template(), t, on: ti.template()):
 
 
 @ti.func
-def half_width(bar: ti.template(), p, on: ti.template()):
-    """Half the particle's domain, in cells: constant for uGIMP, stretched by F for cpGIMP."""
-    width = bar.half_width
+def half_width(bar: ti.template(), F, on: ti.template()):
+    """Half the domain, in cells, of a particle or several with this F: constant for uGIMP, stretched for cpGIMP."""
+    width = bar.half_width + ti.zero(F)
     if ti.static(on.method == "cpgimp" and not on.frozen):
-        width = ti.min(ti.max(bar.half_width * bar.deformation_gradient[p], 1e-6), MOST_HALF_WIDTH)
+        width = ti.min(ti.max(bar.half_width * F, 1e-6), MOST_HALF_WIDTH)
     return width
 
 
 @ti.func
 def find_weights(bar: ti.template(), on: ti.template()):
-    """Keep each particle's stencil for both mappings of the step."""
-    for p in range(bar.particles):
-        x = bar.position[p]
+    """Keep each particle's stencil for both mappings of the step, of ``LANES`` at a time; the last ones perhaps twice.
+    """
+    per = bar.cells_per_length
+    for block in range((bar.particles + LANES - 1) // LANES):
+        p = ti.min(block * LANES, bar.particles - LANES)
+        x = read(bar.position, p)
         if ti.static(on.frozen):
-            x = bar.material_position[p]
-        first, S, dS = weights_1d(on.method, (x - ti.floor(x)) * bar.cells_per_length, half_width(bar, p, on))
+            x = read(bar.material_position, p)
+        width = half_width(bar, read(bar.deformation_gradient, p), on)
+        first, left, right, slope_left, slope_right = outer_weights(on.method, (x - ti.floor(x)) * per, width)
+        slope_left, slope_right = slope_left * per, slope_right * per
         # A run that goes bad has positions anywhere: stay inside the arrays until the check stops it.
-        bar.first_node[p] = ti.cast(ti.min(ti.max(first, -1.0), bar.cells), ti.i32) + 1
-        bar.weights[p] = ti.Vector([S[0], S[2], dS[0] * bar.cells_per_length, dS[2] * bar.cells_per_length])
+        node = ti.min(ti.max(first, -1.0), float(bar.cells)) + 1
+        for k in ti.static(range(LANES)):
+            bar.first_node[p + k] = ti.cast(node[k], ti.i32)
+            bar.weights[p + k] = ti.Vector([left[k], right[k], slope_left[k], slope_right[k]])
 
 
 @ti.func
 def particles_to_nodes(bar: ti.template(), t, on: ti.template()):
-    """Sum S, S v, D* sigma with D* = -dS F V0, and S b with the body force at time t."""
+    """Sum S, S v, D* sigma with D* = -dS F V0, and S b with the body force at time t.
+
+    The sums of three nodes wait in registers until a particle has others: in memory, each particle would wait for the
+    one before it.
+    """
     size = tones(bar, t, on)
     for i in range(bar.cells + GHOSTS):
         bar.node_sums[i] = ti.Vector([0.0, 0.0, 0.0, 0.0])
+    at = bar.first_node[0]
+    left, middle, right = bar.node_sums[at], bar.node_sums[at + 1], bar.node_sums[at + 2]
     for p in range(bar.particles):
         S, dS = stencil_of(bar, p)
+        carried = carried_by(bar, p, size, on)
         i = bar.first_node[p]
-        volume = bar.volume  # frozen weights: the force at rest is -sum dS P V0
-        if ti.static(not on.frozen):
-            volume *= bar.deformation_gradient[p]
-        stress = bar.modulus * (bar.deformation_gradient[p] - bar.unstretched)
-        interpolated = ti.Vector([1.0, bar.velocity[p], 0.0, 0.0])
-        if ti.static(on.body_force in ("material", "two-tone")):
-            interpolated[3] = force_on_particle(bar, p, size, on)
-        force = ti.Vector([0.0, 0.0, -volume * stress, 0.0])
-        for k in ti.static(range(3)):
-            if ti.static(on.pieces):
-                bar.node_sums[i + k] += S[k] * interpolated
-            else:
-                bar.node_sums[i + k] += S[k] * interpolated + dS[k] * force
+        if i != at:
+            bar.node_sums[at], bar.node_sums[at + 1], bar.node_sums[at + 2] = left, middle, right
+            left, middle, right = bar.node_sums[i], bar.node_sums[i + 1], bar.node_sums[i + 2]
+            at = i
+        left = left + ti.Vector([S[0], S[0], dS[0], S[0]]) * carried
+        middle = middle + ti.Vector([S[1], S[1], dS[1], S[1]]) * carried
+        right = right + ti.Vector([S[2], S[2], dS[2], S[2]]) * carried
+    bar.node_sums[at], bar.node_sums[at + 1], bar.node_sums[at + 2] = left, middle, right
     if ti.static(on.pieces):
         pieces.corners_to_nodes(bar, on)
     fold(bar.node_sums, bar.cells)
     if ti.static(on.linearity_preserving):
         gather_moments(bar, on)
+
+
+@ti.func
+def carried_by(bar: ti.template(), p, size, on: ti.template()):
+    """What a particle gives to nodes by its weight, 1, v and b, and by the weight's slope, -sigma F V0 as third."""
+    carried = ti.Vector([1.0, bar.velocity[p], 0.0, 0.0])
+    if ti.static(not on.pieces):
+        volume = bar.volume  # frozen weights: the force at rest is -sum dS P V0
+        if ti.static(not on.frozen):
+            volume *= bar.deformation_gradient[p]
+        stress = bar.modulus * (bar.deformation_gradient[p] - bar.unstretched)
+        carried[2] = -volume * stress
+    if ti.static(on.body_force in ("material", "two-tone")):
+        carried[3] = force_on_particle(bar, p, size, on)
+    return carried
 
 
 @ti.func
@@ -122,14 +147,15 @@ def nodes_to_particles(bar: ti.template(), step, on: ti.template()):
         S, dS = stencil_of(bar, p)
         i = bar.first_node[p]
         n0, n1, n2 = bar.node_motion[i], bar.node_motion[i + 1], bar.node_motion[i + 2]
-        motion = S[0] * n0 + S[1] * n1 + S[2] * n2
-        L = dS[0] * n0[0] + dS[1] * n1[0] + dS[2] * n2[0]
-        v = bar.velocity[p] + bar.dt * motion[1]
-        moving = motion[0]
+        v_a_L = ti.Vector([S[0], S[0], dS[0], dS[0]]) * ti.Vector([n0[0], n0[1], n0[0], n0[1]]) \
+            + ti.Vector([S[1], S[1], dS[1], dS[1]]) * ti.Vector([n1[0], n1[1], n1[0], n1[1]]) \
+            + ti.Vector([S[2], S[2], dS[2], dS[2]]) * ti.Vector([n2[0], n2[1], n2[0], n2[1]])
+        moving, a, L = v_a_L[0], v_a_L[1], v_a_L[2]
+        v = bar.velocity[p] + bar.dt * a
         if ti.static(on.velocity == "particle"):
             moving = v
         if ti.static(on.velocity == "corners"):  # domains whose ends move with the grid tile for ever
-            reach = half_width(bar, p, on) * bar.spacing
+            reach = half_width(bar, bar.deformation_gradient[p], on) * bar.spacing
             moving = 0.5 * (hat_velocity(bar, bar.position[p] - reach) + hat_velocity(bar, bar.position[p] + reach))
         x = bar.position[p] + bar.dt * moving
         if ti.static(on.crossings and not on.frozen):
@@ -137,7 +163,7 @@ def nodes_to_particles(bar: ti.template(), step, on: ti.template()):
             jumps += jump
             bar.last_crossing[p] = ti.select(jump > 0, step, bar.last_crossing[p])
         if ti.static(on.acceleration):
-            bar.acceleration[p] = motion[1]
+            bar.acceleration[p] = a
         bar.velocity[p] = v
         bar.position[p] = x
         if ti.static(on.frozen):

@@ -1,0 +1,21 @@
+"""Several particles at a time, as a vector of one number of each: what a processor's register holds.
+
+The compiler does not do so by itself. After every number that is written it reads again where each array lies, since
+that might have changed, and so it finds no loop to put into vectors.
+"""
+
+import taichi as ti
+
+LANES = 4  # numbers in a register of most processors; no bar has fewer particles
+
+
+@ti.func
+def read(numbers: ti.template(), p):
+    """``LANES`` numbers from entry ``p`` on."""
+    return ti.Vector([numbers[p + k] for k in ti.static(range(LANES))])
+
+
+@ti.func
+def read_component(vectors: ti.template(), some: ti.template(), c: ti.template()):
+    """Number ``c`` of each of the vectors with the numbers ``some``."""
+    return ti.Vector([vectors[some[k]][c] for k in ti.static(range(some.n))])
