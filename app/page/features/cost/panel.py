@@ -93,7 +93,7 @@ class CostTab:
             return ""
         others = self.jobs.others or self._session.others_playing
         if others or self._session.playing:
-            self.jobs.give_way()
+            self.jobs.beside()
         return words.stage(self._quiet.paused, self._session.playing, others)
 
     def _drop_what_is_old(self) -> None:
@@ -178,9 +178,11 @@ class CostTab:
         tolerance, trouble = self._wanted()
         if axes(like, tolerance, self._inside) != self._inside:
             self._show_runs(scene)
-        says, more = headline(like, scene, tolerance, trouble, len(small_sweep(scene)))
+        says, more = headline(like, scene, tolerance, trouble, len(small_sweep(scene)), status.running)
         if status.running:
             more = escape(f"{words.counted(status)} {stage}")
+        elif status.advice:
+            more = " ".join([more, escape(words.ended(status.advice))])
         self._line.content = (f"<template class='lab-cost-says'><h2>{says}</h2><p>{more}</p></template>"
                               f"{line(like, scene, tolerance, self._inside)}")
 
@@ -225,7 +227,7 @@ class CostTab:
             self._say(str(refusal))
             return
         self._remark, self._asked = "", self._question()
-        self.jobs.search(job)
+        self.jobs.search(job, quiet=not (self.jobs.others or self._session.others_playing))
         self._quiet.follow(self.jobs.status.running)  # at once: else the first times are disturbed
 
     def _load_advice(self) -> None:
