@@ -3,6 +3,7 @@
 import base64
 import itertools
 from collections.abc import Callable, Mapping, Sequence
+from concurrent.futures import as_completed
 from contextlib import closing
 from dataclasses import asdict, dataclass
 from typing import Any
@@ -23,6 +24,7 @@ from solvers.running.run import build
 from solvers.scene.causes import CAUSES, FIELDS
 from solvers.scene.scene import Scene
 from solvers.scene.step_bound import margin_unit
+from solvers.scene.switches import combination
 from solvers.solver import budget, samples
 from solvers.solver.base import Solver
 from solvers.solver.checked import AsLarge, as_large_as_itself, merged
@@ -30,7 +32,7 @@ from solvers.solver.norms import RATIOS, error_index
 from solvers.solver.rounding import rounding
 from solvers.solver.snapshot import Snapshot
 from solvers.solver.soundness import earliest, findings
-from solvers.workers.pool import WorkerPool
+from solvers.workers.pool import WorkerPool, one_of_each_first
 
 CURVE_POINTS = 41  # at which the exact field is kept
 FARTHEST = 2.0  # metres: particles of a run gone bad are shown there at most
@@ -56,11 +58,17 @@ def recordings(wanted: Sequence[Wanted], processes: int, on_progress: Callable[[
     Raises :class:`~solvers.workers.processes.ProcessDied` where one cannot be made.
     """
     with closing(WorkerPool(f"{__name__}:work", processes)) as pool:
-        found = []
-        for recording in [pool.submit(asdict(one)) for one in wanted]:
-            found.append(recording.result())
-            on_progress(len(found))
-        return found
+        # One of each kind of run first: processes begin with different ones, and each compiles its own.
+        asked = {one: pool.submit(asdict(one), kind=_compiled(one)) for one in one_of_each_first(wanted, _compiled)}
+        for done, recording in enumerate(as_completed(asked.values()), 1):
+            recording.result()
+            on_progress(done)
+        return [asked[one].result() for one in wanted]
+
+
+def _compiled(wanted: Wanted) -> tuple:
+    """What has to be compiled for it."""
+    return combination(state.read(wanted.scene).scene)
 
 
 def work(question: Mapping[str, Any], answer: Callable[[dict], None]) -> None:

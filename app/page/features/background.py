@@ -1,6 +1,5 @@
 """Work for one visitor in a process of its own: at most one piece at a time, and few on the whole server."""
 
-import os
 import threading
 from abc import ABC, abstractmethod
 from concurrent.futures import Future
@@ -10,8 +9,9 @@ from typing import Any, ClassVar, Generic, TypeVar
 from app.language.heard import heard
 from app.language.spoken import carried, tr
 from solvers.workers.pool import Slots, WorkerPool
+from solvers.workers.processors import processors
 
-MOST_JOBS = max(1, (os.cpu_count() or 2) // 2)  # on this server; each keeps a processor busy
+MOST_JOBS = max(1, processors() // 2)  # on this server; each keeps a processor busy
 SLOTS = Slots(MOST_JOBS)
 
 
