@@ -5,7 +5,7 @@ import itertools
 from collections.abc import Callable, Mapping, Sequence
 from concurrent.futures import as_completed
 from contextlib import closing
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -93,7 +93,8 @@ def _recorded(wanted: Wanted) -> dict[str, Any]:
         while solver.step < step and solver.sound:
             rows.append(solver.advance(min(int(step) - solver.step, solver.longest_advance)))
         own.append(solver.measure())  # the picture's own norms; also a look for a run gone bad
-        shots.append({key: solver.snapshot(wanted.difference, key) for key in wanted.quantities})
+        shot = solver.snapshot(wanted.difference)
+        shots.append({key: replace(shot, plotted=solver.plotted(key)) for key in wanted.quantities})
         if not solver.sound:
             break
     kept = _shown(scene.DIMENSIONS, _count(shots), wanted.particles)
