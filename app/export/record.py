@@ -28,7 +28,7 @@ from solvers.scene.switches import combination
 from solvers.solver import budget, samples
 from solvers.solver.base import Solver
 from solvers.solver.checked import AsLarge, as_large_as_itself, merged
-from solvers.solver.norms import RATIOS, error_index
+from solvers.solver.norms import RATIOS
 from solvers.solver.rounding import rounding
 from solvers.solver.snapshot import Snapshot
 from solvers.solver.soundness import earliest, findings
@@ -211,15 +211,26 @@ def _norms(scene: Scene, regular: Mapping[str, np.ndarray], pictures: Mapping[st
               Track("margin", NUMBER, pictures["margin"].reshape(-1, 1)),
               Track("norm.true", NUMBER, _columns(pictures, "error_{}"))]
 
-    def until(name: str, k: int) -> np.ndarray:
-        return np.append(regular[name][:ends[k]], pictures[name][k:k + alone[k]])
+    def so_far(accumulate: np.ufunc, start: float, name: str, of: Callable[[np.ndarray], np.ndarray]) -> np.ndarray:
+        """Of a series, or of what is ``of`` it, all samples up to each picture taken together."""
+        together = np.append(start, accumulate.accumulate(of(regular[name])))[ends]
+        return accumulate(together, np.where(alone, of(pictures[name]), start))
 
-    for estimator in scene.active_estimators:
-        tracks.append(Track(f"norm.{estimator}", NUMBER, _columns(pictures, f"{estimator}/estimate_{{}}")))
-        for ratio, norm in RATIOS.items():
-            table = [[error_index(until(f"{estimator}/{norm}_{key}", k), until(f"error_{key}", k), rounding(
-                scene, key, times[k] / scene.time_step)) for key in samples.QUANTITIES] for k in range(len(times))]
-            tracks.append(Track(f"{ratio}.{estimator}", NUMBER, np.array(table, float)))
+    def ratios(norm: str, key: str) -> np.ndarray:
+        """The error index (:func:`solvers.solver.norms.error_index`) of all samples up to each picture."""
+        true = f"error_{key}"
+        total, true_total = (so_far(np.add, 0.0, name, np.asarray) for name in (norm, true))
+        worst = so_far(np.maximum, -np.inf, true, lambda values: np.where(np.isnan(values), np.inf, values))
+        known = so_far(np.maximum, 0.0, true, np.isfinite) > 0
+        nothing = known & ~(worst > rounding(scene, key, times / scene.time_step))
+        return np.where((true_total > 0) & ~nothing, total / true_total, np.nan)
+
+    with np.errstate(all="ignore"):  # a run gone bad holds anything
+        for estimator in scene.active_estimators:
+            tracks.append(Track(f"norm.{estimator}", NUMBER, _columns(pictures, f"{estimator}/estimate_{{}}")))
+            for ratio, norm in RATIOS.items():
+                table = np.stack([ratios(f"{estimator}/{norm}_{key}", key) for key in samples.QUANTITIES], axis=1)
+                tracks.append(Track(f"{ratio}.{estimator}", NUMBER, np.where(np.isfinite(table), table, np.nan)))
     return tracks
 
 
