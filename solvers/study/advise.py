@@ -132,12 +132,12 @@ class _Search:
     def scout(self) -> None:
         """A first answer, long before all is known: one family of each method, the refined methods first, each as far
         as it promises to be cheaper than what has been found so far."""
-        scouts: list[Family] = []
-        for family in _scouts(self._choices):
+        followed: list[Family] = []
+        for family in scouts(self._choices):
             self._look(family, COARSE[family.scene.DIMENSIONS])
-            scouts.append(family)
+            followed.append(family)
             while True:
-                ranking, met = _ranking(scouts, self._goal)
+                ranking, met = _ranking(followed, self._goal)
                 best = _settled(ranking, met, 0.0)
                 if not met or best.measured or best.family.seconds(_next_cells(best)) > SCOUTED_SECONDS:
                     break
@@ -189,7 +189,7 @@ class _Search:
         self._on_point(family, family.measure(cells) if known is None else family.take(known))
 
 
-def _scouts(choices: Iterable[Family]) -> list[Family]:
+def scouts(choices: Iterable[Family]) -> list[Family]:
     """Of each method the family that is the most usual, the methods that are listed last first: each mends what the
     ones before it lack."""
     found: dict[str, Family] = {}

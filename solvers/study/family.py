@@ -59,12 +59,22 @@ class Family:
         error = math.inf if largest is None else largest
         return self.take(Point(cells, error, math.nan, result.status, result.reason))
 
+    def compile(self, cells: int) -> None:
+        """Have ready what :meth:`measure` needs; of the run itself nothing is remembered."""
+        from solvers.running.run import build, run
+
+        run(self.member(cells), prices=False, mid_run=False)
+        build(self._bare(cells)).compile()
+
+    def _bare(self, cells: int) -> Scene:
+        """What a member is timed by: how long a step takes does not depend on its length."""
+        return replace(self.member(cells), estimators=(), effects=(), cfl=GENTLE_CFL)
+
     def take(self, point: Point) -> Point:
         """A member that has been measured, whose rate is measured now if it is not known."""
         if math.isnan(point.seconds_per_particle_step):
-            # How long a step takes does not depend on its length.
-            bare = replace(self.member(point.cells), estimators=(), effects=(), cfl=GENTLE_CFL)
-            point = replace(point, seconds_per_particle_step=_seconds_per_particle_step(bare))
+            rate = _seconds_per_particle_step(self._bare(point.cells))
+            point = replace(point, seconds_per_particle_step=rate)
         insort(self.points, point)
         return point
 
@@ -141,3 +151,8 @@ def _seconds_per_particle_step(scene: Scene) -> float:
 
     seconds = 1e-6 / rate(build(scene), TIMED_TURNS, TIMED_SECONDS)
     return seconds if math.isfinite(seconds) else math.inf
+
+
+def forget_rates() -> None:
+    """Take all times anew from now on."""
+    _seconds_per_particle_step.cache_clear()

@@ -19,6 +19,7 @@ from solvers.study.grid import Task, task_of
 #: What a search chooses from unless it is told: the cheapest runs are often those of one particle per cell, or of steps
 #: near the longest that are stable.
 PARTICLES_PER_CELL, COURANT_NUMBERS = (1, 2, 3, 4), (0.1, 0.3, 0.4, 0.5, 0.6)
+READY = "ready"  # beside the fields of a job: its process shall only get ready
 NO_CHOICE = "no method makes a valid scene with these settings"
 
 
@@ -46,17 +47,23 @@ def sweep(tasks: Sequence[dict], tell: Callable[[dict], None]) -> None:
 
 
 def search(fields: dict, tell: Callable[[dict], None]) -> None:
-    """What the process of a search does: the job of these fields."""
-    from solvers.study.advise import Goal, advise, families
-    from solvers.study.family import Family, Point
+    """What the process of a search does: the job of these fields; or it gets ready for one like that, of which it says
+    nothing."""
+    from solvers.study.advise import COARSE, Goal, advise, families, scouts
+    from solvers.study.family import Family, Point, forget_rates
     from solvers.study.found import point_of, point_row, to_watch, told
 
+    ready = fields.pop(READY, False)
     job = SearchJob(**fields)
     base = Task(**job.base).scene()
     choices = families(base, job.methods, job.ppc, job.courant_numbers, job.quantity)
     if not choices:
         tell({"trouble": NO_CHOICE})
         return
+    if ready:
+        scouts(choices)[0].compile(COARSE[base.DIMENSIONS])
+        return
+    forget_rates()  # of an earlier search by this process: its times were given away with its points
     recalled: set[str] = set()
 
     def recall(family: Family, cells: int) -> Point | None:

@@ -16,6 +16,7 @@ from app.page.features.cost.front import cheapest, question
 from app.page.features.cost.jobs import CostStatus, Jobs, QuietStage, search, small_sweep
 from app.page.features.cost.kept import HOLDS, MOST_POINTS, MOST_QUESTIONS, KeptPoints
 from app.page.features.cost.panel import CostTab
+from app.page.features.cost.ready import Ready
 from app.page.features.cost.runs import Runs
 from app.page.page import Page
 from solvers.problems.bar.scene import BarScene
@@ -190,6 +191,66 @@ def test_a_time_that_was_disturbed_is_taken_anew_where_nothing_disturbs(jobs):
     assert jobs.status.known >= 2 and jobs._about == about
     timed = [key for key, point in jobs._kept.known(about, quiet=True).items() if "rate" in point]
     assert set(timed) & set(keys)
+
+
+@pytest.fixture
+def ready():
+    ready = Ready("solvers.study.jobs:search", Slots(1))
+    yield ready
+    ready.end()
+
+
+def test_a_search_takes_the_process_that_is_ready(jobs, ready):
+    """It is asked to get ready once, says nothing, and is the one that searches, and that searches again; a sweep ends
+    it."""
+    jobs._ready = ready
+    jobs.prepare(few(1e-2), quiet=True)
+    [process] = ready._pool.process_ids
+    jobs.prepare(few(1e-2), quiet=True)
+    assert ready._pool.process_ids == [process] and ready._places.taken == 1
+    jobs.search(few(1e-2))
+    assert jobs.process_id == process and ready._pool is None and ready._places.taken == 0
+    wait(lambda: not jobs.status.running)
+    assert jobs.status.advice and jobs.status.done == jobs.status.advice["looks"]
+    assert ready._pool.process_ids == [process]
+    jobs.search(few(3e-3))
+    assert jobs.process_id == process
+    jobs.beside()
+    wait(lambda: not jobs.status.running)
+    assert ready._pool is None and not alive(process)  # it would give way for ever
+    jobs.prepare(few(1e-2), quiet=True)
+    [process] = ready._pool.process_ids
+    jobs.sweep(small_sweep(SCENE)[:1])
+    assert jobs.process_id != process
+    wait(lambda: not alive(process) and not jobs.status.running)
+
+
+def test_few_processes_are_ready_and_none_for_ever(ready):
+    """A second visitor gets none while the first one's is there; who leaves, or takes too long, takes it along."""
+    first, second = (Jobs(Runs(), Slots(1), KeptPoints()) for _ in range(2))
+    first._ready, second._ready = ready, Ready("solvers.study.jobs:search", ready._places, rests=0.1)
+    first.prepare(few(1e-2), quiet=False)
+    [process] = ready._pool.process_ids
+    assert os.getpriority(os.PRIO_PROCESS, process) > os.getpriority(os.PRIO_PROCESS, 0)
+    second.prepare(few(1e-2), quiet=True)
+    assert second._ready._pool is None
+    first.close()
+    wait(lambda: not alive(process))
+    first.prepare(few(1e-2), quiet=True)
+    assert ready._pool is None
+    second.prepare(few(1e-2), quiet=True)
+    wait(lambda: second._ready._pool is None and ready._places.taken == 0)
+
+
+def test_who_opens_the_tab_has_a_process_made_ready(tab):
+    asked = []
+    tab.jobs.prepare = lambda job, quiet: asked.append((job, quiet))
+    tab.open(True)
+    tab.stage.others_playing = True
+    tab.open({"what": "ever"})
+    tab.stage.scene = BarScene(motion="patch")
+    tab.open(True)
+    assert [quiet for _, quiet in asked] == [True, False] and asked[0][0] == search(SCENE, 1e-3, 10.0)
 
 
 def test_what_is_kept_is_bounded_and_times_hold_for_an_hour():

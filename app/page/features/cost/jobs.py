@@ -11,13 +11,14 @@ from app.language.spoken import later
 from app.page.features.background import SLOTS, Background, JobStatus
 from app.page.features.cost.front import bare, question
 from app.page.features.cost.kept import KEPT, KeptPoints
+from app.page.features.cost.ready import Ready
 from app.page.features.cost.runs import LIVE, SEARCH, SWEEP, NumberedRun, Runs
 from app.page.visit.session import Session
 from solvers.scene.rules import SceneError
 from solvers.scene.scene import Scene
 from solvers.study.grid import Task, task_of
-from solvers.study.jobs import COURANT_NUMBERS, PARTICLES_PER_CELL, SearchJob
-from solvers.workers.pool import Slots
+from solvers.study.jobs import COURANT_NUMBERS, PARTICLES_PER_CELL, READY, SearchJob
+from solvers.workers.pool import Slots, WorkerPool
 
 #: Cells of a small sweep, by dimension.
 SMALL = {1: (10, 20, 40, 80), 2: (12, 24, 36, 48)}
@@ -75,7 +76,32 @@ class Jobs(Background[CostStatus]):
     def __init__(self, runs: Runs, slots: Slots = SLOTS, kept: KeptPoints = KEPT):
         super().__init__(CostStatus(), slots)
         self.runs, self._kept = runs, kept
+        self._ready = Ready(f"{self.WORK}:search")
         self._quiet, self._about = True, ""  # whether nothing disturbs the job that runs; what the search is about
+
+    def prepare(self, job: SearchJob, quiet: bool) -> None:
+        """A visitor looks at what a search is asked for: have a process ready for it."""
+        if not self.status.running and not self._closed:
+            self._ready.prepare(asdict(job) | {READY: True}, gives_way=not quiet)
+        if self._closed:  # meanwhile
+            self._ready.end()
+
+    def close(self) -> None:
+        super().close()
+        self._ready.end()
+
+    def _process(self, kind: str) -> WorkerPool:
+        if kind == "search" and (pool := self._ready.take()):
+            return pool
+        self._ready.end()
+        return super()._process(kind)
+
+    def _keeps(self, pool: WorkerPool) -> bool:
+        """A search's, which has compiled what the next one needs, unless it has given way: it would for ever."""
+        kept = self.status.kind == "search" and self._quiet and not self._closed and self._ready.keep(pool)
+        if self._closed:  # meanwhile
+            self._ready.end()
+        return kept
 
     def sweep(self, tasks: list[Task]) -> None:
         self._start(CostStatus("sweep", total=len(tasks)), [task.to_dict() for task in tasks])
