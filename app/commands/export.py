@@ -7,7 +7,7 @@ from typing import Annotated, ClassVar
 
 import tyro
 
-from app.commands.flags import BadInput, NumberFlag, Switch, TextFlag, default_hint
+from app.commands.flags import BadInput, ProcessesFlag, Switch, TextFlag, default_hint, side_by_side
 from app.commands.lesson import lesson_called
 from app.commands.output import Target, say
 from app.commands.progress import working
@@ -15,7 +15,7 @@ from app.export.lattice import within_reach
 from app.language.spoken import ENGLISH, LANGUAGES, speaking
 from app.lessons.lesson import Lesson, LessonError
 from app.state import StateError, begins, read
-from solvers.scene.rules import require_choice, require_whole
+from solvers.scene.rules import require_choice
 
 #: Makes a file; given what shows how far that is.
 Make = Callable[[Callable[..., None]], bytes]
@@ -44,15 +44,15 @@ class Export:
     """A lesson's file begins with the core alone; its reader may choose all."""
     lang: TextFlag = ENGLISH
     """Language of the file: en or de; a lesson that is not in it keeps its own words."""
-    processes: NumberFlag = 2
+    processes: ProcessesFlag = None
     """Processes that run scenes."""
     quiet: Annotated[Switch, default_hint("off")] = False
     """No progress bar."""
 
     def execute(self) -> int:
-        require_whole("processes", self.processes, 1, 64)
+        processes = side_by_side(self.processes)
         require_choice("lang", self.lang, tuple(LANGUAGES))
-        make = self._package() if self.scorm else self._page()
+        make = self._package(processes) if self.scorm else self._page(processes)
         target = Target("out", self.out, ending=".zip" if self.scorm else ".html")
         with working(self.quiet) as show, speaking(self.lang):
             # Imports are in there: bad input and --help must not wait for the page's.
@@ -61,7 +61,7 @@ class Export:
         say(f"{target.text}: {len(content) / 1e6:.1f} MB")
         return 0
 
-    def _page(self) -> Make:
+    def _page(self, processes: int) -> Make:
         """What makes the one file."""
         if not begins(self.what):
             if len(self.what.split()) > 1:
@@ -71,7 +71,7 @@ class Export:
 
             def of_a_lesson(show: Callable[..., None]) -> bytes:
                 from app.export.lesson import lesson_page
-                return lesson_page(_read(name), self.processes, show, core=self.core).encode()
+                return lesson_page(_read(name), processes, show, core=self.core).encode()
 
             return of_a_lesson
         if self.core:
@@ -85,11 +85,11 @@ class Export:
 
         def of_a_scene(show: Callable[..., None]) -> bytes:
             from app.export.page import scene_page
-            return scene_page(self.what, self.processes, show).encode()
+            return scene_page(self.what, processes, show).encode()
 
         return of_a_scene
 
-    def _package(self) -> Make:
+    def _package(self, processes: int) -> Make:
         """What makes the package."""
         if not self.what.strip() or begins(self.what):
             raise BadInput("", self.what, "is no lesson, and a course keeps a score of lessons alone; give lessons by "
@@ -98,7 +98,7 @@ class Export:
 
         def of_lessons(show: Callable[..., None]) -> bytes:
             from app.export.course import package
-            return package([_read(name) for name in names], self.processes, show, core=self.core)
+            return package([_read(name) for name in names], processes, show, core=self.core)
 
         return of_lessons
 

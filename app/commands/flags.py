@@ -11,6 +11,8 @@ from typing import Annotated, Any
 import tyro
 
 from solvers.outside import numerals, quoting
+from solvers.scene.rules import require_whole
+from solvers.workers.processors import MOST_PROCESSES, usual_processes
 
 
 class BadInput(Exception):
@@ -82,3 +84,12 @@ Switch = Annotated[bool, tyro.conf.FlagCreatePairsOff]
 #: What a report is to bear out, each with a flag of its own.
 ClaimsFlag = Annotated[tuple[str, ...], tyro.conf.UseAppendAction, tyro.conf.arg(
     metavar="CLAIM", help_behavior_hint="(default: nothing; may be given several times)")]
+ProcessesFlag = Annotated[NumberFlag, default_hint("one on each processor")]
+
+
+def side_by_side(processes: Any) -> int:
+    """How many processes are to work side by side, of what was typed; unless anything was, one on each processor."""
+    if processes is None:
+        return usual_processes()
+    require_whole("processes", processes, 1, MOST_PROCESSES)
+    return processes

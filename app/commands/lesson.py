@@ -8,13 +8,25 @@ from typing import TYPE_CHECKING, Annotated, ClassVar, TypeVar
 
 import tyro
 
-from app.commands.flags import BadInput, FilesFlag, NamesFlag, NumberFlag, PathFlag, Switch, TextFlag, default_hint
+from app.commands.flags import (
+    BadInput,
+    FilesFlag,
+    NamesFlag,
+    NumberFlag,
+    PathFlag,
+    ProcessesFlag,
+    Switch,
+    TextFlag,
+    default_hint,
+    side_by_side,
+)
 from app.commands.output import Target, json_target, put_result, put_text, say
 from app.commands.progress import working
 from app.language.spoken import ENGLISH, LANGUAGES, speaking
 from app.lessons.lesson import Lesson, LessonError
 from solvers.outside.quoting import file_name
 from solvers.scene.rules import require_choice, require_whole
+from solvers.workers.processors import usual_processes
 
 if TYPE_CHECKING:
     from app.lessons.progress import Progress
@@ -61,7 +73,7 @@ class LessonCheck:
     """Lessons, by name or number, and pages for a class, by name."""
     variants: Annotated[NumberFlag, default_hint("all")] = None
     """How many of each lesson's sets of numbers are tried."""
-    processes: NumberFlag = 2
+    processes: ProcessesFlag = None
     """Processes that run scenes."""
     json: Annotated[PathFlag, default_hint("failures and a count are printed instead")] = None
     """File for every check as JSON; - is standard output."""
@@ -69,7 +81,7 @@ class LessonCheck:
     """No progress bar."""
 
     def execute(self) -> int:
-        require_whole("processes", self.processes, 1, 64)
+        processes = side_by_side(self.processes)
         if self.variants is not None:
             require_whole("variants", self.variants, 1, 1000)
         target = json_target(self.json)
@@ -80,7 +92,7 @@ class LessonCheck:
         others = tuple(name for name in self.names if name not in known)
         lessons, mistakes = _read(others, shelf.in_every_language, known) if others or not self.names else ([], {})
         pages = _read_each([name for name in known if name in (self.names or known)], classes.page, mistakes)
-        with working(self.quiet) as show, closing(Outcomes(self.processes)) as outcomes:
+        with working(self.quiet) as show, closing(Outcomes(processes)) as outcomes:
             texts = [text for lesson in (*lessons, *(page.claims for page in pages))
                      for numbers in lesson.variants[:self.variants] for text in scene_texts(lesson, numbers)]
             outcomes.prepare(texts, lambda done, total: show(done / total))
@@ -166,7 +178,7 @@ class LessonGrade:
         from app.lessons.outcomes import Outcomes
         read = [answers for file in self.files if (answers := _answers(file)) is not None]
         lessons = shelf.lessons()
-        with working(self.quiet) as show, closing(Outcomes(2)) as outcomes:
+        with working(self.quiet) as show, closing(Outcomes(usual_processes())) as outcomes:
             rows = []
             for done, (file, found) in enumerate(read):
                 show(done / len(read))

@@ -3,8 +3,9 @@
 import base64
 import itertools
 from collections.abc import Callable, Mapping, Sequence
+from concurrent.futures import as_completed
 from contextlib import closing
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -23,14 +24,15 @@ from solvers.running.run import build
 from solvers.scene.causes import CAUSES, FIELDS
 from solvers.scene.scene import Scene
 from solvers.scene.step_bound import margin_unit
+from solvers.scene.switches import combination
 from solvers.solver import budget, samples
 from solvers.solver.base import Solver
 from solvers.solver.checked import AsLarge, as_large_as_itself, merged
-from solvers.solver.norms import RATIOS, error_index
+from solvers.solver.norms import RATIOS
 from solvers.solver.rounding import rounding
 from solvers.solver.snapshot import Snapshot
 from solvers.solver.soundness import earliest, findings
-from solvers.workers.pool import WorkerPool
+from solvers.workers.pool import WorkerPool, one_of_each_first
 
 CURVE_POINTS = 41  # at which the exact field is kept
 FARTHEST = 2.0  # metres: particles of a run gone bad are shown there at most
@@ -56,11 +58,17 @@ def recordings(wanted: Sequence[Wanted], processes: int, on_progress: Callable[[
     Raises :class:`~solvers.workers.processes.ProcessDied` where one cannot be made.
     """
     with closing(WorkerPool(f"{__name__}:work", processes)) as pool:
-        found = []
-        for recording in [pool.submit(asdict(one)) for one in wanted]:
-            found.append(recording.result())
-            on_progress(len(found))
-        return found
+        # One of each kind of run first: processes begin with different ones, and each compiles its own.
+        asked = {one: pool.submit(asdict(one), kind=_compiled(one)) for one in one_of_each_first(wanted, _compiled)}
+        for done, recording in enumerate(as_completed(asked.values()), 1):
+            recording.result()
+            on_progress(done)
+        return [asked[one].result() for one in wanted]
+
+
+def _compiled(wanted: Wanted) -> tuple:
+    """What has to be compiled for it."""
+    return combination(state.read(wanted.scene).scene)
 
 
 def work(question: Mapping[str, Any], answer: Callable[[dict], None]) -> None:
@@ -85,7 +93,8 @@ def _recorded(wanted: Wanted) -> dict[str, Any]:
         while solver.step < step and solver.sound:
             rows.append(solver.advance(min(int(step) - solver.step, solver.longest_advance)))
         own.append(solver.measure())  # the picture's own norms; also a look for a run gone bad
-        shots.append({key: solver.snapshot(wanted.difference, key) for key in wanted.quantities})
+        shot = solver.snapshot(wanted.difference)
+        shots.append({key: replace(shot, plotted=solver.plotted(key)) for key in wanted.quantities})
         if not solver.sound:
             break
     kept = _shown(scene.DIMENSIONS, _count(shots), wanted.particles)
@@ -202,15 +211,26 @@ def _norms(scene: Scene, regular: Mapping[str, np.ndarray], pictures: Mapping[st
               Track("margin", NUMBER, pictures["margin"].reshape(-1, 1)),
               Track("norm.true", NUMBER, _columns(pictures, "error_{}"))]
 
-    def until(name: str, k: int) -> np.ndarray:
-        return np.append(regular[name][:ends[k]], pictures[name][k:k + alone[k]])
+    def so_far(accumulate: np.ufunc, start: float, name: str, of: Callable[[np.ndarray], np.ndarray]) -> np.ndarray:
+        """Of a series, or of what is ``of`` it, all samples up to each picture taken together."""
+        together = np.append(start, accumulate.accumulate(of(regular[name])))[ends]
+        return accumulate(together, np.where(alone, of(pictures[name]), start))
 
-    for estimator in scene.active_estimators:
-        tracks.append(Track(f"norm.{estimator}", NUMBER, _columns(pictures, f"{estimator}/estimate_{{}}")))
-        for ratio, norm in RATIOS.items():
-            table = [[error_index(until(f"{estimator}/{norm}_{key}", k), until(f"error_{key}", k), rounding(
-                scene, key, times[k] / scene.time_step)) for key in samples.QUANTITIES] for k in range(len(times))]
-            tracks.append(Track(f"{ratio}.{estimator}", NUMBER, np.array(table, float)))
+    def ratios(norm: str, key: str) -> np.ndarray:
+        """The error index (:func:`solvers.solver.norms.error_index`) of all samples up to each picture."""
+        true = f"error_{key}"
+        total, true_total = (so_far(np.add, 0.0, name, np.asarray) for name in (norm, true))
+        worst = so_far(np.maximum, -np.inf, true, lambda values: np.where(np.isnan(values), np.inf, values))
+        known = so_far(np.maximum, 0.0, true, np.isfinite) > 0
+        nothing = known & ~(worst > rounding(scene, key, times / scene.time_step))
+        return np.where((true_total > 0) & ~nothing, total / true_total, np.nan)
+
+    with np.errstate(all="ignore"):  # a run gone bad holds anything
+        for estimator in scene.active_estimators:
+            tracks.append(Track(f"norm.{estimator}", NUMBER, _columns(pictures, f"{estimator}/estimate_{{}}")))
+            for ratio, norm in RATIOS.items():
+                table = np.stack([ratios(f"{estimator}/{norm}_{key}", key) for key in samples.QUANTITIES], axis=1)
+                tracks.append(Track(f"{ratio}.{estimator}", NUMBER, np.where(np.isfinite(table), table, np.nan)))
     return tracks
 
 

@@ -10,11 +10,13 @@ from app import state
 from app.lessons.bets import Ends, about_bets, told
 from app.lessons.claims import Outcome, Scope, needed
 from app.lessons.lesson import Lesson, Numbers, Step, filled
-from solvers.workers.pool import WorkerPool
+from solvers.scene.switches import combination
+from solvers.workers.pool import WorkerPool, one_of_each_first
 from solvers.workers.processes import ProcessDied
 
 WORK = "app.lessons.outcomes:work"
 KEPT = 500  # results
+SEVERAL = 4  # scenes that wait: most are run in a tenth of the time that their kernels take to translate
 
 
 class RunFailed(Exception):
@@ -25,7 +27,7 @@ class Outcomes:
     """Runs scenes in so many ``processes``, which start when they are needed. Safe from any thread."""
 
     def __init__(self, processes: int = 1, politeness: int = 0):
-        self._pool, self._politeness = WorkerPool(WORK, processes), politeness
+        self._pool, self._politeness = WorkerPool(WORK, processes, several=SEVERAL), politeness
         self._lock = threading.Lock()
         self._runs: dict[tuple[str, bool], Future[dict[str, Any]]] = {}
 
@@ -55,7 +57,7 @@ class Outcomes:
                 if len(self._runs) >= KEPT:
                     self._runs.pop(next(iter(self._runs)))
                 run = self._runs[scene, judged] = self._pool.submit(
-                    {"scene": scene, "politeness": self._politeness, "judged": judged})
+                    {"scene": scene, "politeness": self._politeness, "judged": judged}, kind=_compiled(scene))
             return run
 
     def scope(self, lesson: Lesson, step: Step, numbers: Numbers, texts: Iterable[str]) -> Scope:
@@ -74,7 +76,8 @@ class Outcomes:
 
     def prepare(self, texts: Iterable[str], on_progress: Callable[[int, int], None]) -> None:
         """Run all of these scenes, as many at a time as there are processes; failures show when they are asked for."""
-        runs = dict.fromkeys(map(self._run, sorted(set(texts))))
+        longest_first = sorted(set(texts), key=lambda text: (-_work(text), text))
+        runs = dict.fromkeys(map(self._run, one_of_each_first(longest_first, _compiled)))
         for done, _ in enumerate(as_completed(runs), 1):
             on_progress(done, len(runs))
 
@@ -82,6 +85,17 @@ class Outcomes:
 def _scene(text: str) -> str:
     """What of a state's text says the scene."""
     return state.write(state.State(state.read(text).scene))
+
+
+def _compiled(text: str) -> tuple:
+    """What has to be compiled for the scene of a state."""
+    return combination(state.read(text).scene)
+
+
+def _work(text: str) -> int:
+    """Particle-steps of the scene of a state."""
+    scene = state.read(text).scene
+    return scene.particles * scene.steps
 
 
 def scene_texts(lesson: Lesson, numbers: Numbers) -> list[str]:

@@ -102,6 +102,7 @@ class Page:
         if lectern:
             self._cover(True, 0)
             self._board = BoardPanel(client, self._store, lectern, self._cover)
+        self._store.heard["cost"] = self._cost.open
         self._problems = ProblemButtons(client.gui, self._store, self._controls.choose_problem)
         self._store.heard["spark"], self._store.heard["budget"] = self._sparks.press, self._budget.press
         self._store.listen(self._follow_link, self._player.restore)

@@ -3,7 +3,6 @@
 import contextlib
 import io
 import logging
-import os
 import signal
 import socket
 import sys
@@ -31,6 +30,7 @@ from app.page.visit.links import PageLinks
 from app.page.visit.opening import OPENING
 from solvers.engine.messages import FRAME_SECONDS
 from solvers.engine.pool import EnginePool
+from solvers.workers.processors import processors
 
 EVERYWHERE, HERE = ("", "0.0.0.0"), "127.0.0.1"
 HEARS_WITHIN, TOLD_WITHIN = 0.2, 0.5  # seconds until it hears of its end, and has told all others at most
@@ -304,9 +304,7 @@ def _picture(link: str) -> str:
 
 def _engine_count() -> int:
     """One engine fewer than the processors that this process may use, so that the page keeps one."""
-    affinity = getattr(os, "sched_getaffinity", None)  # not on every system
-    processors = len(affinity(0)) if affinity else os.cpu_count() or 2
-    return min(MOST_ENGINES, max(1, processors - 1))
+    return min(MOST_ENGINES, max(1, processors() - 1))
 
 
 def _require_free(host: str, port: int) -> None:

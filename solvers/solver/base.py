@@ -218,6 +218,10 @@ class Solver(ABC):
         """
 
     @abstractmethod
+    def plotted(self, quantity: str) -> np.ndarray:
+        """The field of one quantity (its key) now, as a snapshot has it: ``Snapshot.plotted`` (P, 2)."""
+
+    @abstractmethod
     def fields(self) -> Fields:
         """All that the particles are now, and the signed errors of it that are known or estimated."""
 

@@ -1,10 +1,11 @@
 """The cheapest run for a tolerance: a best-first search over families of runs, on estimates alone.
 
-Every family (method, particles per cell, length of step) is measured on one coarse grid, and hoped to converge as fast
-as any. Then, again and again, the member expected to be the cheapest that meets the tolerance is looked at: if it lies
-far beyond what is measured of its family, a coarser one is run first; if near, it is run itself. What a run shows moves
-the expectation, mostly for worse, until the cheapest candidate is one that has been run and whose own estimate meets
-the tolerance. So a family costs more than one coarse run only while it may still win.
+First one family of each method is followed down to the tolerance, for an answer that can be used while better ones are
+looked for. Then every family (method, particles per cell, length of step) is measured on one coarse grid, and hoped to
+converge as fast as any. Then, again and again, the member expected to be the cheapest that meets the tolerance is
+looked at: if it lies far beyond what is measured of its family, a coarser one is run first; if near, it is run itself.
+What a run shows moves the expectation, mostly for worse, until the cheapest candidate is one that has been run and
+whose own estimate meets the tolerance. So a family costs more than one coarse run only while it may still win.
 """
 
 import math
@@ -20,12 +21,14 @@ from solvers.study.family import HIGHEST_ORDER, Family, Point
 
 REACH = 2.5  # times the finest measured grid to which an error may be carried on
 MARGIN = 0.95  # of the tolerance that is aimed at, so that a run that just meets it does not need a second try
-CLOSE_ENOUGH = 1.15  # a candidate that has been run is taken when no other is expected to be better by this factor
+CLOSE_ENOUGH = 1.05  # a candidate that has been run is taken when no other is expected to be better by this factor
 PATIENCE = 3.0  # seconds of search, in the processor's time as runs are, that no run is too short for
 SMALL_PART = 10  # of the budget, up to which runs are made to learn what cannot be met
 MOST_LOOKS = 200  # beside those on coarse grids
 COARSE = {1: 10, 2: 12}  # cells, by dimension, on which every family is measured
 RUNNER_UP_LOOKS = 10  # that are made beside, for a second member of the family that lost
+USUAL_PPC, USUAL_CFL = 2, 0.5  # of the family with which each method is tried first
+SCOUTED_SECONDS = 0.2  # longest bare run that is made for a first answer
 
 
 @dataclass(frozen=True)
@@ -87,8 +90,9 @@ def families(base: Scene, methods: Iterable[tuple[str, bool]], per_cell: Iterabl
 
 
 def advise(choices: list[Family], goal: Goal,
-           on_look: Callable[[int, Scene], None] = lambda looks, scene: None,
-           on_point: Callable[[Family, Point], None] = lambda family, point: None) -> Advice:
+           on_look: Callable[[int, int, Scene], None] = lambda looks, certain, scene: None,
+           on_point: Callable[[Family, Point], None] = lambda family, point: None,
+           recall: Callable[[Family, int], Point | None] = lambda family, cells: None) -> Advice:
     """Search for the cheapest run that meets a goal; the best within reach if none does.
 
     Parameters
@@ -97,47 +101,103 @@ def advise(choices: list[Family], goal: Goal,
         What may be run (:func:`families`), one at least.
     goal
     on_look
-        Told of every run before it is made: its number and its scene.
+        Told of every run before it is made: its number, how many are certain to be made, and its scene.
     on_point
-        Told of every run that has been made: its family and what was measured.
+        Told of every member that has been looked at: its family and what was measured, now or before.
+    recall
+        What is known of a family's member with so many cells, None for nothing.
     """
-    looks = 0
-
-    def look(family: Family, cells: int) -> None:
-        nonlocal looks
-        looks += 1
-        on_look(looks, family.member(cells))
-        on_point(family, family.measure(cells))
-
-    for family in choices:
-        look(family, COARSE[family.scene.DIMENSIONS])
-    for family in choices:
-        if not math.isfinite(family.points[0].error):  # the grid may have been too coarse for anything
-            look(family, 2 * family.points[0].cells)
-    coarse, begun = looks, time.process_time()
-    predicted: dict[tuple[int, int], float] = {}
-    while True:
-        ranking, met = _ranking(choices, goal)
-        spent = time.process_time() - begun
-        best = _settled(ranking, met, spent)
-        if best.measured and met and spent <= PATIENCE + best.seconds:
-            best = _hopeful(choices, best, goal) or best
-        if best.measured or looks >= coarse + MOST_LOOKS:
-            break
-        if not met and best.family.seconds(_next_cells(best)) > goal.budget / SMALL_PART:
-            break
-        predicted[(id(best.family), best.cells)] = best.error
-        look(best.family, _next_cells(best))
+    search = _Search(choices, goal, on_look, on_point, recall)
+    search.scout()
+    search.look_at_all()
+    best = search.settle()
     met = best.measured and best.error <= goal.tolerance
     others = [family for family in choices if _name(family.scene) != _name(best.scene)]
-    for _ in range(RUNNER_UP_LOOKS if others else 0):
-        (other, *_), others_meet = _ranking(others, goal)
-        dear = other.family.seconds(_next_cells(other)) > goal.budget / SMALL_PART
-        if len(other.family.points) > 1 or not others_meet or dear:
-            break
-        look(other.family, _next_cells(other))
+    search.look_at_runner_up(others)
     runner_up, why = _runner_up(others, best, goal, met)
-    return Advice(goal, met, best, predicted.get((id(best.family), best.cells), best.error), runner_up, why, looks)
+    return Advice(goal, met, best, search.predicted.get((id(best.family), best.cells), best.error), runner_up, why,
+                  search.looks)
+
+
+class _Search:
+    """What has been looked at so far; arguments as of :func:`advise`."""
+
+    def __init__(self, choices: list[Family], goal: Goal, on_look: Callable, on_point: Callable, recall: Callable):
+        self._choices, self._goal = choices, goal
+        self._on_look, self._on_point, self._recall = on_look, on_point, recall
+        self._certain = len(choices)
+        self.looks = 0  # members that were looked at: run, or recalled
+        self.predicted: dict[tuple[int, int], float] = {}
+
+    def scout(self) -> None:
+        """A first answer, long before all is known: one family of each method, the refined methods first, each as far
+        as it promises to be cheaper than what has been found so far."""
+        followed: list[Family] = []
+        for family in scouts(self._choices):
+            self._look(family, COARSE[family.scene.DIMENSIONS])
+            followed.append(family)
+            while True:
+                ranking, met = _ranking(followed, self._goal)
+                best = _settled(ranking, met, 0.0)
+                if not met or best.measured or best.family.seconds(_next_cells(best)) > SCOUTED_SECONDS:
+                    break
+                self._certain += 1
+                self._look(best.family, _next_cells(best))
+
+    def look_at_all(self) -> None:
+        """Every family on one coarse grid, and on a finer one where that was too coarse for anything."""
+        for family in self._choices:
+            if not family.points:
+                self._look(family, COARSE[family.scene.DIMENSIONS])
+        for family in self._choices:
+            if len(family.points) == 1 and not math.isfinite(family.points[0].error):
+                self._look(family, 2 * family.points[0].cells)
+
+    def settle(self) -> Candidate:
+        """Look at whatever is expected to be the cheapest, until that is one that has been run."""
+        goal, coarse, begun = self._goal, self.looks, time.process_time()
+        while True:
+            ranking, met = _ranking(self._choices, goal)
+            spent = time.process_time() - begun
+            best = _settled(ranking, met, spent)
+            if best.measured and met and spent <= PATIENCE + best.seconds:
+                best = _hopeful(self._choices, best, goal) or best
+            if best.measured or self.looks >= coarse + MOST_LOOKS:
+                return best
+            if not met and self._dear(best):
+                return best
+            self._look(best.family, _next_cells(best))
+
+    def look_at_runner_up(self, others: list[Family]) -> None:
+        """A second member of the best family of other methods, of which much is hoped for want of one."""
+        for _ in range(RUNNER_UP_LOOKS if others else 0):
+            (other, *_), others_meet = _ranking(others, self._goal)
+            if other.measured or len(other.family.points) > 1 or not others_meet or self._dear(other):
+                return
+            self._look(other.family, _next_cells(other))
+
+    def _dear(self, candidate: Candidate) -> bool:
+        return candidate.family.seconds(_next_cells(candidate)) > self._goal.budget / SMALL_PART
+
+    def _look(self, family: Family, cells: int) -> None:
+        self.looks += 1
+        if family.points:
+            self.predicted[(id(family), cells)] = family.error(cells)
+        known = self._recall(family, cells)
+        if known is None:
+            self._on_look(self.looks, self._certain, family.member(cells))
+        self._on_point(family, family.measure(cells) if known is None else family.take(known))
+
+
+def scouts(choices: Iterable[Family]) -> list[Family]:
+    """Of each method the family that is the most usual, the methods that are listed last first: each mends what the
+    ones before it lack."""
+    found: dict[str, Family] = {}
+    for family in choices:
+        before = found.setdefault(_name(family.scene), family)
+        found[_name(family.scene)] = min(before, family, key=lambda one: (
+            abs(one.scene.ppc - USUAL_PPC), abs(one.scene.courant_number - USUAL_CFL)))
+    return list(found.values())[::-1]
 
 
 def _settled(ranking: list[Candidate], met: bool, spent: float) -> Candidate:

@@ -10,8 +10,6 @@ from bisect import bisect_right, insort
 from dataclasses import dataclass, field, replace
 from functools import lru_cache
 
-from solvers.running.run import build, run
-from solvers.running.timing import rate
 from solvers.scene.rules import SceneError
 from solvers.scene.scene import Scene
 from solvers.solver.soundness import OK
@@ -23,14 +21,14 @@ HIGHEST_ORDER = 2.0  # that is trusted beyond what was measured; the methods are
 HOPED_ORDER = 2.5  # of a family of which one member is known: coarse grids may gain more than the order
 LEAST_ORDER = 0.3  # below which refining is not worth its price: the error has all but stopped falling
 GENTLE_CFL = 0.1
-TIMED_SECONDS = 0.005
+TIMED_SECONDS = 0.002
 TIMED_TURNS = 4
 
 
 @dataclass(frozen=True, order=True)
 class Point:
-    """One measured member: the largest RMS error over the run (infinite for an unstable one) and its rate; how the run
-    ended, and why not well."""
+    """One measured member: the largest RMS error over the run (infinite for an unstable one) and its rate, NaN where
+    that is yet to be taken; how the run ended, and why not well."""
 
     cells: int
     error: float
@@ -54,12 +52,29 @@ class Family:
 
     def measure(self, cells: int) -> Point:
         """Run a member and learn its error and its rate."""
-        scene = self.member(cells)
-        result = run(scene, prices=False, mid_run=False)
+        from solvers.running.run import run  # here: what has been measured before needs no Taichi
+
+        result = run(self.member(cells), prices=False, mid_run=False)
         largest = result.estimate[ESTIMATOR][self.quantity]["max"] if result.status == OK else None
         error = math.inf if largest is None else largest
-        bare = replace(scene, estimators=(), effects=(), cfl=GENTLE_CFL)  # how long a step takes is not its length's
-        point = Point(cells, error, _seconds_per_particle_step(bare), result.status, result.reason)
+        return self.take(Point(cells, error, math.nan, result.status, result.reason))
+
+    def compile(self, cells: int) -> None:
+        """Have ready what :meth:`measure` needs; of the run itself nothing is remembered."""
+        from solvers.running.run import build, run
+
+        run(self.member(cells), prices=False, mid_run=False)
+        build(self._bare(cells)).compile()
+
+    def _bare(self, cells: int) -> Scene:
+        """What a member is timed by: how long a step takes does not depend on its length."""
+        return replace(self.member(cells), estimators=(), effects=(), cfl=GENTLE_CFL)
+
+    def take(self, point: Point) -> Point:
+        """A member that has been measured, whose rate is measured now if it is not known."""
+        if math.isnan(point.seconds_per_particle_step):
+            rate = _seconds_per_particle_step(self._bare(point.cells))
+            point = replace(point, seconds_per_particle_step=rate)
         insort(self.points, point)
         return point
 
@@ -111,19 +126,33 @@ class Family:
 
     def seconds(self, cells: int) -> float:
         """The time expected for a bare run; infinite beyond what a scene may hold."""
-        try:
-            scene = replace(self.scene, cells=cells)
-        except SceneError:
-            return math.inf
         nearest = max((p for p in self.points if p.cells <= cells), default=self.points[0])
-        return scene.steps * scene.particles * nearest.seconds_per_particle_step
+        return _particle_steps(self.scene, cells) * nearest.seconds_per_particle_step
 
     def _up(self, cells: float) -> int:
         return self.multiple * math.ceil(cells / self.multiple - 1e-9)
 
 
+@lru_cache(maxsize=4096)  # asked for again and again, with every run that a search makes
+def _particle_steps(scene: Scene, cells: int) -> float:
+    """Of the scene with so many cells; infinite where there is no such scene."""
+    try:
+        scene = replace(scene, cells=cells)
+    except SceneError:
+        return math.inf
+    return scene.steps * scene.particles
+
+
 @lru_cache(maxsize=4096)
 def _seconds_per_particle_step(scene: Scene) -> float:
     """Of the bare method, compiled and warmed up, in the processor's time; infinite for a run that goes bad."""
+    from solvers.running.run import build
+    from solvers.running.timing import rate
+
     seconds = 1e-6 / rate(build(scene), TIMED_TURNS, TIMED_SECONDS)
     return seconds if math.isfinite(seconds) else math.inf
+
+
+def forget_rates() -> None:
+    """Take all times anew from now on."""
+    _seconds_per_particle_step.cache_clear()

@@ -1,4 +1,4 @@
-"""A run that a search has made, as a row, and as one would watch it."""
+"""A run that a search has made: as a row, as one would watch it, and as another search is told of it."""
 
 import math
 from dataclasses import replace
@@ -30,3 +30,17 @@ def point_row(family: Family, point: Point) -> dict:
 def to_watch(scene: Scene) -> Task:
     """The task of a scene with the estimator that a search goes by, and with every effect."""
     return task_of(replace(scene, estimators=(ESTIMATOR,), effects=tuple(EFFECTS)))
+
+
+def told(point: Point) -> dict:
+    """A point as JSON: ``error`` (None where it went bad), ``rate`` (seconds of a particle-step, None likewise),
+    ``status`` and ``reason``."""
+    return {"error": finite(point.error), "rate": finite(point.seconds_per_particle_step), "status": point.status,
+            "reason": point.reason}
+
+
+def point_of(cells: int, known: dict) -> Point:
+    """The point that was told of; without a ``rate`` it is yet to be timed."""
+    rate = known.get("rate", math.nan)
+    return Point(cells, math.inf if known["error"] is None else known["error"], math.inf if rate is None else rate,
+                 known["status"], known["reason"])

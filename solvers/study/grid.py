@@ -3,7 +3,7 @@
 import hashlib
 import itertools
 import json
-from collections.abc import Mapping, Sequence
+from collections.abc import Hashable, Mapping, Sequence
 from dataclasses import asdict, dataclass
 from typing import Any
 
@@ -11,6 +11,7 @@ from solvers.problems import PROBLEMS
 from solvers.running import scene_text
 from solvers.scene.rules import SceneError, key_field
 from solvers.scene.scene import Scene
+from solvers.scene.switches import combination
 
 MOST_ROWS = 10_000
 
@@ -54,6 +55,14 @@ class Task:
         values = {name: float(value) if type(value) is int else value for name, value in values.items()}  # 1 is 1.0
         text = json.dumps(values, sort_keys=True)
         return hashlib.sha256(text.encode()).hexdigest()[:16]
+
+    @property
+    def kind(self) -> Hashable:
+        """What has to be compiled for it, None where there is no such scene."""
+        try:
+            return combination(self.scene())
+        except SceneError:
+            return None
 
     def to_dict(self) -> dict:
         return asdict(self)

@@ -1,13 +1,16 @@
 """A whole sweep or search as the work of one process (``solvers.workers``), which says how it goes. Its messages::
 
-    {"row": a row}                                   of a sweep; of a search what it knows of a run that it has made
-    {"look": n, "coarse": m, "task": a task}         of a search: run n begins; the first m are on coarse grids
+    {"row": a row}                                   of a sweep
+    {"row": a row, "known": bool, "point": {...}}    of a search: what it knows of a run that it has made, or that was
+                                                     known; the point, where something has been measured, is what
+                                                     another search may be told
+    {"look": n, "certain": m, "task": a task}        of a search: run n begins; m at least will be made or are known
     {"advice": {...}}                                what the search found; its task has every effect
     {"trouble": a sentence}                          why nothing can be found
 """
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 from solvers.scene.scene import Scene
 from solvers.solver.norms import finite
@@ -16,12 +19,14 @@ from solvers.study.grid import Task, task_of
 #: What a search chooses from unless it is told: the cheapest runs are often those of one particle per cell, or of steps
 #: near the longest that are stable.
 PARTICLES_PER_CELL, COURANT_NUMBERS = (1, 2, 3, 4), (0.1, 0.3, 0.4, 0.5, 0.6)
+READY = "ready"  # beside the fields of a job: its process shall only get ready
 NO_CHOICE = "no method makes a valid scene with these settings"
 
 
 @dataclass(frozen=True)
 class SearchJob:
-    """Find the cheapest run like ``base`` (a task) that meets a tolerance, in the unit of ``quantity``."""
+    """Find the cheapest run like ``base`` (a task) that meets a tolerance, in the unit of ``quantity``. ``known`` are
+    points of other searches for the same quantity, by the keys of their rows; one without a rate is timed anew."""
 
     base: dict
     methods: Sequence[tuple[str, bool]]
@@ -30,6 +35,7 @@ class SearchJob:
     quantity: str
     tolerance: float
     budget: float
+    known: dict[str, dict] = field(default_factory=dict)
 
 
 def sweep(tasks: Sequence[dict], tell: Callable[[dict], None]) -> None:
@@ -41,23 +47,42 @@ def sweep(tasks: Sequence[dict], tell: Callable[[dict], None]) -> None:
 
 
 def search(fields: dict, tell: Callable[[dict], None]) -> None:
-    """What the process of a search does: the job of these fields."""
-    from solvers.study.advise import Goal, advise, families
-    from solvers.study.found import point_row, to_watch
+    """What the process of a search does: the job of these fields; or it gets ready for one like that, of which it says
+    nothing."""
+    from solvers.study.advise import COARSE, Goal, advise, families, scouts
+    from solvers.study.family import Family, Point, forget_rates
+    from solvers.study.found import point_of, point_row, to_watch, told
 
+    ready = fields.pop(READY, False)
     job = SearchJob(**fields)
     base = Task(**job.base).scene()
     choices = families(base, job.methods, job.ppc, job.courant_numbers, job.quantity)
     if not choices:
         tell({"trouble": NO_CHOICE})
         return
-    coarse = len(choices)
+    if ready:
+        scouts(choices)[0].compile(COARSE[base.DIMENSIONS])
+        return
+    forget_rates()  # of an earlier search by this process: its times were given away with its points
+    recalled: set[str] = set()
 
-    def look(looks: int, scene: Scene) -> None:
-        tell({"look": looks, "coarse": coarse, "task": task_of(scene).to_dict()})
+    def recall(family: Family, cells: int) -> Point | None:
+        key = to_watch(family.member(cells)).key
+        if key not in job.known:
+            return None
+        recalled.add(key)
+        return point_of(cells, job.known[key])
 
-    advice = advise(choices, Goal(job.quantity, job.tolerance, job.budget), look,
-                    lambda family, point: tell({"row": point_row(family, point)}))
+    def look(looks: int, certain: int, scene: Scene) -> None:
+        tell({"look": looks, "certain": certain, "task": task_of(scene).to_dict()})
+
+    def keep(family: Family, point: Point) -> None:
+        row = point_row(family, point)
+        known = row["key"] in recalled
+        measured = not known or "rate" not in job.known[row["key"]]
+        tell({"row": row, "known": known, **({"point": told(point)} if measured else {})})
+
+    advice = advise(choices, Goal(job.quantity, job.tolerance, job.budget), look, keep, recall)
     chosen = advice.chosen
     tell({"advice": {"met": advice.met, "task": to_watch(chosen.scene).to_dict(), "measured": chosen.measured,
                      "error": finite(chosen.error), "seconds": chosen.seconds, "why": advice.why,

@@ -12,7 +12,7 @@ import logging
 import os
 import time
 from collections import Counter
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Hashable, Iterable
 from concurrent.futures import FIRST_COMPLETED, CancelledError, Future, wait
 from typing import Any, Protocol
 
@@ -43,6 +43,10 @@ class Question(Protocol):
     @property
     def key(self) -> str:
         """What its row is known by."""
+
+    @property
+    def kind(self) -> Hashable:
+        """What has to be compiled for it: a process that has done so does the next one of the kind."""
 
     def to_dict(self) -> dict:
         """Itself, as JSON has it."""
@@ -124,7 +128,7 @@ class Here:
         self.pool = WorkerPool(work, workers)
 
     def submit(self, task: Question) -> Future[dict]:
-        return self.pool.submit(task.to_dict())
+        return self.pool.submit(task.to_dict(), kind=task.kind)
 
     def check(self) -> None:
         """This machine is always there."""

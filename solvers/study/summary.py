@@ -79,7 +79,10 @@ def _rows(rows: Sequence[dict], names: Sequence[str]) -> str:
                       *(_number((index.get(e) or {}).get(q), ".3f") for e in estimators for q in SHOWN),
                       *(_number((budget.get(field) or {}).get(cause), ".3f") for field, cause in shares),
                       _number((row.get("seconds") or {}).get("min"), ".4g"), _number(row.get("rate"), ".3g")])
-    return "Errors are the largest RMS over particles; seconds the shortest of the bare runs.\n\n" + grid(heads, lines)
+    most = max((row.get("side_by_side") or 1 for row in rows), default=1)
+    beside = f", taken while up to {most} rows ran side by side" * (most > 1)
+    return f"Errors are the largest RMS over particles; seconds the shortest of the bare runs{beside}.\n\n" \
+        + grid(heads, lines)
 
 
 def _status(row: dict) -> str:

@@ -85,7 +85,7 @@ class Advise:
     def _search(self, base: Scene, quantity: str, tolerance: float, check_interrupts) -> Advice:
         from solvers.study.advise import Goal, advise, families
 
-        def told(looks: int, scene: Scene) -> None:
+        def told(looks: int, certain: int, scene: Scene) -> None:
             check_interrupts()
             if not self.quiet and sys.stderr.isatty():
                 say(f"run {looks}: {scene.method}, {scene.cells} cells, {per_cell(scene.problem, scene.ppc)} particles "

@@ -2,9 +2,9 @@
 
 import contextlib
 from dataclasses import dataclass
-from typing import Annotated, ClassVar
+from typing import ClassVar
 
-from app.commands.flags import NumberFlag, default_hint
+from app.commands.flags import NumberFlag, ProcessesFlag, side_by_side
 from app.commands.output import json_text, put_text, say, telling
 from app.commands.study.rows import INCOMPLETE, Study
 from solvers.outside.quoting import quoted
@@ -40,8 +40,8 @@ class Coverage(Study):
     """Runs to draw."""
     seed: NumberFlag = SEED
     """Which runs: another seed draws others."""
-    workers: Annotated[NumberFlag, default_hint("1")] = None
-    """Processes on this machine that run rows side by side."""
+    workers: ProcessesFlag = None
+    """Processes on this machine that run rows side by side; nothing is timed."""
 
     def execute(self) -> int:
         from app.pictures.coverage import coverage_figure
@@ -60,6 +60,9 @@ class Coverage(Study):
         self.put("coverage.md", text.encode())
         put_text(text.partition("\n\n![")[0] + "\n")
         return status
+
+    def _workers(self) -> int:
+        return side_by_side(self.workers)
 
     def _drawn(self, draws: list[Draw]) -> list[dict] | None:
         """The rows of the draws; None if the place where they run was lost on the way."""

@@ -37,6 +37,10 @@ class Study:
     quiet: Annotated[Switch, default_hint("off")] = False
     """Nothing on standard error but what goes wrong."""
 
+    def _workers(self) -> int:
+        """Processes that run rows here; one where rows are timed."""
+        return self.workers or 1
+
     def check_place(self, count: int) -> None:
         """Refuse what no study can be run with; ``count`` is the number of combinations asked for."""
         if not (self.out or "").strip():
@@ -76,7 +80,7 @@ class Study:
         """Where this ``work`` is done (``solvers.workers``)."""
         from solvers.study.places import Cluster, Here, NoCluster
         try:
-            return Here(self.workers or 1, work) if self.scheduler is None else Cluster(self.scheduler, work)
+            return Here(self._workers(), work) if self.scheduler is None else Cluster(self.scheduler, work)
         except NoCluster as error:
             raise BadInput("scheduler", self.scheduler, str(error)) from None
 
@@ -104,12 +108,13 @@ class Study:
         from solvers.study.places import PlaceLost, execute
         todo = [task for task in tasks if not store.finished(task.key)]
         done = len(tasks) - len(todo)
+        beside = None if self.scheduler else self._workers()  # times are to be read with it
 
         def keep(row: dict) -> None:
             nonlocal done
             done += 1
             with telling(f"--out {quoted(self.out)}"):
-                store.append(row)
+                store.append({**row, "side_by_side": beside})
             if not self.quiet and row["status"] != REFUSED:  # that was said before
                 say(f"{done}/{len(tasks)} {_told(row, tasks)}")
 

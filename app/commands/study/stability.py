@@ -4,7 +4,15 @@ from dataclasses import dataclass
 from typing import Annotated, Any, ClassVar
 
 from app import __version__
-from app.commands.flags import RealFlag, choices_of, default_hint, number, several_of
+from app.commands.flags import (
+    ProcessesFlag,
+    RealFlag,
+    choices_of,
+    default_hint,
+    number,
+    several_of,
+    side_by_side,
+)
 from app.commands.output import json_text, put_text
 from app.commands.study.rows import INCOMPLETE, Study
 from app.words import unit_of
@@ -40,6 +48,8 @@ class Stability(Study):
     ppc: Any = None
     periods: RealFlag = 50.0
     """Longest life that is looked for, in periods."""
+    workers: ProcessesFlag = None
+    """Processes on this machine that run rows side by side; what a step costs is timed alone, at the end."""
 
     def execute(self) -> int:
         from app.pictures.stability import stability_figure
@@ -60,6 +70,9 @@ class Stability(Study):
         self.put("stability.md", text.encode())
         put_text(text + "\n")
         return status
+
+    def _workers(self) -> int:
+        return side_by_side(self.workers)
 
     def axes(self) -> dict[str, list]:
         """The values of each input of a scene, by the name of its flag."""

@@ -23,7 +23,7 @@ def markdown(table: dict) -> str:
             blocks += [f"Index of each estimator, its distance and its cost — {part}:", _estimators(table, rows, notes)]
     seconds = table["seconds"]
     blocks.append(f"These runs took {seconds['run']:.0f} s, and {seconds['setup'] + seconds['compile']:.0f} s to set "
-                  "up and compile.")
+                  "up and compile; all but those for the cost may have been made side by side.")
     return "\n\n".join([*blocks, *(f"[^{number}]: {sentence}" for sentence, number in notes.items())]) + "\n"
 
 

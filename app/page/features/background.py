@@ -1,6 +1,5 @@
 """Work for one visitor in a process of its own: at most one piece at a time, and few on the whole server."""
 
-import os
 import threading
 from abc import ABC, abstractmethod
 from concurrent.futures import Future
@@ -10,8 +9,9 @@ from typing import Any, ClassVar, Generic, TypeVar
 from app.language.heard import heard
 from app.language.spoken import carried, tr
 from solvers.workers.pool import Slots, WorkerPool
+from solvers.workers.processors import processors
 
-MOST_JOBS = max(1, (os.cpu_count() or 2) // 2)  # on this server; each keeps a processor busy
+MOST_JOBS = max(1, processors() // 2)  # on this server; each keeps a processor busy
 SLOTS = Slots(MOST_JOBS)
 
 
@@ -81,6 +81,14 @@ class Background(ABC, Generic[S]):
     def heard(self, before: S, message: dict[str, Any]) -> S:
         """The status after a message of the job that runs."""
 
+    def _process(self, kind: str) -> WorkerPool:
+        """One for a job of this kind, which is to be asked; the lock is held."""
+        return WorkerPool(f"{self.WORK}:{kind}")
+
+    def _keeps(self, pool: WorkerPool) -> bool:
+        """Whether the process of a job that is done is to stay for the next one."""
+        return False
+
     def _start(self, status: S, question: list | dict, patience: float | None = None) -> None:
         """Begin a job whose first ``status`` says its kind, which is also its function's name; it may take so long."""
         with self._lock:
@@ -90,7 +98,7 @@ class Background(ABC, Generic[S]):
                 self.status = replace(status, trouble=tr(self.BUSY, n=MOST_JOBS))
                 return
             self.status = replace(status, running=True)
-            self._pool = WorkerPool(f"{self.WORK}:{status.kind}")
+            self._pool = self._process(status.kind)
             job = self._pool.submit(question, carried(self._hear), patience)
         job.add_done_callback(carried(self._end))
 
@@ -103,7 +111,7 @@ class Background(ABC, Generic[S]):
 
     def _end(self, job: Future[dict]) -> None:
         """The job has ended, or could not begin."""
-        if self._pool is not None:
+        if self._pool is not None and not (job.exception() is None and self._keeps(self._pool)):
             self._pool.close()
         with self._lock:
             trouble = None if self.status.cancelled else _trouble(job.exception()) or self.status.trouble

@@ -61,8 +61,11 @@ class BarSolver(Solver):
         return Snapshot(step=self.step, time=t, material_position=X, position=a.position.copy(),
                         velocity=a.velocity.copy(), deformation_gradient=F,
                         error=errors, estimate=estimates, difference=missed,
-                        plotted=None if plotted is None else plotted_field(scene, a, plotted, t),
+                        plotted=None if plotted is None else self.plotted(plotted),
                         last_crossing=a.last_crossing.copy() if self._switches.crossings else None)
+
+    def plotted(self, quantity: str) -> np.ndarray:
+        return plotted_field(self.scene, self._arrays, quantity, self.time)
 
     def fields(self) -> Fields:
         a, shot = self._arrays, self.snapshot()

@@ -89,7 +89,11 @@ class PlanarSolver(Solver):
                         deformation_gradient=F.copy(), error=sizes(true) if true else None,
                         estimate={name: sizes(fields) for name, fields in estimates.items()},
                         last_crossing=a.last_crossing.copy() if on.crossings else None, difference=missed,
-                        plotted=None if plotted is None else field(self.scene, a, plotted, self.time, measures))
+                        plotted=None if plotted is None else self.plotted(plotted))
+
+    def plotted(self, quantity: str) -> np.ndarray:
+        self._stepping.fetch()
+        return field(self.scene, self._arrays, quantity, self.time, self.PARTS.snapshot)
 
     def fields(self) -> Fields:
         a, on, measures = self._arrays, self._switches, self.PARTS.snapshot

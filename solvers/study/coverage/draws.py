@@ -9,7 +9,7 @@ from __future__ import annotations
 import hashlib
 import json
 import math
-from collections.abc import Mapping
+from collections.abc import Hashable, Mapping
 from dataclasses import asdict, dataclass, replace
 from typing import Any
 
@@ -19,6 +19,7 @@ from solvers.problems import PROBLEMS
 from solvers.running.goals import DISPLACEMENT
 from solvers.scene.rules import SceneError
 from solvers.scene.scene import Scene
+from solvers.scene.switches import combination
 
 GRIDS = 3  # h, 2h and 4h: what a grid convergence index is of
 COARSEST = 2 ** (GRIDS - 1)
@@ -80,6 +81,11 @@ class Draw:
         body: Any = kind
         R, angle = chance.uniform(body.INNER, body.OUTER), chance.uniform(0, body.ANGLE)
         return f"{DISPLACEMENT}@{R * math.cos(angle):.6f},{R * math.sin(angle):.6f}"
+
+    @property
+    def kind(self) -> Hashable:
+        """What has to be compiled for it, but for the estimators, which are all that there can be."""
+        return combination(replace(self.scene(), estimators=()))
 
     def to_dict(self) -> dict:
         return asdict(self)

@@ -11,6 +11,7 @@ from solvers.study.tables.plan import Row, Table
 
 SCHEMA = "mpm-lab/tables/1"
 PAPERS_ESTIMATOR = "transport"
+TIMED = ("cost",)  # runs of which times are shown: they are made alone
 
 Results = Mapping[str, dict]  # the object of ``mpm-lab run --json`` for each run of a row
 

@@ -44,11 +44,6 @@ class Row:
     scenes: Mapping[str, Scene]
     paper: Mapping[str, float]
 
-    @property
-    def work(self) -> float:
-        """Particle-steps, with something for each compilation: what the progress bar counts."""
-        return sum(scene.particles * scene.steps + 1e6 for scene in self.scenes.values())
-
 
 @dataclass(frozen=True)
 class Table:

@@ -120,6 +120,9 @@ def test_headline_is_the_answer_and_says_whose_word_it_is():
     says, more = headline(runs, SCENE, 0.03, "", 16)
     assert says == f"For <b>3{NBSP}% of A</b>, pay <strong>{seconds(best.seconds)}</strong>: uGIMP on 40 cells."
     assert percent(best.size) in more and "MPM (hat functions) gets worse" in more and "estimate" not in more
+    so_far, still = headline(runs, SCENE, 0.03, "", 16, provisional=True)
+    assert so_far == f"Cheapest so far for <b>3{NBSP}% of A</b>: <strong>{seconds(best.seconds)}</strong>, " \
+        "uGIMP on 40 cells." and still == more
     assert headline(runs, SCENE, 1e-9, "", 16)[0].startswith("No run so far comes below")
     guessed = numbered((judged(size=0.02), SEARCH))
     assert "as companion estimates" in headline(guessed, SCENE, 0.03, "", 16)[1]

@@ -14,7 +14,9 @@ import pytest
 from app.page.features.cost import words
 from app.page.features.cost.front import cheapest, question
 from app.page.features.cost.jobs import CostStatus, Jobs, QuietStage, search, small_sweep
+from app.page.features.cost.kept import HOLDS, MOST_POINTS, MOST_QUESTIONS, KeptPoints
 from app.page.features.cost.panel import CostTab
+from app.page.features.cost.ready import Ready
 from app.page.features.cost.runs import Runs
 from app.page.page import Page
 from solvers.problems.bar.scene import BarScene
@@ -40,7 +42,7 @@ def alive(process_id):
 
 @pytest.fixture
 def jobs():
-    jobs = Jobs(Runs(), Slots(1))
+    jobs = Jobs(Runs(), Slots(1), KeptPoints())
     yield jobs
     jobs.close()
 
@@ -147,6 +149,127 @@ def test_search_finds_a_scene_that_can_be_loaded(jobs):
     assert words.found({**advice, "met": False, "error": None}).startswith("Nothing within reach")
 
 
+def few(tolerance):
+    """A search among two families."""
+    return replace(search(SCENE, tolerance, 5.0), methods=(("ugimp", False), ("mpm", False)), ppc=(2,),
+                   courant_numbers=(0.5,))
+
+
+def test_what_a_search_has_measured_is_not_run_again(jobs):
+    """For another visitor, nor for another tolerance of the same motion; another motion is begun anew. What is known is
+    a row as if it had been made."""
+    jobs.search(few(1e-2))
+    wait(lambda: not jobs.status.running)
+    assert jobs.status.known == 0 < jobs.status.done
+    other = Jobs(Runs(), jobs.slots, jobs._kept)
+    other.search(few(1e-2))
+    wait(lambda: not other.status.running)
+    assert other.status.known == other.status.done == jobs.status.done and other.status.task is None  # no run began
+    assert other.status.advice == jobs.status.advice
+    assert [run.row for run in other.runs.all()] == [run.row for run in jobs.runs.all()]
+    assert f"{other.status.known} of them had been made by earlier searches" in words.going(other.status)
+    other.search(few(3e-3))
+    wait(lambda: not other.status.running)
+    assert 2 <= other.status.known < other.status.done and other.status.advice["error"] <= 3e-3 * SCENE.amplitude
+    another = replace(few(1e-2), base=task_of(replace(SCENE, amplitude=0.01)).to_dict())
+    other.search(another)
+    wait(lambda: not other.status.running)
+    assert other.status.known == 0 < other.status.done
+    other.close()
+
+
+def test_a_time_that_was_disturbed_is_taken_anew_where_nothing_disturbs(jobs):
+    """The run itself is not made again."""
+    jobs.search(few(1e-2), quiet=False)
+    wait(lambda: not jobs.status.running)
+    about, keys = jobs._about, [run.row["key"] for run in jobs.runs.all()]
+    assert all("rate" not in point for point in jobs._kept.known(about, quiet=True).values())
+    assert all(point["rate"] > 0 for point in jobs._kept.known(about, quiet=False).values())
+    jobs.search(few(1e-2), quiet=True)
+    wait(lambda: not jobs.status.running)
+    # Which runs are looked at may follow the new times; those that were known are none that begin.
+    assert jobs.status.known >= 2 and jobs._about == about
+    timed = [key for key, point in jobs._kept.known(about, quiet=True).items() if "rate" in point]
+    assert set(timed) & set(keys)
+
+
+@pytest.fixture
+def ready():
+    ready = Ready("solvers.study.jobs:search", Slots(1))
+    yield ready
+    ready.end()
+
+
+def test_a_search_takes_the_process_that_is_ready(jobs, ready):
+    """It is asked to get ready once, says nothing, and is the one that searches, and that searches again; a sweep ends
+    it."""
+    jobs._ready = ready
+    jobs.prepare(few(1e-2), quiet=True)
+    [process] = ready._pool.process_ids
+    jobs.prepare(few(1e-2), quiet=True)
+    assert ready._pool.process_ids == [process] and ready._places.taken == 1
+    jobs.search(few(1e-2))
+    assert jobs.process_id == process and ready._pool is None and ready._places.taken == 0
+    wait(lambda: not jobs.status.running)
+    assert jobs.status.advice and jobs.status.done == jobs.status.advice["looks"]
+    assert ready._pool.process_ids == [process]
+    jobs.search(few(3e-3))
+    assert jobs.process_id == process
+    jobs.beside()
+    wait(lambda: not jobs.status.running)
+    assert ready._pool is None and not alive(process)  # it would give way for ever
+    jobs.prepare(few(1e-2), quiet=True)
+    [process] = ready._pool.process_ids
+    jobs.sweep(small_sweep(SCENE)[:1])
+    assert jobs.process_id != process
+    wait(lambda: not alive(process) and not jobs.status.running)
+
+
+def test_few_processes_are_ready_and_none_for_ever(ready):
+    """A second visitor gets none while the first one's is there; who leaves, or takes too long, takes it along."""
+    first, second = (Jobs(Runs(), Slots(1), KeptPoints()) for _ in range(2))
+    first._ready, second._ready = ready, Ready("solvers.study.jobs:search", ready._places, rests=0.1)
+    first.prepare(few(1e-2), quiet=False)
+    [process] = ready._pool.process_ids
+    assert os.getpriority(os.PRIO_PROCESS, process) > os.getpriority(os.PRIO_PROCESS, 0)
+    second.prepare(few(1e-2), quiet=True)
+    assert second._ready._pool is None
+    first.close()
+    wait(lambda: not alive(process))
+    first.prepare(few(1e-2), quiet=True)
+    assert ready._pool is None
+    second.prepare(few(1e-2), quiet=True)
+    wait(lambda: second._ready._pool is None and ready._places.taken == 0)
+
+
+def test_who_opens_the_tab_has_a_process_made_ready(tab):
+    asked = []
+    tab.jobs.prepare = lambda job, quiet: asked.append((job, quiet))
+    tab.open(True)
+    tab.stage.others_playing = True
+    tab.open({"what": "ever"})
+    tab.stage.scene = BarScene(motion="patch")
+    tab.open(True)
+    assert [quiet for _, quiet in asked] == [True, False] and asked[0][0] == search(SCENE, 1e-3, 10.0)
+
+
+def test_what_is_kept_is_bounded_and_times_hold_for_an_hour():
+    now = [0.0]
+    kept = KeptPoints(lambda: now[0])
+    point = {"error": 1e-3, "rate": 1e-8, "status": "ok", "reason": None}
+    for k in range(MOST_POINTS + 1):
+        kept.keep("a", f"{k}", point, True)
+    assert len(kept.known("a", True)) == MOST_POINTS and "0" not in kept.known("a", True)
+    assert kept.known("a", True)["1"] == point
+    now[0] = HOLDS
+    kept.keep("a", "2", {**point, "rate": None}, True)  # a run that goes bad when it is timed
+    known = kept.known("a", True)
+    assert "rate" not in known["1"] and known["1"]["error"] == 1e-3 and known["2"]["rate"] is None
+    for k in range(MOST_QUESTIONS):
+        kept.keep(f"question {k}", "1", point, True)
+    assert kept.known("a", True) == {} and kept.known("question 0", True)
+
+
 class Stage:
     """As much of a session as a job takes note of."""
 
@@ -233,6 +356,16 @@ def test_job_gives_way_when_told_to(jobs):
     assert Jobs(Runs(), jobs.slots).others
 
 
+def test_a_search_gives_way_once_it_has_shown_a_run(jobs):
+    """A sweep does at once: nobody waits for its first row in particular."""
+    ways = []
+    jobs.give_way = lambda: ways.append(jobs.status.kind)
+    for status in (CostStatus("search"), CostStatus("search", done=1), CostStatus("sweep")):
+        jobs.status = status
+        jobs.beside()
+    assert ways == ["search", "sweep"]
+
+
 SEARCH = "Find the cheapest run"
 FOUND = {"met": True, "task": task_of(SCENE).to_dict(), "error": None, "measured": False, "seconds": 1.0, "why": "",
          "looks": 1}
@@ -240,7 +373,7 @@ FOUND = {"met": True, "task": task_of(SCENE).to_dict(), "error": None, "measured
 
 def test_advice_goes_when_what_was_asked_changes(tab):
     """What the search itself chooses, as when its advice is loaded, changes nothing; a remark goes with its input."""
-    tab.jobs.search = lambda job: None
+    tab.jobs.search = lambda job, quiet: None
     tab.widgets.by_label[SEARCH].click()
     tab.jobs.status = CostStatus("search", advice=FOUND)
     tab.widgets.by_label["Load this scene"].click()

@@ -153,7 +153,7 @@ def test_search_is_refused_in_words_cancelled_and_left(own_page, server):
     shown(page, "give a number above 0")
     tolerance.fill("1e-5")
     click(page, "Find the cheapest run")
-    shown(page, "on coarse grids")
+    shown(page, "of at least")
     until(lambda: "paused" in readout(page), "the stage paused")
     until(lambda: dots(page) > 2 and page.locator(".lab-dot.lab-judged").count() > 1, "what the search has run so far")
     assert "Your stage is paused" in page.locator(

@@ -176,6 +176,59 @@ def test_beyond_reach_it_names_the_best():
     assert advice.chosen.error <= min(measured)
 
 
+def usual(base, tolerance: float, **how):
+    """The advice for a tolerance over A among all that a search chooses from, and what it has told of, in its order."""
+    choices, points = families(base, base.candidates(), PARTICLES_PER_CELL, COURANT_NUMBERS, "x"), []
+    goal = Goal("x", tolerance * base.size_of("x"), budget=20.0)
+    return advise(choices, goal, on_point=lambda one, point: points.append((one.scene, point)), **how), points
+
+
+@pytest.mark.parametrize("tolerance", [1e-2, 1e-3])
+def test_a_first_answer_comes_long_before_the_last(tolerance, monkeypatch):
+    """One family of each method is followed first; what comes later is cheaper, or not said."""
+    monkeypatch.setattr("solvers.study.family._seconds_per_particle_step", lambda scene: 1e-9 * STEP[scene.method])
+    advice, points = usual(BAR, tolerance)
+    meets = [k for k, (_, point) in enumerate(points) if point.error <= tolerance * BAR.amplitude]
+    assert meets[0] < 6 and len(points) == advice.looks > 80  # one method, on at most six grids
+    scouted = points[:meets[0] + 1]
+    assert len({scene for scene, _ in scouted}) == 1 and scouted[0][0].linearity_preserving  # the method that is last
+    assert [point.cells for _, point in scouted[:1]] == [10]
+
+
+def test_what_is_known_is_not_run_again(monkeypatch):
+    """The same search makes no run and ends alike; another tolerance makes those only that are new."""
+    monkeypatch.setattr("solvers.study.family._seconds_per_particle_step", lambda scene: 1e-9 * STEP[scene.method])
+    advice, points = usual(BAR, 1e-2)
+    known = {(scene, point.cells): point for scene, point in points}
+    looks = []
+
+    def recall(family: Family, cells: int) -> Point | None:
+        return known.get((family.scene, cells))
+
+    again, told = usual(BAR, 1e-2, recall=recall, on_look=lambda *look: looks.append(look))
+    assert not looks and told == points
+    assert (again.chosen.scene, again.chosen.error, again.looks) == (
+        advice.chosen.scene, advice.chosen.error, advice.looks)
+    finer, told = usual(BAR, 1e-3, recall=recall, on_look=lambda *look: looks.append(look))
+    assert len(looks) == len([1 for scene, point in told if (scene, point.cells) not in known]) < 0.5 * finer.looks
+    assert finer.chosen.scene == usual(BAR, 1e-3)[0].chosen.scene
+
+
+def test_a_known_run_without_a_time_is_timed(monkeypatch):
+    timed = []
+    monkeypatch.setattr("solvers.study.family._seconds_per_particle_step", lambda scene: timed.append(scene) or 1e-9)
+    one = Family(BarScene(cfl=0.1), "x", 2)
+    assert one.take(Point(10, 1e-3, math.nan)).seconds_per_particle_step == 1e-9 and len(timed) == 1
+    assert one.take(Point(20, 1e-4, 2e-9)).seconds_per_particle_step == 2e-9 and len(timed) == 1
+
+
+def test_what_a_coarse_grid_meets_is_not_run_twice(monkeypatch):
+    """Of the runner-up one member is known and meets the goal: a second look at it would find no order."""
+    monkeypatch.setattr("solvers.study.family._seconds_per_particle_step", lambda scene: 1e-9 * STEP[scene.method])
+    advice, points = usual(BAR, 1e-1)
+    assert advice.met and len({(scene, point.cells) for scene, point in points}) == len(points)
+
+
 # ---- the command ----------------------------------------------------------------------------------------------
 
 QUICK = ["--method", "cpgimp", "--ppc", "2", "--cfl", "0.4", "--periods", "1", "--quiet"]

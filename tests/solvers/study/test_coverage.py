@@ -125,12 +125,19 @@ def test_what_cannot_run_is_not_run():
 
 
 def test_the_command_keeps_its_rows(tmp_path, capsys):
-    """A second call with more runs makes only those that are not there, and counts all."""
+    """A second call with more runs makes only those that are not there, and counts all. Rows are the same however many
+    run side by side."""
     out = str(tmp_path / "coverage")
     assert dispatch(["coverage", "bar", "--runs", "2", "--seed", str(SEED), "--out", out]) == 0
     first = (Path(out) / "rows.jsonl").read_text()
     said = capsys.readouterr()
-    assert "2/2 run 1: " in said.err and "| companion | x | " in said.out
+    assert all(words in said.err for words in ("2/2 run ", "run 0: ", "run 1: ")) and "| companion | x | " in said.out
+    alone = str(tmp_path / "alone")
+    assert dispatch(["coverage", "bar", "--runs", "2", "--seed", str(SEED), "--workers", "1", "--out", alone]) == 0
+    assert "1/2 run 0: " in capsys.readouterr().err
+    one, other = ({row["number"]: {**row, "seconds": 0} for row in map(json.loads, text.splitlines())}
+                  for text in (first, (Path(alone) / "rows.jsonl").read_text()))
+    assert one == other
     assert dispatch(["coverage", "bar", "--runs", "3", "--seed", str(SEED), "--resume", "--out", out]) == 0
     assert (Path(out) / "rows.jsonl").read_text().startswith(first)
     assert "2 of 3 rows are there already" in capsys.readouterr().err

@@ -16,7 +16,8 @@ from solvers.study.grid import Task
 from solvers.study.row import fingerprint
 from solvers.study.store import NotWhole, Store, StoreError
 from solvers.study.tables import plan
-from solvers.study.tables.rows import read_row, run_row, write_row
+from solvers.study.tables.making import Making
+from solvers.study.tables.rows import read_row, write_row
 from tests.paths import ROOT
 from tests.processes import HANG
 from tests.rows import made_up
@@ -125,7 +126,7 @@ def test_rows_of_other_source_are_measured_again_and_said(tmp_path, monkeypatch,
 def kept(tmp_path_factory) -> tuple[Path, plan.Row]:
     folder = tmp_path_factory.mktemp("rows")
     row = plan.table_1({"bar": ("transport",)}, cells=(20,), end=0.01, long=0.02).rows[0]
-    write_row(folder, row, run_row(row, lambda part: None))
+    Making([row], {}, 1, lambda part, name: None, lambda row, made: write_row(folder, row, made)).make()
     return folder, row
 
 

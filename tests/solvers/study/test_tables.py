@@ -7,6 +7,7 @@ import os
 import signal
 import subprocess
 import sys
+from concurrent.futures import Future
 
 import pytest
 
@@ -17,8 +18,9 @@ from app.pictures.tables import figure
 from app.words import QUANTITIES
 from solvers.problems import PROBLEMS
 from solvers.scene.registry import ESTIMATORS
-from solvers.study.tables import paper, plan, rows
+from solvers.study.tables import making, paper, plan, rows
 from solvers.study.tables.document import document
+from solvers.study.tables.making import Making
 from solvers.study.tables.paper import digits, short
 from tests.paths import ROOT
 from tests.processes import HANG
@@ -40,15 +42,46 @@ def cut_down(monkeypatch):
 @pytest.fixture(scope="module")
 def results() -> dict:
     """The runs of every row, once for all tests."""
-    return {row.name: command.run_row(row, lambda part: None) for row in ROWS}
+    return made_of(ROWS, {}, 1)
+
+
+def made_of(wanted: list, begun: dict, processes: int) -> dict:
+    """Rows as they are made."""
+    found = {}
+    Making(wanted, begun, processes, lambda part, name: None, lambda row, runs: found.update({row.name: runs})).make()
+    return found
+
+
+class Remembered:
+    """In the place of :class:`Making`: rows come from ``results`` instead of being run. ``asked`` are their names."""
+
+    results: dict
+    asked: list[str]
+
+    def __init__(self, rows, begun, processes, show, keep):
+        self._rows, self._keep = rows, keep
+
+    def make(self):
+        for row in self._rows:
+            self.asked.append(row.name)
+            self.before(row)
+            self._keep(row, self.results[row.name])
+
+    def before(self, row):
+        """What else happens first."""
 
 
 @pytest.fixture
-def counted(results, monkeypatch) -> list[str]:
-    """Rows come from ``results`` instead of being run; the names of those that were asked for."""
-    asked = []
-    monkeypatch.setattr(command, "run_row", lambda row, show: asked.append(row.name) or results[row.name])
-    return asked
+def remembered(results, monkeypatch) -> type[Remembered]:
+    made = type("Made", (Remembered,), {"results": dict(results), "asked": []})
+    monkeypatch.setattr(command, "Making", made)
+    return made
+
+
+@pytest.fixture
+def counted(remembered) -> list[str]:
+    """The names of the rows that were asked for."""
+    return remembered.asked
 
 
 @pytest.fixture
@@ -264,6 +297,70 @@ def test_a_changed_setup_or_solver_is_not_a_finished_row(tmp_path, counted, unwr
     assert len(counted) == 6
 
 
+def untimed(runs: dict) -> dict:
+    """A row's runs without what is measured on a clock."""
+    return {name: {key: value for key, value in run.items() if key not in ("seconds", "rate")}
+            for name, run in runs.items()}
+
+
+def test_rows_are_the_same_however_many_processes_make_them(results):
+    """To the last bit; and what was made before is not made again, nor told of."""
+    row = ROWS[0]
+    assert untimed(made_of([row], {}, 2)[row.name]) == untimed(results[row.name])
+    begun = {row.name: {name: run for name, run in results[row.name].items() if name != "cost"}}
+    again = made_of([row], begun, 2)[row.name]
+    assert untimed(again) == untimed(results[row.name])
+    assert all(again[name] is begun[row.name][name] for name in begun[row.name])
+    assert results[row.name]["cost"]["seconds"]["estimators"] and not again["errors"]["seconds"]["estimators"]
+
+
+def test_what_is_timed_runs_alone(monkeypatch):
+    """All other runs are asked for at once; one that is timed when every other has ended, and before the next."""
+    asked, open_ones, most = [], set(), {True: 0, False: 0}
+
+    class Pool:
+        def __init__(self, work, processes): ...
+
+        def submit(self, question, hear, kind):
+            future = Future()
+            asked.append(question["timed"])
+            open_ones.add(future)
+            future.add_done_callback(open_ones.discard)
+            most[question["timed"]] = max(most[question["timed"]], len(open_ones))
+            return future
+
+        def close(self): ...
+
+    def wait(waiting, *_):
+        first = next(iter(waiting))
+        first.set_result({"result": {}})
+        return {first}, set()
+
+    monkeypatch.setattr(making, "WorkerPool", Pool)
+    monkeypatch.setattr(making, "wait", wait)
+    made_of(ROWS, {}, 2)
+    timed = sum(name in making.TIMED for row in ROWS for name in row.scenes)
+    assert asked == [False] * (len(asked) - timed) + [True] * timed
+    assert most == {False: len(asked) - timed, True: 1}
+
+
+@pytest.mark.parametrize("spoil", [lambda text: text, lambda text: text[:-100], lambda text: "[]",
+                                   lambda text: text.replace('"cells": 12', '"cells": 13'),
+                                   lambda text: text.replace('"errors"', '"other"')],
+                         ids=["whole", "cut", "a list", "another scene", "another run"])
+def test_runs_of_a_row_that_is_not_finished_are_taken_if_they_are_whole(spoil, results, tmp_path):
+    row = next(row for row in ROWS if row.name == "ring-ours-cpdi-12")
+    some = {"errors": results[row.name]["errors"]}
+    rows.write_row(tmp_path, row, some)
+    [path] = tmp_path.iterdir()
+    assert path.suffix == rows.BEGUN and rows.read_row(tmp_path, row) is None
+    text = path.read_text()
+    path.write_text(spoil(text))
+    assert rows.read_begun(tmp_path, row) == (some if path.read_text() == text else {})
+    rows.write_row(tmp_path, row, results[row.name])
+    assert [path.suffix for path in tmp_path.iterdir()] == [rows.FINISHED]
+
+
 @pytest.mark.slow
 @pytest.mark.skipif(os.name == "nt", reason="POSIX signals")
 def test_a_killed_run_goes_on_where_it_was(tmp_path, results, counted, capsys):
@@ -273,19 +370,21 @@ from app.cli import main
 from app.commands.study import tables
 from solvers.study.tables import plan
 MADE = {MADE}
-plan.make, run, runs = lambda number, estimators: MADE[number], tables.run_row, []
-def two_rows(row, show):
+plan.make, write, runs = lambda number, estimators: MADE[number], tables.write_row, []
+def ten_runs(folder, row, made):
+    write(folder, row, made)
     runs.append(row)
-    if len(runs) == 3:
+    if len(runs) == 10:
         os.kill(os.getpid(), signal.SIGKILL)
-    return run(row, show)
-tables.run_row = two_rows
+tables.write_row = ten_runs
 main(["tables", "1", "--out", sys.argv[1]])
 """
     killed = subprocess.run([sys.executable, "-c", code, str(tmp_path)], cwd=ROOT, capture_output=True, timeout=HANG)
     assert killed.returncode == -signal.SIGKILL, killed.stderr
-    kept = sorted(path.stem for path in (tmp_path / "rows").iterdir())
-    assert kept == ["bar-small-material-20", "bar-small-node-20"] and not (tmp_path / "table1.md").exists()
+    # Two runs of each of the four rows, then what is timed, row by row.
+    kept = sorted(path.name for path in (tmp_path / "rows").iterdir())
+    assert kept == ["bar-large-material-20.begun", "bar-large-node-20.begun", "bar-small-material-20.json",
+                    "bar-small-node-20.json"] and not (tmp_path / "table1.md").exists()
     assert main(["tables", "1", "--out", str(tmp_path)]) == 0
     assert counted == ["bar-large-node-20", "bar-large-material-20"]
     assert capsys.readouterr().err == "mpm-lab: 2 of 4 rows are there already\n"
@@ -293,22 +392,21 @@ main(["tables", "1", "--out", sys.argv[1]])
     assert [row["ours"] for row in first["rows"]] == [row["ours"] for row in again["rows"]]  # to the last bit
 
 
-def test_an_interrupt_is_one_line_and_130_and_keeps_rows(tmp_path, results, monkeypatch, capsys):
-    def interrupted(row, show):
+def test_an_interrupt_is_one_line_and_130_and_keeps_rows(tmp_path, remembered, capsys):
+    def interrupted(self, row):
         if row is not CUT["2"].rows[0]:
             signal.raise_signal(signal.SIGINT)
-        return results[row.name]
 
-    monkeypatch.setattr(command, "run_row", interrupted)
+    remembered.before = interrupted
     assert main(["tables", "2", "--out", str(tmp_path)]) == 130
     assert capsys.readouterr().err == "mpm-lab: interrupted\n"
     assert [path.name for path in tmp_path.rglob("*.*")] == ["ring-ours-cpdi-12.json"]
 
 
-def test_an_unstable_row_is_marked_and_exits_3(tmp_path, results, monkeypatch, capsys):
-    gone = {name: {**run, "status": "unstable", "reason": "the run went unstable"}
-            for name, run in results["ring-ours-cpdi-12"].items()}
-    monkeypatch.setattr(command, "run_row", lambda row, show: gone if "ours" in row.name else results[row.name])
+def test_an_unstable_row_is_marked_and_exits_3(tmp_path, results, remembered, capsys):
+    remembered.results["ring-ours-cpdi-12"] = {
+        name: {**run, "status": "unstable", "reason": "the run went unstable"}
+        for name, run in results["ring-ours-cpdi-12"].items()}
     assert main(["tables", "2", "--out", str(tmp_path)]) == 3
     assert capsys.readouterr().err == "mpm-lab: ring-ours-cpdi-12: the run went unstable\n"
     assert "| 12[^1] |" in (tmp_path / "table2.md").read_text()
@@ -328,7 +426,7 @@ def test_an_unstable_row_is_marked_and_exits_3(tmp_path, results, monkeypatch, c
 ])
 def test_bad_input_is_one_line_that_names_the_flag(flags, says, tmp_path, monkeypatch, capsys):
     monkeypatch.chdir(tmp_path)
-    monkeypatch.setattr(command, "run_row", lambda *_: pytest.fail("it ran before it had checked"))
+    monkeypatch.setattr(command, "Making", lambda *_: pytest.fail("it ran before it had checked"))
     (tmp_path / "file").write_text("mine")
     (tmp_path / "taken" / "table1.json").mkdir(parents=True)
     assert main(["tables", *flags]) == 2

@@ -9,7 +9,7 @@ from contextlib import closing
 
 import pytest
 
-from solvers.workers.pool import WorkerPool
+from solvers.workers.pool import WorkerPool, one_of_each_first
 from solvers.workers.processes import ProcessDied, TookTooLong
 from tests.processes import until
 
@@ -78,3 +78,43 @@ def test_who_waits_learns_of_the_end(end):
             one.result()
     until(lambda: not pool.process_ids, "the process has ended")
     pool.close()
+
+
+def kinds(asked, processes, several=1):
+    """Which kinds each process has had, of questions of these kinds that take so many seconds, and in which order."""
+    with closing(WorkerPool(WORK, processes, several=several)) as pool:
+        found = [(kind, pool.submit({"seconds": seconds}, kind=kind)) for kind, seconds in asked]
+        had: dict[int, list[str]] = {}
+        for kind, one in found:
+            had.setdefault(one.result()["process"], []).append(kind)
+    return had
+
+
+def test_a_process_goes_on_with_the_kind_that_it_has_had():
+    """Two processes begin with a kind each, and go on with it though both come in turns."""
+    had = kinds([("a", 0.5), ("b", 0.5), *[("a", 0.05), ("b", 0.05)] * 3], 2)
+    assert sorted(one[:3] for one in had.values()) == [["a"] * 3, ["b"] * 3]
+
+
+def test_a_process_helps_with_another_kind_rather_than_rest():
+    assert len(kinds([("a", 0.3), ("a", 0.3)], 2)) == 2
+    assert len(kinds([("a", 0.3), ("a", 0.0)], 2, several=3)) == 1  # the one who knows how is done with it sooner
+    assert len(kinds([("a", 0.3)] * 6, 2, several=3)) == 2
+
+
+def test_a_process_alone_takes_questions_in_their_order():
+    order: list[str] = []
+    with closing(WorkerPool(WORK)) as pool:
+        asked = [pool.submit({}, lambda _, kind=kind: order.append(kind), kind=kind) for kind in "abab"]
+        for one in asked:
+            one.result()
+    assert order == ["a", "b", "a", "b"]
+
+
+def test_one_of_each_kind_is_put_first():
+    assert one_of_each_first(["a1", "a2", "b1", "a3", "c1", "b2"], lambda text: text[0]) == [
+        "a1", "b1", "c1", "a2", "a3", "b2"]
+
+
+def test_questions_of_no_kind_are_done_by_all():
+    assert len(kinds([(None, 0.3), (None, 0.3)], 2)) == 2

@@ -4,7 +4,7 @@ import math
 from collections.abc import Sequence
 from html import escape
 
-from app.language.spoken import tr, trn
+from app.language.spoken import later, tr, trn
 from app.page.features.cost.front import cheapest, measured
 from app.page.features.cost.picture import Axes, curves
 from app.page.features.cost.runs import NumberedRun
@@ -13,12 +13,15 @@ from app.words import METHODS
 from solvers.problems import PROBLEMS
 from solvers.scene.scene import Scene
 
+FINAL = later("For <b>{share} of {whole}</b>, pay <strong>{seconds}</strong>: {run}.")
+PROVISIONAL = later("Cheapest so far for <b>{share} of {whole}</b>: <strong>{seconds}</strong>, {run}.")
 WORSE = 1.1  # times the error of the coarsest grid, from which on a method gets worse with finer ones
 
 
-def headline(like: Sequence[NumberedRun], scene: Scene, tolerance: float, trouble: str, sweep: int) -> tuple[str, str]:
+def headline(like: Sequence[NumberedRun], scene: Scene, tolerance: float, trouble: str, sweep: int,
+             provisional: bool = False) -> tuple[str, str]:
     """The answer and a second line, as html, out of the runs that can be compared with the scene. ``trouble`` is why
-    there is no tolerance, ``sweep`` the number of runs that a small sweep makes."""
+    there is no tolerance, ``sweep`` the number of runs that a small sweep makes; ``provisional`` while more come."""
     known, of = measured(like), whole(scene)
     if not known:
         begin = tr("Begin with a small sweep of {n} runs", n=sweep)
@@ -32,8 +35,8 @@ def headline(like: Sequence[NumberedRun], scene: Scene, tolerance: float, troubl
         return (tr("No run so far comes below <b>{share} of {whole}</b>.", share=percent(tolerance), whole=of),
                 tr("The closest errs by {error}: {run}, {seconds}. <b>Find the cheapest run</b> looks for a better "
                    "one.", error=_error(near), run=escape(called(near)), seconds=seconds(near.seconds)))
-    return (tr("For <b>{share} of {whole}</b>, pay <strong>{seconds}</strong>: {run}.", share=percent(tolerance),
-               whole=of, seconds=seconds(best.seconds), run=escape(called(best))),
+    answer = PROVISIONAL if provisional else FINAL
+    return (tr(answer, share=percent(tolerance), whole=of, seconds=seconds(best.seconds), run=escape(called(best))),
             " ".join([tr("Its error is {error}; {run}.", error=_error(best), run=escape(details(best))),
                       *_worse(like)]))
 

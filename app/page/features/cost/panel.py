@@ -27,6 +27,7 @@ from solvers.scene.scene import Scene
 from solvers.study.grid import Task
 
 FILE_NAME = "mpm-lab-runs.csv"
+TOLERANCE, BUDGET = "1e-3", "10"  # in the boxes at first: a part of A, and seconds of the longest run
 STREAM_SECONDS = 0.5  # between two pictures of what a job finds
 #: Put before the text field through which a click on a run arrives, and before the one that the line writes into: a
 #: script finds them (``js/cost.js``).
@@ -59,6 +60,16 @@ class CostTab:
         """A frame has come: take its run's row when it is complete."""
         if row := self._live.follow(report, history):
             self.runs.add(row, LIVE)
+
+    def open(self, _: object) -> None:
+        """The tab has been opened: somebody may want to know the cheapest run at once."""
+        scene = self._session.scene
+        if scene.swings:
+            self.jobs.prepare(search(scene, float(TOLERANCE), float(BUDGET)), self._alone())
+
+    def _alone(self) -> bool:
+        """Whether nothing of other visitors moves on this server."""
+        return not (self.jobs.others or self._session.others_playing)
 
     def refresh(self) -> None:
         """Now and then, and when the line of the tolerance has been moved."""
@@ -93,7 +104,7 @@ class CostTab:
             return ""
         others = self.jobs.others or self._session.others_playing
         if others or self._session.playing:
-            self.jobs.give_way()
+            self.jobs.beside()
         return words.stage(self._quiet.paused, self._session.playing, others)
 
     def _drop_what_is_old(self) -> None:
@@ -125,10 +136,10 @@ class CostTab:
         picked = gui.add_text(tr("Run to load"), "")
         picked.on_update(lambda event: self._pick(event.target.value))
         gui.add_html(f"<h2 class='lab-h2'>{tr('How accurate must it be?')}</h2>" + WANTED)
-        self._tolerance = gui.add_text(tr("Tolerance / A"), "1e-3", hint=tr(
+        self._tolerance = gui.add_text(tr("Tolerance / A"), TOLERANCE, hint=tr(
             "largest RMS error of x that is allowed at any time of one period, as a part of the amplitude A"))
         self._tolerance.on_update(lambda _: self.refresh())
-        self._budget = gui.add_text(tr("Longest run, s"), "10",
+        self._budget = gui.add_text(tr("Longest run, s"), BUDGET,
                                     hint=tr("longest bare run that may be recommended"))
         gui.add_html("<i class='lab-primary'></i>")
         self._search = gui.add_button(tr("Find the cheapest run"), icon=viser.Icon.TARGET_ARROW, hint=tr(
@@ -178,9 +189,11 @@ class CostTab:
         tolerance, trouble = self._wanted()
         if axes(like, tolerance, self._inside) != self._inside:
             self._show_runs(scene)
-        says, more = headline(like, scene, tolerance, trouble, len(small_sweep(scene)))
+        says, more = headline(like, scene, tolerance, trouble, len(small_sweep(scene)), status.running)
         if status.running:
             more = escape(f"{words.counted(status)} {stage}")
+        elif status.advice:
+            more = " ".join([more, escape(words.ended(status.advice))])
         self._line.content = (f"<template class='lab-cost-says'><h2>{says}</h2><p>{more}</p></template>"
                               f"{line(like, scene, tolerance, self._inside)}")
 
@@ -225,7 +238,7 @@ class CostTab:
             self._say(str(refusal))
             return
         self._remark, self._asked = "", self._question()
-        self.jobs.search(job)
+        self.jobs.search(job, quiet=self._alone())
         self._quiet.follow(self.jobs.status.running)  # at once: else the first times are disturbed
 
     def _load_advice(self) -> None:

@@ -28,8 +28,9 @@ ENDS = {LOST: later("lost"), UNSTABLE: later("unstable"), FAILED: later("failed"
 #: What is said of a job, of a sweep and of a search.
 STARTING = {SWEEP: later("Sweep: starting."), SEARCH: later("Search: starting.")}
 ON_THE_WAY = {SWEEP: later("Sweep: {done} of {total} runs."),
-              SEARCH: later("Search: {done} of {total} runs on coarse grids.")}
-DONE = {SWEEP: later("Sweep: {done} runs."), SEARCH: later("Search: {done} runs.")}
+              SEARCH: later("Search: {done} of at least {total} runs.")}
+DONE = {SWEEP: later("Sweep: {done} runs."),
+        SEARCH: later("Search: {done} runs. It ends when none that has not been made promises to be cheaper.")}
 CANCELLED = {SWEEP: later("The sweep was cancelled."), SEARCH: later("The search was cancelled.")}
 ENDED = {SWEEP: later("The sweep ended: {trouble}."), SEARCH: later("The search ended: {trouble}.")}
 PAUSED = {SWEEP: later("The stage is paused while your sweep takes times, and goes on by itself. Play lets it go on "
@@ -182,8 +183,8 @@ def going(status: CostStatus) -> str:
             return counted(status)
         run = setting(status.task.scene())
         if status.done < status.total:
-            return tr("Search, run {number} of {total} on coarse grids: {run}.", number=status.done + 1,
-                      total=status.total, run=run)
+            return tr("Search, run {number} of at least {total}: {run}.", number=status.done + 1, total=status.total,
+                      run=run)
         return tr("Search, run {number}: {run}.", number=status.done + 1, run=run)
     if status.cancelled:
         kept = [tr("The {n} runs that were done are kept.", n=status.done)] if status.done else []
@@ -191,8 +192,21 @@ def going(status: CostStatus) -> str:
     if status.trouble:
         return status.trouble if status.trouble.endswith(".") else tr(ENDED[status.kind], trouble=status.trouble)
     if status.advice:
-        return found(status.advice)
+        return " ".join([found(status.advice), *recalled(status)])
     return tr("The sweep is done: {n} runs.", n=status.done) if status.kind == SWEEP else ""
+
+
+def recalled(status: CostStatus) -> list[str]:
+    """That runs of a search had been made before, if so."""
+    return [trn("{count} of them had been made by an earlier search on this server.",
+                "{count} of them had been made by earlier searches on this server.", status.known)] \
+        if status.known else []
+
+
+def ended(advice: dict) -> str:
+    """What the end of a search means for the answer, and what it does not."""
+    return tr("The search has ended. That a run which it has not made is clearly cheaper is not expected, but "
+              "possible.") if advice["met"] else tr("The search has ended.")
 
 
 def stage(paused: bool, playing: bool, others: bool) -> str:

@@ -18,6 +18,8 @@
       if (document.body.dataset.tab !== open) document.body.dataset.tab = open;
       wanted = null;
     }
+    if (open === "Cost" && !document.body.classList.contains("lab-cost-open"))
+      dispatchEvent(new CustomEvent("lab-tell", {detail: {cost: true}}));  // a search will be asked for
     document.body.classList.toggle("lab-cost-open", open === "Cost");  // its chart takes the stage's place
     const tab = wanted && !pressed && tabs.find(tab => name(tab) === wanted);
     if (tab) {  // in wide windows tabs hear keys, and pointers, which may drag; in narrow ones clicks

@@ -1,0 +1,40 @@
+"""How many processes work side by side unless one says how many."""
+
+import os
+
+import pytest
+
+from app.commands.flags import side_by_side
+from app.commands.study.coverage import Coverage
+from app.commands.study.stability import Stability
+from app.commands.study.sweep import Sweep
+from solvers.scene.rules import SceneError
+from solvers.workers.processors import MOST_PROCESSES, processors, usual_processes
+
+
+@pytest.mark.parametrize(("there", "used"), [(1, 1), (3, 3), (MOST_PROCESSES + 1, MOST_PROCESSES)])
+def test_one_on_each_processor_that_may_be_used(there, used, monkeypatch):
+    monkeypatch.setattr(os, "sched_getaffinity", lambda _: set(range(there)), raising=False)
+    monkeypatch.setattr(os, "cpu_count", lambda: 1000)
+    assert processors() == there and usual_processes() == side_by_side(None) == used
+    assert side_by_side(2) == 2
+
+
+def test_where_nobody_says_what_may_be_used(monkeypatch):
+    monkeypatch.delattr(os, "sched_getaffinity", raising=False)
+    monkeypatch.setattr(os, "cpu_count", lambda: 7)
+    assert processors() == 7
+    monkeypatch.setattr(os, "cpu_count", lambda: None)
+    assert processors() == 1
+
+
+@pytest.mark.parametrize("typed", [0, -1, MOST_PROCESSES + 1, "many", 1.5])
+def test_what_is_no_number_of_processes_is_refused(typed):
+    with pytest.raises(SceneError, match=f"from 1 to {MOST_PROCESSES}"):
+        side_by_side(typed)
+
+
+def test_rows_that_are_timed_run_alone_unless_one_says_so(monkeypatch):
+    monkeypatch.setattr(os, "sched_getaffinity", lambda _: set(range(5)), raising=False)
+    for study, alone in ((Sweep, True), (Stability, False), (Coverage, False)):
+        assert study.__new__(study)._workers() == (1 if alone else 5)
