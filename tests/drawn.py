@@ -15,7 +15,9 @@ class Handle(SimpleNamespace):
     def __init__(self, name):
         super().__init__(name=name, text="", points=np.zeros((0, 3)), visible=True, font_screen_scale=1.0, anchor="",
                          position=(0.0, 0.0, 0.0))
-        self._impl = SimpleNamespace(props=self, api=SimpleNamespace(_queue_scene_message=lambda message: None))
+        buffer = SimpleNamespace(push_all=lambda messages: None)
+        self._impl = SimpleNamespace(props=self, api=SimpleNamespace(
+            _owner_id="", _websock_interface=SimpleNamespace(get_message_buffer=lambda: buffer)))
 
 
 class Scene:

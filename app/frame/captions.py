@@ -3,7 +3,7 @@
 from dataclasses import dataclass
 
 from app.frame.silences import OFF, why_no_field
-from app.language.spoken import later, tr
+from app.language.spoken import kept, later, tr
 from app.words import QUANTITIES
 from solvers.scene.scene import Scene
 
@@ -40,6 +40,7 @@ class FieldWords:
         return f"{self.name}: {self.remark}" if self.remark else self.name
 
 
+@kept(64)  # it is asked for with every frame
 def captions(quantity: str, estimator: str | None, difference: bool, no_estimate: str, no_truth: str) -> Captions:
     """Those of the errors of a quantity.
 

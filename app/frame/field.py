@@ -250,9 +250,9 @@ def labels(places: Places, ends: tuple[str, str], words: FieldWords, magnified: 
 def seen(scene: Scene, field: np.ndarray, magnified: int) -> np.ndarray:
     """Values (P,) as they are drawn: exact plus ``magnified`` times the deviation of a ``field`` (P, 2), where the
     exact one is known. Of a motion without swings deviations alone: the rest is the same everywhere."""
-    if not scene.solution_known:
+    if not scene.solution_known or (scene.swings and magnified == 1):
         return field[:, 0]
     with np.errstate(over="ignore", invalid="ignore"):
         if not scene.swings:
             return magnified * field[:, 1]
-        return field[:, 0] if magnified == 1 else field[:, 0] + (magnified - 1) * field[:, 1]
+        return field[:, 0] + (magnified - 1) * field[:, 1]

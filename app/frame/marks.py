@@ -13,7 +13,7 @@ from typing import Literal, Protocol
 import numpy as np
 
 from app.frame.palette import DARK, LIGHT, Colour, Palette
-from app.frame.scale import ColourScale
+from app.frame.scale import ColourScale, known
 
 AWAY = -50.0  # where points that cannot be shown are, far outside the view
 LETTER_WIDTH = 6.0  # pixels, of an average letter of usual size
@@ -162,7 +162,7 @@ class Sheet(Protocol):
 
 def shades(scale: ColourScale, sizes: np.ndarray | None, count: int, unknown: Colour) -> np.ndarray:
     """Colours (P, 3) of error sizes; plain grey where nothing is known."""
-    if sizes is None or not np.isfinite(sizes).any():
+    if sizes is None or not known(sizes):
         return np.full((count, 3), unknown, np.uint8)
     return scale.colours(sizes)
 

@@ -47,7 +47,7 @@ class ColourScale:
                beside: tuple[np.ndarray | None, np.ndarray | None] = (None, None), least: float = 0.0) -> None:
         """Take in the errors of a frame of a ``run``, and of one ``beside`` it; move the top, unless held, but never
         below ``least``."""
-        truth, estimate = (max(map(largest, sizes)) for sizes in zip((true, estimated), beside[::-1], strict=True))
+        truth, estimate = max(largest(true), largest(beside[1])), max(largest(estimated), largest(beside[0]))
         top = max(truth, min(estimate, BEYOND * truth)) if truth > 0 else estimate
         known = self._largest.get(run, 0.0)
         if run is not None and top > known:
@@ -70,10 +70,10 @@ class ColourScale:
         self._begun, self._next = True, now + CALM_SECONDS
 
     def colours(self, sizes: np.ndarray) -> np.ndarray:
-        """(P, 3) colours of (P,) sizes; what is not a number counts as beyond the top."""
-        with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
-            share = 1 + np.log10(sizes / self.top) / DECADES if self.logarithmic else sizes / self.top
-            row = np.fmax(np.fmin(255 * share, 255), 0)  # fmin takes the other one where one is not a number
+        """(P, 3) colours of (P,) sizes; what is not a number counts as beyond the top. Who has such sizes has
+        numpy not warn, once for all that is drawn of them: that takes as long as the colours do."""
+        share = 1 + np.log10(sizes / self.top) / DECADES if self.logarithmic else sizes / self.top
+        row = np.fmax(np.fmin(255 * share, 255), 0)  # fmin takes the other one where one is not a number
         return self._table.take(row.astype(np.uint8), axis=0)
 
     def gradient(self, steps: int) -> np.ndarray:
@@ -94,11 +94,16 @@ class ColourScale:
         return [*ticks, (at, f"≥ {text}" if self.exceeded else text)]
 
 
+def known(sizes: np.ndarray) -> bool:
+    """Whether any of some sizes, none of which is negative, is a finite number."""
+    return bool(np.fmin.reduce(sizes, initial=np.inf) < np.inf)  # fmin takes the other one where one is none
+
+
 def largest(sizes: np.ndarray | None) -> float:
     """The largest of what is finite; 0 for nothing."""
     if sizes is None:
         return 0.0
-    top = float(np.max(sizes, initial=0.0))
+    top = float(np.maximum.reduce(sizes, initial=0.0))
     return top if math.isfinite(top) else float(np.max(sizes[np.isfinite(sizes)], initial=0.0))
 
 

@@ -87,6 +87,7 @@ class Stage(ABC, Generic[AnyScene]):
         self._seat = Seat.SECOND if beside else Seat.ALONE
         self._second: Stage[AnyScene] | None = None
         self._words, self._said = Words(), (Words(), None)
+        self._captioned: tuple | None = None  # of which words these are
         self._remarks: Remarks | None = None
         self._field: FieldPlot = FieldPlot(self.PLOT, beside._field if beside else None)
         self._lay_out()
@@ -127,7 +128,10 @@ class Stage(ABC, Generic[AnyScene]):
 
     def caption(self, estimate: Half, truth: Half) -> None:
         """Title the halves, and say in an empty one why it is."""
-        alone = self._seat == Seat.ALONE
+        said = self._seat, estimate.title, estimate.by, estimate.silence, truth.title, truth.by, truth.silence
+        if said == self._captioned:
+            return
+        self._captioned, alone = said, self._seat == Seat.ALONE
         self._say(titles=(estimate.title, truth.title), by=(estimate.by, truth.by),
                   silences=tuple(half.silence if alone else brief(half.silence) for half in (estimate, truth)))
 
@@ -166,16 +170,17 @@ class Stage(ABC, Generic[AnyScene]):
             self._mark(len(arrays.position))
             self._say(note=self.note(scene))
         unknown, count = self._places.room.palette.unknown, len(arrays.position)
-        halves = [shades(self._scale, sizes, count, unknown) for sizes in (estimated, true)]
         since = arrays.steps_since_crossing
-        crossed = recent(since, scene, speed) & self._marked
-        self.sheet.show(*self._moving(scene, arrays, halves[0], halves[1], t, crossed,
-                                      ages(since[crossed], scene, speed)))
-        if self.plotted:
-            at, shown = self._along(arrays), halves[1] if true is not None else halves[0]
-            with np.errstate(all="ignore"):  # a run gone bad holds anything
-                self.sheet.show(*self._field.draw(self._places, scene, self.plotted, self.magnified, at, arrays.plotted,
-                                                  t, crossed, shown))
+        with np.errstate(all="ignore"):  # a run gone bad holds anything
+            halves = [shades(self._scale, sizes, count, unknown) for sizes in (estimated, true)]
+            crossed = recent(since, scene, speed) & self._marked
+            marks = [*self._moving(scene, arrays, halves[0], halves[1], t, crossed,
+                                   ages(since[crossed], scene, speed))]
+            if self.plotted:
+                at, shown = self._along(arrays), halves[1] if true is not None else halves[0]
+                marks += self._field.draw(self._places, scene, self.plotted, self.magnified, at, arrays.plotted, t,
+                                          crossed, shown)
+            self.sheet.show(*marks)
 
     def _mark(self, particles: int) -> None:
         """Choose the particles whose crossings are marked, and say so: with marks of more, nothing else is seen."""

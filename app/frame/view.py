@@ -5,6 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from app.frame.captions import captions
+from app.frame.scale import known
 from app.frame.silences import NOT_COMPARED, not_estimated, why_no_estimate, why_no_truth
 from app.language.spoken import tr
 from solvers.engine.frames import FrameArrays
@@ -50,7 +51,7 @@ def look(report: FrameReport, arrays: FrameArrays, quantity: str, estimator: str
     true, estimated = None if no_truth else np.abs(arrays.error[:, column]), None
     if estimator is not None and not no_estimate:
         estimated = np.abs(arrays.estimate[estimator][:, column])
-        if not np.isfinite(estimated).any():
+        if not known(estimated):
             estimated, no_estimate = None, f"{estimator} {not_estimated(quantity)}"
     apart = arrays.difference[estimator][:, column] if estimator in arrays.difference else None
     return view(quantity, estimator, estimated, true, no_estimate, no_truth, difference, apart)

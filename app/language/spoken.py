@@ -82,8 +82,11 @@ def carried(work: Callable[P, T], code: str = "") -> Callable[P, T]:
     code = code or language()
 
     def spoken(*args: P.args, **options: P.kwargs) -> T:
-        with speaking(code):
+        before = _spoken.set(code)  # as in `speaking`, at half the price: it is done with every frame
+        try:
             return work(*args, **options)
+        finally:
+            _spoken.reset(before)
 
     return spoken
 

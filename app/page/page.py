@@ -86,8 +86,7 @@ class Page:
         self._controls.begin()
         self._sparks = Sparks(client.gui, self._session, lambda: self._controls.state, self._controls.show,
                               self._looking.back_to)
-        self._story = Story(client.gui, self._session, lambda: self._controls.show(OPENING),
-                            self._controls.usual_speed)
+        self._story = Story(client.gui, self._session, self._open, self._controls.usual_speed)
         self._store.heard["story"] = self._story.hear
         self._replay.on_click(lambda _: self._story.hear("play"))
         if classroom.lesson:
@@ -172,6 +171,15 @@ class Page:
             self._slow.follow(report)
             self._own.follow()
             self._cost.follow(report, self._session.history)
+
+    def _open(self) -> None:
+        """Put the opening on the stage, from its beginning. A page is made with it: whoever comes first and has changed
+        nothing has all of its widgets, which would take the browser as long to make anew as they took at first."""
+        session = self._session
+        if self._controls.state == OPENING and session.playing and not session.refused:
+            session.reset()
+        else:
+            self._controls.show(OPENING)
 
     def _follow_link(self, link: str) -> None:
         """Show what the address says; what it cannot mean is refused in words."""

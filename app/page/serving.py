@@ -216,9 +216,10 @@ def _start_server(host: str, port: int, pool: EnginePool, max_sessions: int, add
     from app.viewer import faults
     from app.viewer.index import Index
     from app.viewer.server import Doors, Lab
-    from app.viewer.wire import mend
+    from app.viewer.wire import mend, together
 
     mend()
+    pool.gather(together)
     faults.mend()
     # A frame may be drawn for a visitor who left a moment ago; that is nobody's fault.
     warnings.filterwarnings("ignore", message="Queued a .* on a closed connection")
@@ -243,8 +244,7 @@ def _start_server(host: str, port: int, pool: EnginePool, max_sessions: int, add
 
     def expects(client: Any) -> bool:
         """The lecturer's page has a place, however many are here."""
-        guest = doors.guest(client.client_id)
-        return guest is not None and guest.whose == BOARD
+        return (doors.guest(client.client_id) or Guest(CLASS)).whose == BOARD
 
     visitors = Visitors(pool, max_sessions, make_page, _show, expects)
     doors.watch(server, visitors)

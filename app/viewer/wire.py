@@ -6,14 +6,19 @@ was being said, a frame perhaps, ends in an exception. Here a frame is one call 
 """
 
 import asyncio
-from collections.abc import AsyncGenerator, Sequence
-from contextlib import suppress
+import threading
+from collections import deque
+from collections.abc import AsyncGenerator, Iterator, Sequence
+from contextlib import contextmanager, suppress
 from dataclasses import dataclass, field
 from time import monotonic
+from weakref import WeakKeyDictionary
 
 import viser
 from viser.infra import Message, _infra
 from viser.infra._async_message_buffer import AsyncMessageBuffer
+
+from app.viewer import sending
 
 PROTOCOL = f"viser-v{viser.__version__}"  # by which page and server know that they are of one version
 
@@ -33,12 +38,11 @@ class Bell(asyncio.Event):
             super().set()
             self.clear()
 
-    def ring(self, loop: asyncio.AbstractEventLoop) -> None:
+    def ring(self, tower: "Tower") -> None:
         """Once for all who do until it is heard."""
         if not self._rung:
             self._rung = True
-            with suppress(RuntimeError):  # the loop is closed: nobody waits
-                loop.call_soon_threadsafe(self.set)
+            tower.ring(self)
 
     async def heard(self, seconds: float | None = None) -> None:
         """Until it rings, or for so many seconds."""
@@ -46,6 +50,59 @@ class Bell(asyncio.Event):
         await self.wait()
         if timer:
             timer.cancel()
+
+
+class _Here(threading.local):
+    """What a thread that has several frames to tell has rung meanwhile."""
+
+    rung: "set[Tower] | None" = None
+
+
+_here = _Here()
+
+
+@contextmanager
+def together() -> Iterator[None]:
+    """What this thread says meanwhile to several browsers leaves afterwards: else the loop would be woken by the first,
+    and the two would take turns in Python for each of the others."""
+    rung = _here.rung = set()
+    try:
+        yield
+    finally:
+        _here.rung = None
+        for tower in rung:
+            tower.wake()
+
+
+class Tower:
+    """The bells of one loop, which is woken once for all that ring until it hears them."""
+
+    def __init__(self, loop: asyncio.AbstractEventLoop):
+        self._soon = loop.call_soon_threadsafe
+        self._ringing, self._woken = deque[Bell](), False
+
+    def ring(self, bell: Bell) -> None:
+        """From any thread. In this order nothing is missed: what :meth:`_hear` has not found wakes the loop again."""
+        self._ringing.append(bell)
+        if _here.rung is None:
+            self.wake()
+        else:
+            _here.rung.add(self)
+
+    def wake(self) -> None:
+        """Have the loop hear what rings."""
+        if not self._woken:
+            self._woken = True
+            with suppress(RuntimeError):  # the loop is closed: nobody waits
+                self._soon(self._hear)
+
+    def _hear(self) -> None:
+        self._woken = False
+        while self._ringing:
+            self._ringing.popleft().set()
+
+
+_TOWERS = WeakKeyDictionary[asyncio.AbstractEventLoop, Tower]()
 
 
 @dataclass
@@ -58,6 +115,9 @@ class Buffer(AsyncMessageBuffer):
     _given: float | None = None  # since when messages are on their way to a browser that has not taken them all yet
     _sent: int = -1  # the number of the last message that has gone, of those that only this browser gets
 
+    def __post_init__(self) -> None:
+        self._tower = _TOWERS.get(self.event_loop) or _TOWERS.setdefault(self.event_loop, Tower(self.event_loop))
+
     @property
     def all_sent(self) -> bool:
         """Whether all that has been put in has gone, or nobody is there any more."""
@@ -67,6 +127,32 @@ class Buffer(AsyncMessageBuffer):
     def stands_still(self) -> float:
         """Seconds for which the browser has taken nothing, though there was something to take."""
         return 0.0 if (given := self._given) is None else monotonic() - given
+
+    def push(self, message: Message) -> None:
+        """Put a message in; what it makes redundant goes. The viewer's own way is for what ends something, and for a
+        browser that has gone."""
+        if self.done or message.lifecycle_phase == "remove":
+            super().push(message)
+        else:
+            self.push_all((message,))
+
+    def push_all(self, messages: Sequence[Message]) -> None:
+        """Put in messages that change something or make it, in this order."""
+        if self.done:  # the viewer says so, once
+            for message in messages:
+                super().push(message)
+            return
+        with self.buffer_lock:
+            for number, message in enumerate(messages, self.message_counter):
+                redundant, entity = message.redundancy_key(), message.entity_state_key()
+                if (before := self.id_from_redundancy_key.get(redundant)) is not None:
+                    self.pop_message_locked(before)
+                self.message_from_id[number] = message
+                self.id_from_redundancy_key[redundant] = number
+                if entity is not None:
+                    self.ids_from_entity_state_key.setdefault(entity, set()).add(number)
+            self.message_counter += len(messages)
+        self._ring()
 
     def atomic_end(self) -> None:
         with self.buffer_lock:
@@ -104,12 +190,20 @@ class Buffer(AsyncMessageBuffer):
 
     def _ring(self) -> None:
         if not self.atomic_counter:  # else the end of the block does
-            self.message_event.ring(self.event_loop)
+            self.message_event.ring(self._tower)
 
     def _taken(self, last: int, newest: int, client_id: int) -> tuple[list[Message], int]:
         """Messages for a browser after number ``last`` and up to ``newest``, not too many, and the number of the last
         that was looked at. What only this browser gets is taken out."""
         window: list[Message] = []
+        if not self.persistent_messages and newest - last <= self.max_window_size:
+            with self.buffer_lock:
+                if newest == self.message_counter - 1:  # all that there is, as with a frame
+                    window = [message for message in self.message_from_id.values()
+                              if message.excluded_self_client != client_id]
+                    for held in (self.message_from_id, self.id_from_redundancy_key, self.ids_from_entity_state_key):
+                        held.clear()
+                    return window, newest
         while last < newest and len(window) < self.max_window_size:
             last += 1
             if self.persistent_messages:
@@ -133,5 +227,6 @@ class Buffer(AsyncMessageBuffer):
 
 
 def mend() -> None:
-    """Have servers that start from now on use the buffer above."""
+    """Have servers that start from now on use the buffer above, and send what is in it by :mod:`app.viewer.sending`."""
     _infra.AsyncMessageBuffer = Buffer  # type: ignore[assignment, misc]
+    _infra._message_producer = sending.send

@@ -6,6 +6,7 @@ message, it would wake the page's writing thread with every frame.
 
 import sys
 from dataclasses import dataclass
+from functools import lru_cache
 from multiprocessing import resource_tracker
 from multiprocessing.shared_memory import SharedMemory
 
@@ -118,7 +119,11 @@ def read(block: SharedMemory, scene: Scene, particles: int, holds: FrameOptions 
 
 def _widths(scene: Scene, differences: bool, plotted: bool) -> dict[str, int]:
     """What a frame holds, in order, and how many numbers of each a particle has."""
-    D, active = scene.DIMENSIONS, scene.active_estimators
+    return _widths_of(scene.DIMENSIONS, scene.active_estimators, differences, plotted)
+
+
+@lru_cache(64)
+def _widths_of(D: int, active: tuple[str, ...], differences: bool, plotted: bool) -> dict[str, int]:
     compared = map(DIFFERENCE.format, active) if differences else ()
     return {"position": D, "displacement": D, "deformation_gradient": D * D, "steps_since_crossing": 1, "error": WIDTH,
             **dict.fromkeys((*active, *compared), WIDTH), **({"plotted": 2} if plotted else {})}

@@ -58,9 +58,10 @@ class Prewarm:
     scenes: tuple[Scene, ...]
 
 
-@dataclass(frozen=True)
+@dataclass(eq=False)
 class FrameReport:
-    """A frame lies in the session's block called ``memory``. ``rows`` are the samples since the last frame.
+    """A frame lies in the session's block called ``memory``. ``rows`` are the samples since the last frame. Whoever
+    gets many puts one ``scene`` into those that have equal ones, and changes nothing else.
 
     ``fresh`` marks the first frame after a build, when what was collected before belongs to another run. ``rate`` is
     million particle-steps per second of kernel time; ``real_speed`` is in simulated seconds a second, None until it has
@@ -99,6 +100,13 @@ class FrameReport:
     def valid_estimators(self) -> tuple[str, ...]:
         """The estimators of the run that hold in it, as far as is known by now."""
         return tuple(name for name in self.scene.active_estimators if name not in self.not_valid)
+
+
+@dataclass(frozen=True)
+class Frames:
+    """Frames of several sessions that have come due about together: each message by itself wakes the page's threads."""
+
+    reports: tuple[FrameReport, ...]
 
 
 @dataclass(frozen=True)

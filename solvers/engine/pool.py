@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import itertools
 import threading
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
+from contextlib import AbstractContextManager
 from dataclasses import replace
 from multiprocessing.shared_memory import SharedMemory
 from time import monotonic
@@ -42,6 +43,11 @@ class EnginePool:
         """Have every engine compile what is ``usual`` beside its work, the first first."""
         for engine in self._engines:
             engine.expect(usual)
+
+    def gather(self, together: Callable[[], AbstractContextManager]) -> None:
+        """From now on sessions hear of frames that come at once in one context that this gives."""
+        for engine in self._engines:
+            engine.together = together
 
     def open(self, listener: Listener, beside: SessionLink | None = None) -> SessionLink:
         """A new session, on the engine that has fewest; on one that has been given up only if all have.
@@ -96,6 +102,7 @@ class SessionLink:
         self.wish: Wish | None = None
         self._partner, self._frame_seconds = partner, frame_seconds
         self._lock = threading.Lock()
+        self._scene: Scene | None = None  # of the last frame
         self._blocks: list[SharedMemory] = []  # the last is in use; the engine may still be writing to outgrown ones
         self._deaths = 0
         self._closed = False
@@ -143,6 +150,9 @@ class SessionLink:
         """Copy a frame out of the block, free the block for the next and hand the copy on."""
         with self._lock:
             self._deaths = 0
+            if report.scene == self._scene:  # the same object, so that what has been worked out for it is there
+                report.scene = self._scene
+            self._scene = report.scene
             block = next((b for b in self._blocks if b.name == report.memory), None)
             if block is None:  # it is closed, or that was for a wish that a later one has overtaken
                 return

@@ -10,13 +10,24 @@ import os
 import threading
 from collections import deque
 from collections.abc import Callable, Sequence
-from contextlib import suppress
+from contextlib import AbstractContextManager, nullcontext, suppress
 from multiprocessing.connection import Connection
 from time import monotonic, sleep
 from typing import Protocol
 
 from solvers.engine.frames import FrameArrays
-from solvers.engine.messages import Compiling, Forked, FrameReport, Goodbye, Moved, Prewarm, Ready, Trouble, Wish
+from solvers.engine.messages import (
+    Compiling,
+    Forked,
+    FrameReport,
+    Frames,
+    Goodbye,
+    Moved,
+    Prewarm,
+    Ready,
+    Trouble,
+    Wish,
+)
 from solvers.scene.scene import Scene
 from solvers.workers import processes
 
@@ -56,9 +67,11 @@ def become_engine(pipe: Connection, warm_up: Scene, usual: Sequence[Scene]) -> N
 
 class EngineProcess:
     """Starts the process, restarts it when it dies, and passes messages to and from ``links``, by session. The process
-    may put a successor in its place (:class:`~solvers.engine.messages.Moved`): the pipe is the same."""
+    may put a successor in its place (:class:`~solvers.engine.messages.Moved`): the pipe is the same. Of frames that
+    come at once sessions hear ``together``, in a context that this gives."""
 
     def __init__(self, warm_up: Scene):
+        self.together: Callable[[], AbstractContextManager] = nullcontext
         self.ready = threading.Event()
         self.given_up = False  # whether it kept dying before it was ready: then it serves nobody any more
         self.links: dict[int, Link] = {}
@@ -203,10 +216,15 @@ class EngineProcess:
         self._leaving = [process_id for process_id in self._leaving if here(process_id)]
         return self._leaving
 
-    def _dispatch(self, message: FrameReport | Compiling | Forked | Moved | Trouble | Ready) -> None:
+    def _dispatch(self, message: Frames | Compiling | Forked | Moved | Trouble | Ready) -> None:
         if self._leaving:
             self._unburied()
-        if isinstance(message, Ready):
+        if isinstance(message, Frames):
+            with self.together():
+                for report in message.reports:
+                    if link := self.links.get(report.session):
+                        _tell(link.receive, report)
+        elif isinstance(message, Ready):
             self._failures = 0
             self.ready.set()
         elif isinstance(message, Moved):
@@ -215,9 +233,7 @@ class EngineProcess:
         elif isinstance(message, Forked):
             self._successor = message.process_id
         elif link := self.links.get(message.session):
-            if isinstance(message, FrameReport):
-                link.receive(message)
-            elif isinstance(message, Compiling):
+            if isinstance(message, Compiling):
                 link.listener.on_compiling(message.number)
             else:
                 link.listener.on_trouble(message.sentence)

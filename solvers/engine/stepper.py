@@ -224,6 +224,11 @@ class Stepper:
         return max(1, int(seconds / self._seconds_a_step))
 
     @property
+    def turn_seconds(self) -> float:
+        """How long a turn takes at most, as far as is known."""
+        return self._slice * self._seconds_a_step
+
+    @property
     def _enough(self) -> int:
         """Steps that are worth a turn between two frames: a slice, or half of what a partner that waits is ahead."""
         if self.partner is None:

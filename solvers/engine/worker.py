@@ -20,7 +20,18 @@ from multiprocessing.connection import Connection
 from time import perf_counter
 
 from solvers.engine import successor
-from solvers.engine.messages import Compiling, Forked, FrameReport, Goodbye, Moved, Prewarm, Ready, Trouble, Wish
+from solvers.engine.messages import (
+    Compiling,
+    Forked,
+    FrameReport,
+    Frames,
+    Goodbye,
+    Moved,
+    Prewarm,
+    Ready,
+    Trouble,
+    Wish,
+)
 from solvers.engine.stepper import BlockGone, Stepper
 from solvers.engine.successor import Successor
 from solvers.kernels import runtime
@@ -31,6 +42,7 @@ from solvers.solver.base import Solver
 
 IDLE_SECONDS = 0.5
 WISHES_SECONDS = 0.03  # of a round for new wishes, after which the next has to wait; a new scene takes some 10 ms
+TOGETHER_SECONDS = 0.006  # that a frame waits for others to go with, in a round of many sessions
 SPARE = 0.2  # seconds of each second in which what nobody waits for is compiled though frames come late
 NO_MEMORY = "this scene needs more memory than there is: choose fewer particles"
 FAILED = "the simulation of this scene failed; change a setting"
@@ -64,6 +76,8 @@ class Worker:
         self._waiting: dict[int, Wish] = {}  # for the compiler, by session
         self._prepared: dict[int, Solver] = {}  # in a successor, for sessions that it will get
         self._successor: Successor | None = None
+        self._frames: list[FrameReport] = []  # that go together, soon
+        self._first = 0.0  # when the first of them was made, by perf_counter
         self._late = False  # whether most sessions that move get their frames late
 
     def serve(self) -> None:
@@ -73,6 +87,7 @@ class Worker:
             self._fulfil()
             self._pair()
             busy = [self._serve_one(stepper) for stepper in list(self._steppers.values())]
+            self._send_frames()
             if self._successor and self._handed_over(self._successor):
                 return
             inherited = successor.POSSIBLE and self._compile_aside()
@@ -86,14 +101,23 @@ class Worker:
         def work() -> FrameReport | None:
             nonlocal busy
             busy = stepper.behind
+            takes = stepper.turn_seconds if busy else 0.0
+            if self._frames and perf_counter() + takes > self._first + TOGETHER_SECONDS:
+                self._send_frames()
             if busy:
                 stepper.turn()
             return stepper.frame() if stepper.ready else None
 
         report = self._contain(stepper.wish, work)
-        if report is not None:  # sent out here: a pipe that fails ends the engine, not the session
-            self._pipe.send(report)
+        if report is not None:
+            self._first = self._first if self._frames else perf_counter()
+            self._frames.append(report)
         return busy or report is not None
+
+    def _send_frames(self) -> None:
+        if self._frames:
+            self._pipe.send(Frames(tuple(self._frames)))
+            self._frames.clear()
 
     def _wait(self) -> None:
         """Sleep until a message comes or the next frame or step is due."""

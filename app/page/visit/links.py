@@ -16,7 +16,8 @@ class _Told:
         self._listener, self._language = listener, language()
 
     def __getattr__(self, name: str) -> Any:
-        return carried(getattr(self._listener, name), self._language)
+        said = vars(self)[name] = carried(getattr(self._listener, name), self._language)  # and not asked for again
+        return said
 
 
 class PageLinks:

@@ -2,7 +2,7 @@
 
 import threading
 from collections import deque
-from dataclasses import fields, replace
+from dataclasses import replace
 
 import numpy as np
 
@@ -107,6 +107,6 @@ class Recent:
 
 def size(arrays: FrameArrays) -> int:
     """Bytes of a frame's particles."""
-    values = (getattr(arrays, field.name) for field in fields(arrays))
-    return sum(array.nbytes for value in values
-               for array in (value.values() if isinstance(value, dict) else (value,)) if isinstance(array, np.ndarray))
+    held = (arrays.position, arrays.displacement, arrays.deformation_gradient, arrays.steps_since_crossing,
+            arrays.error, *arrays.estimate.values(), *arrays.difference.values(), arrays.plotted)
+    return sum([array.nbytes for array in held])

@@ -213,6 +213,7 @@ class _Lanes:
         points, colours = self._points.copy(), np.empty(self._points.shape, np.uint8)
         inside = np.minimum(np.maximum(x[:, None] + self._beside, self.size / 2), 1 - self.size / 2)
         points[..., 0] = (inside - self.origin[0]).astype(np.float16)
-        for lane, of_particles in zip(colours, shades, strict=True):
-            lane[...] = of_particles[:, None]
+        rows, across = self._points.shape[1], self._points.shape[3]
+        for lane, of_particles in zip(colours.reshape(2, rows, -1), shades, strict=True):
+            lane[...] = np.repeat(of_particles, across, axis=0).reshape(-1)  # row by row: particle by particle is slow
         return Dots("lanes", points.reshape(-1, 3), colours.reshape(-1, 3), TIGHT * self.size, "square", self.origin)

@@ -163,8 +163,10 @@ class BarScene(Scene):
 
     def within(self, position: np.ndarray) -> np.ndarray:
         """Positions (P,) where they are drawn: of a patch test, which goes on and on, the image in the first metre."""
+        if not self.is_patch:
+            return position
         with np.errstate(invalid="ignore"):  # a run gone bad holds anything
-            return position - np.floor(position) if self.is_patch else position
+            return position - np.floor(position)
 
     def warnings(self) -> list[str]:
         sentences = super().warnings()

@@ -13,7 +13,7 @@ import pytest
 
 from app.page.serving import OVER, Visitors, _engine_count
 from solvers.engine import process
-from solvers.engine.messages import Trouble, Wish
+from solvers.engine.messages import Frames, Trouble, Wish
 from solvers.engine.pool import EnginePool
 from solvers.engine.process import CANNOT_START
 from solvers.engine.worker import FAILED, Worker
@@ -193,6 +193,8 @@ def test_failing_turn_or_frame_drops_that_session_only(fault, caplog):
         behind = ready = True
         closed = False
 
+        turn_seconds = 0.0
+
         def __init__(self, session, fault):
             self.wish = Wish(session, 5, "", SCENE)
             self._fault = fault
@@ -213,7 +215,8 @@ def test_failing_turn_or_frame_drops_that_session_only(fault, caplog):
     worker._steppers = {1: bad, 2: good}
     for stepper in (bad, good):
         worker._serve_one(stepper)
-    assert pipe.sent == [Trouble(1, 5, FAILED), "a frame"]
+    worker._send_frames()
+    assert pipe.sent == [Trouble(1, 5, FAILED), Frames(("a frame",))]
     assert bad.closed and not good.closed and worker._steppers == {2: good}
     assert "AssertionError" in caplog.text
 

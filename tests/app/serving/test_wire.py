@@ -6,10 +6,15 @@ import asyncio
 import threading
 from time import monotonic, sleep
 
+import msgspec
+import numpy as np
 import pytest
-from viser._messages import ReplayDoneMessage, SceneNodeUpdateMessage, SetCameraFovMessage
+import zstandard
+from viser._messages import GuiUpdateMessage, ReplayDoneMessage, SceneNodeUpdateMessage, SetCameraFovMessage
+from viser.infra import _infra
 
-from app.viewer.wire import Buffer
+from app.viewer.sending import SHORT, Moved, send
+from app.viewer.wire import Buffer, together
 from tests.listening import PATIENCE
 from tests.processes import until
 
@@ -72,6 +77,73 @@ def test_a_frame_leaves_whole_and_at_once(loop):
     buffer.set_done()
     end.result(PATIENCE)
     assert len(windows) == 20 and not buffer.generator_cursors
+
+
+def test_frames_of_many_that_come_together_wake_the_sender_once(loop, monkeypatch):
+    """They leave when all have been told; what another thread says meanwhile leaves at once."""
+    woken, soon = [], loop.call_soon_threadsafe
+    monkeypatch.setattr(loop, "call_soon_threadsafe", lambda *args: woken.append(args) or soon(*args))
+    buffers = [Buffer(loop, persistent_messages=False, window_duration_sec=PATIENCE) for _ in range(4)]
+    heard = [listen(loop, buffer) for buffer in buffers]
+    until(lambda: all(buffer.generator_cursors for buffer in buffers), "those who listen")
+
+    def tell(buffer, step):
+        buffer.atomic_start()
+        buffer.push_all([moved(name, step) for name in "abc"])
+        buffer.flush()
+        buffer.atomic_end()
+
+    woken.clear()
+    with together():
+        for buffer in buffers[:3]:
+            tell(buffer, 1)
+        assert not woken
+        thread = threading.Thread(target=tell, args=(buffers[3], 1))
+        thread.start()
+        thread.join()
+        assert len(woken) == 1
+    until(lambda: all(windows for windows, _ in heard), "a frame for each")
+    assert len(woken) <= 2
+    assert all([message.name for message in windows[0][1]] == ["a", "b", "c"] for windows, _ in heard)
+    for buffer, (_, end) in zip(buffers, heard, strict=True):
+        buffer.set_done()
+        end.result(PATIENCE)
+
+
+@pytest.mark.parametrize("words", ["few", "many" * SHORT])
+def test_messages_are_packed_as_the_viewer_packs_them(words, monkeypatch):
+    """To the last byte of what a browser makes of them; only that what is short is not compressed."""
+    points, colours = np.arange(15, dtype=np.float32).reshape(5, 3), np.arange(7, dtype=np.uint8)
+    said = {"points": points.astype(np.float16), "colors": colours}
+    usual, ours = ([kind("/bar/lanes", said, "3"), kind("/ring", {"points": points[::2]}, "3"),
+                    GuiUpdateMessage("text", {"content": words})] for kind in (SceneNodeUpdateMessage, Moved))
+    assert [message.redundancy_key() for message in ours] == [message.redundancy_key() for message in usual]
+    assert [message.entity_state_key() for message in ours] == [message.entity_state_key() for message in usual]
+    sent = []
+
+    class Socket:
+        async def send(self, packed):
+            sent.append(packed)
+
+    async def tell(producer, messages):
+        buffer = Buffer(asyncio.get_running_loop(), persistent_messages=False)
+        buffer.push_all(messages)
+        sending = asyncio.create_task(producer(Socket(), buffer, 1, None))
+        while not sent:
+            await asyncio.sleep(0.001)
+        buffer.set_done()
+        await sending
+        return sent.pop()
+
+    read = []
+    for producer, messages in ((_infra._message_producer, usual), (send, ours)):
+        packed = asyncio.run(tell(producer, messages))
+        size, length = (int.from_bytes(packed[k:k + 8], "little") for k in (0, 8))
+        inside = msgspec.msgpack.decode(zstandard.ZstdDecompressor().decompress(packed[16:16 + length]))
+        assert inside.pop("timestampSec") > 0 and (size > SHORT) == (words != "few")
+        read.append((inside, size - 16 - length, packed[16 + length:].lstrip(bytes(1))))
+    (theirs, _, their_arrays), (same, _, arrays) = read
+    assert same == theirs and arrays == their_arrays
 
 
 def test_other_words_wait_for_company_and_only_the_last_counts(loop):

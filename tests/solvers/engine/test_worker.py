@@ -61,6 +61,31 @@ def test_when_many_wish_at_once_some_wait_for_the_next_round(monkeypatch):
     assert rounds == [[(1, 1), (2, 2), (3, 1)], [(4, 1), (5, 2), (7, 1)], []]
 
 
+@pytest.mark.parametrize(("turn", "together"), [
+    (0.0, [[1, 2, 3, 4], [5, 6, 7]]), (0.5, [[1, 2], [3, 4], [5, 6], [7]]), (2.0, [[k] for k in range(1, 8)])])
+def test_frames_of_a_round_go_together_but_none_waits_long(turn, together, monkeypatch):
+    """Nor for the turn of a session that would take longer than a frame may wait. A turn is in units of that time here,
+    and a frame takes two fifths of it to make."""
+    clock, pipe = SimpleNamespace(now=0.0), Pipe()
+    monkeypatch.setattr(worker, "perf_counter", lambda: clock.now)
+
+    def passing(part, what=None):
+        clock.now += part * worker.TOGETHER_SECONDS
+        return what
+
+    def stepper(session):
+        return SimpleNamespace(behind=True, ready=True, turn_seconds=turn * worker.TOGETHER_SECONDS,
+                               wish=wish(session), turn=lambda: passing(turn), frame=lambda: passing(0.4, session))
+
+    engine = Worker(pipe)
+    for session in range(1, 8):
+        engine._serve_one(stepper(session))
+    engine._send_frames()
+    assert [list(message.reports) for message in pipe.sent] == together
+    engine._send_frames()
+    assert len(pipe.sent) == len(together)  # nothing is said where there is nothing
+
+
 def test_a_successor_has_solvers_in_place_for_what_it_will_get(monkeypatch):
     """It keeps those of scenes that have not changed since it forked, builds the others, and leaves out one that cannot
     be built: whoever asks for that again will be told."""
