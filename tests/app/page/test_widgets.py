@@ -2,6 +2,14 @@
 
 from __future__ import annotations
 
+from types import SimpleNamespace
+from typing import get_type_hints
+from zipfile import ZipFile
+
+import viser
+from viser._messages import GuiSliderProps
+
+from app.viewer import hints, icons
 from tests.doors import lab
 from tests.processes import until
 from tests.raw import Raw
@@ -49,3 +57,12 @@ def test_nothing_is_said_of_widgets_that_have_gone(caplog):
             until(lambda of=others: visitor.cells(of), name)
         assert visitor.ghosts == []
     assert "Traceback" not in caplog.text and visitor.gone
+
+
+def test_icons_and_kinds_of_values_are_the_viewers():
+    """Though neither is looked up anew for each widget."""
+    icon = viser.Icon.SCHOOL
+    with ZipFile(icons._ARCHIVE) as archive:
+        assert icons.svg(icon) == archive.read(f"{icon}.svg").decode() and icons.svg(icon).startswith("<svg")
+    handle = SimpleNamespace(_impl=SimpleNamespace(props=GuiSliderProps.__new__(GuiSliderProps)))
+    assert hints._known(handle) == get_type_hints(GuiSliderProps) and hints._known(handle) is hints._known(handle)
