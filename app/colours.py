@@ -8,6 +8,8 @@ steps of error look equally far apart, in print as well. The page has the same p
 """
 
 from collections import defaultdict
+from functools import lru_cache
+from pathlib import Path
 from typing import NamedTuple
 
 import numpy as np
@@ -56,11 +58,12 @@ METHOD_COLOURS = defaultdict(lambda: "#777777", {"mpm": INK, "ugimp": "#009e73",
 METHOD_MARKS = defaultdict(lambda: "o", {"mpm": "o", "ugimp": "s", "cpgimp": "^", "bspline": "D", "cpdi": "v"})
 
 
+@lru_cache(1)
 def colour_table() -> np.ndarray:
-    """The colour map as 256 rows of red, green, blue, 0 to 255 (uint8), from no error to the largest."""
-    from matplotlib import colormaps  # here, because it takes long to import and few commands draw
-
-    return (255 * colormaps[COLOUR_MAP](np.arange(256))[:, :3]).round().astype(np.uint8)
+    """The colour map as 256 rows of red, green, blue, 0 to 255 (uint8), from no error to the largest; nobody writes to
+    it. It is matplotlib's, which takes so long to import that the first visitor of a page would wait for it."""
+    rows = bytes.fromhex((Path(__file__).parent / "colour_map.txt").read_text(encoding="ascii"))
+    return np.frombuffer(rows, np.uint8).reshape(-1, 3)
 
 
 def rgb(colour: str) -> tuple[int, int, int]:

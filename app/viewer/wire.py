@@ -18,7 +18,7 @@ import viser
 from viser.infra import Message, _infra
 from viser.infra._async_message_buffer import AsyncMessageBuffer
 
-from app.viewer import sending
+from app.viewer import hints, icons, sending
 
 PROTOCOL = f"viser-v{viser.__version__}"  # by which page and server know that they are of one version
 
@@ -227,6 +227,9 @@ class Buffer(AsyncMessageBuffer):
 
 
 def mend() -> None:
-    """Have servers that start from now on use the buffer above, and send what is in it by :mod:`app.viewer.sending`."""
+    """Have servers that start from now on use the buffer above, send what is in it by :mod:`app.viewer.sending`, and
+    make widgets by :mod:`app.viewer.hints` and :mod:`app.viewer.icons`."""
+    hints.mend()
+    icons.mend()
     _infra.AsyncMessageBuffer = Buffer  # type: ignore[assignment, misc]
     _infra._message_producer = sending.send

@@ -2,6 +2,16 @@
 
 from __future__ import annotations
 
+import json
+from types import SimpleNamespace
+from typing import get_type_hints
+from zipfile import ZipFile
+
+import viser
+from viser._messages import GuiSliderProps
+
+from app.page.visit.opening import OPENING
+from app.viewer import hints, icons
 from tests.doors import lab
 from tests.processes import until
 from tests.raw import Raw
@@ -49,3 +59,33 @@ def test_nothing_is_said_of_widgets_that_have_gone(caplog):
             until(lambda of=others: visitor.cells(of), name)
         assert visitor.ghosts == []
     assert "Traceback" not in caplog.text and visitor.gone
+
+
+def test_the_story_begins_on_the_widgets_that_are_there():
+    """A page is made with what the story begins on: a newcomer's run starts anew, and no widget. Where something else
+    is on the stage by then, they are made for the opening again."""
+    with lab() as (one, address), Listener(address) as visitor:
+        until(lambda: visitor.cells("1"), "the widgets")
+        until(lambda: any(one.visitors._pages.values()), "the page")
+        (page,) = one.visitors._pages.values()
+        store, begun = visitor.find("kept by the browser"), page._session.moves[1]
+        for known, cells in ((True, 40), (False, 30)):
+            visitor.set(visitor.cells("1"), cells)
+            until(lambda of=cells: page._session.scene.cells == of, "the choice")
+            page._story.beat = 0
+            visitor.set(store, json.dumps({"story": "play", "known": known}))  # another text each time
+            until(lambda: page._story.beat == 1, "the story")
+            begun += 1
+            assert page._session.moves[1] == begun and page._session.scene == OPENING.scene
+            assert page._session.pinned.scene == OPENING.pinned
+            until(lambda there=known: visitor.gone or there, "widgets that are made anew")
+            assert bool(visitor.gone) is not known
+
+
+def test_icons_and_kinds_of_values_are_the_viewers():
+    """Though neither is looked up anew for each widget."""
+    icon = viser.Icon.SCHOOL
+    with ZipFile(icons._ARCHIVE) as archive:
+        assert icons.svg(icon) == archive.read(f"{icon}.svg").decode() and icons.svg(icon).startswith("<svg")
+    handle = SimpleNamespace(_impl=SimpleNamespace(props=GuiSliderProps.__new__(GuiSliderProps)))
+    assert hints._known(handle) == get_type_hints(GuiSliderProps) and hints._known(handle) is hints._known(handle)

@@ -8,6 +8,7 @@ from itertools import pairwise
 
 import numpy as np
 import pytest
+from matplotlib import colormaps
 from matplotlib.collections import PathCollection
 from matplotlib.colors import to_rgb
 
@@ -235,6 +236,10 @@ def test_a_fifth_estimator_is_drawn_as_it_is_registered(result, monkeypatch):
     assert dashes == ["-", "-", "--"] and "estimate (zero)" in figure.axes[0].get_legend_handles_labels()[1]
     assert {line.get_color() for line in figure.axes[3].get_lines()} >= {"#aa0000", ESTIMATORS["transport"].colour}
     assert png_bytes(figure).startswith(b"\x89PNG")
+
+
+def test_colour_table_is_that_of_the_map_by_name():
+    assert np.array_equal(colour_table(), (255 * colormaps[COLOUR_MAP](np.arange(256))[:, :3]).round())
 
 
 def test_colour_table_rises_evenly_in_lightness():
