@@ -27,6 +27,11 @@ def variable(value: object) -> object:
     return ti.lang.impl.expr_init(value)
 
 
+def subscript(array: object, index: object) -> object:
+    """An entry of an array or a vector, in the kernel that is being compiled."""
+    return ti.lang.impl.subscript(None, array, index)
+
+
 @untranslated
 def hoist_scalars(state: Any) -> _Members:
     """For kernels: the state, an argument pack, with its numbers read here."""

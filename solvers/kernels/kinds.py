@@ -16,6 +16,7 @@ pairs = ti.types.ndarray(dtype=ti.types.vector(2, real), ndim=1)
 quads = ti.types.ndarray(dtype=ti.types.vector(4, real), ndim=1)
 octets = ti.types.ndarray(dtype=ti.types.vector(8, real), ndim=1)
 rows = ti.types.ndarray(dtype=ti.types.vector(8, real), ndim=1)  # octets that a ``Packing`` leaves as they are
+blocks = ti.types.ndarray(dtype=ti.types.vector(32, real), ndim=1)  # eight numbers of four
 matrix = ti.types.ndarray(dtype=real, ndim=2)
 integers = ti.types.ndarray(dtype=ti.i32, ndim=1)
 integer_quads = ti.types.ndarray(dtype=ti.types.vector(4, ti.i32), ndim=1)
@@ -26,6 +27,7 @@ Reals = Annotated[np.ndarray, reals]
 Pairs = Annotated[np.ndarray, pairs]
 Quads = Annotated[np.ndarray, quads]
 Octets = Annotated[np.ndarray, octets]
+Blocks = Annotated[np.ndarray, blocks]
 Matrix = Annotated[np.ndarray, matrix]
 Integers = Annotated[np.ndarray, integers]
 IntegerQuads = Annotated[np.ndarray, integer_quads]

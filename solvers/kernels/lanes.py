@@ -6,10 +6,16 @@ that might have changed, and so it finds no loop to put into vectors.
 
 import taichi as ti
 
-LANES = 4  # numbers in a register of most processors; no run has fewer particles
+LANES = 4  # numbers in a register of most processors; no bar has fewer particles
 
 
 @ti.func
 def read(numbers: ti.template(), p):
     """``LANES`` numbers from entry ``p`` on."""
     return ti.Vector([numbers[p + k] for k in ti.static(range(LANES))])
+
+
+@ti.func
+def read_component(vectors: ti.template(), some: ti.template(), c: ti.template()):
+    """Number ``c`` of each of the vectors with the numbers ``some``."""
+    return ti.Vector([vectors[some[k]][c] for k in ti.static(range(some.n))])

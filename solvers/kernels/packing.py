@@ -14,7 +14,7 @@ import numpy as np
 import taichi as ti
 
 from solvers.kernels import kinds
-from solvers.kernels.hoist import untranslated, variable
+from solvers.kernels.hoist import subscript, untranslated, variable
 
 PREFIX = "memory_"  # of the arrays that hold the others, unless a packing has one of its own
 #: Types of arrays that can be packed, by name, with the shape of an entry.
@@ -82,7 +82,7 @@ class MemoryView:
             if name in packing.places:
                 array, slot, is_array = packing.places[name]
                 own = getattr(state, packing.prefix + array)
-                number = variable(_entry(getattr(state, packing.prefix + "integers") if is_array else own, slot))
+                number = variable(subscript(getattr(state, packing.prefix + "integers") if is_array else own, slot))
                 self._members[name] = _Array(own, number) if is_array else number
 
     def __getattr__(self, name: str) -> object:
@@ -106,11 +106,7 @@ class _Array:
         self._array, self._begin = array, begin
 
     def __getitem__(self, index: object) -> object:
-        return _entry(self._array, self._begin + index)
-
-
-def _entry(array: object, index: object) -> object:
-    return ti.lang.impl.subscript(None, array, index)
+        return subscript(self._array, self._begin + index)
 
 
 @untranslated

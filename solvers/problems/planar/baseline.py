@@ -10,7 +10,7 @@ import taichi as ti
 
 from solvers.problems.planar.method import cpdi
 from solvers.problems.planar.method.check import check
-from solvers.problems.planar.method.phases import EMPTY, fold_sums
+from solvers.problems.planar.method.phases import EMPTY, find_weights, fold_sums
 from solvers.problems.planar.solver import PlanarSolver
 from solvers.scene.scene import Scene
 from solvers.solver.arrays import part_of, part_types
@@ -19,7 +19,7 @@ from solvers.solver.loop import CHECK_EVERY
 
 MEMBERS = ("particles", "row", "active", "radius_count", "spacing", "origin", "cells_per_length", "dt", "shear_modulus",
            "density", "farthest", "amplitude", "angular_frequency", "position_velocity", "deformation_gradient", "mass",
-           "direction", "radius", "edges", "weights", "corner_nodes", "radii", "node_sums", "node_motion", "verdict")
+           "direction", "radius", "edges", "weights", "radii", "node_sums", "node_motion", "verdict")
 
 
 class NoSwitches(NamedTuple):
@@ -27,6 +27,8 @@ class NoSwitches(NamedTuple):
 
     body_force: str = "material"
     frozen: bool = False
+    coupled: bool = False
+    method: str = "cpdi"
 
 
 def baseline(Own: type[PlanarSolver], *members: str) -> type[PlanarSolver]:
@@ -64,8 +66,7 @@ def particles_to_nodes(body: ti.template(), traits: ti.template(), on: ti.templa
     for j in range(body.active):
         for node in range(j * body.row, j * body.row + body.active):
             body.node_sums[node] = ti.Vector([0.0] * 8)
-    for p in range(body.particles):
-        cpdi.find_weights(body, p, on)
+    find_weights(body, 0, body.particles, on)
     traits.prepare(body, 0, body.particles)
     cpdi.particles_to_nodes(body, 0, body.particles, 0, traits, on)
     traits.fold(body, fold_sums)

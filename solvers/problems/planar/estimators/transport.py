@@ -25,6 +25,7 @@ import taichi as ti
 from solvers.estimators.transport import doubt
 from solvers.kernels.kinds import quads, real
 from solvers.problems.planar.method import cpdi, gimp
+from solvers.problems.planar.method.kept import kept
 from solvers.problems.planar.parts import Traits
 from solvers.scene.estimator_hooks import EstimatorHooks
 
@@ -75,16 +76,17 @@ def gather_moments(body: ti.template(), traits: ti.template(), on: ti.template()
         if ti.static(on.body_force != "none"):
             force = traits.body_force_on(body, p)
         if ti.static(on.method == "cpdi"):
-            places, cells, g = body.weights[p], body.corner_nodes[p], cpdi.corner_gradients(body, p, on)
+            w, = ti.static([kept(body, p, on)])
+            cells, g = cpdi.corner_nodes(w), cpdi.kept_gradients(body, p, w, on)
             for c in ti.static(range(4)):
-                N = cpdi.hats(places, c)
+                N = cpdi.hats(w, c)
                 a, sign = ti.static(2 * (c % 2), 1.0 if c < 2 else -1.0)
                 for k in ti.static(range(4)):
                     node = cells[c] + (k // 2) * body.row + k % 2
                     add_contribution(body, p, node, 0.25 * N[k], sign * g[a] * N[k], sign * g[a + 1] * N[k], volume,
                                      stress, force)
         else:
-            S, dS, R, dR = gimp.stencils_of(body, p)
+            S, dS, R, dR = gimp.stencils_of(body, p, on)
             for j in ti.static(range(3)):
                 for i in ti.static(range(3)):
                     node = body.first_node[p] + j * body.row + i
@@ -148,14 +150,15 @@ def interpolate(body: ti.template(), p, on: ti.template()):
     """sum S Ea_i at the particle, with the step's own weights."""
     total = ti.Vector([0.0, 0.0])
     if ti.static(on.method == "cpdi"):
-        places, cells = body.weights[p], body.corner_nodes[p]
+        w, = ti.static([kept(body, p, on)])
+        cells = cpdi.corner_nodes(w)
         for c in ti.static(range(4)):
-            N = cpdi.hats(places, c)
+            N = cpdi.hats(w, c)
             for k in ti.static(range(4)):
                 error = body.transport_error[cells[c] + (k // 2) * body.row + k % 2]
                 total += 0.25 * N[k] * ti.Vector([error[0], error[1]])
     else:
-        S, _, R, _ = gimp.stencils_of(body, p)
+        S, _, R, _ = gimp.stencils_of(body, p, on)
         for j in ti.static(range(3)):
             for i in ti.static(range(3)):
                 error = body.transport_error[body.first_node[p] + j * body.row + i]

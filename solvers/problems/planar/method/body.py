@@ -7,8 +7,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from solvers.kernels.kinds import Integer, IntegerQuads, Integers, Octets, Pairs, Quads, Real, Reals
+from solvers.kernels.kinds import Blocks, Integer, Integers, Octets, Pairs, Quads, Real, Reals
 from solvers.problems.planar.layout import Layout
+from solvers.problems.planar.method.kept import room
 from solvers.problems.planar.method.phases import TOTALS
 from solvers.scene.scene import Scene
 from solvers.scene.switches import Switches
@@ -42,9 +43,9 @@ class PlanarBody(Members):
     direction: Pairs  # e_R at the material position (P, 2)
     radius: Integers  # index of the material radius (P,)
     edges: Quads  # r1, r2 of the domain at the start (P, 4), for CPDI
-    weights: Octets  # GIMP: outer weights and slopes, each in x and y; CPDI: x, then y of corners in cells (P, 8)
+    weights: Blocks  # as ``solvers.problems.planar.method.kept`` lays them out, of GIMP outer weights and slopes, each
+    # in x and y; of CPDI x, then y of the corners in cells, gradients of corners 1 and 2, first node of each one's cell
     first_node: Integers  # GIMP: first node of the 3 x 3 stencil (P,)
-    corner_nodes: IntegerQuads  # CPDI: first node of each corner's cell (P, 4)
     acceleration: Pairs  # a at the particle in the last step (P, 2), with the effect
     radii: Quads  # R and the exact solution's function of it with two derivatives, at the material radii (K, 4)
     node_sums: Octets  # momentum, force, mass of each slab and three zeros: a whole vector register (T*N, 8)
@@ -77,9 +78,9 @@ def common(scene: Scene, on: Switches, layout: Layout, slabs: int, origin: float
         "position_velocity": np.concatenate([X, velocity], axis=1),
         "deformation_gradient": np.tile([1.0, 0.0, 0.0, 1.0], (P, 1)),
         "mass": scene.density * layout.volume, "direction": X / np.linalg.norm(X, axis=1)[:, None],
-        "radius": layout.radius, "edges": layout.edges if cpdi else zeros(1, 4), "weights": zeros(P, 8),
+        "radius": layout.radius, "edges": layout.edges if cpdi else zeros(1, 4), "weights": room(on.method, P),
         "first_node": zeros(P, when=not cpdi, kind=np.int32),
-        "corner_nodes": zeros(P, 4, when=cpdi, kind=np.int32), "acceleration": zeros(P, 2, when=on.acceleration),
+        "acceleration": zeros(P, 2, when=on.acceleration),
         "radii": np.stack([layout.radii, *shape], axis=1), "node_sums": zeros(slabs * N, 8), "node_mass": zeros(N),
         "node_motion": zeros(N, 4), "totals": zeros(TOTALS * slabs),
         "neighbours": layout.neighbours.ravel().astype(np.int32) if on.soundness else zeros(1, kind=np.int32),

@@ -7,8 +7,13 @@ Burghardt 2011). Corners lie at x -+ r1/2 -+ r2/2 with r1, r2 the edges convecte
 
 import taichi as ti
 
+from solvers.kernels.lanes import read_component
 from solvers.problems.planar.layout import CORNERS
+from solvers.problems.planar.method.kept import keep, kept
 from solvers.problems.planar.method.records import force_moment, force_record, scatter_add
+
+#: Of what is kept, the first of four: beside those, the places of the corners in x and in y.
+GRADIENTS, NODES = 8, 12
 
 
 @ti.func
@@ -23,25 +28,34 @@ def convected_edges(body: ti.template(), p, on: ti.template()):
 
 
 @ti.func
-def find_weights(body: ti.template(), p, on: ti.template()):
-    """Keep the cell of each corner and its place in it. Vectors of four are of the corners."""
-    x = body.position_velocity[p] * body.cells_per_length + body.origin
+def find_weights(body: ti.template(), some: ti.template(), on: ti.template()):
+    """Keep of some particles the cell of each corner, its place in it, and the corners' gradients."""
+    per = body.cells_per_length
+    x, y = read_component(body.position_velocity, some, 0), read_component(body.position_velocity, some, 1)
     if ti.static(on.frozen):
-        X = body.material_position[p]
-        x = ti.Vector([X[0], X[1], 0.0, 0.0]) * body.cells_per_length + body.origin
-    r = convected_edges(body, p, on)
-    along_first, along_second = ti.Vector([c[0] for c in CORNERS]), ti.Vector([c[1] for c in CORNERS])
-    corner_x = x[0] + along_first * r[0] + along_second * r[2]
-    corner_y = x[1] + along_first * r[1] + along_second * r[3]
-    # Clamped: a run that goes bad has positions anywhere until the check stops it.
+        x, y = read_component(body.material_position, some, 0), read_component(body.material_position, some, 1)
+    x, y = x * per + body.origin, y * per + body.origin
+    ax, ay, bx, by = [read_component(body.edges, some, k) * per for k in ti.static(range(4))]
+    if ti.static(not on.frozen):
+        xx, xy, yx, yy = [read_component(body.deformation_gradient, some, k) for k in ti.static(range(4))]
+        ax, ay, bx, by = xx * ax + xy * ay, yx * ax + yy * ay, xx * bx + xy * by, yx * bx + yy * by
     last = float(body.active - 2)
-    i = ti.min(ti.max(ti.floor(corner_x), 0.0), last)
-    j = ti.min(ti.max(ti.floor(corner_y), 0.0), last)
-    place_x, place_y = corner_x - i, corner_y - j
-    body.weights[p] = ti.Vector([place_x[0], place_x[1], place_x[2], place_x[3],
-                                 place_y[0], place_y[1], place_y[2], place_y[3]])
-    node = j * body.row + i  # whole numbers, exact
-    body.corner_nodes[p] = ti.Vector([ti.cast(node[c], ti.i32) for c in ti.static(range(4))])
+    # Clamped: a run that goes bad has positions anywhere until the check stops it.
+    corner_x = [x + CORNERS[c][0] * ax + CORNERS[c][1] * bx for c in ti.static(range(4))]
+    corner_y = [y + CORNERS[c][0] * ay + CORNERS[c][1] * by for c in ti.static(range(4))]
+    i = [ti.min(ti.max(ti.floor(corner_x[c]), 0.0), last) for c in ti.static(range(4))]
+    j = [ti.min(ti.max(ti.floor(corner_y[c]), 0.0), last) for c in ti.static(range(4))]
+    keep(body, some[0], 0, [corner_x[0] - i[0], corner_x[1] - i[1], corner_x[2] - i[2], corner_x[3] - i[3],
+                            corner_y[0] - j[0], corner_y[1] - j[1], corner_y[2] - j[2], corner_y[3] - j[3]], on)
+    half, row = 0.5 * per / (ax * by - ay * bx), float(body.row)
+    keep(body, some[0], 1, [half * (ay - by), half * (bx - ax), half * (ay + by), half * (-1.0 * ax - bx),
+                            j[0] * row + i[0], j[1] * row + i[1], j[2] * row + i[2], j[3] * row + i[3]], on)
+
+
+@ti.func
+def corner_nodes(w: ti.template()):
+    """The first nodes of the corners' cells: kept as real numbers, and whole, which they are exactly."""
+    return [ti.cast(w[NODES + c], ti.i32) for c in ti.static(range(4))]
 
 
 @ti.func
@@ -53,9 +67,18 @@ def corner_gradients(body: ti.template(), p, on: ti.template()):
 
 
 @ti.func
-def hats(places, c: ti.template()):
+def kept_gradients(body: ti.template(), p, w: ti.template(), on: ti.template()):
+    """The same of the F with which the step began; where the coupling may have changed that since, of the present F."""
+    g = [w[GRADIENTS + k] for k in ti.static(range(4))]
+    if ti.static(on.coupled):
+        g = corner_gradients(body, p, on)
+    return g
+
+
+@ti.func
+def hats(w: ti.template(), c: ti.template()):
     """Hat functions of corner c at its cell's nodes: left and right below, left and right above."""
-    x, y = places[c], places[c + 4]
+    x, y = w[c], w[c + 4]
     both = x * y
     return ti.Vector([1 - x - y + both, x - both, y - both, both])
 
@@ -64,15 +87,15 @@ def hats(places, c: ti.template()):
 def particles_to_nodes(body: ti.template(), start, end, grid, traits: ti.template(), on: ti.template()):
     """Add mass, momentum and force of the particles from ``start`` to ``end`` to the nodes from ``grid`` on."""
     for p in range(start, end):
-        places, cells = body.weights[p], body.corner_nodes[p]
-        g = corner_gradients(body, p, on)
+        w, = ti.static([kept(body, p, on)])
+        cells, g = corner_nodes(w), kept_gradients(body, p, w, on)
         carried, tau = force_moment(body, p, traits, on)
         carried = 0.25 * carried
         for c in ti.static(range(4)):
             a, b = ti.static(2 * (c % 2), -1.0 if c < 2 else 1.0)
             pull = force_record(g[a] * tau[0] + g[a + 1] * tau[1], g[a] * tau[2] + g[a + 1] * tau[3])
             sums = carried + b * pull
-            N = hats(places, c)
+            N = hats(w, c)
             first = grid + cells[c]
             for k in ti.static(range(4)):
                 scatter_add(body.node_sums, first + (k // 2) * body.row + k % 2, N[k] * sums)
@@ -81,11 +104,11 @@ def particles_to_nodes(body: ti.template(), start, end, grid, traits: ti.templat
 @ti.func
 def gather(body: ti.template(), p, values: ti.template(), on: ti.template()):
     """The nodes' values, four numbers, at the particle and their derivatives in x and y."""
-    places, cells = body.weights[p], body.corner_nodes[p]
-    g = corner_gradients(body, p, on)
+    w, = ti.static([kept(body, p, on)])
+    cells, g = corner_nodes(w), kept_gradients(body, p, w, on)
     total, first_pair, second_pair = ti.Vector([0.0] * 4), ti.Vector([0.0] * 4), ti.Vector([0.0] * 4)
     for c in ti.static(range(4)):
-        N = hats(places, c)
+        N = hats(w, c)
         node = cells[c]
         value = N[0] * values[node] + N[1] * values[node + 1] \
             + N[2] * values[node + body.row] + N[3] * values[node + body.row + 1]
@@ -99,10 +122,11 @@ def gather(body: ti.template(), p, values: ti.template(), on: ti.template()):
 
 
 @ti.func
-def scatter(body: ti.template(), p, carried, values: ti.template()):
+def scatter(body: ti.template(), p, carried, values: ti.template(), on: ti.template()):
     """Add four numbers of the particle to the nodes' values, with its weights."""
-    places, cells = body.weights[p], body.corner_nodes[p]
+    w, = ti.static([kept(body, p, on)])
+    cells = corner_nodes(w)
     for c in ti.static(range(4)):
-        N = hats(places, c)
+        N = hats(w, c)
         for k in ti.static(range(4)):
             scatter_add(values, cells[c] + (k // 2) * body.row + k % 2, 0.25 * N[k] * carried)

@@ -2,49 +2,60 @@
 
 import taichi as ti
 
+from solvers.kernels.lanes import read_component
 from solvers.kernels.shapes import outer_weights, stencil
 from solvers.problems.planar.layout import MOST_HALF_WIDTH
+from solvers.problems.planar.method.kept import keep, kept
 from solvers.problems.planar.method.records import force_moment, force_record, scatter_add
 
 
 @ti.func
-def half_widths(body: ti.template(), p, on: ti.template()):
-    """Half the particle's box in x and y, in cells: constant for uGIMP, stretched by |F_xx| and |F_yy| for cpGIMP, by
-    those of V = sqrt(F F^T) for its variant (b + J I)/sqrt(tr b + 2 J), b = F F^T, by Cayley and Hamilton."""
-    widths = ti.Vector([body.half_width, body.half_width])
+def half_widths(body: ti.template(), some: ti.template(), c: ti.template(), on: ti.template()):
+    """Half the boxes of some particles in x or y (``c``), in cells: constant for uGIMP, stretched by |F_xx| or |F_yy|
+    for cpGIMP, for its variant by those of V = sqrt(F F^T) = (b + J I)/sqrt(tr b + 2 J), b = F F^T, by Cayley and
+    Hamilton."""
+    widths = ti.Vector([body.half_width for _ in ti.static(range(some.n))])
     if ti.static(on.method == "cpgimp" and not on.frozen):
-        F = body.deformation_gradient[p]
-        stretched = body.half_width * ti.Vector([F[0], F[3]])  # below 0 where the particle has turned by 90 degrees
+        stretched = body.half_width * read_component(body.deformation_gradient, some, 3 * c)
+        # Below 0 where the particle has turned by 90 degrees.
         widths = ti.min(ti.max(ti.max(stretched, -1.0 * stretched), 1e-6), MOST_HALF_WIDTH)
     if ti.static(on.method == "cpgimp-v" and not on.frozen):
-        F = body.deformation_gradient[p]
-        b = ti.Vector([F[0] * F[0] + F[1] * F[1], F[2] * F[2] + F[3] * F[3]])
-        J = ti.abs(F[0] * F[3] - F[1] * F[2])
-        stretch = (b + J) / ti.sqrt(b[0] + b[1] + 2 * J)
+        xx, xy, yx, yy = [read_component(body.deformation_gradient, some, k) for k in ti.static(range(4))]
+        b_xx, b_yy, J = xx * xx + xy * xy, yx * yx + yy * yy, xx * yy - xy * yx
+        J = ti.max(J, -1.0 * J)
+        stretch = ((b_yy if c else b_xx) + J) / ti.sqrt(b_xx + b_yy + 2 * J)
         widths = ti.min(ti.max(body.half_width * stretch, 1e-6), MOST_HALF_WIDTH)
     return widths
 
 
 @ti.func
-def find_weights(body: ti.template(), p, on: ti.template()):
-    """Keep the particle's stencils for both mappings of the step. Vectors of two are of x and y."""
-    q, per = body.position_velocity[p], body.cells_per_length
-    position = ti.Vector([q[0], q[1]]) * per + body.origin
-    if ti.static(on.frozen):
-        position = body.material_position[p] * per + body.origin
-    first, left, right, slope_left, slope_right = outer_weights(on.method, position, half_widths(body, p, on))
+def find_weights(body: ti.template(), some: ti.template(), on: ti.template()):
+    """Keep the stencils of some particles for both mappings of the step."""
+    x, y = stencil_along(body, some, 0, on), stencil_along(body, some, 1, on)
     # A run that goes bad has positions anywhere: stay inside the arrays until the check stops it.
-    node = ti.min(ti.max(first, 0.0), float(body.active - 3))
-    body.first_node[p] = ti.cast(node[1] * body.row + node[0], ti.i32)  # whole numbers, exact
-    slope_left, slope_right = slope_left * per, slope_right * per
-    body.weights[p] = ti.Vector([left[0], left[1], right[0], right[1],
-                                 slope_left[0], slope_left[1], slope_right[0], slope_right[1]])
+    last = float(body.active - 3)
+    node = ti.min(ti.max(y[0], 0.0), last) * float(body.row) + ti.min(ti.max(x[0], 0.0), last)
+    for k in ti.static(range(some.n)):
+        body.first_node[some[k]] = ti.cast(node[k], ti.i32)  # whole numbers, exact
+    keep(body, some[0], 0, [x[1], y[1], x[2], y[2], x[3], y[3], x[4], y[4]], on)
 
 
 @ti.func
-def stencils_of(body: ti.template(), p):
+def stencil_along(body: ti.template(), some: ti.template(), c: ti.template(), on: ti.template()):
+    """First node, outer weights and outer slopes of some particles in x or y (``c``)."""
+    per = body.cells_per_length
+    position = read_component(body.position_velocity, some, c)
+    if ti.static(on.frozen):
+        position = read_component(body.material_position, some, c)
+    first, left, right, slope_left, slope_right = outer_weights(
+        on.method, position * per + body.origin, half_widths(body, some, c, on))
+    return first, left, right, slope_left * per, slope_right * per
+
+
+@ti.func
+def stencils_of(body: ti.template(), p, on: ti.template()):
     """The kept stencils: weights and gradients (1/length) at three nodes in x and in y."""
-    w = body.weights[p]
+    w, = ti.static([kept(body, p, on)])
     S, dS = stencil(w[0], w[2], w[4], w[6])
     R, dR = stencil(w[1], w[3], w[5], w[7])
     return S, dS, R, dR
@@ -54,7 +65,7 @@ def stencils_of(body: ti.template(), p):
 def particles_to_nodes(body: ti.template(), start, end, grid, traits: ti.template(), on: ti.template()):
     """Add mass, momentum and force of the particles from ``start`` to ``end`` to the nodes from ``grid`` on."""
     for p in range(start, end):
-        S, dS, R, dR = stencils_of(body, p)
+        S, dS, R, dR = stencils_of(body, p, on)
         first = grid + body.first_node[p]
         carried, tau = force_moment(body, p, traits, on)
         along_x = force_record(-tau[0], -tau[2])
@@ -67,9 +78,9 @@ def particles_to_nodes(body: ti.template(), start, end, grid, traits: ti.templat
 
 
 @ti.func
-def gather(body: ti.template(), p, values: ti.template()):
+def gather(body: ti.template(), p, values: ti.template(), on: ti.template()):
     """The nodes' values, four numbers, at the particle and their derivatives in x and y."""
-    S, dS, R, dR = stencils_of(body, p)
+    S, dS, R, dR = stencils_of(body, p, on)
     first = body.first_node[p]
     here, by_x, by_y = ti.Vector([0.0] * 4), ti.Vector([0.0] * 4), ti.Vector([0.0] * 4)
     for i in ti.static(range(3)):
@@ -84,9 +95,9 @@ def gather(body: ti.template(), p, values: ti.template()):
 
 
 @ti.func
-def scatter(body: ti.template(), p, carried, values: ti.template()):
+def scatter(body: ti.template(), p, carried, values: ti.template(), on: ti.template()):
     """Add four numbers of the particle to the nodes' values, with its weights."""
-    S, _, R, _ = stencils_of(body, p)
+    S, _, R, _ = stencils_of(body, p, on)
     first = body.first_node[p]
     for j in ti.static(range(3)):
         for i in ti.static(range(3)):

@@ -3,6 +3,7 @@
 import taichi as ti
 
 from solvers.problems.planar.method import cpdi, gimp
+from solvers.problems.planar.method.kept import kept, kept_number
 
 
 @ti.func
@@ -19,17 +20,17 @@ def step_margin(body: ti.template(), traits: ti.template(), on: ti.template()):
             # Loops that are not unrolled: this runs seldom, and would take longer to compile.
             g = cpdi.corner_gradients(body, p, on)
             for k in range(16):
-                node, a = corner_node(body, p, k), 2 * (k // 4 % 2)
-                gradient = corner_hat(body, p, k) * ti.Vector([g[a], g[a + 1], 0.0, 0.0])
+                node, a = corner_node(body, p, k, on), 2 * (k // 4 % 2)
+                gradient = corner_hat(body, p, k, on) * ti.Vector([g[a], g[a + 1], 0.0, 0.0])
                 body.node_bound[node] = body.node_bound[node] + gradient
             stiffness, metric = traits.tangent(body, p, on)
             for k in range(16):
-                total += take_gradient(body, traits, metric, corner_node(body, p, k))
+                total += take_gradient(body, traits, metric, corner_node(body, p, k, on))
             stiffness *= total
             for k in range(16):
-                add_circle(body, traits, corner_node(body, p, k), stiffness)
+                add_circle(body, traits, corner_node(body, p, k, on), stiffness)
         else:
-            S, dS, R, dR = gimp.stencils_of(body, p)
+            S, dS, R, dR = gimp.stencils_of(body, p, on)
             first = body.first_node[p]
             for j in ti.static(range(3)):
                 for i in ti.static(range(3)):
@@ -108,16 +109,17 @@ def node_gradient(body: ti.template(), p, k, on: ti.template()):
     node, gradient = 0, ti.Vector([0.0, 0.0])
     if ti.static(on.method == "cpdi"):
         g = cpdi.corner_gradients(body, p, on)
-        node = corner_node(body, p, k)
+        node = corner_node(body, p, k, on)
         for other in range(16):
-            if corner_node(body, p, other) == node:
+            if corner_node(body, p, other, on) == node:
                 pair = ti.Vector([g[0], g[1]]) if other // 4 % 2 == 0 else ti.Vector([g[2], g[3]])
-                gradient += corner_hat(body, p, other) * pair
+                gradient += corner_hat(body, p, other, on) * pair
         for other in range(k):
-            if corner_node(body, p, other) == node:
+            if corner_node(body, p, other, on) == node:
                 gradient = ti.Vector([0.0, 0.0])
     else:
-        i, j, w = k % 3, k // 3, body.weights[p]
+        w, = ti.static([kept(body, p, on)])
+        i, j = k % 3, k // 3
         S, dS = entry(i, w[0], w[2]), slope_entry(i, w[4], w[6])
         R, dR = entry(j, w[1], w[3]), slope_entry(j, w[5], w[7])
         node, gradient = body.first_node[p] + j * body.row + i, ti.Vector([dS * R, S * dR])
@@ -125,16 +127,16 @@ def node_gradient(body: ti.template(), p, k, on: ti.template()):
 
 
 @ti.func
-def corner_node(body: ti.template(), p, k):
+def corner_node(body: ti.template(), p, k, on: ti.template()):
     """The k-th of the sixteen nodes of the corners of a particle."""
-    return body.corner_nodes[p][k // 4] + (k % 4 // 2) * body.row + k % 2
+    return ti.cast(kept_number(body, p, cpdi.NODES + k // 4, on), ti.i32) + (k % 4 // 2) * body.row + k % 2
 
 
 @ti.func
-def corner_hat(body: ti.template(), p, k):
+def corner_hat(body: ti.template(), p, k, on: ti.template()):
     """The hat function of its corner at the k-th of those nodes, with the sign of the corner's gradient."""
     c = k // 4
-    x, y = body.weights[p][c], body.weights[p][c + 4]
+    x, y = kept_number(body, p, c, on), kept_number(body, p, c + 4, on)
     return (x if k % 2 == 1 else 1 - x) * (y if k % 4 // 2 == 1 else 1 - y) * (1.0 if c < 2 else -1.0)
 
 

@@ -8,6 +8,7 @@ import taichi as ti
 
 from solvers.kernels import runtime
 from solvers.problems.planar.method import cpdi, gimp
+from solvers.problems.planar.method.kept import BLOCK
 from solvers.solver.base import SOUND
 
 EMPTY = 1e-12  # share of a particle's mass below which a node carries nothing
@@ -40,7 +41,7 @@ def particles_to_nodes(body: ti.template(), slab, traits: ti.template(), on: ti.
 
     Weights have a loop of their own: short enough for a processor to work on several particles at a time.
     """
-    start, end = slab_range(body.particles, slab, body.slabs)
+    start, end = particle_range(body, body.particles, slab)
     grid = slab * body.nodes
     for j in range(body.active):
         for node in range(grid + j * body.row, grid + j * body.row + body.active):
@@ -62,19 +63,21 @@ def map_to_nodes(body: ti.template(), start, end, grid, traits: ti.template(), o
 
 @ti.func
 def find_weights(body: ti.template(), start, end, on: ti.template()):
-    """Keep the weights of the particles from ``start`` to ``end`` for both mappings of the step."""
-    if ti.static(on.method == "cpdi"):
-        for p in range(start, end):
-            cpdi.find_weights(body, p, on)
-    else:
-        for p in range(start, end):
-            gimp.find_weights(body, p, on)
+    """Keep the weights of the particles from ``start``, the first of a block, to ``end`` for both mappings of the step.
+    A processor does a block at a time, with the last particle in the places that are left over."""
+    together = ti.static(BLOCK if runtime.on_processor() else 1)
+    for turn in range(start // together, (end + together - 1) // together):
+        some = ti.Vector([ti.min(turn * together + k, end - 1) for k in ti.static(range(together))])
+        if ti.static(on.method == "cpdi"):
+            cpdi.find_weights(body, some, on)
+        else:
+            gimp.find_weights(body, some, on)
 
 
 @ti.func
 def nodes_to_particles(body: ti.template(), slab, step, traits: ti.template(), on: ti.template()):
     """v += dt sum S a; x += dt sum S v_i (not the printed eq 24); F <- (I + dt L) F with L = sum v_i grad S."""
-    start, end = slab_range(moving(body), slab, body.slabs)
+    start, end = particle_range(body, moving(body), slab)
     dt, jumps, work, spun = body.dt, 0.0, 0.0, 0.0
     for p in range(start, end):
         here, by_x, by_y = gather(body, p, body.node_motion, on)
@@ -116,7 +119,7 @@ def gather(body: ti.template(), p, values: ti.template(), on: ti.template()):
     if ti.static(on.method == "cpdi"):
         here, by_x, by_y = cpdi.gather(body, p, values, on)
     else:
-        here, by_x, by_y = gimp.gather(body, p, values)
+        here, by_x, by_y = gimp.gather(body, p, values, on)
     return here, by_x, by_y
 
 
@@ -125,6 +128,13 @@ def slab_range(count, slab, slabs):
     """The part of ``count`` things that is the slab's."""
     return slab * (count // slabs) + ti.min(slab, count % slabs), \
         (slab + 1) * (count // slabs) + ti.min(slab + 1, count % slabs)
+
+
+@ti.func
+def particle_range(body: ti.template(), count, slab):
+    """The part of ``count`` particles that is the slab's: whole blocks."""
+    first, last = slab_range((count + BLOCK - 1) // BLOCK, slab, body.slabs)
+    return ti.min(first * BLOCK, count), ti.min(last * BLOCK, count)
 
 
 @ti.func

@@ -86,9 +86,9 @@ def scratch_to_nodes(body: ti.template(), traits: ti.template(), on: ti.template
     for p in range(moving(body)):
         carried = body.mass[p] * body.particle_scratch[p]
         if ti.static(on.method == "cpdi"):
-            cpdi.scatter(body, p, carried, body.node_scratch)
+            cpdi.scatter(body, p, carried, body.node_scratch, on)
         else:
-            gimp.scatter(body, p, carried, body.node_scratch)
+            gimp.scatter(body, p, carried, body.node_scratch, on)
     traits.fold(body, fold_scratch)
     for j in range(traits.first, body.active):
         for i in range(traits.first, body.active):
