@@ -391,7 +391,7 @@ def test_the_bench_of_a_gpu():
     assert [(row["problem"], row["method"]) for row in found["rows"]] == [
         ("ring", method) for method in gpu.METHODS]
     for row in found["rows"]:
-        assert all(row["rates"][name] > 0 for name in ("gpu", "serial", "parallel")) and 0 < row["share"]
+        assert all(row["rates"][name] > 0 for name in ("gpu", "sorted", "serial", "parallel")) and 0 < row["share"]
     empty = {"rates": [], "estimators": [], "effects": [], "off": [],
              "example": {"name": "mpm99", "missing": "not here"}, "start": {"failed": "not here"}, "arch": "x64",
              "precision": "double", "quick": True, "seconds": 1.0,

@@ -13,10 +13,10 @@ from solvers.kernels import runtime
 
 
 class DeviceArrays:
-    """Copies on the GPU of arrays by name, which have the types of a kernel's argument."""
+    """Copies on the GPU of ``arrays`` by name, which have the types of a kernel's argument."""
 
     def __init__(self, arrays: dict[str, np.ndarray], types: dict[str, Any]):
-        self._arrays = arrays
+        self.arrays = arrays
         self.copies: dict[str, ti.Ndarray] = {}
         self.copies = {name: ti.ndarray(types[name].dtype, array.shape[:types[name].ndim])
                        for name, array in arrays.items()}
@@ -29,12 +29,12 @@ class DeviceArrays:
     def fetch(self, *names: str) -> None:
         """Bring the arrays up to date."""
         for name in names:
-            self._arrays[name][...] = self.copies[name].to_numpy()
+            self.arrays[name][...] = self.copies[name].to_numpy()
 
     def upload(self, *names: str) -> None:
         """Bring the copies up to date."""
         for name in names:
-            self.copies[name].from_numpy(self._arrays[name])
+            self.copies[name].from_numpy(self.arrays[name])
 
     def forget(self) -> None:
         """Free the copies: nobody uses them any more, or Taichi is about to end."""

@@ -10,6 +10,7 @@ from solvers.kernels.launch import Launch
 from solvers.problems.planar.method import remedies
 from solvers.problems.planar.plans.at_once import KernelsAtOnce
 from solvers.problems.planar.plans.device_arrays import DeviceArrays
+from solvers.problems.planar.plans.sorted_sums import SORTING, SortedSums, sorting
 from solvers.problems.planar.state import WatchedBody
 from solvers.scene.estimator_hooks import NEVER
 from solvers.scene.scene import Scene
@@ -25,17 +26,23 @@ class OnDevice:
     """Steps copies of the arrays on a GPU. The arrays themselves are what was there when they were last fetched; after
     steps, that is the verdict and the samples.
 
-    An estimator that runs ``beside`` is carried on by the processor while the GPU works through what is queued.
+    An estimator that runs ``beside`` is carried on by the processor while the GPU works through what is queued. Nodes'
+    sums are made by atomic additions, or as ``sums`` says.
     """
 
     def __init__(self, kernels: KernelsAtOnce, State: Any, scene: Scene, arrays: WatchedBody, on: Switches,
-                 beside: BesideGpu | None):
+                 beside: BesideGpu | None, sums: SortedSums | None = None):
         self._scene, self._arrays, self._on, self._beside = scene, arrays, on, beside
         members = arrays.members()
         self._names = [name for name, value in members.items() if isinstance(value, np.ndarray)]
         self._own = DeviceArrays({name: members[name] for name in self._names}, State.members)
         self.pack = State(**{**members, **self._own.copies})
         self._kernels = KernelsAtOnce(*(Launch(kernel, self.pack, on) for kernel in kernels))
+        if sums:
+            self._sorting = DeviceArrays(sorting(arrays, scene.method), SORTING)
+            known = {**members, **self._own.copies, **self._sorting.copies}
+            pack = sums.state(**{name: known[name] for name in sums.state.members})
+            self._kernels = self._kernels._replace(to_nodes=Launch(sums.to_nodes, pack, on))
         runtime.holders.add(self)
         if on.frozen:
             self._kernels.freeze()
