@@ -44,13 +44,14 @@ def _gpu(gpu: dict) -> str:
         return f"{title}: {gpu['missing']}"
     name = f", {gpu['name']}" if gpu["name"] else ""
     lines = [title, f"  {gpu['arch']}{name}; a copy moves {gpu['bandwidth']:.0f} GB/s",
-             _line("", "particles", "GPU", "of the limit", "serial", "parallel")]
+             _line("", "particles", "GPU", "of the limit", "sorted", "serial", "parallel")]
     for row in gpu["rows"]:
         rates = row["rates"]
         lines.append(_line(_scene(row), f"{row['particles']:,}", _rate(rates["gpu"]),
                            NOTHING if row["share"] is None else f"{100 * row['share']:.0f} %",
-                           *(formatted(rates[plan], ".1f") for plan in ("serial", "parallel"))))
+                           *(formatted(rates[plan], ".1f") for plan in ("sorted", "serial", "parallel"))))
     return "\n".join([*lines, "  limit: what the memory allows, each particle's numbers moved once in each phase\n"
+                      "  sorted: on the GPU, with the sums of nodes from sorted particles instead of atomics\n"
                       "  serial, parallel: the processor's plans, on one thread and on all"])
 
 

@@ -149,4 +149,4 @@ def test_the_whole(tmp_path, capsys):
     found = json.loads(path.read_text())
     assert found["schema"] == SCHEMA and found["quick"] and not found["beside"]
     assert all(row["now"]["median"] or row["now"]["missing"] for row in found["rows"])
-    assert {"full picture of the page", "lesson check 4", "step of ring cpdi"} <= {row["name"] for row in found["rows"]}
+    assert {"full picture for others", "lesson check 7", "step of ring cpdi"} <= {row["name"] for row in found["rows"]}

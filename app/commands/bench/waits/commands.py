@@ -14,7 +14,7 @@ LINES = {
     "find the cheapest run: advise bar, 1e-4": "advise|bar|--tolerance|1e-4|--quiet",
     "export of a bar with its sliders": "export|bar cells=40|--out|{folder}/bar.html|--quiet",
     "export of a ring with its sliders": "export|ring cells=24|--out|{folder}/ring.html|--quiet",
-    "lesson check 4": "lesson|check|4|--quiet",
+    "lesson check 7": "lesson|check|7|--quiet",
     "tables 1": "tables|1|--out|{folder}/tables|--quiet",
     "stability bar, 10 periods": "stability|bar|--periods|10|--out|{folder}/map|--quiet",
     "coverage bar, 10 runs": "coverage|bar|--runs|10|--out|{folder}/counted|--quiet",
