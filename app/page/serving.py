@@ -253,7 +253,7 @@ def _start_server(host: str, port: int, pool: EnginePool, max_sessions: int, add
     makers = ThreadPoolExecutor(MAKERS, "page")
 
     def connect(client: Any) -> None:
-        makers.submit(carried(together()(visitors.connect), doors.language(client.client_id)), client)
+        makers.submit(carried(visitors.connect, doors.language(client.client_id)), client)
 
     server.on_client_connect(connect)
     server.visitors = visitors

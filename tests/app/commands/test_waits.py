@@ -19,6 +19,7 @@ from app.commands.bench.waits.turns import SCHEMA, Wait, take_turns
 from app.commands.bench.waits.visits import _searched
 from tests.groups import require_group
 from tests.paths import ROOT
+from tests.processes import until
 
 MACHINE = {"system": "Linux", "processor": "x", "cores": 2, "load": 0.5, "python": "3.11.7", "taichi": "1.7.4"}
 
@@ -131,7 +132,7 @@ def test_a_browser_says_what_a_page_has_come_to():
     with chromium() as browser:
         seen = browser.open("window.told = 6")
         browser.go(seen, "data:text/html,<title>a page</title>")
-        assert browser.ask(seen, "[window.told * 7, document.title]") == [42, "a page"]
+        until(lambda: browser.ask(seen, "[window.told * 7, document.title]") == [42, "a page"], "the page loaded")
         with pytest.raises(NotMeasured, match=r"refused Page\.navigate"):
             browser.go("nowhere", "about:blank")
 

@@ -1,7 +1,6 @@
 """Taking turns: each wait is measured in every checkout before the next turn, and how busy the machine was then."""
 
 import os
-import resource
 import statistics
 import time
 from collections.abc import Callable, Mapping, Sequence
@@ -77,9 +76,9 @@ def _processors() -> tuple[float, float, float] | None:
         return None
     with open("/proc/stat", encoding="ascii") as file:
         ticks = [int(word) for word in file.readline().split()[1:]]
-    own = [resource.getrusage(whose) for whose in (resource.RUSAGE_SELF, resource.RUSAGE_CHILDREN)]
+    own = os.times()
     return (time.monotonic(), sum(ticks[k] for k in BUSY) / os.sysconf("SC_CLK_TCK"),
-            sum(usage.ru_utime + usage.ru_stime for usage in own))
+            own.user + own.system + own.children_user + own.children_system)
 
 
 def _others(before: tuple[float, float, float] | None, after: tuple[float, float, float] | None) -> list[float]:

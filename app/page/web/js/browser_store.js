@@ -63,7 +63,10 @@
     }
     if (lesson && kept.answers) stored(store => store.setItem(STORE + lesson, kept.answers));
     if (kept.link) first ??= kept.link;
-    if (kept.link && (!asking || kept.link !== first)) [asking, root.dataset.link] = ["", kept.link];
+    if (kept.link && (!asking || kept.link !== first)) {
+      asking = "";
+      if (root.dataset.link !== kept.link) root.dataset.link = kept.link;  // to say it again is a change, too
+    }
     if (kept.link && kept.link !== shown) {
       link = shown = kept.link;
       history.replaceState(null, "", `${location.pathname}${location.search}#${link}`);
