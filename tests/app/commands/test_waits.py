@@ -5,6 +5,8 @@ from __future__ import annotations
 import json
 import re
 import shlex
+import subprocess
+import sys
 
 import pytest
 
@@ -17,9 +19,10 @@ from app.commands.bench.waits.commands import LINES
 from app.commands.bench.waits.text import waits_table
 from app.commands.bench.waits.turns import SCHEMA, Wait, take_turns
 from app.commands.bench.waits.visits import _searched
+from solvers.workers.processes import LINUX
 from tests.groups import require_group
 from tests.paths import ROOT
-from tests.processes import until
+from tests.processes import HANG, until
 
 MACHINE = {"system": "Linux", "processor": "x", "cores": 2, "load": 0.5, "python": "3.11.7", "taichi": "1.7.4"}
 
@@ -151,3 +154,22 @@ def test_the_whole(tmp_path, capsys):
     assert found["schema"] == SCHEMA and found["quick"] and not found["beside"]
     assert all(row["now"]["median"] or row["now"]["missing"] for row in found["rows"])
     assert {"full picture for others", "lesson check 7", "step of ring cpdi"} <= {row["name"] for row in found["rows"]}
+
+
+@pytest.mark.skipif(not LINUX, reason="where orphans can be adopted")
+def test_what_orphans_have_done_is_not_others_work():
+    """A child's child that outlives it and then works: in a process of its own, which adopts."""
+    worker = "sum(k * k for k in range(3_000_000))"
+    child = f"import subprocess, sys; subprocess.Popen([sys.executable, '-c', {worker!r}])"
+    code = f"""if True:
+        import os, subprocess, sys, time
+        from solvers.workers.processes import adopt_orphans, descendants, reap
+        adopt_orphans()
+        subprocess.run([sys.executable, "-c", {child!r}], check=True)
+        before, end = os.times().children_user, time.monotonic() + {HANG}
+        while descendants(os.getpid()) and time.monotonic() < end:
+            time.sleep(0.01)
+            reap()
+        print(os.times().children_user - before)"""
+    done = subprocess.run([sys.executable, "-c", code], cwd=ROOT, capture_output=True, text=True, timeout=2 * HANG)
+    assert float(done.stdout) > 0.02, done.stderr  # three million squares take some .2 s; a tick is .01 s

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from app.commands.bench.waits.checkout import Checkout, NotMeasured
-from solvers.workers.processes import LINUX
+from solvers.workers.processes import LINUX, adopt_orphans, reap
 
 SCHEMA = "mpm-lab/waits/1"
 TURNS, QUICK_TURNS = 3, 1
@@ -32,6 +32,7 @@ def take_turns(waits: Sequence[Wait], checkouts: Mapping[str, Checkout], quick: 
     """A row for each thing that is measured: for each checkout the median over the turns, and the least and the most of
     them, or why there is none; and the processors that other work has had meanwhile."""
     rows = []
+    adopt_orphans()  # else what a server's or a browser's processes did would be others' work
     for number, wait in enumerate(waits):
         on_progress(number / len(waits))
         rows += _measured(wait, checkouts, QUICK_TURNS if quick else TURNS)
@@ -54,6 +55,7 @@ def _measured(wait: Wait, checkouts: Mapping[str, Checkout], turns: int) -> list
             except NotMeasured as why:
                 missing[name] = str(why)
                 continue
+            reap()
             if turn or wait.warm:
                 found[name].append(values)
                 others += _others(before, _processors())
