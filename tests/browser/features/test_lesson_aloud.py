@@ -82,6 +82,8 @@ def walk(server, chromium, tmp_path_factory):
         press(page, lesson.title)
         until(page.locator(".lab-lesson-head").is_visible, "the lesson")
         for step in lesson.steps:
+            # What is disabled gets no focus, and it is let go on a moment after the answer has been read out.
+            until(page.get_by_role("button", name="Next", exact=True).is_enabled, "the way on")
             press(page, "Next")
             heading(page, step.title)
             if step.kind == RUN:
@@ -92,6 +94,7 @@ def walk(server, chromium, tmp_path_factory):
                 until(page.get_by_role("textbox", name=re.compile("^(Answer|At most)")).count, "a name for the box")
             told.append({"step": step, "aloud": said, "tree": page.locator("body").aria_snapshot()})
         faults = axe_finds(page)
+        until(page.get_by_role("button", name="Next", exact=True).is_enabled, "the end")
         press(page, "Next")
         heading(page, "The end")
         tab_to(page, "Hand in")
