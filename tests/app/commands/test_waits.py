@@ -68,6 +68,12 @@ def test_what_cannot_be_measured_is_said_and_not_asked_again():
     assert re.search(r"\| new \| s \| none \| 2\.00 \|  \| ", table) and "new: it was not there yet" in table
 
 
+def test_a_value_that_there_is_not_here_costs_no_other():
+    rows = rows_of(Wait({"one": "s", "other": "ms"}, lambda checkout: (1.0, float("nan"))), quick=True)
+    assert rows["one"]["now"]["median"] == 1.0 and rows["other"]["now"]["missing"] == "cannot be measured here"
+    assert json.loads(json.dumps(rows, allow_nan=False)) == rows
+
+
 def test_other_work_is_what_the_processors_did_beside_ours(monkeypatch):
     """Ten seconds in which two processors were busy for 15 s, 12 s of that with ours."""
     moments = iter([(0.0, 100.0, 7.0), (10.0, 115.0, 19.0)])

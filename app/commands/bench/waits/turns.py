@@ -1,5 +1,6 @@
 """Taking turns: each wait is measured in every checkout before the next turn, and how busy the machine was then."""
 
+import math
 import os
 import statistics
 import time
@@ -18,7 +19,8 @@ BUSY = (0, 1, 2, 5, 6, 7)
 
 @dataclass(frozen=True)
 class Wait:
-    """Something that people wait for. ``measure`` gives the values of its rows, whose names are given with their units.
+    """Something that people wait for. ``measure`` gives the values of its rows, whose names are given with their units,
+    NaN for one that cannot be measured here.
     The first turn fills what is kept of compiled kernels and does not count, unless that makes no difference
     (``warm``)."""
 
@@ -66,7 +68,9 @@ def _measured(wait: Wait, checkouts: Mapping[str, Checkout], turns: int) -> list
 
 
 def _spread(values: Sequence[float], missing: str | None) -> dict[str, Any]:
-    if missing or not values:
+    if not missing and not all(map(math.isfinite, values)):
+        missing = "cannot be measured here"
+    if missing:
         return {"median": None, "least": None, "most": None, "turns": 0, "missing": missing}
     return {"median": statistics.median(values), "least": min(values), "most": max(values), "turns": len(values),
             "missing": None}
