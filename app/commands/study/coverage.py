@@ -4,7 +4,7 @@ import contextlib
 from dataclasses import dataclass
 from typing import ClassVar
 
-from app.commands.flags import NumberFlag, ProcessesFlag, side_by_side
+from app.commands.flags import NumberFlag, ProcessesFlag
 from app.commands.output import json_text, put_text, say, telling
 from app.commands.study.rows import INCOMPLETE, Study
 from solvers.outside.quoting import quoted
@@ -35,6 +35,7 @@ class Coverage(Study):
     """
     EXAMPLE: ClassVar[str] = "mpm-lab coverage {problem} --runs 50 --out coverage"
     SCENE: ClassVar[type[Scene]]
+    TIMED = False
 
     runs: NumberFlag = 1000
     """Runs to draw."""
@@ -60,9 +61,6 @@ class Coverage(Study):
         self.put("coverage.md", text.encode())
         put_text(text.partition("\n\n![")[0] + "\n")
         return status
-
-    def _workers(self) -> int:
-        return side_by_side(self.workers)
 
     def _drawn(self, draws: list[Draw]) -> list[dict] | None:
         """The rows of the draws; None if the place where they run was lost on the way."""

@@ -4,7 +4,7 @@ import contextlib
 import re
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import TYPE_CHECKING, Annotated, Any, ClassVar
 
 from app.commands.flags import BadInput, NumberFlag, PathFlag, Switch, TextFlag, default_hint
 from app.commands.output import Target, draw, say, telling
@@ -14,6 +14,7 @@ from solvers.solver.soundness import LOST, OK, UNSTABLE
 from solvers.study.grid import MOST_ROWS, Task
 from solvers.study.row import FAILED, REFUSED, fault, refused
 from solvers.study.store import Store, StoreError
+from solvers.workers.processors import usual_processes
 
 if TYPE_CHECKING:
     from solvers.study.places import Place
@@ -25,6 +26,8 @@ ADDRESS = re.compile(r"(tcp|tls|ucx|ws|wss)://\S+:\d+/?")
 @dataclass(frozen=True, kw_only=True)
 class Study:
     """The flags that say where rows run and are kept."""
+
+    TIMED: ClassVar[bool] = True  # whether rows have times, for the sake of which one runs after the other
 
     out: Annotated[PathFlag, default_hint("none, it must be given")] = None
     """Directory for rows.jsonl, the tables and the pictures."""
@@ -38,8 +41,8 @@ class Study:
     """Nothing on standard error but what goes wrong."""
 
     def _workers(self) -> int:
-        """Processes that run rows here; one where rows are timed."""
-        return self.workers or 1
+        """Processes that run rows here, unless one says how many."""
+        return self.workers or (1 if self.TIMED else usual_processes())
 
     def check_place(self, count: int) -> None:
         """Refuse what no study can be run with; ``count`` is the number of combinations asked for."""

@@ -4,15 +4,7 @@ from dataclasses import dataclass
 from typing import Annotated, Any, ClassVar
 
 from app import __version__
-from app.commands.flags import (
-    ProcessesFlag,
-    RealFlag,
-    choices_of,
-    default_hint,
-    number,
-    several_of,
-    side_by_side,
-)
+from app.commands.flags import ProcessesFlag, RealFlag, choices_of, default_hint, number, several_of
 from app.commands.output import json_text, put_text
 from app.commands.study.rows import INCOMPLETE, Study
 from app.words import unit_of
@@ -38,6 +30,7 @@ class Stability(Study):
     """
     EXAMPLE: ClassVar[str] = "mpm-lab stability {problem} --periods 20 --out map"
     SCENE: ClassVar[type[Scene]]
+    TIMED = False
 
     method: Any = ()
     treatment: Annotated[Any, several_of(TREATMENTS), default_hint("all that the problem has")] = ()
@@ -70,9 +63,6 @@ class Stability(Study):
         self.put("stability.md", text.encode())
         put_text(text + "\n")
         return status
-
-    def _workers(self) -> int:
-        return side_by_side(self.workers)
 
     def axes(self) -> dict[str, list]:
         """The values of each input of a scene, by the name of its flag."""
