@@ -65,11 +65,3 @@ def outer_weights(method: ti.template(), position, half_width):
     elif ti.static(method == "bspline"):
         first, left, right, slope_left, slope_right = bspline(position)
     return first, left, right, slope_left, slope_right
-
-
-@ti.func
-def weights_1d(method: ti.template(), position, half_width):
-    """The stencil of ``method``: first node, three weights and three gradients."""
-    first, left, right, slope_left, slope_right = outer_weights(method, position, half_width)
-    weight, slope = stencil(left, right, slope_left, slope_right)
-    return first, weight, slope

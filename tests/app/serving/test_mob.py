@@ -24,7 +24,7 @@ import pytest
 
 from app.commands.bench.class_load import CAMERA, SCENE, STORE, Visitor
 from app.viewer.client import connected
-from solvers.workers.processes import LINUX, descendants, free_port
+from solvers.workers.processes import LINUX, descendants, free_port, processor_seconds
 from tests.app.serving.test_attacks import memory
 from tests.app.serving.test_class_code import enter
 from tests.paths import ROOT
@@ -33,7 +33,6 @@ from tests.raw import Raw
 
 pytestmark = pytest.mark.skipif(not LINUX, reason="finds processes in /proc")
 FRAMES = 6  # a second, of each of the class at most
-TICKS = os.sysconf("SC_CLK_TCK")
 CODE = "wave-4711"
 ENOUGH = 0.9  # of the frames a second without the mob
 GOODBYE = 0.5  # seconds that a class has to leave
@@ -101,11 +100,6 @@ def shared(process):
     return {Path(block) for block in re.findall(r"/dev/shm/psm_\w+", Path(f"/proc/{process}/maps").read_text())}
 
 
-def busy(process):
-    """Seconds of a processor that a process has spent, on all of its threads."""
-    return sum(map(int, Path(f"/proc/{process}/stat").read_text().rpartition(")")[2].split()[11:13])) / TICKS
-
-
 def newcomer(address, cookie, k):
     """Seconds until somebody who has just come has all of the page, in which the machine let all of it run."""
     with starving() as waited:
@@ -117,9 +111,9 @@ def newcomer(address, cookie, k):
 
 def spent(class_, server, seconds):
     """Frames a second of the class, and how many processors the server keeps busy for them."""
-    begun = busy(server)
+    begun = processor_seconds(server)
     rate = class_.rate(seconds)
-    return rate, (busy(server) - begun) / seconds
+    return rate, (processor_seconds(server) - begun) / seconds
 
 
 def riot(class_, mob, server, seconds):

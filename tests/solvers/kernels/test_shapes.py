@@ -5,7 +5,7 @@ import pytest
 import taichi as ti
 
 from solvers.kernels import runtime
-from solvers.kernels.shapes import weights_1d
+from solvers.kernels.shapes import outer_weights, stencil
 from tests.reference import weight
 
 METHODS = ["mpm", "ugimp", "cpgimp", "bspline"]
@@ -18,7 +18,8 @@ triples = ti.types.ndarray(dtype=ti.f64, ndim=2)
 @ti.kernel
 def evaluate(method: ti.template(), x: reals, half: reals, first: reals, S: triples, dS: triples):
     for p in range(x.shape[0]):
-        node, weights, slopes = weights_1d(method, x[p], half[p])
+        node, left, right, slope_left, slope_right = outer_weights(method, x[p], half[p])
+        weights, slopes = stencil(left, right, slope_left, slope_right)
         first[p] = node
         for k in ti.static(range(3)):
             S[p, k] = weights[k]

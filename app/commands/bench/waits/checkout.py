@@ -1,14 +1,13 @@
 """A folder that the lab runs from: this code's own, or another version's, run by the same Python and packages."""
 
 import subprocess
-import sys
 import tempfile
 import time
 from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
 
-from app.commands.bench.itself import START
+from app.commands.bench.itself import command_of
 from app.commands.flags import BadInput
 from solvers.workers.processes import HOME
 
@@ -29,7 +28,7 @@ class Checkout:
     @property
     def command(self) -> tuple[str, ...]:
         """``mpm-lab`` from there."""
-        return sys.executable, "-c", START, str(self.folder)
+        return command_of(self.folder)
 
     def seconds(self, line: str) -> float:
         """How long a command line of ``mpm-lab`` takes, in s of wall time. Raises :class:`NotMeasured`."""

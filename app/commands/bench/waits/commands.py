@@ -1,6 +1,7 @@
 """Command lines that people wait for, and the step beside C++."""
 
 import json
+from collections.abc import Sequence
 from functools import partial
 from pathlib import Path
 from typing import Any
@@ -20,7 +21,6 @@ LINES = {
     "coverage bar, 10 runs": "coverage|bar|--runs|10|--out|{folder}/counted|--quiet",
 }
 HISTORY = "bench|--history|{folder}/history.jsonl|--quiet"
-PROBLEMS = {"bar": ("mpm", "ugimp", "cpgimp", "bspline"), "ring": ("ugimp", "cpgimp", "cpdi")}
 
 
 def commands() -> list[Wait]:
@@ -30,18 +30,21 @@ def commands() -> list[Wait]:
 
 def step() -> Wait:
     """Rate of a step over that of the C++ step, which the command itself compares in turns."""
-    return Wait({f"step of {problem} {method}": "rate of C++" for problem, methods in PROBLEMS.items()
-                 for method in methods}, _steps, warm=True)
+    from solvers.bench.limit.ratios import cases  # here: it brings Taichi along
+
+    runs = [(case.problem, case.method) for case in cases()]
+    return Wait({f"step of {problem} {method}": "rate of C++" for problem, method in runs}, partial(_steps, runs),
+                warm=True)
 
 
 def _seconds(line: str, checkout: Checkout) -> list[float]:
     return [checkout.seconds(line)]
 
 
-def _steps(checkout: Checkout) -> list[float]:
+def _steps(runs: Sequence[tuple[str, str]], checkout: Checkout) -> list[float]:
     def read(folder: Path) -> Any:
         return json.loads((folder / "history.jsonl").read_text().splitlines()[-1])
 
     entry: Any = checkout.run(HISTORY, read)[1]
     found = {(case["problem"], case["method"]): case["ratio"] for case in entry["cases"]}
-    return [found.get((problem, method), float("nan")) for problem, methods in PROBLEMS.items() for method in methods]
+    return [found.get(run, float("nan")) for run in runs]

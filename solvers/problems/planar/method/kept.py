@@ -13,7 +13,7 @@ from solvers.kernels.hoist import subscript, untranslated, variable
 
 BLOCK, NUMBERS = 4, 8  # particles of a block, and numbers of each
 PARTS = {"cpdi": 2}  # how many times eight numbers there are of a particle, by method
-SHIFT = 2  # BLOCK = 2^SHIFT
+SHIFT = BLOCK.bit_length() - 1  # BLOCK = 2^SHIFT
 
 
 def parts(method: str) -> int:

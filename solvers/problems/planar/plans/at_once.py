@@ -33,6 +33,18 @@ class KernelsAtOnce(NamedTuple):
     find_margin: Any  # (state, on)
 
 
+@ti.func
+def update_nodes(body: ti.template(), side, traits: ti.template(), on: ti.template()):
+    """The new motion of the nodes, ``side`` in each direction, from their sums."""
+    traits.fold(body, phases.fold_sums)
+    least = phases.EMPTY * body.density * body.spacing * body.spacing
+    for place in range(side * side):
+        i, j = place % body.active, place // body.active
+        if i >= traits.first and j >= traits.first:
+            phases.update_node(body, i, j, least, traits, on)
+    traits.mirror(body, body.node_motion)
+
+
 def kernels_at_once(State: Any, parts: PlanarParts) -> KernelsAtOnce:
     """The kernels of a problem whose state has the type ``State``."""
     HOOKS, TRAITS, MEASURES, has_escaped = parts.hooks, parts.traits, parts.measures, parts.has_escaped
@@ -47,13 +59,7 @@ def kernels_at_once(State: Any, parts: PlanarParts) -> KernelsAtOnce:
         TRAITS.forces(body, step * body.dt, on)
         for p in range(count):
             phases.map_to_nodes(body, p, p + 1, 0, TRAITS, on)
-        TRAITS.fold(body, phases.fold_sums)
-        least = phases.EMPTY * body.density * body.spacing * body.spacing
-        for place in range(side * side):
-            i, j = place % body.active, place // body.active
-            if i >= TRAITS.first and j >= TRAITS.first:
-                phases.update_node(body, i, j, least, TRAITS, on)
-        TRAITS.mirror(body, body.node_motion)
+        update_nodes(body, side, TRAITS, on)
 
     @ti.kernel
     def to_particles(step: ti.i32, body: State, on: ti.template()):

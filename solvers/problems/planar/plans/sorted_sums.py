@@ -19,6 +19,7 @@ from solvers.problems.planar.method.kept import kept, kept_number
 from solvers.problems.planar.method.margin import entry, slope_entry
 from solvers.problems.planar.method.records import force_moment, force_record
 from solvers.problems.planar.parts import PlanarParts
+from solvers.problems.planar.plans.at_once import update_nodes
 from solvers.problems.planar.state import WatchedBody
 from solvers.solver.arrays import Watch
 
@@ -74,13 +75,7 @@ def sorted_sums(parts: PlanarParts) -> SortedSums:
             give(body, at, TRAITS, on)
         for place in range(side * side):
             add_up(body, place % body.active, place // body.active, on)
-        TRAITS.fold(body, phases.fold_sums)
-        least = phases.EMPTY * body.density * body.spacing * body.spacing
-        for place in range(side * side):
-            i, j = place % body.active, place // body.active
-            if i >= TRAITS.first and j >= TRAITS.first:
-                phases.update_node(body, i, j, least, TRAITS, on)
-        TRAITS.mirror(body, body.node_motion)
+        update_nodes(body, side, TRAITS, on)
 
     return SortedSums(State, to_nodes)
 
