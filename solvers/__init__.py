@@ -48,4 +48,5 @@ def __dir__() -> list[str]:
 os.environ.setdefault("ENABLE_TAICHI_HEADER_PRINT", "0")
 os.environ["TI_SKIP_VERSION_CHECK"] = "ON"
 os.environ.setdefault("TI_ENABLE_PYBUF", "0")
+caches.keep_more()
 caches.find_room()

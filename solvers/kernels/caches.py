@@ -1,4 +1,5 @@
-"""Where compiled kernels are kept when the home folder takes nothing: read only, or not there, as in many containers.
+"""How many compiled kernels are kept, and where when the home folder takes nothing: read only, or not there, as in many
+containers.
 
 Taichi writes them below ``XDG_CACHE_HOME``, by default ``~/.cache``, when it ends; where it cannot, its process ends in
 a segmentation fault, with its cache switched off too, and without a ``HOME`` it does not even start. Matplotlib keeps
@@ -12,7 +13,14 @@ import tempfile
 from contextlib import suppress
 from pathlib import Path
 
+SIZE = "TI_OFFLINE_CACHE_MAX_SIZE_OF_FILES"
 HOME, KERNELS, PICTURES = "XDG_CACHE_HOME", "TI_OFFLINE_CACHE_FILE_PATH", "MPLCONFIGDIR"
+
+
+def keep_more() -> None:
+    """Have Taichi keep 500 MB of kernels, unless the environment says otherwise. A kernel takes 1 MB, and with Taichi's
+    own 100 MB a page, a sweep and a class throw each other's out."""
+    os.environ.setdefault(SIZE, str(500 * 2**20))
 
 
 def find_room() -> None:
