@@ -13,7 +13,7 @@ from app.commands.export import Export
 from app.commands.flags import Switch
 from app.commands.judge.command import Judge
 from app.commands.judge.problem import ProblemCommand
-from app.commands.lesson import LessonCheck, LessonGrade, LessonGuide, LessonList
+from app.commands.lesson import LessonCheck, LessonGrade, LessonGuide, LessonList, LessonScripts
 from app.commands.run.budget import BudgetOfEffect, BudgetOnDemand
 from app.commands.run.command import Run, RunText
 from app.commands.scene_flags import of_problem, with_flags
@@ -46,5 +46,5 @@ def commands() -> dict[tuple[str, ...], type]:
     found |= {("stability", name): with_flags(Stability, scene, **map_flags(scene)) for name, scene in scenes.items()}
     found |= {("coverage", name): with_flags(Coverage, scene) for name, scene in scenes.items()}
     found |= {("lesson", "list"): LessonList, ("lesson", "check"): LessonCheck, ("lesson", "guide"): LessonGuide,
-              ("lesson", "grade"): LessonGrade}
+              ("lesson", "grade"): LessonGrade, ("lesson", "scripts"): LessonScripts}
     return found | {("export",): Export, ("bench",): Bench}

@@ -20,7 +20,7 @@ from app.commands.flags import (
     default_hint,
     side_by_side,
 )
-from app.commands.output import Target, json_target, put_result, put_text, say
+from app.commands.output import Folder, Target, json_target, put_result, put_text, say
 from app.commands.progress import working
 from app.language.spoken import ENGLISH, LANGUAGES, speaking
 from app.lessons.lesson import Lesson, LessonError
@@ -187,6 +187,27 @@ class LessonGrade:
         for sentence in () if self.quiet else grading.coverage(rows):
             say(sentence)
         return OK if len(read) == len(self.files) else FAILED
+
+
+@dataclass(frozen=True)
+class LessonScripts:
+    """Copy the scripts and notebooks that go with the lessons into a folder, to run and to change.
+
+    Exit status: 0 ok, 1 could not write, 2 bad input.
+    """
+
+    EXAMPLE: ClassVar[str] = "mpm-lab lesson scripts --out scripts"
+
+    out: Annotated[PathFlag, default_hint("none, it must be given")] = None
+    """Directory for them, new or empty."""
+
+    def execute(self) -> int:
+        folder = Folder(self.out)
+        from app.lessons import shelf
+        for path in sorted(shelf.FOLDER.glob("scripts/*.py")) + sorted(shelf.FOLDER.glob("notebooks/*.py")):
+            folder.put(path.name, path.read_bytes())
+        say(f"{folder.text}: begin with bar.py")
+        return OK
 
 
 def _answers(file: str) -> "tuple[str, Progress] | None":

@@ -1,9 +1,22 @@
-"""What estimators say, in the form of the JSON object: one's values as they are, several keyed by estimator."""
+"""Values by quantity in the form of the JSON object: of one estimator as they are, of several keyed by estimator."""
 
 from collections.abc import Mapping
 from typing import Any
 
 from solvers.scene.rules import SceneError
+
+
+class ByQuantity(dict[str, Any]):
+    """Values by the name of a quantity.
+
+    Raises
+    ------
+    SceneError
+        For a name that is not there, with those that are.
+    """
+
+    def __missing__(self, name: object) -> Any:
+        raise SceneError("quantity", name, f"is none of this run's; give one of {', '.join(self)}")
 
 
 class ByEstimator(dict[str, Any]):

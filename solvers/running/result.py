@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 
 from solvers.running import saved, views
-from solvers.running.by_estimator import ByEstimator
+from solvers.running.by_estimator import ByEstimator, ByQuantity
 from solvers.scene.effects import ALL
 from solvers.scene.scene import Scene
 from solvers.solver import budget, norms
@@ -125,12 +125,12 @@ class Result:
         return [*scene.active_effects] + [name for name, on in extra.items() if on]
 
     @property
-    def error(self) -> dict[str, dict[str, float | None]]:
+    def error(self) -> ByQuantity:
         """The true errors over the run: ``error["x"]["max"]`` and so on, RMS over particles of x (m), v (m/s), sigma
         (Pa), a (m/s^2) and the problem's own norm, each as :func:`solvers.solver.norms.summary` has it; None where the
         truth was off."""
         extra = {self.scene.EXTRA_ERROR: summary(self.series["error_extra"])}
-        return {**{q: summary(self.series[f"error_{q}"]) for q in QUANTITIES}, **extra}
+        return ByQuantity({q: summary(self.series[f"error_{q}"]) for q in QUANTITIES} | extra)
 
     @property
     def estimate(self) -> ByEstimator:

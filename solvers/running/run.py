@@ -11,6 +11,7 @@ from solvers.problems import PROBLEMS
 from solvers.running.goals import goals_of, measured, without
 from solvers.running.result import Result
 from solvers.running.timing import estimator_shares
+from solvers.scene.rules import SceneError, require_choice
 from solvers.scene.scene import Scene
 from solvers.scene.step_bound import margin_unit
 from solvers.solver import samples
@@ -29,7 +30,21 @@ def build(scene: Scene) -> Solver:
     return PROBLEMS[scene.problem].solver(scene)
 
 
-def run(scene: Scene, on_progress: Callable[[float], None] | None = None, prices: bool = False,
+def scene_of(given: Scene | type[Scene] | str) -> Scene:
+    """A scene; of a class of scenes and the name of a problem the one with all its defaults; :class:`SceneError` for
+    anything else."""
+    if isinstance(given, str):
+        require_choice("problem", given, tuple(PROBLEMS))
+        return PROBLEMS[given].scene()
+    if isinstance(given, type) and issubclass(given, Scene):
+        return given()
+    if not isinstance(given, Scene):
+        raise SceneError("scene", given, f"is none; give a scene, as in run(BarScene(cells=40)), or the name of a "
+                                         f"problem: {', '.join(PROBLEMS)}")
+    return given
+
+
+def run(scene: Scene | type[Scene] | str, on_progress: Callable[[float], None] | None = None, prices: bool = False,
         mid_run: bool = True, on_sample: Callable[[Snapshot], None] | None = None,
         goals: Sequence[str] = ()) -> Result:
     """Run a scene to its end, or to where it goes unstable, which is a result too and never an exception.
@@ -37,7 +52,8 @@ def run(scene: Scene, on_progress: Callable[[float], None] | None = None, prices
     Parameters
     ----------
     scene
-        What to run: a ``BarScene``, ``RingScene`` or ``VortexScene``.
+        What to run: a ``BarScene``, ``RingScene`` or ``VortexScene``; or such a class, or the name of a problem, for
+        the defaults.
     on_progress
         Called several times a second with the part done, 0 to 1.
     prices
@@ -59,8 +75,9 @@ def run(scene: Scene, on_progress: Callable[[float], None] | None = None, prices
     Raises
     ------
     SceneError
-        Where the scene names a GPU that is not there, and for a goal that is none.
+        For what is no scene, where it names a GPU that is not there, and for a goal that is none.
     """
+    scene = scene_of(scene)
     wanted = goals_of(scene, goals)
     solver = build(scene)
     begun = time.perf_counter()

@@ -36,6 +36,7 @@ LEAST_SAMPLES_A_PERIOD = 20  # however long the steps
 MOST_MARGINS = 200  # looks at the margin of the step in a run, about
 SAMPLES_A_RUN = 100_000  # that a long run takes unless it is told how many
 LISTS = ("estimators", "effects", "remedies")
+ALTERNATIVES = {"dt": "cfl", "cfl": "dt", "t_end": "periods", "periods": "t_end"}  # of which one may be given
 AUTO = "auto"
 ASKED = "Error estimators, one or several"
 LEAST_CFL = 1e-9
@@ -68,8 +69,8 @@ class Scene(SceneDefaults, ABC, Remembered):
     linearity_preserving: bool = option(False, "Make the particle-grid transfers exact for linear fields")
     velocity: str = option("grid", "Velocity that moves the particles", choices=("grid", "particle"))
     estimators: tuple[str, ...] = option((), ASKED)  # of each problem the first that it has
-    effects: tuple[str, ...] = option(tuple(EFFECTS), "What to compute beside the method, with commas between; what is "
-                                      "left out costs nothing", hint="all")
+    effects: tuple[str, ...] = option(tuple(EFFECTS), "What to compute beside the method, with commas between, in place "
+                                      "of the default, or +NAME beside it; what is left out costs nothing", hint="all")
     remedies: tuple[str, ...] = option((), "Remedies against the diseases of long and large motions, with commas "
                                        "between", hint="none")
     arch: str = option("cpu", "Where to run: on the processor, or what is in the plane on a GPU, found or by name",
@@ -117,6 +118,9 @@ class Scene(SceneDefaults, ABC, Remembered):
         return tuple((method, False) for method in cls.choices("method"))
 
     def __post_init__(self) -> None:
+        if self.problem != type(self).problem:
+            raise SceneError("problem", self.problem, f"is not {type(self).problem}; give the inputs of a scene by "
+                                                      f"name, as in {type(self).__name__}(cells=40)")
         for name, value in self._normalized().items():  # the one place where a scene is written to
             object.__setattr__(self, name, value)
         self._check_choices()
@@ -254,10 +258,24 @@ class Scene(SceneDefaults, ABC, Remembered):
         return {**values, **filled, **{field_key(name): list(getattr(self, name)) for name in LISTS}}
 
     def _normalized(self) -> dict[str, Any]:
-        """Inputs that are meant otherwise than given: a scene must be hashable, and numbers of NumPy are numbers."""
+        """Inputs that are meant otherwise than given: a scene must be hashable, numbers of NumPy are numbers, and one
+        name is a list of one. Names that begin with + are added to the default."""
         given = {name: getattr(self, name) for name in self.__dataclass_fields__}
-        return {name: value.item() if isinstance(value, np.generic) else tuple(value) for name, value in given.items()
-                if isinstance(value, np.generic) or (name in LISTS and isinstance(value, list))}
+        return {name: value.item() for name, value in given.items() if isinstance(value, np.generic)} | {
+            name: self._names(name, value) for name, value in given.items() if name in LISTS}
+
+    def _names(self, name: str, given: Any) -> Any:
+        """The names that a list of them stands for."""
+        given = tuple(given.replace(",", " ").split()) if isinstance(given, str) else given
+        given = tuple(given) if isinstance(given, list) else given
+        added = isinstance(given, tuple) and any(isinstance(item, str) and item.startswith("+") for item in given)
+        if not added:
+            return given
+        if plain := [item for item in given if not (isinstance(item, str) and item.startswith("+"))]:
+            raise SceneError(name, plain[0], "stands beside names with a +, which are added to the default; give all "
+                                             "names with a +, or none")
+        default = self.__dataclass_fields__[name].default
+        return (*default, *(item[1:] for item in given if item[1:] not in default))
 
     def _check_choices(self) -> None:
         registry.require_offered(self.estimators, type(self).problem, self.choices("estimators"))

@@ -5,24 +5,27 @@ from __future__ import annotations
 import contextlib
 import math
 from collections.abc import Callable
+from dataclasses import fields
 from typing import Any
 
 from solvers.problems import PROBLEMS
+from solvers.running.run import scene_of
 from solvers.scene.rules import SceneError, field_key, key_field, require_choice, require_whole
-from solvers.scene.scene import LISTS
+from solvers.scene.scene import ALTERNATIVES, LISTS, Scene
 from solvers.study.columns import Rows
 from solvers.study.grid import MOST_ROWS, plan
 from solvers.study.places import Here, execute
 from solvers.study.summary import columns
 
 
-def sweep(problem: str, *, repeats: int = 3, workers: int = 1,
+def sweep(problem: str | Scene | type[Scene], *, repeats: int = 3, workers: int = 1,
           on_progress: Callable[[float, dict], None] = lambda part, row: None, **inputs: Any) -> Rows:
     """Measure a problem for every combination of values: ``sweep("bar", cells=[20, 40], method=["mpm", "bspline"])``.
 
     Parameters
     ----------
-    problem : "bar", "ring" or "vortex"
+    problem
+        "bar", "ring" or "vortex"; or a scene, which gives the values that ``inputs`` do not.
     repeats
         Timed runs of each row, of which the shortest counts; 0 times only the run that gives the errors.
     workers
@@ -48,6 +51,10 @@ def sweep(problem: str, *, repeats: int = 3, workers: int = 1,
     SceneError
         For a problem, an input or a number of workers that there is not, and where no combination makes a scene.
     """
+    if not isinstance(problem, str):
+        scene = scene_of(problem)
+        given = {f.name: getattr(scene, f.name) for f in fields(scene) if getattr(scene, f.name) != f.default}
+        problem, inputs = scene.problem, _beside(given, {key_field(name): value for name, value in inputs.items()})
     require_choice("problem", problem, tuple(PROBLEMS))
     require_whole("repeats", repeats, 0, 1000)
     require_whole("workers", workers, 1, 1024)
@@ -67,6 +74,12 @@ def sweep(problem: str, *, repeats: int = 3, workers: int = 1,
     with contextlib.closing(Here(workers)) as place:
         execute(tasks, place, keep)
     return Rows(columns([measured[task.key] for task in tasks]))
+
+
+def _beside(given: dict[str, Any], inputs: dict[str, Any]) -> dict[str, Any]:
+    """What was given and, in its place where both say the same thing, the inputs."""
+    said = {same for name in inputs for same in (name, ALTERNATIVES.get(name))}
+    return {name: value for name, value in given.items() if name not in said} | inputs
 
 
 def _values(problem: str, name: str, given: Any) -> list:

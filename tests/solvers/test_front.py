@@ -47,6 +47,20 @@ def test_a_run_is_a_result():
     assert isinstance(result, Result) and result.status == "ok"
 
 
+def test_a_problem_by_name_or_class_runs_with_its_defaults():
+    assert run("bar").error == run(BarScene).error == run(BarScene()).error
+    for wrong in ("bat", 3):
+        with pytest.raises(SceneError, match="bar, ring, vortex"):
+            run(wrong)
+    with pytest.raises(SceneError, match="one of x, v, sigma, a, sigma_log"):
+        _ = run(BarScene(cells=8, periods=0.1)).error["q"]
+
+
+def test_a_sweep_goes_on_from_a_scene():
+    rows = sweep(BarScene(periods=0.1, cfl=0.1), cells=[8, 10], dt=1e-3, repeats=0)
+    assert list(rows["scene.cells"]) == [8, 10] and set(rows["scene.dt"]) == {1e-3}
+
+
 def test_prices_cost_time_and_are_asked_for():
     scene = BarScene(cells=20, periods=0.1)
     assert run(scene).seconds.estimate is None and run(scene, prices=True).seconds.estimate > 0

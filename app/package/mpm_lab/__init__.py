@@ -10,6 +10,7 @@ Who imports this module has ``solvers`` from there, whatever else is called so, 
 """
 
 import importlib
+import importlib.metadata
 import sys
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -43,6 +44,8 @@ else:  # each name is imported when it is asked for
     __all__ = [*solvers.__all__, "show"]
 
     def __getattr__(name):
+        if name == "__version__":
+            return importlib.metadata.version("mpm-lab")
         if name != "show":
             return solvers.__getattr__(name)
         take("app")

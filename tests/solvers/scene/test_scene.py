@@ -78,8 +78,22 @@ def test_lists_refuse_unknown_repeated_and_bare_names(field):
     known = BarScene.choices(field)[0]
     assert known in refusal(**{field: ("nonsense",)}).sentence
     assert "twice" in refusal(**{field: (known, known)}).sentence
-    for bare in (known, None, 3):
+    for bare in (None, 3):
         assert "list" in refusal(**{field: bare}).sentence
+
+
+def test_a_name_is_a_list_of_one_and_a_plus_adds_to_the_default():
+    scene = BarScene(estimators="companion", effects="+budget", remedies="null-space-filter, zero-drift")
+    assert scene.estimators == ("companion",) and scene.remedies == ("null-space-filter", "zero-drift")
+    assert scene.effects == (*BarScene().effects, "budget") and BarScene(effects=["+truth"]) == BarScene()
+    assert "all names with a +" in refusal(effects=("+budget", "truth")).sentence
+    assert "not known" in refusal(effects="+nonsense").sentence
+
+
+def test_inputs_in_other_forms_are_explained():
+    assert "by name, as in BarScene(cells=40)" in str(pytest.raises(SceneError, BarScene, 40).value)
+    assert refusal(cells="40").sentence.startswith("is text and not a number")
+    assert refusal(amplitude="1e-3").sentence.startswith("is text and not a number")
 
 
 def test_numbers_of_numpy_are_numbers():
