@@ -98,15 +98,3 @@ def test_only_its_own_room_touches_private_parts_of_the_viewer():
 def test_no_file_is_too_long():
     lengths = {str(path.relative_to(ROOT)): path.read_text(encoding="utf-8").count("\n") for path in SOURCES}
     assert {path: n for path, n in lengths.items() if n > LONGEST_FILE} == {}
-
-
-def test_the_map_of_tests_has_every_room_and_every_folder_of_tests():
-    """In CONTRIBUTING.md, which says what to run after a change."""
-    text = (ROOT / "CONTRIBUTING.md").read_text(encoding="utf-8")
-    rows = [line.split("|")[1:3] for line in text.partition("### Which tests")[2].splitlines() if line.startswith("|")]
-    rooms = {f"{path.parent.relative_to(ROOT)}" for path in ROOT.glob("[as]*/*/__init__.py")}
-    tests = {f"{path.parent.relative_to(ROOT)}" for path in (ROOT / "tests").rglob("test_*.py")}
-    changed, run = " ".join(row[0] for row in rows), " ".join(row[1] for row in rows)
-    assert [room for room in rooms if f"`{room}/" not in changed] == []
-    assert [folder for folder in tests if f"`{folder}`" not in run and f"`{folder}/test_" not in run] == []
-    assert [name for name in re.findall(r"`(tests/[\w/.]+)`", run) if not (ROOT / name).exists()] == []

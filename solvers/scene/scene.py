@@ -69,8 +69,9 @@ class Scene(SceneDefaults, ABC, Remembered):
     linearity_preserving: bool = option(False, "Make the particle-grid transfers exact for linear fields")
     velocity: str = option("grid", "Velocity that moves the particles", choices=("grid", "particle"))
     estimators: tuple[str, ...] = option((), ASKED)  # of each problem the first that it has
-    effects: tuple[str, ...] = option(tuple(EFFECTS), "What to compute beside the method, with commas between, in place "
-                                      "of the default, or +NAME beside it; what is left out costs nothing", hint="all")
+    effects: tuple[str, ...] = option(tuple(EFFECTS), "What to compute beside the method, with commas between, in "
+                                      "place of the default, or +NAME beside it; what is left out costs nothing",
+                                      hint="all")
     remedies: tuple[str, ...] = option((), "Remedies against the diseases of long and large motions, with commas "
                                        "between", hint="none")
     arch: str = option("cpu", "Where to run: on the processor, or what is in the plane on a GPU, found or by name",

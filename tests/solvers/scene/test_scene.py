@@ -91,7 +91,8 @@ def test_a_name_is_a_list_of_one_and_a_plus_adds_to_the_default():
 
 
 def test_inputs_in_other_forms_are_explained():
-    assert "by name, as in BarScene(cells=40)" in str(pytest.raises(SceneError, BarScene, 40).value)
+    with pytest.raises(SceneError, match="by name, as in BarScene"):
+        BarScene(40)
     assert refusal(cells="40").sentence.startswith("is text and not a number")
     assert refusal(amplitude="1e-3").sentence.startswith("is text and not a number")
 
