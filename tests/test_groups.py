@@ -16,7 +16,7 @@ if sys.version_info >= (3, 11):
 else:
     import tomli as tomllib
 
-FILES = sorted(path for path in (ROOT / "tests").rglob("*.py") if "codes" not in path.parts)
+FILES = sorted((ROOT / "tests").rglob("*.py"))
 
 
 def at_import(tree: ast.AST):
