@@ -83,11 +83,6 @@ class Visitor:
             async for messages in connection:
                 self._take(messages)
 
-    def says(self, *words: str) -> bool:
-        """Whether any one text on the page has all these words now."""
-        texts = (str(control.props.get("content", "")) for control in self.controls.values())
-        return any(all(word in text for word in words) for text in texts)
-
     async def move(self, control: str, value: Any) -> None:
         """Set the control with this number."""
         self.choices.append(monotonic())

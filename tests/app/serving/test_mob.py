@@ -21,8 +21,7 @@ from time import monotonic
 import pytest
 
 from app.commands.bench.class_load import SCENE
-from solvers.workers.processes import LINUX, descendants, free_port
-from tests.app.serving.test_attacks import memory
+from solvers.workers.processes import LINUX, descendants, free_port, proportional_bytes
 from tests.app.serving.test_class_code import enter
 from tests.paths import ROOT
 from tests.processes import HANG, Watch, ended, held, starving, until
@@ -40,6 +39,11 @@ LOG = 12_000  # bytes of log, however long: some minutes with ten lines and a su
 def shared(process):
     """The blocks of shared memory that a process has: others on this machine have theirs."""
     return {Path(block) for block in re.findall(r"/dev/shm/psm_\w+", Path(f"/proc/{process}/maps").read_text())}
+
+
+def memory(process):
+    """MB that a process and those below it hold."""
+    return sum(map(proportional_bytes, [process, *descendants(process)])) / 1e6
 
 
 def newcomer(address, cookie, k):

@@ -270,14 +270,6 @@ def assert_same_row(scene: Scene) -> None:
 
 
 @pytest.mark.slow
-def test_a_row_of_the_rings_table_has_the_processors_digits():
-    """CPDI a twentieth of the way; all rows to the end, on grids up to 48 cells, are a slow test."""
-    require_gpu()
-    [row] = (row for row in row_scenes((12,), 0.001)[:3] if row.method == "cpdi")
-    assert_same_row(replace(row, sample_every=50))
-
-
-@pytest.mark.slow
 @pytest.mark.parametrize("scene", row_scenes((12, 24, 48), 0.02), ids=lambda s: f"{s.method}-{s.cells}-{s.amplitude}")
 def test_the_rings_table_has_the_processors_digits_to_its_end(scene):
     require_gpu()
