@@ -148,7 +148,8 @@ def begun(process):
 
 def test_what_is_usual_is_compiled_unasked():
     """After a while every usual scene is there without a compiler, ring and bar; one that cannot be is left out."""
-    usual = [replace(SCENE, estimators=("companion",)), RingScene(cells=12, estimators=()), replace(SCENE, effects=())]
+    usual = [replace(SCENE, estimators=(), effects=()), RingScene(cells=12, estimators=(), effects=()),
+             replace(SCENE, method="mpm", estimators=(), effects=())]
     pool, listener = EnginePool(SCENE), Listener()
     try:
         assert pool.wait_ready(PATIENCE)
