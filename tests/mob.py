@@ -1,8 +1,8 @@
-"""A mob at the doors of a lab, until it is ended: ``python -m tests.mob ADDRESS CODE [KIND ...]``.
+"""A mob at the doors of a lab, until it is ended: ``python -m tests.mob ADDRESS CODE``.
 
-KINDS says what it does, as methods of :class:`Mob` are called: by itself it guesses codes, sends 1,000 messages a
-second, gives a file that is a bomb and one that never comes whole, and opens 500 lines that say nothing. All of it
-comes from one address, another one than that of the class: all of 127.0.0.0/8 is this machine.
+It guesses codes, sends 1,000 messages a second, gives a file that is a bomb and one that never comes whole, and opens
+500 lines that say nothing. All of it comes from one address, another one than that of the class: all of 127.0.0.0/8 is
+this machine.
 """
 
 from __future__ import annotations
@@ -13,8 +13,7 @@ import logging
 import os
 import sys
 import zipfile
-from collections.abc import Sequence
-from contextlib import AsyncExitStack, suppress
+from contextlib import suppress
 from itertools import count
 from urllib.parse import quote
 
@@ -27,9 +26,8 @@ from app.viewer.wire import PROTOCOL
 from tests.raw import CAMERA
 
 FROM = "127.0.0.55"
-ATTACKER = ("guess", "talk", "bomb", "half_open")
-HALF_OPEN, SILENT, READERS, HALVES = 500, 500, 20, 20
-GUESSES, MESSAGES, CONNECTS = 50, 1000, 50  # a second
+HALF_OPEN = 500
+GUESSES, MESSAGES = 50, 1000  # a second
 GONE = (OSError, WebSocketException, asyncio.IncompleteReadError, TimeoutError)
 
 
@@ -40,10 +38,10 @@ class Mob:
         self.host, port = address.split(":")
         self.port, self.code, self.cookie = int(port), code, ""
 
-    async def riot(self, kinds: Sequence[str]) -> None:
+    async def riot(self) -> None:
         self.cookie = (await self.ask(self.code)).partition("Set-Cookie: ")[2].partition(";")[0]
         print("here", flush=True)
-        await asyncio.gather(*(getattr(self, kind)() for kind in kinds))
+        await asyncio.gather(self.guess(), self.talk(), self.bomb(), self.half_open())
 
     async def ask(self, code: str) -> str:
         """The answer's head."""
@@ -55,10 +53,10 @@ class Mob:
         finally:
             writer.close()
 
-    def socket(self, **options) -> client.connect:
+    def socket(self) -> client.connect:
         return client.connect(f"ws://{self.host}:{self.port}", subprotocols=[PROTOCOL], compression=None, max_size=None,
                               ping_interval=None, open_timeout=20, close_timeout=1, local_addr=(FROM, 0),
-                              additional_headers={"Cookie": self.cookie}, **options)
+                              additional_headers={"Cookie": self.cookie})
 
     async def guess(self) -> None:
         for k in count():
@@ -88,13 +86,6 @@ class Mob:
                         reading.cancel()
             await asyncio.sleep(0.5)
 
-    async def come_and_go(self) -> None:
-        while True:
-            with suppress(*GONE):
-                async with self.socket() as socket:
-                    await socket.send(packed(CAMERA))
-            await asyncio.sleep(1 / CONNECTS)
-
     async def half_open(self) -> None:
         """As many as there can be; those that are cut are opened again."""
         lines: list[asyncio.StreamWriter] = []
@@ -106,29 +97,6 @@ class Mob:
                     line.write(b"GET / HTTP/1.1\r\nHost: ")
                     lines.append(line)
             await asyncio.sleep(0.2)
-
-    async def silent(self) -> None:
-        async with AsyncExitStack() as stack:
-            for _ in range(SILENT):
-                with suppress(*GONE):
-                    await stack.enter_async_context(self.socket())
-                await asyncio.sleep(0.02)
-            await asyncio.Event().wait()
-
-    async def read_nothing(self) -> None:
-        await asyncio.gather(*(self._read_nothing() for _ in range(READERS)))
-
-    async def _read_nothing(self) -> None:
-        while True:
-            with suppress(*GONE):
-                async with self.socket(max_queue=1) as socket:
-                    await socket.send(packed(CAMERA))
-                    await socket.wait_closed()
-            await asyncio.sleep(1)
-
-    async def halves(self) -> None:
-        """Many visitors with a large file each that never comes whole."""
-        await asyncio.gather(*(self._give("half.csv", os.urandom(31_900_000), False) for _ in range(HALVES)))
 
     async def bomb(self) -> None:
         """A file that is large once it is unpacked, and one of 31.9 MB whose last part never comes."""
@@ -184,4 +152,4 @@ def bomb() -> bytes:
 if __name__ == "__main__":
     logging.getLogger("websockets.client").disabled = True
     os.nice(19)  # what the mob costs itself is for other machines to bear
-    asyncio.run(Mob(*sys.argv[1:3]).riot(sys.argv[3:] or ATTACKER))
+    asyncio.run(Mob(*sys.argv[1:3]).riot())

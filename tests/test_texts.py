@@ -41,7 +41,6 @@ ELSEWHERE = {("serve",): "tests/browser", ("bench",): "tests/app/commands/test_b
 ON_A_GPU = "--arch"  # a size that only a GPU runs in minutes: tests/solvers/running/test_gpu.py
 #: The exit status of a run that breaks, and what is shown because it does: hat functions, and all in this patch test.
 BROKEN, SHOWN = 3, re.compile(r"\bpatch\b|\bmpm\b")
-NO_COMMAND = ("--completion", "--version")  # what is asked for in place of one
 #: Which package has a tool that is not called like it.
 PACKAGES = {"lint-imports": "import-linter", "sphinx-build": "sphinx", "jupyter": "jupyterlab"}
 

@@ -127,6 +127,8 @@ def _unexpected(word: str, kind: type, program: str) -> BadInput:
     flag = word.partition("=")[0]
     if not word.startswith("-") or word == "-" or flag in flags:
         return BadInput("", word, f"is not expected here; {program} --help shows the flags")
+    if reason := getattr(kind, "GONE", {}).get(flag):
+        return BadInput("", flag, f"is gone from {program}: {reason}")
     if hasattr(kind, "SCENE") and (reason := kind.SCENE.RUN_ONLY.get(flag.lstrip("-").replace("-", "_"))):
         return BadInput("", flag, f"is not a flag of {program}: {reason}")
     return BadInput("", flag, f"is not a flag of {program}{meant(flag, flags)}; --help shows them all")

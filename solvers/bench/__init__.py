@@ -3,5 +3,5 @@
 ``measure`` has the rates and the prices, against each problem's step without any optional code where it has one
 (``solvers.problems.Problem.baseline``); ``gpu`` what a GPU gains where there is one; ``start`` the start-up and compile
 times and ``example`` the public example beside them, all three in fresh processes (``solvers.workers.processes``);
-``bench`` puts it all together. ``limit`` is apart: our rates as ratios to hand-written C++, and their history.
+``limit`` has our rates over those of hand-written C++ (``cpp/``). ``bench`` puts it all together.
 """

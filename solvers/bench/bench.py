@@ -11,11 +11,13 @@ from typing import Any
 from solvers.bench import measure
 from solvers.bench.example import example
 from solvers.bench.gpu import gpu
+from solvers.bench.limit import ratios
 from solvers.bench.start import start_times
 from solvers.kernels import runtime
 from solvers.problems import PROBLEMS
 
 SCHEMA = "mpm-lab/bench/1"
+LIMITS = ("bar", "ring")  # problems whose step there is in C++; that of the ring takes longest to compile
 
 
 def bench(quick: bool, command: Sequence[str], on_progress: Callable[[float], None]) -> dict:
@@ -27,8 +29,9 @@ def bench(quick: bool, command: Sequence[str], on_progress: Callable[[float], No
           for name, problem in PROBLEMS.items() for method in problem.scene.choices("method")),
         *(("estimators", partial(measure.estimator_prices, name, effort)) for name in PROBLEMS),
         *(("effects", partial(measure.effect_prices, name, effort)) for name in PROBLEMS),
-        *(("off", partial(measure.off, name, effort)) for name in PROBLEMS)]
-    found: dict[str, list] = {name: [] for name in ("start", "example", "gpu", "rates", "estimators", "effects", "off")}
+        *(("off", partial(measure.off, name, effort)) for name in PROBLEMS),
+        *(("limit", partial(ratios, name, quick)) for name in (LIMITS[:1] if quick else LIMITS))]
+    found: dict[str, list] = {name: [] for name, _ in tasks}
     for done, (name, task) in enumerate(tasks):
         on_progress(done / len(tasks))
         found[name].append(task())
@@ -36,9 +39,8 @@ def bench(quick: bool, command: Sequence[str], on_progress: Callable[[float], No
     flat = {name: [row for rows in found[name] for row in rows] for name in ("rates", "estimators", "effects")}
     return {"schema": SCHEMA, "quick": quick, "machine": machine(), "precision": "double", "threads": 1,
             "arch": runtime.running_arch(), "unit": "million particle-steps per second of processor time",
-            **flat, "off": found["off"], "start": found["start"][0], "example": found["example"][0],
-            "gpu": found["gpu"][0],
-            "seconds": time.perf_counter() - begun}
+            **flat, "off": found["off"], "limit": found["limit"], "start": found["start"][0],
+            "example": found["example"][0], "gpu": found["gpu"][0], "seconds": time.perf_counter() - begun}
 
 
 def machine() -> dict[str, Any]:

@@ -1,7 +1,5 @@
 """What a GPU gains, where there is one: rates of its plan, beside those of a processor's plans and of its memory.
 
-Nodes' sums are made by atomic additions in all runs; beside these the same plan with sums over sorted particles.
-
 Everything is measured in one fresh process, which starts Taichi anew for each plan. A step moves at least what its
 phases read and write of each particle, so that the memory's bandwidth, measured here by a copy, sets a limit to the
 rate; nodes, of which there is one for several particles, are left out of it.
@@ -20,7 +18,6 @@ import taichi as ti
 from solvers.bench.measure import bare
 from solvers.kernels import runtime
 from solvers.kernels.kinds import quads
-from solvers.problems import PROBLEMS
 from solvers.running.run import build
 from solvers.scene.scene import MOST_PARTICLES, Scene
 from solvers.solver import devices
@@ -71,11 +68,9 @@ def measured(where: str, sizes: Mapping[str, Sequence[int]], copied: int = COPIE
 
 
 def row(scene: Scene, where: str, limit: float) -> dict:
-    """Rates of a scene, in million particle-steps a second, by the GPU, by the GPU with ``sorted`` sums
-    (``solvers.problems.planar.plans.sorted_sums``), and by the processor's plans, as far as these take so many
-    particles; and the share that the first is of what the bandwidth allows."""
-    there, solver = replace(scene, arch=where), PROBLEMS[scene.problem].solver
-    rates = {"gpu": rate(solver(there)), "sorted": rate(solver(there, sorted_sums=True))}
+    """Rates of a scene, in million particle-steps a second, by the GPU and by the processor's plans, as far as these
+    take so many particles; and the share that the first is of what the bandwidth allows."""
+    rates = {"gpu": rate(build(replace(scene, arch=where)))}
     everywhere: dict[str, Any] = {"plan": "parallel", "threads": os.cpu_count() or 1}
     for plan, inputs in {"serial": {}, "parallel": everywhere}.items():
         rates[plan] = rate(build(replace(scene, **inputs))) if scene.particles <= MOST_PARTICLES else None

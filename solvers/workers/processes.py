@@ -210,14 +210,6 @@ def adopt_orphans() -> None:
     _process_control(SUBREAPER, 1)
 
 
-def reap() -> None:
-    """Take note of the end of all children that have ended, adopted ones too: their time counts as this process's
-    children's then (Linux). Not where something else still waits for a child."""
-    with contextlib.suppress(ChildProcessError):
-        while LINUX and os.waitpid(-1, os.WNOHANG)[0]:
-            pass
-
-
 def end_after(seconds: float, status: int) -> None:
     """End this process after so many seconds, whatever it does then."""
     time.sleep(seconds)

@@ -7,21 +7,24 @@ import os
 import random
 import statistics
 import subprocess
+import sys
 import threading
 from bisect import bisect_right
 from collections import deque
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager, suppress
 from dataclasses import dataclass, field
 from itertools import pairwise
 from time import monotonic
 from typing import Any
 
-from app.commands.bench.itself import ITSELF
 from app.viewer.client import connected
-from solvers.workers.processes import LINUX, descendants, free_port, processor_seconds, proportional_bytes
+from solvers.workers.processes import HOME, LINUX, descendants, free_port, processor_seconds, proportional_bytes
 
 SCHEMA = "mpm-lab/class/1"
+#: The command ``mpm-lab`` in a process of its own: this code, though the working folder may have an ``app``, too.
+ITSELF = (sys.executable, "-c",
+          "import sys; sys.path.insert(0, sys.argv.pop(1)); from app.cli import main; sys.exit(main())", str(HOME))
 JOINING = 5.0  # seconds within which all come
 LATEST = 60.0  # seconds after which frames are counted though some have had none yet: a machine can be that busy
 PAUSES = (2.0, 6.0)  # seconds between two moves of a slider, least and most
@@ -79,11 +82,6 @@ class Visitor:
             await connection.send(CAMERA)
             async for messages in connection:
                 self._take(messages)
-
-    def says(self, *words: str) -> bool:
-        """Whether any one text on the page has all these words now."""
-        texts = (str(control.props.get("content", "")) for control in self.controls.values())
-        return any(all(word in text for word in words) for text in texts)
 
     async def move(self, control: str, value: Any) -> None:
         """Set the control with this number."""
@@ -154,10 +152,10 @@ class Visitor:
 
 
 @contextmanager
-def serving(*arguments: str, command: Sequence[str] = ITSELF) -> Iterator[tuple[str, int]]:
+def serving(*arguments: str) -> Iterator[tuple[str, int]]:
     """A server of the page in a process of its own: its address (host:port) and the number of the process."""
     port = free_port()
-    process = subprocess.Popen([*command, "serve", "--port", str(port), *arguments], stderr=subprocess.PIPE, text=True)
+    process = subprocess.Popen([*ITSELF, "serve", "--port", str(port), *arguments], stderr=subprocess.PIPE, text=True)
     assert process.stderr
     try:
         line = process.stderr.readline()
@@ -173,9 +171,9 @@ def serving(*arguments: str, command: Sequence[str] = ITSELF) -> Iterator[tuple[
         process.kill()
 
 
-def class_load(load: Load, on_progress: Callable[[float], None], command: Sequence[str] = ITSELF) -> dict[str, Any]:
-    """Have a class use a server, of another version of the lab perhaps, and say what its visitors got."""
-    with serving("--max-sessions", str(load.visitors), command=command) as (address, server):
+def class_load(load: Load, on_progress: Callable[[float], None]) -> dict[str, Any]:
+    """Have a class use a server, and say what its visitors got."""
+    with serving("--max-sessions", str(load.visitors)) as (address, server):
         return asyncio.run(_attend(address, server, load, on_progress))
 
 

@@ -9,7 +9,7 @@ def bench_table(values: dict, /) -> str:
         _heading(values), _rates(values["rates"], values["example"]), _gpu(values["gpu"]),
         _prices("price of an estimator: time of a step with it over a bare one", values["estimators"]),
         _prices("price of an effect: time of a step with it over one without", values["effects"]),
-        _off(values["off"]), _start(values["start"])])
+        _off(values["off"]), _limit(values["limit"]), _start(values["start"])])
 
 
 def _heading(values: dict) -> str:
@@ -44,14 +44,13 @@ def _gpu(gpu: dict) -> str:
         return f"{title}: {gpu['missing']}"
     name = f", {gpu['name']}" if gpu["name"] else ""
     lines = [title, f"  {gpu['arch']}{name}; a copy moves {gpu['bandwidth']:.0f} GB/s",
-             _line("", "particles", "GPU", "of the limit", "sorted", "serial", "parallel")]
+             _line("", "particles", "GPU", "of the limit", "serial", "parallel")]
     for row in gpu["rows"]:
         rates = row["rates"]
         lines.append(_line(_scene(row), f"{row['particles']:,}", _rate(rates["gpu"]),
                            NOTHING if row["share"] is None else f"{100 * row['share']:.0f} %",
-                           *(formatted(rates[plan], ".1f") for plan in ("sorted", "serial", "parallel"))))
+                           *(formatted(rates[plan], ".1f") for plan in ("serial", "parallel"))))
     return "\n".join([*lines, "  limit: what the memory allows, each particle's numbers moved once in each phase\n"
-                      "  sorted: on the GPU, with the sums of nodes from sorted particles instead of atomics\n"
                       "  serial, parallel: the processor's plans, on one thread and on all"])
 
 
@@ -74,6 +73,17 @@ def _off(rows: list[dict]) -> str:
                            f"{1e3 * row['call_stripped']:.2f} ms"))
     return "\n".join([*lines, "  noise: between two solvers of the same machine code; compiled apart, 1 to 3 %\n  "
                       "call: what a call costs however many steps it takes"])
+
+
+def _limit(problems: list[dict]) -> str:
+    lines = ["our rate over that of hand-written C++, million particle-steps per second",
+             _line("", "ratio", "quartiles", "ours", "C++")]
+    for problem in problems:
+        lines += [_line(_scene({"problem": problem["problem"], **row}), f"{row['ratio']:.3f}",
+                        f"{row['low']:.3f}..{row['high']:.3f}", _rate(row["rate"]), _rate(row["limit"]))
+                  for row in problem["cases"]]
+        lines += [f"  {problem['problem']}: {problem['missing']}"] if problem["missing"] else []
+    return "\n".join(lines)
 
 
 def _start(start: dict) -> str:

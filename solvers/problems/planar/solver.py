@@ -39,9 +39,7 @@ class PlanarSolver(Solver):
     scene: Any
     _arrays: WatchedBody
 
-    def __init__(self, scene: Any, sorted_sums: bool = False):
-        """``sorted_sums``: on a GPU, nodes add up sorted particles instead of particles adding atomically to nodes; for
-        who measures which is faster (``solvers.bench.gpu``)."""
+    def __init__(self, scene: Any):
         super().__init__(scene)
         where = devices.place(scene.arch)
         if where == devices.CPU and scene.particles > MOST_PARTICLES:
@@ -58,8 +56,7 @@ class PlanarSolver(Solver):
         self._arrays = self._allocate(self.threads)
         if self.plan == "gpu":
             self._stepping: OnProcessor | OnDevice = OnDevice(
-                self.KERNELS.at_once, self.KERNELS.state, scene, self._arrays, self._switches, self._beside(),
-                self.KERNELS.sorted_sums if sorted_sums else None)
+                self.KERNELS.at_once, self.KERNELS.state, scene, self._arrays, self._switches, self._beside())
         else:
             self._stepping = OnProcessor(self.KERNELS, scene, self._arrays, self._switches, self.plan == "parallel",
                                          self.threads)

@@ -90,9 +90,3 @@ def test_bad_input_is_one_line(flags, says, capsys):
     assert main(["bench", *flags]) == 2
     printed = capsys.readouterr()
     assert says in printed.err and printed.err.count("\n") == 1 and printed.out == ""
-
-
-def test_words_are_looked_for_in_one_text():
-    visitor = Visitor("nowhere", controls={"1": Control("GuiHtmlMessage", {"content": "an answer"}),
-                                           "2": Control("GuiHtmlMessage", {"content": "so far"})})
-    assert visitor.says("answer") and visitor.says("so", "far") and not visitor.says("answer", "far")

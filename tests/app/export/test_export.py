@@ -15,7 +15,7 @@ from app import state
 from app.cli import main
 from app.export import lattice, plan
 from app.export.lesson import rules
-from app.export.page import scene_page
+from app.export.page import _titled, scene_page
 from app.export.quantise import NONE, NUMBER, PLACE, SIGNED, SIZE, TOPS, Track, packed
 from app.export.record import Wanted, recording
 from app.frame.stage import one_in
@@ -93,10 +93,8 @@ def test_a_track_of_a_run_gone_bad_is_written(kind):
 @pytest.mark.parametrize("text, heading", [
     ("bar motion=patch cells=10 periods=0.1", "Patch test of the bar"), ("bar cells=10 periods=0.1", "Vibrating bar"),
     ("ring cells=12 periods=0.02", "Expanding ring")])
-def test_a_file_is_titled_by_what_it_shows(text, heading, monkeypatch):
-    monkeypatch.setattr("app.export.page.recordings", lambda wanted, *others: [recording(one) for one in wanted])
-    page = scene_page(text, 1, lambda part, what: None, {"cells": 1})
-    assert f"<title>{heading}</title>" in page and f"<h1>{heading}</h1>" in page
+def test_a_file_is_titled_by_what_it_shows(text, heading):
+    assert _titled(plan.planned(state.read(text), (), ("x",))) == heading
 
 
 def test_zeros_and_nothing_stay_what_they_are():
@@ -193,6 +191,7 @@ def test_a_file_is_small_and_asks_nobody_for_anything():
     page = scene_page(f"{BAR};error-of=a", 1, lambda part, what: None, {"cells": 2})
     assert len(page.encode()) < 1_000_000
     assert "default-src 'none'" in page
+    assert "<title>Vibrating bar</title>" in page and "<h1>Vibrating bar</h1>" in page
     assert not re.findall(r"(?:src|href|url\()\s*=?\s*[\"']?(?:https?:)?//", page)
     data = json.loads(re.search(r"id=\"data\">(.*?)</script>", page, re.DOTALL)[1])
     assert len(data["runs"]) == 2 and data["stages"][0]["quantities"] == ["x", "v", "sigma", "a"]

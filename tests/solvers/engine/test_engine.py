@@ -59,15 +59,6 @@ def test_frames_carry_the_solvers_numbers(session):
     np.testing.assert_array_equal(arrays.estimate["transport"], shot.estimate["transport"].astype(np.float32))
 
 
-def test_playing_moves_on(session):
-    """Time passes while a session plays, and the samples of it come along."""
-    link, listener = session
-    number = link.ask(SCENE, Pace(speed=0.8))
-    begun, _ = listener.frame(number)
-    listener.frame(number, lambda r: r.time > begun.time + 0.4 * SCENE.period)
-    assert sum(len(r.rows) for r, _ in listener.frames) > 10
-
-
 def test_latest_wish_wins_and_nothing_queues(pool, session):
     """400 wishes in a burst: the last is answered at once, not after 400 rebuilds."""
     link, listener = session

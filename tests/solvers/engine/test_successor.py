@@ -22,8 +22,9 @@ from tests.processes import children, ended, held, state, until
 
 pytestmark = pytest.mark.skipif(not successor.POSSIBLE, reason="only Linux can fork a process that runs Taichi")
 #: Each compiled by one test only: the engines of this file have one more combination after each.
-OTHERS = iter([replace(SCENE, method=method, estimators=estimators) for method in ("ugimp", "cpgimp", "bspline")
-               for estimators in (("companion",), ("recovered",), ("companion", "recovered"))])
+OTHERS = iter([replace(SCENE, method=method, estimators=("companion",), effects=effects)
+               for method in ("mpm", "ugimp", "cpgimp", "bspline")
+               for effects in (("truth", "estimate"), ("truth", "estimate", "energy"))])
 
 
 def compilers(pool):
@@ -147,7 +148,8 @@ def begun(process):
 
 def test_what_is_usual_is_compiled_unasked():
     """After a while every usual scene is there without a compiler, ring and bar; one that cannot be is left out."""
-    usual = [replace(SCENE, estimators=("companion",)), RingScene(cells=12, estimators=()), replace(SCENE, effects=())]
+    usual = [replace(SCENE, estimators=(), effects=()), RingScene(cells=12, estimators=(), effects=()),
+             replace(SCENE, method="mpm", estimators=(), effects=())]
     pool, listener = EnginePool(SCENE), Listener()
     try:
         assert pool.wait_ready(PATIENCE)

@@ -26,7 +26,8 @@ def homes(tmp_path):
             "named": {"HOME": str(home.parent), "TI_OFFLINE_CACHE_FILE_PATH": str(home / ".cache" / "kernels")}}
 
 
-@pytest.mark.parametrize("kind", ["read only", "none", "named"])
+@pytest.mark.parametrize("kind", ["read only", *(pytest.param(kind, marks=pytest.mark.slow)
+                                                 for kind in ("none", "named"))])
 def test_a_run_ends_well_and_leaves_nothing(kind, tmp_path):
     room = tmp_path / "room"
     room.mkdir()

@@ -5,6 +5,8 @@ import re
 import subprocess
 import sys
 
+import pytest
+
 #: Statements that the compiler merges with an equal one, each with two walks through the whole kernel: most of its
 #: time. Counted, with a tenth to spare: 2740 since the acceleration goes on by a parabola, of two steps before, and not
 #: by a line that was wrong by three times its error; they were 6027 before numbers were read and written down once.
@@ -19,6 +21,7 @@ ti.profiler.print_scoped_profiler_info()
 """
 
 
+@pytest.mark.slow
 def test_the_longest_kernel_stays_as_long_as_it_is():
     done = subprocess.run([sys.executable, "-c", COMPILE], capture_output=True, text=True, check=True,
                           env={**os.environ, "TI_OFFLINE_CACHE": "0"})

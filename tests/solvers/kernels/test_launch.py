@@ -55,7 +55,8 @@ def test_nothing_is_kept_when_taichi_starts_anew():
     assert step._kept is None and launch._kept is not None and launch in runtime.holders
 
 
-@pytest.mark.parametrize("scene", ["BarScene(cells=8)", "RingScene(cells=8, plan='parallel', threads=2)"])
+@pytest.mark.parametrize("scene", ["BarScene(cells=8, effects=(), estimators=())",
+                                   "RingScene(cells=8, effects=(), estimators=(), plan='parallel', threads=2)"])
 def test_a_process_that_keeps_launches_ends_well(scene):
     code = ("from solvers.problems.bar.scene import BarScene\nfrom solvers.problems.ring.scene import RingScene\n"
             f"from solvers.running.run import build\nsolver = build({scene})\nsolver.advance(5)\nsolver.measure()\n")

@@ -30,7 +30,6 @@ from solvers.solver import devices, samples
 from solvers.solver.base import Solver
 from solvers.solver.snapshot import Snapshot
 from solvers.study.tables import plan
-from tests import real_gpu
 from tests.gpus import ARCH, require_gpu
 
 RING = RingScene(cells=16, estimators=("companion",), arch=ARCH, sample_every=20)
@@ -271,14 +270,6 @@ def assert_same_row(scene: Scene) -> None:
 
 
 @pytest.mark.slow
-def test_a_row_of_the_rings_table_has_the_processors_digits():
-    """CPDI a twentieth of the way; all rows to the end, on grids up to 48 cells, are a slow test."""
-    require_gpu()
-    [row] = (row for row in row_scenes((12,), 0.001)[:3] if row.method == "cpdi")
-    assert_same_row(replace(row, sample_every=50))
-
-
-@pytest.mark.slow
 @pytest.mark.parametrize("scene", row_scenes((12, 24, 48), 0.02), ids=lambda s: f"{s.method}-{s.cells}-{s.amplitude}")
 def test_the_rings_table_has_the_processors_digits_to_its_end(scene):
     require_gpu()
@@ -392,13 +383,11 @@ def test_the_bench_of_a_gpu():
     assert [(row["problem"], row["method"]) for row in found["rows"]] == [
         ("ring", method) for method in gpu.METHODS]
     for row in found["rows"]:
-        assert all(row["rates"][name] > 0 for name in ("gpu", "sorted", "serial", "parallel")) and 0 < row["share"]
-    empty = {"rates": [], "estimators": [], "effects": [], "off": [],
+        assert all(row["rates"][name] > 0 for name in ("gpu", "serial", "parallel")) and 0 < row["share"]
+    empty = {"rates": [], "estimators": [], "effects": [], "off": [], "limit": [],
              "example": {"name": "mpm99", "missing": "not here"}, "start": {"failed": "not here"}, "arch": "x64",
              "precision": "double", "quick": True, "seconds": 1.0,
              "machine": {"load": 0.0, "system": "", "processor": "", "cores": 2, "python": "", "taichi": ""}}
-    assert [line.split()[:2] for line in real_gpu.sums(found).splitlines()[1:]] == [
-        ["ring", method] for method in gpu.METHODS]
     text = bench_table({**empty, "gpu": found})
     assert found["name"] in text and "of the limit" in text and "ring cpdi 16" in text
     assert "no GPU was found" in bench_table({**empty, "gpu": {"missing": "no GPU was found"}})

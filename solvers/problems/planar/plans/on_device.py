@@ -3,14 +3,13 @@
 from typing import Any
 
 import numpy as np
+import taichi as ti
 
 from solvers.estimators.beside_gpu import BesideGpu
 from solvers.kernels import runtime
 from solvers.kernels.launch import Launch
 from solvers.problems.planar.method import remedies
 from solvers.problems.planar.plans.at_once import KernelsAtOnce
-from solvers.problems.planar.plans.device_arrays import DeviceArrays
-from solvers.problems.planar.plans.sorted_sums import SORTING, SortedSums, sorting
 from solvers.problems.planar.state import WatchedBody
 from solvers.scene.estimator_hooks import NEVER
 from solvers.scene.scene import Scene
@@ -22,27 +21,61 @@ NODES = "companion_nodes"  # what the processor brings to each sample
 WATCHED = ("verdict", "samples", "step_margin", "memory_reals")  # what is fetched whenever steps have been taken
 
 
+class DeviceArrays:
+    """Copies on the GPU of ``arrays`` by name, which have the types of a kernel's argument.
+
+    They take their memory with them when they go: Taichi 1.7.4 by itself frees no array of vectors that is let go of,
+    and other arrays when Python comes to it, by their address, at which the next program may have put another by then.
+    """
+
+    def __init__(self, arrays: dict[str, np.ndarray], types: dict[str, Any]):
+        self.arrays = arrays
+        self.copies: dict[str, ti.Ndarray] = {}
+        self.copies = {name: ti.ndarray(types[name].dtype, array.shape[:types[name].ndim])
+                       for name, array in arrays.items()}
+        runtime.holders.add(self)
+        self.upload(*arrays)
+
+    def __del__(self) -> None:
+        self.forget()
+
+    def fetch(self, *names: str) -> None:
+        """Bring the arrays up to date."""
+        for name in names:
+            self.arrays[name][...] = self.copies[name].to_numpy()
+
+    def upload(self, *names: str) -> None:
+        """Bring the copies up to date."""
+        for name in names:
+            self.copies[name].from_numpy(self.arrays[name])
+
+    def forget(self) -> None:
+        """Free the copies: nobody uses them any more, or Taichi is about to end."""
+        if self.copies:
+            ti.sync()  # what is queued may use them
+            program = ti.lang.impl.get_runtime().prog
+            for copy in self.copies.values():
+                program.delete_ndarray(copy.arr)
+                copy.arr = None
+            self.copies = {}
+
+
 class OnDevice:
     """Steps copies of the arrays on a GPU. The arrays themselves are what was there when they were last fetched; after
     steps, that is the verdict and the samples.
 
     An estimator that runs ``beside`` is carried on by the processor while the GPU works through what is queued. Nodes'
-    sums are made by atomic additions, or as ``sums`` says.
+    sums are made by atomic additions.
     """
 
     def __init__(self, kernels: KernelsAtOnce, State: Any, scene: Scene, arrays: WatchedBody, on: Switches,
-                 beside: BesideGpu | None, sums: SortedSums | None = None):
+                 beside: BesideGpu | None):
         self._scene, self._arrays, self._on, self._beside = scene, arrays, on, beside
         members = arrays.members()
         self._names = [name for name, value in members.items() if isinstance(value, np.ndarray)]
         self._own = DeviceArrays({name: members[name] for name in self._names}, State.members)
         self.pack = State(**{**members, **self._own.copies})
         self._kernels = KernelsAtOnce(*(Launch(kernel, self.pack, on) for kernel in kernels))
-        if sums:
-            self._sorting = DeviceArrays(sorting(arrays, scene.method), SORTING)
-            known = {**members, **self._own.copies, **self._sorting.copies}
-            pack = sums.state(**{name: known[name] for name in sums.state.members})
-            self._kernels = self._kernels._replace(to_nodes=Launch(sums.to_nodes, pack, on))
         runtime.holders.add(self)
         if on.frozen:
             self._kernels.freeze()

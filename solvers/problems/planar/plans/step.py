@@ -16,7 +16,6 @@ from solvers.problems.planar.method.check import check
 from solvers.problems.planar.method.samples import sample
 from solvers.problems.planar.parts import PlanarParts
 from solvers.problems.planar.plans.at_once import KernelsAtOnce, kernels_at_once
-from solvers.problems.planar.plans.sorted_sums import SortedSums, sorted_sums
 from solvers.solver.base import MEASURE, REPORT, SOUND
 from solvers.solver.loop import Phases, run_loop
 
@@ -33,7 +32,6 @@ class Kernels(NamedTuple):
     freeze: Any  # (state, on)
     find_margin: Any  # (state, on)
     at_once: KernelsAtOnce  # those for a GPU
-    sorted_sums: SortedSums  # another way there from particles to nodes
 
 
 def kernels(parts: PlanarParts) -> Kernels:
@@ -125,5 +123,4 @@ def kernels(parts: PlanarParts) -> Kernels:
         for _ in range(1):
             margin.step_margin(body, TRAITS, on)
 
-    return Kernels(State, advance, step_in_slabs, inspect, freeze, find_margin, kernels_at_once(State, parts),
-                   sorted_sums(parts))
+    return Kernels(State, advance, step_in_slabs, inspect, freeze, find_margin, kernels_at_once(State, parts))

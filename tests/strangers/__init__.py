@@ -1,1 +1,0 @@
-"""Public MPM codes that we did not write, on problems of the lab, and judged: ``python -m tests.strangers``."""
