@@ -6,7 +6,7 @@ import numpy as np
 import viser
 
 from app.colours import GROUNDS, rgb
-from app.frame.colour_bar import ColourBar
+from app.frame.layout import ColourBar
 from app.frame.scale import ColourScale
 from app.frame.stage import Stage
 from app.page.source import Choice, Picture, Sight

@@ -8,8 +8,8 @@ from typing import Any
 from websockets.exceptions import ConnectionClosed
 from websockets.frames import CloseCode
 
-from app.doors.bucket import Bucket
-from app.doors.refusals import Refusals
+from app.doors.faults import Refusals
+from app.doors.network import Bucket
 from app.viewer import messages, upload
 from app.viewer.line import send_away
 

@@ -9,8 +9,7 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from app.page.story import BEAT, Story
-from app.page.visit.opening import OPENING
+from app.page.story import BEAT, OPENING, Story
 from app.words import per_cent
 from solvers.running.run import build
 from tests.app.frame.test_view import report_of

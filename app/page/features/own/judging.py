@@ -10,7 +10,7 @@ from pathlib import Path
 from app.language.heard import heard
 from app.language.spoken import carried, later, tr
 from app.page.features.background import MOST_JOBS
-from app.page.visit.limits import MOST_WATCHED
+from app.page.visit.links import MOST_WATCHED
 from solvers.judging.reading import KINDS
 from solvers.judging.show import ShowRequest
 from solvers.outside.quoting import file_name
