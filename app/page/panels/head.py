@@ -16,10 +16,8 @@ from app.templates import rendered
 CONTROLS_WIDTH = 368  # pixels, of the viewer's panel until the style lays it out
 
 # Marks for the style, each put before a widget:
-HALF_WIDE = "<i class='lab-half'></i>"  # each of the boxes that stand two in a row
 BESIDE = "<i class='lab-beside'></i>"  # each of two buttons that stand in a row
 BARE = "<i class='lab-bare'></i>"  # a row of buttons that needs all of the width
-WIDE_LABEL = "<i class='lab-wide'></i>"  # a box whose label is longer than the others'
 WEB = Path(__file__).parents[1] / "web"
 
 
