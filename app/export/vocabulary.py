@@ -8,7 +8,7 @@ from typing import Any
 from app import words
 from app.colours import CAUSES, PALETTE, PINNED, colour_table
 from app.export import quantise
-from app.frame import budget, crossings, field, layout, scale, sentence, silences
+from app.frame import budget, captions, crossings, field, layout, scale, sentence
 from app.frame.captions import ALIKE, DIFFERENCE, ESTIMATE, SIDE_BY_SIDE, TRUTH, FieldWords, counting
 from app.frame.layout import Seat
 from app.frame.marks import LIGHT, Label, Room
@@ -37,7 +37,7 @@ def vocabulary(problems: Iterable[str]) -> dict[str, Any]:
             "sentences": {"unstable": tr(sentence.UNSTABLE), "last": tr(sentence.LAST), "lost": tr(sentence.LOST),
                           "now": tr(sentence.NOW), "paused": tr(sentence.PAUSED), "less": tr(sentence.LESS),
                           "more": tr(sentence.MORE), "all": sentence.ALL_OF_IT,
-                          "not_counted": tr(silences.NOT_COUNTED)},
+                          "not_counted": tr(captions.NOT_COUNTED)},
             "budget": {"causes": {name: {"words": tr(said), "meaning": tr(budget.MEANINGS[name]),
                                          "colour": CAUSES[name].light} for name, said in causes.CAUSES.items()},
                        "fields": causes.FIELDS, "units": budget.UNITS, "seen": budget.SEEN,

@@ -17,8 +17,7 @@ from websockets.datastructures import Headers
 from websockets.http11 import Request, Response
 
 from app.doors.page import ALWAYS, has_page, policy
-from app.language.spoken import LANGUAGES, carried
-from app.language.wish import as_cookie
+from app.language.spoken import LANGUAGES, as_cookie, carried
 
 POLICY = "Content-Security-Policy"
 _VIEWERS = Path(viser.__file__).parent / "client" / "build" / "index.html"

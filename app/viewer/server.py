@@ -24,13 +24,12 @@ from app.doors.code import TEACHER, ClassCode, Guest
 from app.doors.faults import Refusals, noted
 from app.doors.network import Bucket, Buckets, network_of
 from app.doors.page import has_page
-from app.language.spoken import ENGLISH, carried, kept, language, later, tr
-from app.language.wish import of_cookie, wished
+from app.language.spoken import ENGLISH, carried, kept, language, later, of_cookie, tr, wished
 from app.templates import rendered
 from app.viewer import patches
-from app.viewer.hearing import PARTS, PARTS_A_SECOND, Hearing
 from app.viewer.index import Index, dressed, said
 from app.viewer.line import HEADS_WITHIN, Line, Lines, address_of, feel, send_away
+from app.viewer.messages import PARTS, PARTS_A_SECOND, Hearing
 from app.viewer.wire import PROTOCOL, Buffer
 
 LARGEST_MESSAGE = 1_000_000  # bytes; the websocket is closed before more of one has been read

@@ -8,7 +8,7 @@ import viser
 from app.frame.captions import DIFFERENCE, SIDE_BY_SIDE
 from app.frame.scale import ColourScale
 from app.language.spoken import later, tr
-from app.page.visit.downsampled import LAST_PERIODS
+from app.page.visit.history import LAST_PERIODS
 from app.page.visit.recent import Recent
 from app.page.visit.session import Session
 from app.page.visit.trace import Trace
