@@ -142,12 +142,3 @@ def test_it_does_not_pause_before_the_pinned_run_is_there():
     failed.compiled, failed.pinned.shortfall = False, lambda: "it could not be compiled"
     failed.at(QUARTER)
     assert failed.asked == ["no end", "hurry"]
-
-
-def test_without_a_story_it_pauses_at_its_quarter_all_the_same():
-    visit = Visit()
-    visit.at(0.2)
-    assert visit.asked == []
-    visit.at(QUARTER)
-    visit.at(QUARTER)
-    assert visit.asked == ["no end", "hurry"]
