@@ -66,11 +66,11 @@ def session(pool):
 @pytest.fixture(scope="module")
 def here():
     """A lab without engines for a file's tests, which takes whatever many messages a second."""
-    from app.viewer import hearing, server  # here: few files need the viewer
+    from app.viewer import messages, server  # here: few files need the viewer
     from tests.doors import lab
 
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(hearing, "MESSAGES", 1e9)
+        patch.setattr(messages, "MESSAGES", 1e9)
         patch.setattr(server, "HANDSHAKES", 1e9)
         with lab() as one:
             yield one

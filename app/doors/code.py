@@ -13,8 +13,7 @@ from functools import partial
 from typing import NamedTuple
 
 from app.doors.address import Headers
-from app.doors.bucket import Bucket
-from app.doors.network import Buckets, network_of
+from app.doors.network import Bucket, Buckets, network_of
 from app.language.spoken import later, tr
 
 LETTERS = "abcdefghjkmnpqrstuvwxyz23456789"  # none that is taken for another one on a board

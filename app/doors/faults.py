@@ -1,12 +1,14 @@
-"""What fails while something that a visitor said is acted on: one line of log each, and few however often."""
+"""The log of what fails while something that a visitor said is acted on, and of what was refused: a line each, and few
+lines however much it is."""
 
 import logging
 import threading
 import traceback
+from collections import Counter
 from pathlib import Path
 from time import monotonic
 
-LINES_A_MINUTE, MINUTE = 40, 60.0
+LINES_A_MINUTE, REFUSALS_A_MINUTE, MINUTE = 40, 10, 60.0
 
 _log = logging.getLogger(__name__)
 
@@ -42,3 +44,32 @@ class Brief(logging.Filter):
                     record.msg, record.args = f"({more} more lines were left out) {record.getMessage()}", ()
             self._count += 1
             return self._count <= self._lines
+
+
+class Refusals:
+    """Counts refusals. Any thread may call. What a client has sent never goes into a line."""
+
+    def __init__(self, lines: int = REFUSALS_A_MINUTE, seconds: float = MINUTE):
+        self._lines, self._seconds, self._lock = lines, seconds, threading.Lock()
+        self._written, self._more = 0, Counter[str]()
+
+    def note(self, sentence: str, who: str = "") -> None:
+        """Log that this was refused, now or, after many, as a number when the minute ends."""
+        with self._lock:
+            if not self._written:
+                timer = threading.Timer(self._seconds, self._minute_ends)
+                timer.daemon = True
+                timer.start()
+            self._written += 1
+            if self._written > self._lines:
+                self._more[sentence] += 1
+                return
+        _log.warning("refused%s: %s", f" from {who}" * bool(who), sentence)
+
+    def _minute_ends(self) -> None:
+        with self._lock:
+            more, self._written = self._more, 0
+            self._more = Counter()
+        if more:
+            often, count = more.most_common(1)[0]
+            _log.warning("refused %d more in %.0f s, %d of them: %s", more.total(), self._seconds, count, often)

@@ -1,12 +1,41 @@
-"""Networks: what is counted of strangers, each of whom may have many addresses."""
+"""What is counted of strangers by network, for each may have many addresses: how much they do in how much time, room on
+the disk for what they send, and how many wait who have not said yet who they are or what they want.
+"""
 
 import ipaddress
+import threading
+from collections import Counter
 from collections.abc import Callable
-
-from app.doors.bucket import Bucket
+from time import monotonic
+from typing import Generic, TypeVar
 
 SHARED = {4: 24, 6: 64}  # bits that the addresses of one house or one hoster have in common
 REMEMBERED = 1000  # networks
+Who = TypeVar("Who")
+
+
+class Bucket:
+    """Tokens, ``most`` at first and at most, that come back ``a_second``."""
+
+    def __init__(self, most: float, a_second: float, clock: Callable[[], float] = monotonic):
+        self.most, self._a_second, self._clock = most, a_second, clock
+        self._left, self._at = most, clock()
+
+    @property
+    def left(self) -> float:
+        """Tokens that are there; below zero they are owed."""
+        now = self._clock()
+        self._left = min(self.most, self._left + (now - self._at) * self._a_second)
+        self._at = now
+        return self._left
+
+    def pay(self, tokens: float = 1.0) -> None:
+        """Take so many, there or not."""
+        self._left = self.left - tokens
+
+    def wait(self, tokens: float = 1.0) -> float:
+        """Seconds until there are so many, without taking them."""
+        return max(0.0, (tokens - self.left) / self._a_second)
 
 
 def network_of(who: str) -> str:
@@ -39,3 +68,74 @@ class Buckets:
         while len(self._of) > self._remembered:
             del self._of[next(iter(self._of))]
         return bucket
+
+
+class Room:
+    """Bytes on the disk, so many ``of_one`` network, so that none takes those of the others, and ``of_all``. Any thread
+    may call."""
+
+    def __init__(self, of_one: int, of_all: int):
+        self._of_one, self._of_all = of_one, of_all
+        self._lock, self._taken = threading.Lock(), Counter[str]()
+
+    @property
+    def taken(self) -> int:
+        """Bytes that are taken, of all."""
+        with self._lock:
+            return self._taken.total()
+
+    def take(self, who: str, count: int) -> bool:
+        """Take so many bytes for an IP address, if there are so many."""
+        network = network_of(who)
+        with self._lock:
+            if self._taken[network] + count > self._of_one or self._taken.total() + count > self._of_all:
+                return False
+            self._taken[network] += count
+            return True
+
+    def give_back(self, who: str, count: int) -> None:
+        """The same bytes of the same address."""
+        network = network_of(who)
+        with self._lock:
+            self._taken[network] -= count
+            if not self._taken[network]:
+                del self._taken[network]
+
+
+class Anteroom(Generic[Who]):
+    """Places for so many ``of_one`` network and ``of_all`` that have come and said nothing yet.
+
+    None is refused to a newcomer: one too many takes the place of the one who has been silent for longest, of the same
+    network, or, where all places are taken, of that which has most. Who means to come in says so within a moment, and
+    is out again.
+    """
+
+    def __init__(self, of_one: int, of_all: int):
+        self._of_one, self._of_all = of_one, of_all
+        self._network: dict[Who, str] = {}
+        self._waiting: dict[str, dict[Who, None]] = {}  # by network, in the order in which they came
+
+    def __len__(self) -> int:
+        return len(self._network)
+
+    def enter(self, who: Who, network: str) -> Who | None:
+        """Take a place. Who has to go for that, if anybody has; it has left already."""
+        gone = None
+        if len(self._waiting.get(network, ())) >= self._of_one:
+            gone = next(iter(self._waiting[network]))
+        elif len(self._network) >= self._of_all:
+            largest = max(self._waiting, key=lambda other: len(self._waiting[other]))
+            gone = next(iter(self._waiting[largest]))
+        if gone is not None:
+            self.leave(gone)
+        self._network[who] = network
+        self._waiting.setdefault(network, {})[who] = None
+        return gone
+
+    def leave(self, who: Who) -> None:
+        """Give the place back; a second time does nothing."""
+        network = self._network.pop(who, None)
+        if network is not None:
+            del self._waiting[network][who]
+            if not self._waiting[network]:
+                del self._waiting[network]

@@ -6,8 +6,8 @@ from typing import Any
 from app.language.spoken import tr
 from app.lessons import bet_lines
 from app.lessons.bets import BY_ROUND, OWN, YOURS, asked_before
-from app.lessons.laid import judge_ends
 from app.lessons.lesson import Lesson
+from app.lessons.marks import judge_ends
 from app.lessons.outcomes import Outcomes
 
 

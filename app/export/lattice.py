@@ -9,7 +9,7 @@ from typing import Any
 
 from app import state
 from app.language.spoken import tr
-from app.lessons.told import FIELDS, SENTENCES
+from app.lessons.markup import FIELDS, SENTENCES
 from app.problems.views import VIEWS
 from app.words import METHODS as NAMES
 from solvers.scene.rules import SceneError

@@ -14,9 +14,9 @@ from app import state
 from app.export.quantise import NUMBER, PLACE, SIGNED, SIZE, Track, packed
 from app.export.texts import notes, texts
 from app.frame.budget import whose
+from app.frame.captions import why_no_field
 from app.frame.planar import PlanarStage
 from app.frame.scale import LEAST_REACH, LEAST_TOP
-from app.frame.silences import why_no_field
 from app.frame.stage import one_in
 from app.language.spoken import ENGLISH, speaking
 from app.problems.views import VIEWS

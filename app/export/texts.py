@@ -3,9 +3,16 @@
 from collections.abc import Collection, Mapping
 from typing import Any
 
-from app.frame.captions import captions, field_words, marks_note
+from app.frame.captions import (
+    captions,
+    field_words,
+    marks_note,
+    not_estimated,
+    why_no_estimate,
+    why_no_numbers,
+    why_no_truth,
+)
 from app.frame.sentence import error_words
-from app.frame.silences import not_estimated, why_no_estimate, why_no_numbers, why_no_truth
 from app.problems.views import VIEWS
 from solvers.scene.scene import Scene
 

@@ -8,11 +8,10 @@ from typing import Any
 from app import words
 from app.colours import CAUSES, PALETTE, PINNED, colour_table
 from app.export import quantise
-from app.frame import budget, colour_bar, crossings, field, layout, scale, sentence, silences
+from app.frame import budget, captions, crossings, field, layout, scale, sentence
 from app.frame.captions import ALIKE, DIFFERENCE, ESTIMATE, SIDE_BY_SIDE, TRUTH, FieldWords, counting
 from app.frame.layout import Seat
-from app.frame.marks import Label, Room
-from app.frame.palette import LIGHT
+from app.frame.marks import LIGHT, Label, Room
 from app.frame.stage import Stage, Words
 from app.language.spoken import tr
 from app.problems.views import VIEWS
@@ -38,7 +37,7 @@ def vocabulary(problems: Iterable[str]) -> dict[str, Any]:
             "sentences": {"unstable": tr(sentence.UNSTABLE), "last": tr(sentence.LAST), "lost": tr(sentence.LOST),
                           "now": tr(sentence.NOW), "paused": tr(sentence.PAUSED), "less": tr(sentence.LESS),
                           "more": tr(sentence.MORE), "all": sentence.ALL_OF_IT,
-                          "not_counted": tr(silences.NOT_COUNTED)},
+                          "not_counted": tr(captions.NOT_COUNTED)},
             "budget": {"causes": {name: {"words": tr(said), "meaning": tr(budget.MEANINGS[name]),
                                          "colour": CAUSES[name].light} for name, said in causes.CAUSES.items()},
                        "fields": causes.FIELDS, "units": budget.UNITS, "seen": budget.SEEN,
@@ -68,7 +67,7 @@ def _laid_out(stage: type[Stage], room: Room) -> dict[str, Any]:
     said = Words((tr(ESTIMATE[0]), tr(TRUTH)), (LATER, LATER), (LATER, LATER), "", LATER, LATER, LATER)
     labels: list[Label] = [*stage.labels(said, places),
                            *field.labels(places, stage.PLOT.ends, FieldWords(LATER, LATER), 1, LATER, True)]
-    of = [label for label in colour_bar.labels(top, room.gutter > 0, "x", []) if label.text]
+    of = [label for label in layout.bar_labels(top, room.gutter > 0, "x", []) if label.text]
     own = {name: value for name, value in vars(places).items() if name not in ("room", "seat", "rectangle", "field")}
     return {"pixels": room.pixels, "high": room.high, "gutter": room.gutter, "box": asdict(places.field), **own,
             "bar": asdict(top), "labels": [asdict(label) for label in (*of, *labels)]}

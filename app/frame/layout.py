@@ -1,15 +1,23 @@
-"""Where things stand on a stage, from the room that there is: what all problems share."""
+"""Where things stand on a stage, from the room that there is: what all problems share; and the bar of colours
+at its top, the scale that estimate and truth share."""
 
+from collections.abc import Iterator
 from dataclasses import dataclass
 from enum import Enum
 
-from app.frame.marks import Anchor, Room, Tone
+import numpy as np
+
+from app.frame.marks import Anchor, Dots, Label, Room, Sheet, Tone, in_plane
+from app.frame.scale import MOST_TICKS, ColourScale
+from app.language.spoken import tr
+from app.words import QUANTITIES
 
 Rectangle = tuple[float, float, float, float]  # x0, x1, y0, y1
 HALVES: tuple[Tone, Tone] = ("estimate", "truth")
 EDGE = 0.015  # of what is drawn beside x = 0 and 1
 #: In pixels: of the bar of colours, from it to its numbers and from these to what is below, and above it.
 BAR, TICK, TICK_LINE, ABOVE = 12.0, 5.0, 17.0, 4.0
+POINTS = 256  # of the bar of colours
 
 
 class Seat(Enum):
@@ -76,3 +84,36 @@ def top(room: Room, high: float) -> Top:
     title: Spot = (-room.gutter, middle, "center-left") if room.gutter else (0.0, high, "top-left")
     quantity: Spot = (-room.gutter, row, "center-left") if room.gutter else (60 * pixel, high, "top-left")
     return Top(middle, BAR * pixel, numbers, title, quantity, numbers - TICK_LINE * pixel)
+
+
+class ColourBar:
+    """Draws the scale on a sheet of its own, in square points: they alone show a colour as it is."""
+
+    def __init__(self, sheet: Sheet, scale: ColourScale):
+        self.sheet, self._scale = sheet, scale
+        self._drawn: tuple[Room, float, str, float, bool, bool] | None = None
+
+    def draw(self, quantity: str, high: float) -> None:
+        """Show the scale as it is now, with the key of the quantity whose error it measures, on a stage so ``high``."""
+        scale, room = self._scale, self.sheet.room
+        now = (room, high, quantity, scale.top, scale.logarithmic, scale.exceeded)
+        if now == self._drawn:
+            return
+        if self._drawn is None or now[:2] != self._drawn[:2]:
+            place = top(room.settled(), high)
+            ends = place.high / 2
+            self.sheet.show(Dots("bar", in_plane(np.linspace(ends, 1 - ends, POINTS), place.middle),
+                                 scale.gradient(POINTS), place.high, "square"))
+        self._drawn = now
+        place, unit = top(room.settled(), high), QUANTITIES[quantity].unit
+        self.sheet.show(*bar_labels(place, room.gutter > 0, quantity, scale.ticks(unit)))
+
+
+def bar_labels(place: Top, gutter: bool, quantity: str, ticks: list[tuple[float, str]]) -> Iterator[Label]:
+    """What the bar measures, beside it in a ``gutter`` or above it, and its numbers."""
+    for name, text, (x, y, anchor) in (("title", tr("Error of"), place.title),
+                                       ("quantity", str(QUANTITIES[quantity]), place.quantity)):
+        yield Label(name, text, x, y, anchor, "gutter" if gutter else "caption", bold=True)
+    for k, (at, text) in enumerate(ticks + [(0.5, "")] * (MOST_TICKS - len(ticks))):
+        anchor = "top-left" if at == 0 else "top-right" if at == 1 else "top-center"
+        yield Label(f"tick{k}", text, at, place.numbers, anchor, "number")

@@ -12,8 +12,39 @@ from typing import Literal, Protocol
 
 import numpy as np
 
-from app.frame.palette import DARK, LIGHT, Colour, Palette
+from app.colours import PALETTE, rgb
 from app.frame.scale import ColourScale, known
+
+Colour = tuple[int, int, int]
+
+
+@dataclass(frozen=True)
+class Palette:
+    """The ground; particles in a plot and lines beside words; axes; lines of cells through a plot and behind a body;
+    edges of cells; crossings; a particle whose error nobody knows; what is exact; outlines of domains on the map's
+    colours."""
+
+    ground: Colour
+    dot: Colour
+    axis: Colour
+    grid: Colour
+    cell: Colour
+    crossing: Colour
+    unknown: Colour
+    exact: Colour
+    outline: Colour
+
+
+def _palette(ground: str) -> Palette:
+    def of(name: str) -> Colour:
+        return rgb(getattr(PALETTE[name], ground))
+
+    return Palette(of("ground"), of("dot"), of("line2"), of("line"), of("cell"), of("cross"), of("cell"), of("truth"),
+                   of("ground"))
+
+
+LIGHT, DARK = _palette("light"), _palette("dark")
+
 
 AWAY = -50.0  # where points that cannot be shown are, far outside the view
 LETTER_WIDTH = 6.0  # pixels, of an average letter of usual size

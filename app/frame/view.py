@@ -4,9 +4,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from app.frame.captions import captions
+from app.frame.captions import NOT_COMPARED, captions, not_estimated, why_no_estimate, why_no_truth
 from app.frame.scale import known
-from app.frame.silences import NOT_COMPARED, not_estimated, why_no_estimate, why_no_truth
 from app.language.spoken import tr
 from solvers.engine.frames import FrameArrays
 from solvers.engine.messages import FrameReport

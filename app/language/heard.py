@@ -14,8 +14,9 @@ from app.language.spoken import ENGLISH, catalogue, kept, language
 PLACES = ("solvers/", "app/state.py")  # where such sentences are made
 LONGEST = 1000  # characters of a sentence: none of ours is as long
 MOST_WAYS = 30  # to put a sentence into a template that are tried
-MOST_TEXTS, DEEPEST = 500, 20  # that are looked up for one sentence: one that quotes from outside may have any number
-SEPARATORS = re.compile(r"; |: |, | \(")  # between what a sentence is made of where no template says so
+MOST_TEXTS = 500  # that are looked up for one sentence: one that quotes from outside may have any number
+DEEPEST = 20  # templates within each other
+JOINTS = ("; ", ": ", ", ", " (")  # between what a sentence is made of where no template says so
 PLACE, WORD = re.compile(r"\{(\w+)\}"), re.compile(r"[^\W\d_]{2,}")
 
 
@@ -26,30 +27,19 @@ class Understood(NamedTuple):
     said: str
 
 
-class Looked:
-    """What has been looked up of a sentence, and how deep within it one is looking."""
-
-    def __init__(self) -> None:
-        self.texts: dict[str, Understood | None] = {}
-        self.depth = 0
-
-    @property
-    def enough(self) -> bool:
-        return len(self.texts) >= MOST_TEXTS or self.depth >= DEEPEST
-
-
 class Template:
-    """A text with places, ``give {n} or more``, and what it is in another language."""
+    """A text with places, ``give {n} or more``, and what it is in another language. Where it is ``strict`` each place
+    takes only what is known itself, or one word."""
 
-    def __init__(self, text: str, said: str):
+    def __init__(self, text: str, said: str, strict: bool = False):
         parts = PLACE.split(text)
-        self.text, self.said, self._names, self._literals = text, said, parts[1::2], parts[::2]
+        self.said, self.strict, self._names, self._literals = said, strict, parts[1::2], parts[::2]
         self.weight = sum(map(len, self._literals))
-        self._short = sum(len(WORD.findall(literal)) for literal in self._literals) < 2
+        #: With one word of its own, or none, it has single words in its places, lest it takes whatever has that word.
+        self._short = not strict and sum(len(WORD.findall(literal)) for literal in self._literals) < 2
 
     def ways(self, sentence: str) -> Iterator[dict[str, str]]:
-        """What may stand in the places of a sentence that is made of it. In those of a template that has one word of
-        its own each is a word, lest it takes whatever has that word in it."""
+        """What may stand in the places of a sentence that is made of it."""
         first, *between, last = self._literals
         if not sentence.startswith(first) or not sentence.endswith(last) or len(sentence) < self.weight:
             return
@@ -65,11 +55,9 @@ def _cut(text: str, literals: list[str]) -> Iterator[list[str]]:
         yield [text]
         return
     first, *others = literals
-    at = text.find(first)
-    while at >= 0:
-        for rest in _cut(text[at + len(first):], others):
-            yield [text[:at], *rest]
-        at = text.find(first, at + 1)
+    for found in re.finditer(re.escape(first), text):
+        for rest in _cut(text[found.end():], others):
+            yield [text[:found.start()], *rest]
 
 
 class Translator:
@@ -77,74 +65,57 @@ class Translator:
 
     def __init__(self, words: Mapping[str, str]):
         self._words = {text: said for text, said in words.items() if not PLACE.search(text)}
-        self.templates = [Template(text, said) for text, said in words.items() if text not in self._words]
-        self._beginnings = [text for text in self._words if text.endswith(" ") and not text.startswith(" ")]
-        self._between = [text for text in self._words if text.endswith(" ") and text.startswith(" ")]
-        self._endings = {PLACE.split(text)[0] for text in words if text.startswith(" ") and text not in self._between}
+        self._templates = [Template(text, said) for text, said in words.items() if text not in self._words]
+        for text, said in words.items():  # some are pieces of others
+            if text.startswith(" ") and text.endswith(" "):
+                self._templates.append(Template(f"{{a}}{text}{{b}}", f"{{a}}{said}{{b}}", strict=True))
+            elif text.endswith(" "):
+                self._templates.append(Template(f"{text}{{rest}}", f"{said}{{rest}}"))
+            elif text[0] in " ;,":
+                self._templates.append(Template(f"{{head}}{text}", f"{{head}}{said}"))
 
     def __call__(self, sentence: str) -> str:
         """The sentence, or itself where nobody knows it."""
-        return self._part(sentence, Looked()).said
+        return self._part(sentence, {}).said
 
-    def _part(self, text: str, looked: Looked) -> Understood:
+    def _part(self, text: str, looked: dict[str, Understood | None], depth: int = 0) -> Understood:
         """What stands in a place: a name or a number stays as it is."""
-        return self._known(text, looked) or Understood(0, text)
+        return self._known(text, looked, depth) or Understood(0, text)
 
-    def _known(self, text: str, looked: Looked) -> Understood | None:
+    def _known(self, text: str, looked: dict[str, Understood | None], depth: int) -> Understood | None:
         """A text that is known, or made of what is; None where it is not. What has been ``looked`` up is kept for the
         rest of its sentence."""
-        if text not in looked.texts and not looked.enough:
-            looked.texts[text] = None  # of itself it is not made
-            looked.depth += 1
-            looked.texts[text] = max(self._ways(text, looked), default=None, key=lambda way: way.known)
-            looked.depth -= 1
-        return looked.texts.get(text)
+        if text not in looked and len(looked) < MOST_TEXTS and depth < DEEPEST:
+            looked[text] = None  # of itself it is not made
+            looked[text] = max(self._ways(text, looked, depth + 1), default=None, key=lambda way: way.known)
+        return looked.get(text)
 
-    def _ways(self, text: str, looked: Looked) -> Iterator[Understood]:
+    def _ways(self, text: str, looked: dict[str, Understood | None], depth: int) -> Iterator[Understood]:
         if text in self._words:
             yield Understood(len(text), self._words[text])
             return
-        for template in self.templates:
+        for template in self._templates:
             for places in template.ways(text):
-                parts = {name: self._part(value, looked) for name, value in places.items()}
-                yield Understood(template.weight + sum(part.known for part in parts.values()),
-                                 template.said.format(**{name: part.said for name, part in parts.items()}))
-        for begun in self._beginnings:
-            if text.startswith(begun):
-                rest = self._part(text.removeprefix(begun), looked)
-                yield Understood(len(begun) + rest.known, self._words[begun] + rest.said)
-        for end in self._endings:
-            if (at := text.rfind(end)) > 0 and (tail := self._known(text[at:], looked)):
-                head = self._part(text[:at], looked)
-                yield Understood(head.known + tail.known, head.said + tail.said)
-        yield from self._joined(text, looked)
-
-    def _joined(self, text: str, looked: Looked) -> Iterator[Understood]:
-        """Two known texts side by side; before a colon the name of an input with its value, or of an estimator, will
-        do."""
-        for found in SEPARATORS.finditer(text):
-            for begin, end in ((found.start(),) * 2, (found.end(),) * 2, found.span()):
-                head, tail = self._known(text[:begin], looked), self._known(text[end:], looked)
-                if head is None and text[begin:end] == ": ":
-                    head = self._named(text[:begin])
+                known = {name: self._known(value, looked, depth) for name, value in places.items()}
+                if not (template.strict and any(known[name] is None and " " in places[name] for name in places)):
+                    parts = {name: part or Understood(0, places[name]) for name, part in known.items()}
+                    yield Understood(template.weight + sum(part.known for part in parts.values()),
+                                     template.said.format(**{name: part.said for name, part in parts.items()}))
+        for joint in JOINTS:
+            for found in re.finditer(re.escape(joint), text):
+                before, after = text[:found.start()], text[found.end():]
+                head, tail = self._known(before, looked, depth), self._known(after, looked, depth)
+                if head is None and joint == ": ":
+                    head = self._named(before)
                 if head is not None and tail is not None:
-                    yield Understood(head.known + tail.known, f"{head.said}{text[begin:end]}{tail.said}")
-        for word in self._between:
-            first, _, last = text.rpartition(word)
-            before, after = (self._known(one, looked) or self._name(one) for one in (first, last))
-            if first and before and after:
-                yield Understood(before.known + after.known, f"{before.said}{self._words[word]}{after.said}")
-
-    @staticmethod
-    def _name(text: str) -> Understood | None:
-        """A name, which is one word, stays as it is."""
-        return None if " " in text else Understood(0, text)
+                    yield Understood(head.known + tail.known, f"{head.said}{joint}{tail.said}")
 
     def _named(self, head: str) -> Understood | None:
+        """The name of an input with its value, or of an estimator, which will do before a colon."""
         label = max((words for words in self._words if head.startswith(f"{words} ")), key=len, default=None)
         if label is not None:
             return Understood(len(label), self._words[label] + head.removeprefix(label))
-        return self._name(head)
+        return None if " " in head else Understood(0, head)
 
 
 @functools.lru_cache

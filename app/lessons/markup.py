@@ -1,4 +1,5 @@
-"""Markdown with formulas and pictures to html, without a network: formulas become MathML, pictures part of the text."""
+"""Markdown with formulas and pictures to html, without a network: formulas become MathML, pictures part of the text;
+and what a text tells its reader to do ("Set **Cells** to `80`"), in the words of the language that is spoken."""
 
 import base64
 import functools
@@ -10,9 +11,18 @@ from markdown_it import MarkdownIt
 from markdown_it.renderer import RendererHTML
 from mdit_py_plugins.dollarmath import dollarmath_plugin
 
+from app.language.spoken import later
 from solvers.outside.quoting import quoted, sentence
 
 KINDS = {".svg": "image/svg+xml", ".png": "image/png"}
+#: What a text tells its reader to do, by what is done. What is named stands in bold, its value as code, and the name
+#: before its value.
+SENTENCES = {"Press": later("Press {name}"), "Set": later("Set {name} to {value}"),
+             "Choose": later("Choose {name} {value}")}
+#: Widgets that say a field of the scene, by the words that stand beside them.
+FIELDS = {later("Cells"): "cells", later("Particles / cell"): "ppc", later("Amplitude A"): "amplitude",
+          later("Modulus E"): "modulus", later("CFL number"): "cfl", later("Method"): "method",
+          later("Body force"): "body_force"}
 
 
 class MarkupError(ValueError):

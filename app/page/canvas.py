@@ -6,17 +6,15 @@ import numpy as np
 import viser
 
 from app.colours import GROUNDS, rgb
-from app.frame.colour_bar import ColourBar
+from app.frame.layout import ColourBar
 from app.frame.scale import ColourScale
 from app.frame.stage import Stage
 from app.page.source import Choice, Picture, Sight
 from app.page.stage.camera import FlatCamera
-from app.page.stage.probe import Probe
-from app.page.stage.trace_rings import TraceRings
+from app.page.stage.probe import Probe, TraceRings
 from app.page.visit.trace import Trace
 from app.problems.views import VIEWS
-from app.renderers.lettering import Lettering
-from app.renderers.viewer import Sheet
+from app.renderers.viewer import Lettering, Sheet
 from app.words import QUANTITIES
 
 

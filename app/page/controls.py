@@ -9,15 +9,14 @@ import viser
 from app.frame.scale import ColourScale
 from app.language.spoken import later, tr
 from app.page.features.budget.panel import who
-from app.page.features.slow.panel import SlowMotion
+from app.page.features.slow import SlowMotion
 from app.page.panels.answers import Answers
 from app.page.panels.bound import BoundWidgets
 from app.page.panels.browser_store import BrowserStore
 from app.page.panels.change import RunWidgets
-from app.page.panels.drawn import Drawn
 from app.page.panels.estimators import Judges
-from app.page.panels.looking import Looking
-from app.page.panels.marks import mark, marked
+from app.page.panels.head import mark, marked
+from app.page.panels.looking import Drawn, Looking
 from app.page.panels.stage_choice import StageChoice
 from app.page.source import Choice
 from app.page.transport import Transport

@@ -20,29 +20,26 @@ from app.page.features.cost.panel import CostTab
 from app.page.features.lesson.marking import Classroom
 from app.page.features.lesson.panel import Player
 from app.page.features.own.panel import OwnCode, OwnFile
-from app.page.features.slow.panel import SlowMotion, SlowStep
+from app.page.features.slow import SlowMotion, SlowStep
 from app.page.live import LiveRun
 from app.page.measurements import Measurements
 from app.page.panels.browser_store import BrowserStore
 from app.page.panels.head import set_up
-from app.page.panels.keys import follow_keys
+from app.page.panels.head_buttons import Presenter, ProblemButtons
 from app.page.panels.looking import Looking
-from app.page.panels.presenter import Presenter
-from app.page.panels.problems import ProblemButtons
 from app.page.panels.sparks import Sparks
 from app.page.panels.texts import add_about
-from app.page.panels.window import LETTERS, Size, Window
+from app.page.panels.window import LETTERS, Size, Window, follow_keys
 from app.page.sharing import Sharing, link, parts
 from app.page.source import Source
-from app.page.story import Story
+from app.page.story import OPENING, Story
 from app.page.summary import Speaker
 from app.page.visit.links import PageLinks
-from app.page.visit.opening import OPENING
 from app.page.visit.recent import Recent
 from app.page.visit.session import Session
 from app.page.visit.trace import Trace
-from app.viewer.callbacks import speak
-from app.viewer.pulse import stands_still
+from app.viewer.line import stands_still
+from app.viewer.patches import speak
 from app.viewer.widgets import number
 from solvers.engine.frames import FrameArrays
 from solvers.engine.messages import FrameReport

@@ -14,7 +14,7 @@ from typing import Any
 from app import state
 from app.lessons.lesson import Lesson, filled
 from app.page.features.budget.panel import EFFECT
-from app.page.visit.opening import OPENING
+from app.page.story import OPENING
 from app.page.visit.session import first_scene
 from app.problems.views import VIEWS
 from solvers.problems import PROBLEMS

@@ -25,9 +25,8 @@ from app.page.ending import ending, in_background
 from app.page.features.board.board import Board
 from app.page.features.lesson.marking import Classroom
 from app.page.prewarm import usual_scenes
-from app.page.visit.health import Tally
-from app.page.visit.links import PageLinks
-from app.page.visit.opening import OPENING
+from app.page.story import OPENING
+from app.page.visit.links import PageLinks, Tally
 from solvers.engine.messages import FRAME_SECONDS
 from solvers.engine.pool import EnginePool
 from solvers.workers.processors import processors
@@ -213,14 +212,14 @@ def _start_server(host: str, port: int, pool: EnginePool, max_sessions: int, add
     from app.page.features.board.panel import Door, Lectern
     from app.page.page import Page
     from app.page.panels.head import ground, set_up
-    from app.viewer import faults
+    from app.viewer import patches
     from app.viewer.index import Index
     from app.viewer.server import Doors, Lab
     from app.viewer.wire import mend, together
 
     mend()
     pool.gather(together)
-    faults.mend()
+    patches.mend_callbacks()
     # A frame may be drawn for a visitor who left a moment ago; that is nobody's fault.
     warnings.filterwarnings("ignore", message="Queued a .* on a closed connection")
     code = codes[CLASS]

@@ -15,7 +15,7 @@ from app.frame.sentence import BACK, LAST, LOST, PAUSED, SO_FAR, UNSTABLE, Said,
 from app.frame.view import View
 from app.language.spoken import later, tr, trn
 from app.page.stage.worst import WorstRegions
-from app.page.visit.downsampled import until
+from app.page.visit.history import until
 from app.words import QUANTITIES, differing, factor, number, on_page
 from solvers.engine.frames import FrameArrays
 from solvers.engine.messages import FrameReport

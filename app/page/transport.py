@@ -7,7 +7,7 @@ from typing import Any
 import viser
 
 from app.language.spoken import later, tr
-from app.page.features.slow.panel import SlowMotion
+from app.page.features.slow import SlowMotion
 from app.page.panels.bound import BoundWidgets
 from app.page.panels.looking import Looking
 from app.page.panels.size_control import Size, SizeControl

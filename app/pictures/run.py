@@ -13,7 +13,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from app.colours import ESTIMATE_INK, INK3, TRUTH
-from app.frame.silences import NOTHING_TO_SHOW
+from app.frame.captions import NOTHING_TO_SHOW
 from app.pictures.budget import draw_budget, name_causes
 from app.problems.views import VIEWS
 from app.renderers.look import ESTIMATE_WIDTH, TRUTH_WIDTH, in_sizes, name_ends, sheet

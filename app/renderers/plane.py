@@ -10,9 +10,9 @@ from matplotlib.figure import Figure
 from matplotlib.gridspec import SubplotSpec
 
 from app.colours import COLOUR_MAP, ESTIMATE_INK, INK, INK3, LINE, TRUTH, TRUTH_INK
+from app.frame.captions import EMPTY_HALVES, NOTHING_TO_SHOW
 from app.frame.layout import Seat
 from app.frame.planar import PlanarStage
-from app.frame.silences import EMPTY_HALVES, NOTHING_TO_SHOW
 from app.renderers import picture
 from app.renderers.look import ESTIMATE_WIDTH, TRUTH_WIDTH, in_sizes, name_ends
 from solvers.running.result import Result

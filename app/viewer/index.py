@@ -10,17 +10,42 @@ from collections.abc import Callable
 from http import HTTPStatus
 from pathlib import Path
 
+import numpy as np
 import viser
+import zstandard
 from websockets.datastructures import Headers
 from websockets.http11 import Request, Response
 
-from app.doors.page import has_page, policy
-from app.language.spoken import LANGUAGES, carried
-from app.language.wish import as_cookie
-from app.viewer.answers import POLICY, said
-from app.viewer.unpacking import unpacked_script
+from app.doors.page import ALWAYS, has_page, policy
+from app.language.spoken import LANGUAGES, as_cookie, carried
 
+POLICY = "Content-Security-Policy"
 _VIEWERS = Path(viser.__file__).parent / "client" / "build" / "index.html"
+_DIGITS = "!#$%()*+,-./0123456789:;=?@ABCDEFGHIJKLMNOPQRSTUVWXYZ[\\]^_abcdefghijklmnopqrstuvwxyz{|}~"
+_GROUP, _BYTES = 5, 4  # five digits, of as many kinds as there are above, are four bytes
+_PACKED = re.compile(r'<script data-p="([^"]*)" data-ss="(\d+)" data-cs="(\d+)">')
+
+
+def said(status: HTTPStatus, text: str, kind: str = "text/plain", cookie: str = "", wait: float = 0) -> Response:
+    """An answer of our own, which nobody keeps."""
+    body = text.encode() + (b"\n" if kind == "text/plain" and text else b"")
+    headers = Headers({"Content-Type": f"{kind}; charset=utf-8", "Content-Length": str(len(body)),
+                       "Cache-Control": "no-store", "Connection": "close"})
+    if kind == "text/html":
+        headers[POLICY] = policy(text)
+    if cookie:
+        headers["Set-Cookie"] = cookie
+    if wait:
+        headers["Retry-After"] = str(max(1, round(wait)))
+    return Response(status.value, status.phrase, headers, body)
+
+
+def dressed(connection: object, request: Request, response: Response) -> Response:
+    """Any answer, and what all say."""
+    for name, value in {**ALWAYS, POLICY: policy()}.items():
+        if name not in response.headers:
+            response.headers[name] = value
+    return response
 
 
 class Index:
@@ -60,3 +85,27 @@ class _Page:
                            POLICY: self._policy.replace("{host}", request.headers["Host"]),
                            "Content-Language": self._code, "Set-Cookie": as_cookie(self._code)})
         return Response(HTTPStatus.OK.value, HTTPStatus.OK.phrase, headers, sent)
+
+
+def unpacked_script(html: str) -> str | None:
+    """The script that the viewer's html unpacks and runs, which a browser that runs no others must know; None where
+    that is not packed as in 1.1."""
+    found = _PACKED.search(html)
+    if found is None:
+        return None
+    style, script = int(found[2]), int(found[3])
+    whole = zstandard.ZstdDecompressor().decompress(_bytes(found[1]), max_output_size=style + script)
+    return whole[style:style + script].decode("utf-8")
+
+
+def _bytes(text: str) -> bytes:
+    """What the digits mean; a group that is not whole is a byte shorter than it has digits."""
+    value = np.zeros(128, dtype=np.int64)
+    value[[ord(digit) for digit in _DIGITS]] = range(len(_DIGITS))
+    digits = value[np.frombuffer(text.encode("ascii"), dtype=np.uint8)]
+    whole = len(digits) // _GROUP * _GROUP
+    groups = digits[:whole].reshape(-1, _GROUP) @ len(_DIGITS) ** np.arange(_GROUP)[::-1]
+    rest = 0
+    for digit in digits[whole:]:
+        rest = rest * len(_DIGITS) + int(digit)
+    return groups.astype(f">u{_BYTES}").tobytes() + rest.to_bytes(max(0, len(digits) - whole - 1), "big")

@@ -1,19 +1,21 @@
 """A browser's line from the moment it is there: before it has said what it wants, and before its websocket has spoken.
 
 Nothing is made for a line that says nothing, and it holds no place that another network could want
-(:mod:`app.doors.anteroom`).
+(:mod:`app.doors.network`).
 """
 
 import asyncio
 from contextlib import suppress
-from typing import Any
+from time import monotonic
+from typing import Any, cast
 from weakref import WeakSet
 
 from websockets.asyncio.server import ServerConnection
+from websockets.exceptions import ConnectionClosed
 
 from app.doors.address import is_ip, is_loopback
-from app.doors.anteroom import Anteroom
-from app.doors.network import network_of
+from app.doors.network import Anteroom, network_of
+from app.viewer.wire import Buffer
 
 # Lines of one network and of all that have not asked for anything yet: a class may be behind one address, and browsers
 # open some lines that they may need. Websockets that have not spoken yet: each is that of a page that is just opened.
@@ -21,6 +23,7 @@ LINES, SOCKETS = (64, 256), (64, 256)
 HEADS_WITHIN = 5.0  # seconds in which a line has to ask for something
 LONGEST_HEAD = 32_000  # bytes of what it asks; browsers send some hundred
 GOING = 1.0  # seconds that one who is sent away has to say goodbye
+BEAT = 1.0  # seconds between an answer to a ping and the next one
 
 
 class Lines:
@@ -90,3 +93,22 @@ async def send_away(connection: Any, why: str) -> None:
         await asyncio.wait_for(connection.close(1008, why), GOING)
     connection.transport.abort()
     await connection.wait_closed()
+
+
+async def feel(line: Line) -> None:
+    """Ping a browser now and then until its websocket is closed. What it does not read can wait on its way for minutes,
+    in the buffers of both systems, untold; but it answers a ping when it has read all that was sent before."""
+    with suppress(ConnectionClosed):
+        while True:
+            line.asked_at = monotonic()
+            await (await line.ping())
+            line.asked_at = None
+            await asyncio.sleep(BEAT)
+
+
+def stands_still(client: Any) -> float:
+    """Seconds for which a visitor's browser has taken nothing of what is sent to it."""
+    buffer = cast(Buffer, client._websock_connection.get_message_buffer())
+    line = client._viser_server._websock_server._live_connections.get(client.client_id)
+    asked_at = line.asked_at if isinstance(line, Line) else None
+    return max(buffer.stands_still, 0.0 if asked_at is None else monotonic() - asked_at)

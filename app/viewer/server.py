@@ -20,21 +20,16 @@ from websockets.exceptions import ConnectionClosed, InvalidMessage
 from websockets.http11 import Request, Response
 
 from app.doors.address import FOREIGN_PAGE, Addresses, untidy
-from app.doors.bucket import Bucket
 from app.doors.code import TEACHER, ClassCode, Guest
-from app.doors.faults import noted
-from app.doors.network import Buckets, network_of
+from app.doors.faults import Refusals, noted
+from app.doors.network import Bucket, Buckets, network_of
 from app.doors.page import has_page
-from app.doors.refusals import Refusals
-from app.language.spoken import ENGLISH, carried, kept, language, later, tr
-from app.language.wish import of_cookie, wished
+from app.language.spoken import ENGLISH, carried, kept, language, later, of_cookie, tr, wished
 from app.templates import rendered
-from app.viewer import faults
-from app.viewer.answers import dressed, said
-from app.viewer.hearing import PARTS, PARTS_A_SECOND, Hearing
-from app.viewer.index import Index
-from app.viewer.line import HEADS_WITHIN, Line, Lines, address_of, send_away
-from app.viewer.pulse import feel
+from app.viewer import patches
+from app.viewer.index import Index, dressed, said
+from app.viewer.line import HEADS_WITHIN, Line, Lines, address_of, feel, send_away
+from app.viewer.messages import PARTS, PARTS_A_SECOND, Hearing
 from app.viewer.wire import PROTOCOL, Buffer
 
 LARGEST_MESSAGE = 1_000_000  # bytes; the websocket is closed before more of one has been read
@@ -132,7 +127,7 @@ class Doors:
                 connection.answered()
                 return answer
 
-            asyncio.get_running_loop().set_exception_handler(faults.of_loop)
+            asyncio.get_running_loop().set_exception_handler(patches.of_loop)
             own = {"max_size": LARGEST_MESSAGE, "max_queue": WAITING, "logger": log, "open_timeout": HEADS_WITHIN,
                    "create_connection": partial(Line, self._lines),
                    "process_request": answer, "process_response": dressed}
@@ -152,7 +147,7 @@ class Doors:
         error = record.exc_info[1] if record.exc_info else None
         if record.getMessage() != "opening handshake failed":
             if isinstance(error, Exception):
-                noted(faults.MESSAGE, error)
+                noted(patches.MESSAGE, error)
             return not isinstance(error, Exception)
         if not isinstance(error, InvalidMessage) or isinstance(error.__cause__, (EOFError, OSError)):
             return False

@@ -18,7 +18,7 @@ from typing import IO, Any
 import viser
 from viser._messages import FileTransferPartAck
 
-from app.doors.room import Room
+from app.doors.network import Room
 from app.language.spoken import later, tr
 
 START, PART = "FileTransferStartUpload", "FileTransferPart"

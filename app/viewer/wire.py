@@ -18,7 +18,7 @@ import viser
 from viser.infra import Message, _infra
 from viser.infra._async_message_buffer import AsyncMessageBuffer
 
-from app.viewer import hints, icons, sending
+from app.viewer import patches, sending
 
 PROTOCOL = f"viser-v{viser.__version__}"  # by which page and server know that they are of one version
 
@@ -228,8 +228,7 @@ class Buffer(AsyncMessageBuffer):
 
 def mend() -> None:
     """Have servers that start from now on use the buffer above, send what is in it by :mod:`app.viewer.sending`, and
-    make widgets by :mod:`app.viewer.hints` and :mod:`app.viewer.icons`."""
-    hints.mend()
-    icons.mend()
+    make widgets by :mod:`app.viewer.patches`."""
+    patches.mend_widgets()
     _infra.AsyncMessageBuffer = Buffer  # type: ignore[assignment, misc]
     _infra._message_producer = sending.send

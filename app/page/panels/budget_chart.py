@@ -13,7 +13,7 @@ from app.frame.budget import CAPTION, MEANINGS, UNITS, error, percent, stacked, 
 from app.frame.scale import round_up
 from app.language.heard import heard
 from app.language.spoken import later, tr
-from app.page.visit.downsampled import until
+from app.page.visit.history import until
 from app.words import number, per_cent, with_unit
 from solvers.scene.causes import CAUSES, NOTHING
 from solvers.scene.scene import Scene

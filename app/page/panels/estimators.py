@@ -5,7 +5,7 @@ from typing import Any
 
 import viser
 
-from app.frame.silences import TRUE
+from app.frame.captions import TRUE
 from app.language.spoken import later, tr
 from app.page.panels.bound import BoundWidgets
 from app.page.panels.browser_store import BrowserStore

@@ -1,15 +1,16 @@
-"""The head of the page: style and theme. The viewer lets style be set by html of one's own only."""
+"""The head of the page: style, theme, links to other languages, and marks before widgets, by which the style and the
+scripts know them. The viewer lets style be set by html of one's own only, and gives widgets no names."""
 
 import colorsys
 import json
+from html import escape
 from pathlib import Path
 
 import viser
 
 from app.colours import TEXTS, rgb
 from app.identity import MARK, faces
-from app.language.spoken import catalogue, language
-from app.page.panels.languages import links
+from app.language.spoken import LANGUAGES, catalogue, language
 from app.templates import rendered
 
 CONTROLS_WIDTH = 368  # pixels, of the viewer's panel until the style lays it out
@@ -48,3 +49,20 @@ def _brand(colour: str) -> tuple[int, int, int]:
     hue, light, full = colorsys.rgb_to_hls(*(part / 255 for part in rgb(colour)))
     red, green, blue = colorsys.hls_to_rgb(hue, max(0.0, 0.9 - (0.9 - light) * 8 / 6), full)
     return round(255 * red), round(255 * green), round(255 * blue)
+
+
+def links() -> str:
+    """Html of the links to all languages but the one that is spoken (``js/languages.js``: it keeps what is seen)."""
+    return " ".join(f"<a class='lab-language' href='?lang={code}' lang='{code}' hreflang='{code}'>{other.name}</a>"
+                    for code, other in LANGUAGES.items() if code != language())
+
+
+def mark(gui: viser.GuiApi, *names: str, words: str = "") -> viser.GuiHtmlHandle:
+    """A mark with names, for the widget that is made next. ``words`` are written beside its label, or at the right of a
+    folder's (``js/beside.js``); set the handle's content to :func:`marked` for others."""
+    return gui.add_html(marked(*names, words=words))
+
+
+def marked(*names: str, words: str = "") -> str:
+    """The html of a mark."""
+    return f"<i class='{' '.join(('lab-words', *names))}' data-words='{escape(words)}'></i>"

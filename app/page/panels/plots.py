@@ -14,8 +14,8 @@ import viser
 from viser import uplot
 
 from app.colours import PINNED, TRUTH
+from app.frame.captions import NOT_COUNTED, TRUE
 from app.frame.scale import BEYOND, largest
-from app.frame.silences import NOT_COUNTED, TRUE
 from app.language.spoken import later, tr
 from app.page.panels.readout import named
 from app.page.visit.pinned import PinnedRun

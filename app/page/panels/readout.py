@@ -9,13 +9,12 @@ from dataclasses import dataclass
 import numpy as np
 
 from app.colours import ESTIMATE, PINNED, TRUTH
-from app.frame.silences import ESTIMATED, TRUE, why_no_numbers
+from app.frame.captions import ESTIMATED, TRUE, why_no_numbers
 from app.language.heard import heard
 from app.language.spoken import later, tr
 from app.page.panels.hints import DISTANCE, HINTS, INDEX, NORM, WORST
 from app.page.stage.worst import WorstRegion, WorstRegions
-from app.page.visit.downsampled import until
-from app.page.visit.history import History
+from app.page.visit.history import History, until
 from app.page.visit.pinned import PinnedRun
 from app.page.visit.session import Session
 from app.words import NOTHING, QUANTITIES, differing, ratio, with_unit

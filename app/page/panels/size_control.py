@@ -10,7 +10,7 @@ import viser
 
 from app.language.spoken import carried, later, tr
 from app.page.panels.bound import BoundWidgets
-from app.page.panels.marks import mark
+from app.page.panels.head import mark
 from app.words import size_in, with_unit
 from solvers.outside import quoting
 

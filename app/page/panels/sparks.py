@@ -13,7 +13,7 @@ from app.language.heard import heard
 from app.language.spoken import later, tr
 from app.page.panels.what_now import Card, what_now
 from app.page.summary import in_common, periods_of
-from app.page.visit.downsampled import until
+from app.page.visit.history import until
 from app.page.visit.session import Session
 from app.problems.spark import Answer, NotNow, Ran, Spark
 from app.problems.views import VIEWS

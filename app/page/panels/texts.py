@@ -3,8 +3,7 @@
 import viser
 
 from app.language.spoken import ENGLISH, language, localised, tr
-from app.page.panels.head import WEB
-from app.page.panels.languages import links
+from app.page.panels.head import WEB, links
 from app.problems.views import VIEWS
 from solvers.problems import PROBLEMS
 from solvers.scene.registry import ESTIMATORS

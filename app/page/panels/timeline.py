@@ -11,8 +11,8 @@ import viser
 from viser import uplot
 
 from app.colours import LINES, PINNED
+from app.frame.captions import TRUE
 from app.frame.scale import BEYOND, largest, round_up
-from app.frame.silences import TRUE
 from app.language.spoken import later, tr
 from app.page.panels.plots import EMPTY, Past, finite, grey_curves, line, put
 from app.page.visit.pinned import PinnedRun

@@ -1,6 +1,7 @@
-"""The visitor's window, as the browser tells it (``window.js``): how much of it is free for what is drawn."""
+"""The visitor's window, as the browser tells it (``window.js``): how much of it is free for what is drawn, and what its
+keys ask for."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from typing import Any
 
@@ -45,3 +46,13 @@ class Window:
         if isinstance(dark, bool) and dark != self._dark:
             self._dark = dark
             self._on_dark(dark)
+
+
+def follow_keys(store: BrowserStore, acts: Mapping[str, Callable[[], None]]) -> None:
+    """Do one of the ``acts`` when the browser says its name, for keys that no button stands for (``js/keys.js``); what
+    else it says means nothing."""
+    def act(said: Any) -> None:
+        if isinstance(said, str) and said in acts:
+            acts[said]()
+
+    store.heard["act"] = act

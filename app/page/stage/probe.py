@@ -1,4 +1,5 @@
-"""The probe: drag a rectangle on the stage and read the errors of the particles in it. One without any puts it away."""
+"""Pointing at the stage: drag a rectangle and read the errors of the particles in it (one without any puts it away), or
+click a particle and it is traced, and ringed wherever it is drawn."""
 
 import numpy as np
 import viser
@@ -7,11 +8,17 @@ from app.frame.marks import Lines, in_plane, joined
 from app.frame.stage import Stage
 from app.language.spoken import later, tr
 from app.page.stage.camera import FlatCamera
+from app.page.visit.trace import Trace
 from app.renderers.viewer import Sheet
 from app.words import with_unit
 from solvers.engine.frames import FrameArrays
 
 ESTIMATED, TRUE = later("estimated mean {mean}, worst {worst}"), later("true mean {mean}, worst {worst}")
+RADIUS = 0.018  # on the stage
+#: Above all that is drawn there: the ground's colour beneath that of dots is seen on every colour of the map.
+RINGS = ("ground", 5.0, 0.04), ("dot", 2.0, 0.045)
+_ANGLES = np.linspace(0, 2 * np.pi, 25)
+_RING = RADIUS * np.stack([np.cos(_ANGLES), np.sin(_ANGLES), 0 * _ANGLES], axis=1).astype(np.float32)
 
 
 class Probe:
@@ -52,3 +59,46 @@ class Probe:
 
     def _show(self, frame: np.ndarray) -> None:
         self._sheet.show(Lines("rectangle", frame, self._sheet.room.palette.dot, 1.5))
+
+
+class TraceRings:
+    """Rings around one visitor's traced particle. A click on it, or into an empty place, ends the trace."""
+
+    def __init__(self, client: viser.ClientHandle, sheet: Sheet, trace: Trace):
+        self._trace = trace
+        self._seen: tuple[Stage, FrameArrays] | None = None
+        self._sheet = sheet
+        client.scene.on_click()(lambda event: self._click(_on_stage(event)))
+
+    def look(self, stage: Stage, arrays: FrameArrays) -> None:
+        """Ring the particle in the frame that is drawn, if it is traced."""
+        self._seen, traced = (stage, arrays), self._trace.traced
+        if traced is None or traced.particle >= len(arrays.position):
+            self._sheet.visible = False
+            return
+        middles = stage.images(arrays, slice(traced.particle, traced.particle + 1))[:, 0]
+        around = middles[:, None] + _RING  # (images, angles, 3)
+        for name, width, height in RINGS:
+            around[:, :, 2] = height
+            self._sheet.show(Lines(name, joined(around[:, :-1].reshape(-1, 3), around[:, 1:].reshape(-1, 3)),
+                                   getattr(self._sheet.room.palette, name), width))
+        self._sheet.visible = True
+
+    def hide(self) -> None:
+        """Something else is on the stage, of which no particle is traced."""
+        self._seen = None
+        self._sheet.visible = False
+
+    def _click(self, point: tuple[float, float]) -> None:
+        if self._seen is None:
+            return
+        stage, arrays = self._seen
+        particle, traced = stage.nearest(point, arrays), self._trace.traced
+        self._trace.choose(None if traced is not None and particle == traced.particle else particle)
+        self.look(stage, arrays)
+
+
+def _on_stage(event: viser.SceneClickEvent) -> tuple[float, float]:
+    """Where the ray of a click meets the plane z = 0: what the visitor saw there, also while the camera settles."""
+    (x, y, z), (dx, dy, dz) = event.ray_origin, event.ray_direction
+    return x - z * dx / dz, y - z * dy / dz

@@ -3,18 +3,103 @@
 import math
 import threading
 from collections import defaultdict
+from collections.abc import Mapping
 from itertools import product
 
 import numpy as np
 
 from app.frame.crossings import WINDOW
-from app.page.visit.downsampled import RunSeries
 from solvers.scene.scene import Scene
 from solvers.scene.step_bound import margin_unit
 from solvers.solver import samples
 from solvers.solver.norms import RATIOS, RunningIndex
 from solvers.solver.rounding import rounding
 from solvers.solver.samples import QUANTITIES
+
+MOST_ROWS = 800  # then every other row is dropped: a long run keeps its whole course, more coarsely
+LAST_PERIODS = 2  # that plots show on request: fine enough however long the run
+ROOM = 2 * MOST_ROWS  # rows of a table: it is copied when it is full, not with every frame
+
+
+class DownsampledSeries:
+    """Keeps every so many-th of the rows that are added, or of those in the ``last`` seconds. One thread adds, any may
+    read :attr:`series`."""
+
+    def __init__(self, last: float = math.inf):
+        self._last, self._seen, self._stride = last, 0, 1
+        #: A table (names, rows) and which of its rows count. Replaced at once, and rows that count are never written
+        #: again, so that whoever plots sees series of equal length.
+        self._names: tuple[str, ...] = ()
+        self._held = (np.empty((0, 0)), 0, 0)
+
+    @property
+    def series(self) -> dict[str, np.ndarray]:
+        """Each series by its name; none before the first row."""
+        table, start, end = self._held
+        return dict(zip(self._names, table[:, start:end], strict=False))  # names may come before the first table
+
+    def add(self, new: Mapping[str, np.ndarray]) -> None:
+        """Append rows: series of equal length, ``time`` among them, under the same names every time."""
+        kept = slice(-self._seen % self._stride, None, self._stride)  # row 0, stride, 2 stride, ... of the run
+        self._seen += len(new["time"])
+        rows = np.array([values[kept] for values in new.values()])
+        if not rows.shape[1]:
+            return
+        table, start, end = self._held if self._names else (np.empty((len(new), 0)), 0, 0)
+        self._names = tuple(new)
+        if end + rows.shape[1] > table.shape[1]:
+            table, start, end = _moved(table[:, start:end], rows.shape[1])
+        table[:, end:end + rows.shape[1]] = rows
+        end += rows.shape[1]
+        time = table[self._names.index("time"), start:end]
+        start += int(np.searchsorted(time, time[-1] - self._last))
+        while end - start > MOST_ROWS:
+            table, start, end = _moved(table[:, start:end:2], 0)
+            self._stride *= 2
+        self._held = table, start, end
+
+
+class RunSeries:
+    """One run's series twice: from its start on, and over its last periods, finer where the run is long."""
+
+    def __init__(self, period: float):
+        self._whole, self._latest = DownsampledSeries(), DownsampledSeries(LAST_PERIODS * period)
+
+    @property
+    def series(self) -> dict[str, np.ndarray]:
+        self._take_in()
+        return self._whole.series
+
+    @property
+    def latest(self) -> dict[str, np.ndarray]:
+        """The last periods only."""
+        self._take_in()
+        return self._latest.series
+
+    def append(self, new: Mapping[str, np.ndarray]) -> None:
+        """To both, as :meth:`DownsampledSeries.add`."""
+        self._whole.add(new)
+        self._latest.add(new)
+
+    def _take_in(self) -> None:
+        """Append what waits for a reader, where anything does."""
+
+
+def _moved(values: np.ndarray, more: int) -> tuple[np.ndarray, int, int]:
+    """A table of its own for values (names, rows), with room for more rows."""
+    names, rows = values.shape
+    table = np.empty((names, max(ROOM, rows + more)))
+    table[:, :rows] = values
+    return table, 0, rows
+
+
+def until(series: dict[str, np.ndarray], time: float) -> dict[str, np.ndarray]:
+    """What series held at a time in s: their rows up to then, and one at least."""
+    times = series.get("time", np.zeros(0))
+    if not len(times) or times[-1] <= time:
+        return series
+    return {name: values[:max(1, int(np.searchsorted(times, time, "right")))] for name, values in series.items()}
+
 
 MOST_WAITING = 500  # frames' samples that may wait for a reader
 

@@ -1,12 +1,54 @@
-"""Lines that one page asks of the engines."""
+"""Lines that one page asks of the engines, and what a visitor may ask of the server. Sliders reach no
+further; a browser of one's own making might.
+
+Steps a second need no limit of their own: an engine gives every session turns of the same length, and a run that cannot
+keep up with its clock falls behind (``solvers.engine.stepper``). Memory goes with particles; that of frames to look
+back at has a bound of its own (``app.page.visit.recent``).
+"""
 
 import threading
+from time import monotonic
 from typing import Any, cast
 from weakref import WeakSet
 
-from app.language.spoken import carried, language
-from app.page.visit.health import Tally
+from app.language.spoken import carried, language, tr
 from solvers.engine.pool import EnginePool, Listener, SessionLink
+from solvers.scene.scene import Scene
+
+MOST_WATCHED = 40_000  # particles; browsers show not much more
+FASTEST = 1000.0  # periods a second; nobody sees anything of one run at such a speed
+
+
+class Tally:
+    """Counts what happens, from any thread, and knows how often it happened in the last whole second."""
+
+    def __init__(self) -> None:
+        self._lock = threading.Lock()
+        self._second, self._count, self._last = int(monotonic()), 0, 0
+
+    def add(self) -> None:
+        with self._lock:
+            self._turn()
+            self._count += 1
+
+    @property
+    def a_second(self) -> int:
+        with self._lock:
+            self._turn()
+            return self._last
+
+    def _turn(self) -> None:
+        """Begin a new second, if it is time."""
+        now = int(monotonic())
+        if now != self._second:
+            self._last = self._count if now == self._second + 1 else 0
+            self._second, self._count = now, 0
+
+
+def too_many(scene: Scene) -> str:
+    """Why the stage cannot show a scene, or nothing."""
+    return tr("{particles:,} particles are too many to watch; at most {most:,} go on the stage",
+              particles=scene.particles, most=MOST_WATCHED) if scene.particles > MOST_WATCHED else ""
 
 
 class _Told:

@@ -10,8 +10,7 @@ from typing import Any
 from app.language.heard import heard
 from app.language.spoken import later, tr
 from app.page.visit.history import History
-from app.page.visit.limits import FASTEST, too_many
-from app.page.visit.links import PageLinks
+from app.page.visit.links import FASTEST, PageLinks, too_many
 from app.page.visit.notice import Notice, doubt
 from app.page.visit.pinned import PinnedRun
 from app.problems.views import VIEWS

@@ -6,7 +6,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from app.language.spoken import tr
-from app.page.visit.downsampled import MOST_ROWS, RunSeries
+from app.page.visit.history import MOST_ROWS, RunSeries
 from app.page.visit.recent import Frame, Recent
 from solvers.engine.frames import FrameArrays
 from solvers.engine.messages import FrameReport

@@ -11,8 +11,7 @@ from html import unescape
 from types import SimpleNamespace
 
 from app.frame.marks import Label
-from app.renderers.lettering import Lettering
-from app.renderers.viewer import Sheet
+from app.renderers.viewer import Lettering, Sheet
 
 NOTE = Label("note", "a", 0.0, 0.5, "center-center", "note")
 

@@ -11,8 +11,7 @@ import pytest
 from app.frame.slow.phases import PHASES, scaled
 from app.frame.slow.stage import NUMBERS, shape
 from app.problems.views import VIEWS
-from app.renderers.lettering import Lettering
-from app.renderers.viewer import Sheet
+from app.renderers.viewer import Lettering, Sheet
 from app.words import PREFIXES
 from solvers.engine.frames import FrameOptions
 from solvers.engine.messages import Pace, Wish

@@ -11,8 +11,8 @@ import numpy as np
 import pytest
 
 from app import words
+from app.frame.captions import ESTIMATE_OFF, NONE_CHOSEN, OFF, TRUTH_OFF, UNKNOWN
 from app.frame.scale import DECADES, MOST_TICKS, ColourScale
-from app.frame.silences import ESTIMATE_OFF, NONE_CHOSEN, OFF, TRUTH_OFF, UNKNOWN
 from app.frame.stage import Stage
 from app.frame.view import look
 from app.page.panels.readout import _percent, readout

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from app import words
-from app.frame import budget, captions, sentence, silences
+from app.frame import budget, captions, sentence
 from app.frame.slow.phases import PHASES
 from app.language.spoken import speaking, tr
 from app.problems.spark import NotNow
@@ -51,8 +51,8 @@ def test_what_is_said_of_a_run_and_its_errors(problem):
             assert not outside(f"{words.differing(scene, kind())} {words.moving(scene)} {stage.note(scene)}")
             for quantity in words.QUANTITIES:
                 for estimator in (None, *kind.ESTIMATORS):
-                    no_truth = silences.why_no_truth(scene, quantity)
-                    no_estimate = silences.why_no_estimate(scene, scene.not_valid, estimator, quantity)
+                    no_truth = captions.why_no_truth(scene, quantity)
+                    no_estimate = captions.why_no_estimate(scene, scene.not_valid, estimator, quantity)
                     told = astuple(captions.captions(quantity, estimator, estimator is None, no_estimate, no_truth))
                     said = sentence.error_words(scene, quantity, estimator, no_estimate, no_truth)
                     plot = captions.field_words(scene, stage.PLOT.component, quantity)

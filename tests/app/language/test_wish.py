@@ -2,7 +2,7 @@
 
 import pytest
 
-from app.language.wish import as_cookie, of_cookie, wished
+from app.language.spoken import as_cookie, of_cookie, wished
 
 
 @pytest.mark.parametrize(("query", "accepted", "found"), [

@@ -14,9 +14,8 @@ from app.lessons import shelf
 from app.lessons.bet_lines import drawn
 from app.lessons.bets import BY_ROUND, JUDGES, YOURS, Bet, Bettor, score
 from app.lessons.claims import ClaimError, check_claim, decide
-from app.lessons.laid import laid
 from app.lessons.lesson import LessonError
-from app.lessons.marks import right
+from app.lessons.marks import laid, right
 from app.lessons.outcomes import Outcomes, work
 from app.lessons.reading import parse
 from solvers.study.coverage.draws import Draw

@@ -8,8 +8,7 @@ import pytest
 
 from app.lessons.lesson import CHOICE, DRAG, INTERVAL, NUMBER, Question
 from app.lessons.marks import Right
-from app.page.features.board.axis import axis_for
-from app.page.features.board.chart import chart, options, right_among
+from app.page.features.board.chart import axis_for, chart, options, right_among
 
 OPTIONS = ("It <grows>", "It falls to {A}", "Neither")
 

@@ -21,14 +21,6 @@ def test_a_visitor_is_one_however_many_pages_he_has():
     assert tally.here == 0
 
 
-def test_the_first_answer_counts_and_no_other():
-    tally = Tally()
-    tally.come("a")
-    tally.say("a", ASKED, 1)
-    tally.say("a", ASKED, 2)
-    assert tally.answers(ASKED) == [1] and tally.late(ASKED) == 0
-
-
 def test_what_is_said_when_the_answers_are_shown_is_late():
     """Also by one who comes only then; and who was in time is not late when he says something else."""
     tally = Tally()
@@ -56,34 +48,6 @@ def test_who_leaves_leaves_his_answers():
     assert (tally.here, tally.asked(ASKED), tally.answers(ASKED)) == (1, 2, [1])
     entry = tally.come("a")
     assert tally.asked(ASKED) == 2 and entry.said == {ASKED: 1}
-
-
-def test_who_looks_back_has_come_as_far_as_before():
-    tally = Tally()
-    tally.come("a")
-    tally.come("b")
-    for step in (1, 2, 3, 1):
-        tally.reach("a", step)
-    tally.reach("b", 2)
-    assert [tally.reached(step) for step in (1, 2, 3, 4)] == [2, 2, 1, 0]
-    tally.leave("a")
-    assert tally.reached(3) == 0
-
-
-def test_the_order_of_answers_tells_nothing():
-    tally = Tally()
-    for key, low in zip("abc", (3, 1, 2), strict=True):
-        tally.come(key)
-        tally.say(key, ASKED, [low, low + 1])
-    assert tally.answers(ASKED) == [[1, 2], [2, 3], [3, 4]]
-
-
-def test_nobody_speaks_for_one_who_never_came():
-    tally = Tally()
-    tally.say("x", ASKED, 1)
-    tally.reach("x", 3)
-    tally.leave("x")
-    assert (tally.here, tally.asked(ASKED), tally.answers(ASKED)) == (0, 0, [])
 
 
 def test_memory_ends_somewhere(monkeypatch):

@@ -7,7 +7,7 @@ from dataclasses import replace
 
 import pytest
 
-from app.frame.silences import UNKNOWN
+from app.frame.captions import UNKNOWN
 from app.page.panels.readout import judged, place
 from app.page.visit.history import History
 from app.problems.views import VIEWS

@@ -12,12 +12,9 @@ from types import SimpleNamespace
 
 import pytest
 
-from app.language.spoken import carried, language, speaking, tr
-from app.language.wish import as_cookie
+from app.language.spoken import as_cookie, carried, speaking, tr
 from app.page.features import background
-from app.page.features.background import MOST_JOBS
 from app.page.features.budget.jobs import BudgetJobs
-from app.page.features.own.judging import BUSY, Judging
 from app.page.serving import OVER, Visitors
 from app.page.visit.links import PageLinks
 from app.page.visit.session import Session, first_scene
@@ -87,16 +84,6 @@ def test_a_refusal_is_in_the_language_of_the_hand_that_typed(visitors):
     assert not any(reads(visitor, other[code]) for code, visitor in visitors.items())
 
 
-def test_what_the_refresh_says_by_itself(visitors):
-    """No engine answers here: each page says that it is preparing the scene."""
-    for code, slider in find(visitors, "Particles / cell").items():
-        visitors[code].set(slider, 3)  # what has been refused before is forgotten
-    for visitor, pattern, other in ((visitors["de"], "Diese Szene wird vorbereitet", "Preparing this scene"),
-                                    (visitors["en"], "Preparing this scene", "Diese Szene wird vorbereitet")):
-        until(lambda v=visitor, p=pattern: reads(v, p), pattern)
-        assert not reads(visitor, other)
-
-
 def test_a_file_is_refused_on_the_web_servers_own_thread(visitors):
     for code, visitor in visitors.items():
         sender = Sender.__new__(Sender)
@@ -104,19 +91,6 @@ def test_a_file_is_refused_on_the_web_servers_own_thread(visitors):
         sender.start(10**9)
         until(lambda v=visitor, c=code: reads(v, re.escape(label(c, TOO_LARGE))), f"a refusal in {code}")
     assert not reads(visitors["de"], "<p>The file is larger")
-
-
-def test_a_file_for_which_there_is_no_process(tmp_path):
-    """The sentence comes from a thread of its own, as those of a file that is judged do."""
-    slots, heard = Slots(1), {code: [] for code in CODES}
-    assert slots.take()
-    for code in CODES:
-        (file := tmp_path / code).write_bytes(b"id,x\n")
-        with speaking(code):
-            Judging("a.csv", file, first_scene("bar"),
-                    lambda _, message, c=code: heard[c].append((message["refused"], language())), slots)
-    until(lambda: all(heard.values()), "both sentences")
-    assert heard == {code: [(label(code, BUSY), code)] for code in CODES}
 
 
 class Jobs(BudgetJobs):
@@ -146,13 +120,6 @@ def test_what_becomes_of_a_job(monkeypatch, code, bad, died):
     jobs.begin(monkeypatch, code)
     on_a_thread(jobs.future.set_exception, ProcessDied("was closed"))
     assert jobs.status.trouble == died
-
-
-def test_a_job_that_has_no_place_says_so(monkeypatch):
-    slots = Slots(1)
-    assert slots.take()
-    said = {code: Jobs(slots).begin(monkeypatch, code).status.trouble for code in CODES}
-    assert said == {code: label(code, BudgetJobs.BUSY, n=MOST_JOBS) for code in CODES} and said["de"] != said["en"]
 
 
 class Lines(Pool):

@@ -9,8 +9,7 @@ from app.lessons.bets import YOURS, Bet, Bettor
 from app.lessons.lesson import EXPLAIN, PREDICT, Step
 from app.lessons.marks import AnswerMark
 from app.lessons.progress import Answer
-from app.page.features.lesson.bets import bets_html
-from app.page.features.lesson.html import compared_html
+from app.page.features.lesson.html import bets_html, compared_html
 from app.page.features.lesson.marking import bets_ahead
 
 

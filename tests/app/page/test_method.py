@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from app.page.panels.method import HALF_WIDTH, REACH, pictures, weights
+from app.page.panels.change import HALF_WIDTH, REACH, pictures, weights
 from app.words import METHODS
 
 

@@ -49,10 +49,8 @@ def moved(listener):
     return max(times) - min(times)
 
 
-@pytest.mark.parametrize(("order", "speed"), [
-    (1, 0.5), (-1, 10.0), *(pytest.param(*each, marks=pytest.mark.slow) for each in ((1, 10.0), (-1, 0.5)))],
-    ids=["cheap first, at ease", "costly first, beyond what it can", "cheap first, beyond what it can",
-         "costly first, at ease"])
+@pytest.mark.parametrize(("order", "speed"), [(1, 0.5), (-1, 10.0)],
+                         ids=["cheap first, at ease", "costly first, beyond what it can"])
 def test_both_come_to_the_same_number_of_periods(pair, order, speed):
     """However different their costs and periods are. One may be so far ahead, and the frames compared are of two
     moments: what either has moved in two frames is allowed for. Left to themselves they would be whole periods
@@ -89,14 +87,6 @@ def test_both_begin_again_together(pair):
         listener.frame(play(link, scene, 0.5, restarts=restarts), lambda r: r.fresh)
         other.wait(lambda: sum(r.fresh for r, _ in other.frames) == 2 + restarts)  # noqa: B023
     assert sum(r.fresh for r, _ in listener.frames) == 4
-
-
-def test_single_steps_are_one_each(pair):
-    link, listener, partner, other = pair
-    for one, hears, scene in ((link, listener, CHEAP), (partner, other, COSTLY)):
-        hears.frame(play(one, scene, 0.5, playing=False))  # else a later wish takes this one's place, steps and all
-    for one, hears, scene in ((link, listener, CHEAP), (partner, other, COSTLY)):
-        hears.frame(play(one, scene, 0.5, playing=False, steps=3), lambda r: r.step == 3)
 
 
 @pytest.mark.parametrize("how", ["unstable", "gone"])

@@ -10,7 +10,7 @@ from app import state
 from app.lessons import shelf
 from app.lessons.lesson import filled
 from app.page.prewarm import usual_scenes
-from app.page.visit.opening import OPENING
+from app.page.story import OPENING
 from app.page.visit.session import first_scene
 from solvers.problems import PROBLEMS
 from solvers.scene.switches import combination

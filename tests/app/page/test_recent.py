@@ -8,14 +8,13 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from app.frame.silences import NOT_COMPARED
+from app.frame.captions import NOT_COMPARED
 from app.frame.view import look
 from app.page.panels.readout import readout
 from app.page.stage.worst import WorstRegions
 from app.page.summary import summary
-from app.page.visit.downsampled import LAST_PERIODS, MOST_ROWS, DownsampledSeries, until
-from app.page.visit.history import History
-from app.page.visit.recent import FEW_BYTES, MOST_BYTES, MOST_FRAMES, Recent, size
+from app.page.visit.history import LAST_PERIODS, MOST_ROWS, DownsampledSeries, History, until
+from app.page.visit.recent import MOST_BYTES, MOST_FRAMES, Recent, size
 from solvers.engine.frames import FrameOptions, block_bytes, read, write
 from solvers.problems.bar.scene import BarScene
 from solvers.running.run import build
@@ -55,15 +54,6 @@ def test_the_last_frames_are_kept():
     assert most == MOST_FRAMES - 1 and periods == pytest.approx(most * BAR.time_step / BAR.period)
     recent.go_back(10**6)
     assert shown(recent) == 51
-
-
-def test_many_samples_are_not_kept():
-    """The history has them."""
-    report, arrays = frame(0)
-    recent = Recent()
-    for rows, kept in ((16, 16), (17, 0)):
-        recent.add(replace(report, fresh=True, rows=np.ones((rows, FEW_BYTES // 128))), arrays)
-        assert len(recent.frames[0][0].rows) == kept
 
 
 def test_memory_is_bounded_and_large_frames_are_fewer():

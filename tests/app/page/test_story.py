@@ -9,8 +9,7 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from app.page.story import BEAT, Story
-from app.page.visit.opening import OPENING
+from app.page.story import BEAT, OPENING, Story
 from app.words import per_cent
 from solvers.running.run import build
 from tests.app.frame.test_view import report_of
@@ -143,12 +142,3 @@ def test_it_does_not_pause_before_the_pinned_run_is_there():
     failed.compiled, failed.pinned.shortfall = False, lambda: "it could not be compiled"
     failed.at(QUARTER)
     assert failed.asked == ["no end", "hurry"]
-
-
-def test_without_a_story_it_pauses_at_its_quarter_all_the_same():
-    visit = Visit()
-    visit.at(0.2)
-    assert visit.asked == []
-    visit.at(QUARTER)
-    visit.at(QUARTER)
-    assert visit.asked == ["no end", "hurry"]

@@ -10,9 +10,9 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
+from app.frame.captions import NONE_CHOSEN, UNKNOWN
 from app.frame.crossings import WINDOW
 from app.frame.sentence import Said
-from app.frame.silences import NONE_CHOSEN, UNKNOWN
 from app.frame.stage import NOTHING
 from app.frame.view import look
 from app.page.stage.worst import WorstRegions
@@ -99,35 +99,28 @@ def test_the_eye_gets_the_same_in_spans():
 
 @pytest.mark.parametrize(("beyond", "who"), [(1, "2 particles"), (0, "3 particles")])
 def test_crossings_are_those_of_the_last_twentieth_of_a_period(beyond, who):
+    assert "1 particle crossed" in said(crossed=[3])
+    assert "crossed" not in said(replace(BAR, effects=("truth", "estimate")))
     steps = WINDOW * BAR.period / BAR.time_step
     assert f" {who} crossed a cell boundary in the last 0.05 s." in said(crossed=[0, 1, int(steps) + beyond])
 
 
-def test_one_particle_and_no_counting():
-    assert "1 particle crossed" in said(crossed=[3])
-    assert "crossed" not in said(replace(BAR, effects=("truth", "estimate")))
-
-
-def test_without_truth_the_estimate_is_told():
-    """As what it is; and the worst place is that of the estimate."""
-    text = said(replace(BAR, body_force="two-tone"), series=SERIES | {"error_x": [np.nan] * 2})
-    assert text.startswith("So far transport estimates that the displacement is 4.4 % wrong. 1.1 mm of 25 mm at most. "
-                           f"{UNKNOWN[:1].upper()}{UNKNOWN[1:]}. Worst at X = 0.30")
-
-
-def test_without_estimate_the_truth_is_told():
-    text = said(replace(BAR, estimators=()), drawn=None)
-    assert text.startswith(f"So far the displacement is 10 % wrong; {NONE_CHOSEN}. 2.5 mm of 25 mm at most. Worst at X")
-
-
-def test_an_estimate_that_does_not_hold_is_not_told():
-    text = said(not_valid={"transport": "not valid here: it rains"})
-    assert text.startswith("So far the displacement is 10 % wrong; transport is not valid here. 2.5 mm")
-
-
-def test_with_neither():
-    text = said(replace(BAR, effects=("estimate",), estimators=()), drawn=None)
-    assert text.startswith("Nothing is known of the error of the displacement. ") and NONE_CHOSEN in text
+@pytest.mark.parametrize(("begins", "given", "changes"), [
+    (f"So far transport estimates that the displacement is 4.4 % wrong. 1.1 mm of 25 mm at most. {UNKNOWN[:1].upper()}"
+     f"{UNKNOWN[1:]}. Worst at X = 0.30", {"body_force": "two-tone"}, {"series": SERIES | {"error_x": [np.nan] * 2}}),
+    (f"So far the displacement is 10 % wrong; {NONE_CHOSEN}. 2.5 mm of 25 mm at most. Worst at X", {"estimators": ()},
+     {"drawn": None}),
+    ("So far the displacement is 10 % wrong; transport is not valid here. 2.5 mm", {},
+     {"not_valid": {"transport": "not valid here: it rains"}}),
+    ("Nothing is known of the error of the displacement. ", {"effects": ("estimate",), "estimators": ()},
+     {"drawn": None}),
+    ("So far no error of the displacement has been measured. ", {}, {"series": {}}),
+    ("So far no error of the displacement has ", {}, {"series": SERIES | {"transport/index_x": [np.nan]}})],
+    ids=["no truth", "no estimate", "none that holds", "neither", "no sample yet", "no index yet"])
+def test_what_is_not_known_is_not_told(begins, given, changes):
+    """Without truth the worst place is that of the estimate."""
+    assert said(replace(BAR, **given), **changes).startswith(begins)
+    assert summary(None, None, None, WorstRegions(), {}, "x", None) == Said.of(WAITING)
 
 
 def test_lost_and_unstable_come_first():
@@ -135,12 +128,6 @@ def test_lost_and_unstable_come_first():
     assert lost.startswith("The run is lost from t = 0.2 s on: the displacement is 5.3 % wrong; transport finds 50 % ")
     assert said(status=UNSTABLE, playing=False) == \
         "The run went unstable and has stopped at t = 0.35 s. This is its last picture."
-
-
-def test_before_there_are_numbers():
-    assert said(series={}).startswith("So far no error of the displacement has been measured. ")
-    assert said(series=SERIES | {"transport/index_x": [np.nan]}).startswith("So far no error of the displacement has ")
-    assert summary(None, None, None, WorstRegions(), {}, "x", None) == Said.of(WAITING)
 
 
 def test_sentences_come_calmly():

@@ -117,12 +117,6 @@ def test_a_lost_run_says_since_when(monkeypatch):
     assert at["says"] == "unstable from 600 ms on"
 
 
-def test_a_part_of_the_axis_is_a_time(monkeypatch):
-    line = timeline(monkeypatch)
-    show(line, 1.2)
-    assert line.time_at(0.5) == pytest.approx(0.75)
-
-
 def test_a_frame_is_found_by_its_time():
     recent = recent_of(20)
     step = recent.shown[0].scene.time_step

@@ -10,14 +10,14 @@ import pytest
 
 from app.frame.layout import Seat
 from app.frame.scale import ColourScale
-from app.page.stage.trace_rings import RADIUS, TraceRings
-from app.page.visit.downsampled import LAST_PERIODS, MOST_ROWS
+from app.page.stage.probe import RADIUS, TraceRings
+from app.page.visit.history import LAST_PERIODS, MOST_ROWS
 from app.page.visit.recent import Recent
 from app.page.visit.trace import Trace
 from app.problems.bar.stage import BarStage
 from app.problems.ring.stage import MIRRORS, RingStage
 from app.renderers import viewer
-from app.renderers.lettering import Lettering
+from app.renderers.viewer import Lettering
 from solvers.problems.bar.scene import BarScene
 from solvers.problems.ring.scene import RingScene
 from solvers.running.run import build
@@ -112,15 +112,6 @@ def test_another_run_goes_on_with_the_same_place():
 
 def frame_of(scene):
     return replace(report_of(scene), fresh=True, particles=scene.particles), engine_frame(build(scene))
-
-
-def test_only_what_is_there_is_traced(run):
-    trace = traced_after(run, run[0][0].particles)
-    assert trace.traced is None
-    trace.choose(0)
-    assert trace.traced.particle == 0
-    trace.choose(None)
-    assert trace.traced is None
 
 
 @pytest.fixture

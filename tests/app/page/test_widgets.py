@@ -10,8 +10,8 @@ from zipfile import ZipFile
 import viser
 from viser._messages import GuiSliderProps
 
-from app.page.visit.opening import OPENING
-from app.viewer import hints, icons
+from app.page.story import OPENING
+from app.viewer import patches
 from tests.doors import lab
 from tests.processes import until
 from tests.raw import Raw
@@ -85,7 +85,8 @@ def test_the_story_begins_on_the_widgets_that_are_there():
 def test_icons_and_kinds_of_values_are_the_viewers():
     """Though neither is looked up anew for each widget."""
     icon = viser.Icon.SCHOOL
-    with ZipFile(icons._ARCHIVE) as archive:
-        assert icons.svg(icon) == archive.read(f"{icon}.svg").decode() and icons.svg(icon).startswith("<svg")
+    with ZipFile(patches._ICONS) as archive:
+        assert patches.icon(icon) == archive.read(f"{icon}.svg").decode() and patches.icon(icon).startswith("<svg")
     handle = SimpleNamespace(_impl=SimpleNamespace(props=GuiSliderProps.__new__(GuiSliderProps)))
-    assert hints._known(handle) == get_type_hints(GuiSliderProps) and hints._known(handle) is hints._known(handle)
+    found = patches.kinds_of_values(handle)
+    assert found == get_type_hints(GuiSliderProps) and found is patches.kinds_of_values(handle)

@@ -12,9 +12,9 @@ import urllib.request
 import pytest
 
 from app.page.serving import OVER
-from app.page.visit import health
+from app.page.visit import links
 from app.page.visit import session as page
-from app.page.visit.health import Tally
+from app.page.visit.links import Tally
 from tests.browser.conftest import serving
 from tests.listening import PATIENCE, SCENE
 from tests.processes import children, ended, until
@@ -105,7 +105,7 @@ def test_the_end_is_told_and_leaves_nothing(end, thread):
 
 def test_a_tally_counts_whole_seconds(monkeypatch):
     now = 10.0
-    monkeypatch.setattr(health, "monotonic", lambda: now)
+    monkeypatch.setattr(links, "monotonic", lambda: now)
     tally = Tally()
     for _ in range(3):
         tally.add()

@@ -8,13 +8,11 @@ from contextlib import ExitStack
 
 import pytest
 
-from app.doors.code import ONE
 from app.lessons import shelf
 from app.lessons.outcomes import Outcomes, RunFailed
 from app.lessons.progress import SCHEMA
-from app.page.features.board.board import NEXT, SHOWN, Board
+from app.page.features.board.board import NEXT, Board
 from app.page.features.lesson.marking import Classroom
-from tests.app.serving.test_class_code import enter
 from tests.doors import lab
 from tests.processes import until
 from tests.pupils import Pupil, cookie_of
@@ -68,12 +66,6 @@ def test_the_boards_code_opens_the_board_and_no_other_does(room):
     assert board.tally.here == 1  # neither the teacher nor the lecturer
 
 
-def test_who_guesses_the_boards_code_is_told_to_wait_as_with_any(room):
-    _, address, _ = room
-    statuses = [enter(address, f"surf-23{k:02}")[0] for k in range(int(ONE[0]) + 1) if k != 23]
-    assert statuses[0] == 403 and enter(address, "surf-9999")[0] == 429 and enter(address, OWN)[0] == 200
-
-
 def test_a_pupil_opens_no_step(room):
     """By no word that a browser can say: not by what the lecturer's browser says, nor the button that is off, nor an
     address, nor kept answers that know better, nor by closing the lesson and coming back."""
@@ -95,76 +87,6 @@ def test_a_pupil_opens_no_step(room):
     press(board)
     pupil.go_on()
     assert pupil.at == 1 and board.tally.answers(STEPS[0].key) == [] and pupil.off("Next")
-
-
-def test_a_step_is_opened_while_somebody_types(room):
-    """The field stays, with what is in it, and Next is free when the answer is recorded."""
-    board, address, come = room
-    pupil = come(cookie_of(address, CODE))
-    press(board)
-    pupil.go_on()
-    press(board, 3)
-    pupil.answer(STEPS[0], 1)
-    until(lambda: not pupil.off("Next"), "Next free")
-    while board.opened < NUMBER:
-        press(board)
-    for at in range(2, NUMBER + 1):
-        pupil.go_on()
-        if at < NUMBER and STEPS[at - 1].question:
-            pupil.answer(STEPS[at - 1], 1)
-    field = pupil.find("Answer, mm")
-    pupil.set(field, "3.1")
-    while board.opened == NUMBER:
-        press(board)
-    until(lambda: board.opened == NUMBER + 1, "the next step")
-    assert pupil.find("Answer, mm") == field and pupil.off("Next")
-    pupil.set(pupil.find("Record my prediction"), True)
-    until(lambda: not pupil.off("Next"), "Next free")
-    assert board.tally.late(STEPS[NUMBER - 1].key) == 1
-
-
-def test_a_reload_a_second_tab_and_another_answer_count_nothing(room):
-    """One who comes back finds his prediction as he made it, and cannot make another."""
-    board, address, come = room
-    cookie, first = cookie_of(address, CODE), STEPS[0]
-    pupil, tab = come(cookie), come(cookie)
-    press(board)
-    pupil.go_on()
-    tab.go_on()
-    pupil.answer(first, 2)
-    tab.answer(first, 3)
-    assert "It falls to about a half" in next(text for text in tab.html.values() if "lab-recorded" in text)
-    tab.close()
-    until(lambda: board.tally.here == 1, "one tab gone")
-    pupil.close()
-    until(lambda: board.tally.here == 0, "nobody here")
-    again = come(cookie)
-    assert again.at == 1 and again.off("Record my prediction")
-    assert enter(address, CODE)[0] == 200 and board.tally.here == 1  # another browser's cookie, which opens no page
-    assert (board.tally.answers(first.key), board.tally.asked(first.key)) == ([2], 1)
-
-
-def test_nothing_that_is_said_after_the_answers_are_shown_counts(room):
-    """Nor does a second answer to what was observed; and a latecomer goes through what is open."""
-    board, address, come = room
-    pupil = come(cookie_of(address, CODE))
-    press(board, 5)
-    late = come(cookie_of(address, CODE))
-    for one in (pupil, late):
-        one.go_on()
-        one.answer(STEPS[0], 1)
-        one.go_on()
-        one.go_on()
-    seen = STEPS[2]
-    assert board.opened == 3 and board.tally.late(STEPS[0].key) == 2 and board.tally.answers(STEPS[0].key) == []
-    pupil.answer(seen, 1)
-    until(lambda: board.tally.answers(seen.key) == [1], "the first answer")
-    press(board)
-    assert board.stage(3) == SHOWN
-    pupil.answer(seen, 2)
-    late.answer(seen, 3)
-    until(lambda: board.tally.late(seen.key) == 1, "a late answer")
-    assert board.tally.answers(seen.key) == [1]
 
 
 def test_no_pupil_is_told_what_another_has_said(room):
@@ -206,9 +128,3 @@ def test_the_lecturer_has_a_place_when_all_are_taken(room):
     another = come(cookie_of(address, OWN))
     another.tell(board=["next", board.place.turn])
     until(lambda: any("Reveal what came out" in told for told in boards(lecturer)), "the same on both")
-
-
-def test_whoever_has_the_teachers_code_goes_on_as_he_likes(room):
-    _, address, come = room
-    teacher = come(cookie_of(address, NOTES))
-    assert not teacher.off("Next") and teacher.find("Your name")

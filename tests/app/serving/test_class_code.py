@@ -14,9 +14,8 @@ from websockets.datastructures import Headers
 from websockets.exceptions import InvalidStatus
 
 from app.doors import code
-from app.doors.bucket import Bucket
 from app.doors.code import ALL, CLASS, LETTERS, ONE, ClassCode, made_up
-from app.doors.network import REMEMBERED
+from app.doors.network import REMEMBERED, Bucket
 from app.lessons import shelf
 from app.page.features.lesson.marking import Classroom
 from tests.browser.conftest import serving
@@ -73,7 +72,8 @@ def test_no_websocket_opens_without_the_code(locked):
 
 
 def test_the_code_opens_page_and_websocket(locked):
-    """However it is written; the cookie is for this server alone and no script reads it."""
+    """However it is written; the cookie is for this server alone and no script reads it. A wrong one is told so."""
+    assert enter(locked, "wave-4712") == (403, code.WRONG, None)
     for guess in (CODE, "WAVE 4711", "%20wave4711"):
         status, sentence, cookie = enter(locked, guess)
         assert (status, sentence) == (200, "") and len(cookie[1].partition("=")[2]) >= 40
@@ -83,11 +83,6 @@ def test_the_code_opens_page_and_websocket(locked):
     with Raw(locked, {"Cookie": cookie[1]}) as visitor:
         visitor.find("Problem")
     assert get(locked, "/", {"Cookie": cookie[1], "Origin": "http://evil.example"})[0] == 403
-
-
-def test_wrong_code_is_told_in_words(locked):
-    status, sentence, cookie = enter(locked, "wave-4712")
-    assert status == 403 and sentence == code.WRONG and cookie is None
 
 
 def test_codes_and_cookies_are_compared_in_constant_time(monkeypatch):

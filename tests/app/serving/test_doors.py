@@ -6,14 +6,12 @@ import socket
 
 import pytest
 from websockets.datastructures import Headers
-from websockets.exceptions import InvalidStatus
 
 from app.doors.address import Addresses
-from app.doors.refusals import Refusals
+from app.doors.faults import Refusals
 from app.viewer.wire import PROTOCOL
 from tests.doors import get
 from tests.processes import until
-from tests.raw import Raw
 
 UPGRADE = {"Connection": "Upgrade", "Upgrade": "websocket", "Sec-WebSocket-Version": "13",
            "Sec-WebSocket-Key": "dGhlIHNhbXBsZSBub25jZQ==", "Sec-WebSocket-Protocol": PROTOCOL}
@@ -124,12 +122,6 @@ def test_stale_page_is_told_and_fills_no_log(here, capfd, caplog):
             with pytest.raises(Exception, match="Version mismatch"):
                 old.recv(5)
     assert capfd.readouterr().out == "" and caplog.text.count("another version") <= 10
-
-
-def test_refused_handshake_says_why(here):
-    with pytest.raises(InvalidStatus) as refused:
-        Raw(here[1], {"Origin": "http://evil.example"})
-    assert refused.value.response.body.decode() == "A page of another site may not use this lab.\n"
 
 
 def test_log_has_few_lines_however_much_is_refused(caplog):

@@ -17,8 +17,7 @@ from app.colours import ESTIMATE, TRUTH
 from app.doors.page import has_page
 from app.identity import ICON, MARK
 from app.page.panels.head import ground
-from app.viewer.index import Index
-from app.viewer.unpacking import unpacked_script
+from app.viewer.index import Index, unpacked_script
 
 BUILD = Path(viser.__file__).parent / "client" / "build"
 

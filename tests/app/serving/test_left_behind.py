@@ -4,10 +4,8 @@ nothing."""
 from __future__ import annotations
 
 import gc
-import json
 import logging
 import re
-import socket
 import threading
 import warnings
 import weakref
@@ -15,25 +13,20 @@ from concurrent.futures import ThreadPoolExecutor
 from types import SimpleNamespace
 
 import numpy as np
-import pytest
 from viser import _threadpool_exceptions
-from websockets.sync.client import connect
 
 from app.doors.faults import Brief, place_of
-from app.doors.room import Room
+from app.doors.network import Room
 from app.page import page
 from app.page.stage.worst import WorstRegions
 from app.page.visit.links import PageLinks
-from app.viewer import faults, upload
-from app.viewer.client import packed
-from app.viewer.wire import PROTOCOL
+from app.viewer import patches, upload
 from solvers.problems.bar.scene import BarScene
 from solvers.solver import soundness
 from tests import doors
-from tests.browser.conftest import serving
 from tests.doors import get
-from tests.processes import HANG, until
-from tests.raw import CAMERA, Raw
+from tests.processes import until
+from tests.raw import Raw
 
 SECRET = "what a stranger has written"
 
@@ -46,24 +39,21 @@ def test_what_fails_in_a_callback_is_one_line(capfd, caplog, monkeypatch):
     """Of the viewer's threads and of its loop: the kind of the error and its place, and nothing of what was said."""
     for name in ("traceback", "print"):
         monkeypatch.setattr(_threadpool_exceptions, name, None, raising=False)  # put back afterwards
-    faults.mend()
+    patches.mend_callbacks()
     with ThreadPoolExecutor(1) as thread:
         thread.submit(fail).add_done_callback(_threadpool_exceptions.print_threadpool_errors)
     try:
         fail()
     except ValueError as error:
-        faults.of_loop(None, {"message": SECRET, "exception": error})
+        patches.of_loop(None, {"message": SECRET, "exception": error})
     lines = [record.getMessage() for record in caplog.records]
     assert len(lines) == 2 and all(line.endswith(place_of_fail()) for line in lines), lines
+    assert place_of(KeyError(SECRET)) == "KeyError"  # without a trace
     assert SECRET not in caplog.text and "Traceback" not in caplog.text and capfd.readouterr() == ("", "")
 
 
 def place_of_fail():
     return f"ValueError in test_left_behind.py, line {fail.__code__.co_firstlineno + 1}"
-
-
-def test_an_error_without_a_trace_has_a_name():
-    assert place_of(KeyError(SECRET)) == "KeyError"
 
 
 def test_a_log_has_few_lines_a_minute_whoever_writes():
@@ -200,25 +190,3 @@ def test_nothing_is_asked_for_while_the_browser_takes_nothing(here, monkeypatch)
         still[0] = 0.0
         get(here[1], f"/here/{token}")
         until(lambda: asked[-1], "it goes on")
-
-
-@pytest.mark.slow
-def test_who_takes_nothing_costs_nothing():
-    """After two seconds nothing is computed for a browser that does not read, which says so itself only much later."""
-    def playing():
-        return json.loads(get(address, "/health")[1])["playing"]
-
-    with serving(frames=30) as (address, _), socket.socket() as line:
-        line.setsockopt(socket.SOL_SOCKET, socket.SO_RCVBUF, 4096)  # of what is on its way little is held
-        line.connect(("127.0.0.1", int(address.rpartition(":")[2])))
-        reader = connect(address.replace("http", "ws", 1), sock=line, subprotocols=[PROTOCOL], compression=None,
-                         max_size=None, max_queue=1, ping_interval=None, open_timeout=HANG)
-        reader.send(packed(CAMERA))
-        until(lambda: playing() > 0, "a run")
-        until(lambda: playing() == 0, "it rests")
-        for _ in range(300):  # and takes what there is
-            reader.recv()
-            if playing():
-                break
-        until(lambda: playing() > 0, "it goes on")
-        reader.close()

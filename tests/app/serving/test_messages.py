@@ -13,7 +13,7 @@ import viser._viser
 from viser import _messages
 
 from app.page.controls import Controls
-from app.page.visit.limits import FASTEST, MOST_WATCHED, too_many
+from app.page.visit.links import FASTEST, MOST_WATCHED, too_many
 from app.page.visit.session import FIRST_SCENE, Session
 from app.problems.views import VIEWS
 from app.viewer import messages, server, widgets
@@ -195,7 +195,7 @@ def test_kinds_of_messages_are_those_of_the_viewer():
 
 def test_every_message_goes_through_the_check(here, visitor, monkeypatch):
     """If this fails, the viewer reads its websocket or knows its visitors otherwise than it did in 1.1.1: see
-    ``app/viewer/hearing.py`` and ``Doors._widget`` in ``app/viewer/server.py``."""
+    ``Hearing`` in ``app/viewer/messages.py`` and ``Doors._widget`` in ``app/viewer/server.py``."""
     one, _ = here
     heard = []
     check = messages.refusal

@@ -13,10 +13,8 @@ import pytest
 
 from app.page.serving import OVER, Visitors, _engine_count
 from solvers.engine import process
-from solvers.engine.messages import Frames, Trouble, Wish
 from solvers.engine.pool import EnginePool
 from solvers.engine.process import CANNOT_START
-from solvers.engine.worker import FAILED, Worker
 from tests.listening import PATIENCE, SCENE, Listener
 from tests.processes import until
 
@@ -170,55 +168,6 @@ def test_engines_follow_the_processors_that_may_be_used(monkeypatch, processors,
     monkeypatch.setattr(os, "cpu_count", lambda: 128)
     monkeypatch.setattr(os, "sched_getaffinity", lambda _: set(range(processors)), raising=False)
     assert _engine_count() == engines
-
-
-def test_engines_where_there_is_no_affinity(monkeypatch):
-    monkeypatch.delattr(os, "sched_getaffinity", raising=False)
-    monkeypatch.setattr(os, "cpu_count", lambda: None)
-    assert _engine_count() == 1
-
-
-@pytest.mark.parametrize("fault", ["turn", "frame"])
-def test_failing_turn_or_frame_drops_that_session_only(fault, caplog):
-    """Whatever a stepper raises: its session is closed and told, the other one is still there."""
-
-    class Pipe:
-        def __init__(self):
-            self.sent = []
-
-        def send(self, message):
-            self.sent.append(message)
-
-    class Stepper:
-        behind = ready = True
-        closed = False
-
-        turn_seconds = 0.0
-
-        def __init__(self, session, fault):
-            self.wish = Wish(session, 5, "", SCENE)
-            self._fault = fault
-
-        def turn(self):
-            assert self._fault != "turn"
-
-        def frame(self):
-            assert self._fault != "frame"
-            return "a frame"
-
-        def close(self):
-            self.closed = True
-
-    pipe = Pipe()
-    worker = Worker(pipe)
-    bad, good = Stepper(1, fault), Stepper(2, None)
-    worker._steppers = {1: bad, 2: good}
-    for stepper in (bad, good):
-        worker._serve_one(stepper)
-    worker._send_frames()
-    assert pipe.sent == [Trouble(1, 5, FAILED), Frames(("a frame",))]
-    assert bad.closed and not good.closed and worker._steppers == {2: good}
-    assert "AssertionError" in caplog.text
 
 
 @pytest.fixture

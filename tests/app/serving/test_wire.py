@@ -69,9 +69,7 @@ def test_a_frame_leaves_whole_and_at_once(loop):
             sleep(0.001)
         buffer.flush()
         buffer.atomic_end()
-        until = monotonic() + PATIENCE
-        while len(windows) <= step and monotonic() < until:
-            sleep(0.001)
+        until(lambda: len(windows) > step, "a frame", pause=0.001)  # noqa: B023
         assert [(message.name, message.updates["step"]) for message in windows[step][1]] == \
             [(name, step) for name in "abc"]
     buffer.set_done()
@@ -146,36 +144,14 @@ def test_messages_are_packed_as_the_viewer_packs_them(words, monkeypatch):
     assert same == theirs and arrays == their_arrays
 
 
-def test_other_words_wait_for_company_and_only_the_last_counts(loop):
-    """What is said again before it has left leaves once; too much for one window leaves in several, in order."""
-    buffer = Buffer(loop, persistent_messages=False, window_duration_sec=0.2)
-    windows, end = listen(loop, buffer)
-    until(lambda: buffer.generator_cursors, "somebody who listens")
-    sleep(0.05)  # what is there when it begins to listen leaves at once
-    said = monotonic()
-    for step in range(50):
-        buffer.push(moved("a", step))
-    for number in range(buffer.max_window_size):
-        buffer.push(moved(f"b{number}", 0))
-    sleep(0.6)
-    buffer.set_done()
-    end.result(PATIENCE)
-    messages = [message for _, window in windows for message in window]
-    assert windows[0][0] - said >= 0.2 and len(messages) == 1 + buffer.max_window_size
-    assert [message.name for message in messages] == ["a", *(f"b{k}" for k in range(buffer.max_window_size))]
-    assert messages[0].updates == {"step": 49}
-
-
 def test_a_newcomer_hears_what_was_said_before_and_where_that_ends(loop):
     buffer = Buffer(loop, persistent_messages=True)
     for number in range(200):
         buffer.push(moved(f"a{number}", 0))
     windows, end = listen(loop, buffer, ReplayDoneMessage())
-    until = monotonic() + PATIENCE
-    while sum(len(window) for _, window in windows) < 201 and monotonic() < until:
-        sleep(0.001)
+    until(lambda: sum(len(window) for _, window in windows) >= 201, "all that was said before")
     buffer.push(moved("later", 0))
-    sleep(0.2)
+    until(lambda: sum(len(window) for _, window in windows) >= 202, "what is said later")
     buffer.set_done()
     end.result(PATIENCE)
     messages = [message for _, window in windows for message in window]

@@ -19,8 +19,7 @@ from app.export.page import quantities, scene_page
 from app.export.record import recording
 from app.export.vocabulary import formats
 from app.frame.budget import CAPTION, percent
-from app.frame.captions import captions, field_words
-from app.frame.silences import not_estimated, why_no_estimate, why_no_truth
+from app.frame.captions import captions, field_words, not_estimated, why_no_estimate, why_no_truth
 from app.lessons import progress
 from app.lessons.lesson import drawn
 from app.lessons.marks import mark

@@ -9,7 +9,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from app.page.visit.opening import OPENING
+from app.page.story import OPENING
 from app.words import per_cent
 from solvers.running.run import run
 from tests.browser.conftest import visit

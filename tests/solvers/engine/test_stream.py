@@ -17,8 +17,7 @@ import pytest
 from app.frame.layout import Seat
 from app.frame.scale import ColourScale
 from app.problems.ring.stage import RingStage
-from app.renderers.lettering import Lettering
-from app.renderers.viewer import Sheet
+from app.renderers.viewer import Lettering, Sheet
 from solvers.engine import frames as memory
 from solvers.engine.frames import FrameOptions
 from solvers.problems.ring.scene import RingScene

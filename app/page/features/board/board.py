@@ -178,7 +178,7 @@ class Board:
 
 
 class BoardSeat:
-    """A page of the visitor with this ``key``, as :class:`~app.page.features.lesson.seat.Seat` has it."""
+    """A page of the visitor with this ``key``, as :class:`~app.page.features.lesson.marking.Seat` has it."""
 
     def __init__(self, board: Board, key: str):
         self._board, self._key, self._gone = board, key, False

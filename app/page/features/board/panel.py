@@ -1,5 +1,6 @@
 """The lecturer's view of the board: it covers the page (``js/board.js``), or lets the stage be seen."""
 
+import json
 import threading
 from collections.abc import Callable
 from dataclasses import dataclass, replace
@@ -13,13 +14,15 @@ from app.doors.address import is_loopback
 from app.doors.faults import noted
 from app.language.spoken import carried, later, tr
 from app.lessons.lesson import filled
-from app.page.features.board import saved
-from app.page.features.board.board import BACK, NEXT, Board
+from app.lessons.marks import Right
+from app.page.features.board.board import BACK, NEXT, REVEALED, Board, has_chart
+from app.page.features.board.chart import right_among
 from app.page.features.board.slides import Door, says_next, slide
 from app.page.panels.browser_store import BrowserStore
 
 AGAIN = 0.25  # seconds at least between two pictures: thirty may answer at once
 STAGE, SAVE = "stage", "save"
+SCHEMA = "mpm-lab/board/1"  # of the file that a lecturer may save
 OF_NO_USE = later("Only this computer can open this address: serve with --host 0.0.0.0 for a class.")
 
 
@@ -92,7 +95,7 @@ class BoardPanel:
             self._covers = turn == 0
             self._on_cover(self._covers, self._board.place.at)
         elif what == SAVE:
-            self._client.send_file_download(f"{self._board.lesson.name}-class.json", saved.text(self._board).encode(),
+            self._client.send_file_download(f"{self._board.lesson.name}-class.json", saved(self._board).encode(),
                                             save_immediately=True)
         self.draw()
 
@@ -101,3 +104,24 @@ def stage_of(board: Board, at: int) -> str:
     """The state that belongs on the stage at a place of the lesson: that of the last step up to there which has one."""
     stages = [step.stage for step in board.lesson.steps[:at] if step.stage]
     return filled(stages[-1], board.numbers) if stages else ""
+
+
+def saved(board: Board) -> str:
+    """What was answered, without names, as JSON: each question with its answers, sorted, and what came out,
+    where that has been revealed."""
+    questions = []
+    for at, step in enumerate(board.lesson.steps, 1):
+        if step.question is None:
+            continue
+        answers, came = board.tally.answers(step.key), board.came_out(step)
+        revealed = came if board.stage(at) == REVEALED and isinstance(came, Right) else None
+        questions.append({
+            "key": step.key, "step": step.kind, "title": filled(step.title, board.numbers),
+            "kind": step.asked.kind, "unit": step.asked.unit,
+            "options": [filled(option, board.numbers) for option in step.asked.options],
+            "count": len(answers), "late": board.tally.late(step.key),
+            "answers": answers if has_chart(step) else None,
+            "came_out": revealed and revealed.told,
+            "right": None if revealed is None else right_among(step.asked, answers, revealed)})
+    return json.dumps({"schema": SCHEMA, "lesson": board.lesson.name, "fingerprint": board.lesson.fingerprint,
+                       "numbers": dict(board.numbers), "questions": questions}, ensure_ascii=False, indent=1) + "\n"

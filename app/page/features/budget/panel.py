@@ -18,7 +18,7 @@ from app.language.spoken import later, tr
 from app.page.features.budget.jobs import BUDGET, MAP, BudgetJobs, Found
 from app.page.measurements import Numbers
 from app.page.panels.budget_chart import Divided, chart, outcome, picture, sentence, taken_away
-from app.page.panels.marks import marked
+from app.page.panels.head import marked
 from app.page.source import Choice
 from app.page.visit.session import Session
 from app.state import State

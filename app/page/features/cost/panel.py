@@ -17,7 +17,7 @@ from app.page.features.cost.picture import Axes, axes, picture
 from app.page.features.cost.runs import LIVE, LiveRows, Runs, csv_bytes
 from app.page.panels.head import BESIDE
 from app.page.visit.history import History
-from app.page.visit.limits import too_many
+from app.page.visit.links import too_many
 from app.page.visit.notice import Notice
 from app.page.visit.session import Session
 from app.words import command_line

@@ -14,12 +14,11 @@ from app.lessons.lesson import EXPLAIN, PREDICT, TEXT, Lesson, Numbers, Step, dr
 from app.lessons.marks import LONGEST, AnswerMark, trouble
 from app.page.features.lesson import acts, core
 from app.page.features.lesson import html as page
+from app.page.features.lesson.acts import Hands
 from app.page.features.lesson.answer import AnswerWidgets
-from app.page.features.lesson.bets import WAITED_FOR, bets_html
-from app.page.features.lesson.hands import Hands
-from app.page.features.lesson.marking import Classroom, Marker, asked_since, bets_ahead, comment
-from app.page.features.lesson.seat import Seat
-from app.page.features.lesson.way import KEPT, MAIN, PACED, Way
+from app.page.features.lesson.core import KEPT, MAIN, PACED, Way
+from app.page.features.lesson.html import WAITED_FOR, bets_html
+from app.page.features.lesson.marking import Classroom, Marker, Seat, asked_since, bets_ahead, comment
 from app.page.panels.browser_store import BrowserStore
 from app.viewer.widgets import allow, is_removed
 

@@ -1,19 +1,26 @@
-"""A visitor's file while it is judged: in a process that nobody else needs, for a limited time."""
+"""A visitor's file while it is judged, in a process that nobody else needs, for a limited time; and the question of
+which problem its particles are, where they are not those of the problem on the stage."""
 
+import functools
 import secrets
 import threading
 from collections.abc import Callable
 from concurrent.futures import Future
 from dataclasses import asdict
+from html import escape
 from pathlib import Path
+
+import viser
 
 from app.language.heard import heard
 from app.language.spoken import carried, later, tr
 from app.page.features.background import MOST_JOBS
-from app.page.visit.limits import MOST_WATCHED
+from app.page.visit.links import MOST_WATCHED
+from app.words import on_page
 from solvers.judging.reading import KINDS
 from solvers.judging.show import ShowRequest
 from solvers.outside.quoting import file_name
+from solvers.problems import PROBLEMS
 from solvers.scene.scene import Scene
 from solvers.study.grid import task_of
 from solvers.workers.pool import Slots, WorkerPool
@@ -25,6 +32,8 @@ ONE_THREAD = {"OPENBLAS_NUM_THREADS": "1", "OMP_NUM_THREADS": "1"}  # each would
 BUSY = later("Other visitors' files keep this server busy; give yours again in a while")
 TOO_LONG = later("The file {file} takes more than {seconds:g} s to judge; give fewer times, or judge it with `mpm-lab "
                  "judge`")
+FIRST = -1e9  # in the order of what stands in the panel
+ASKED, NEITHER = later("Which problem is your file of?"), later("None of these")
 
 
 class Judging:
@@ -73,3 +82,42 @@ class Judging:
             self._say({"refused": tr("No process could be started: {reason}", reason=error.strerror or error)})
         self._pool.close()
         self._slots.give_back()
+
+
+def sentence(name: str, reason: str, problems: tuple[str, ...]) -> str:
+    """What is asked: why the file is not judged yet, and of what it could be."""
+    titles = functools.reduce(lambda before, last: tr("{before} or the {last}", before=before, last=last),
+                              (tr(PROBLEMS[problem].scene.TITLE) for problem in problems))
+    return tr("The file {file} {reason}. Is it of the {problems}?", file=name, reason=on_page(reason), problems=titles)
+
+
+class Question:
+    """Buttons with the problems that a file fits; ``on_choice`` is called with the one that is meant, or with None."""
+
+    def __init__(self, gui: viser.GuiApi, on_choice: Callable[[str | None], None]):
+        self._folder = gui.add_folder(tr(ASKED), order=FIRST, visible=False)
+        with self._folder:
+            self._text = gui.add_html("")
+            hint = tr("judge the file as a run of this problem")
+            self._buttons = {problem: gui.add_button(_label(problem), hint=hint) for problem in PROBLEMS}
+            neither = gui.add_button(tr(NEITHER), hint=tr("leave the file aside"))
+        for problem, button in self._buttons.items():
+            button.on_click(lambda _, problem=problem: on_choice(problem))  # type: ignore[misc]
+        neither.on_click(lambda _: on_choice(None))
+
+    @property
+    def asked(self) -> bool:
+        return self._folder.visible
+
+    def ask(self, sentence: str, problems: tuple[str, ...]) -> None:
+        self._text.content = f"<div class='lab-own' role='status'><p>{escape(sentence)}</p></div>"
+        for problem, button in self._buttons.items():
+            button.visible = problem in problems
+        self._folder.visible = True
+
+    def end(self) -> None:
+        self._folder.visible = False
+
+
+def _label(problem: str) -> str:
+    return tr("It is the {problem}", problem=tr(PROBLEMS[problem].scene.TITLE))

@@ -9,12 +9,11 @@ from time import monotonic
 
 import viser
 
+from app.frame.captions import NO_INDEX
 from app.frame.sentence import Said
-from app.frame.silences import NO_INDEX
 from app.language.spoken import carried, later, tr
 from app.page.features.own import words
-from app.page.features.own.judging import Judging
-from app.page.features.own.question import FIRST, Question, sentence
+from app.page.features.own.judging import FIRST, Judging, Question, sentence
 from app.page.features.own.run import JUDGE, OwnRun
 from app.page.measurements import Numbers
 from app.page.panels.head import BARE

@@ -5,10 +5,10 @@ from pathlib import Path
 
 import numpy as np
 
-from app.frame.silences import UNKNOWN
+from app.frame.captions import UNKNOWN
 from app.frame.view import View, view
 from app.language.spoken import later, tr
-from app.page.visit.downsampled import RunSeries
+from app.page.visit.history import RunSeries
 from app.words import QUANTITIES
 from solvers.engine.frames import FrameArrays, FrameOptions
 from solvers.engine.messages import FrameReport

@@ -6,8 +6,8 @@ from html import escape
 
 import numpy as np
 
+from app.frame.captions import TRUE
 from app.frame.sentence import Said, error_words, errors
-from app.frame.silences import TRUE
 from app.frame.view import View
 from app.language.heard import heard
 from app.language.spoken import later, tr

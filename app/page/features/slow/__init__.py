@@ -1,1 +1,0 @@
-"""One time step in slow motion."""
