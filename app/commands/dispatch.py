@@ -129,6 +129,8 @@ def _unexpected(word: str, kind: type, program: str) -> BadInput:
         return BadInput("", word, f"is not expected here; {program} --help shows the flags")
     if hasattr(kind, "SCENE") and (reason := kind.SCENE.RUN_ONLY.get(flag.lstrip("-").replace("-", "_"))):
         return BadInput("", flag, f"is not a flag of {program}: {reason}")
+    if gone := getattr(kind, "GONE", {}).get(flag.lstrip("-")):
+        return BadInput("", flag, f"is no longer a flag of {program}: {gone}")
     return BadInput("", flag, f"is not a flag of {program}{meant(flag, flags)}; --help shows them all")
 
 

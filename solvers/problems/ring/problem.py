@@ -35,6 +35,7 @@ class RingProblem(Problem):
 
     @property
     def budget(self) -> OnDemand:
-        from solvers.problems.ring.budget import BUDGET
+        from solvers.problems.planar.budget.on_demand import PlanarBudget
+        from solvers.problems.ring.exact import moment
 
-        return BUDGET
+        return PlanarBudget(self.solver, moment)
