@@ -37,5 +37,6 @@ class RingProblem(Problem):
     def budget(self) -> OnDemand:
         from solvers.problems.planar.budget.on_demand import PlanarBudget
         from solvers.problems.ring.exact import moment
+        from solvers.problems.ring.solver import RingSolver
 
-        return PlanarBudget(self.solver, moment)
+        return PlanarBudget(RingSolver, moment)

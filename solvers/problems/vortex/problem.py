@@ -37,5 +37,6 @@ class VortexProblem(Problem):
     def budget(self) -> OnDemand:
         from solvers.problems.planar.budget.on_demand import PlanarBudget
         from solvers.problems.vortex.exact import moment
+        from solvers.problems.vortex.solver import VortexSolver
 
-        return PlanarBudget(self.solver, moment)
+        return PlanarBudget(VortexSolver, moment)

@@ -130,7 +130,8 @@ class BudgetFold:
             self._drawn_at = now
             self._chart.content = chart(runs, field)
             self._mark.content = marked("lab-budget", words=_verdict(runs[-1], field))
-            self._outcome.content = outcome(*runs, field, cause) if cause != NOTHING and len(runs) > 1 else ""
+            self._outcome.content = "" if cause == NOTHING or len(runs) < 2 else \
+                outcome(runs[0], runs[-1], field, cause)
 
     @staticmethod
     def _cause_between(runs: list[Divided]) -> str:

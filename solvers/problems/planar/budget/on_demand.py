@@ -70,7 +70,8 @@ class BudgetRun:
         self._X, self._volume = a.material_position, a.mass / a.density
         self._grid = Grid(a.row, solver.PARTS.traits.first)
         self._lattice = Lattice(scene)
-        self._material = Material(*scene.lame_moduli, at_rest=scene.frozen)
+        bulk, shear = scene.lame_moduli
+        self._material = Material(bulk, shear, at_rest=scene.frozen)
         self._now: Moment = budget.moment(scene, self._X, 0.0)
         self._taken = MAKERS.index(take_away) if take_away in MAKERS else None
         self.causes = CauseErrors(len(self._X))
