@@ -14,7 +14,7 @@ from app.commands.flags import Switch
 from app.commands.judge.command import Judge
 from app.commands.judge.problem import ProblemCommand
 from app.commands.lesson import LessonCheck, LessonGrade, LessonGuide, LessonList, LessonScripts
-from app.commands.run.budget import BudgetOfEffect, BudgetOnDemand
+from app.commands.run.budget import Budget
 from app.commands.run.command import Run, RunText
 from app.commands.scene_flags import of_problem, with_flags
 from app.commands.serve import Serve
@@ -36,8 +36,7 @@ def commands() -> dict[tuple[str, ...], type]:
     found: dict[tuple[str, ...], type] = {("serve",): Serve}
     found |= {("run", name): of_problem(Run, scene) for name, scene in scenes.items()}
     found |= {("run", "--scene"): RunText}
-    found |= {("budget", name): of_problem(BudgetOfEffect if "budget" in scene.OWN_EFFECTS else BudgetOnDemand, scene)
-              for name, scene in scenes.items()}
+    found |= {("budget", name): of_problem(Budget, scene) for name, scene in scenes.items()}
     found |= {("sweep", name): of_problem(Sweep, scene, linearity_preserving=Switch) for name, scene in scenes.items()}
     found |= {("problem", name): of_problem(ProblemCommand, scene) for name, scene in scenes.items()}
     found |= {("judge", name): of_problem(Judge, scene) for name, scene in scenes.items()}

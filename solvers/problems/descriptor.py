@@ -6,7 +6,6 @@ from abc import ABC, abstractmethod
 from collections.abc import Callable
 from typing import TYPE_CHECKING, Any, Protocol
 
-from solvers.scene.rules import SceneError
 from solvers.scene.scene import Scene
 
 if TYPE_CHECKING:  # solvers bring Taichi, which takes a second
@@ -14,7 +13,6 @@ if TYPE_CHECKING:  # solvers bring Taichi, which takes a second
 
     from solvers.problems.reference import ProblemReference
     from solvers.solver.base import Solver
-    from solvers.solver.error_map import ErrorMap
 
 
 class OnDemand(Protocol):
@@ -63,21 +61,3 @@ class Problem(ABC):
     def predicted_life(self, scene: Any) -> float | None:
         """Periods that a run will hold by theory alone; None where none is known."""
         return None
-
-    def error_map(self, scene: Any, field: str = "x", particle: int | None = None,
-                  on_progress: Callable[[float], None] | None = None) -> ErrorMap | None:
-        """Where and when the error at the end of a scene was made: of a field (x, v or F), of a particle by its number
-        or of all (RMS). None where the run goes bad.
-
-        Raises:
-            SceneError: a field, a particle or a scene that has no map.
-        """
-        raise _no_map(self.scene)
-
-    def check_map(self, scene: Any, field: str, particle: int | None) -> None:
-        """:class:`~solvers.scene.rules.SceneError` for what ``error_map`` refuses."""
-        raise _no_map(self.scene)
-
-
-def _no_map(scene: type[Scene]) -> SceneError:
-    return SceneError("problem", scene.problem, "has no map of its error; the bar has one")

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -17,6 +18,8 @@ from solvers.solver import budget
 from solvers.solver.soundness import LOST
 
 SCHEMA = "mpm-lab/budget/1"
+
+Progress = Callable[[float], None]
 
 
 @dataclass(frozen=True)
@@ -46,57 +49,43 @@ class BudgetResult:
                 "budget": values, "take_away": self.take_away()}
 
 
-def run_budget(scene: Any, cause: str = NOTHING, on_progress: Callable[[float], None] | None = None) -> BudgetResult:
+def run_budget(scene: Any, cause: str = NOTHING, on_progress: Progress = lambda part: None) -> BudgetResult:
     """Run a scene that has the effect ``budget``, or whose problem has budgets on demand, and again without a cause.
 
     Raises :class:`~solvers.scene.rules.SceneError` where there is no budget on demand of the scene.
     """
     on_demand = PROBLEMS[scene.problem].budget
+    once = partial(_with_effect, scene)
     if on_demand is not None:
-        return _run_on_demand(on_demand, scene, cause, on_progress)
-    parts = 1 if cause == NOTHING else 2
-
-    def show(part: float, before: int = 0) -> None:
-        if on_progress:
-            on_progress((before + part) / parts)
-
-    result = run(replace(scene, take_away=NOTHING), show, prices=False)
-    again = None
-    if cause != NOTHING:
-        again = _named(run(replace(scene, take_away=cause), lambda part: show(part, 1), prices=False, mid_run=False),
-                       cause)
+        on_demand.check(scene, cause)
+        once = partial(_beside, on_demand, run(scene, prices=False, mid_run=False))
+    if cause == NOTHING:
+        return BudgetResult(once(NOTHING, on_progress), cause, None)
+    result = once(NOTHING, lambda part: on_progress(part / 2))
+    again = once(cause, lambda part: on_progress((1 + part) / 2))
+    if again.reason is not None:  # of which run it is
+        again = replace(again, reason=f"without {CAUSES[cause]} {again.reason}")
     return BudgetResult(result, cause, again)
 
 
-def _run_on_demand(budget: OnDemand, scene: Any, cause: str,
-                   on_progress: Callable[[float], None] | None) -> BudgetResult:
-    """The same beside a run: once as it is, and once a step at a time with its budget."""
-    budget.check(scene, cause)
-    parts = 1 if cause == NOTHING else 2
-
-    def show(part: float, before: int = 0) -> None:
-        if on_progress:
-            on_progress((before + part) / parts)
-
-    plain = run(scene, prices=False, mid_run=False)
-    steps = np.rint(plain.series["time"] / scene.time_step).astype(int)
-    result = replace(plain, series=plain.series | budget.series(scene, steps, NOTHING, show)[0])
-    again = None
-    if cause != NOTHING:
-        series, solver = budget.series(scene, steps, cause, lambda part: show(part, 1))
-        status, reason, broken_at = solver.status(None)
-        if solver.sound and solver.step < steps[-1]:
-            status, broken_at = LOST, solver.time
-            reason = (f"the run is lost from t = {solver.time:.4g} s on: what a particle stands for has turned inside "
-                      "out or left the grid")
-        again = _named(replace(result, series={"time": plain.series["time"], **series}, status=status, reason=reason,
-                               broken_at=broken_at), cause)
-    return BudgetResult(result, cause, again)
+def _with_effect(scene: Any, cause: str, show: Progress) -> Result:
+    """A run that carries its budget with it, as it is or without a cause."""
+    return run(replace(scene, take_away=cause), show, prices=False, mid_run=cause == NOTHING)
 
 
-def _named(again: Result, cause: str) -> Result:
-    """A run without a cause, whose trouble says which of the two it was."""
-    return again if again.reason is None else replace(again, reason=f"without {CAUSES[cause]} {again.reason}")
+def _beside(on_demand: OnDemand, plain: Result, cause: str, show: Progress) -> Result:
+    """The run that ``plain`` is of, a step at a time with its budget, as it is or without a cause."""
+    time = plain.series["time"]
+    steps = np.rint(time / plain.scene.time_step).astype(int)
+    series, solver = on_demand.series(plain.scene, steps, cause, show)
+    if cause == NOTHING:
+        return replace(plain, series=plain.series | series)
+    status, reason, broken_at = solver.status(None)
+    if solver.sound and solver.step < steps[-1]:
+        status, broken_at = LOST, solver.time
+        reason = (f"the run is lost from t = {solver.time:.4g} s on: what a particle stands for has turned inside out "
+                  "or left the grid")
+    return replace(plain, series={"time": time, **series}, status=status, reason=reason, broken_at=broken_at)
 
 
 def _in_common(first: Mapping[str, np.ndarray], second: Mapping[str, np.ndarray]) -> tuple[dict, dict]:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from typing import TYPE_CHECKING
 
 from solvers.problems.bar.scene import BarScene
@@ -11,7 +10,6 @@ from solvers.problems.descriptor import Problem
 if TYPE_CHECKING:
     from solvers.problems.reference import ProblemReference
     from solvers.solver.base import Solver
-    from solvers.solver.error_map import ErrorMap
 
 
 class BarProblem(Problem):
@@ -39,14 +37,3 @@ class BarProblem(Problem):
         from solvers.problems.bar.drift import predicted_life
 
         return predicted_life(scene)
-
-    def error_map(self, scene: BarScene, field: str = "x", particle: int | None = None,
-                  on_progress: Callable[[float], None] | None = None) -> ErrorMap | None:
-        from solvers.problems.bar.error_map.trace import error_map
-
-        return error_map(scene, field, particle, on_progress)
-
-    def check_map(self, scene: BarScene, field: str, particle: int | None) -> None:
-        from solvers.problems.bar.error_map.trace import check_map
-
-        check_map(scene, field, particle)

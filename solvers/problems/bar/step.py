@@ -4,7 +4,7 @@ import taichi as ti
 
 from solvers.estimators import running
 from solvers.kernels.hoist import hoist_scalars
-from solvers.problems.bar.budget import companion, push, sampling
+from solvers.problems.bar.budget import push, reference
 from solvers.problems.bar.budget.memory import with_budget
 from solvers.problems.bar.method import margin, remedies
 from solvers.problems.bar.method.phases import find_weights, nodes_to_particles, update_grid
@@ -55,7 +55,7 @@ def one_step(bar: ti.template(), step, on: ti.template()):
     remedies.after_step(bar, on)
     running.after_step(bar, step, HOOKS, on)
     if ti.static(on.budget and not on.truth):
-        companion.after_step(running.with_memory(with_budget(bar), HOOKS, "companion"), step)
+        reference.companion_after_step(running.with_memory(with_budget(bar), HOOKS, "companion"), step)
 
 
 @ti.func
@@ -64,7 +64,7 @@ def sample_all(bar: ti.template(), row, step, looks, on: ti.template()):
     sample(bar, row, step, looks, on)
     sample_effects(bar, row, step, SAMPLERS, on)
     if ti.static(on.budget):
-        sampling.sample(with_budget(bar), row, step, on)
+        push.sample(with_budget(bar), row, step, on)
 
 
 PHASES = Phases(one_step, check, sample_all, HOOKS)

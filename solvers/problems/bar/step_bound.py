@@ -99,20 +99,12 @@ def _pieces(method: str, cells: int, x: np.ndarray) -> tuple[np.ndarray, np.ndar
     """Nodes (P, 5) of the pieces around particles at x, and by how much each piece pulls at them for its stress: the
     difference of the base functions at its corners (see ``method.pieces``)."""
     P = len(x)
-    _, first, B = corner_functions(method, cells, x)
+    around = np.concatenate([x[-2:] - 1, x, x[:2] + 1])
+    corners = (9 * (around[1:P + 2] + around[2:P + 3]) - around[:P + 1] - around[3:]) / 16
+    first, B, _ = stencil("bspline" if method == "bspline" else "mpm", corners * cells, np.zeros(P + 1))
     apart = np.minimum(np.diff(first), 2)
     parting = np.zeros((P, 5))
     parting[:, :3] -= B[:-1]
     for k in range(3):
         parting[np.arange(P), apart + k] += B[1:, k]
     return (first[:-1, None] + np.arange(5)) % cells, parting
-
-
-def corner_functions(method: str, cells: int, x: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Corners of the pieces around particles at x, from the first to that a period behind it (P + 1,), in metres; the
-    first of the three nodes each, from 0 at x = 0, and the base functions there (P + 1, 3)."""
-    P = len(x)
-    around = np.concatenate([x[-2:] - 1, x, x[:2] + 1])
-    corners = (9 * (around[1:P + 2] + around[2:P + 3]) - around[:P + 1] - around[3:]) / 16
-    first, B, _ = stencil("bspline" if method == "bspline" else "mpm", corners * cells, np.zeros(P + 1))
-    return corners, first, B

@@ -9,6 +9,7 @@ from typing import Any
 
 import numpy as np
 
+from solvers.problems.planar.budget.reference import Moment
 from solvers.scene.scene import Scene
 
 INNER, OUTER = 0.4, 0.6
@@ -103,3 +104,16 @@ def body_force(scene: Scene, R: np.ndarray, t: Any) -> np.ndarray:
         across = np.cos(np.pi * (R - INNER) / (OUTER - INNER))
         force += SECOND_SIZE * frequency**2 * scene.amplitude * across * np.sin(SECOND_FREQUENCY * frequency * t)
     return force
+
+
+def moment(scene: Scene, X: np.ndarray, t: float) -> Moment:
+    """The exact solution at the material positions X (P, 2): separable, F - I is T(t) times a field."""
+    R = np.linalg.norm(X, axis=1)
+    e = X / R[:, None]
+    (w, slope, _), (size, speed, change) = shape(R), time_factors(scene, t)
+    outward = e[:, :, None] * e[:, None, :]
+    gradient = (w / R)[:, None, None] * (np.eye(2) - outward) + slope[:, None, None] * outward
+    radial = w[:, None] * e
+    force = body_force(scene, R, t)[:, None] * e
+    return Moment(size * radial, speed * radial, change * radial, force, np.eye(2) + size * gradient, speed * gradient,
+                  change * gradient)

@@ -35,6 +35,8 @@ class RingProblem(Problem):
 
     @property
     def budget(self) -> OnDemand:
-        from solvers.problems.ring.budget import BUDGET
+        from solvers.problems.planar.budget.on_demand import PlanarBudget
+        from solvers.problems.ring.exact import moment
+        from solvers.problems.ring.solver import RingSolver
 
-        return BUDGET
+        return PlanarBudget(RingSolver, moment)

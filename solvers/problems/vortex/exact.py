@@ -17,6 +17,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from solvers.problems.planar.budget.reference import Moment
 from solvers.scene.scene import Scene
 
 INNER, OUTER = 0.75, 1.25
@@ -178,3 +179,25 @@ def force_at_rest(scene: Scene, R: np.ndarray, t: float) -> np.ndarray:
 def on_axis(R: np.ndarray) -> np.ndarray:
     """Points (K, 2) of the radii R on the x axis, where e_R and e_Theta are the axes."""
     return np.stack([R, np.zeros_like(R)], axis=1)
+
+
+def moment(scene: Scene, X: np.ndarray, t: float) -> Moment:
+    """The exact solution at the material positions X (P, 2).
+
+    F depends on time through g alone, F = Q(g h) (I + R g h' e_Theta e_R^T); with J a left turn by 90 degrees and
+    B = R h' J Q e_R e_R^T = R h' Q e_Theta e_R^T: F_g = h J F + B and F_gg = -h^2 F + 2 h J B.
+    """
+    R = np.linalg.norm(X, axis=1)
+    (h, slope, _), (_, speed, change) = shape(R), time_factors(scene, t)
+    angle, e = turn(scene, R, t).angle, X / R[:, None]
+    around = combined(e, -np.sin(angle), np.cos(angle))  # Q e_Theta
+    F, h = deformation_gradient(scene, X, t), h[:, None, None]
+    B = (R * slope)[:, None, None] * around[:, :, None] * e[:, None, :]
+    first, second = h * _left(F) + B, -h * h * F + 2 * h * _left(B)
+    return Moment(displacement(scene, X, t), velocity(scene, X, t), acceleration(scene, X, t),
+                  body_force(scene, X, t), F, speed * first, speed**2 * second + change * first)
+
+
+def _left(tensors: np.ndarray) -> np.ndarray:
+    """J times tensors (P, 2, 2)."""
+    return np.stack([-tensors[:, 1], tensors[:, 0]], axis=1)

@@ -35,6 +35,8 @@ class VortexProblem(Problem):
 
     @property
     def budget(self) -> OnDemand:
-        from solvers.problems.vortex.budget import BUDGET
+        from solvers.problems.planar.budget.on_demand import PlanarBudget
+        from solvers.problems.vortex.exact import moment
+        from solvers.problems.vortex.solver import VortexSolver
 
-        return BUDGET
+        return PlanarBudget(VortexSolver, moment)

@@ -109,11 +109,11 @@ class Jobs(BudgetJobs):
 
 
 @pytest.mark.parametrize(("code", "bad", "died"), [
-    ("de", "der Lauf wird vor diesem Zeitpunkt schlecht", "der Hintergrundprozess was closed"),
-    ("en", "the run goes bad before this moment", "the background process was closed")])
+    ("de", "der Lauf wird schlecht: boom", "der Hintergrundprozess was closed"),
+    ("en", "the run goes bad: boom", "the background process was closed")])
 def test_what_becomes_of_a_job(monkeypatch, code, bad, died):
     jobs = Jobs(Slots(1)).begin(monkeypatch, code)
-    on_a_thread(jobs.tell, {"bad": ""})
+    on_a_thread(jobs.tell, {"bad": "boom"})
     assert jobs.status.trouble == bad
     on_a_thread(jobs.future.set_result, {})
     assert not jobs.status.running and jobs.status.trouble == bad

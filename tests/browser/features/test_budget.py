@@ -93,19 +93,6 @@ def test_who_asks_has_the_chart_before_him(server, chromium, link, script):
         until(lambda: (box := shares.bounding_box()) and box["y"] + box["height"] < 720, "all of it in the window")
 
 
-def test_where_and_when_is_a_picture_over_the_page(server, chromium):
-    with visit(chromium, server[0], f"#{QUARTER}") as page:
-        page.locator(".lab-who").click()
-        page.get_by_role("button", name="Where and when?").click()
-        place = page.get_by_role("dialog", name="where and when the error of x was made")
-        until(place.is_visible, "the map", LONG)
-        assert place.locator("img").evaluate("image => image.naturalWidth") > 800
-        nothing_serious(page, "the fold")
-        page.keyboard.press("Escape")
-        until(lambda: not place.count(), "the page again")
-        assert page.get_by_role("button", name="Where and when?").is_visible()
-
-
 @pytest.mark.slow  # what is found there, and what it says, tests/app/page/test_budget_fold.py shows without a browser
 def test_in_the_plane_it_is_found_beside_the_stage(server, chromium):
     """By the keyboard, and with the numbers of the command."""

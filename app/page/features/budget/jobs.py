@@ -1,5 +1,14 @@
-"""What the fold *Who made this error?* has found beside the stage: budgets on demand, and maps."""
+"""The budgets that the fold *Who made this error?* finds beside the stage, where runs do not carry theirs with them.
 
+The process that finds one, in ``budget``, says::
+
+    {"part": .3}                        how far it is
+    {"series": {...}, "again": {...}}   the samples of the run, and of that without the cause, or None
+    {"trouble": a sentence}             why there is none
+    {"bad": a sentence}                 or that a run goes bad, and why
+"""
+
+from collections.abc import Callable
 from dataclasses import dataclass, replace
 from typing import Any
 
@@ -8,36 +17,36 @@ import numpy as np
 from app.language.heard import heard
 from app.language.spoken import later, tr
 from app.page.features.background import SLOTS, Background, JobStatus
+from solvers.running.result import Result
 from solvers.scene.causes import NOTHING
+from solvers.scene.rules import SceneError
 from solvers.scene.scene import Scene
-from solvers.study.grid import task_of
+from solvers.solver.norms import finite
+from solvers.study.grid import Task, task_of
 from solvers.workers.pool import Slots
 
-BUDGET, MAP = "budget", "where_and_when"
 PATIENCE = 180.0  # seconds that one may take
+OFTEN = 0.02  # of the work: how often it is said how far it is
 
 Series = dict[str, np.ndarray]
+Tell = Callable[[dict[str, Any]], object]
 
 
 @dataclass(frozen=True)
 class Found(JobStatus):
-    """Of a ``scene``: how far (``part``) it is; of a budget the samples, and ``again`` those of the run without the
-    ``cause``; of a map of a ``field`` at a ``time`` in s the ``picture``, a PNG in base64."""
+    """Of a ``scene``: how far (``part``) it is, the samples, and ``again`` those of the run without the ``cause``."""
 
     scene: Scene | None = None
     cause: str = NOTHING
-    field: str = ""
-    time: float = 0.0
     part: float = 0.0
     series: Series | None = None
     again: Series | None = None
-    picture: str = ""
 
 
 class BudgetJobs(Background[Found]):
     """One visitor's."""
 
-    WORK = "app.page.features.budget.work"
+    WORK = __name__
     BUSY = later("Other visitors' questions keep this server busy: it answers {n} at a time. Try again in a while.")
 
     def __init__(self, slots: Slots = SLOTS):
@@ -46,24 +55,44 @@ class BudgetJobs(Background[Found]):
     def budget(self, scene: Scene, cause: str = NOTHING) -> None:
         """Find the budget of a scene, and what is left without a cause; until then the one without it stays."""
         before = self.status.series if self.status.scene == scene else None
-        self._start(Found(BUDGET, scene=scene, cause=cause, series=before),
+        self._start(Found("budget", scene=scene, cause=cause, series=before),
                     {"task": task_of(scene).to_dict(), "cause": cause}, PATIENCE)
-        self.give_way()
-
-    def map(self, scene: Scene, time: float, field: str, particle: int | None) -> None:
-        """Find where and when the error of a field at a time was made: of a particle, or of all."""
-        end: dict[str, Any] = {"t_end": time, "periods": None}
-        self._start(Found(MAP, scene=scene, field=field, time=time),
-                    {"task": task_of(replace(scene, **end)).to_dict(), "field": field, "particle": particle}, PATIENCE)
         self.give_way()
 
     def heard(self, before: Found, message: dict[str, Any]) -> Found:
         given: dict[str, Any] = message | {name: _arrays(message[name]) for name in ("series", "again")
                                            if name in message}
         if (reason := given.pop("bad", None)) is not None:
-            given["trouble"] = tr("the run goes bad: {reason}", reason=heard(reason)) if reason else \
-                tr("the run goes bad before this moment")
+            given["trouble"] = tr("the run goes bad: {reason}", reason=heard(reason))
         return replace(before, **given)
+
+
+def budget(question: dict[str, Any], tell: Tell) -> None:
+    """In a process of its own: the budget of a task's scene, and what is left of it without a cause."""
+    from solvers.running.budget import run_budget
+
+    said = 0.0
+
+    def show(part: float) -> None:
+        nonlocal said
+        if part >= said + OFTEN:
+            said = part
+            tell({"part": part})
+
+    try:
+        found = run_budget(Task(**question["task"]).scene(), question["cause"], show)
+    except SceneError as error:
+        tell({"trouble": str(error)})
+        return
+    bad = [result.reason for result in (found.result, found.again)
+           if result is not None and result.status != "ok"]
+    tell({"series": _columns(found.result), "again": found.again and _columns(found.again),
+          **({"bad": bad[0]} if bad else {})})
+
+
+def _columns(result: Result) -> dict[str, list[float | None]]:
+    return {name: [finite(value) for value in np.asarray(values).tolist()] for name, values in result.series.items()
+            if name == "time" or name.startswith("budget/")}
 
 
 def _arrays(columns: dict[str, list[float | None]] | None) -> Series | None:

@@ -1,7 +1,6 @@
 """Who made this error? A fold with the chart of the error budget, and a cause to take away and run again without: the
 first run stays pinned beside the second, with what the budget has foretold and what has come. Runs of the bar carry
-their budget with them; in the plane it is found beside the stage, when it is asked for. Where and when an error of the
-bar was made is a picture over the stage."""
+their budget with them; in the plane it is found beside the stage, when it is asked for."""
 
 import math
 from collections.abc import Callable
@@ -15,9 +14,9 @@ import viser
 from app.frame.budget import QUESTION, divided, field_of, largest_share, percent
 from app.language.heard import heard
 from app.language.spoken import later, tr
-from app.page.features.budget.jobs import BUDGET, MAP, BudgetJobs, Found
+from app.page.features.budget.chart import Divided, chart, outcome, sentence, taken_away
+from app.page.features.budget.jobs import BudgetJobs, Found
 from app.page.measurements import Numbers
-from app.page.panels.budget_chart import Divided, chart, outcome, picture, sentence, taken_away
 from app.page.panels.head import marked
 from app.page.source import Choice
 from app.page.visit.session import Session
@@ -34,7 +33,6 @@ OFFER = later("Which part of the error have crossings made, and which the coarse
 ON_DEMAND = later("Which part of the error have crossings made, and which the coarse grid and the time step? Found "
                   "beside your stage, from t = 0 to the end of the scene.")
 WAITING = later("The run begins again, with the errors of each cause beside it.")
-FINDING, TRACING = later("Being found beside your stage: {share}"), later("The error is traced back: {share}")
 PINNED, THIS = (later("pinned"), later("pinned: {run}")), (later("this run"), later("this run: {run}"))
 _NAMES = {"x": later("displacement x"), "v": later("velocity v"), "F": later("deformation F")}
 
@@ -52,8 +50,6 @@ class BudgetFold:
                  clock: Callable[[], float] = monotonic):
         self._session, self._state, self._show, self._clock = session, state, show, clock
         self.jobs = BudgetJobs()
-        self._seen_at = 0.0  # the moment that is on the stage, and the particle that is traced there
-        self._particle: int | None = None
         self._followed, self._drawn_at = "", -math.inf
         self._mark = gui.add_html(marked("lab-budget"))
         self._fold = gui.add_folder(tr(QUESTION), expand_by_default=False)
@@ -72,23 +68,16 @@ class BudgetFold:
                 "the same scene without this cause, from t = 0; the run as it is stays beside it"))
             self._outcome = gui.add_html("")
             self._back = gui.add_button(tr("Put it back"), hint=tr("the scene as it is, by itself"))
-            self._where = gui.add_button(tr("Where and when?"), hint=tr(
-                "trace the error of this moment back to where and when it was made: of the traced particle, or of all"))
-            self._map = gui.add_html("")
         self._cancel.on_click(lambda _: self.jobs.cancel())
-        self._where.on_click(lambda _: self.jobs.map(self._session.scene, self._seen_at, self._shown_field,
-                                                     self._particle))
         self._find.on_click(lambda _: self.find_out())
         self._again.on_click(lambda _: self._take_away())
         self._back.on_click(lambda _: self._put_back())
         self._field.on_update(lambda _: self._redraw())
 
     def press(self, said: object) -> None:
-        """The visitor has asked who made the error, or has seen the map."""
+        """The visitor has asked who made the error."""
         if said is True:
             self.find_out()
-        elif said == "seen":
-            self.jobs.forget()
 
     def find_out(self) -> None:
         """Divide the error of the run, and of one that is pinned beside it."""
@@ -118,11 +107,9 @@ class BudgetFold:
         _see(bool(runs), self._chart)
         _see(bool(runs) and not found.running, self._cause, self._again)
         _see(own and taken_away(scene) != NOTHING, self._back)
-        _say(self._offer, (_missing(scene) if on else _offer(OFFER)) if own else
-             _going(found, FINDING) or _offer(ON_DEMAND))
+        self._offer.content = (_missing(scene) if on else _offer(OFFER)) if own else _going(found) or _offer(ON_DEMAND)
         self._follow(choice.quantity)
         self._draw(runs, self._cause_between(runs) if own else found.cause, on, numbers.now.playing)
-        self._show_map(numbers, found, own and bool(runs))
 
     def _found(self, scene: Scene | None) -> Found:
         """What the jobs have of a scene. One for another scene is of no use any more."""
@@ -137,31 +124,22 @@ class BudgetFold:
         field, now = self._shown_field, self._clock()
         if not runs:
             self._drawn_at = -math.inf
-            _say(self._mark, marked("lab-budget", words="" if on else tr("not asked yet")))
-            _say(self._outcome, "")
+            self._mark.content = marked("lab-budget", words="" if on else tr("not asked yet"))
+            self._outcome.content = ""
         elif not playing or now >= self._drawn_at + REDRAWN:
             self._drawn_at = now
-            _say(self._chart, chart(runs, field))
-            _say(self._mark, marked("lab-budget", words=_verdict(runs[-1], field)))
-            _say(self._outcome, outcome(runs[0], runs[-1], field, cause) if cause != NOTHING and len(runs) > 1 else "")
-
-    def _show_map(self, numbers: Numbers, found: Found, offered: bool) -> None:
-        """Where and when: asked for while the run stands, and shown as long as it does."""
-        self._seen_at = numbers.now.time
-        traced = numbers.traced
-        self._particle = traced.particle if traced is not None and traced.scene == self._session.scene else None
-        of_now = found.kind == MAP and found.time == self._seen_at and found.field == self._shown_field
-        _see(offered and not numbers.now.playing and self._seen_at > 0 and not found.running, self._where)
-        _say(self._map, "" if not (offered and of_now) else _going(found, TRACING) or picture(
-            found.picture, tr("where and when the error of {field} was made", field=found.field)))
+            self._chart.content = chart(runs, field)
+            self._mark.content = marked("lab-budget", words=_verdict(runs[-1], field))
+            self._outcome.content = "" if cause == NOTHING or len(runs) < 2 else \
+                outcome(runs[0], runs[-1], field, cause)
 
     @staticmethod
     def _cause_between(runs: list[Divided]) -> str:
         """What the second of two runs has less than the first, where that is all the difference between them."""
-        before, again = runs[0].scene if runs else None, runs[-1].scene if runs else None
-        if before is None or again is None or len(runs) < 2 or before != _whole(again):
+        if len(runs) < 2:
             return NOTHING
-        return taken_away(again)
+        before, again = (run.scene for run in runs)
+        return taken_away(again) if before == _without(NOTHING, again) else NOTHING
 
     @property
     def _shown_field(self) -> str:
@@ -193,10 +171,9 @@ class BudgetFold:
         if EFFECT not in state.scene.OWN_EFFECTS:
             self.jobs.budget(state.scene, suspect)
             return
-        before = _whole(state.scene)
-        changes: dict[str, Any] = {"take_away": suspect}
+        before = _without(NOTHING, state.scene)
         try:
-            after = replace(before, **changes)
+            after = _without(suspect, before)
         except SceneError as error:
             self._session.refuse(tr("Take it away: {reason}", reason=heard(str(error))))
         else:
@@ -204,23 +181,23 @@ class BudgetFold:
 
     def _put_back(self) -> None:
         state = self._state()
-        self._show(replace(state, scene=_whole(state.scene), pinned=None))
+        self._show(replace(state, scene=_without(NOTHING, state.scene), pinned=None))
 
 
 def _runs_found(found: Found) -> list[Divided]:
     """The run whose budget a job has found, and the one without a cause."""
-    if found.kind != BUDGET or found.scene is None or found.series is None:
+    if found.scene is None or found.series is None:
         return []
-    if found.again is None:
-        return [Divided("", found.scene, found.series, found.series)]
-    return [Divided(tr("as it is"), found.scene, found.series, found.series),
-            Divided(tr("without {cause}", cause=tr(CAUSES[found.cause])), found.scene, found.again, found.again)]
+    runs = {"": found.series} if found.again is None else {
+        tr("as it is"): found.series, tr("without {cause}", cause=tr(CAUSES[found.cause])): found.again}
+    return [Divided(name, found.scene, series, series) for name, series in runs.items()]
 
 
-def _going(found: Found, doing: str) -> str:
+def _going(found: Found) -> str:
     """How far a job is, or what has become of it; "" where there is nothing to say."""
     if found.running:
-        return f"<p class='lab-budget-offer' role='status'>{tr(doing, share=percent(found.part))}</p>"
+        return f"<p class='lab-budget-offer' role='status'>" \
+               f"{tr('Being found beside your stage: {share}', share=percent(found.part))}</p>"
     said = tr("It was cancelled") if found.cancelled else found.trouble
     return f"<p class='lab-budget-offer' role='alert'>{escape(sentence(said.removesuffix('.')))}</p>" if said else ""
 
@@ -229,10 +206,10 @@ def _with_budget(scene: Scene) -> Scene:
     return replace(scene, effects=(*scene.effects, EFFECT)) if EFFECT not in scene.effects else scene
 
 
-def _whole(scene: Scene) -> Scene:
-    """The scene with nothing taken away."""
-    nothing: dict[str, Any] = {"take_away": NOTHING}
-    return replace(scene, **nothing) if taken_away(scene) != NOTHING else scene
+def _without(cause: str, scene: Scene) -> Scene:
+    """The scene with this cause taken away."""
+    change: dict[str, Any] = {"take_away": cause}
+    return replace(scene, **change) if taken_away(scene) != cause else scene
 
 
 def _named(name: tuple[str, str], scene: Scene, other: Scene) -> str:
@@ -259,10 +236,4 @@ def _missing(scene: Scene) -> str:
 
 def _see(visible: bool, *widgets: Any) -> None:
     for widget in widgets:
-        if widget.visible != visible:
-            widget.visible = visible
-
-
-def _say(html: viser.GuiHtmlHandle, content: str) -> None:
-    if html.content != content:
-        html.content = content
+        widget.visible = visible  # of what is so already, viser sends nothing

@@ -1,9 +1,8 @@
 // Who made this error? A press below the judges' cards, or in a lesson, asks for the budget, opens its fold and goes there.
 // What opens makes room only when the page has it: so it is looked for a while. A chart that has to be waited for is gone
-// to when it comes, if the visitor has not gone elsewhere meanwhile. A map that has been asked for opens over the page as
-// soon as it is there.
+// to when it comes, if the visitor has not gone elsewhere meanwhile.
 (() => {
-  const ROOM = 150, PATIENCE = 20, LATE = 200, LONG = 1400;  // milliseconds between two looks, and how many
+  const ROOM = 150, PATIENCE = 20, LATE = 200;  // milliseconds between two looks, and how many
   const still = matchMedia("(prefers-reduced-motion: reduce)");
   const head = () => document.querySelector("[data-lab~=lab-budget] + div .mantine-Paper-root[style*='cursor: pointer']");
 
@@ -18,12 +17,6 @@
     const moved = new AbortController(), options = {signal: moved.signal, capture: true, passive: true};
     for (const kind of ["wheel", "pointerdown", "touchmove", "keydown"]) addEventListener(kind, () => moved.abort(), options);
     act(() => !moved.signal.aborted);
-  }
-
-  function open(map) {
-    map.showModal();
-    map.addEventListener("close", () => dispatchEvent(new CustomEvent("lab-tell", {detail: {budget: "seen"}})));
-    map.addEventListener("click", event => { if (event.target.tagName !== "IMG") map.close(); });
   }
 
   document.getElementById("root").addEventListener("click", event => {
@@ -46,10 +39,7 @@
         if (!height) whileStill(later => wait(() => later() && drawn(), found => show(found, "start"), LATE));
       });
     }
-    const pressed = event.target.closest("[data-lab~=lab-budget] + div button");
-    if (pressed?.textContent.trim() === tr("Where and when?"))
-      wait(() => document.querySelector("dialog.lab-map:not([open])"), open, LONG);
-    else if (pressed)  // what has become of the error is below what grows
+    if (event.target.closest("[data-lab~=lab-budget] + div button"))  // what has become of the error is below what grows
       wait(() => document.querySelector(".lab-outcome"), outcome => show(outcome, "end"));
   });
 })();

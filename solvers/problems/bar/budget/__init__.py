@@ -11,5 +11,5 @@ Both products, of F with the stress and of F with the gradient of the velocity, 
 rules, so that nothing is linearised. The four causes are the four lanes of a vector, which a processor moves at once.
 
 ``memory`` has the arrays, ``reference`` what the reference does in a step, ``sources`` what each cause does to the
-nodes, ``push`` the map, ``sampling`` the norms.
+nodes, ``push`` the map, with its remedies, and the norms.
 """

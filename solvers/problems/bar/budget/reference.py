@@ -1,7 +1,17 @@
 """What the reference does in a step at a particle: the exact solution, in numbers that follow from X and the time
-alone, or, where that is not looked at, the companion (``companion``)."""
+alone, or, where that is not looked at, the companion.
+
+The first half of a step needs the reference where the step begins, the sources of the time step where it ends, and
+there the companion is at the end of the step. So these are given then, in ``companion_after_step``, and what the next
+step begins with is kept.
+"""
 
 import taichi as ti
+
+from solvers.estimators import companion
+from solvers.scene.causes import CAUSES
+
+TIME_STEP = list(CAUSES).index("time_step")  # its lane
 
 
 @ti.func
@@ -37,3 +47,59 @@ def slopes(bar: ti.template(), p, now, on: ti.template()):
         size = 2 * ti.math.pi * bar.amplitude * bar.cosine[p]
         known = ti.Vector([1 + size * now[0], size * now[1], size * now[3]])
     return known
+
+
+@ti.func
+def companion_after_step(bar: ti.template(), step):
+    """At the end of step number ``step``, when the companion has been there: what symplectic Euler has missed of it."""
+    _fill_elements(bar, step)
+    n, P, dt = bar.companion_counts[companion.ORDER] + 1, bar.particles, bar.dt
+    for p in range(P):
+        at = ti.Vector([0.0, 0.0, 0.0, 0.0])
+        rate = 0.0
+        first = bar.companion_element[p] * n
+        for k in range(n):
+            at += bar.companion_basis[p * n + k] * bar.reference_elements[first + k]
+            rate += bar.companion_basis[p * n + k] * bar.reference_rates[first + k]
+        was, slope = bar.reference_motion[p], bar.reference_slopes[p]
+        u, v, a, F = at[0], at[1], at[2], 1 + at[3]
+        missed = ti.Vector([dt * was[0] - (u - slope[2]), dt * was[1] - (v - (was[0] - dt * was[1])),
+                            dt * slope[1] - (F - slope[0])])
+        if bar.taken_away == TIME_STEP:
+            bar.position[p] -= missed[0]
+            bar.velocity[p] -= missed[1]
+            bar.deformation_gradient[p] -= missed[2]
+        else:
+            for f in ti.static(range(3)):
+                bar.cause_errors[f * P + p] += ti.Vector([0.0, 0.0, 0.0, missed[f]])
+        bar.reference_motion[p] = ti.Vector([v + dt * a, a, 0.0, 0.0])
+        bar.reference_slopes[p] = ti.Vector([F, rate, u, 0.0])
+
+
+@ti.func
+def _fill_elements(bar: ti.template(), step):
+    """u, v, a and u_X at the points of each element after ``step`` steps, and the slope of v + dt a: cubic Hermite
+    polynomials in the interval that the companion took last, of (u, v) and of (v, a)."""
+    n, N, k = bar.companion_counts[companion.ORDER] + 1, bar.companion_counts[companion.NODES], \
+        bar.companion_counts[companion.INTERVAL]
+    H = k * bar.dt
+    s = (step - ((step - 1) // k) * k) / ti.cast(k, ti.f64)
+    left = 1 - s
+    value = ti.Vector([(1 + 2 * s) * left * left, s * left * left * H, s * s * (3 - 2 * s), -s * s * left * H])
+    slope = ti.Vector([6 * s * (s - 1) / H, 3 * s * s - 4 * s + 1, -6 * s * (s - 1) / H, 3 * s * s - 2 * s])
+    for e in range(bar.companion_counts[companion.ACROSS]):
+        for i in range(n):
+            node = e * (n - 1) + i
+            old, new = bar.companion_nodes[companion.START * N + node], bar.companion_nodes[companion.END * N + node]
+            u = value[0] * old[0] + value[1] * old[2] + value[2] * new[0] + value[3] * new[2]
+            v = value[0] * old[2] + value[1] * old[4] + value[2] * new[2] + value[3] * new[4]
+            a = slope[0] * old[2] + slope[1] * old[4] + slope[2] * new[2] + slope[3] * new[4]
+            bar.reference_elements[e * n + i] = ti.Vector([u, v, a, 0.0])
+        for i in range(n):
+            stretch, rate = 0.0, 0.0
+            for j in range(n):
+                point, D = bar.reference_elements[e * n + j], bar.companion_matrices[i * n + j][0]
+                stretch += D * point[0]
+                rate += D * (point[1] + bar.dt * point[2])
+            bar.reference_elements[e * n + i] += ti.Vector([0.0, 0.0, 0.0, stretch])
+            bar.reference_rates[e * n + i] = rate

@@ -6,11 +6,9 @@ from typing import Any
 
 import numpy as np
 
-from solvers.problems.planar.budget.material import Material
-from solvers.problems.planar.budget.moment import Moment
+from solvers.problems.planar.budget.causes import MAKERS, TIME_STEP, CauseErrors, Sources, sources
 from solvers.problems.planar.budget.pieces import Lattice, Pieces
-from solvers.problems.planar.budget.push import CauseErrors
-from solvers.problems.planar.budget.sources import MAKERS, TIME_STEP, Sources, sources
+from solvers.problems.planar.budget.reference import Material, Moment
 from solvers.problems.planar.budget.weights import Grid, StepWeights
 from solvers.problems.planar.solver import PlanarSolver
 from solvers.scene.causes import CAUSES, FIELDS, NOTHING
@@ -23,11 +21,10 @@ from solvers.solver.samples import BUDGET
 
 @dataclass(frozen=True)
 class PlanarBudget:
-    """What a problem in the plane tells its budget: its solver, the exact solution, lambda and mu in Pa of a scene."""
+    """What a problem in the plane tells its budget: its solver, and the exact solution."""
 
     solver: type[PlanarSolver]
     moment: Callable[[Any, np.ndarray, float], Moment]  # (scene, X, t)
-    lame: Callable[[Any], tuple[float, float]]
 
     def check(self, scene: Any, take_away: str = NOTHING) -> None:
         """:class:`SceneError` where there is no budget of a scene, or not without that cause."""
@@ -48,7 +45,7 @@ class PlanarBudget:
         """Its samples (``solvers.solver.samples.BUDGET``) after so many ``steps`` (T,), in rising order, NaN from where
         the run has gone bad; and the solver at the end."""
         bare = replace(scene, effects=(), estimators=(), plan="serial", threads=1)
-        run = BudgetRun(self.solver(bare), self, take_away)
+        run = BudgetRun(self, bare, take_away)
         out = {name: np.full(len(steps), np.nan) for name in BUDGET}
         for k, wanted in enumerate(steps):
             while run.solver.step < wanted:
@@ -63,16 +60,18 @@ class PlanarBudget:
 
 
 class BudgetRun:
-    """A ``solver`` at the start of its run, and the errors that each cause has made in it; what one of ``CAUSES`` gives
-    may be taken out of the run, exactly."""
+    """A scene's run at its start, and the errors that each cause has made in it; what one of ``CAUSES`` gives may be
+    taken out of the run, exactly."""
 
-    def __init__(self, solver: PlanarSolver, budget: PlanarBudget, take_away: str = NOTHING):
-        scene, a = solver.scene, solver._arrays
-        self.solver, self._budget, self._scene, self._arrays = solver, budget, scene, a
+    def __init__(self, budget: PlanarBudget, scene: Any, take_away: str = NOTHING):
+        self.solver = solver = budget.solver(scene)
+        self._budget, self._scene, self._arrays = budget, scene, solver._arrays
+        a = solver._arrays
         self._X, self._volume = a.material_position, a.mass / a.density
         self._grid = Grid(a.row, solver.PARTS.traits.first)
         self._lattice = Lattice(scene)
-        self._material = Material(*budget.lame(scene), at_rest=scene.frozen)
+        bulk, shear = scene.lame_moduli
+        self._material = Material(bulk, shear, at_rest=scene.frozen)
         self._now: Moment = budget.moment(scene, self._X, 0.0)
         self._taken = MAKERS.index(take_away) if take_away in MAKERS else None
         self.causes = CauseErrors(len(self._X))

@@ -1,13 +1,26 @@
-"""Neo-Hookean stress in the plane, lambda ln J I + mu (F F^T - I) as Kirchhoff's, and its exact differences.
+"""What the errors of a budget are measured against: the exact motion at one time, and the stress that goes with it.
 
-In two dimensions det F is quadratic in F, and so is F F^T: the difference of either between F and F0 is linear in
-F - F0, with coefficients at the mean of the two. The logarithm, and 1/J, are divided by their secants. So the stress of
-a sum of errors is the sum of their stresses, to round-off, however large they are.
+The stress is neo-Hookean in the plane, lambda ln J I + mu (F F^T - I) as Kirchhoff's. In two dimensions det F is
+quadratic in F, and so is F F^T: the difference of either between F and F0 is linear in F - F0, with coefficients at the
+mean of the two. The logarithm, and 1/J, are divided by their secants. So the stress of a sum of errors is the sum of
+their stresses, to round-off, however large they are.
 """
 
 from typing import NamedTuple
 
 import numpy as np
+
+
+class Moment(NamedTuple):
+    """The exact solution at one time, at the material positions of P particles, SI."""
+
+    displacement: np.ndarray  # u (P, 2)
+    velocity: np.ndarray  # v (P, 2)
+    acceleration: np.ndarray  # a (P, 2)
+    body_force: np.ndarray  # per mass (P, 2)
+    deformation_gradient: np.ndarray  # F (P, 2, 2)
+    rate: np.ndarray  # F_t, which is the gradient of v along X (P, 2, 2)
+    second_rate: np.ndarray  # F_tt, that of a (P, 2, 2)
 
 
 class Material(NamedTuple):

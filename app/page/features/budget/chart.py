@@ -161,14 +161,6 @@ def outcome(before: Divided, again: Divided, field: str, cause: str) -> str:
     return f"<div class='lab-outcome'><p>{of}</p>{rows}</div>"
 
 
-def picture(png: str, words: str) -> str:
-    """A picture over the page, in base64, with what it shows in words; "" where there is none. The page's script opens
-    it (``js/budget.js``)."""
-    said, close = escape(words, quote=True), tr("Close")
-    return f"<dialog class='lab-map' aria-label='{said}'><button type='button' aria-label='{close}'>×</button>" \
-           f"<img alt='{said}' src='data:image/png;base64,{png}'></dialog>" if png else ""
-
-
 def _bar(words: str, size: float | None, whole: float, unit: str, key: str) -> str:
     """A size as a bar and in words, beside the ``whole``."""
     if size is None:

@@ -1,7 +1,8 @@
-"""What the exact solution, put through one step of the run, misses itself by, divided between the causes.
+"""The errors of each cause: what a step gives to them, and how it carries them on.
 
-With f the method's force of the exact stress at the nodes, f~ that of the same stress in pieces, and "down" the
-mass-weighted mean over the particles of a node, the exact motion misses its own acceleration there by
+The exact solution, put through one step of the run, misses itself. With f the method's force of the exact stress at the
+nodes, f~ that of the same stress in pieces, and "down" the mass-weighted mean over the particles of a node, it misses
+its own acceleration there by
 
     crossings    (f - f~)/m            a particle, or its domain, is counted where a part of its piece does not lie
     coarse grid  f~/m - down(a0 - b)   pieces of constant stress, and hats to see them with
@@ -15,8 +16,8 @@ from typing import NamedTuple
 
 import numpy as np
 
-from solvers.problems.planar.budget.moment import Moment
 from solvers.problems.planar.budget.pieces import Pieces
+from solvers.problems.planar.budget.reference import Material, Moment
 from solvers.problems.planar.budget.weights import StepWeights
 
 #: The causes that there are here, of ``solvers.scene.causes``: a body force at material points makes no error.
@@ -68,3 +69,37 @@ def sources(weights: StepWeights, pieces: Pieces, now: Moment, then: Moment, str
     v[TIME_STEP] += dt * now.acceleration - (then.velocity - now.velocity)
     F[TIME_STEP] += dt * wanted - (then.deformation_gradient - now.deformation_gradient)
     return Sources(x, v, F, gradients[2] + dt * (gradients[0] + gradients[1]))
+
+
+class CauseErrors:
+    """The errors of x and v (3, P, 2) and of F (3, P, 2, 2) that each of ``MAKERS`` has made."""
+
+    def __init__(self, particles: int):
+        self.position = np.zeros((len(MAKERS), particles, 2))
+        self.velocity = np.zeros((len(MAKERS), particles, 2))
+        self.deformation_gradient = np.zeros((len(MAKERS), particles, 2, 2))
+
+    def fields(self) -> dict[str, np.ndarray]:
+        """By the names of ``solvers.scene.causes.FIELDS``."""
+        return {"x": self.position, "v": self.velocity, "F": self.deformation_gradient}
+
+    def push(self, weights: StepWeights, material: Material, F: np.ndarray, F0: np.ndarray, volume: np.ndarray,
+             given: Sources, dt: float, with_particle: bool) -> None:
+        """Take them through a step which began with the run's ``F`` and the exact ``F0`` (P, 2, 2), and add what each
+        cause gives. L F - L0 F0 = (L - L0) F + L0 (F - F0), exactly; with frozen weights F has L only."""
+        stress = material.difference(F, F0, self.deformation_gradient)
+        acceleration = weights.acceleration_of(volume[:, None, None] * stress)
+        moved = weights.to_nodes(self.velocity) + dt * acceleration
+        faster = dt * weights.to_particles(acceleration)
+        if with_particle:
+            self.position += dt * (self.velocity + faster)
+        else:
+            self.position += dt * weights.to_particles(moved)
+        self.velocity += faster
+        slope = weights.gradient(moved)
+        if not material.at_rest:
+            slope = slope @ F + given.velocity_gradient @ self.deformation_gradient
+        self.deformation_gradient += dt * slope
+        self.position += given.position
+        self.velocity += given.velocity
+        self.deformation_gradient += given.deformation_gradient
