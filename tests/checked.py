@@ -13,7 +13,7 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from itertools import islice
 
-from solvers.checking.verdict import CONSISTENT, Checked, check
+from solvers.judging.check import CONSISTENT, Checked, check
 from solvers.outside.file_error import FileError
 from solvers.study.markdown import grid
 from tests.altered import ALL, ALTERATIONS, Files, Steps, files, scene_of, stepped

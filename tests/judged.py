@@ -14,10 +14,10 @@ from typing import Any
 
 import numpy as np
 
-from solvers.judging.arrays import from_arrays
-from solvers.judging.fitting import placed
+from solvers.judging.columns import from_arrays
 from solvers.judging.measure import Companions, summarised
 from solvers.judging.ours import framed
+from solvers.judging.placing import placed
 from solvers.judging.verdict import GridJudgement
 from solvers.problems import PROBLEMS
 from solvers.running.run import build

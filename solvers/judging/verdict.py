@@ -10,13 +10,12 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from solvers.judging import measure
-from solvers.judging.checks.alone import Apart
-from solvers.judging.checks.evidence import Evidence
-from solvers.judging.checks.listed import Checks
-from solvers.judging.fitting import placed
+from solvers.judging.findings.alone import Apart
+from solvers.judging.findings.evidence import Evidence
+from solvers.judging.findings.listed import Checks
 from solvers.judging.frames import Grid
 from solvers.judging.measure import QUANTITIES, Companions, Errors, WorstParticle
-from solvers.judging.placing import SAME, check_origin
+from solvers.judging.placing import SAME, check_origin, placed
 from solvers.judging.sources import Particles, listed, read_all
 from solvers.scene.rules import SceneError
 from solvers.scene.scene import Scene
@@ -86,7 +85,7 @@ class GridJudgement:
         return {
             "cells": self.grid.cells, "h": self.scene.spacing, "files": list(dict.fromkeys(f.file for f in frames)),
             "particles": len(frames[-1].number), "times": times.tolist(), "notes": self.notes(),
-            "checks": [check.to_dict() for check in self.checks.listed],
+            "checks": [one.as_check() for one in self.checks.listed],
             "error": None if true is None else measure.summarised(times, true),
             "norms": None if true is None else measure.listed(true),
             "estimate": {"companion": measure.summarised(times, estimates), "norms": measure.listed(estimates),

@@ -5,7 +5,7 @@ from __future__ import annotations
 import pytest
 
 from app.cli import main
-from app.commands.judge.expected import EXPECTABLE
+from app.commands.judge.command import EXPECTABLE
 from solvers import BarScene, run
 
 

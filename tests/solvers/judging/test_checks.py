@@ -10,13 +10,11 @@ import pytest
 
 from app.cli import main
 from solvers.judging import handout
-from solvers.judging.checks.alone import NAMES
-from solvers.judging.checks.check import HOLDS, OFF, UNKNOWN
-from solvers.judging.checks.figures import DOUBLE, SINGLE, kept
-from solvers.judging.checks.moments import fitted
-from solvers.judging.checks.nearby import Nearby
-from solvers.judging.checks.neighbours import outliers, surroundings
-from solvers.judging.checks.over_time import rate, shifted
+from solvers.judging.findings.alone import NAMES
+from solvers.judging.findings.evidence import DOUBLE, SINGLE, kept
+from solvers.judging.findings.finding import HOLDS, OFF, UNKNOWN
+from solvers.judging.findings.neighbours import Nearby, outliers, surroundings
+from solvers.judging.findings.over_time import fitted, rate, shifted
 from solvers.judging.verdict import judge
 from solvers.problems import PROBLEMS
 from tests.altered import ALL, ALTERATIONS, KEYS, Steps, files, scene_of, stepped

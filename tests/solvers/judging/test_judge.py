@@ -17,7 +17,7 @@ from solvers.judging.frames import Frame
 from solvers.judging.placing import grids
 from solvers.judging.reading import read
 from solvers.judging.verdict import judge
-from solvers.judging.vtk import write_vtu
+from solvers.judging.writing import vtu
 from solvers.outside.file_error import FileError
 from solvers.problems import PROBLEMS
 from solvers.running.run import run
@@ -189,13 +189,13 @@ def test_the_exact_particles_have_no_error_in_any_form(problem, tmp_path):
         _no_error(scene, tmp_path / name)
     one = frames[0]
     data = {"id": one.number, "velocity": _in_space(one.velocity), "stress": _in_space(one.stress).reshape(-1, 9)}
-    (tmp_path / "c.vtu").write_bytes(write_vtu(one.position, data, one.time))
+    (tmp_path / "c.vtu").write_bytes(vtu(one.position, data, one.time))
     _no_error(scene, tmp_path / "c.vtu")
     points = _in_space(one.position)
     meshio.vtk.write(str(tmp_path / "d.vtk"), meshio.Mesh(points, [("vertex", np.arange(len(points))[:, None])],
                                                           point_data=data))
     _no_error(scene, tmp_path / "d.vtk", [one.time])
-    text = write_vtu(one.position, data, one.time).decode()
+    text = vtu(one.position, data, one.time).decode()
     head, cells, tail = text[:text.index("<Cells>")], "<Cells>", text[text.index("</Cells>") + len("</Cells>"):]
     assert cells in text
     (tmp_path / "e.vtp").write_text((head + tail).replace("UnstructuredGrid", "PolyData"))

@@ -5,8 +5,8 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from solvers.checking.finding import BROKEN, HOLDS, SUSPICIOUS, UNKNOWN
-from solvers.checking.verdict import CONSISTENT, check
+from solvers.judging.check import CONSISTENT, check
+from solvers.judging.findings.finding import BROKEN, HOLDS, SUSPICIOUS, UNKNOWN
 from solvers.outside.file_error import FileError
 
 T, SIDE = 21, {1: 40, 2: 12, 3: 6}

@@ -7,7 +7,7 @@ from itertools import islice
 
 import pytest
 
-from solvers.checking.verdict import CONSISTENT
+from solvers.judging.check import CONSISTENT
 from tests.checked import LOST, told
 from tests.checking_runs import known_runs
 
