@@ -71,7 +71,7 @@ FIRST = [*(f"browser {part}" for part in range(BROWSERS)), *(f"tests/{name}.py" 
     "solvers/bar/test_budget", "app/notebook/test_notebooks", "solvers/estimators/test_extension",
     "solvers/scene/test_random_scenes", "app/commands/test_cli", "app/commands/test_bench",
     "solvers/running/test_planar_budget", "app/commands/test_sweep_command", "solvers/estimators/test_refusals",
-    "solvers/judging/test_checks", "solvers/running/test_gpu", "solvers/estimators/test_recovered",
+    "solvers/judging/test_findings", "solvers/running/test_gpu", "solvers/estimators/test_recovered",
     "app/serving/test_mob", "solvers/study/test_tables", "app/pictures/test_plots", "app/serving/test_attendance"))]
 
 

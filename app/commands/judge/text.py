@@ -8,10 +8,9 @@ import numpy as np
 from app.problems.views import VIEWS
 from app.templates import rendered
 from app.words import NOTHING, QUANTITIES, method_name, moving, particles_per_cell, ratio, with_unit
-from solvers.judging.findings.alone import NAMES
 from solvers.judging.findings.finding import OFF
 from solvers.judging.measure import QUANTITIES as JUDGED
-from solvers.judging.verdict import Judgement
+from solvers.judging.verdict import BY_PLACE, Judgement
 from solvers.outside.quoting import code, file_name, markdown
 from solvers.study.markdown import grid
 
@@ -20,7 +19,6 @@ CAPTIONS = {"norms.png": "Error norms over time: against the truth where there i
             "order.png": "Largest errors over the cell size, beside our own methods"}
 #: Inputs that some problems have: their keys, names and units.
 OF_SOME = (("poisson_ratio", "Poisson's ratio", ""), ("frequency", "frequency B =", " 1/s"))
-BY_PLACE = NAMES["x"]  # told in its own words
 HERE = Path(__file__).parent
 
 

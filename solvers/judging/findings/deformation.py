@@ -7,7 +7,7 @@ summed up over the body.
 from __future__ import annotations
 
 import functools
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from dataclasses import dataclass
 
 import numpy as np
@@ -65,11 +65,9 @@ class Misses:
 
 
 def misses(motion: Motion, moment: int, F: np.ndarray) -> Misses:
-    """By the trapezoid rule between two neighbours, whose error is of third order in their distance."""
     edges, x = motion.edges, motion.x[moment]
     assert edges is not None
-    mean = 0.5 * (F[edges.one] + F[edges.other])
-    return Misses(edges, x[edges.other] - x[edges.one], np.einsum("nij,nj->ni", mean, edges.apart))
+    return Misses(edges, x[edges.other] - x[edges.one], edges.moved_by(F))
 
 
 def strain(F: np.ndarray) -> float:
@@ -181,18 +179,10 @@ def _otherwise(motion: Motion, F: np.ndarray, every: list[tuple[int, Misses]]) -
 def _readings(motion: Motion, F: np.ndarray, now: Misses) -> Iterator[tuple[str, np.ndarray]]:
     """What parts neighbours if the file means something else, in words."""
     edges, D = now.edges, motion.dimensions
-
-    def by(other: np.ndarray) -> np.ndarray:
-        mean = 0.5 * (other[edges.one] + other[edges.other])
-        return np.einsum("nij,nj->ni", mean, edges.apart)
-
-    forms: dict[str, Callable[[], np.ndarray]] = {
-        "F seems to be its inverse, dX/dx": lambda: np.linalg.pinv(F),
-        "F seems to be the gradient of the displacement, F - 1": lambda: F + np.eye(D)}
+    yield "F seems to be its inverse, dX/dx", edges.moved_by(np.linalg.pinv(F))
+    yield "F seems to be the gradient of the displacement, F - 1", edges.moved_by(F + np.eye(D))
     if D > 1:
-        forms["F seems to be transposed"] = lambda: np.swapaxes(F, -1, -2)
-    for words, form in forms.items():
-        yield words, by(form())
+        yield "F seems to be transposed", edges.moved_by(np.swapaxes(F, -1, -2))
     yield "x seems to be the displacement, not the position", now.told - edges.apart
     size = float(np.sum(now.now * now.told)) / max(float(np.sum(now.told**2)), TINY)
     if abs(np.log10(max(abs(size), TINY))) > 0.3:
@@ -227,7 +217,7 @@ def overtaken(motion: Motion) -> Finding:
         now, told = x[edges.other] - x[edges.one], [edges.apart]
         if motion.dimensions > 1:  # by the plane, and by F where there is one: at a rim either may be wrong
             slopes = [plane(motion, x), *([] if F is None else [F[moment]])]
-            told = [np.einsum("nij,nj->ni", 0.5 * (one[edges.one] + one[edges.other]), edges.apart) for one in slopes]
+            told = [edges.moved_by(one) for one in slopes]
         ahead = np.max([np.sum(now * one, axis=1) / np.maximum(np.linalg.norm(one, axis=1), TINY) for one in told],
                        axis=0)
         turned = ahead <= 0

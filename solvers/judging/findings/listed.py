@@ -2,14 +2,13 @@
 
 from __future__ import annotations
 
-import functools
 from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
 
 from solvers.judging.findings import alone, body, deformation, law, moments, placement
-from solvers.judging.findings.alone import Alone
+from solvers.judging.findings.alone import Apart
 from solvers.judging.findings.evidence import Evidence, kept, some
 from solvers.judging.findings.finding import HOLDS, OFF, Finding, unknown
 from solvers.judging.findings.motion import Motion
@@ -49,48 +48,22 @@ OF_A_MOTION = (
     *(Kind((), _of_each(alone.rough, key)) for key in ("v", "sigma")))
 
 
-@dataclass(frozen=True)
-class Checks:
-    """What was compared of a run, worked out when it is asked for."""
-
-    evidence: Evidence
-
-    @functools.cached_property
-    def alone(self) -> Alone | None:
-        """Particles that are not where their neighbours are."""
-        with np.errstate(all="ignore"):
-            return alone.of_places(self.evidence)
-
-    @functools.cached_property
-    def listed(self) -> list[Finding]:
-        with np.errstate(all="ignore"):  # files may have any numbers, and what is made of the largest may be none
-            return self._compared()
-
-    @functools.cached_property
-    def _places(self) -> Finding:
-        return placement.places(self.evidence)
-
-    def _compared(self) -> list[Finding]:
-        evidence = self.evidence
+def of_a_run(evidence: Evidence) -> tuple[list[Finding], Apart | None]:
+    """What is looked at of a run against its problem; and the frame in which most particles are not where their
+    neighbours are. A mean over particles that are lost among the others says nothing."""
+    with np.errstate(all="ignore"):  # files may have any numbers, and what is made of the largest may be none
+        places, axes, beside = placement.places(evidence), placement.axes(evidence), alone.of_places(evidence)
+        order, drift = (unknown(name, "particles are not where they belong")
+                        for name in (placement.ORDER, placement.DRIFT))
+        if OFF not in (axes.verdict, places.verdict):
+            order = placement.order(evidence)
+        if order.verdict == HOLDS and not (beside and beside.most):
+            drift = placement.drift(evidence)
         fewest = min(evidence.frames, key=lambda frame: len(frame.number))
-        return [body.check(evidence.scene, fewest), _figures(evidence), self._places, placement.speeds(evidence),
-                *self._together(),
-                alone.told("x", self.alone), *(alone.told(q, alone.of_values(evidence, q)) for q in ("v", "sigma")),
-                alone.masses(evidence.frames[0]),
-                moments.clock(evidence), moments.velocity(evidence), moments.stress(evidence), law.check(evidence)]
-
-    def _together(self) -> list[Finding]:
-        """What holds of the particles as a whole; a mean over particles that are lost among the others says nothing."""
-        axes, elsewhere = placement.axes(self.evidence), "particles are not where they belong"
-        otherwise = OFF in (axes.verdict, self._places.verdict)
-        order = unknown(placement.ORDER, elsewhere) if otherwise else placement.order(self.evidence)
-        if order.verdict != HOLDS or (self.alone and self.alone.most):
-            return [axes, order, unknown(placement.DRIFT, elsewhere)]
-        return [axes, order, placement.drift(self.evidence)]
-
-    def notes(self) -> list[str]:
-        """What does not hold, a sentence each, but for the neighbours of x, which have their own place."""
-        return [one.says for one in self.listed if one.verdict == OFF and one.name != alone.NAMES["x"]]
+        return [body.check(evidence.scene, fewest), _figures(evidence), places, placement.speeds(evidence), axes, order,
+                drift, alone.told("x", beside), *(alone.told(q, alone.of_values(evidence, q)) for q in ("v", "sigma")),
+                alone.masses(evidence.frames[0]), moments.clock(evidence), moments.velocity(evidence),
+                moments.stress(evidence), law.check(evidence)], beside.most if beside else None
 
 
 def _figures(evidence: Evidence) -> Finding:
