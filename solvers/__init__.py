@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING
 from solvers.kernels import caches
 
 if TYPE_CHECKING:
-    from solvers.checking.verdict import check
+    from solvers.judging.check import check
     from solvers.judging.verdict import judge
     from solvers.outside.file_error import FileError
     from solvers.problems.bar.scene import BarScene
@@ -27,7 +27,7 @@ if TYPE_CHECKING:
 else:
     _HOMES = {"BarScene": "problems.bar.scene", "RingScene": "problems.ring.scene",
               "VortexScene": "problems.vortex.scene", "run": "running.run", "sweep": "study.sweep",
-              "judge": "judging.verdict", "check": "checking.verdict", "Result": "running.result",
+              "judge": "judging.verdict", "check": "judging.check", "Result": "running.result",
               "SceneError": "scene.rules", "FileError": "outside.file_error"}
 
     def __getattr__(name):

@@ -53,24 +53,20 @@ Files = dict[str, np.ndarray]
 Alteration = Callable[[Steps], Files]
 
 
-def files(run: Steps, change: Callable[[Frame, Frame, int], Frame] = lambda frame, before, k: frame,
-          stress: bool = False, **names: str) -> Files:
-    """Frames as arrays (T, P, ...), each changed, knowing the one a step before; with the stress where it is asked
-    for, or that of a frame a step before."""
-    law = PROBLEMS[run.scene.problem].reference.stress
-    kept = [change(run.frames[k], run.frames[k - 1], k) for k in run.chosen]
+def files(run: Steps, stress: bool = False, before: int = 0) -> Files:
+    """The chosen frames as arrays, or those so many steps ``before`` them."""
+    return as_files(run.scene, [run.frames[k - before] for k in run.chosen], stress)
+
+
+def as_files(scene: Scene, frames: Sequence[Frame], stress: bool = False) -> Files:
+    """Frames as arrays (T, P, ...), with the stress where they have it or it is asked for."""
+    law = PROBLEMS[scene.problem].reference.stress
     if stress:
-        kept = [f if f.stress is not None else replace(f, stress=law(run.scene, given(f.deformation_gradient)))
-                for f in kept]
-    arrays = {"t": np.array([f.time for f in kept]), "cells": np.array(run.scene.cells),
-              "X": kept[0].material_position}
-    return arrays | {key: np.stack([getattr(f, KEYS[key]) for f in kept])
-                     for key in ("x", "v", "F", "sigma") if getattr(kept[0], KEYS[key]) is not None}
-
-
-def given(values: np.ndarray | None) -> np.ndarray:
-    assert values is not None
-    return values
+        frames = [f if f.stress is not None else replace(f, stress=law(scene, f.deformation_gradient)) for f in frames]
+    arrays = {"t": np.array([f.time for f in frames]), "cells": np.array(scene.cells),
+              "X": frames[0].material_position}
+    return arrays | {key: np.stack([getattr(f, KEYS[key]) for f in frames])
+                     for key in ("x", "v", "F", "sigma") if getattr(frames[0], KEYS[key]) is not None}
 
 
 def rounded(arrays: Files, figures: int) -> Files:
@@ -99,35 +95,48 @@ def someone(run: Steps) -> int:
     return int(np.argmax(np.minimum(moved / moved.max(), strained / strained.max())))
 
 
-def put(values: np.ndarray | None, p: int, new: Any) -> np.ndarray:
-    out = given(values).copy()
-    out[p] = new
-    return out
-
-
-def _drift(share: float) -> Alteration:
-    def altered(run: Steps) -> Files:
-        end, far = run.frames[-1].time, share * run.scene.size_of("x")
-        aside = np.eye(run.frames[0].position.shape[1])[0]
-        return files(run, lambda f, b, k: replace(f, position=f.position + far * f.time / end * aside))
-    return altered
-
-
-def _swapped(next_to: bool) -> Alteration:
-    def altered(run: Steps) -> Files:
-        p, X = someone(run), run.frames[0].material_position
-        far = np.linalg.norm(X - X[p], axis=1)
-        q = int(np.argsort(far)[1 if next_to else len(X) // 2])
-        order = np.arange(len(X))
-        order[[p, q]] = q, p
-        return files(run, lambda f, b, k: replace(f, position=f.position[order]))
-    return altered
-
-
-def _missing(kept: Callable[[np.ndarray], np.ndarray], ids: bool = False) -> Alteration:
+def changed(**new: Callable[[Steps, Files], np.ndarray]) -> Alteration:
+    """Some of the arrays made anew, from the run and all arrays."""
     def altered(run: Steps) -> Files:
         arrays = files(run)
-        chosen = kept(arrays["X"])
+        return arrays | {key: make(run, arrays) for key, make in new.items()}
+    return altered
+
+
+def of_one(key: str, value: Callable[[Files, int], Any]) -> Alteration:
+    """One particle's quantity, the same at all times."""
+    def make(run: Steps, arrays: Files) -> np.ndarray:
+        p, values = someone(run), arrays[key].copy()
+        values[:, p] = value(arrays, p)
+        return values
+    return changed(**{key: make})
+
+
+def permuted(key: str, seed: int) -> Callable[[Steps, Files], np.ndarray]:
+    return lambda run, a: a[key][:, np.random.default_rng(seed).permutation(len(a["X"]))]
+
+
+def drift(share: float) -> Alteration:
+    def make(run: Steps, a: Files) -> np.ndarray:
+        aside = np.eye(a["x"].shape[-1])[0]
+        return a["x"] + share * run.scene.size_of("x") * a["t"][:, None, None] / run.frames[-1].time * aside
+    return changed(x=make)
+
+
+def swapped(next_to: bool) -> Alteration:
+    def make(run: Steps, a: Files) -> np.ndarray:
+        p, order = someone(run), np.arange(len(a["X"]))
+        far = np.linalg.norm(a["X"] - a["X"][p], axis=1)
+        q = int(np.argsort(far)[1 if next_to else len(far) // 2])
+        order[[p, q]] = q, p
+        return a["x"][:, order]
+    return changed(x=make)
+
+
+def missing(kept: Callable[[int], np.ndarray], ids: bool = False) -> Alteration:
+    def altered(run: Steps) -> Files:
+        arrays = files(run)
+        chosen = kept(len(arrays["X"]))
         arrays = {key: values if key in ("t", "cells") else values[chosen] if key == "X" else values[:, chosen]
                   for key, values in arrays.items()}
         if ids:
@@ -137,48 +146,33 @@ def _missing(kept: Callable[[np.ndarray], np.ndarray], ids: bool = False) -> Alt
     return altered
 
 
-def _of_another(**changed: float) -> Alteration:
-    """A run with another number in its scene, judged as if it had none."""
+def some(share: float) -> Callable[[int], np.ndarray]:
+    return lambda count: np.sort(np.random.default_rng(3).choice(count, round(share * count), replace=False))
+
+
+def of_another(stress: bool = False, by: Mapping[str, float] | None = None, **inputs: float) -> Alteration:
+    """A run with other numbers in its scene, some ``by`` a factor, judged as if it had its own."""
     def altered(run: Steps) -> Files:
-        return files(stepped(replace(run.scene, **changed)))
+        scaled = {name: factor * getattr(run.scene, name) for name, factor in (by or {}).items()}
+        return files(stepped(replace(run.scene, **scaled, **inputs)), stress)
     return altered
 
 
-def _with_its_stress(**changed: float) -> Alteration:
+def one_mass_doubled(told: bool) -> Alteration:
     def altered(run: Steps) -> Files:
-        return files(stepped(replace(run.scene, **changed)), stress=True)
-    return altered
-
-
-def _one_mass_doubled(told: bool) -> Alteration:
-    def altered(run: Steps) -> Files:
-        p = someone(run)
-
         def begin(solver: Any) -> None:
-            solver._arrays.mass[p] *= 2
-            doubled.append(np.array(solver._arrays.mass))
+            solver._arrays.mass[someone(run)] *= 2
+            masses.append(np.array(solver._arrays.mass))
 
-        doubled: list[np.ndarray] = []
+        masses: list[np.ndarray] = []
         arrays = files(stepped(run.scene, begin))
-        return arrays | ({"mass": np.tile(doubled[0], (len(arrays["t"]), 1))} if told else {})
+        return arrays | ({"mass": np.tile(masses[0], (len(arrays["t"]), 1))} if told else {})
     return altered
 
 
-def _half(X: np.ndarray) -> np.ndarray:
-    return np.arange(0, len(X), 2)
-
-
-def _any(share: float) -> Callable[[np.ndarray], np.ndarray]:
-    return lambda X: np.sort(np.random.default_rng(3).choice(len(X), round(share * len(X)), replace=False))
-
-
-def _late(run: Steps) -> Files:
-    return files(run, lambda f, b, k: replace(f, velocity=0.5 * (given(f.velocity) + given(b.velocity))))
-
-
-def _stress_late(run: Steps) -> Files:
+def stress_late(run: Steps, arrays: Files) -> np.ndarray:
     law = PROBLEMS[run.scene.problem].reference.stress
-    return files(run, lambda f, b, k: replace(f, stress=law(run.scene, given(b.deformation_gradient))))
+    return np.stack([law(run.scene, F) for F in files(run, before=1)["F"]])
 
 
 PLANE, VORTEX = ("ring", "vortex"), ("vortex",)
@@ -189,43 +183,35 @@ ALTERATIONS: dict[str, tuple[tuple[str, ...], Alteration]] = {
     "nothing; stress too": (ALL, lambda run: files(run, stress=True)),
     "nothing; stress too, single precision": (ALL, lambda run: single(files(run, stress=True))),
     "nothing; stress too, seven figures": (ALL, lambda run: rounded(files(run, stress=True), 7)),
-    "v half a step late": (ALL, _late),
-    "F a step late": (ALL, lambda run: files(run, lambda f, b, k: replace(
-        f, deformation_gradient=b.deformation_gradient))),
-    "stress a step late beside F": (ALL, _stress_late),
-    "x shuffled": (ALL, lambda run: files(run, lambda f, b, k: replace(
-        f, position=f.position[np.random.default_rng(1).permutation(len(f.position))]))),
-    "ids permuted, the same at all times": (ALL, lambda run: (lambda a: a | {
-        key: a[key][:, np.random.default_rng(2).permutation(len(a["X"]))] for key in ("x", "v", "F")})(files(run))),
-    "x is the displacement": (ALL, lambda run: files(run, lambda f, b, k: replace(
-        f, position=f.position - f.material_position))),
-    "x in mm": (ALL, lambda run: files(run, lambda f, b, k: replace(f, position=1000 * f.position))),
-    "x and X in mm": (ALL, lambda run: (lambda a: a | {key: 1000 * a[key] for key in ("X", "x")})(files(run))),
-    "two particles swapped": (ALL, _swapped(False)),
-    "two neighbours swapped": (ALL, _swapped(True)),
-    "density 1.02 times": (ALL, lambda run: _of_another(density=1.02 * run.scene.density)(run)),
-    "E 1.01 times": (ALL, lambda run: _of_another(modulus=1.01 * run.scene.modulus)(run)),
-    "E 1.01 times, its stress too": (ALL, lambda run: _with_its_stress(modulus=1.01 * run.scene.modulus)(run)),
-    "Poisson's ratio 0.25 for 0.3": (VORTEX, _of_another(poisson_ratio=0.25)),
-    "Poisson's ratio 0.25, its stress too": (VORTEX, _with_its_stress(poisson_ratio=0.25)),
-    "Poisson's ratio 0 for 0.3": (VORTEX, _of_another(poisson_ratio=0.0)),
-    "one mass doubled": (PLANE, _one_mass_doubled(False)),
-    "one mass doubled, masses in the file": (PLANE, _one_mass_doubled(True)),
-    "one particle stuck": (ALL, lambda run: files(run, lambda f, b, k: replace(
-        f, position=put(f.position, someone(run), f.material_position[someone(run)])))),
-    "one particle with v = 0": (ALL, lambda run: files(run, lambda f, b, k: replace(
-        f, velocity=put(f.velocity, someone(run), 0.0)))),
-    "one particle with F = 1": (ALL, lambda run: files(run, lambda f, b, k: replace(
-        f, deformation_gradient=put(f.deformation_gradient, someone(run), np.eye(f.position.shape[1]))))),
-    "x drifts by 1e-3 of the motion": (ALL, _drift(1e-3)),
-    "x drifts by 1e-2 of the motion": (ALL, _drift(1e-2)),
-    "a tenth missing, with ids": (ALL, _missing(_any(0.9), ids=True)),
-    "every second missing, without ids": (ALL, _missing(_half)),
-    "half missing by chance, without ids": (ALL, _missing(_any(0.5))),
-    "F transposed": (PLANE, lambda run: files(run, lambda f, b, k: replace(
-        f, deformation_gradient=given(f.deformation_gradient).transpose(0, 2, 1)))),
-    "times 1 % too long": (ALL, lambda run: (lambda a: a | {"t": 1.01 * a["t"]})(files(run))),
-    "x and y of positions exchanged": (PLANE, lambda run: files(run, lambda f, b, k: replace(
-        f, position=f.position[:, ::-1]))),
-    "x and y of everything exchanged": (VORTEX, lambda run: (lambda a: a | {
-        key: a[key][..., ::-1] for key in ("X", "x", "v")} | {"F": a["F"][..., ::-1, ::-1]})(files(run)))}
+    "v half a step late": (ALL, changed(v=lambda run, a: 0.5 * (a["v"] + files(run, before=1)["v"]))),
+    "F a step late": (ALL, changed(F=lambda run, a: files(run, before=1)["F"])),
+    "stress a step late beside F": (ALL, changed(sigma=stress_late)),
+    "x shuffled": (ALL, changed(x=permuted("x", 1))),
+    "ids permuted, the same at all times": (ALL, changed(**{key: permuted(key, 2) for key in ("x", "v", "F")})),
+    "x is the displacement": (ALL, changed(x=lambda run, a: a["x"] - a["X"])),
+    "x in mm": (ALL, changed(x=lambda run, a: 1000 * a["x"])),
+    "x and X in mm": (ALL, changed(x=lambda run, a: 1000 * a["x"], X=lambda run, a: 1000 * a["X"])),
+    "two particles swapped": (ALL, swapped(False)),
+    "two neighbours swapped": (ALL, swapped(True)),
+    "density 1.02 times": (ALL, of_another(by={"density": 1.02})),
+    "E 1.01 times": (ALL, of_another(by={"modulus": 1.01})),
+    "E 1.01 times, its stress too": (ALL, of_another(True, by={"modulus": 1.01})),
+    "Poisson's ratio 0.25 for 0.3": (VORTEX, of_another(poisson_ratio=0.25)),
+    "Poisson's ratio 0.25, its stress too": (VORTEX, of_another(True, poisson_ratio=0.25)),
+    "Poisson's ratio 0 for 0.3": (VORTEX, of_another(poisson_ratio=0.0)),
+    "one mass doubled": (PLANE, one_mass_doubled(False)),
+    "one mass doubled, masses in the file": (PLANE, one_mass_doubled(True)),
+    "one particle stuck": (ALL, of_one("x", lambda a, p: a["X"][p])),
+    "one particle with v = 0": (ALL, of_one("v", lambda a, p: 0.0)),
+    "one particle with F = 1": (ALL, of_one("F", lambda a, p: np.eye(a["X"].shape[1]))),
+    "x drifts by 1e-3 of the motion": (ALL, drift(1e-3)),
+    "x drifts by 1e-2 of the motion": (ALL, drift(1e-2)),
+    "a tenth missing, with ids": (ALL, missing(some(0.9), ids=True)),
+    "every second missing, without ids": (ALL, missing(lambda count: np.arange(0, count, 2))),
+    "half missing by chance, without ids": (ALL, missing(some(0.5))),
+    "F transposed": (PLANE, changed(F=lambda run, a: np.swapaxes(a["F"], -1, -2))),
+    "times 1 % too long": (ALL, changed(t=lambda run, a: 1.01 * a["t"])),
+    "x and y of positions exchanged": (PLANE, changed(x=lambda run, a: a["x"][..., ::-1])),
+    "x and y of everything exchanged": (VORTEX, changed(
+        **{key: lambda run, a, key=key: a[key][..., ::-1] for key in ("X", "x", "v")},
+        F=lambda run, a: a["F"][..., ::-1, ::-1]))}

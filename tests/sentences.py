@@ -26,12 +26,13 @@ FILES = ("scene/rules.py", "scene/scene.py", "scene/step_bound.py", "scene/regis
          "solver/soundness.py", "solver/checked.py", "solver/budget.py", "solver/rounding.py",
          "running/budget.py", "running/scene_text.py", "engine/pool.py", "engine/worker.py", "engine/process.py",
          "outside/limits.py", "outside/npz.py", "outside/quoting.py", "study/advise.py", "study/jobs.py",
-         "judging/arrays.py", "judging/checks/*.py", "judging/columns.py", "judging/fitting.py", "judging/placing.py",
-         "judging/reading.py", "judging/row_times.py", "judging/said.py", "judging/show.py", "judging/verdict.py",
-         "judging/vtk.py", "judging/frames.py")
+         *(f"judging/findings/{name}.py" for name in ("alone", "body", "evidence", "law", "listed", "moments",
+                                                      "placement")),
+         "judging/columns.py", "judging/frames.py", "judging/placing.py", "judging/reading.py", "judging/said.py",
+         "judging/show.py", "judging/verdict.py")
 #: Calls whose texts are for the command line and logs alone, and names that tables have.
 NOT_SAID = ("option", "debug", "info", "warning", "error", "exception", "compile", "on_progress", "unknown")
-NAMES = re.compile("[A-Z_]*(NAMES?|UNITS?|SETTING|PLACES|SPEEDS|CLOCK|VELOCITY|STRESS|ORDER|DRIFT|AXES|FIGURES)")
+NAMES = re.compile("[A-Z_]*(NAMES?[A-Z_]*|UNITS?|SETTING|PLACES|SPEEDS|CLOCK|VELOCITY|STRESS|ORDER|DRIFT|AXES|FIGURES)")
 #: What else is for nobody's eyes, by how it begins.
 SILENT = ("%d ", "<", "of the ", "times ", "does not hold", "cannot be told", "double precision", "single precision")
 WORD = re.compile(r"[^\W\d_]{2,}")
@@ -68,6 +69,8 @@ def _literals(node: ast.AST, nested: bool = False) -> Iterator[tuple[ast.expr, b
     match node:
         case ast.Expr(value=ast.Constant()) | ast.Raise(exc=ast.Call(func=ast.Name(id="RuntimeError"))) | ast.Assert():
             return  # a docstring, and what only we make wrong
+        case ast.FunctionDef(args=ast.arguments(args=[ast.arg(annotation=ast.Name(id="Motion")), *_])):
+            return  # of the motion of any particles, which a page does not show
         case ast.Call(func=ast.Name(id=name) | ast.Attribute(attr=name)) if name in NOT_SAID:
             return
         case ast.Assign(targets=[ast.Name(id=name) | ast.Tuple(elts=[ast.Name(id=name), *_])]) if NAMES.fullmatch(name):

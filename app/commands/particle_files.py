@@ -1,5 +1,6 @@
 """Files of particles as commands take them: some, and for each the time that it may not say itself."""
 
+import os
 from collections.abc import Sequence
 
 from app.commands.flags import BadInput, real
@@ -25,6 +26,17 @@ def require_files(files: Sequence[str]) -> None:
     if len(files) > MOST_FILES:
         raise BadInput("", f"{len(files)} files", f"are too many; give at most {MOST_FILES:,}, each with many times "
                        "perhaps")
+
+
+def look_for(files: Sequence[str]) -> None:
+    """Refuse a file that is not there, before anything is written."""
+    for file in files:
+        try:
+            os.stat(file)
+        except (OSError, ValueError) as error:  # a character that no name can have is the latter
+            why = getattr(error, "strerror", None) or str(error)
+            raise BadInput("", file, f"cannot be read: {why.lower()}; give a file that exists and may be "
+                                     "read") from None
 
 
 def times_for(files: Sequence[str], words: tuple[str, ...]) -> list[float]:

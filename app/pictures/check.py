@@ -10,8 +10,8 @@ from app.colours import COLOUR_MAP, ESTIMATE
 from app.renderers import picture
 from app.renderers.look import in_sizes
 from app.renderers.picture import thinned
-from solvers.checking.verdict import Checked
-from solvers.judging.checks.neighbours import departures
+from solvers.judging.check import Checked
+from solvers.judging.findings.neighbours import departures
 
 
 def places_figure(checked: Checked) -> Figure | None:

@@ -9,10 +9,11 @@ from typing import TextIO
 
 import numpy as np
 
-from solvers.judging.arrays import from_arrays, wanted, whole, with_scene
-from solvers.judging.columns import gathered
+from solvers.judging.columns import from_arrays, gathered, wanted, whole, with_scene
 from solvers.judging.frames import Raw
-from solvers.judging.vtk import read_vtk
+from solvers.judging.vtk_legacy import read_legacy
+from solvers.judging.vtk_parts import NotVTK, Points
+from solvers.judging.vtk_xml import read_xml
 from solvers.outside import numerals
 from solvers.outside.file_error import FileError
 from solvers.outside.limits import LIMITS, LONGEST_LINE, Limits, check_name
@@ -23,6 +24,9 @@ KINDS = (".csv", ".npz", ".vtk", ".vtu", ".vtp")
 COMMENT = re.compile(r"#\s*([A-Za-z]\w*)\s*[=:]\s*(\S+)\s*$")
 SAID = ("t", "time", "cells", "scene")  # by comments
 MOST_REMARKS = 100_000  # lines that are no rows
+LARGEST = 250_000_000  # bytes of such a file: its text is in memory once, and what it says
+OF_KIND = {".vtu": "UnstructuredGrid", ".vtp": "PolyData"}
+TIMES = ("TimeValue", "TIME", "Time", "time", "t")
 
 
 def read(path: str, limits: Limits = LIMITS) -> Raw:
@@ -140,3 +144,26 @@ def _number(path: str, said: dict[str, str], *names: str) -> float | None:
     if text is not None and not numerals.is_number(text):
         raise FileError(path, f"says {names[0]} = {quoted(text)}; give a number")
     return None if text is None else numerals.real(text)
+
+
+def read_vtk(path: str, limits: Limits = LIMITS) -> Raw:
+    """Points are positions, data of points the rest; the time may be among the data of the field (``TimeValue``)."""
+    kind = Path(path).suffix.lower()
+    with open(path, "rb") as file:
+        if (size := file.seek(0, 2)) > LARGEST:
+            raise FileError(path, f"has {size / 1e6:,.0f} MB; give at most {LARGEST / 1e6:,.0f} MB of this kind, with "
+                                  "fewer data for example, or a .npz")
+        file.seek(0)
+        found = Points(path, limits)
+        try:
+            read_legacy(file, found) if kind == ".vtk" else read_xml(file, OF_KIND[kind], kind, found)
+        except (FileError, OSError):
+            raise
+        except Exception as error:  # what a broken file makes of a parser
+            why = str(error) if isinstance(error, NotVTK) else type(error).__name__
+            raise FileError(path, f"cannot be read as {kind} ({why}); write points with data, in text or "
+                                  "binary") from None
+    fields = found.fields
+    time, cells = (next((float(fields[name][0]) for name in names if len(fields.get(name, ()))), None)
+                   for names in (TIMES, ("cells",)))
+    return gathered(path, found.columns(), time, whole(path, cells), limits)

@@ -1,7 +1,7 @@
 """What a file of particles says of the scene that it was run with: one line of JSON, in our own files and in any other.
 
 It is believed in nothing: whatever is not a scene is refused, and a scene that the particles do not fit is no answer
-(``solvers.judging.fitting``).
+(``solvers.judging.placing``).
 """
 
 from __future__ import annotations
@@ -29,7 +29,7 @@ def read_line(file: str, text: object, cells: int | None) -> Said | None:
     problem, inputs = parsed(file, text)
     said = Said(problem, {key_field(key): value for key, value in inputs.items()
                           if key_field(key) not in NOT_OF_THE_PROBLEM}, _step(problem, inputs))
-    own = scene(file, said)
+    own = scene_said(file, said)
     if "cells" in said.inputs and cells is not None and cells != own.cells:
         raise FileError(file, f"says that it has {cells} cells, and {own.cells} in its scene; {HINT}")
     return said
@@ -43,7 +43,7 @@ def _step(problem: str, inputs: Mapping[str, Any]) -> float | None:
         return None
 
 
-def scene(file: str, said: Said) -> Scene:
+def scene_said(file: str, said: Said) -> Scene:
     """The scene that is said; :class:`FileError` where there is none such."""
     return scene_of(file, said.problem, dict(said.inputs))
 
@@ -63,7 +63,7 @@ def settled(files: list[Raw], asked: Scene) -> tuple[Scene, list[str]]:
             continue
         if raw.said.problem != asked.problem:
             raise Misfit(raw.file, f"says that it is of the {raw.said.problem}", HINT, (raw.said.problem,))
-        own, taken = scene(raw.file, raw.said), dict[str, Any]()
+        own, taken = scene_said(raw.file, raw.said), dict[str, Any]()
         names = [f.name for f in fields(own) if f.name not in NOT_OF_THE_PROBLEM]
         for name in names:
             value, now = getattr(own, name), getattr(settled_scene, name)

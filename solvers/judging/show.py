@@ -20,9 +20,9 @@ from typing import Any
 
 import numpy as np
 
-from solvers.judging.fitting import own_scene, placed
 from solvers.judging.frames import Frame, Grid, Misfit
 from solvers.judging.measure import Companions, Errors, crossed, differences, listed, series, sizes, stress
+from solvers.judging.placing import own_scene, placed
 from solvers.judging.reading import read
 from solvers.judging.verdict import GridJudgement
 from solvers.outside.file_error import FileError

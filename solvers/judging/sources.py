@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from solvers.judging.arrays import from_arrays
+from solvers.judging.columns import from_arrays
 from solvers.judging.frames import Raw
 from solvers.judging.reading import read
 from solvers.outside.file_error import FileError

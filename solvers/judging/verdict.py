@@ -10,13 +10,14 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from solvers.judging import measure
-from solvers.judging.checks.alone import Apart
-from solvers.judging.checks.evidence import Evidence
-from solvers.judging.checks.listed import Checks
-from solvers.judging.fitting import placed
+from solvers.judging.findings import alone
+from solvers.judging.findings.alone import Apart
+from solvers.judging.findings.evidence import Evidence
+from solvers.judging.findings.finding import Finding
+from solvers.judging.findings.listed import of_a_run
 from solvers.judging.frames import Grid
 from solvers.judging.measure import QUANTITIES, Companions, Errors, WorstParticle
-from solvers.judging.placing import SAME, check_origin
+from solvers.judging.placing import SAME, check_origin, placed
 from solvers.judging.sources import Particles, listed, read_all
 from solvers.scene.rules import SceneError
 from solvers.scene.scene import Scene
@@ -50,16 +51,20 @@ class GridJudgement:
         return [self.companions.errors(frame) for frame in self.grid.frames]
 
     @functools.cached_property
+    def _found(self) -> tuple[list[Finding], Apart | None]:
+        again = functools.partial(measure.truth, self.scene) if self.true else self.companions.errors
+        return of_a_run(Evidence(self.scene, self.grid.frames, self.best, again,
+                                 self.grid.step or self.scene.time_step))
+
+    @property
+    def checks(self) -> list[Finding]:
+        """What was compared beside the errors, with what tolerance."""
+        return self._found[0]
+
+    @property
     def apart(self) -> Apart | None:
         """The frame in which most particles are not where their neighbours are."""
-        return self.checks.alone.most if self.checks.alone else None
-
-    @functools.cached_property
-    def checks(self) -> Checks:
-        """What was compared beside the errors, with what tolerance."""
-        again = functools.partial(measure.truth, self.scene) if self.true else self.companions.errors
-        return Checks(Evidence(self.scene, self.grid.frames, self.best, again,
-                               self.grid.step or self.scene.time_step))
+        return self._found[1]
 
     @property
     def best(self) -> list[Errors]:
@@ -86,7 +91,7 @@ class GridJudgement:
         return {
             "cells": self.grid.cells, "h": self.scene.spacing, "files": list(dict.fromkeys(f.file for f in frames)),
             "particles": len(frames[-1].number), "times": times.tolist(), "notes": self.notes(),
-            "checks": [check.to_dict() for check in self.checks.listed],
+            "checks": [one.as_check() for one in self.checks],
             "error": None if true is None else measure.summarised(times, true),
             "norms": None if true is None else measure.listed(true),
             "estimate": {"companion": measure.summarised(times, estimates), "norms": measure.listed(estimates),
@@ -101,10 +106,12 @@ class GridJudgement:
     def notes(self) -> list[str]:
         """Sentences about what was found in the files."""
         missing = [q for q in QUANTITIES if any(q not in e for e in self.best)]
+        wrong = [one.says for one in self.checks if one.wrong and one.name != BY_PLACE]
         return [*self.grid.notes, *(f"no {NAMES[q]} in the files (or not at every time), so it is not judged"
-                                    for q in missing), *self.checks.notes()]
+                                    for q in missing), *wrong]
 
 
+BY_PLACE = alone.NAMES["x"]  # which is told in its own words
 NAMES = {"x": "position", "v": "velocity", "sigma": "stress (nor F)"}
 
 

@@ -7,7 +7,7 @@ from collections import defaultdict
 
 import numpy as np
 
-from solvers.judging.arrays import wanted
+from solvers.judging.columns import wanted
 from solvers.outside.file_error import FileError
 from solvers.outside.limits import Limits, check_name
 from solvers.outside.quoting import quoted

@@ -2,7 +2,10 @@
 
 from __future__ import annotations
 
+import base64
 import io
+import struct
+import zlib
 from collections.abc import Mapping, Sequence
 from typing import Any
 
@@ -46,3 +49,28 @@ def npz(frames: Sequence[Frame], scene: Scene, more: Mapping[str, Any] | None = 
     out = io.BytesIO()
     np.savez_compressed(out, **arrays | dict(more or {}))
     return out.getvalue()
+
+
+def vtu(position: np.ndarray, data: Mapping[str, np.ndarray], time: float) -> bytes:
+    """Points (P, D) with data (P, ...) and the time as a .vtu file, each array packed in one block."""
+    P, D = position.shape
+    points = np.pad(position, ((0, 0), (0, 3 - D)))
+    vertices = {"connectivity": np.arange(P), "offsets": np.arange(1, P + 1), "types": np.ones(P, np.uint8)}
+    stamp = ('<DataArray type="Float64" Name="TimeValue" NumberOfTuples="1" format="ascii">'
+             f"{time!r}</DataArray>")
+    parts = [("Points", {"Points": points}), ("Cells", vertices), ("PointData", data)]
+    body = "".join(f"<{name}>{''.join(_array(key, values) for key, values in arrays.items())}</{name}>"
+                   for name, arrays in parts)
+    return (f'<?xml version="1.0"?>\n<VTKFile type="UnstructuredGrid" version="1.0" byte_order="LittleEndian" '
+            f'header_type="UInt64" compressor="vtkZLibDataCompressor"><UnstructuredGrid><FieldData>{stamp}</FieldData>'
+            f'<Piece NumberOfPoints="{P}" NumberOfCells="{P}">{body}</Piece></UnstructuredGrid></VTKFile>\n').encode()
+
+
+def _array(name: str, values: np.ndarray) -> str:
+    letter, size = values.dtype.kind, 8 * values.dtype.itemsize
+    content = values.astype(values.dtype.newbyteorder("<")).tobytes()
+    packed = zlib.compress(content)
+    head = struct.pack("<4Q", 1, len(content), 0, len(packed))
+    text = (base64.b64encode(head) + base64.b64encode(packed)).decode()
+    return (f'<DataArray type="{ {"i": "Int", "u": "UInt", "f": "Float"}[letter]}{size}" Name="{name}" '
+            f'NumberOfComponents="{values[:1].size}" format="binary">{text}</DataArray>')

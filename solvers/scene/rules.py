@@ -57,7 +57,7 @@ def require_names(field: str, chosen: object, allowed: tuple[str, ...]) -> None:
 def require_whole(field: str, value: object, least: int, most: int) -> None:
     """:class:`SceneError` for anything but a whole number from ``least`` to ``most``."""
     if isinstance(value, bool) or not isinstance(value, int) or not least <= value <= most:
-        raise SceneError(field, value, f"{_text_of_number(value)}give a whole number from {least:,} to {most:,}")
+        raise SceneError(field, _in_quotes(value), f"give a whole number from {least:,} to {most:,}")
 
 
 def require_number(field: str, value: object, above: float, most: float, allowed: str = "") -> None:
@@ -66,9 +66,9 @@ def require_number(field: str, value: object, above: float, most: float, allowed
     if isinstance(value, bool) or not isinstance(value, (int, float)) or not abs(value) <= sys.float_info.max \
             or not above < value <= most:  # also NaN, infinity, and integers beyond all floats
         upper = "" if math.isinf(most) else f" and up to {most:g}"
-        raise SceneError(field, value, _text_of_number(value) + (allowed or f"give a number above {above:g}{upper}"))
+        raise SceneError(field, _in_quotes(value), allowed or f"give a number above {above:g}{upper}")
 
 
-def _text_of_number(value: object) -> str:
-    """What to say first of a number that came as text, which looks like the number."""
-    return "is text and not a number; " if isinstance(value, str) and numerals.is_number(value) else ""
+def _in_quotes(value: object) -> object:
+    """A number that came as text in its quotes, without which it would look like the number."""
+    return repr(value) if isinstance(value, str) and numerals.is_number(value) else value

@@ -8,8 +8,8 @@ import tyro
 
 from app.commands.expected import Expectable
 from app.commands.flags import BadInput, ClaimsFlag, FilesFlag, NamesFlag, PathFlag, Switch, default_hint
-from app.commands.output import Folder, draw, json_target, json_text, put_text
-from app.commands.particle_files import require_files, times_for
+from app.commands.output import Folder, json_target, json_text, put_text
+from app.commands.particle_files import look_for, require_files, times_for
 from app.commands.progress import working
 from solvers.outside.file_error import FileError
 
@@ -46,11 +46,12 @@ class Check:
         require_files(self.files)
         times = times_for(self.files, self.time)
         EXPECTABLE.check(self.expect)
+        look_for(self.files)
         target = json_target(self.json)
         folder = None if self.out is None else Folder(self.out)
         try:
             with working(self.quiet) as show:
-                from solvers.checking.verdict import check  # here: bad input must not wait for it
+                from solvers.judging.check import check  # here: bad input must not wait for it
                 checked = check(self.files, times=times, on_progress=show)
         except FileError as error:
             raise BadInput("", error.file, error.sentence) from None
@@ -63,21 +64,16 @@ class Check:
         return status or (CONTRADICTED if checked.wrong else 0)
 
     def _write(self, folder: Folder | None, checked: Any, values: dict) -> int:
-        """The report where it was asked for; a picture that fails costs nothing else."""
+        """The report where it was asked for."""
         from app.commands.check.text import as_markdown, summary
 
         if not self.quiet and self.json != "-":
             put_text(summary(values) + "\n")
         if folder is None:
             return 0
-        from app.commands.report import as_html
+        from app.commands.report import put_report
         from app.pictures.check import FIGURES
-        drawn, status = draw(FIGURES, checked, folder.put, folder.text, "the rest is fine")
-        text = as_markdown(values, drawn)
-        folder.put("report.json", json_text(values, lines=True).encode())
-        folder.put("report.md", text.encode())
-        folder.put("report.html", as_html(text, folder.path).encode())
-        return status
+        return put_report(folder, values, checked, FIGURES, lambda drawn: as_markdown(values, drawn))
 
 
 def outcome(values: Mapping[str, Any]) -> dict[str, Any]:

@@ -1,18 +1,31 @@
-"""``mpm-lab judge PROBLEM FILES... --out DIR``: how wrong the particles of any code are."""
+"""``mpm-lab judge PROBLEM FILES...``: how wrong the particles of any code are."""
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Annotated, Any, ClassVar
 
 import tyro
 
+from app.commands.expected import Expectable
 from app.commands.flags import BadInput, ClaimsFlag, FilesFlag, NamesFlag, PathFlag, Switch, default_hint, number
-from app.commands.judge.expected import EXPECTABLE, outcomes
-from app.commands.output import Folder, draw, json_text, put_text
-from app.commands.particle_files import require_files, times_for
+from app.commands.output import Folder, put_text
+from app.commands.particle_files import look_for, require_files, times_for
 from app.commands.progress import working
 from app.commands.scene_flags import SceneFlags
+from app.lessons.claims import NORMS
+from solvers.judging.findings.finding import OFF
+from solvers.judging.measure import QUANTITIES
 from solvers.outside.file_error import FileError
 from solvers.problems.reference import OF_METHODS
+
+COMPANION = "companion"
+#: What ``--expect`` may ask for: error.x.max of each grid, last(error.x.max) of the finest; order.x, of the largest
+#: errors over the times that all grids have; index.companion.x, what the companion says over the truth; contradictions,
+#: things that were compared and do not hold.
+EXPECTABLE = Expectable("grids", {
+    "error": (QUANTITIES, NORMS), "order": (QUANTITIES,), "estimate": ((COMPANION,), QUANTITIES, NORMS),
+    "index": ((COMPANION,), QUANTITIES), "distance": ((COMPANION,), QUANTITIES), "contradictions": (), "particles": (),
+    "scene": (("cells",),)})
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -23,7 +36,7 @@ class Judge(SceneFlags):
 
     FILES are .csv, .npz, .vtk, .vtu or .vtp with particles at one or many times, of one grid or several: positions, id
     or material position, and velocity, F or stress as there are (`mpm-lab problem` says how, and writes one). The flags
-    say what was run. The directory gets report.md, report.html, report.json and pictures.
+    say what was run.
     Exit status: 0 judged, 1 not as expected or could not write, 2 bad input.
     """
     EXAMPLE: ClassVar[str] = "mpm-lab judge {problem} mine.csv --cells 40 --out verdict"
@@ -33,8 +46,8 @@ class Judge(SceneFlags):
     """Files of particles."""
     time: Annotated[NamesFlag, default_hint("the files say it")] = ()
     """Time of each file, s, in their order, where they do not say it."""
-    out: Annotated[PathFlag, default_hint("none, it must be given")] = None
-    """Directory for the report; it must be new or empty."""
+    out: Annotated[PathFlag, default_hint("the summary is printed only")] = None
+    """Directory for report.md, report.html, report.json and pictures; it must be new or empty."""
     no_compare: Annotated[Switch, default_hint("off")] = False
     """Run none of our own methods on the same grid beside."""
     expect: ClaimsFlag = ()
@@ -48,7 +61,8 @@ class Judge(SceneFlags):
         scene, *_ = (self.scene(cells=count) for count in cells)  # each says what is wrong with it
         times = times_for(self.files, self.time)
         EXPECTABLE.check(self.expect)
-        folder = Folder(self.out)
+        look_for(self.files)
+        folder = None if self.out is None else Folder(self.out)
         try:
             with working(self.quiet) as show:
                 from solvers import judge  # here: bad input must not wait for it
@@ -68,19 +82,30 @@ class Judge(SceneFlags):
                                            "all or one for each")
         return cells
 
-    def _write(self, folder: Folder, judged: Any) -> int:
-        """The report in three forms, and its pictures; one that fails costs nothing else."""
-        from app.commands.judge.text import as_markdown
-        from app.commands.report import as_html
-        from app.pictures.judge import FIGURES
+    def _write(self, folder: Folder | None, judged: Any) -> int:
+        """The summary, the report where it was asked for, and what came of the claims."""
+        from app.commands.judge.text import as_markdown, summary
 
-        drawn, status = draw(FIGURES, judged, folder.put, folder.text, "the rest is fine")
-        values = judged.to_dict()
-        text = as_markdown(values, judged, drawn)
-        folder.put("report.json", json_text(values, lines=True).encode())
-        folder.put("report.md", text.encode())
-        folder.put("report.html", as_html(text, folder.path).encode())
+        values, status = judged.to_dict(), 0
         if not self.quiet:
-            put_text(text.partition("\n\n![")[0] + "\n")
+            put_text(summary(values, judged) + "\n")
+        if folder is not None:
+            from app.commands.report import put_report
+            from app.pictures.judge import FIGURES
+            status = put_report(folder, values, judged, FIGURES, lambda drawn: as_markdown(values, judged, drawn))
         grids = outcomes(values)
         return max(status, EXPECTABLE.told(self.expect, grids, "cells" if len(grids) > 1 else ""))
+
+
+def outcomes(values: Mapping[str, Any]) -> list[Mapping[str, Any]]:
+    """Each grid's part of the report in the shape of a run's JSON object."""
+    return [_outcome(grid, values) for grid in values["grids"]]
+
+
+def _outcome(grid: Mapping[str, Any], values: Mapping[str, Any]) -> dict[str, Any]:
+    estimate = grid["estimate"]
+    orders = values["order"] or {}
+    return {"scene": {"cells": grid["cells"], "estimator": [COMPANION]}, "error": grid["error"],
+            "estimate": estimate[COMPANION], "index": estimate["index"], "distance": estimate["distance"],
+            "order": {q: (orders.get(q) or {}).get("order") for q in QUANTITIES},
+            "contradictions": sum(one["verdict"] == OFF for one in grid["checks"]), "particles": grid["particles"]}

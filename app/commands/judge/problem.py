@@ -61,7 +61,6 @@ class ProblemCommand(SceneFlags):
 
 def _files(scene: Scene, times: list[float]) -> dict[str, bytes]:
     from solvers.judging import handout, writing  # here: bad input must not wait for them
-    from solvers.judging.vtk import write_vtu
 
     start, first = handout.start(scene), handout.initial(scene)
     more = {"volume": start.volume, "mass": handout.masses(scene), **start.more}
@@ -73,7 +72,7 @@ def _files(scene: Scene, times: list[float]) -> dict[str, bytes]:
     numbers, name = handout.numbers(scene), "exact" if scene.solution_known else "companion"
     return {
         "particles.csv": writing.csv(writing.table([first], more), {**said, "t": 0.0}),
-        "particles.vtu": write_vtu(first.position, data, 0.0),
+        "particles.vtu": writing.vtu(first.position, data, 0.0),
         "body_force.csv": writing.csv(force, {"problem": scene.problem}),
         f"{name}.csv": writing.csv(writing.table(solution), said),
         "problem.json": json_text({"schema": handout.SCHEMA, **numbers}, lines=True).encode(),

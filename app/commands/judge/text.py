@@ -8,10 +8,9 @@ import numpy as np
 from app.problems.views import VIEWS
 from app.templates import rendered
 from app.words import NOTHING, QUANTITIES, method_name, moving, particles_per_cell, ratio, with_unit
-from solvers.judging.checks.alone import NAMES
-from solvers.judging.checks.check import OFF
+from solvers.judging.findings.finding import OFF
 from solvers.judging.measure import QUANTITIES as JUDGED
-from solvers.judging.verdict import Judgement
+from solvers.judging.verdict import BY_PLACE, Judgement
 from solvers.outside.quoting import code, file_name, markdown
 from solvers.study.markdown import grid
 
@@ -20,22 +19,25 @@ CAPTIONS = {"norms.png": "Error norms over time: against the truth where there i
             "order.png": "Largest errors over the cell size, beside our own methods"}
 #: Inputs that some problems have: their keys, names and units.
 OF_SOME = (("poisson_ratio", "Poisson's ratio", ""), ("frequency", "frequency B =", " 1/s"))
-BY_PLACE = NAMES["x"]  # told in its own words
 HERE = Path(__file__).parent
+
+
+def summary(values: dict, judged: Judgement) -> str:
+    """What was judged, how large the errors are, and what does not hold."""
+    scene = judged.scene
+    files = sorted({file for g in values["grids"] for file in g["files"]})
+    head = [f"# {scene.title.capitalize()}: {len(files)} file{'s' * (len(files) != 1)} judged",
+            f"{_said(values, judged)}, against the {values['against']}.", _largest(values, judged)]
+    head += [_verdict(g, values) for g in values["grids"]]
+    return "\n\n".join([*head, *([_order_said(values)] if values["order"] else [])])
 
 
 def as_markdown(values: dict, judged: Judgement, pictures: list[str]) -> str:
     """The report; pictures stand after the summary."""
-    scene = judged.scene
-    files = sorted({file for g in values["grids"] for file in g["files"]})
-    head = [f"# {scene.title.capitalize()}: {len(files)} file{'s' * (len(files) != 1)} judged",
-            f"{_said(values, judged)}, against the {values['against']}.", _summary(values, judged)]
-    head += [_verdict(g, values) for g in values["grids"]]
-    head += [_order_said(values)] if values["order"] else []
     shown = [f"![{CAPTIONS[name]}]({name})" for name in pictures]
     body = [_grid(g, values, several=len(values["grids"]) > 1) for g in values["grids"]]
     order = [_order(values)] if values["order"] else []
-    return "\n\n".join([*head, *shown, *order, *body, rendered(HERE / "how.md")])
+    return "\n\n".join([summary(values, judged), *shown, *order, *body, rendered(HERE / "how.md")])
 
 
 def _said(values: dict, judged: Judgement) -> str:
@@ -46,7 +48,7 @@ def _said(values: dict, judged: Judgement) -> str:
             f"{particles_per_cell(values['problem'], scene['ppc'])} unless files say which they are")
 
 
-def _summary(values: dict, judged: Judgement) -> str:
+def _largest(values: dict, judged: Judgement) -> str:
     heads = ["cells", "h", "particles", "times", *(f"largest {QUANTITIES[q].symbol}" for q in JUDGED), "of the motion"]
     rows = []
     for g, one in zip(values["grids"], judged.grids, strict=True):

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from app.cli import main
-from tests.solvers.checking.test_check import motion, stuck
+from tests.solvers.judging.test_check import motion, stuck
 
 KEYS = {"schema", "verdict", "files", "particles", "dimensions", "times", "quantities", "reference", "notes", "spacing",
         "motion", "findings", "contradictions", "not_told", "never_told"}

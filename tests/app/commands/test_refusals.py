@@ -21,7 +21,7 @@ from app.lessons.lesson import LessonError
 from app.lessons.markup import MarkupError, html
 from app.lessons.reading import parse
 from app.page.visit.notice import Notice
-from solvers.judging.arrays import from_arrays
+from solvers.judging.columns import from_arrays
 from solvers.outside.file_error import FileError
 from solvers.problems import PROBLEMS
 from solvers.scene.rules import SceneError

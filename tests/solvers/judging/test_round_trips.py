@@ -11,7 +11,7 @@ from hypothesis.extra.numpy import arrays
 from solvers.judging import writing
 from solvers.judging.frames import Frame, Raw
 from solvers.judging.reading import read
-from solvers.judging.vtk import write_vtu
+from solvers.judging.writing import vtu
 from solvers.problems.bar.scene import BarScene
 
 # None so small that they are not normal: where Taichi has started, the processor takes those for zero.
@@ -61,7 +61,7 @@ def test_what_is_written_is_read(kind, tmp_path):
             one, D = made[0], made[0].position.shape[1]
             in_space = {"velocity": np.pad(one.velocity, [(0, 0), (0, 3 - D)]),
                         "stress": np.pad(one.stress, [(0, 0), (0, 3 - D), (0, 3 - D)]).reshape(-1, 9)}
-            file.write_bytes(write_vtu(one.position, {"id": one.number, **in_space}, one.time))
+            file.write_bytes(vtu(one.position, {"id": one.number, **in_space}, one.time))
             raw = read(str(file))
             assert raw.time == one.time and (raw.columns["id"] == one.number).all()
             for key, value in (("x", one.position), ("v", one.velocity), ("sigma", one.stress)):

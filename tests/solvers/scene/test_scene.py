@@ -93,8 +93,8 @@ def test_a_name_is_a_list_of_one_and_a_plus_adds_to_the_default():
 def test_inputs_in_other_forms_are_explained():
     with pytest.raises(SceneError, match="by name, as in BarScene"):
         BarScene(40)
-    assert refusal(cells="40").sentence.startswith("is text and not a number")
-    assert refusal(amplitude="1e-3").sentence.startswith("is text and not a number")
+    assert str(refusal(cells="40")).startswith("cells '40': give a whole number")
+    assert str(refusal(amplitude="1e-3")).startswith("amplitude '1e-3': give a number")
 
 
 def test_numbers_of_numpy_are_numbers():

@@ -1,4 +1,5 @@
-"""Whether the particles as a whole have gone aside, and whether axes were exchanged."""
+"""Whether particles are where a problem's are: at the start, in their order and as a whole; and whether the file means
+something else than it is read as."""
 
 from __future__ import annotations
 
@@ -8,19 +9,18 @@ from typing import Any
 
 import numpy as np
 
-from solvers.judging.checks.check import HOLDS, OFF, Check, unknown
-from solvers.judging.checks.evidence import MOST_FOLLOWED, Evidence
-from solvers.judging.checks.figures import kept, some
-from solvers.judging.checks.nearby import MOST_ASKED, Nearby
-from solvers.judging.checks.neighbours import departures, surroundings
-from solvers.judging.checks.over_time import rms
+from solvers.judging.findings.evidence import MOST_FOLLOWED, Evidence, kept, some
+from solvers.judging.findings.finding import HOLDS, OFF, Finding, compared, unknown
+from solvers.judging.findings.neighbours import MOST_ASKED, Nearby, departures, surroundings
+from solvers.judging.findings.over_time import rms
 from solvers.judging.frames import Frame
 from solvers.judging.measure import Errors
 from solvers.problems import PROBLEMS
+from solvers.scene.scene import Scene
 
 ORDER = "particles where others should be"
 DRIFT, AXES = "mean error of x, where symmetry allows none", "axes, and the components of F"
-UNIT = "of the error of x"
+UNIT, NEARER = "of the error of x", "times nearer than the next particle"
 ASIDE = 5e-3  # of the error's size
 ROUNDED = 4.0  # times what rounding leaves of a mean
 NOTHING = 1e-9  # of a cell: what the rounding of many steps may add up to
@@ -29,9 +29,83 @@ FAR, UNLIKE = 5.0, 0.5  # times that distance; of the error, by which it jumps f
 SAME_PLACE = 1e-3  # of the distance of particles
 FITS = 0.3  # of the error, that another reading of the file leaves at most
 LOOKED_AT = 4  # frames
+PLACES, SPEEDS = "x at t = 0", "v at t = 0"
+FROM_START = 0.05  # of a cell: a particle that is given X to fewer figures is nearer
+OTHER_SPEED = 0.05  # of the velocity; that of half a step before the start, with which leapfrog begins, is nearer
+POWERS = 7.0  # powers of ten that one unit may be of another
+NONE = "no moment at t = 0 in the files"
 
 
-def order(evidence: Evidence) -> Check:
+def places(evidence: Evidence) -> Finding:
+    """Positions against where the problem's particles begin."""
+    found = _start(evidence, "x")
+    if found is None:
+        return unknown(PLACES, NONE)
+    frame, error = found
+    size, tolerance = rms(error) * error.shape[1] ** 0.5, FROM_START * evidence.scene.spacing
+    if size <= tolerance:
+        return Finding(PLACES, HOLDS, size, tolerance, "m")
+    told = _fitting(error, _readings_of_start(evidence.scene, frame, error))
+    return Finding(PLACES, OFF, size, tolerance, "m",
+                   f"at t = 0 the particles are not where those of the {evidence.scene.problem} begin, by {size:.3g} "
+                   f"m: {told or 'they are others, or X or ids are'}")
+
+
+def speeds(evidence: Evidence) -> Finding:
+    """Velocities against those that the problem begins with."""
+    found = _start(evidence, "v")
+    if found is None:
+        return unknown(SPEEDS, NONE if _start(evidence, "x") is None else "no velocities in the files")
+    frame, error = found
+    assert frame.velocity is not None
+    right = frame.velocity - error
+    size = rms(right)
+    if not size > 0:
+        return unknown(SPEEDS, "the problem begins at rest")
+    step = 0.5 * evidence.step * evidence.scene.angular_frequency
+    off, tolerance = rms(error) / size, OTHER_SPEED + step
+    if off <= tolerance:
+        return Finding(SPEEDS, HOLDS, off, tolerance, "of v")
+    factor = float(np.sum(frame.velocity * right) / np.sum(right**2))
+    fits = rms(frame.velocity - factor * right) <= FITS * rms(error)
+    told = f"it is {factor:.4g} times that, as of another amplitude or unit" if fits else "it is another motion"
+    return Finding(SPEEDS, OFF, off, tolerance, "of v",
+                   f"at t = 0 the velocity is not that with which the {evidence.scene.problem} begins, by {off:.2g} of "
+                   f"it: {told}")
+
+
+def _start(evidence: Evidence, quantity: str) -> tuple[Frame, np.ndarray] | None:
+    """The frame at t = 0 with its error; None where there is none, or it has not the quantity."""
+    return next(((frame, error[quantity]) for frame, error in zip(evidence.frames, evidence.errors, strict=True)
+                 if frame.time == 0 and quantity in error), None)
+
+
+def _readings_of_start(scene: Scene, frame: Frame, error: np.ndarray) -> Iterator[tuple[str, Callable[[], float]]]:
+    """What the positions might be, and the RMS error that is left then; of a periodic body within its period."""
+    right, x, X = frame.position - error, frame.position, frame.material_position
+
+    def within(places: np.ndarray, near: np.ndarray) -> np.ndarray:
+        return PROBLEMS[scene.problem].reference.unwrapped(scene, near, places, np.zeros(len(places)))
+
+    yield "x seems to be the displacement, not the position", lambda: rms(within(x + X, X) - right)
+    factor = float(np.sum(x * right) / max(float(np.sum(right**2)), 1e-300))
+    if FITS < abs(np.log10(max(abs(factor), 1e-300))) < POWERS:
+        yield (f"x seems to be in another unit than X, {factor:.4g} times what it should be",
+               lambda: rms(x - factor * right) / max(abs(factor), 1.0))
+    if len(x) > 1:
+        middle = np.broadcast_to(0.5 * (right.min(axis=0) + right.max(axis=0)), right.shape)
+        far, who = Nearby(right).nearest(within(x, middle), 1)
+        if len(np.unique(who)) == len(x):
+            yield ("each is where another one begins: ids, or the order of the rows, are permuted",
+                   lambda: float(np.sqrt(np.mean(np.minimum(far, rms(error)) ** 2))))
+
+
+def _fitting(error: np.ndarray, readings: Iterator[tuple[str, Callable[[], float]]]) -> str | None:
+    left, words = min((left() / rms(error), words) for words, left in readings)
+    return words if left < FITS else None
+
+
+def order(evidence: Evidence) -> Finding:
     """Whether the positions are right, and those of other particles: particles in another order."""
     frame, error = max(zip(evidence.frames, evidence.errors, strict=True), key=lambda pair: rms(pair[1]["x"]))
     apart = _distance(frame.material_position)
@@ -43,18 +117,17 @@ def order(evidence: Evidence) -> Check:
     near = surroundings(frame.material_position)
     jumps = 0.0 if near is None else float(np.median(departures(near, error["x"]))) / max(size, 1e-300)
     if size > FAR * apart and jumps > UNLIKE:
-        return Check(ORDER, jumps, UNLIKE, "of the error of x", OFF,
-                     f"at t = {frame.time:.4g} s the error of x jumps from particle to particle by as much as it is: "
-                     "they may be numbered, or given X, in another order")
+        return Finding(ORDER, OFF, jumps, UNLIKE, UNIT,
+                       f"at t = {frame.time:.4g} s the error of x jumps from particle to particle by as much as it is: "
+                       "they may be numbered, or given X, in another order")
     nearer = apart / max(off, 1e-300) if size > apart else 0.0  # where all are where they belong so are the nearest
-    if nearer < 1 / OTHERS:
-        return Check(ORDER, nearer, 1 / OTHERS, "times nearer than the next particle", HOLDS)
-    return Check(ORDER, nearer, 1 / OTHERS, "times nearer than the next particle", OFF,
-                 f"at t = {frame.time:.4g} s most particles are where others should be, to {off:.2g} m: they are "
-                 "numbered, or given X, in another order")
+    return Finding(ORDER, HOLDS, nearer, 1 / OTHERS, NEARER) if nearer < 1 / OTHERS else Finding(
+        ORDER, OFF, nearer, 1 / OTHERS, NEARER,
+        f"at t = {frame.time:.4g} s most particles are where others should be, to {off:.2g} m: they are numbered, or "
+        "given X, in another order")
 
 
-def drift(evidence: Evidence) -> Check:
+def drift(evidence: Evidence) -> Finding:
     """The mean error over particles that lie symmetrically about the middle of a body that moves so is 0; of those that
     are the same with x and y exchanged it has no part across the diagonal."""
     frame = evidence.frames[0]
@@ -70,13 +143,10 @@ def drift(evidence: Evidence) -> Check:
     figures = kept(some([f.position for f in evidence.frames]))
     rounding = rms(figures.rounding(evidence.frames[k].position)) / np.sqrt(len(frame.number))
     least = ROUNDED * float(rounding) + NOTHING * evidence.scene.spacing
-    measured, tolerance = float(aside[k]) / size, ASIDE + least / size
-    if measured <= tolerance:
-        return Check(DRIFT, measured, tolerance, UNIT, HOLDS)
     place = ", ".join(f"{c:.2g}" for c in means[k])
-    return Check(DRIFT, measured, tolerance, UNIT, OFF,
-                 f"at t = {evidence.frames[k].time:.4g} s the particles are {place} m aside on average, "
-                 "and nothing moves the middle of a symmetrical body: they drift, or a force or mass is not symmetric")
+    return compared(DRIFT, float(aside[k]) / size, ASIDE + least / size, UNIT,
+                    f"at t = {evidence.frames[k].time:.4g} s the particles are {place} m aside on average, and nothing "
+                    "moves the middle of a symmetrical body: they drift, or a force or mass is not symmetric")
 
 
 def _without_mean(evidence: Evidence, X: np.ndarray) -> Callable[[np.ndarray], np.ndarray] | None:
@@ -103,7 +173,7 @@ def _distance(X: np.ndarray) -> float:
     return float(np.median(Nearby(X).nearest(X[::-(-len(X) // MOST_ASKED)], 2)[0][:, 1]))
 
 
-def axes(evidence: Evidence) -> Check:
+def axes(evidence: Evidence) -> Finding:
     """Whether the error would be far less, were the file read otherwise."""
     frames = sorted(evidence.frames, key=lambda f: -float(np.sum((f.position - f.material_position)**2)))[:LOOKED_AT]
     frames = [_thinned(frame) for frame in frames]
@@ -113,8 +183,8 @@ def axes(evidence: Evidence) -> Check:
                       default=(None, ""))
     if left is None or not 0 < left < np.inf:
         return unknown(AXES, "nothing to exchange, or no errors that could tell")
-    return Check(AXES, 1 / left, 1 / FITS, "times less error if read otherwise", HOLDS if left > FITS else OFF,
-                 "" if left > FITS else f"{words}: read so, the error is {left:.2g} of what it is")
+    return Finding(AXES, HOLDS if left > FITS else OFF, 1 / left, 1 / FITS, "times less error if read otherwise",
+                   "" if left > FITS else f"{words}: read so, the error is {left:.2g} of what it is")
 
 
 def _thinned(frame: Frame) -> Frame:

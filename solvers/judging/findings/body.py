@@ -7,8 +7,8 @@ from typing import Any
 
 import numpy as np
 
-from solvers.judging.checks.check import HOLDS, OFF, Check, unknown
-from solvers.judging.checks.nearby import MOST_ASKED, Nearby
+from solvers.judging.findings.finding import Finding, compared, unknown
+from solvers.judging.findings.neighbours import MOST_ASKED, Nearby
 from solvers.judging.frames import Frame
 from solvers.problems import PROBLEMS
 from solvers.problems.reference import ProblemReference
@@ -36,16 +36,13 @@ class Share:
     least: float
     how: str
 
-    def check(self, count: int) -> Check:
-        off, tolerance = abs(1 - self.share), 1 - self.least
-        if off <= tolerance:
-            return Check(NAME, off, tolerance, UNIT, HOLDS, self.how)
-        return Check(NAME, off, tolerance, UNIT, OFF,
-                     f"the {count:,} particles stand for {100 * self.share:.3g} % of the body ({self.how}): the norms "
-                     "are over these alone")
+    def check(self, count: int) -> Finding:
+        return compared(NAME, abs(1 - self.share), 1 - self.least, UNIT,
+                        f"the {count:,} particles stand for {100 * self.share:.3g} % of the body ({self.how}): the "
+                        "norms are over these alone", self.how)
 
 
-def check(scene: Scene, frame: Frame) -> Check:
+def check(scene: Scene, frame: Frame) -> Finding:
     """Of the frame with the fewest particles."""
     reference, count = PROBLEMS[scene.problem].reference, len(frame.number)
     found = _by_weight(scene, reference, frame) or _by_lattice(scene, reference, frame.material_position) \

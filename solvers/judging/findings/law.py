@@ -7,11 +7,10 @@ from dataclasses import replace
 
 import numpy as np
 
-from solvers.judging.checks import over_time
-from solvers.judging.checks.check import HOLDS, OFF, Check, unknown
-from solvers.judging.checks.evidence import Evidence, Tracks
-from solvers.judging.checks.figures import kept, some
-from solvers.judging.checks.over_time import rate, shifted
+from solvers.judging.findings import over_time
+from solvers.judging.findings.evidence import Evidence, Tracks, kept, some
+from solvers.judging.findings.finding import HOLDS, OFF, Finding, unknown
+from solvers.judging.findings.over_time import rate, shifted
 from solvers.judging.measure import rms
 from solvers.problems import PROBLEMS
 from solvers.scene.rules import SceneError
@@ -25,7 +24,7 @@ EXPLAINS = 0.3  # of the difference, at most, is left by what explains it
 RATIOS = np.linspace(0.0, 0.49, 50)  # Poisson's ratios that are tried
 
 
-def check(evidence: Evidence) -> Check:
+def check(evidence: Evidence) -> Finding:
     scene, frames = evidence.scene, evidence.frames
     both = [(f.deformation_gradient, f.stress) for f in frames
             if f.stress is not None and f.deformation_gradient is not None]
@@ -49,11 +48,11 @@ def check(evidence: Evidence) -> Check:
     if not np.isfinite(measured + tolerance):
         return unknown(NAME, "there is no stress by the law, or it is too large")
     if measured <= tolerance:
-        return Check(NAME, measured, tolerance, UNIT, HOLDS)
+        return Finding(NAME, HOLDS, measured, tolerance, UNIT)
     told = _explained(evidence, size) or "another material, or another measure of stress"
-    return Check(NAME, measured, tolerance, UNIT, OFF,
-                 f"the stress in the files is up to {measured:.2g} of the run's stress off what their F gives by the "
-                 f"problem's law: {told}")
+    return Finding(NAME, OFF, measured, tolerance, UNIT,
+                   f"the stress in the files is up to {measured:.2g} of the run's stress off what their F gives by the "
+                   f"problem's law: {told}")
 
 
 def _explained(evidence: Evidence, size: float) -> str | None:

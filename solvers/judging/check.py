@@ -8,10 +8,9 @@ from typing import Any
 
 import numpy as np
 
-from solvers.checking import alone, gradient, order, speed
-from solvers.checking.finding import BROKEN, SUSPICIOUS, UNKNOWN, Finding
-from solvers.checking.following import followed
-from solvers.checking.motion import Motion
+from solvers.judging.findings.finding import BROKEN, SUSPICIOUS, UNKNOWN, Finding
+from solvers.judging.findings.listed import INSIDE_OUT, OF_A_MOTION
+from solvers.judging.findings.motion import Motion, followed
 from solvers.judging.sources import Particles, read_all
 from solvers.outside.file_error import FileError
 
@@ -89,21 +88,12 @@ def check(files: Particles | Sequence[Particles], *, times: Sequence[float] = ()
     on_progress(0.1, "following the particles")
     with np.errstate(all="ignore"):  # files may have any numbers, and what is made of the largest may be none
         motion, findings = followed(raws, times)
-        findings.append(order.inside_out(motion))
+        findings += INSIDE_OUT.found(motion)
         part = motion.part
-        for k, look in enumerate(LOOKS):
-            on_progress(0.2 + 0.8 * k / len(LOOKS), "looking for contradictions")
-            findings += look(part)
+        for k, kind in enumerate(OF_A_MOTION):
+            on_progress(0.2 + 0.8 * k / len(OF_A_MOTION), "looking for contradictions")
+            findings += kind.found(part)
         if part is not motion:
             motion.notes.append(f"{len(part.number):,} of the {len(motion.number):,} particles, in boxes spread over "
                                 "the body, were held against their neighbours")
     return Checked(tuple(dict.fromkeys(raw.file for raw in raws)), motion, findings)
-
-
-#: All that is looked at of particles that have neighbours, each a list of findings.
-LOOKS: tuple[Callable[[Motion], list[Finding]], ...] = (
-    lambda motion: [order.overtaken(motion)],
-    gradient.check,
-    speed.check,
-    lambda motion: [alone.check(motion, key) for key in ("x", "v", "F", "sigma")],
-    lambda motion: [alone.rough(motion, key) for key in ("v", "sigma")])

@@ -1,1 +1,0 @@
-"""Particles of any run, whatever its problem: what within their motion contradicts itself."""

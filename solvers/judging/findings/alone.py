@@ -1,0 +1,224 @@
+"""Particles whose position, velocity, F, stress or mass is not as that of those around them: of the error against a
+problem's solution, whose limits are fine, or of the quantity itself, which may bend; and fields that jump everywhere.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+import numpy as np
+
+from solvers.judging.findings.evidence import Evidence
+from solvers.judging.findings.finding import BROKEN, HOLDS, OFF, SUSPICIOUS, Finding, unknown
+from solvers.judging.findings.motion import Motion
+from solvers.judging.findings.neighbours import MOST, USUAL, Surroundings, departures, outliers, surroundings
+from solvers.judging.frames import Frame
+from solvers.scene.scene import Scene
+
+MOST_FRAMES = 24  # in which velocities and stresses are looked at, spread over all
+LEAST_APART = 0.02  # of a cell; rims and crossings of sound runs of ours leave less on evenly laid particles
+NAMES = {"x": "x of each particle against its neighbours'", "v": "v of each particle against its neighbours'",
+         "sigma": "stress of each particle against its neighbours'"}
+MASSES = "mass of each particle against its neighbours'"
+#: Times what most depart, from where on a particle is by itself. Of runs of ours drawn at random x reached 8 (beyond
+#: LEAST_APART), and what lasted a third of the frames 5 of v and 3.5 of the stress; what did not last 30 and 20.
+TIMES = {"x": 12.0, "v": 8.0, "sigma": 4.5}
+LEAST = {"v": 0.1, "sigma": 0.2}  # of the size of the quantity
+LASTS = 3  # one moment in so many
+PASSES = 6.0  # times as much where it does not last: crossings of the grid pass
+OTHER_MASS, OF_MASS = 0.2, "of the usual mass"
+UNITS = {"x": "m", "v": "m/s", "F": "", "sigma": "Pa"}
+#: Of a quantity itself: times what most depart, from where on one is by itself, and the least of that, of the spacing
+#: for x and of the quantity's own size for others.
+ALONE: dict[str, tuple[float, float]] = {"x": (30.0, 0.5), "v": (15.0, 0.3), "F": (30.0, 1.0), "sigma": (15.0, 0.4)}
+NAMES_OF_MOTION = {key: f"{key} of each particle against its neighbours'" for key in ALONE}
+SOON_PASSES = 10.0  # times as much where that does not last
+A_PLACE, NOISE = 1.6, 6.0  # of the spacing, and times what most depart
+ONE_SIDED, ON_A_RIM = 0.4, 3.0  # of their distance the middle of the neighbours is aside; times as much may be there
+WORDS = {"x": "position", "v": "velocity", "F": "F", "sigma": "stress"}
+ROUGH, ROUGHEST = 0.5, 1.0  # of the size of v or the stress: what it departs from its neighbours', RMS
+FEWEST = 16  # particles
+SMOOTH_START = 0.3  # of the size: a field that is rougher at the start already is none that runs get wrong
+
+
+@dataclass(frozen=True)
+class Apart:
+    """Particles that are not where their neighbours are: ``which`` (n,) of a frame, and how far (n,) in m."""
+
+    frame: Frame
+    which: np.ndarray
+    far: np.ndarray
+
+    def to_dict(self, scene: Scene) -> dict:
+        worst = int(np.argmax(self.far))
+        X = self.frame.material_position[self.which]
+        return {"t": self.frame.time, "file": self.frame.file, "count": len(self.which),
+                "share": len(self.which) / len(self.frame.number), "farthest": float(self.far[worst]),
+                "farthest_over_h": float(self.far[worst]) / scene.spacing,
+                "particle": int(self.frame.number[self.which[worst]]), "X": X[worst].tolist(),
+                "from": X.min(axis=0).tolist(), "to": X.max(axis=0).tolist()}
+
+
+@dataclass(frozen=True)
+class Alone:
+    """What was found of a quantity: a frame with the particles that are by themselves, if any, the departure that comes
+    nearest to the limit or is farthest beyond it, and that limit."""
+
+    most: Apart | None
+    largest: float
+    limit: float
+
+
+def of_places(evidence: Evidence) -> Alone | None:
+    """Of x, in each frame by itself: the one in which most particles are. None of too few particles."""
+    scene, found = evidence.scene, []
+    for frame, error, near in _with_neighbours(evidence, "x", len(evidence.frames)):
+        which, far, limit = outliers(near, error, TIMES["x"], LEAST_APART * scene.spacing)
+        found.append((Apart(frame, which, far[which]), float(far.max()), limit))
+    if not found:
+        return None
+    most = max((one for one, *_ in found), key=lambda one: len(one.which))
+    _, largest, limit = max(found, key=lambda one: one[1] / one[2])
+    return Alone(most if len(most.which) else None, largest, limit)
+
+
+def of_values(evidence: Evidence, quantity: str) -> Alone | None:
+    """Of v or the stress: particles that are by themselves for a third of the frames, or by far in one. None where the
+    files do not have the quantity, or not always of the same particles."""
+    least = LEAST[quantity] * evidence.scene.size_of(quantity)
+    frames, parts, limits, first = [], [], [], None
+    for frame, error, near in _with_neighbours(evidence, quantity, MOST_FRAMES):
+        if first is not None and near is not first:
+            return None
+        first = near
+        _, far, limit = outliers(near, error, TIMES[quantity], least)
+        frames.append(frame)
+        parts.append(far.astype(np.float32))
+        limits.append(limit)
+    if not frames:
+        return None
+    every_far, every_limit = np.array(parts), np.array(limits)
+    at, beyond, factor = _lasting(every_far / every_limit[:, None], len(frames) // LASTS, PASSES)
+    worst, which = int(np.argmax(beyond)), np.flatnonzero(beyond > 1)
+    k = int(at[worst])
+    return Alone(Apart(frames[k], which, every_far[k, which].astype(float)) if len(which) else None,
+                 float(every_far[k, worst]), float(every_limit[k]) * float(factor[worst]))
+
+
+def _lasting(score: np.ndarray, longer: int, passes: float) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Of scores (T, P) how far each particle is beyond 1 for ``longer`` moments and one more, or by a factor
+    ``passes`` at any; the moment that shows it, and that factor, 1 where it lasts: (P,) each. What goes with the
+    crossing of a cell passes."""
+    order, every = np.argsort(-score, axis=0), np.arange(score.shape[1])
+    lasting, passing = score[order[longer], every], score[order[0], every] / passes
+    lasts = lasting >= passing
+    return np.where(lasts, order[longer], order[0]), np.maximum(lasting, passing), np.where(lasts, 1.0, passes)
+
+
+def _with_neighbours(evidence: Evidence, quantity: str,
+                     most: int) -> Iterator[tuple[Frame, np.ndarray, Surroundings]]:
+    """Of so many frames at most their errors (P, C), with who is whose neighbour, looked for once where it stays."""
+    pairs = [(f, e[quantity]) for f, e in zip(evidence.frames, evidence.errors, strict=True) if quantity in e]
+    before: np.ndarray | None = None
+    near: Surroundings | None = None
+    for frame, error in pairs[::max(1, -(-len(pairs) // most))]:
+        if before is None or not np.array_equal(before, frame.material_position):
+            before, near = frame.material_position, surroundings(frame.material_position)
+        if near is not None:
+            yield frame, error.reshape(len(error), -1), near
+
+
+def told(quantity: str, found: Alone | None) -> Finding:
+    if found is None:
+        return unknown(NAMES[quantity], f"not of the same 5 to {MOST:,} particles at all times")
+    if found.most is None:
+        return Finding(NAMES[quantity], HOLDS, found.largest, found.limit, UNITS[quantity])
+    most = found.most
+    worst = int(np.argmax(most.far))
+    X = ", ".join(f"{c:.4g}" for c in most.frame.material_position[most.which[worst]])
+    count, whose = len(most.which), {"x": "position", "v": "velocity", "sigma": "stress (or F)"}[quantity]
+    return Finding(NAMES[quantity], OFF, found.largest, found.limit, UNITS[quantity],
+                   f"the {whose} of {count:,} particle{'s' * (count != 1)} is not as the neighbours', by up to "
+                   f"{most.far[worst]:.3g} {UNITS[quantity]} at t = {most.frame.time:.4g} s: that of particle "
+                   f"{int(most.frame.number[most.which[worst]])} at X = {X} the most")
+
+
+def masses(frame: Frame) -> Finding:
+    if frame.mass is None:
+        return unknown(MASSES, "no masses in the files; a wrong one shows in the motion alone, or not at all")
+    near, usual = surroundings(frame.material_position), float(np.median(np.abs(frame.mass)))
+    if near is None or not usual > 0:
+        return unknown(MASSES, f"not of 5 to {MOST:,} particles at a time")
+    which, far, limit = outliers(near, frame.mass[:, None], TIMES["x"], OTHER_MASS * usual)
+    if not len(which):
+        return Finding(MASSES, HOLDS, float(far.max()) / usual, limit / usual, OF_MASS)
+    worst = which[np.argmax(far[which])]
+    return Finding(MASSES, OFF, float(far[worst]) / usual, limit / usual, OF_MASS,
+                   f"the mass of {len(which):,} particle{'s' * (len(which) != 1)} is not as the neighbours': that of "
+                   f"particle {int(frame.number[worst])}, {frame.mass[worst]:.4g} kg, the most")
+
+
+def beside_others(motion: Motion, key: str) -> Finding:
+    """Each particle held against a plane through those around it, without others that are far off."""
+    name, near = NAMES_OF_MOTION[key], motion.near
+    if near is None or len(motion.reference) < FEWEST:
+        return unknown(name, f"not of {FEWEST} particles and more")
+    times, least = ALONE[key]
+    every = motion.fields[key] - (motion.reference if key == "x" else 0.0)
+    size = motion.spacing if key == "x" else _size(motion, key)
+    if not size > 0:
+        return unknown(name, "it is zero everywhere")
+    scores, limits = [], []
+    for moment in motion.moments:
+        _, far, limit = outliers(near, every[moment].reshape(len(motion.reference), -1), times, least * size)
+        if key == "x":  # bent as it may be, a whole place aside is no bend, but where most are so
+            limit = min(limit, max(A_PLACE * size, NOISE * float(np.quantile(far, USUAL))))
+        scores.append(far / limit)
+        limits.append(limit)
+    score = np.array(scores) / np.where(_rim(near, motion.reference), ON_A_RIM, 1.0)
+    at, beyond, _ = _lasting(score, 0 if key == "x" else len(scores) // LASTS, SOON_PASSES)  # places do not pass
+    p, count = int(np.argmax(beyond)), int(np.sum(beyond > 1))
+    k = int(at[p])
+    moment, far_off, limit = motion.moments[k], float(scores[k][p]) * limits[k], limits[k]
+    if not count:
+        return Finding(name, HOLDS, far_off, max(limit, far_off), UNITS[key])
+    return Finding(name, SUSPICIOUS, far_off, limit, UNITS[key],
+                   f"the {WORDS[key]} of {count:,} particle{'s' * (count != 1)} is not as the neighbours', "
+                   f"by up to {far_off:.3g} {UNITS[key]} at t = {motion.times[moment]:.4g} s", **motion.at(moment, p))
+
+
+def _rim(near: Surroundings, reference: np.ndarray) -> np.ndarray:
+    """Which particles (P,) have their neighbours on one side, so that the plane goes on beyond them."""
+    away = np.where(near.there[:, :, None], reference[near.who] - reference[:, None], 0.0)
+    return np.linalg.norm(away.mean(axis=1), axis=1) > ONE_SIDED * np.linalg.norm(away, axis=2).mean(axis=1)
+
+
+def rough(motion: Motion, key: str) -> Finding:
+    """How much v or the stress jumps from one particle to the next, beside its own size, where it was smooth before."""
+    name = f"{key} is smooth from particle to particle"
+    near = motion.near
+    if key not in motion.fields or near is None or len(motion.reference) < FEWEST:
+        return unknown(name, f"no {key} in the files" if key not in motion.fields
+                       else f"not of {FEWEST} particles and more")
+    size = _size(motion, key)
+    if not size > 0:
+        return unknown(name, "it is zero everywhere")
+    every = [departures(near, motion.fields[key][moment].reshape(len(motion.reference), -1))
+             for moment in motion.moments]
+    shares = [float(np.sqrt(np.mean(far**2))) / size for far in every]
+    k = int(np.argmax(shares))
+    moment, p = motion.moments[k], int(np.argmax(every[k]))
+    if shares[0] > SMOOTH_START:
+        return unknown(name, f"it jumps by {shares[0]:.2g} of its size at the first moment already")
+    if shares[k] <= ROUGH:
+        return Finding(name, HOLDS, shares[k], ROUGH, "of its size")
+    return Finding(name, BROKEN if shares[k] > ROUGHEST else SUSPICIOUS, shares[k], ROUGH, "of its size",
+                   f"the {WORDS[key]} jumps from particle to particle by {shares[k]:.2g} of its size at t = "
+                   f"{motion.times[moment]:.4g} s, and by {shares[0]:.2g} at first", **motion.at(moment, p))
+
+
+def _size(motion: Motion, key: str) -> float:
+    """The largest RMS of a quantity, of F of F - 1."""
+    values = motion.fields[key] - (np.eye(motion.dimensions) if key == "F" else 0.0)
+    return float(np.sqrt(np.max(np.mean(np.sum(values.reshape(*values.shape[:2], -1) ** 2, axis=2), axis=1))))

@@ -1,0 +1,249 @@
+"""What F and where neighbours stand say of each other, and particles that have overtaken or turned inside out.
+
+What parts two neighbours now is held against what the mean of their F makes of what parted them, pair by pair and
+summed up over the body.
+"""
+
+from __future__ import annotations
+
+import functools
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+import numpy as np
+
+from solvers.judging.findings.finding import BROKEN, HOLDS, SUSPICIOUS, Finding, unknown
+from solvers.judging.findings.motion import TINY, Edges, Motion
+from solvers.judging.findings.neighbours import departures
+
+NAMES_OF_F = "F against where neighbours stand", "F against the gradient of x", "F summed up against x"
+GAP, FOLLOWS, TORN = NAMES_OF_F
+#: Of the amplitude of the motion, from where on neighbours are not where their F says: as the lab's own verdict has it
+#: (``neighbour_gap``, 0.2 of the largest displacement), and from where on nothing is left of it.
+MOST_GAP, NO_GAP = 0.25, 0.5
+MOST_OFF, NO_F = 0.5, 1.0  # the same of F itself, RMS: good runs of ours reach 0.4
+MOST_TORN, NO_SUM = 0.35, 0.5  # the same summed up (``displacement_mismatch``)
+TRAPEZOID = 1 / 3  # of what F departs from its neighbours', by which the rule between two points may be off for it
+OTHERWISE = 0.3  # of the miss is left at most where F is something else
+INSIDE_OUT, OVERTAKEN = "det F is positive", "neighbours keep their order"
+FLATTEST = 1e-3  # det F, below which a particle counts as crushed, as in our own runs
+MANY = 0.02  # of all pairs: more of them are no accident of a rim
+FEW_AT_A_RIM = 0.005  # of all pairs in the plane or in space, where a rim may have so many; along a line none can
+DEEP = 0.7  # of their distance in the reference: where a body is crushed, a few in good runs of ours are less far past
+
+
+@dataclass(frozen=True)
+class Misses:
+    """At a moment, of each pair of neighbours: ``now`` (n, D) what parts them, ``told`` (n, D) what F says it is, and
+    ``size`` (n,) of the difference."""
+
+    edges: Edges
+    now: np.ndarray
+    told: np.ndarray
+
+    @functools.cached_property
+    def miss(self) -> np.ndarray:
+        return self.now - self.told
+
+    @functools.cached_property
+    def size(self) -> np.ndarray:
+        return np.linalg.norm(self.miss, axis=1)
+
+    @property
+    def rms(self) -> float:
+        return float(np.sqrt(np.mean(self.size**2)))
+
+    @property
+    def of_length(self) -> float:
+        """RMS of the miss over the distance in the reference: as large as the error of F."""
+        return float(np.sqrt(np.mean((self.size / self.edges.length) ** 2)))
+
+    @property
+    def worst(self) -> int:
+        """The particle of the pair with the largest."""
+        return int(self.edges.one[np.argmax(self.size)])
+
+
+def misses(motion: Motion, moment: int, F: np.ndarray) -> Misses:
+    edges, x = motion.edges, motion.x[moment]
+    assert edges is not None
+    return Misses(edges, x[edges.other] - x[edges.one], edges.moved_by(F))
+
+
+def strain(F: np.ndarray) -> float:
+    """RMS of the parts of F - 1."""
+    return float(np.sqrt(np.mean(np.sum((F - np.eye(F.shape[-1])) ** 2, axis=(-2, -1)))))
+
+
+def gathered(edges: Edges, values: np.ndarray, count: int, rounds: int = 300) -> np.ndarray:
+    """The field (P, D) whose differences between neighbours come nearest to ``values`` (n, D), by least squares, with
+    mean 0: conjugate gradients, preconditioned by the numbers of neighbours."""
+    one, other = edges.one, edges.other
+    degree = np.maximum(np.bincount(one, minlength=count) + np.bincount(other, minlength=count), 1)[:, None]
+
+    def spread(differences: np.ndarray) -> np.ndarray:
+        return np.stack([np.bincount(other, d, count) - np.bincount(one, d, count) for d in differences.T], axis=1)
+
+    left = spread(values)
+    field, begin = np.zeros_like(left), float(np.sum(left**2))
+    way = left / degree
+    product = float(np.sum(left * way))
+    for _ in range(rounds):
+        if not np.sum(left**2) > 1e-6 * begin or not product > TINY:
+            break
+        bent = spread(way[other] - way[one])
+        length = product / float(np.sum(way * bent))
+        field, left = field + length * way, left - length * bent
+        step = left / degree
+        product, before = float(np.sum(left * step)), product
+        way = step + product / before * way
+    return field - field.mean(axis=0)
+
+
+def fewest(motion: Motion) -> int:
+    """Particles that a body needs for its inside to be more than its rim."""
+    return {1: 8, 2: 16, 3: 40}[motion.dimensions]
+
+
+def of_f(motion: Motion) -> list[Finding]:
+    """Whether neighbours stand where the F of both say."""
+    F, few = motion.gradient, fewest(motion)
+    assert F is not None
+    if motion.edges is None or len(motion.reference) < few:
+        return [unknown(name, f"fewer than {few} particles lie so that they have neighbours") for name in NAMES_OF_F]
+    if not motion.amplitude > 0:
+        return [unknown(name, "nothing moves") for name in NAMES_OF_F]
+    every = [(moment, misses(motion, moment, F[moment])) for moment in motion.moments]
+    other = _otherwise(motion, F, every)
+    return [_gap(motion, F, every), other or _follows(motion, every), _torn(motion, every)]
+
+
+def _gap(motion: Motion, F: np.ndarray, every: list[tuple[int, Misses]]) -> Finding:
+    """By the largest RMS over the pairs, beside the motion's amplitude."""
+    moment, worst = max(every, key=lambda pair: pair[1].rms)
+    excuse = TRAPEZOID * _rough(motion, F[moment]) * motion.spacing / motion.amplitude
+    return _told(GAP, worst.rms / motion.amplitude, MOST_GAP + excuse, NO_GAP + excuse, "of the motion",
+                 f"neighbours are not where their F says, by {worst.rms:.3g} m (RMS), {{share}} of the motion, "
+                 f"at t = {motion.times[moment]:.4g} s", motion.at(moment, worst.worst))
+
+
+def _follows(motion: Motion, every: list[tuple[int, Misses]]) -> Finding:
+    """By what F would have to be off."""
+    moment, worst = max(every, key=lambda pair: pair[1].of_length)
+    return _told(FOLLOWS, worst.of_length, MOST_OFF, NO_F, "of F",
+                 f"what parts neighbours differs from what F says by {{share}} of what parted them, RMS, at t = "
+                 f"{motion.times[moment]:.4g} s", motion.at(moment, worst.worst))
+
+
+def _torn(motion: Motion, every: list[tuple[int, Misses]]) -> Finding:
+    """Misses that add up over the body: late waves, which each pair shows little of."""
+    found = []
+    for moment, pairs in every:
+        field = gathered(pairs.edges, pairs.miss, len(motion.reference))
+        found.append((float(np.sqrt(np.mean(np.sum(field**2, axis=1)))), moment,
+                      int(np.argmax(np.sum(field**2, axis=1)))))
+    size, moment, p = max(found)
+    return _told(TORN, size / motion.amplitude, MOST_TORN, NO_SUM, "of the motion",
+                 f"the displacements are not the sum of what F says, by {size:.3g} m (RMS), {{share}} of the motion, "
+                 f"at t = {motion.times[moment]:.4g} s", motion.at(moment, p))
+
+
+def _rough(motion: Motion, F: np.ndarray) -> float:
+    assert motion.near is not None
+    return float(np.sqrt(np.mean(departures(motion.near, F.reshape(len(F), -1)) ** 2)))
+
+
+def _told(name: str, measured: float, most: float, nothing_left: float, unit: str, says: str, at: dict) -> Finding:
+    if measured <= most:
+        return Finding(name, HOLDS, measured, most, unit)
+    verdict = BROKEN if not measured <= nothing_left else SUSPICIOUS
+    return Finding(name, verdict, measured, most, unit, says.format(share=f"{measured:.2g}"), **at)
+
+
+def _otherwise(motion: Motion, F: np.ndarray, every: list[tuple[int, Misses]]) -> Finding | None:
+    """What F or x is where something else fits far better, and F itself not."""
+    moment, now = max(every, key=lambda pair: strain(F[pair[0]]))
+    edges, told = now.edges, strain(F[moment])
+    if not told > 0 or now.rms <= 0.1 * told * motion.spacing:
+        return None
+    best = min(((float(np.sqrt(np.mean(np.sum((now.now - other) ** 2, axis=1)))) / max(now.rms, TINY), words)
+                for words, other in _readings(motion, F[moment], now)), default=(1.0, ""))
+    if not best[0] < OTHERWISE:
+        return None
+    p = int(edges.one[int(np.argmax(now.size))])
+    return Finding(FOLLOWS, SUSPICIOUS, now.of_length, MOST_OFF, "of F",
+                   f"at t = {motion.times[moment]:.4g} s {best[1]}: read so, {best[0]:.2g} is left of what neighbours "
+                   "are off", **motion.at(moment, p))
+
+
+def _readings(motion: Motion, F: np.ndarray, now: Misses) -> Iterator[tuple[str, np.ndarray]]:
+    """What parts neighbours if the file means something else, in words."""
+    edges, D = now.edges, motion.dimensions
+    yield "F seems to be its inverse, dX/dx", edges.moved_by(np.linalg.pinv(F))
+    yield "F seems to be the gradient of the displacement, F - 1", edges.moved_by(F + np.eye(D))
+    if D > 1:
+        yield "F seems to be transposed", edges.moved_by(np.swapaxes(F, -1, -2))
+    yield "x seems to be the displacement, not the position", now.told - edges.apart
+    size = float(np.sum(now.now * now.told)) / max(float(np.sum(now.told**2)), TINY)
+    if abs(np.log10(max(abs(size), TINY))) > 0.3:
+        yield (f"x seems to be in another unit than {'X' if not motion.from_start else 'at the start'}, {size:.4g} "
+               "times", size * now.told)
+    if D > 1:
+        yield "the axes of x seem to be exchanged", now.told[:, ::-1]
+
+
+def inside_out(motion: Motion) -> Finding:
+    J = np.linalg.det(motion.fields["F"])
+    flat = J < FLATTEST
+    if not flat.any():
+        return Finding(INSIDE_OUT, HOLDS, float(J.min()), FLATTEST, "")
+    moment = int(np.argmax(flat.any(axis=1)))
+    p, count = int(np.argmin(J[moment])), int(flat[moment].sum())
+    word = "turned inside out" if J[moment, p] <= 0 else "crushed to nothing"
+    return Finding(INSIDE_OUT, BROKEN if J[moment, p] <= 0 else SUSPICIOUS, float(J[moment, p]), FLATTEST, "",
+                   f"{count:,} particle{'s are' if count != 1 else ' is'} {word} at t = {motion.times[moment]:.4g} s: "
+                   f"det F is {J[moment, p]:.3g}", **motion.at(moment, p))
+
+
+def overtaken(motion: Motion) -> Finding:
+    """Of each pair of neighbours what parts them must not point against what it is by the motion around them: along a
+    line by its order in the reference, else by a plane through the neighbours, and by F."""
+    edges, near = motion.edges, motion.near
+    if edges is None or near is None:
+        return unknown(OVERTAKEN, "too few particles have neighbours")
+    F, found = motion.gradient, []
+    for moment in motion.moments:
+        x = motion.x[moment]
+        now, told = x[edges.other] - x[edges.one], [edges.apart]
+        if motion.dimensions > 1:  # by the plane, and by F where there is one: at a rim either may be wrong
+            slopes = [plane(motion, x), *([] if F is None else [F[moment]])]
+            told = [edges.moved_by(one) for one in slopes]
+        ahead = np.max([np.sum(now * one, axis=1) / np.maximum(np.linalg.norm(one, axis=1), TINY) for one in told],
+                       axis=0)
+        turned = ahead <= 0
+        deep = ahead <= -DEEP * edges.length
+        few = FEW_AT_A_RIM if motion.dimensions > 1 else 0.0
+        found.append(turned if turned.mean() > MANY else deep if deep.mean() > few else np.zeros_like(deep))
+    shares = [float(turned.mean()) for turned in found]
+    if max(shares) == 0:
+        return Finding(OVERTAKEN, HOLDS, 0.0, 0.0, "of all pairs",
+                       f"of up to {100 * MANY:.0f} % of them a shallow change would not count")
+    k = int(np.argmax(shares))
+    first = next(k for k, share in enumerate(shares) if share > 0)
+    moment, p = motion.moments[k], int(edges.one[np.argmax(found[k])])
+    return Finding(OVERTAKEN, BROKEN if shares[k] > MANY else SUSPICIOUS, shares[k], 0.0, "of all pairs",
+                   f"{int(found[k].sum()):,} of {len(found[k]):,} pairs of neighbours have changed their order at t = "
+                   f"{motion.times[moment]:.4g} s (first at {motion.times[motion.moments[first]]:.4g} s)",
+                   **motion.at(moment, p))
+
+
+def plane(motion: Motion, values: np.ndarray) -> np.ndarray:
+    """The slopes (P, C, D) over the reference of planes through the values (P, C) of the neighbours of each."""
+    near = motion.near
+    assert near is not None
+    away = motion.reference[near.who] - motion.reference[:, None, :]
+    weight = near.there[:, :, None]
+    left = np.where(weight, away, 0.0)
+    right = np.where(weight, values[near.who] - values[:, None, :], 0.0)
+    square = np.einsum("pki,pkj->pij", left, left)
+    return np.einsum("pij,pkj,pkc->pci", np.linalg.pinv(square, hermitian=True), left, right)

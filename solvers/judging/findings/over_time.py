@@ -1,0 +1,62 @@
+"""Fields known at some times: their rates, how they were a little earlier, and how much of others is in them."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+
+GROUPS = 10  # of times, each left out once to see how sure a number is
+
+
+def rms(values: np.ndarray) -> float:
+    return float(np.sqrt(np.mean(values**2)))
+
+
+def rate(times: np.ndarray, values: np.ndarray) -> np.ndarray:
+    """The rate (T, ...) of values (T, ...) at the times (T,), of second order; three times at least."""
+    return np.gradient(values, times, axis=0, edge_order=2)
+
+
+def shifted(times: np.ndarray, values: np.ndarray, late: float) -> tuple[np.ndarray, np.ndarray]:
+    """Which of the times (T,) are known a time ``late`` before, and the values (n, ...) there, by cubic Hermite
+    polynomials."""
+    before = times - late
+    slack = 1e-9 * float(np.ptp(times))
+    inside = (before >= times[0] - slack) & (before <= times[-1] + slack)
+    at = np.clip(np.searchsorted(times, before[inside], side="right") - 1, 0, len(times) - 2)
+    step = times[at + 1] - times[at]
+    shape = (-1,) + (1,) * (values.ndim - 1)
+    s, H = ((before[inside] - times[at]) / step).reshape(shape), step.reshape(shape)
+    slopes = rate(times, values)
+    return inside, ((1 + 2 * s) * (1 - s) ** 2 * values[at] + s * (1 - s) ** 2 * H * slopes[at]
+                    + s * s * (3 - 2 * s) * values[at + 1] - s * s * (1 - s) * H * slopes[at + 1])
+
+
+def fitted(target: np.ndarray, parts: Sequence[np.ndarray]) -> tuple[np.ndarray, np.ndarray]:
+    """How much of each part (T, ...) is in the target (T, ...), by least squares: first of all times, then with each
+    group of times left out (1 + n, parts); and how sure the numbers are (parts,), by the jackknife."""
+    def products(one: np.ndarray, other: np.ndarray) -> np.ndarray:
+        return (one * other).reshape(len(one), -1).sum(axis=1)
+
+    scale = [rms(part) or 1.0 for part in parts]
+    scaled = [part / size for part, size in zip(parts, scale, strict=True)]
+    matrix = np.array([[products(one, other) for other in scaled] for one in scaled])
+    right, T = np.array([products(one, target) for one in scaled]), len(target)
+
+    if not (np.isfinite(matrix).all() and np.isfinite(right).all()):
+        return np.full((2, len(parts)), np.nan), np.full(len(parts), np.nan)
+
+    def solved(kept: np.ndarray) -> np.ndarray:
+        return np.linalg.lstsq(matrix[:, :, kept].sum(axis=2), right[:, kept].sum(axis=1), rcond=1e-12)[0]
+
+    every = np.arange(T)
+    left_out = [solved(np.setdiff1d(every, group)) for group in np.array_split(every, min(T, GROUPS))]
+    found = np.array([solved(every), *left_out]) / np.array(scale)
+    return found, np.array([spread(column) for column in found.T])
+
+
+def spread(found: np.ndarray) -> float:
+    """The standard error of a number of which the first is that of all and the others miss a group each."""
+    others = found[1:]
+    return float(np.sqrt((len(others) - 1) / len(others) * np.sum((others - others.mean()) ** 2)))
