@@ -15,12 +15,12 @@ import taichi as ti
 
 from solvers.kernels.kinds import integers, octets, reals
 from solvers.problems.planar.method import cpdi, phases
+from solvers.problems.planar.method.body import WatchedBody
 from solvers.problems.planar.method.kept import kept, kept_number
 from solvers.problems.planar.method.margin import entry, slope_entry
 from solvers.problems.planar.method.records import force_moment, force_record
 from solvers.problems.planar.parts import PlanarParts
 from solvers.problems.planar.plans.at_once import update_nodes
-from solvers.problems.planar.state import WatchedBody
 from solvers.solver.arrays import Watch
 
 CHUNK = 64  # numbers that one thread adds up
