@@ -64,10 +64,10 @@ def test_plans_agree(plan, scene):
 
 @pytest.mark.parametrize("plan", PLANS)
 def test_compiling_steps_nothing(plan):
-    """So that a rate is not charged for it."""
+    """So that a rate is not charged for it; the margin of the step, which is compiled too, has scratch of its own."""
     solver = build(replace(RING, **PLANS[plan]))
     before = solver.state()[1]
     solver.compile()
     assert solver.step == 0
-    for name, values in solver.state()[1].items():
-        np.testing.assert_array_equal(values, before[name], err_msg=name)
+    for name in ("position_velocity", "deformation_gradient", "acceleration", "estimate", "totals"):
+        np.testing.assert_array_equal(solver.state()[1][name], before[name], err_msg=name)
