@@ -41,7 +41,7 @@ class Problem(ABC):
     @property
     @abstractmethod
     def baseline(self) -> type[Solver]:
-        """A solver whose step has nothing optional in it, written out by hand, to compare rates with."""
+        """A solver whose step has nothing optional in it, to compare rates with."""
 
     @property
     @abstractmethod

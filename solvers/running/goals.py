@@ -18,9 +18,9 @@ import numpy as np
 from solvers.problems import PROBLEMS
 from solvers.scene.rules import SceneError
 from solvers.scene.scene import Scene
-from solvers.solver.fields import TRUTH, Fields, Values
 from solvers.solver.norms import UNBOUNDED, finite
 from solvers.solver.rounding import rounding
+from solvers.solver.snapshot import TRUTH, Fields, Values
 
 #: How many times the estimated error the bar around a value is long. Not fitted: twice, as in two standard deviations.
 #: What such a bar keeps is measured in ``assets/coverage.md``.

@@ -3,16 +3,17 @@
 import functools
 import math
 import os
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from contextlib import suppress
 from dataclasses import asdict, dataclass, field
+from importlib.metadata import entry_points
 from typing import Any
 
 import numpy as np
 
-from solvers.running import saved, views
-from solvers.running.by_estimator import ByEstimator, ByQuantity
+from solvers.running import saved
 from solvers.scene.effects import ALL
+from solvers.scene.rules import SceneError
 from solvers.scene.scene import Scene
 from solvers.solver import budget, norms
 from solvers.solver.checked import as_large_as_itself, checked, followed, not_checked
@@ -24,7 +25,46 @@ from solvers.solver.snapshot import Seconds, Snapshot
 from solvers.solver.soundness import evidence
 
 SCHEMA = "mpm-lab/run/1"
+VIEWS = "mpm_lab.result"  # of the installed package, ``app``'s picture of a run and its table
 ACCURATE = 0.1  # of the motion's amplitude: up to such an error of x a run counts as accurate
+
+
+class ByQuantity(dict[str, Any]):
+    """Values by the name of a quantity.
+
+    Raises
+    ------
+    SceneError
+        For a name that is not there, with those that are.
+    """
+
+    def __missing__(self, name: object) -> Any:
+        raise SceneError("quantity", name, f"is none of this run's; give one of {', '.join(self)}")
+
+
+class ByEstimator(dict[str, Any]):
+    """Values of each quantity, of a run's only estimator; of several, a mapping from estimator to that.
+
+    Either may be asked by name: ``index["companion"]["x"]`` is ``index["x"]`` where the companion is alone.
+
+    Raises
+    ------
+    SceneError
+        For a name that is not there, with those that are.
+    """
+
+    def __init__(self, values: Mapping[str, dict], nothing: dict):
+        self.estimators = tuple(values)
+        super().__init__(values if len(values) > 1 else next(iter(values.values()), nothing))
+
+    def __missing__(self, name: object) -> dict:
+        if (name,) == self.estimators:
+            return dict(self)
+        run = ", ".join(self.estimators) or "none"
+        if len(self.estimators) > 1:
+            raise SceneError("estimator", name, f"is none of this run's; give one of {run}, and then the quantity")
+        raise SceneError("estimator", name, f"is not this run's, which has {run}; give that or one of "
+                                            f"{', '.join(self)}")
 
 
 @dataclass(frozen=True)
@@ -92,14 +132,14 @@ class Result:
         ImportError
             Where another package called ``app`` has its place in this process.
         """
-        if (draw := views.view("plot")) is None:
+        if (draw := view("plot")) is None:
             raise RuntimeError("nothing that is installed draws a result; install mpm-lab, with `pip install .`")
         return draw(self)
 
     def _repr_html_(self) -> str | None:
         """The table that a notebook shows below a cell; None where nothing that is installed makes one."""
         with suppress(ImportError):
-            if (table := views.view("table")) is not None:
+            if (table := view("table")) is not None:
                 return table(self)
         return None
 
@@ -248,3 +288,9 @@ class Result:
             "seconds": {"setup": self.seconds.setup, "compile": self.seconds.compile, "run": self.seconds.run,
                         "estimate": self.seconds.estimate, "estimators": self.seconds.estimators},
             "rate": finite(self.rate), "arch": self.arch, "threads": self.threads, "plan": self.plan}
+
+
+def view(name: str) -> Callable[[Any], Any] | None:
+    """What draws a result as ``name``: whoever says so under the entry points of ``VIEWS``, for solvers draw nothing
+    themselves; None where nothing that is installed does, as in a tree that was only copied."""
+    return next((entry.load() for entry in entry_points(group=VIEWS, name=name)), None)

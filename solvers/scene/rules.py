@@ -13,7 +13,7 @@ class SceneError(ValueError):
 
     def __init__(self, field: str, value: object, sentence: str):
         self.field, self.value, self.sentence = field, value, quoting.sentence(sentence)
-        super().__init__(quoting.sentence(f"{field_label(field)} {quoting.quoted(value)}: {sentence}"))
+        super().__init__(quoting.sentence(f"{field_label(field)} {quoting.quoted(_in_quotes(value))}: {sentence}"))
 
 
 def field_key(field: str) -> str:
@@ -57,7 +57,7 @@ def require_names(field: str, chosen: object, allowed: tuple[str, ...]) -> None:
 def require_whole(field: str, value: object, least: int, most: int) -> None:
     """:class:`SceneError` for anything but a whole number from ``least`` to ``most``."""
     if isinstance(value, bool) or not isinstance(value, int) or not least <= value <= most:
-        raise SceneError(field, _in_quotes(value), f"give a whole number from {least:,} to {most:,}")
+        raise SceneError(field, value, f"give a whole number from {least:,} to {most:,}")
 
 
 def require_number(field: str, value: object, above: float, most: float, allowed: str = "") -> None:
@@ -66,7 +66,7 @@ def require_number(field: str, value: object, above: float, most: float, allowed
     if isinstance(value, bool) or not isinstance(value, (int, float)) or not abs(value) <= sys.float_info.max \
             or not above < value <= most:  # also NaN, infinity, and integers beyond all floats
         upper = "" if math.isinf(most) else f" and up to {most:g}"
-        raise SceneError(field, _in_quotes(value), allowed or f"give a number above {above:g}{upper}")
+        raise SceneError(field, value, allowed or f"give a number above {above:g}{upper}")
 
 
 def _in_quotes(value: object) -> object:

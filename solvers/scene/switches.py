@@ -37,6 +37,11 @@ def switches(scene: Scene) -> Switches:
                     getattr(scene, "motion", ""))
 
 
+def bare(on: Switches) -> Switches:
+    """The same with nothing computed beside the method."""
+    return on._replace(effects=(), estimators=())
+
+
 @lru_cache(maxsize=256)  # asked again and again while somebody waits for the compiler
 def combination(scene: Scene) -> tuple:
     """What makes the compiler work: two scenes with equal combinations run the same kernels on the same processor."""

@@ -16,9 +16,8 @@ from solvers.scene.scene import Scene
 from solvers.scene.step_bound import SAFE
 from solvers.solver.arrays import Watch
 from solvers.solver.checked import AsLarge, sentence
-from solvers.solver.fields import Fields
 from solvers.solver.samples import MARGIN, ROWS
-from solvers.solver.snapshot import Snapshot
+from solvers.solver.snapshot import Fields, Snapshot
 from solvers.solver.soundness import LOST, OK, UNSTABLE, Finding
 from solvers.solver.step_breakdown import Carried, StepBreakdown
 

@@ -6,9 +6,11 @@ from typing import NamedTuple
 import taichi as ti
 
 from solvers.estimators import running
-from solvers.solver.base import MEASURE, REPORT, SOUND, STEP
+from solvers.solver.base import CRUSHED, ESCAPED, INVERTED, MEASURE, REPORT, SOUND, STEP
 
 CHECK_EVERY = 8  # steps between two looks for a run that has gone bad
+FLATTEST = 1e-3  # det F below which a particle counts as crushed; the exact bar stays above 1 - 2 pi A
+NO_NUMBER = -1e300  # stands for a det F that is not a number: flatter than any
 
 
 class Phases(NamedTuple):
@@ -42,3 +44,31 @@ def run_loop(state: ti.template(), turn, start, purpose, phases: ti.template(), 
             running.report(state, step, phases.hooks, on)
             if purpose != REPORT:
                 phases.sample(state, row, step, looks, on)
+
+
+@ti.func
+def sample_effects(state: ti.template(), row, step, samplers: ti.template(), on: ti.template()):
+    """What each effect has found, by ``solvers.scene.effects.samplers``."""
+    for e in ti.static(range(len(on.effects))):
+        if ti.static(on.effects[e] in samplers):
+            samplers[on.effects[e]](state, row, step, on)
+
+
+@ti.func
+def check(state: ti.template(), step, flatness: ti.template(), has_escaped: ti.template()):
+    """Stop a run with a particle with det F, which ``flatness(state, p)`` gives, <= 0, tiny or NaN, the flattest of
+    them, or else the first for which ``has_escaped(state, p, step)`` says that none of a sound run is there.
+
+    Without the middle one a run that collapses, all particles in a few clusters, would go on for ever.
+    """
+    flattest, bad = FLATTEST, -1
+    for p in range(state.particles):
+        J = flatness(state, p)
+        if not J >= flattest:  # true for NaN too
+            flattest, bad = NO_NUMBER if ti.math.isnan(J) else J, p
+            state.verdict[0] = CRUSHED if J > 0 else INVERTED
+        elif bad < 0 and has_escaped(state, p, step):
+            bad = p
+            state.verdict[0] = ESCAPED
+    if bad >= 0:
+        state.verdict[1], state.verdict[2] = step, bad

@@ -22,16 +22,13 @@ LENGTH = 1.0  # m: no coordinate is much larger while a body does not drift
 def rounding(scene: Scene, quantity: str, steps: Any) -> Any:
     """The largest RMS error of x, v, sigma or a, in SI, that rounding alone may have made in so many ``steps``, a
     number or an array of them."""
-    return ROUNDINGS * EPS * np.sqrt(np.maximum(1.0, steps)) * largest_summand(scene, quantity)
-
-
-def largest_summand(scene: Scene, quantity: str) -> float:
-    """Size of the numbers that a step adds up, in SI. Of x coordinates; of v the speeds of waves and of a drift; of
-    sigma E, and what velocities that are rounded make of F; of a the forces at a node before they cancel."""
+    # The numbers that a step adds up: of x coordinates; of v the speeds of waves and of a drift; of sigma E, and what
+    # velocities that are rounded make of F; of a the forces at a node before they cancel.
     drift, stretch = scene.drift_speed, max(1.0, scene.initial_stretch)
     stress = scene.modulus * stretch * (1 + drift * scene.time_step / scene.spacing)
-    return {"x": LENGTH + drift * scene.end_time, "v": scene.wave_speed + drift, "sigma": stress,
-            "a": stress / (scene.density * scene.spacing)}[quantity]
+    largest = {"x": LENGTH + drift * scene.end_time, "v": scene.wave_speed + drift, "sigma": stress,
+               "a": stress / (scene.density * scene.spacing)}[quantity]
+    return ROUNDINGS * EPS * np.sqrt(np.maximum(1.0, steps)) * largest
 
 
 def sentence(limit: float) -> str:

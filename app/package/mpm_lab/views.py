@@ -1,4 +1,4 @@
-"""What draws a result, as pyproject names it to ``solvers.running.views``, whatever else is called ``app``."""
+"""What draws a result, as pyproject names it to ``solvers.running.result``, whatever else is called ``app``."""
 
 from typing import Any
 

@@ -7,22 +7,26 @@ same initial velocity gives the free vibration u = (A/2) sin(2 pi X) sin(2wt); `
 u = v0 t, F = F0 for ever.
 """
 
+import math
+from typing import Any
+
 import numpy as np
 
-from solvers.problems.bar.balance import SECOND_FREQUENCY, SECOND_SIZE
-from solvers.problems.bar.scene import BarScene
+from solvers.scene.balance import Moments
 
 WAVENUMBER = 2 * np.pi
+SECOND_SIZE = 0.5  # of the force's second tone, of the first
+SECOND_FREQUENCY = 1.7  # of the second tone, over that of the first
 
 
-def displacement(scene: BarScene, X: np.ndarray, t: float) -> np.ndarray:
+def displacement(scene: Any, X: np.ndarray, t: float) -> np.ndarray:
     """u(X, t) in metres."""
     if scene.is_patch:
         return np.full_like(X, scene.initial_velocity * t)
     return scene.motion_amplitude * np.sin(WAVENUMBER * X) * np.sin(scene.angular_frequency * t)
 
 
-def velocity(scene: BarScene, X: np.ndarray, t: float) -> np.ndarray:
+def velocity(scene: Any, X: np.ndarray, t: float) -> np.ndarray:
     """v = u_t in m/s."""
     if scene.is_patch:
         return np.full_like(X, scene.initial_velocity)
@@ -30,26 +34,26 @@ def velocity(scene: BarScene, X: np.ndarray, t: float) -> np.ndarray:
     return scene.motion_amplitude * w * np.sin(WAVENUMBER * X) * np.cos(w * t)
 
 
-def acceleration(scene: BarScene, X: np.ndarray, t: float) -> np.ndarray:
+def acceleration(scene: Any, X: np.ndarray, t: float) -> np.ndarray:
     """a = u_tt = -w^2 u in m/s^2."""
     if scene.is_patch:
         return np.zeros_like(X)
     return -scene.angular_frequency**2 * displacement(scene, X, t)
 
 
-def deformation_gradient(scene: BarScene, X: np.ndarray, t: float) -> np.ndarray:
+def deformation_gradient(scene: Any, X: np.ndarray, t: float) -> np.ndarray:
     """F = 1 + u_X."""
     if scene.is_patch:
         return np.full_like(X, scene.stretch)
     return 1 + WAVENUMBER * scene.motion_amplitude * np.cos(WAVENUMBER * X) * np.sin(scene.angular_frequency * t)
 
 
-def stress(scene: BarScene, X: np.ndarray, t: float) -> np.ndarray:
+def stress(scene: Any, X: np.ndarray, t: float) -> np.ndarray:
     """P = E(F - 1) in pascals (eq 29)."""
     return scene.modulus * (deformation_gradient(scene, X, t) - 1)
 
 
-def field(scene: BarScene, quantity: str, X: np.ndarray, t: float) -> np.ndarray:
+def field(scene: Any, quantity: str, X: np.ndarray, t: float) -> np.ndarray:
     """A quantity by its key (``samples.QUANTITIES``), u for x, as a method has it after the time t: its acceleration is
     the one that its last step used, which began a step before. Of a patch test u - v0 t, beside which v0 t would hide
     all else."""
@@ -60,7 +64,7 @@ def field(scene: BarScene, quantity: str, X: np.ndarray, t: float) -> np.ndarray
     return {"x": displacement, "v": velocity, "sigma": stress}[quantity](scene, X, t)
 
 
-def body_force(scene: BarScene, X: np.ndarray, t: float) -> np.ndarray:
+def body_force(scene: Any, X: np.ndarray, t: float) -> np.ndarray:
     """b per unit mass, in m/s^2: 3 w^2 u (eq 34, corrected); with two tones 1.5 w^2 A sin(4 pi X) sin(1.7 wt) beside
     it; zero for the free bar."""
     if scene.body_force == "none":
@@ -71,3 +75,31 @@ def body_force(scene: BarScene, X: np.ndarray, t: float) -> np.ndarray:
         size = SECOND_SIZE * 3 * w**2 * scene.amplitude * np.sin(SECOND_FREQUENCY * w * t)
         force += size * np.sin(2 * WAVENUMBER * X)
     return force
+
+
+def moments(scene: Any, times: np.ndarray) -> Moments:
+    """The moments (see ``solvers.problems.bar.method.soundness``) at the times (T,) of the motion that the balance of
+    momentum makes (see ``solvers.scene.balance``).
+
+    P = E(F - 1) is linear, so that the modes sin(2 pi X) and sin(4 pi X), which start and body force feed, swing each
+    for itself: q'' = -(n w0)^2 q + b_n(t), w0 = 2 pi c, n = 1 and 2. With w the frequency of the force,
+
+        b_1 = 3 w^2 A sin(wt):  q_1 = A sin(wt), or A/2 sin(2wt) without force (both start at the velocity A w);
+        b_2 = S sin(nu t), the second tone:  q_2 = S/((2 w0)^2 - nu^2) (sin(nu t) - nu/(2 w0) sin(2 w0 t)).
+
+    All other modes rest, and so does a patch test, seen from where it should be. A force that a method puts at its
+    nodes is meant for the material points too.
+    """
+    P, w, A = scene.particles, scene.angular_frequency, scene.motion_amplitude
+    X = (np.arange(P) + 0.5) / P
+    shapes = np.sin(2 * np.pi * np.outer((1, 2), X))  # (2, P)
+    size = np.zeros((len(times), 2))
+    if not scene.is_patch:
+        size[:, 0] = A * np.sin(w * times)
+    if scene.body_force == "two-tone":
+        own, tone = 4 * math.pi * scene.wave_speed, SECOND_FREQUENCY * w
+        force = SECOND_SIZE * 3 * w * w * scene.amplitude
+        size[:, 1] = force / (own * own - tone * tone) * (np.sin(tone * times) - tone / own * np.sin(own * times))
+    gram = shapes @ shapes.T
+    return Moments(size @ gram, np.einsum("tm,mn,tn->t", size, gram, size), np.linalg.pinv(gram, hermitian=True), P,
+                   np.ones(len(times), bool))

@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from solvers.problems.bar import balance, patch, step_bound, validity
+from solvers.problems.bar import exact, patch, step_bound, validity
 from solvers.problems.bar.patch import PATCH, VIBRATE
 from solvers.scene.balance import Moments
 from solvers.scene.causes import CAUSES, NOTHING
@@ -154,7 +154,7 @@ class BarScene(Scene):
         return known and super().has(effect)
 
     def balanced_motion(self, times: np.ndarray) -> Moments:
-        return balance.moments(self, times)
+        return exact.moments(self, times)
 
     def to_dict(self) -> dict:
         """As every scene; None for what means nothing in this motion."""

@@ -14,8 +14,7 @@ from solvers.problems.bar.step_breakdown import breakdown, carried
 from solvers.scene.remedies import CENTRED, COUPLED, FILTER, FROZEN, PIECES
 from solvers.scene.switches import switches
 from solvers.solver.base import MEASURE, REPORT, STEP, Solver
-from solvers.solver.fields import TRUTH, Fields, Values
-from solvers.solver.snapshot import Snapshot
+from solvers.solver.snapshot import TRUTH, Fields, Snapshot, Values
 from solvers.solver.step_breakdown import Carried, StepBreakdown
 
 HATS_LIMIT = 0.14  # amplitude from which on no rate of a remedy holds hat functions together

@@ -11,32 +11,26 @@ from solvers.problems.bar.method.phases import find_weights, nodes_to_particles,
 from solvers.problems.bar.method.samples import sample
 from solvers.problems.bar.state import HOOKS, BarState
 from solvers.scene.effects import samplers
-from solvers.solver.base import CRUSHED, ESCAPED, INVERTED
-from solvers.solver.effect_samples import sample_effects
-from solvers.solver.loop import Phases, run_loop
+from solvers.solver.loop import Phases, check, run_loop, sample_effects
 
 SAMPLERS = samplers("bar", {})
-FLATTEST = 1e-3  # F below which a particle counts as crushed; the exact bar stays above 1 - 2 pi A
 
 
 @ti.func
-def check(bar: ti.template(), step):
-    """Stop a run that has gone bad: F <= 0, tiny or NaN, or a particle far from where it can be.
+def flatness(bar: ti.template(), p):
+    return bar.deformation_gradient[p]
 
-    Without the middle one a run that collapses, all particles in a few clusters, would go on for ever.
-    """
-    flattest, bad = FLATTEST, -1
+
+@ti.func
+def has_escaped(bar: ti.template(), p, step):
+    """Whether a particle is far from where it can be."""
     moved = bar.drift_velocity * bar.dt * step
-    for p in range(bar.particles):
-        F = bar.deformation_gradient[p]
-        if not F >= flattest:  # true for NaN too
-            flattest, bad = -1e300 if ti.math.isnan(F) else F, p
-            bar.verdict[0] = CRUSHED if F > 0 else INVERTED
-        elif not abs(bar.position[p] - bar.material_position[p] - moved) < bar.farthest and bad < 0:
-            bad = p
-            bar.verdict[0] = ESCAPED
-    if bad >= 0:
-        bar.verdict[1], bar.verdict[2] = step, bad
+    return not abs(bar.position[p] - bar.material_position[p] - moved) < bar.farthest
+
+
+@ti.func
+def check_it(bar: ti.template(), step):
+    check(bar, step, flatness, has_escaped)
 
 
 @ti.func
@@ -67,7 +61,7 @@ def sample_all(bar: ti.template(), row, step, looks, on: ti.template()):
         push.sample(with_budget(bar), row, step, on)
 
 
-PHASES = Phases(one_step, check, sample_all, HOOKS)
+PHASES = Phases(one_step, check_it, sample_all, HOOKS)
 
 
 @ti.kernel

@@ -106,7 +106,9 @@ class CircleMotion:
             z, v = self._steps_from(z, v, t, (end - t) / left, steps)
             t = end if steps == left else t + steps * (end - t) / left
             self._steps += steps
-        if z is not None and not self._resolved(z):
+        # What the element's polynomials leave out is not to be more than is to be trusted.
+        if z is not None and not \
+                abs(unresolved((z - self._R)[None], 1)[0]) <= TRUSTED * self._scene.motion_amplitude:
             z = None
         return Instant(end, z, v)
 
@@ -121,10 +123,6 @@ class CircleMotion:
             a = b + self._internal(z)
             v = v + 0.5 * H * a
         return z, v
-
-    def _resolved(self, z: np.ndarray) -> bool:
-        """Whether the element's polynomials leave out no more than is to be trusted."""
-        return bool(np.abs(unresolved((z - self._R)[None], 1)[0]) <= TRUSTED * self._scene.motion_amplitude)
 
     def _internal(self, z: np.ndarray) -> np.ndarray:
         """The acceleration that stress gives the nodes (N,)."""

@@ -6,10 +6,10 @@ looked up, and tensors are written out in components, since numpy's products of 
 
 import numpy as np
 
+from solvers.problems.planar.method.body import WatchedBody
 from solvers.problems.planar.parts import SnapshotMeasures
 from solvers.problems.planar.scene import PlanarScene
-from solvers.problems.planar.state import WatchedBody
-from solvers.solver.fields import Values
+from solvers.solver.snapshot import Values
 
 #: Components of an error: (x, y) of a vector, (xx, xy, yy) of a tensor, None where it is unknown.
 Parts = tuple[np.ndarray, ...] | None

@@ -3,7 +3,7 @@
 from collections.abc import Callable
 from typing import NamedTuple
 
-from solvers.problems.planar.state import WatchedBody
+from solvers.problems.planar.method.body import WatchedBody
 from solvers.scene.estimator_hooks import EstimatorHooks
 
 
@@ -60,4 +60,4 @@ class PlanarParts(NamedTuple):
     traits: Traits  # its part of the phases
     measures: Measures  # and of the samples
     snapshot: SnapshotMeasures  # and of snapshots
-    has_escaped: Callable  # (body, p): whether a particle is where none of a sound run can be
+    has_escaped: Callable  # (body, p, step): whether a particle is where none of a sound run can be

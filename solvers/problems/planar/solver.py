@@ -9,19 +9,17 @@ import numpy as np
 from solvers.estimators.beside_gpu import BesideGpu
 from solvers.kernels import runtime
 from solvers.problems.planar.errors import columns, difference, estimated_fields, field, sizes, true_fields
+from solvers.problems.planar.method.body import WatchedBody, watched
 from solvers.problems.planar.parts import PlanarParts
 from solvers.problems.planar.plans.on_device import OnDevice
-from solvers.problems.planar.plans.on_processor import OnProcessor
-from solvers.problems.planar.plans.step import Kernels
-from solvers.problems.planar.state import WatchedBody, watched
+from solvers.problems.planar.plans.step import Kernels, OnProcessor
 from solvers.problems.planar.step_breakdown import breakdown, carried
 from solvers.scene.rules import SceneError
 from solvers.scene.scene import MOST_PARTICLES
 from solvers.scene.switches import switches
 from solvers.solver import devices
 from solvers.solver.base import MEASURE, REPORT, Solver
-from solvers.solver.fields import TRUTH, Fields
-from solvers.solver.snapshot import Snapshot
+from solvers.solver.snapshot import TRUTH, Fields, Snapshot
 from solvers.solver.step_breakdown import Carried, StepBreakdown
 
 PARALLEL_FROM = 300_000  # particles from which on two threads beat one: a parallel step has a launch to pay for
@@ -53,7 +51,10 @@ class PlanarSolver(Solver):
         self.arch = runtime.start(where, self.threads)
         begun = time.perf_counter()
         self._switches = switches(scene)
-        self._arrays = self._allocate(self.threads)
+        parts, on = self.PARTS, self._switches
+        own = parts.body(scene, on, self.threads)  # with a slab of particles for each thread
+        self._arrays = parts.arrays(
+            **own, **watched(scene, on, own["particles"], parts.farthest(scene), parts.hooks))
         if self.plan == "gpu":
             self._stepping: OnProcessor | OnDevice = OnDevice(
                 self.KERNELS.at_once, self.KERNELS.state, scene, self._arrays, self._switches, self._beside())
@@ -139,9 +140,3 @@ class PlanarSolver(Solver):
         self._stepping.fetch()
         return breakdown(self.scene, self._arrays, particle, self.step, before, self.PARTS.snapshot,
                          self.PARTS.traits.first)
-
-    def _allocate(self, slabs: int) -> WatchedBody:
-        """The arrays at the start of the run, for so many slabs of particles."""
-        parts, scene, on = self.PARTS, self.scene, self._switches
-        own = parts.body(scene, on, slabs)
-        return parts.arrays(**own, **watched(scene, on, own["particles"], parts.farthest(scene), parts.hooks))

@@ -3,10 +3,10 @@
 import numpy as np
 
 from solvers.problems.planar.layout import CORNERS, half_edges
+from solvers.problems.planar.method.body import WatchedBody
 from solvers.problems.planar.method.cpdi import NODES
 from solvers.problems.planar.method.kept import by_particle
 from solvers.problems.planar.parts import SnapshotMeasures
-from solvers.problems.planar.state import WatchedBody
 from solvers.scene.scene import Scene
 from solvers.solver.step_breakdown import Carried, Image, StepBreakdown, flipped, link
 

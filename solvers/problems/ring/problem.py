@@ -23,9 +23,9 @@ class RingProblem(Problem):
 
     @property
     def baseline(self) -> type[Solver]:
-        from solvers.problems.ring.baseline import RingBaseline
+        from solvers.problems.planar.baseline import baseline
 
-        return RingBaseline
+        return baseline(self.solver, "material_position", "farthest_move", "radial_force")
 
     @property
     def reference(self) -> ProblemReference:

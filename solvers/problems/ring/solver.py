@@ -3,10 +3,10 @@
 from dataclasses import dataclass
 
 from solvers.problems.planar.estimators import transport
+from solvers.problems.planar.method.body import WatchedBody
 from solvers.problems.planar.parts import PlanarParts
 from solvers.problems.planar.plans.step import kernels
 from solvers.problems.planar.solver import PlanarSolver
-from solvers.problems.planar.state import WatchedBody
 from solvers.problems.ring.estimators import companion, recovered, two_grid
 from solvers.problems.ring.method.body import FARTHEST_MOVE, RingBody, body, farthest
 from solvers.problems.ring.method.phases import TRAITS, has_escaped

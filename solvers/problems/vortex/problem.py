@@ -23,9 +23,9 @@ class VortexProblem(Problem):
 
     @property
     def baseline(self) -> type[Solver]:
-        from solvers.problems.vortex.baseline import VortexBaseline
+        from solvers.problems.planar.baseline import baseline
 
-        return VortexBaseline
+        return baseline(self.solver, "lame_modulus", "volumetric", "polar_force")
 
     @property
     def reference(self) -> ProblemReference:

@@ -3,10 +3,10 @@
 from dataclasses import dataclass
 
 from solvers.problems.planar.estimators import transport
+from solvers.problems.planar.method.body import WatchedBody
 from solvers.problems.planar.parts import PlanarParts
 from solvers.problems.planar.plans.step import kernels
 from solvers.problems.planar.solver import PlanarSolver
-from solvers.problems.planar.state import WatchedBody
 from solvers.problems.vortex.estimators import companion, recovered
 from solvers.problems.vortex.method.body import VortexBody, body, farthest
 from solvers.problems.vortex.method.phases import TRAITS, has_escaped

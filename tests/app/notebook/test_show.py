@@ -136,7 +136,7 @@ assert dict(matplotlib.rcParams) == before
 
 def test_without_anything_that_draws(monkeypatch):
     """In a tree that was only copied nothing names what draws."""
-    monkeypatch.setattr("solvers.running.views.entry_points", lambda **asked: ())
+    monkeypatch.setattr("solvers.running.result.entry_points", lambda **asked: ())
     result = run(SMALL)
     assert result._repr_html_() is None
     with pytest.raises(RuntimeError, match="nothing that is installed draws a result"):

@@ -11,7 +11,6 @@ import pytest
 from solvers.problems.bar.scene import BarScene
 from solvers.problems.bar.solver import BarSolver
 from solvers.running.run import run
-from solvers.running.timing import estimator_shares
 from solvers.scene.effects import EFFECTS
 from solvers.solver.loop import CHECK_EVERY
 
@@ -21,55 +20,6 @@ STATE = ("position", "velocity", "deformation_gradient")
 
 def same(one: BarSolver, other: BarSolver, names: tuple[str, ...]) -> bool:
     return all(np.array_equal(getattr(one._arrays, n), getattr(other._arrays, n)) for n in names)
-
-
-def test_runs_are_bitwise_repeatable():
-    """One thread, one order of sums: two runs agree in every bit of every array, NaN included."""
-    solvers = [BarSolver(SCENE) for _ in range(2)]
-    for solver in solvers:
-        solver.advance(SCENE.steps)
-    one, other = (s._arrays.members() for s in solvers)
-    for name in one:
-        np.testing.assert_array_equal(one[name], other[name])
-
-
-def test_pricing_estimators_leaves_no_trace():
-    """The estimators' prices are found on steps that are taken back: every bit of the run stays."""
-    priced, plain = BarSolver(SCENE), BarSolver(SCENE)
-    for solver in (priced, plain):
-        solver.advance(SCENE.steps // 2)
-    prices = estimator_shares(priced)
-    assert set(prices) == set(SCENE.estimators) and all(0 <= part < 1 for part in prices.values())
-    for solver in (priced, plain):
-        solver.advance(SCENE.steps // 2)
-    one, other = priced._arrays.members(), plain._arrays.members()
-    for name in set(one) - {"samples"}:  # rows beyond those taken are left from the timed steps
-        np.testing.assert_array_equal(one[name], other[name])
-
-
-def test_slices_do_not_matter():
-    """The page advances in slices of any length: state, estimate, crossings and samples stay the same
-    bits.
-    """
-    whole, sliced = BarSolver(SCENE), BarSolver(SCENE)
-    rows = whole.advance(SCENE.steps)
-    pieces, rng = [], np.random.default_rng(0)
-    while sliced.step < SCENE.steps:
-        pieces.append(sliced.advance(min(int(rng.integers(1, 40)), SCENE.steps - sliced.step)))
-    assert same(whole, sliced, (*STATE, "estimate", "totals", "last_crossing", "acceleration"))
-    np.testing.assert_array_equal(rows, np.concatenate(pieces))
-    assert len(rows) == SCENE.steps // SCENE.sample_interval
-
-
-@pytest.mark.parametrize(("method", "linear"),
-                         [("mpm", False), ("ugimp", True), ("cpgimp", False), ("bspline", True)])
-def test_effects_do_not_change_the_physics(method, linear):
-    """Watching must not disturb: all effects on and none give the same bits."""
-    scene = replace(SCENE, method=method, linearity_preserving=linear)
-    watched, bare = BarSolver(scene), BarSolver(replace(scene, effects=()))
-    for solver in (watched, bare):
-        solver.advance(scene.steps)
-    assert same(watched, bare, STATE)
 
 
 @pytest.mark.parametrize("effect", EFFECTS)

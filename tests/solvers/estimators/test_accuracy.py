@@ -1,8 +1,8 @@
 """How near each estimator comes to the truth: one run of a scene, watched by all estimators that are valid there.
 
-That a run and its estimates do not depend on who else watches, to the bit, is what allows it, and is tested first
-(:func:`test_looking_changes_nothing`). ``ROWS`` are the bounds: where a number of an estimator's own comes from stands
-with it. What an estimator does beside being accurate is in the file of its name.
+That a run and its estimates do not depend on who else watches, to the bit, is what allows it: see
+``tests/solvers/running/test_same_bits.py``. ``ROWS`` are the bounds: where a number of an estimator's own comes from
+stands with it. What an estimator does beside being accurate is in the file of its name.
 """
 
 from __future__ import annotations
@@ -244,33 +244,6 @@ def watched(scene: Scene) -> Scene:
     asked = {bound.estimator for other, bounds, _ in CASES.values() if switches(other) == switches(scene)
              for bound in bounds}
     return replace(scene, estimators=tuple(name for name in scene.estimators if name in asked))
-
-
-LOOKED_AT = [replace(BAR, cells=20, amplitude=2.5e-4, **FREE_STEP, periods=1), replace(RING, periods=0.25),
-             replace(VORTEX, amplitude=0.25, t_end=0.2)]
-
-
-def few(scene: Scene, watching: tuple[str, ...]) -> bool:
-    """Whether the quick set has it: each is a kernel of its own, which takes two seconds to compile. It has each
-    estimator of the bar, the one of the ring that reads most, and nobody in the vortex, which has the ring's."""
-    return scene.problem == "bar" or not watching or (scene.problem == "ring" and watching == ("companion",))
-
-
-@pytest.mark.parametrize(("scene", "watching"), [
-    pytest.param(scene, watching, id="-".join((scene.problem, *watching)),
-                 marks=() if few(scene, watching) else pytest.mark.slow)
-    for scene in LOOKED_AT for watching in (*((name,) for name in scene.active_estimators), ())])
-def test_looking_changes_nothing(scene, watching, simulate):
-    """The particles and every sample, estimates and distances among them, are the same to the bit whether an estimator
-    watches alone, beside all others, or not at all. So one run serves for the bounds of all."""
-    together, alone = simulate(scene), simulate(replace(scene, estimators=watching))
-    assert len(scene.active_estimators) > 2
-    for name, values in alone.series.items():
-        np.testing.assert_array_equal(values, together.series[name], err_msg=name)
-    for name in ("position", "velocity", "deformation_gradient", "error"):
-        np.testing.assert_array_equal(getattr(alone.final, name), getattr(together.final, name), err_msg=name)
-    for name in watching:
-        np.testing.assert_array_equal(alone.final.estimate[name], together.final.estimate[name])
 
 
 @pytest.mark.parametrize("name", [pytest.param(name, id=name, marks=pytest.mark.slow if slow else ())

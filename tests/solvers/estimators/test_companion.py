@@ -22,7 +22,6 @@ from solvers.problems.ring.exact import SECOND_SIZE as RING_SIZE
 from solvers.problems.ring.scene import RingScene
 from solvers.running.run import build
 from solvers.running.timing import estimator_shares
-from solvers.solver.samples import QUANTITIES
 
 ONLY = ("companion",)
 BAR = BarScene(estimators=ONLY, linearity_preserving=True, dt=2.5e-5, t_end=1.0)
@@ -224,39 +223,12 @@ def test_a_ring_without_a_built_in_solution(cells, force):
 # ---- how it behaves ---------------------------------------------------------------------------------------------
 
 
-@pytest.mark.parametrize("scene", [replace(BAR, cells=20, t_end=0.01), replace(RING, cells=12, periods=0.13)],
-                         ids=["bar", "ring"])
-def test_looking_changes_nothing(scene):
-    """Samples at any steps, frames in between, the truth on or off: the same estimates, bit for bit."""
-    def estimates(every, frames, **change):
-        solver = build(replace(scene, sample_every=every, **change))
-        for _ in range(scene.steps // 7):
-            solver.advance(7)
-            if frames:
-                solver.snapshot()
-        return solver.snapshot().estimate["companion"]
-    plain = estimates(1000, False)
-    assert np.all(np.isfinite(plain)) and plain.std() > 0
-    np.testing.assert_array_equal(plain, estimates(3, True))
-    np.testing.assert_array_equal(plain, estimates(50, False, effects=("estimate", "acceleration")))
-
-
 @pytest.mark.parametrize("scene", [replace(BAR, cells=20), replace(RING, cells=12)], ids=["bar", "ring"])
 def test_at_the_start_there_is_no_error(scene):
     """Nothing has moved, so nothing is wrong; velocities are the problem's at both kinds of points."""
     estimate = build(scene).snapshot().estimate["companion"]
     size = scene.amplitude * np.array([1, scene.angular_frequency, scene.modulus, scene.angular_frequency**2])
     assert (np.abs(estimate) / size).max() < 2e-4
-
-
-def test_parallel_plan(simulate):
-    """The slabs' step calls it too."""
-    scene = replace(RING, cells=12, method="ugimp", plan="parallel", periods=0.2)
-    result = simulate(scene)
-    assert result.status == "ok" and not result.not_valid
-    for name in QUANTITIES:
-        assert abs(result.index["companion"][name] - 1) < 0.01, name
-        assert result.distance["companion"][name] < 0.05, name
 
 
 def test_it_says_where_it_is_not_valid(simulate):

@@ -175,28 +175,15 @@ def test_a_force_that_starts_at_full_size_on_the_ring():
 
 @pytest.mark.parametrize("scene", [replace(BAR, cells=40, modulus=1000.0), RING], ids=["bar", "ring"])
 def test_a_report_between_two_of_its_steps_fits_in(scene):
-    """Reports at consecutive steps: no jump where the reference steps, and looking changes nothing."""
-    solver, unseen = ({"bar": BarSolver, "ring": RingSolver}[scene.problem](scene) for _ in range(2))
-    solver.advance(60), unseen.advance(60)
+    """Reports at consecutive steps: no jump where the reference steps."""
+    solver = {"bar": BarSolver, "ring": RingSolver}[scene.problem](scene)
+    solver.advance(60)
     sizes = []
     for _ in range(24):
         solver.advance(1)
         sizes.append(np.sqrt(np.mean(solver.snapshot().estimate["recovered"] ** 2, axis=0)))
-    unseen.advance(24)
     steps = np.abs(np.diff(sizes, axis=0)) / np.mean(sizes, axis=0)
     assert steps[:, :3].max() < 0.2
-    same = [s.snapshot().estimate["recovered"] for s in (solver, unseen)]
-    assert np.array_equal(*same)
-
-
-def test_it_runs_beside_slabs():
-    """The parallel plan calls it between its parallel loops, and gets the same numbers."""
-    slabs = RingSolver(replace(RING, method="ugimp", plan="parallel", threads=1, estimators=("transport", "recovered")))
-    serial = RingSolver(replace(RING, method="ugimp"))
-    for solver in (slabs, serial):
-        solver.advance(50)
-    found, expected = (s.snapshot().estimate["recovered"] for s in (slabs, serial))
-    assert np.allclose(found, expected, rtol=1e-6)
 
 
 def test_it_tells_where_it_does_not_hold():

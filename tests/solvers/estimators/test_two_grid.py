@@ -152,15 +152,3 @@ def test_a_packing_gives_back_what_it_took():
         np.testing.assert_array_equal(array, values[name])
     parts["b"][:] = 9
     assert (held["memory_reals"][-5:] == 9).all()
-
-
-@pytest.mark.slow
-def test_slabs_tell_the_same():
-    """On several threads the second ring steps on one of them, between the slabs. Last: threads restart Taichi."""
-    scene = replace(RING, cells=24)
-    serial = build(scene)
-    serial.advance(57)
-    expected = serial.snapshot().estimate[NAME][:, :3]  # of a nothing is said
-    slabs = build(replace(scene, plan="parallel", threads=2))
-    slabs.advance(57)
-    assert (np.abs(slabs.snapshot().estimate[NAME][:, :3] - expected) < 1e-6 * expected.max(0)).all()

@@ -152,23 +152,6 @@ def test_a_vortex_without_a_built_in_solution(force, amplitude):
 # ---- how it behaves ---------------------------------------------------------------------------------------------
 
 
-def test_looking_changes_nothing():
-    """Samples at any steps, frames in between, the truth on or off: the same estimates, bit for bit."""
-    scene = replace(VORTEX, cells=12, t_end=0.3)
-
-    def estimates(every, frames, **change):
-        solver = build(replace(scene, sample_every=every, **change))
-        for _ in range(scene.steps // 7):
-            solver.advance(7)
-            if frames:
-                solver.snapshot()
-        return solver.snapshot().estimate["companion"]
-    plain = estimates(1000, False)
-    assert np.all(np.isfinite(plain)) and plain.std() > 0
-    np.testing.assert_array_equal(plain, estimates(3, True))
-    np.testing.assert_array_equal(plain, estimates(50, False, effects=("estimate", "acceleration")))
-
-
 def test_steps_of_its_own_longer_than_the_particles(simulate):
     """Interval 1 and 8: short steps of the particles, which it strides over, give the same estimate of x."""
     short = replace(VORTEX, cells=12, t_end=0.25, cfl=0.004)
@@ -183,10 +166,3 @@ def test_it_says_when_it_has_failed_itself():
     solver = build(replace(VORTEX, cells=12))
     memory_parts(HOOKS, solver._arrays.memory)["companion_nodes"][:] = np.nan
     assert "failed" in solver.not_valid()["companion"]
-
-
-def test_parallel_plan(simulate):
-    """The slabs' step calls it too."""
-    scene = replace(VORTEX, cells=24, method="ugimp", plan="parallel", t_end=0.2)
-    result = simulate(scene)
-    assert all(abs(result.index["companion"][name] - 1) < 0.01 for name in QUANTITIES)

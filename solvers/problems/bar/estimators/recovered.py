@@ -54,7 +54,6 @@ from solvers.kernels.packing import part
 from solvers.problems.bar import exact
 from solvers.problems.bar.estimators import recovered_tables
 from solvers.problems.bar.estimators.recovered_tables import DRIVE, FIT, GATHER, SMOOTHING, SPREAD, STIFFNESS, TABLES
-from solvers.problems.bar.estimators.recovered_verdict import verdict
 from solvers.problems.bar.method.forces import tones
 from solvers.problems.bar.method.nodes import stencil_of
 from solvers.scene.estimator_hooks import EstimatorHooks
@@ -300,4 +299,4 @@ HOOKS = EstimatorHooks(
         "recovered_nodes": quads,  # nodal values, block by block, each closed by a repetition of its beginning
         "recovered_field": quads,  # u, v, a, P at particles, and likewise
     },
-    allocate=allocate, interval=interval, after_step=after_step, report=report, verdict=verdict)
+    allocate=allocate, interval=interval, after_step=after_step, report=report, verdict=recovered_tables.verdict)

@@ -6,7 +6,7 @@
 
 import taichi as ti
 
-from solvers.problems.bar.balance import SECOND_FREQUENCY, SECOND_SIZE
+from solvers.problems.bar.exact import SECOND_FREQUENCY, SECOND_SIZE
 
 
 @ti.func

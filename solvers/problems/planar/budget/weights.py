@@ -8,8 +8,8 @@ causes are (C, P, 2) at particles and (C, N, 2) at nodes.
 import numpy as np
 
 from solvers.problems.planar.layout import half_edges
+from solvers.problems.planar.method.body import WatchedBody
 from solvers.problems.planar.method.phases import EMPTY
-from solvers.problems.planar.state import WatchedBody
 from solvers.problems.planar.step_breakdown import nodes_of, weights_of
 from solvers.scene.scene import Scene
 

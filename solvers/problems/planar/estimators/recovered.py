@@ -30,8 +30,7 @@ from solvers.estimators.lattice_lines import Line
 from solvers.estimators.recovery import BEGUN, MOVED, NEW, SHORT, TAU, TURNS, H
 from solvers.kernels.kinds import quads, reals
 from solvers.problems.planar.estimators import recovered_operators as op
-from solvers.problems.planar.estimators.recovered_tables import across_planes, gathered_directions, of_four
-from solvers.problems.planar.estimators.recovered_verdict import verdict
+from solvers.problems.planar.estimators.recovered_tables import across_planes, gathered_directions, of_four, verdict
 from solvers.problems.planar.method.phases import gather
 from solvers.scene.estimator_hooks import EstimatorHooks
 

@@ -1,4 +1,4 @@
-"""The body of a plane problem: every number and array that the method itself needs, whatever the problem.
+"""The body of a plane problem: every number and array that the method itself needs, and what is watched of it.
 
 Nodes lie at (i - origin, j - origin) h and are stored row by row, entry j * row + i.
 """
@@ -11,9 +11,10 @@ from solvers.kernels.kinds import Blocks, Integer, Integers, Octets, Pairs, Quad
 from solvers.problems.planar.layout import Layout
 from solvers.problems.planar.method.kept import room
 from solvers.problems.planar.method.phases import TOTALS
+from solvers.scene.estimator_hooks import EstimatorHooks
 from solvers.scene.scene import Scene
 from solvers.scene.switches import Switches
-from solvers.solver.arrays import Members, remedy_rates, zeros
+from solvers.solver.arrays import Members, Watch, remedy_rates, watch, zeros
 
 
 @dataclass
@@ -62,6 +63,14 @@ class PlanarBody(Members):
     totals: Reals  # so far, a slab at a time (3 T,): see ``solvers.problems.planar.method.phases.TOTALS``
 
 
+@dataclass
+class WatchedBody(Watch, PlanarBody):
+    """A body and those who watch it, with the estimates that are vectors and tensors."""
+
+    estimate_acceleration: Pairs  # estimated error of a (E*P, 2)
+    estimate_stress: Quads  # estimated error of sigma, as xx, xy, yy and nothing (E*P, 4)
+
+
 def common(scene: Scene, on: Switches, layout: Layout, slabs: int, origin: float, active: int, shear_modulus: float,
            velocity: np.ndarray, shape: tuple[np.ndarray, ...]) -> dict:
     """The members of a :class:`PlanarBody` at the start: the layout with F = I and a ``velocity`` (P, 2).
@@ -87,3 +96,11 @@ def common(scene: Scene, on: Switches, layout: Layout, slabs: int, origin: float
         "circles": zeros(K, 4, when=on.soundness), "node_bound": zeros(N, 4, when=on.margin), **remedy_rates(scene),
         "particle_scratch": zeros(P, 4, when=mended), "node_scratch": zeros(N, 4, when=mended),
         "node_remedy": zeros(N, 4, when=mended)}
+
+
+def watched(scene: Scene, on: Switches, particles: int, farthest: float, hooks: dict[str, EstimatorHooks]) -> dict:
+    """The members of a :class:`WatchedBody` that are not of the body, at the start."""
+    estimated, entries = bool(on.estimators), len(on.estimators) * particles
+    return {**watch(scene, on, particles, farthest, hooks),
+            "estimate_acceleration": zeros(entries, 2, when=estimated),
+            "estimate_stress": zeros(entries, 4, when=estimated)}

@@ -17,17 +17,6 @@ GRADIENTS, NODES = 8, 12
 
 
 @ti.func
-def convected_edges(body: ti.template(), p, on: ti.template()):
-    """F r1 and F r2, in cells, as (r1x, r1y, r2x, r2y)."""
-    r = body.edges[p] * body.cells_per_length
-    if ti.static(not on.frozen):
-        F = body.deformation_gradient[p]
-        r = ti.Vector([F[0] * r[0] + F[1] * r[1], F[2] * r[0] + F[3] * r[1],
-                       F[0] * r[2] + F[1] * r[3], F[2] * r[2] + F[3] * r[3]])
-    return r
-
-
-@ti.func
 def find_weights(body: ti.template(), some: ti.template(), on: ti.template()):
     """Keep of some particles the cell of each corner, its place in it, and the corners' gradients."""
     per = body.cells_per_length
@@ -61,7 +50,11 @@ def corner_nodes(w: ti.template()):
 @ti.func
 def corner_gradients(body: ti.template(), p, on: ti.template()):
     """Weights of the values at corners 1 and 2 in d/dx and d/dy: (x of 1, y of 1, x of 2, y of 2), in 1/length."""
-    r = convected_edges(body, p, on)
+    r = body.edges[p] * body.cells_per_length  # r1 and r2, or F r1 and F r2, in cells
+    if ti.static(not on.frozen):
+        F = body.deformation_gradient[p]
+        r = ti.Vector([F[0] * r[0] + F[1] * r[1], F[2] * r[0] + F[3] * r[1],
+                       F[0] * r[2] + F[1] * r[3], F[2] * r[2] + F[3] * r[3]])
     per = 0.5 * body.cells_per_length / (r[0] * r[3] - r[1] * r[2])
     return per * ti.Vector([r[1] - r[3], r[2] - r[0], r[1] + r[3], -r[0] - r[2]])
 

@@ -124,6 +124,13 @@ def gather(body: ti.template(), p, values: ti.template(), on: ti.template()):
 
 
 @ti.func
+def flatness(body: ti.template(), p):
+    """det F of a particle."""
+    F = body.deformation_gradient[p]
+    return F[0] * F[3] - F[1] * F[2]
+
+
+@ti.func
 def slab_range(count, slab, slabs):
     """The part of ``count`` things that is the slab's."""
     return slab * (count // slabs) + ti.min(slab, count % slabs), \

@@ -9,7 +9,7 @@ import taichi as ti
 
 from solvers.kernels import runtime
 from solvers.problems.planar.method.phases import TOTALS
-from solvers.solver.effect_samples import sample_effects
+from solvers.solver.loop import sample_effects
 from solvers.solver.samples import BASE, EACH, column
 
 

@@ -1,13 +1,61 @@
-"""Neighbours on a lattice of particles should stand (F_p + F_q)/2 (X_q - X_p) from each other, and circles of them
-where the balance of momentum brings them; see ``solvers.solver.soundness``."""
+"""Contradictions within a plane body, seen without its exact solution (see ``solvers.solver.soundness``).
+
+Neighbours on a lattice of particles should stand (F_p + F_q)/2 (X_q - X_p) from each other, and circles of them where
+the balance of momentum brings them. Loads are the same all around, seen from each particle, so that every circle of
+particles stays a circle: differences along it are errors, whatever the true motion is.
+"""
+
+from collections.abc import Callable
 
 import taichi as ti
 
 from solvers.kernels import runtime
+from solvers.problems.planar.method.records import scatter_add
 from solvers.scene.balance import MODES
 from solvers.solver.samples import column
 
 SAME = 1e-12  # of itself, by which a distance may differ when it is found twice, in loops that are compiled otherwise
+
+
+def contradictions(inner: float, outer: float, turns: bool) -> Callable:
+    """The look for contradictions within a body between these radii, in m. Its circles move along the radius alone, so
+    that motion around the centre is an error too, unless each ``turns`` as a whole.
+
+    Displacements in the frame of each particle at rest are the same along a circle; their scatter is a strict lower
+    bound of the error. A cartesian layout has next to no two particles on a circle, and shows little of it.
+    """
+    @ti.func
+    def look(body: ti.template(), row):
+        """Write how far neighbours are from where they should stand, and circles are out of shape, in metres."""
+        look_at_neighbours(body, row)
+        turning = 0.0
+        for k in range(body.radius_count):
+            body.circles[k] = ti.Vector([0.0, 0.0, 0.0, 0.0])
+        for p in range(body.particles):
+            X, e, motion = body.material_position[p], body.direction[p], body.position_velocity[p]
+            u = ti.Vector([motion[0] - X[0], motion[1] - X[1]])
+            along, around = u[0] * e[0] + u[1] * e[1], u[1] * e[0] - u[0] * e[1]
+            square = along * along
+            if ti.static(turns):
+                square = u[0] * u[0] + u[1] * u[1]
+            else:
+                turning += around * around
+            scatter_add(body.circles, body.radius[p], ti.Vector([1.0, along, around, square]))
+        scatter, squares, motion = 0.0, turning, ti.Vector([0.0] * MODES)
+        for k in range(body.radius_count):
+            sums = body.circles[k]
+            mean = sums[1] * sums[1]
+            if ti.static(turns):
+                mean += sums[2] * sums[2]
+            squares += sums[3]
+            motion += moments(body, k, sums[1], sums[2], inner, outer)
+            scatter += ti.max(0.0, sums[3] - mean / sums[0])
+        body.samples[row, ti.static(column("motion_square"))] = squares
+        for n in ti.static(range(MODES)):
+            body.samples[row, ti.static(column("motion_0")) + n] = motion[n]
+        body.samples[row, ti.static(column("out_of_shape"))] = ti.sqrt((turning + scatter) / body.particles)
+
+    return look
 
 
 @ti.func
@@ -62,11 +110,3 @@ def moments(body: ti.template(), k, along, around, inner, outer):
         sums[n], sums[half + n] = value * along, value * around
         older, value = value, ((2 * n + 1) * s * value - n * older) / (n + 1)
     return sums
-
-
-@ti.func
-def write_moments(body: ti.template(), row, squares, sums):
-    """Write the sum of |u|^2 over particles and those of all circles."""
-    body.samples[row, ti.static(column("motion_square"))] = squares
-    for n in ti.static(range(MODES)):
-        body.samples[row, ti.static(column("motion_0")) + n] = sums[n]

@@ -12,9 +12,11 @@ import taichi as ti
 
 from solvers.estimators import running
 from solvers.problems.planar.method import margin, phases, remedies
-from solvers.problems.planar.method.check import check_at_once
 from solvers.problems.planar.method.samples import sample_sums
+from solvers.problems.planar.method.soundness import SAME
 from solvers.problems.planar.parts import PlanarParts
+from solvers.solver.base import CRUSHED, ESCAPED, INVERTED
+from solvers.solver.loop import FLATTEST, NO_NUMBER
 
 
 class KernelsAtOnce(NamedTuple):
@@ -43,6 +45,34 @@ def update_nodes(body: ti.template(), side, traits: ti.template(), on: ti.templa
         if i >= traits.first and j >= traits.first:
             phases.update_node(body, i, j, least, traits, on)
     traits.mirror(body, body.node_motion)
+
+
+@ti.func
+def check_at_once(body: ti.template(), step, has_escaped: ti.template()):
+    """``solvers.solver.loop.check`` where all particles are looked at side by side, and the same particle: of several
+    that are not numbers the last."""
+    flattest, rank = FLATTEST, body.particles
+    for p in range(phases.moving(body)):
+        J = numbered_flatness(body, p)
+        if J < FLATTEST:
+            ti.atomic_min(flattest, J)
+    for p in range(phases.moving(body)):
+        if flattest < FLATTEST:
+            if numbered_flatness(body, p) <= flattest + SAME * ti.abs(flattest):
+                ti.atomic_min(rank, p if flattest > NO_NUMBER else body.particles - 1 - p)
+        elif has_escaped(body, p, step):
+            ti.atomic_min(rank, p)
+    if rank < body.particles:
+        body.verdict[0] = ESCAPED if flattest == FLATTEST else (CRUSHED if flattest > 0 else INVERTED)
+        body.verdict[1] = step
+        body.verdict[2] = rank if flattest > NO_NUMBER else body.particles - 1 - rank
+
+
+@ti.func
+def numbered_flatness(body: ti.template(), p):
+    """det F of a particle, or what stands for one that is not a number."""
+    J = phases.flatness(body, p)
+    return NO_NUMBER if ti.math.isnan(J) else J
 
 
 def kernels_at_once(State: Any, parts: PlanarParts) -> KernelsAtOnce:

@@ -9,8 +9,8 @@ from solvers.estimators.beside_gpu import BesideGpu
 from solvers.kernels import runtime
 from solvers.kernels.launch import Launch
 from solvers.problems.planar.method import remedies
+from solvers.problems.planar.method.body import WatchedBody
 from solvers.problems.planar.plans.at_once import KernelsAtOnce
-from solvers.problems.planar.state import WatchedBody
 from solvers.scene.estimator_hooks import NEVER
 from solvers.scene.scene import Scene
 from solvers.scene.switches import Switches

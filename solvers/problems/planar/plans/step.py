@@ -1,7 +1,7 @@
-"""Steps of a plane body by plans that run the same phases, and the other kernels of a run.
+"""Steps of a plane body on a processor, by two plans that run the same phases, and the other kernels of a run.
 
-``advance`` puts any number of steps into one kernel on one thread, ``step_in_slabs`` does one step on several;
-``solvers.problems.planar.plans.at_once`` has those of a GPU.
+``advance`` puts any number of steps into one kernel on one thread, ``step_in_slabs`` does one step on several, with
+slabs of particles side by side; ``solvers.problems.planar.plans.at_once`` has the kernels of a GPU.
 """
 
 from typing import Any, NamedTuple
@@ -11,13 +11,16 @@ import taichi as ti
 from solvers.estimators import running
 from solvers.estimators.memory import packing
 from solvers.kernels.hoist import hoist_scalars
+from solvers.kernels.launch import Launch
 from solvers.problems.planar.method import margin, phases, remedies
-from solvers.problems.planar.method.check import check
+from solvers.problems.planar.method.body import WatchedBody
 from solvers.problems.planar.method.samples import sample
 from solvers.problems.planar.parts import PlanarParts
 from solvers.problems.planar.plans.at_once import KernelsAtOnce, kernels_at_once
-from solvers.solver.base import MEASURE, REPORT, SOUND
-from solvers.solver.loop import Phases, run_loop
+from solvers.scene.scene import Scene
+from solvers.scene.switches import Switches
+from solvers.solver.base import MEASURE, REPORT, SOUND, STEP
+from solvers.solver.loop import CHECK_EVERY, Phases, check, run_loop
 
 TASK = 512  # indices that a parallel loop never splits between threads
 
@@ -54,7 +57,7 @@ def kernels(parts: PlanarParts) -> Kernels:
 
     @ti.func
     def check_it(body: ti.template(), step):
-        check(body, step, has_escaped)
+        check(body, step, phases.flatness, has_escaped)
 
     in_turn = Phases(one_step, check_it, sample_it, HOOKS)
 
@@ -103,7 +106,7 @@ def kernels(parts: PlanarParts) -> Kernels:
         ti.loop_config(serialize=True)
         for _ in range(1):
             if purpose != REPORT and body.verdict[0] == SOUND:
-                check(body, step, has_escaped)
+                check_it(body, step)
             if line >= 0:
                 running.report(body, step, HOOKS, on)
             if line >= 0 and purpose != REPORT:
@@ -124,3 +127,51 @@ def kernels(parts: PlanarParts) -> Kernels:
             margin.step_margin(body, TRAITS, on)
 
     return Kernels(State, advance, step_in_slabs, inspect, freeze, find_margin, kernels_at_once(State, parts))
+
+
+class OnProcessor:
+    """Steps the arrays as they are, on so many ``threads``; on one with the serial kernel unless ``parallel``."""
+
+    def __init__(self, kernels: Kernels, scene: Scene, arrays: WatchedBody, on: Switches, parallel: bool, threads: int):
+        self.pack = pack = kernels.state(**arrays.members())
+        self._scene, self._arrays, self._parallel, self._threads = scene, arrays, parallel, threads
+        self._advance, self._step, self._inspect, self.find_margin = (
+            Launch(kernel, pack, on)
+            for kernel in (kernels.advance, kernels.step_in_slabs, kernels.inspect, kernels.find_margin))
+        if on.frozen:
+            kernels.freeze(pack, on)
+
+    def compile(self) -> None:
+        """Compile what steps and samples, without stepping."""
+        self.run(0, 0)
+        if self._parallel:
+            self._step(0, 0)
+            self._inspect(0, -1, REPORT)
+
+    def run(self, before: int, steps: int) -> None:
+        """Take steps after ``before`` of them, or until a check finds the run gone bad."""
+        if not self._parallel:
+            self._advance(before, steps, STEP)
+            return
+        interval, row = self._scene.sample_interval, 0
+        for step in range(before, before + steps):
+            self._step(step, self._threads)
+            sampled = (step + 1) % interval == 0
+            if sampled or (step + 1) % CHECK_EVERY == 0:
+                self._inspect(step + 1, row if sampled else -1, STEP)
+                row += sampled
+            if self._arrays.verdict[0] != SOUND:
+                break
+
+    def look(self, step: int, purpose: int) -> None:
+        """Sample the state, after ``step`` steps, into line 0, or only bring the estimates up to date."""
+        if self._parallel:
+            self._inspect(step, 0, purpose)
+        else:
+            self._advance(step, 1, purpose)
+
+    def fetch(self) -> None:
+        """The arrays are what they are."""
+
+    def upload(self) -> None:
+        """The arrays are what they are."""

@@ -54,7 +54,7 @@ def image(ring: ti.template(), node):
 
 
 @ti.func
-def has_escaped(ring: ti.template(), p):
+def has_escaped(ring: ti.template(), p, step):
     """Whether a particle is beyond a plane, or farther from the centre or from where it began than in a sound run."""
     q, X = ring.position_velocity[p], ring.material_position[p]
     inside = q[0] > -ring.spacing and q[1] > -ring.spacing

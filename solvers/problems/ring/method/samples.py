@@ -3,11 +3,11 @@
 import taichi as ti
 
 from solvers.kernels.elementary import cos, log, sin
+from solvers.problems.planar.method.soundness import contradictions
 from solvers.problems.planar.parts import Measures
-from solvers.problems.ring.exact import C1, C2, C3, INNER
+from solvers.problems.ring.exact import C1, C2, C3, INNER, OUTER
 from solvers.problems.ring.method.material import kirchhoff_stress
 from solvers.problems.ring.method.phases import GHOSTS
-from solvers.problems.ring.method.soundness import look
 from solvers.scene.effects import samplers
 
 NEWTON_STEPS = 8  # of the radius that has come to a node; the map is nearly linear and converges in four or five
@@ -84,5 +84,5 @@ def strain_energy(ring: ti.template(), p):
         * (F[0] * F[0] + F[1] * F[1] + F[2] * F[2] + F[3] * F[3] - 2 - 2 * log(J))
 
 
-MEASURES = Measures(exact_at_step, vector_errors, stress_error, node_acceleration_error, strain_energy, look,
-                    samplers("ring", {}))
+MEASURES = Measures(exact_at_step, vector_errors, stress_error, node_acceleration_error, strain_energy,
+                    contradictions(INNER, OUTER, turns=False), samplers("ring", {}))

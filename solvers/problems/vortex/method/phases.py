@@ -24,7 +24,7 @@ def itself(vortex: ti.template(), node):
 
 
 @ti.func
-def has_escaped(vortex: ti.template(), p):
+def has_escaped(vortex: ti.template(), p, step):
     """Whether a particle is near the grid's edge."""
     q = vortex.position_velocity[p]
     return not ti.max(ti.abs(q[0]), ti.abs(q[1])) < vortex.farthest

@@ -9,10 +9,10 @@ import taichi as ti
 
 from solvers.kernels.elementary import cos, log, sin
 from solvers.problems.planar.method.phases import TOTALS
+from solvers.problems.planar.method.soundness import contradictions
 from solvers.problems.planar.parts import Measures
 from solvers.problems.vortex.exact import BEND, INNER, MIDDLE, OUTER, RISE
 from solvers.problems.vortex.method.material import cauchy_stress, determinant
-from solvers.problems.vortex.method.soundness import look
 from solvers.scene.effects import samplers
 from solvers.solver.samples import column
 
@@ -112,5 +112,5 @@ def sample_angular_momentum(vortex: ti.template(), row, step, on: ti.template())
         vortex.samples[row, ti.static(column("spin/exact_momentum", on))] = expected
 
 
-MEASURES = Measures(exact_at_step, vector_errors, stress_error, node_acceleration_error, strain_energy, look,
-                    samplers("vortex", {"spin": sample_angular_momentum}))
+MEASURES = Measures(exact_at_step, vector_errors, stress_error, node_acceleration_error, strain_energy,
+                    contradictions(INNER, OUTER, turns=True), samplers("vortex", {"spin": sample_angular_momentum}))

@@ -1,6 +1,4 @@
-"""What the vortex's results must be: an independent program's errors, orders, what breaks, the bound on the step."""
-
-from __future__ import annotations
+"""What only the vortex has: an independent program's errors, orders, what breaks, the bound on the step, ln J, spin."""
 
 import json
 import math
@@ -8,18 +6,22 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+import taichi as ti
 
+from solvers.kernels import runtime
+from solvers.kernels.kinds import reals
 from solvers.problems.planar import step_bound as planar_bound
-from solvers.problems.planar.layout import CORNERS, particle_layout
-from solvers.problems.planar.step_bound import Images
+from solvers.problems.planar.layout import CORNERS, box_stretch, particle_layout
 from solvers.problems.vortex import exact, step_bound
+from solvers.problems.vortex.method.material import FAR, logarithms
 from solvers.problems.vortex.scene import VortexScene
 from solvers.running.result import Result
-from solvers.running.run import build
+from solvers.running.run import build, run
 from solvers.scene.linear_stability import limits
 from solvers.scene.rules import SceneError
 from solvers.scene.step_bound import moments
 from solvers.solver import samples
+from solvers.solver.arrays import aligned
 from solvers.solver.norms import largest
 from solvers.solver.soundness import BROKEN
 from tests.paths import ASSETS
@@ -28,6 +30,7 @@ ROWS = json.loads((ASSETS / "reference" / "vortex.json").read_text())["rows"]
 SHEARED = ("ugimp", "cpgimp", "cpgimp-v", "cpdi")
 WHOLE = [row for row in ROWS if row["ppc"] == 3 and row["method"] in SHEARED]
 QUICK = [row for row in WHOLE if row["cells"] <= 48]
+SHORT = VortexScene(cells=16, ppc=2, t_end=0.2, estimators=())
 BARE = VortexScene(cfl=0.1, t_end=1.0, estimators=(), effects=("truth", "acceleration", "soundness"))
 
 
@@ -107,22 +110,6 @@ def test_bound_on_the_step(cells, amplitude, monkeypatch):
     assert bound.longest < 1.2 * found[0].min() and bound.certain
 
 
-@pytest.mark.parametrize("change", [
-    {"method": "cpdi"}, {"method": "ugimp", "cells": 25}, {"method": "cpgimp-v", "layout": "cartesian"},
-    {"method": "mpm", "remedies": ("frozen-weights",)}], ids=str)
-def test_a_quarter_of_the_ring_has_the_bound_of_the_whole(change, monkeypatch):
-    """To the two hundredths to which the search for eigenvalues goes: what is stiffest lies in a few cells, wherever
-    they are turned to; and it is a matter of some hundredths of a second, for every new scene waits for it."""
-    scene = VortexScene(**{"cells": 24, "amplitude": 0.5, **change})
-    quarter, layout = step_bound.critical_time_step(scene).longest, particle_layout(scene)
-    X, turned = layout.position, layout.position @ [[0, 1], [-1, 0]]
-    assert np.abs(np.sort(turned, axis=0) - np.sort(X, axis=0)).max() < 1e-12  # the lattice, turned by 90 degrees
-    monkeypatch.setattr(step_bound, "images_in_a_quarter", lambda i, j, n: Images(
-        4 * n + i + 8 * n * (4 * n + j), np.ones(i.shape), np.ones(i.shape), np.zeros(i.shape, bool)))
-    monkeypatch.setattr(step_bound, "a_quarter", lambda X: np.ones(len(X), bool))
-    assert step_bound.critical_time_step(scene).longest == pytest.approx(quarter, rel=0.02)
-
-
 def exact_limit(scene: VortexScene, t: float) -> float:
     """2/sqrt of the largest eigenvalue of (2 - B) M^-1 K at time t of the exact motion, by the whole matrices: K the
     grid's stiffness, B what is left of a velocity on its way to the particles and back."""
@@ -157,18 +144,6 @@ def exact_limit(scene: VortexScene, t: float) -> float:
     return 2 / math.sqrt(np.linalg.eigvalsh(K.reshape(2 * n, 2 * n))[-1])
 
 
-@pytest.mark.parametrize("change", [
-    {"cells": 18}, {"ppc": 2}, {"amplitude": 0.9}, {"modulus": 1100.0}, {"density": 1100.0}, {"poisson_ratio": 0.2},
-    {"frequency": 1.1}, {"cfl": 0.11}, {"layout": "cartesian"}, {"body_force": "none"}, {"body_force": "two-tone"},
-    {"velocity": "particle"}, {"method": "ugimp"}], ids=str)
-def test_every_input_reaches_the_kernel(change, simulate):
-    """An input baked into compiled code would leave the result as it was."""
-    short = replace(BARE, cells=16, t_end=0.1, effects=("truth",))
-    one, other = simulate(short).final, simulate(replace(short, **change)).final
-    assert one.velocity.shape != other.velocity.shape or not np.array_equal(one.velocity, other.velocity)
-    assert np.isfinite(other.velocity).all()
-
-
 @pytest.mark.parametrize("change, field", [
     ({"amplitude": 1.6}, "amplitude"), ({"poisson_ratio": 0.5}, "poisson_ratio"), ({"frequency": 0}, "frequency"),
     ({"linearity_preserving": True}, "linearity_preserving"), ({"ppc": 7}, "ppc"), ({"cells": 8}, "cells"),
@@ -179,16 +154,76 @@ def test_what_cannot_be_is_refused(change, field):
     assert caught.value.field == field
 
 
-def test_wave_speed_and_counts():
-    """c of the reference program, 1.1602; particles fill the ring exactly."""
+def test_wave_speed_and_sizes():
+    """c of the reference program, 1.1602; the largest displacement is that of the exact motion."""
     scene = VortexScene()
     assert scene.wave_speed == pytest.approx(1.1602, abs=1e-4)
-    assert scene.period == 2 and scene.end_time == 1
-    for layout, off in (("polar", 1e-12), ("cartesian", 0.01)):
-        found = particle_layout(replace(scene, layout=layout))
-        assert found.volume.sum() == pytest.approx(math.pi * (1.25**2 - 0.75**2), rel=off)
-    assert len(particle_layout(scene).volume) == scene.particles == 7200
+    assert scene.period == 2 and scene.end_time == 1 and scene.particles == 7200
     X = particle_layout(scene).position
-    t = np.linspace(0, 1, 41)
-    largest_move = max(np.linalg.norm(exact.displacement(scene, X, each), axis=1).max() for each in t)
+    largest_move = max(np.linalg.norm(exact.displacement(scene, X, t), axis=1).max() for t in np.linspace(0, 1, 41))
     assert scene.motion_amplitude == pytest.approx(largest_move, rel=5e-3)
+
+
+@ti.kernel
+def take_logarithms(values: reals, fours: ti.i32):
+    ti.loop_config(serialize=True)
+    for k in range(fours):
+        J = ti.Vector([values[4 * k], values[4 * k + 1], values[4 * k + 2], values[4 * k + 3]])
+        logarithm = logarithms(J)
+        for i in ti.static(range(4)):
+            values[4 * k + i] = logarithm[i]
+
+
+def test_logarithms_are_good_to_rounding():
+    """Of J - 1 too, by the series and where that ends; what is no volume any more ends the run, not the program."""
+    runtime.start("cpu", 1)
+    edge = (1 + FAR) / (1 - FAR)
+    near = np.concatenate([1 + np.geomspace(1e-15, edge - 1, 100), 1 - np.geomspace(1e-15, 1 - 1 / edge, 100)])
+    far = np.concatenate([np.geomspace(1e-200, 1 / edge, 100), np.geomspace(edge, 1e10, 100)])
+    J = np.concatenate([near, far])
+    found = aligned(J)
+    take_logarithms(found, len(J) // 4)
+    np.testing.assert_allclose(found, np.concatenate([np.log1p(near - 1), np.log(far)]), rtol=4 * np.finfo(float).eps)
+    broken = aligned(np.array([1.0, -1.0, 0.0, np.nan]))
+    take_logarithms(broken, 1)
+    assert broken[0] == 0 and broken[1] < -600 and broken[2] < -600
+
+
+def test_boxes_follow_the_spatial_stretch():
+    """V by its eigenvectors; a rotation leaves it alone, where F_xx falls to nothing."""
+    rng = np.random.default_rng(3)
+    F = np.eye(2) + rng.uniform(-0.4, 0.4, (50, 2, 2))
+    squares, axes = np.linalg.eigh(F @ F.transpose(0, 2, 1))
+    V = np.einsum("pik,pk,pjk->pij", axes, np.sqrt(squares), axes)
+    np.testing.assert_allclose(box_stretch("cpgimp-v", F), V[:, [0, 1], [0, 1]], rtol=1e-12)
+    turn = np.array([[[0.0, -1.0], [1.0, 0.0]]])
+    np.testing.assert_allclose(box_stretch("cpgimp-v", turn), 1.0)
+    np.testing.assert_allclose(box_stretch("cpgimp", turn), 0.0)
+
+
+@pytest.mark.parametrize("method", ["ugimp", "cpdi"])
+def test_angular_momentum_is_kept_without_a_force(method):
+    """The nodes' forces have no torque among them, but particles move with another velocity than they carry: measured,
+    0.24 to 0.47 % of the free vortex's spin in 0.2 s. The impulse of a force that is none is 0."""
+    result = run(replace(SHORT, method=method, body_force="none", effects=("spin",)), prices=False)
+    spin = result.to_dict()["angular_momentum"]
+    assert spin["error"] is None and abs(spin["drift"]) < 1e-2
+    assert not result.series["spin/torque"].any()
+
+
+@pytest.mark.parametrize("remedies", [(), ("frozen-weights",)], ids=["moving", "frozen"])
+def test_nodes_accelerations_are_held_against_those_of_their_own_places(remedies):
+    """Where the node is, or, where it stands for where it is at rest, what has been there; beyond the ring's rims at
+    the turn of the rim. At the time of the last step."""
+    scene = replace(SHORT, method="ugimp", remedies=remedies, effects=("truth", "acceleration"))
+    solver = build(scene)
+    solver.advance(40)
+    a, t = solver._arrays, solver.time - scene.time_step
+    number = np.arange(len(a.node_mass))
+    place = scene.spacing * ((number % a.row - a.origin) + 1j * (number // a.row - a.origin))
+    turn = exact.turn(scene, np.clip(np.abs(place), scene.INNER, scene.OUTER), t)
+    z = place * np.exp(1j * turn.angle) if remedies else place
+    expected = (1j * turn.acceleration - turn.rate**2) * z
+    miss = np.abs(a.node_motion[:, 2] + 1j * a.node_motion[:, 3] - expected)[np.array(a.node_mass) > 0]
+    series = samples.read(solver.measure(), scene, scene.particles, 1.0)
+    assert series["error_extra"][-1] == pytest.approx(np.sqrt(np.mean(miss**2)), rel=1e-9)

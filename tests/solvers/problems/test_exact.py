@@ -1,0 +1,151 @@
+"""What exact solutions and first layouts are, beside kinematics and balance of momentum, which ``tests/solvers/scene/
+test_exact_solutions.py`` has of all problems."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import replace
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+
+from solvers.problems import PROBLEMS
+from solvers.problems.bar import exact as bar
+from solvers.problems.bar.scene import BarScene
+from solvers.problems.planar.layout import particle_layout
+from solvers.problems.ring.scene import RingScene
+from solvers.problems.vortex import exact as vortex
+from solvers.problems.vortex.scene import VortexScene
+from solvers.running.run import build
+
+#: Not the usual numbers; the vortex turns by more than 45 degrees.
+SCENES = {"bar": BarScene(cells=12, amplitude=0.05, modulus=7.0, density=1.3),
+          "ring": RingScene(cells=12, amplitude=0.15, density=1300.0, modulus=3e6),
+          "vortex": VortexScene(cells=12, amplitude=1.2, frequency=0.7, modulus=1700.0, poisson_ratio=0.4,
+                                density=900.0)}
+PLANE = {name: scene for name, scene in SCENES.items() if scene.DIMENSIONS == 2}
+
+
+@pytest.mark.parametrize("scene", SCENES.values(), ids=SCENES)
+def test_acceleration_and_stress(scene):
+    """a = v_t by central differences over T/1e4, relative error (2 pi 1e-4)^2/6 = 7e-8 a period's wave; sigma is that
+    of the law of the material and the exact F; and after a period everything is the same."""
+    reference, t = PROBLEMS[scene.problem].reference, 0.37 * scene.period
+    X, exact, d = reference.start(scene).material_position, reference.EXACT, 1e-4 * scene.period
+    slope = (reference.velocity(scene, X, t + d) - reference.velocity(scene, X, t - d)) / (2 * d)
+    a = exact.acceleration(scene, X, t)
+    np.testing.assert_allclose(slope, a, rtol=0, atol=1e-6 * np.abs(a).max())
+    sigma = reference.stress(scene, reference.deformation_gradient(scene, X, t)).reshape(len(X), -1)
+    ours = exact.stress(scene, X, t).reshape(len(X), -1)
+    np.testing.assert_allclose(ours, sigma[:, [0, 1, 3]] if scene.DIMENSIONS == 2 else sigma, rtol=0,
+                               atol=1e-12 * scene.modulus)
+    for what in (reference.displacement, reference.velocity, reference.body_force):
+        now, later = what(scene, X, t), what(scene, X, t + scene.period)
+        assert np.abs(now - later).max() <= 1e-11 * np.abs(now).max()
+
+
+@pytest.mark.parametrize("scene", PLANE.values(), ids=PLANE)
+def test_rims_carry_no_traction(scene):
+    """sigma e_r = 0 at both, to rounding of the modulus, while the hoop stress there is not zero."""
+    angle, t = np.linspace(0.1, 1.4, 5), 0.37 * scene.period
+    e = np.stack([np.cos(angle), np.sin(angle)], axis=1)
+    for radius in (scene.INNER, scene.OUTER):
+        xx, xy, yy = scene.EXACT.stress(scene, radius * e, t).T
+        traction = np.stack([xx * e[:, 0] + xy * e[:, 1], xy * e[:, 0] + yy * e[:, 1]])
+        assert np.abs(traction).max() < 1e-12 * scene.modulus
+        resting = np.abs(scene.EXACT.displacement(scene, radius * e, t)).max() < 1e-14
+        assert resting == (scene.problem == "vortex")  # whose rims do not turn
+        assert resting or np.abs(xx + yy).max() > 1e-3 * scene.modulus
+
+
+def test_bar_inverts_exactly_at_the_amplitude_limit():
+    """F = 1 + 2 pi A cos sin: its minimum over X and t is 1 - 2 pi A."""
+    scene = SCENES["bar"]
+    F = bar.deformation_gradient(scene, np.array([0.5]), scene.period / 4)
+    assert F[0] == pytest.approx(1 - 2 * math.pi * 0.05, abs=1e-15)
+
+
+def test_a_vortex_by_hand():
+    """For A = B = 1, E = 1000, nu = 0.3, rho = 1000 at t = 1/2, when g = 1 and g' = 0.
+
+    At R = 1: h = 1, h' = 0, h'' = -64, so alpha_tt = -pi^2 and b_t = -pi^2 + 64 mu/rho, b_r = 0. At R = 0.875:
+    h = 1 - 1/2 + 1/16 = 9/16, h' = 64/8 - 1024/512 = 6, sigma_tt = mu (0.875 * 6)^2. mu = 5000/13, lambda = 7500/13.
+    """
+    scene = SimpleNamespace(amplitude=1.0, angular_frequency=np.pi, modulus=1000.0, poisson_ratio=0.3, density=1000.0)
+    lam, mu = vortex.lame(scene)
+    assert (lam, mu) == (pytest.approx(7500 / 13), pytest.approx(5000 / 13))
+    R = np.array([1.0, 0.875])
+    along, across = vortex.polar_force(scene, R, 0.5)
+    assert across[0] == pytest.approx(-np.pi**2 + 64 * mu / 1000) and along[0] == pytest.approx(0, abs=1e-12)
+    assert vortex.turn(scene, R, 0.5).angle[1] == pytest.approx(9 / 16)
+    assert vortex.polar_stress(scene, R, 0.5)[2][1] == pytest.approx(mu * 5.25**2)
+    assert vortex.shape(R)[0][0] == 1 and vortex.shape(R)[1][1] == pytest.approx(6)
+
+
+def test_lambda_drops_out_of_the_vortex():
+    """J = 1; and with another Poisson's ratio and the same mu the same force."""
+    scene, t = SCENES["vortex"], 0.55
+    X, (lam, mu) = particle_layout(scene).position, vortex.lame(scene)
+    np.testing.assert_allclose(np.linalg.det(vortex.deformation_gradient(scene, X, t)), 1, rtol=0, atol=1e-12)
+    other = replace(scene, poisson_ratio=0.1, modulus=2 * 1.1 * mu)
+    assert vortex.lame(other)[0] != pytest.approx(lam)
+    np.testing.assert_allclose(vortex.body_force(other, X, t), vortex.body_force(scene, X, t), rtol=0,
+                               atol=1e-12 * np.abs(vortex.body_force(scene, X, t)).max())
+
+
+# ---- layouts ------------------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("changes", [{"problem": "bar", "ppc": ppc} for ppc in (1, 4, 5)] + [
+    {"problem": name} for name in PLANE], ids=str)
+def test_initial_state_is_the_exact_one(changes):
+    """Particles fill the body; u = 0, F = 1, and velocities are the exact solution's, of the vortex half a step before:
+    symplectic Euler is the leapfrog scheme, whose velocities belong to the middle of the steps."""
+    scene = replace(SCENES[changes["problem"]], **changes)
+    reference, snapshot = PROBLEMS[scene.problem].reference, build(scene).snapshot()
+    X, start = snapshot.material_position, reference.start(scene)
+    np.testing.assert_allclose(X.reshape(start.material_position.shape), start.material_position, rtol=0, atol=1e-15)
+    np.testing.assert_array_equal(snapshot.position, X)
+    np.testing.assert_array_equal(snapshot.deformation_gradient, np.broadcast_to(
+        np.eye(2) if scene.DIMENSIONS == 2 else 1.0, snapshot.deformation_gradient.shape))
+    before = -0.5 * scene.time_step if scene.problem == "vortex" else 0.0
+    np.testing.assert_array_equal(snapshot.velocity, reference.velocity(scene, X, before))
+    if scene.problem == "bar":
+        np.testing.assert_allclose(X, (np.arange(len(X)) + 0.5) / len(X), rtol=0, atol=1e-15)
+        np.testing.assert_array_equal(snapshot.error, 0)
+
+
+@pytest.mark.parametrize("scene", [replace(scene, cells=cells, layout=layout, ppc=ppc) for scene in PLANE.values()
+                                   for cells in (12, 48) for layout in ("polar", "cartesian") for ppc in (1, 2, 4)],
+                         ids=lambda scene: f"{scene.problem} {scene.cells} {scene.layout} {scene.ppc}")
+def test_layouts_fill_the_ring(scene):
+    """Polar volumes sum to the area exactly (midpoint rule of R); Cartesian ones miss part of a rim of width h/ppc: at
+    most half a particle's side along the rims, a bound never reached by chance. Volumes are those of the domains, whose
+    edges are the lattice's own."""
+    made = particle_layout(scene)
+    polar, rims = scene.layout == "polar", scene.ANGLE * (scene.INNER + scene.OUTER)
+    area = 0.5 * scene.ANGLE * (scene.OUTER**2 - scene.INNER**2)
+    assert abs(made.volume.sum() - area) < (1e-12 if polar else 0.5 * scene.spacing / scene.ppc * rims)
+    assert not polar or len(made.volume) == scene.particles
+    R = np.linalg.norm(made.position, axis=1)
+    assert np.abs(made.radii[made.radius] - R).max() < 1e-11  # radii are grouped to 12 digits
+    assert R.min() > scene.INNER and R.max() < scene.OUTER
+    assert scene.problem == "vortex" or made.position.min() > 0
+    a, b = made.edges[:, :2], made.edges[:, 2:]
+    np.testing.assert_allclose(a[:, 0] * b[:, 1] - a[:, 1] * b[:, 0], made.volume, rtol=1e-12)
+    assert np.abs((a * b).sum(1)).max() < 1e-15
+    if polar:
+        assert np.abs((a * made.position).sum(1)).max() < 1e-14
+
+
+@pytest.mark.parametrize("scene", PLANE.values(), ids=PLANE)
+def test_edges_meet_their_neighbours(scene):
+    """Across the ring a domain's outer end is the next one's inner end; the lattice runs radius first."""
+    made = particle_layout(scene)
+    across = len(made.radii)
+    ends = made.position[:across] + 0.5 * made.edges[:across, 2:]
+    starts = made.position[:across] - 0.5 * made.edges[:across, 2:]
+    assert np.abs(ends[:-1] - starts[1:]).max() < 1e-15
+    assert np.linalg.norm(ends[-1]) == pytest.approx(scene.OUTER, abs=1e-14)
+    assert np.linalg.norm(starts[0]) == pytest.approx(scene.INNER, abs=1e-14)
