@@ -275,7 +275,7 @@ class Scene(SceneDefaults, ABC, Remembered):
         if plain := [item for item in given if not (isinstance(item, str) and item.startswith("+"))]:
             raise SceneError(name, plain[0], "stands beside names with a +, which are added to the default; give all "
                                              "names with a +, or none")
-        default = self.__dataclass_fields__[name].default
+        default: Any = self.__dataclass_fields__[name].default
         return (*default, *(item[1:] for item in given if item[1:] not in default))
 
     def _check_choices(self) -> None:
