@@ -1,7 +1,16 @@
-"""A field of a scene with what is said of it: the flags of the command line and the page's widgets are made of that."""
+"""A field of a scene with what is said of it: the flags of the command line, the page's widgets and what
+``help(BarScene)`` says are made of that."""
 
-from dataclasses import field
-from typing import Any
+import inspect
+import re
+import textwrap
+from dataclasses import field, fields
+from typing import Any, TypeVar
+
+from solvers.scene.effects import EFFECTS
+
+Kind = TypeVar("Kind", bound=type[Any])  # of a scene
+WIDTH = 100  # of a line
 
 
 def option(default: Any, help: str = "", unit: str = "", choices: tuple[str, ...] = (), hint: str = "") -> Any:
@@ -20,3 +29,36 @@ def option(default: Any, help: str = "", unit: str = "", choices: tuple[str, ...
         What stands for a default that is None.
     """
     return field(default=default, metadata={"help": help, "unit": unit, "choices": choices, "hint": hint})
+
+
+def described(kind: Kind) -> Kind:
+    """A decorator of a scene's class, above ``dataclass``, that puts behind its docstring of each field what it is, in
+    which unit, and what it may be."""
+    told = [f"{field.name} : {_type(field.type)}\n{textwrap.indent(_words(kind, field), '    ')}"
+            for field in fields(kind) if field.metadata["help"]]
+    kind.__doc__ = "\n".join([inspect.cleandoc(kind.__doc__ or ""), "", "Parameters", "----------", *told])
+    return kind
+
+
+def _type(annotation: Any) -> str:
+    return annotation if isinstance(annotation, str) else getattr(annotation, "__name__", str(annotation))
+
+
+def _words(kind: type[Any], field: Any) -> str:
+    meaning, unit, hint = (field.metadata[name] for name in ("help", "unit", "hint"))
+    # Those from outside are looked for when a scene is made: one that is missing must not be the end of an import.
+    here = {"estimators": kind.ESTIMATORS, "effects": (*EFFECTS, *kind.OWN_EFFECTS)}
+    names = here.get(field.name) or kind.choices(field.name)
+    default = hint.format(scene=kind) if hint else " ".join(field.default) if isinstance(field.default, tuple) else \
+        field.default
+    what, semicolon, rest = meaning.partition(";")
+    several = "Any of" if isinstance(field.default, tuple) else "One of"
+    parts = [f"{what}{f', in {unit}' * bool(unit)}{semicolon}{rest}.",
+             f"{several} {', '.join(names)}." if names else "", f"Default: {default}."]
+    text = re.sub(r"--([a-z]+)-?([a-z]*)", _as_field, " ".join(filter(None, parts)))
+    return "\n".join(textwrap.wrap(text, WIDTH, break_on_hyphens=False))
+
+
+def _as_field(flag: re.Match[str]) -> str:
+    """A flag that a help text names is a field here."""
+    return "_".join(filter(None, flag.groups()))

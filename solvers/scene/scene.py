@@ -21,7 +21,6 @@ from solvers.scene.defaults import SceneDefaults
 from solvers.scene.effects import ALL, EFFECTS, effects_of
 from solvers.scene.option import option
 from solvers.scene.remedies import FROZEN
-from solvers.scene.remembered import Remembered
 from solvers.scene.rules import SceneError, field_key, require_choice, require_names, require_number, require_whole
 from solvers.scene.step_bound import SAFE, StepBound, of_scene, of_step
 
@@ -44,7 +43,7 @@ MOST_CFL = 10.0  # an unstable run is a result worth seeing; this only keeps the
 
 
 @dataclass(frozen=True)
-class Scene(SceneDefaults, ABC, Remembered):
+class Scene(SceneDefaults, ABC):
     """One run. Lengths in metres, times in seconds, modulus in pascals, density in kg/m³.
 
     ``dt`` or ``cfl`` sets the time step (``cfl`` = dt c/h, c = sqrt(modulus/density)); ``t_end`` or ``periods`` the
@@ -117,6 +116,11 @@ class Scene(SceneDefaults, ABC, Remembered):
     def candidates(cls) -> tuple[tuple[str, bool], ...]:
         """The methods that an advisor tries, each without or with linearity preservation."""
         return tuple((method, False) for method in cls.choices("method"))
+
+    def __reduce__(self) -> tuple[Callable[..., Any], tuple]:
+        """Pickled as its values, which come out as the same object every time, for a scene is sent with every frame: it
+        is checked, and what follows from it is worked out, once for each process."""
+        return _known, (type(self), *(getattr(self, name) for name in self.__match_args__))
 
     def __post_init__(self) -> None:
         if self.problem != type(self).problem:
@@ -328,3 +332,8 @@ class Scene(SceneDefaults, ABC, Remembered):
             raise SceneError("sample_every", self.sample_interval,
                              f"makes {self.steps // self.sample_interval:,} samples; at most {MOST_SAMPLES:,} "
                              f"are allowed, so sample every {math.ceil(self.steps / MOST_SAMPLES)} steps or more")
+
+
+@functools.lru_cache(maxsize=256, typed=True)  # 1, 1.0 and True are not said alike
+def _known(kind: type[Scene], *values: Any) -> Scene:
+    return kind(*values)

@@ -13,8 +13,7 @@ from solvers.problems.bar.patch import PATCH, VIBRATE
 from solvers.scene.balance import Moments
 from solvers.scene.causes import CAUSES, NOTHING
 from solvers.scene.defaults import MOST_PER_CELL
-from solvers.scene.described import described
-from solvers.scene.option import option
+from solvers.scene.option import described, option
 from solvers.scene.remedies import CENTRED, COUPLED, FILTER, FROZEN, PIECES
 from solvers.scene.rules import SceneError, require_number
 from solvers.scene.scene import Scene

@@ -12,8 +12,7 @@ import numpy as np
 from solvers.problems.planar.circular import CircularScene
 from solvers.problems.planar.validity import NO_LATTICE
 from solvers.problems.ring import exact, step_bound, validity
-from solvers.scene.described import described
-from solvers.scene.option import option
+from solvers.scene.option import described, option
 from solvers.scene.remedies import COUPLED, FILTER, FROZEN
 from solvers.scene.rules import SceneError, require_number
 from solvers.scene.step_bound import StepBound

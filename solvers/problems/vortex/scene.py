@@ -14,9 +14,8 @@ from solvers.problems.planar.circular import CircularScene
 from solvers.problems.planar.validity import NO_LATTICE
 from solvers.problems.vortex import exact, step_bound, validity
 from solvers.problems.vortex.exact import INNER, MIDDLE, OUTER, circle_force, lame, turn
-from solvers.scene.described import described
 from solvers.scene.effects import EFFECTS
-from solvers.scene.option import option
+from solvers.scene.option import described, option
 from solvers.scene.remedies import FILTER, FROZEN
 from solvers.scene.rules import require_number
 from solvers.scene.scene import DEFAULT_CFL

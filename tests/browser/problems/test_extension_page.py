@@ -1,4 +1,4 @@
-"""A fifth estimator, added from outside (``tests/zero_estimator.py``), on a page of its own."""
+"""A fifth estimator, added from outside (``tests/outside.py``), on a page of its own."""
 
 from __future__ import annotations
 

@@ -20,17 +20,19 @@ from solvers.problems.bar.scene import BarScene
 from solvers.problems.ring.scene import RingScene
 from solvers.problems.vortex.scene import VortexScene
 from solvers.running.result import Result
+from solvers.running.run import run
 from solvers.scene.scene import Scene
+from solvers.solver.norms import RATIOS, error_index
+from solvers.solver.rounding import rounding
 from solvers.solver.samples import QUANTITIES
 from tests.paths import ASSETS
-from tests.ratios import ratio_of
 from tests.reference import NUMBERS
 
 TABLE = {case: NUMBERS["table1"][case] for case in ("small", "large")}
 RING_TABLE = json.loads((ASSETS / "reference" / "ring.json").read_text())
 RING_METHODS = ("ugimp", "cpgimp", "cpdi")
-QUICK_RINGS = ("ugimp", "cpdi")  # domains that stay upright, and such that follow the material: cpgimp's are between
 CELLS = (20, 40, 80, 160)
+EACH_GRID = pytest.mark.parametrize("cells", [*CELLS[:3], pytest.param(CELLS[3], marks=pytest.mark.slow)])
 ALL = tuple(QUANTITIES)
 XV, XVS = ALL[:2], ALL[:3]
 
@@ -120,6 +122,7 @@ DOUBTED = HOLDOUT._replace(doubted=True)
 #: A fit over four cells, or six where particles stand unevenly, however many that takes; measured .99-1.05. Remedies
 #: change nothing for it: x .98-1.02, v .96-1.06 on 20 bars of all methods.
 ANY = recovered(0.9, 1.1)
+LONG_STEP = recovered(0.7, 1.2, ("a",))
 #: The large bar to T = 10 s (158 periods), and CPDI for 20.
 LONG = recovered(0.5, 2)
 #: Of x, of scenes beyond those that two-grid's rules come from (most of them .8 to 1.2, within .6), drawn by
@@ -141,7 +144,6 @@ def ring_case(method: str, cells: int) -> tuple:
 
 #: What of a problem's scene above is changed, and the bounds.
 OTHERS = [
-    ("bar", {"cells": 40, "t_end": 10.0, **LARGE}, OTHER_BAR),
     ("bar", {"cells": 20, "t_end": 10.0, **LARGE}, LONG),
     ("bar", {"cells": 40, "ppc": 1}, OTHER_BAR),
     ("bar", {"cells": 40, "amplitude": 1e-6}, OTHER_BAR),
@@ -152,28 +154,18 @@ OTHERS = [
     ("bar", {"cells": 30, "modulus": 50.0, "amplitude": 0.01, "ppc": 2, **FREE_STEP, "periods": 3}, HOLDOUT),
     ("bar", {"cells": 64, "modulus": 7.0, "amplitude": 0.04, "ppc": 1, **FREE_STEP, "periods": 2}, DOUBTED),
     ("bar", {"cells": 50, "method": "mpm", "amplitude": 0.02, **PLAIN, "periods": 2}, HOLDOUT),
-    ("bar", {"cells": 50, "method": "bspline", "amplitude": 0.05, **PLAIN}, HOLDOUT),
-    ("bar", {"cells": 36, "method": "cpgimp", "velocity": "corners", "amplitude": 0.1, **PLAIN, "periods": 4}, HOLDOUT),
     ("bar", {"cells": 40, "body_force": "none", "amplitude": 0.02, **FREE_STEP, "periods": 4}, HOLDOUT),
-    *(("bar", {"cells": 40, "ppc": ppc, "velocity": velocity, "amplitude": 2.5e-3, **FREE_STEP, "periods": 2}, ANY)
-      for ppc, velocity in ((1, "grid"), (5, "grid"), (7, "grid"), (5, "particle"))),
-    *(("bar", {"cells": 40, "amplitude": 0.025, **PLAIN, "periods": 2, "remedies": remedies}, ANY)
-      for remedies in (("frozen-weights",), ("null-space-filter", "coupled-deformation"))),
+    *(("bar", {"cells": 40, "ppc": ppc, "amplitude": 2.5e-3, **FREE_STEP, "periods": 2}, ANY) for ppc in (1, 5, 7)),
+    ("bar", {"cells": 40, "amplitude": 0.025, **PLAIN, "periods": 2,
+             "remedies": ("null-space-filter", "coupled-deformation")}, ANY),
     # Table 1's large case, where particles cross cells, for a while; a is noise, and not said.
     ("bar", {"cells": 40, "t_end": 0.25, **LARGE}, Bound("two-grid", XVS, 0.7, 1.25), Bound("two-grid", ("a",), None)),
     ("bar", {"method": "bspline", "cells": 64, "amplitude": 2.5e-4, **PLAIN, "periods": 5.0, "cfl": 0.1}, KEPT),
-    ("bar", {"cells": 72, "ppc": 3, "body_force": "node", "amplitude": 5e-4, "velocity": "particle", **FREE_STEP,
-             "periods": 1.0, "cfl": 0.3}, KEPT),
-    ("bar", {"method": "mpm", "ppc": 5, "cells": 30, "amplitude": 1e-3, "body_force": "none", **FREE_STEP,
-             "periods": 2.0, "cfl": 0.2}, KEPT),
-    ("bar", {"method": "cpgimp", "ppc": 1, "cells": 50, "amplitude": 1e-3, **FREE_STEP, "periods": 1.5, "cfl": 0.1},
-     KEPT),
     ("bar", {"method": "cpgimp", "ppc": 4, "cells": 44, "amplitude": 0.04, "velocity": "corners", **FREE_STEP,
              "periods": 1.0, "cfl": 0.1}, KEPT),
     ("bar", {"ppc": 7, "cells": 37, "amplitude": 2e-3, **FREE_STEP, "periods": 2.0, "cfl": 0.4}, KEPT),
-    *(ring_case(method, cells) for method in QUICK_RINGS for cells in RING_TABLE["cells"]),
+    *(ring_case("cpdi", cells) for cells in RING_TABLE["cells"]),
     ("ring", {"layout": "cartesian"}, OTHER_RING),
-    ("ring", {"ppc": 1}, OTHER_RING),
     ("ring", {"ppc": 4}, OTHER_RING),
     ("ring", {"amplitude": 0.19}, OTHER_RING),
     ("ring", {"amplitude": 0.01}, OTHER_RING),
@@ -183,24 +175,16 @@ OTHERS = [
     ("ring", {"modulus": 4e7, "density": 2000.0}, OTHER_RING),
     ("ring", {"dt": None, "cfl": 0.8, "cells": 12, "periods": 3}, OTHER_RING),
     ("ring", {"cells": 36, "amplitude": 0.02, "ppc": 3, "dt": None, "cfl": 0.1}, HOLDOUT),
-    ("ring", {"cells": 30, "method": "ugimp", "amplitude": 0.15, "modulus": 1e6, "dt": None, "cfl": 0.1}, HOLDOUT),
     ("ring", {"cells": 48, "amplitude": 0.18, "modulus": 4e7, "dt": None, "cfl": 0.1}, HOLDOUT),
     ("ring", {"cells": 40, "dt": None, "cfl": 0.25, "periods": 2.5}, HOLDOUT),
-    # An error grid as narrow as the particles' spacing made x 8 to 44 times too large. Now measured: 1.00 to 1.05 for x
-    # and v; sigma and a, which the fit's own noise would fill, are not said.
-    ("ring", {"cells": 36, "ppc": 1, "dt": None, "cfl": 0.2, "periods": 2.0}, recovered(0.9, 1.1, XV),
-     Bound("recovered", ("sigma", "a"), None)),
     ("ring", {"cells": 30, "ppc": 3, "amplitude": 0.02, "dt": None, "cfl": 0.2}, KEPT),
     ("ring", {"cells": 21, "amplitude": 0.14, "dt": None, "cfl": 0.1, "periods": 1.5}, KEPT),
     ("vortex", {}, VORTEX_ROW, *VORTEX_RECOVERED),
-    ("vortex", {"cells": 24}, VORTEX_ROW),
     ("vortex", {"cells": 96, "amplitude": 0.25, "cfl": 0.2}, VORTEX_ROW),
     ("vortex", {"amplitude": 0.25, "cells": 24}, VORTEX_ROW),
-    ("vortex", {"amplitude": 1.5, "t_end": 0.6}, VORTEX_ROW),
     ("vortex", {"ppc": 2, "amplitude": 0.5}, VORTEX_ROW),
     ("vortex", {"poisson_ratio": 0.45, "amplitude": 0.5}, VORTEX_ROW),
     ("vortex", {"poisson_ratio": 0.0, "frequency": 0.7}, VORTEX_ROW),
-    ("vortex", {"layout": "cartesian", "amplitude": 0.5, "cfl": 0.05}, VORTEX_ROW),
     ("vortex", {"amplitude": 1e-3}, VORTEX_ROW),
     ("vortex", {"amplitude": 0.5, "t_end": 3.0}, VORTEX_ROW),
     ("vortex", {"modulus": 4e6, "density": 700.0, "frequency": 60.0, "t_end": 1 / 60}, VORTEX_ROW),
@@ -209,11 +193,56 @@ OTHERS = [
     ("vortex", {"amplitude": 0.25, "ppc": 2}, *VORTEX_RECOVERED),
     ("vortex", {"amplitude": 0.02, "frequency": 2.0, "t_end": 1.5}, *VORTEX_RECOVERED),
     ("vortex", {"cells": 24, "amplitude": 0.25, "cfl": 0.2}, *VORTEX_TRANSPORT),
+    # Once refused as too coarse or too rough, though right.
+    ("bar", {"method": "mpm", "cells": 11, "ppc": 5, "amplitude": 1e-4, **PLAIN, "cfl": 0.2, "periods": 0.66}, ANY),
+    ("vortex", {"cells": 20, "amplitude": 0.1, "frequency": 0.25, "cfl": 0.2, "t_end": None, "periods": 0.3}, ANY),
+    # With a step near the longest that the run stands, for which recovered's own elements were too narrow: refused as
+    # having grown, or said, with an a of 5 and 2.4 times its error. Of a, for which a coarse ring has few particles
+    # across: measured 1.1 and .73.
+    ("ring", {"cells": 23, "amplitude": 0.0351, "dt": None, "cfl": 0.75, "periods": 4.0}, ANY, LONG_STEP),
+    ("ring", {"cells": 13, "amplitude": 0.0576, "dt": None, "cfl": 0.8, "periods": 0.56}, ANY, LONG_STEP),
+    # A free bar, whose acceleration begins at zero: between two of an estimator's own steps it was carried on along a
+    # line, off by 2.7 (and two-grid's by 1.7) times the error, above all at the first reports. Measured since: 1.14.
+    ("bar", {"method": "cpgimp", "body_force": "none", "cells": 51, "ppc": 3, "amplitude": 1.5e-4, **PLAIN,
+             "cfl": 0.0427, "periods": 0.51}, recovered(0.8, 1.2, ("a",), 0.4)),
 ]
 #: Compile longer than they run, or repeat what others show.
 SLOW = [
-    *(ring_case(method, cells) for method in RING_METHODS if method not in QUICK_RINGS
-      for cells in RING_TABLE["cells"]),
+    ("bar", {"body_force": "none", "method": "cpgimp", "cells": 46, "ppc": 7, "amplitude": 1.129e-4, "density": 0.2592,
+             "modulus": 353300.0, "dt": "auto", "t_end": None, "periods": 1.241},
+     Bound("two-grid", ("a",), 0.8, 1.2, 0.4)),
+    ("bar", {"method": "mpm", "cells": 54, "ppc": 5, "amplitude": 6.5e-5, **PLAIN, "cfl": 0.25, "periods": 1.67},
+     ANY._replace(estimator="two-grid")),
+    *(("ring", {**changes, "dt": None}, ANY) for changes in (
+        {"method": "cpgimp", "cells": 23, "amplitude": 0.01939, "cfl": 0.04322, "periods": 0.4178},
+        {"method": "cpgimp", "cells": 17, "ppc": 1, "amplitude": 0.02, "cfl": 0.2, "periods": 1.0},
+        {"method": "ugimp", "cells": 33, "amplitude": 0.23, "cfl": 0.35, "periods": 0.55})),
+    *(("ring", {**changes, "dt": None}, ANY._replace(estimator="two-grid")) for changes in (
+        {"cells": 33, "remedies": ("null-space-filter",), "amplitude": 4e-3, "cfl": 0.3, "periods": 0.5},
+        {"method": "cpgimp", "cells": 20, "ppc": 3, "amplitude": 0.01, "cfl": 0.2, "periods": 1.0})),
+    ("ring", {"cells": 23, "amplitude": 0.0351, "dt": None, "cfl": 0.69, "periods": 1.27,
+              "remedies": ("null-space-filter",)}, ANY, LONG_STEP),
+    *(ring_case(method, cells) for method in ("ugimp", "cpgimp") for cells in RING_TABLE["cells"]),
+    ("bar", {"cells": 40, "t_end": 10.0, **LARGE}, OTHER_BAR),
+    ("bar", {"cells": 50, "method": "bspline", "amplitude": 0.05, **PLAIN}, HOLDOUT),
+    ("bar", {"cells": 36, "method": "cpgimp", "velocity": "corners", "amplitude": 0.1, **PLAIN, "periods": 4}, HOLDOUT),
+    ("bar", {"cells": 72, "ppc": 3, "body_force": "node", "amplitude": 5e-4, "velocity": "particle", **FREE_STEP,
+             "periods": 1.0, "cfl": 0.3}, KEPT),
+    ("bar", {"method": "mpm", "ppc": 5, "cells": 30, "amplitude": 1e-3, "body_force": "none", **FREE_STEP,
+             "periods": 2.0, "cfl": 0.2}, KEPT),
+    ("bar", {"method": "cpgimp", "ppc": 1, "cells": 50, "amplitude": 1e-3, **FREE_STEP, "periods": 1.5, "cfl": 0.1},
+     KEPT),
+    ("ring", {"ppc": 1}, OTHER_RING),
+    ("ring", {"cells": 30, "method": "ugimp", "amplitude": 0.15, "modulus": 1e6, "dt": None, "cfl": 0.1}, HOLDOUT),
+    # An error grid as narrow as the particles' spacing made x 8 to 44 times too large. Now measured: 1.00 to 1.05 for x
+    # and v; sigma and a, which the fit's own noise would fill, are not said.
+    ("ring", {"cells": 36, "ppc": 1, "dt": None, "cfl": 0.2, "periods": 2.0}, recovered(0.9, 1.1, XV),
+     Bound("recovered", ("sigma", "a"), None)),
+    ("vortex", {"cells": 24}, VORTEX_ROW),
+    ("vortex", {"amplitude": 1.5, "t_end": 0.6}, VORTEX_ROW),
+    ("vortex", {"layout": "cartesian", "amplitude": 0.5, "cfl": 0.05}, VORTEX_ROW),
+    ("bar", {"cells": 40, "ppc": 5, "velocity": "particle", "amplitude": 2.5e-3, **FREE_STEP, "periods": 2}, ANY),
+    ("bar", {"cells": 40, "amplitude": 0.025, **PLAIN, "periods": 2, "remedies": ("frozen-weights",)}, ANY),
     ("vortex", {"method": "ugimp"}, VORTEX_ROW),
     ("vortex", {"amplitude": 0.25, "method": "ugimp"}, VORTEX_ROW, *VORTEX_RECOVERED),
     ("vortex", {"cells": 24, "amplitude": 0.25, "cfl": 0.2, "method": "cpgimp-v"},
@@ -227,7 +256,7 @@ SLOW = [
 #: A scene each with its bounds, and whether it is for the slow set.
 CASES: dict[str, tuple[Scene, tuple[Bound, ...], bool]] = {
     **{f"{case} {force} {cells}": (table_1(case, force, cells), table_1_bounds(case, force, cells),
-                                   (case, force, cells) == ("small", "material", 160))
+                                   cells == 160)
        for case in TABLE for force in ("material", "node") for cells in CELLS},
     **{f"{problem} {change}": (replace(KINDS[problem], **change), tuple(bounds), slow)
        for slow, cases in enumerate((OTHERS, SLOW)) for problem, change, *bounds in cases}}
@@ -244,6 +273,12 @@ def watched(scene: Scene) -> Scene:
     asked = {bound.estimator for other, bounds, _ in CASES.values() if switches(other) == switches(scene)
              for bound in bounds}
     return replace(scene, estimators=tuple(name for name in scene.estimators if name in asked))
+
+
+def ratio_of(result: Result, kind: str, estimator: str) -> dict[str, float | None]:
+    """Its "index" or "distance" also where it says itself that it does not hold, and the result has none."""
+    return {q: error_index(result.series[f"{estimator}/{RATIOS[kind]}_{q}"], result.series[f"error_{q}"],
+                           rounding(result.scene, q, result.steps)) for q in QUANTITIES}
 
 
 @pytest.mark.parametrize("name", [pytest.param(name, id=name, marks=pytest.mark.slow if slow else ())
@@ -266,6 +301,29 @@ def test_bounds(name, simulate):
     assert not missed, "\n".join(missed)
 
 
+#: Said by recovered once, and wrong, each with what is said instead.
+WRONG = [
+    ({"cells": 28, "ppc": 2, "amplitude": 0.86, "cfl": 0.09, "periods": 0.32}, "against each other"),
+    ({"method": "ugimp", "cells": 46, "amplitude": 1.29, "cfl": 0.0865, "periods": 0.8316, "poisson_ratio": 0.3622,
+      "frequency": 1.334, "remedies": ("null-space-filter",)}, "against each other"),
+    ({"method": "cpgimp", "cells": 25, "amplitude": 0.13, "frequency": 2.6, "cfl": 0.1, "periods": 0.17},
+     "waves of a few cells")]
+
+
+@pytest.mark.parametrize(("changes", "word"), [
+    pytest.param(*each, marks=pytest.mark.slow if "method" in each[0] else ()) for each in WRONG], ids=str)
+def test_what_is_refused_is_wrong(changes, word, monkeypatch):
+    """Whether that is known beforehand or found in the run; with all rules switched off."""
+    scene = replace(VORTEX, t_end=None, **changes)
+    reason = scene.not_valid.get("recovered")
+    monkeypatch.setattr(VortexScene, "VALIDITY", {})
+    with np.errstate(all="ignore"):
+        result = run(replace(scene), prices=False)
+    index = ratio_of(result, "index", "recovered")
+    assert word in (reason or result.not_valid["recovered"])
+    assert not all(index[q] is not None and 0.9 <= index[q] <= 1.1 for q in XVS)
+
+
 # ---- the runs' own errors, in the papers' tables ------------------------------------------------------------------
 
 
@@ -279,7 +337,7 @@ def crossings(result: Result) -> int:
     return result.to_dict()["grid_crossings"]
 
 
-@pytest.mark.parametrize("cells", CELLS)
+@EACH_GRID
 @pytest.mark.parametrize("case", TABLE)
 def test_table_1(case, cells, simulate):
     """The paper's Table 1 set-up gives its upper half.
@@ -294,7 +352,7 @@ def test_table_1(case, cells, simulate):
         assert ours[name] == pytest.approx(value, rel=0.12), name
 
 
-@pytest.mark.parametrize("cells", CELLS)
+@EACH_GRID
 def test_table_1_grid_crossings(cells, simulate):
     """The large case crosses cells as often as in the independent program; the small one never does.
 
@@ -306,7 +364,7 @@ def test_table_1_grid_crossings(cells, simulate):
     assert small == 0
 
 
-@pytest.mark.parametrize("cells", CELLS)
+@EACH_GRID
 def test_material_body_force_restores_second_order(cells, simulate):
     """Large case with b at the material points: no floor, with as many crossings. Printed to two
     digits: 6 %.
@@ -319,12 +377,13 @@ def test_material_body_force_restores_second_order(cells, simulate):
 
 
 def ring_row(method: str, cells: int) -> Scene:
-    return watched(replace(RING, method=method, cells=cells))
+    """With estimators where these have bounds; of the others compiling takes longest."""
+    row = replace(RING, method=method, cells=cells)
+    return watched(row) if method == "cpdi" else replace(row, estimators=(), effects=("truth",))
 
 
 @pytest.mark.parametrize("cells", RING_TABLE["cells"])
-@pytest.mark.parametrize("method", [pytest.param(method, marks=() if method in QUICK_RINGS else pytest.mark.slow)
-                                    for method in RING_METHODS])
+@pytest.mark.parametrize("method", RING_METHODS)
 def test_table_of_the_ring(method, cells, simulate):
     """Errors of x and v after a period: within 15 % of another program's.
 

@@ -1,8 +1,8 @@
-"""A fifth estimator, added from outside by one object and one registration (``tests/zero_estimator.py``).
+"""Estimators and an effect from outside, each an object and a registration (``tests/outside.py``).
 
-Everything that knows estimators must take it as one of its own: command line, rows, tables, pictures; the page is in
-``tests/browser/problems/test_extension_page.py``. Processes of their own, because this one has compiled its solvers
-without it.
+Everything that knows estimators and effects must take them as its own: command line, JSON, text, readout, rows, tables,
+pictures and claims; the page is in ``tests/browser/problems/test_extension_page.py``. In a process of its own, because
+this one has compiled its solvers without them.
 """
 
 from __future__ import annotations
@@ -22,38 +22,39 @@ from solvers.scene.extensions import EXTENSIONS
 from tests.paths import ROOT
 from tests.processes import HANG
 
-ENVIRONMENT = {EXTENSIONS: "tests.zero_estimator"}
+ENVIRONMENT = {EXTENSIONS: "tests.outside"}
 FIVE = [*BarScene.ESTIMATORS, "zero"]
-#: Here all of them hold, and say something of every quantity.
-QUICK = ["--cells", "20", "--ppc", "2", "--amplitude", "0.004", "--periods", "0.2", "--linearity-preserving"]
-
-
-SWEEP = ["sweep", "bar", "--cells", "8", "16", "--periods", "0.2", "--estimator", "transport", "zero",
-         "--linearity-preserving", "--repeats", "1", "--quiet", "--out", "out"]
-#: What a person types who has the extension, by one word each; all in one process, for they need the same compiled.
-COMMANDS = {"run": ["run", "bar", *QUICK, "--estimator", *FIVE, "--json", "-", "--plot", "x.png"],
-            "print": ["run", "bar", *QUICK, "--estimator", "transport", "zero"], "help": ["run", "bar", "--help"],
-            "ring": ["run", "ring", "--help"], "refused": ["run", "ring", "--estimator", "transport", "zero"],
-            "sweep": SWEEP}
-#: Table 1 is cut down to one grid, one bar and a hundredth of the time. Pictures: of a run with a curve each, and of
-#: every kind out of rows that have five.
+#: What a person types who has the extension; all in one process and of few kinds, for they need the same compiled.
+SHORT = ["--cells", "16", "--ppc", "2", "--periods", "0.05", "--effects", "truth,acceleration,estimate,strain"]
+BAR = ["run", "bar", *SHORT, "--estimator", "transport", "zero"]
+COMMANDS = {"run": [*BAR, "--json", "-"], "print": BAR, "help": ["run", "bar", "--help"],
+            "ring help": ["run", "ring", "--help"], "refused": ["run", "ring", "--estimator", "transport", "zero"],
+            "loud": ["run", "ring", "--cells", "12", "--periods", "0.02", "--estimator", "loud", "--effects",
+                     "truth,estimate,soundness", "--json", "-"],
+            "sweep": ["sweep", "bar", *SHORT, "--estimator", "zero", "--repeats", "1", "--quiet", "--out", "out"]}
+#: Table 1 is cut down to one grid, one bar, two estimators and a hundredth of the time. Pictures: of a run, and of all
+#: kinds out of rows.
 CODE = f"""
 import json
 from contextlib import redirect_stderr, redirect_stdout
 from dataclasses import replace
 from io import BytesIO, TextIOWrapper
 from app.cli import main
+from app.lessons import claims
+from app.page.panels.readout import _found
 from app.pictures import tables
 from app.pictures.run import png_bytes, run_figure
 from app.pictures.study import FIGURES
-from solvers.problems.bar.scene import BarScene
-from solvers.running.run import run
+from solvers import BarScene, run
+from solvers.problems import PROBLEMS
+from solvers.scene.effects import told
 from solvers.study import row
 from solvers.study.grid import plan as planned
 from solvers.study.tables import plan
 
 if __name__ == "__main__":
-    found = {{}}
+    found = {{"offered": {{name: [problem.estimators, problem.scene.choices("effects")]
+                          for name, problem in PROBLEMS.items()}}}}
     for name, arguments in {COMMANDS}.items():
         with redirect_stdout(TextIOWrapper(BytesIO())) as out, redirect_stderr(TextIOWrapper(BytesIO())) as err:
             said = [main(arguments)]
@@ -62,19 +63,24 @@ if __name__ == "__main__":
             said.append(stream.buffer.getvalue().decode())
         found[name] = said
     made = plan.table_1
-    table = lambda estimators: made(estimators, cells=(20,), end=0.01, long=0.02)
-    plan.make = lambda number, estimators: replace(table(estimators), rows=table(estimators).rows[:2])
+    table = made({{"bar": ("transport", "zero")}}, cells=(20,), end=0.01, long=0.02)
+    plan.make = lambda number, estimators: replace(table, rows=table.rows[:2])
     assert main(["tables", "1", "--out", "."]) == 0
     drawn = lambda axes: [[line.get_label(), str(line.get_marker()), str(line.get_color())]
                           for line in axes.get_lines()]
     with open("table1.json") as file:
         parts = tables.figure(json.load(file)).subfigs
     found["table"] = [line for part in parts for axes in part.axes for line in drawn(axes)]
-    inputs = {{"ppc": 2, "amplitude": 0.004, "periods": 0.2, "linearity_preserving": True}}
-    figure = run_figure(run(BarScene(cells=20, estimators=BarScene.choices("estimators"), **inputs), prices=False))
+    inputs = {{"ppc": 2, "periods": 0.05, "effects": ("truth", "acceleration", "estimate", "strain")}}
+    result = run(BarScene(cells=16, estimators=("transport", "zero"), **inputs), prices=False)
+    figure = run_figure(result)
     assert png_bytes(figure).startswith(b"\\x89PNG")
     found["curves"] = [line for axes in figure.axes for line in drawn(axes)]
-    axes = {{"cells": [16, 20], "estimator": [BarScene.choices("estimators")],
+    found["asked"], found["seen"] = result.strain, max(abs(result.final.deformation_gradient - 1))
+    found["readout"] = _found("strain", told(lambda effect: effect.readout)["strain"], result.series)
+    scope = claims.Scope({{"it": claims.Outcome([json.loads(json.dumps(result.to_dict()))])}}, "it")
+    found["claims"] = [claims.decide(text, scope).holds for text in ("strain.largest > 0", "strain.samples < 0")]
+    axes = {{"cells": [12, 16], "estimator": [("transport", "zero")],
             **{{name: [value] for name, value in inputs.items()}}}}
     rows = [row.measure(task) for task in planned("bar", axes, repeats=1)]
     assert all(png_bytes(make(rows)).startswith(b"\\x89PNG") for make in FIGURES.values())
@@ -94,69 +100,75 @@ def found(tmp_path_factory) -> tuple[Path, dict]:
     return folder, json.loads((folder / "found.json").read_text())
 
 
-def test_a_run_has_all_five(found):
-    """Index 0 and distance 1: no error is said where there is one. A picture of it is drawn."""
-    folder, said = found
-    status, out, err = said["run"]
+def test_only_the_problem_that_it_is_for_has_it(found):
+    """A problem that has it not says so in one sentence with the names of those that it has."""
+    _, said = found
+    offered = {name: (both[0], both[1]) for name, both in said["offered"].items()}
+    assert offered["bar"][0] == FIVE and "strain" in offered["bar"][1]
+    assert offered["ring"][0] == [*RingScene.ESTIMATORS, "loud"] and "strain" not in offered["ring"][1]
+    assert not {"zero", "loud", "strain"} & {*offered["vortex"][0], *offered["vortex"][1]}
+    bar, ring = ("".join(said[name][1].split("│")).replace(" ", "").replace("\n", "") for name in ("help", "ring help"))
+    assert "{" + ",".join((*FIVE, "none")) + "}" in bar and "zero" not in ring
+    status, out, err = said["refused"]
+    assert (status, out, err.count("\n")) == (2, "", 1) and err.startswith("mpm-lab: --estimator zero: ")
+    assert all(name in err for name in RingScene.ESTIMATORS) and err.count("zero") == 1
+
+
+def test_a_run_has_it_beside_others(found):
+    """Index 0 and distance 1: no error is said where there is one."""
+    status, out, err = found[1]["run"]
     assert (status, err) == (0, "")
     result = json.loads(out)
-    assert list(result["index"]) == list(result["estimate"]) == result["scene"]["estimator"] == FIVE
-    assert result["not_valid"] == {} and set(result["seconds"]["estimators"]) == set(FIVE)
+    assert list(result["index"]) == list(result["estimate"]) == result["scene"]["estimator"] == ["transport", "zero"]
+    assert result["not_valid"] == {} and set(result["seconds"]["estimators"]) == {"transport", "zero"}
     assert result["index"]["zero"] == dict.fromkeys(("x", "v", "sigma", "a"), 0)
     assert result["distance"]["zero"] == pytest.approx(dict.fromkeys(("x", "v", "sigma", "a"), 1))
     assert 0 < result["index"]["transport"]["x"] and result["estimate"]["zero"]["x"]["max"] == 0
-    assert (folder / "x.png").read_bytes().startswith(b"\x89PNG")
-
-
-def test_a_run_prints_it_beside_others(found):
     status, out, err = found[1]["print"]
     assert (status, err) == (0, "") and "estimate: transport" in out and "estimate: zero" in out
 
 
-def test_help_lists_it_where_it_is(found):
-    said = {name: found[1][name][1] for name in ("help", "ring")}
-    assert "{" + ",".join((*FIVE, "none")) + "}" in "".join(said["help"].split("│")).replace(" ", "").replace("\n", "")
-    assert "zero" not in said["ring"]
-
-
-def test_a_problem_that_has_it_not_says_so(found):
-    """In one sentence with the names of those that the ring has."""
-    status, out, err = found[1]["refused"]
-    assert (status, out, err.count("\n")) == (2, "", 1)
-    assert err.startswith("mpm-lab: --estimator zero: ")
-    assert all(name in err for name in RingScene.ESTIMATORS) and err.count("zero") == 1
-
-
-@pytest.mark.parametrize("module", ["no_such_module", "tests.rows,no_such_module"])
-def test_an_extension_that_is_not_there_is_said(module):
-    done = subprocess.run([sys.executable, "-m", "app", "run", "bar", *QUICK], cwd=ROOT, capture_output=True, text=True,
-                          timeout=HANG, env={**os.environ, EXTENSIONS: module})
-    assert done.returncode not in (0, 3) and done.stdout == ""
-    assert done.stderr.count("\n") == 1 and f"{EXTENSIONS} names no_such_module" in done.stderr
+def test_a_naive_estimator_loses_no_run(found):
+    """It puts the error of x at many amplitudes, and the truth knows better."""
+    status, out, _ = found[1]["loud"]
+    ring = json.loads(out)
+    assert (status, ring["status"], ring["scene"]["estimator"]) == (0, "ok", ["loud"])
+    assert ring["estimate"]["x"]["max"] == 1.0 and ring["index"]["x"] > 1e3 and ring["strain"] is None
 
 
 def test_a_sweep_measures_it_in_processes_of_its_own(found):
     folder, said = found
     assert said["sweep"][0] == 0, said["sweep"]
     with open(folder / "out" / "table.csv", newline="") as file:
-        rows = list(csv.DictReader(file))
-    assert [(row["status"], float(row["index.zero.x"]), float(row["distance.zero.x"])) for row in rows] \
-        == [("ok", 0.0, pytest.approx(1.0))] * 2
+        [row] = csv.DictReader(file)
+    assert (row["status"], float(row["index.zero.x"]), float(row["distance.zero.x"])) == ("ok", 0, pytest.approx(1))
+    assert float(row["strain.largest"]) == pytest.approx(said["seen"])
     assert "zero: index x" in (folder / "out" / "summary.md").read_text()
 
 
-def test_tables_and_their_pictures_show_five(found):
+def test_a_number_declared_once_is_told_everywhere(found):
+    """JSON, a result, text, the page's readout and claims of lessons."""
+    strain = json.loads(found[1]["run"][1])["strain"]
+    largest, samples = strain["largest"], strain["samples"]
+    assert 0 < largest == pytest.approx(found[1]["seen"]) and samples >= 2 and found[1]["asked"] == strain
+    assert f"largest strain  largest {largest:.4g}, samples {samples}\n" in found[1]["print"][1]
+    assert found[1]["readout"] == f"largest {largest:.3g}, samples {samples}" and found[1]["claims"] == [True, False]
+
+
+def test_tables_and_pictures_show_it(found):
     folder, said = found
-    assert {label for label, _, _ in said["table"]} >= set(FIVE)
+    assert {label for label, _, _ in said["table"]} >= {"transport", "zero"}
     assert {symbol for label, symbol, _ in said["table"] if label == "zero"} == {"X"}
     table = json.loads((folder / "table1.json").read_text())
-    assert table["estimators"] == FIVE
+    assert table["estimators"] == ["transport", "zero"]
     assert all(row["estimators"]["zero"]["index"]["x"] == 0 for row in table["rows"])
     assert "zero" in (folder / "table1.md").read_text()
     assert (folder / "table1.png").read_bytes().startswith(b"\x89PNG")
+    assert {colour for label, _, colour in said["curves"] if "zero" in label} == {"#606060"}
 
 
-def test_pictures_of_runs_show_five(found):
-    curves = found[1]["curves"]
-    assert {name for name in FIVE if any(name in label for label, _, _ in curves)} == set(FIVE)
-    assert {colour for label, _, colour in curves if "zero" in label} == {"#606060"}
+def test_an_extension_that_is_not_there_is_said():
+    done = subprocess.run([sys.executable, "-m", "app", *BAR], cwd=ROOT, capture_output=True, text=True, timeout=HANG,
+                          env={**os.environ, EXTENSIONS: "tests.rows,no_such_module"})
+    assert done.returncode not in (0, 3) and done.stdout == ""
+    assert done.stderr.count("\n") == 1 and f"{EXTENSIONS} names no_such_module" in done.stderr

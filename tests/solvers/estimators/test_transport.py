@@ -13,9 +13,9 @@ from solvers.estimators.memory import memory_parts
 from solvers.problems.bar.scene import BarScene
 from solvers.problems.bar.solver import BarSolver
 from solvers.problems.bar.state import HOOKS
-from solvers.problems.ring.scene import RingScene
-from solvers.running.run import run
-from solvers.solver import norms
+from solvers.problems.vortex.scene import VortexScene
+from solvers.running.run import build, run
+from solvers.solver import norms, samples
 from tests.reference import NUMBERS
 
 SMALL = NUMBERS["table1"]["small"]
@@ -88,11 +88,18 @@ def test_its_cost_is_reported():
     assert 0 < seconds.estimate < seconds.run
 
 
-@pytest.mark.parametrize("scene", [BarScene(remedies=("frozen-weights",)), RingScene(remedies=("frozen-weights",)),
-                                   BarScene(method="bspline")], ids=["bar", "ring", "B-splines"])
-def test_where_it_is_refused(scene):
-    """Weights that stay where they were, and mappings whose defects are next to nothing."""
-    assert scene.not_valid["transport"].startswith("not valid here: ") and "transport" not in scene.active_estimators
+def test_it_begins_with_nothing_though_a_vortexs_acceleration_does_not():
+    """a(0) is all body force: without stress there is no defect of a mapping to carry. And at the very start nobody has
+    computed an acceleration, and nobody can be wrong about it."""
+    scene = VortexScene(estimators=("transport",), cells=24, amplitude=0.25, cfl=0.2, t_end=1.0, sample_every=1)
+    solver = build(scene)
+    series = samples.read(solver.measure(), scene, scene.particles)
+    assert series["error_a"] == series["transport/estimate_a"] == series["transport/difference_a"] == 0
+    solver.advance(1)
+    first = np.abs(solver._arrays.estimate_acceleration).max()
+    assert np.abs(solver._arrays.acceleration).max() > 0.1 * scene.size_of("a")
+    solver.advance(20)
+    assert first < 1e-9 * np.abs(solver._arrays.estimate_acceleration).max()
 
 
 def test_it_says_where_its_terms_vanish_or_outgrow_the_motion():

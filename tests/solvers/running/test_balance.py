@@ -63,12 +63,13 @@ def test_what_no_function_has_part_in_counts_by_its_size():
     assert np.isnan(known._replace(trusted=np.array([False])).distance(np.array([[2.0]]), np.array([6.0])))
 
 
-@pytest.mark.parametrize("scene", [BarScene(body_force="two-tone", periods=2), BarScene(body_force="none", periods=2),
-                                   RingScene(body_force="two-tone", cells=12, cfl=0.3),
-                                   RingScene(body_force="none", cells=12, cfl=0.3),
-                                   VortexScene(body_force="two-tone", cells=18, ppc=2, cfl=0.2),
-                                   VortexScene(body_force="none", cells=18, ppc=2, amplitude=0.2, cfl=0.2)],
-                         ids=lambda scene: f"{scene.problem}-{scene.body_force}")
+@pytest.mark.parametrize("scene", [
+    BarScene(body_force="two-tone", periods=2), RingScene(body_force="two-tone", cells=12, cfl=0.3),
+    VortexScene(body_force="two-tone", cells=18, ppc=2, cfl=0.2),
+    *(pytest.param(scene, marks=pytest.mark.slow) for scene in (
+        BarScene(body_force="none", periods=2), RingScene(body_force="none", cells=12, cfl=0.3),
+        VortexScene(body_force="none", cells=18, ppc=2, amplitude=0.2, cfl=0.2)))],
+    ids=lambda scene: f"{scene.problem}-{scene.body_force}")
 def test_loads_without_an_exact_solution_are_followed_too(scene, simulate):
     """The companion, which is another solve altogether, says the same of the particles."""
     result = simulate(replace(scene, estimators=("companion",), effects=("estimate", "soundness")))

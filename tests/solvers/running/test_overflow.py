@@ -11,9 +11,8 @@ import pytest
 from app.cli import main
 from app.commands.run.text import run_table
 from app.pictures.run import png_bytes, run_figure
-from solvers.problems.bar.scene import BarScene
-from solvers.problems.ring.scene import RingScene
 from solvers.study import fit
+from tests.scenes import SCENES
 
 LEFT = {"huge": [1e308], "tiny": [5e-324], "anything": [1e308, np.inf, np.nan, 1e-300, 0.0, 1e155]}
 
@@ -28,7 +27,7 @@ def spoilt(values: np.ndarray, left: list[float], signed: bool = False) -> np.nd
 
 @pytest.mark.parametrize(("scene", "left"), [
     pytest.param(scene, left, marks=() if scene.problem == "bar" or left == "anything" else pytest.mark.slow)
-    for scene in (BarScene(cells=8, ppc=2, periods=0.2), RingScene(cells=8, periods=0.1)) for left in LEFT],
+    for scene in (SCENES["bar"], SCENES["ring"]) for left in LEFT],
     ids=lambda value: value if isinstance(value, str) else value.problem)
 def test_object_table_and_picture_survive_what_a_run_leaves(scene, left, simulate):
     result, numbers = simulate(scene), LEFT[left]
@@ -47,7 +46,8 @@ def test_object_table_and_picture_survive_what_a_run_leaves(scene, left, simulat
 
 
 def test_a_run_far_beyond_any_stable_step_is_unstable(tmp_path, capsys):
-    flags = ["--method", "mpm", "--cells", "80", "--ppc", "8", "--amplitude", "0.05", "--cfl", "5"]
+    flags = ["--method", "mpm", "--cells", "80", "--ppc", "8", "--amplitude", "0.05", "--cfl", "5",
+             "--estimator", "none"]
     assert main(["run", "bar", *flags, "--json", str(tmp_path / "a.json"), "--plot", str(tmp_path / "a.png")]) == 3
     values = json.loads((tmp_path / "a.json").read_text())
     assert values["status"] == "unstable" and values["grid_crossings"] is None

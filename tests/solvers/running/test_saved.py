@@ -6,12 +6,12 @@ import numpy as np
 import pytest
 
 from app.cli import main
-from solvers import BarScene, FileError, Result, RingScene, judge, run
+from solvers import BarScene, FileError, Result, judge, run
+from tests.scenes import SCENES
 
 SCENES = [
-    BarScene(cells=20, periods=1, estimators=("companion", "two-grid"), effects=BarScene.choices("effects"), dt="auto"),
-    BarScene(cells=20, method="mpm", cfl=1.5, effects=()),
-    RingScene(cells=16, periods=0.1, layout="cartesian", estimators=("companion",))]
+    BarScene(cells=20, periods=1, estimators=("companion",), effects=BarScene.choices("effects"), dt="auto"),
+    SCENES["bar unstable"], SCENES["ring cartesian"]]
 
 
 def bits(result: Result) -> dict[str, tuple]:
@@ -20,7 +20,7 @@ def bits(result: Result) -> dict[str, tuple]:
 
 @pytest.mark.parametrize("scene", SCENES, ids=["bar, kept on the way", "bar gone bad", "ring"])
 def test_what_is_loaded_is_what_was_saved(scene, tmp_path):
-    result = run(scene, prices=True)
+    result = run(scene, prices=scene.problem == "bar")
     result.save(tmp_path / "run.npz")
     again = Result.load(tmp_path / "run.npz")
     assert again.scene == scene and bits(again) == bits(result)

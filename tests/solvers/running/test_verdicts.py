@@ -1,7 +1,4 @@
-"""No run is called ok that is off by more than half its motion, and no fine one lost: random scenes and a search.
-
-The whole of it, with counts: ``python -m tests.verdict_search --runs 1000 --search 1000``.
-"""
+"""No run is called ok that is off by more than half its motion, and no fine one lost: random scenes."""
 
 from __future__ import annotations
 
@@ -10,8 +7,16 @@ import random
 import pytest
 
 from solvers.problems import PROBLEMS
-from solvers.solver.soundness import MOST_ERROR
-from tests.verdict_search import BETWEEN, random_runs, search, told
+from tests.verdict_search import SWITCHES, random_runs
+
+
+@pytest.mark.parametrize("problem", PROBLEMS)
+def test_a_few_random_runs_are_judged_rightly(problem):
+    """By one kernel, of which some runs are lost: particles of the bar with their own velocity, hat functions."""
+    settings = SWITCHES[problem][-1:] if problem == "bar" else SWITCHES[problem][:1]
+    outcomes = random_runs(problem, 8, random.Random(20261124), settings)
+    assert not [(one.errors, one.scene) for one in outcomes if one.missed or one.false_alarm]
+    assert len({one.blind for one in outcomes}) > 1
 
 
 @pytest.mark.slow
@@ -19,22 +24,5 @@ from tests.verdict_search import BETWEEN, random_runs, search, told
 def test_random_runs_are_judged_rightly(problem):
     """With fresh seeds: what fails is told with its scene."""
     seed = random.SystemRandom().randrange(10**6)
-    outcomes = random_runs(problem, 200, random.Random(seed))
-    wrong = [one for one in outcomes if one.missed or one.false_alarm]
-    assert not wrong, f"seed {seed}: {told(outcomes)}: {[(one.errors, one.scene) for one in wrong]}"
-
-
-@pytest.mark.slow
-@pytest.mark.parametrize("problem", PROBLEMS)
-@pytest.mark.parametrize(("quantity", "most"), [("x", BETWEEN * MOST_ERROR), ("v", 1.0), ("sigma", 1.0)])
-def test_a_search_finds_nothing_wrong_that_is_called_right(problem, quantity, most):
-    """x without the truth, v and sigma (in their own RMS) with it."""
-    seed = random.SystemRandom().randrange(10**6)
-    best = search(problem, quantity, 200, random.Random(seed))
-    assert best.wrong(quantity) <= most, f"seed {seed}: {best}"
-
-
-@pytest.mark.parametrize("problem", PROBLEMS)
-def test_a_few_random_runs_are_judged_rightly(problem):
-    outcomes = random_runs(problem, 8, random.Random(20261124))
-    assert not [one for one in outcomes if one.missed or one.false_alarm], told(outcomes)
+    wrong = [one for one in random_runs(problem, 200, random.Random(seed)) if one.missed or one.false_alarm]
+    assert not wrong, f"seed {seed}: {[(one.errors, one.scene) for one in wrong]}"

@@ -14,7 +14,7 @@ from solvers.running.run import run
 from solvers.scene.rules import SceneError
 from solvers.solver.checked import as_large_as_itself
 from solvers.solver.soundness import LOST, NOUNS, OK, UNSTABLE
-from tests.random_scenes import ASKED, Inputs, inputs, odd_inputs, scenes_a_set, sets
+from tests.random_scenes import ASKED, RARE, Inputs, inputs, odd_inputs, scenes_a_set, sets
 
 MOST_ERROR = 0.5  # amplitudes of the motion, of x: no run beyond it may be called ok
 PRICED = 8  # one in so many runs measures its estimators' prices as well, which takes tenths of a second
@@ -29,7 +29,9 @@ def named(switches: Inputs) -> str:
     return "-".join(filter(None, words)).replace(" ", "+")
 
 
-@pytest.mark.parametrize("switches", SETS, ids=named)
+@pytest.mark.parametrize("switches", [
+    pytest.param(switches, marks=pytest.mark.slow if switches in RARE and not ASKED else (), id=named(switches))
+    for switches in SETS])
 def test_a_random_scene_ends_well_or_says_that_it_did_not(switches):
     @here
     @given(inputs(switches), st.integers(1, PRICED))

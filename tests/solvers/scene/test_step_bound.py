@@ -1,5 +1,4 @@
-"""The bound on the time step: against eigenvalues, against the kernels, and against runs. Against the steps from which
-on random settings break: test_automatic_step.py."""
+"""The bound on the time step: against eigenvalues, against the kernels, and against runs."""
 
 from __future__ import annotations
 
@@ -14,12 +13,12 @@ from solvers.problems.bar.solver import BarSolver
 from solvers.problems.planar import step_bound as planar_bound
 from solvers.problems.ring.scene import RingScene
 from solvers.problems.vortex.scene import VortexScene
-from solvers.running.run import run
 from solvers.scene.linear_stability import limits, longest
 from solvers.scene.rules import SceneError
 from solvers.scene.step_bound import SAFE, circles, of_scene, stencil
 
 METHODS = ("mpm", "ugimp", "cpgimp", "bspline")
+LOOKS = {"estimators": (), "effects": ("truth", "soundness", "margin")}  # of all runs, so that they share kernels
 
 
 @pytest.mark.parametrize("method", METHODS)
@@ -77,9 +76,9 @@ def test_the_limit_of_a_step_is_that_of_its_matrices(method, remedies):
 def test_a_step_beyond_the_limit_breaks_and_one_below_it_does_not(scene, simulate):
     """Where nothing moves far the limit is that of the whole run: 1.06 of it breaks within 12 periods, .97 does not."""
     found = of_scene(scene).linear
-    for part, status in ((0.97, "ok"), (1.06, "unstable")):
-        result = simulate(replace(scene, dt=part * found, periods=12, estimators=(), effects=()))
-        assert result.status == status
+    for part, holds in ((0.97, True), (1.06, False)):
+        result = simulate(replace(scene, dt=part * found, periods=12, **LOOKS))
+        assert (result.status == "ok") == holds
 
 
 def test_a_motion_bears_a_step_that_is_too_long_for_a_moment():
@@ -94,7 +93,7 @@ def test_a_motion_bears_a_step_that_is_too_long_for_a_moment():
 @pytest.mark.parametrize("method", METHODS)
 def test_the_live_margin_of_a_stretched_bar_is_that_of_its_circles(method):
     """The kernels' sums are numpy's, to rounding, of particles that have moved, where F is from .4 to 1.6."""
-    scene = BarScene(method=method, cells=20, amplitude=0.1, cfl=0.1, estimators=(), effects=("margin",))
+    scene = BarScene(method=method, cells=20, amplitude=0.1, cfl=0.1, **LOOKS)
     solver = BarSolver(scene)
     solver.advance(scene.steps // 4)
     before = solver.snapshot()
@@ -134,15 +133,15 @@ def bar_limit(scene: BarScene, size: float) -> float:
 
 
 @pytest.mark.parametrize("scene", [
-    *(BarScene(method=method, amplitude=1e-9, estimators=()) for method in METHODS),
-    *(RingScene(method=name, cells=12, amplitude=1e-9, estimators=()) for name in ("mpm", "ugimp", "cpgimp", "cpdi")),
-    RingScene(layout="cartesian", cells=12, amplitude=1e-9, estimators=()),
-    BarScene(remedies=("frozen-weights",), amplitude=1e-9, estimators=()),
-    RingScene(remedies=("frozen-weights",), cells=12, amplitude=1e-9, estimators=())], ids=str)
+    *(BarScene(method=method, amplitude=1e-9) for method in METHODS),
+    *(RingScene(method=name, cells=12, amplitude=1e-9) for name in ("ugimp", "cpgimp", "cpdi")),
+    pytest.param(RingScene(method="mpm", cells=12, amplitude=1e-9), marks=pytest.mark.slow),
+    RingScene(layout="cartesian", cells=12, amplitude=1e-9), BarScene(remedies=("frozen-weights",), amplitude=1e-9),
+    RingScene(method="ugimp", remedies=("frozen-weights",), cells=12, amplitude=1e-9)], ids=str)
 def test_the_live_margin_is_that_of_the_bound(scene, simulate):
     """At rest the kernels' circles and numpy's are the same number, found in two ways. To 2e-5: corners of CPDI's
     domains lie on cell boundaries of a cartesian layout, and rounding decides on which side."""
-    result = simulate(replace(scene, periods=0.02, sample_every=1, effects=("margin",)))
+    result = simulate(replace(scene, periods=0.02, sample_every=1, **LOOKS))
     margin = result.to_dict()["step"]["margin"]
     assert margin == pytest.approx(scene.time_step / of_scene(scene).linear, rel=2e-5)
 
@@ -158,11 +157,21 @@ def test_the_automatic_step_holds(scene, simulate):
     """Every method that has a stable step runs with the one chosen, however large the motion: a bar squeezed to .12 of
     its length in places, a vortex sheared by 7. The largest margin that was seen is a half at least, but where boxes
     are kept far from what tears them."""
-    scene = replace(scene, dt="auto", estimators=(), effects=("truth", "soundness", "margin"))
+    scene = replace(scene, dt="auto", **LOOKS)
     result = simulate(scene)
     assert result.status == "ok" and scene.warnings() == []
     assert scene.time_step == pytest.approx(SAFE * scene.step_bound)
     assert (0.4 if scene.problem == "vortex" else 0.5) < result.to_dict()["step"]["margin"] < 1
+
+
+@pytest.mark.parametrize("scene", [BarScene(cells=10, ppc=3, amplitude=0.0243, modulus=13056.0, periods=1.7),
+                                   RingScene(cells=29, ppc=3, amplitude=2.43e-3, periods=1.67)], ids=str)
+def test_the_automatic_step_is_most_of_what_a_run_stands(scene, simulate):
+    """Two of 200 settings drawn at random, of which none broke with it; it was .70 to .87 of the longest step that runs
+    stand in eight of ten, .40 at least."""
+    scene = replace(scene, dt="auto", **LOOKS)
+    assert simulate(scene).status == "ok"
+    assert simulate(replace(scene, dt=scene.time_step / 0.55)).status != "ok"
 
 
 @pytest.mark.parametrize("scene", [
@@ -181,18 +190,16 @@ def test_the_emptiest_node_is_that_of_the_scenes_own_cells(scene, monkeypatch):
 
 
 @pytest.mark.parametrize("scene", [
-    RingScene(method="ugimp", cells=25, ppc=3, amplitude=2.6e-3, layout="cartesian", remedies=("frozen-weights",),
-              dt="auto", periods=1.6, estimators=()),
-    VortexScene(method="cpgimp-v", cells=31, ppc=3, amplitude=0.65, poisson_ratio=0.41, frequency=2.87,
-                remedies=("frozen-weights",), dt="auto", periods=0.42, estimators=()),
-    *(VortexScene(method=method, cells=cells, ppc=ppc, amplitude=amplitude, poisson_ratio=nu, frequency=frequency,
-                  remedies=("frozen-weights",), dt="auto", periods=0.4, estimators=())
+    RingScene(method="ugimp", cells=25, ppc=3, amplitude=2.6e-3, layout="cartesian", periods=1.6),
+    VortexScene(method="cpgimp-v", cells=31, ppc=3, amplitude=0.65, poisson_ratio=0.41, frequency=2.87, periods=0.42),
+    *(pytest.param(VortexScene(method=method, cells=cells, ppc=ppc, amplitude=amplitude, poisson_ratio=nu,
+                               frequency=frequency, periods=0.4), marks=pytest.mark.slow)
       for method, cells, ppc, amplitude, nu, frequency in (
           ("ugimp", 35, 2, 0.861, 0.2, 1.19), ("mpm", 34, 3, 0.7777, 0.0322, 1.3647)))], ids=str)
 def test_the_automatic_step_holds_where_weights_never_move(scene, simulate):
     """Bodies at whose rims nodes are nearly empty, or sheared by 4.6 to 6.1: with the bound of the exact motion on
     few cells each broke."""
-    assert simulate(scene).status == "ok"
+    assert simulate(replace(scene, dt="auto", remedies=("frozen-weights",), **LOOKS)).status == "ok"
 
 
 def test_a_step_beyond_the_bound_is_warned_of():
@@ -204,7 +211,7 @@ def test_a_step_beyond_the_bound_is_warned_of():
 def test_only_auto_is_a_word_for_a_step():
     with pytest.raises(SceneError, match="auto"):
         BarScene(dt="quick")
-    assert run(BarScene(dt="auto", t_end=0.1, estimators=())).to_dict()["scene"]["dt"] > 0
+    assert BarScene(dt="auto").to_dict()["dt"] > 0
 
 
 def test_the_bound_is_that_of_the_scenes_own_units():
