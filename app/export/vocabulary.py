@@ -1,7 +1,8 @@
-"""What the player shares with the live page, as data: forms of numbers, scales, colours, names of what is looked at."""
+"""What the player shares with the live page, as data: forms of numbers, scales, colours, names of what is looked at;
+and what it says of a run, made by what makes the page's words: numbers alone are still to come."""
 
 import base64
-from collections.abc import Iterable
+from collections.abc import Collection, Iterable, Mapping
 from dataclasses import asdict
 from typing import Any
 
@@ -9,15 +10,28 @@ from app import words
 from app.colours import CAUSES, PALETTE, PINNED, colour_table
 from app.export import quantise
 from app.frame import budget, colour_bar, crossings, field, layout, scale, sentence, silences
-from app.frame.captions import ALIKE, DIFFERENCE, ESTIMATE, SIDE_BY_SIDE, TRUTH, FieldWords, counting
+from app.frame.captions import (
+    ALIKE,
+    DIFFERENCE,
+    ESTIMATE,
+    SIDE_BY_SIDE,
+    TRUTH,
+    FieldWords,
+    captions,
+    counting,
+    field_words,
+    marks_note,
+)
 from app.frame.layout import Seat
 from app.frame.marks import Label, Room
 from app.frame.palette import LIGHT
+from app.frame.silences import not_estimated, why_no_estimate, why_no_numbers, why_no_truth
 from app.frame.stage import Stage, Words
 from app.language.spoken import tr
 from app.problems.views import VIEWS
 from solvers.scene import causes
 from solvers.scene.registry import ESTIMATORS
+from solvers.scene.scene import Scene
 
 #: In which stages are laid out: of a window, and of one as narrow as a phone's. The player enlarges all that is in it.
 ROOMS = {"wide": Room(720.0, high=0.58, gutter=0.18), "narrow": Room(336.0, high=0.84)}
@@ -89,3 +103,31 @@ def _colours() -> dict[str, Any]:
     return {"map": base64.b64encode(colour_table().tobytes()).decode(), "pinned": PINNED, **marks,
             "fading": (LIGHT.crossing, LIGHT.ground),
             "tones": {tone: PALETTE[name].light for tone, name in tones.items()}}
+
+
+def texts(scene: Scene, not_valid: Mapping[str, str], silent: Mapping[str, Collection[str]],
+          difference: bool) -> dict[str, Any]:
+    """By quantity: why a row of the readout has no number, words of the field plot, and by
+    estimator ("" for none) the captions of both halves, side by side and, if wanted, as ``difference``, and what is
+    said of the errors. ``silent`` are the estimators by quantity that have no number of it."""
+    component = VIEWS[scene.problem].stage.PLOT.component
+    return {key: {"rows": why_no_numbers(scene, not_valid, key, silent[key]),
+                  "field": vars(field_words(scene, component, key)),
+                  "by": {name: _by(scene, not_valid, key, name, silent[key], difference)
+                         for name in scene.estimators or ("",)}} for key in silent}
+
+
+def notes(scene: Scene, every: int) -> dict[str, str]:
+    """What stands at the stage, on which one particle in ``every`` is marked where it crosses."""
+    stage = VIEWS[scene.problem].stage
+    return {"note": stage.note(scene), "marks": marks_note(stage.MARKED, every)}
+
+
+def _by(scene: Scene, not_valid: Mapping[str, str], quantity: str, name: str, silent: Collection[str],
+        difference: bool) -> dict[str, Any]:
+    estimator, no_truth = name or None, why_no_truth(scene, quantity)
+    no_estimate = why_no_estimate(scene, not_valid, estimator, quantity) \
+        or f"{name} {not_estimated(quantity)}" * (name in silent)
+    return {"captions": [vars(captions(quantity, estimator, apart, no_estimate, no_truth))
+                         for apart in (False, True)[:1 + difference]],
+            "errors": vars(sentence.error_words(scene, quantity, estimator, no_estimate, no_truth))}

@@ -7,9 +7,18 @@ from typing import Annotated, Any, ClassVar
 import tyro
 
 from app.commands.expected import Expectable
-from app.commands.flags import BadInput, ClaimsFlag, FilesFlag, NamesFlag, PathFlag, Switch, default_hint
-from app.commands.output import Folder, draw, json_target, json_text, put_text
-from app.commands.particle_files import require_files, times_for
+from app.commands.flags import (
+    BadInput,
+    ClaimsFlag,
+    FilesFlag,
+    NamesFlag,
+    PathFlag,
+    Switch,
+    default_hint,
+    require_files,
+    times_for,
+)
+from app.commands.output import Folder, as_html, draw, json_target, json_text, put_text
 from app.commands.progress import working
 from solvers.outside.file_error import FileError
 
@@ -70,7 +79,6 @@ class Check:
             put_text(summary(values) + "\n")
         if folder is None:
             return 0
-        from app.commands.report import as_html
         from app.pictures.check import FIGURES
         drawn, status = draw(FIGURES, checked, folder.put, folder.text, "the rest is fine")
         text = as_markdown(values, drawn)

@@ -5,10 +5,20 @@ from typing import Annotated, Any, ClassVar
 
 import tyro
 
-from app.commands.flags import BadInput, ClaimsFlag, FilesFlag, NamesFlag, PathFlag, Switch, default_hint, number
+from app.commands.flags import (
+    BadInput,
+    ClaimsFlag,
+    FilesFlag,
+    NamesFlag,
+    PathFlag,
+    Switch,
+    default_hint,
+    number,
+    require_files,
+    times_for,
+)
 from app.commands.judge.expected import EXPECTABLE, outcomes
-from app.commands.output import Folder, draw, json_text, put_text
-from app.commands.particle_files import require_files, times_for
+from app.commands.output import Folder, as_html, draw, json_text, put_text
 from app.commands.progress import working
 from app.commands.scene_flags import SceneFlags
 from solvers.outside.file_error import FileError
@@ -71,7 +81,6 @@ class Judge(SceneFlags):
     def _write(self, folder: Folder, judged: Any) -> int:
         """The report in three forms, and its pictures; one that fails costs nothing else."""
         from app.commands.judge.text import as_markdown
-        from app.commands.report import as_html
         from app.pictures.judge import FIGURES
 
         drawn, status = draw(FIGURES, judged, folder.put, folder.text, "the rest is fine")
