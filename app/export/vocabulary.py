@@ -40,7 +40,10 @@ LATER = "…"  # what a run or a frame says
 
 def vocabulary(problems: Iterable[str]) -> dict[str, Any]:
     """All of it as a JSON object, with the stages of some problems."""
-    return {"formats": formats(), "codes": quantise.CODES,
+    formats = {"prefixes": words.PREFIXES, "superscripts": words.SUPERSCRIPTS, "ratios": words.PLAIN_RATIOS,
+               "percents": (*words.PLAIN_PERCENT, words.WHOLE_PERCENT), "powers": words.PLAIN_POWERS,
+               "nothing": words.NOTHING}
+    return {"formats": formats, "codes": quantise.CODES,
             "scale": {"tops": list(scale.TOPS.items()), "decades": scale.DECADES, "beyond": scale.BEYOND,
                       "smallest": scale.SMALLEST, "zero": tr(scale.ZERO)},
             "axis": {"steps": field.STEPS, "room": field.ROOM, "stems": field.MOST_STEMS},
@@ -86,13 +89,6 @@ def _laid_out(stage: type[Stage], room: Room) -> dict[str, Any]:
     own = {name: value for name, value in vars(places).items() if name not in ("room", "seat", "rectangle", "field")}
     return {"pixels": room.pixels, "high": room.high, "gutter": room.gutter, "box": asdict(places.field), **own,
             "bar": asdict(top), "labels": [asdict(label) for label in (*of, *labels)]}
-
-
-def formats() -> dict[str, Any]:
-    """What the player's ``words.js`` needs for the forms of numbers."""
-    return {"prefixes": words.PREFIXES, "superscripts": words.SUPERSCRIPTS, "ratios": words.PLAIN_RATIOS,
-            "percents": (*words.PLAIN_PERCENT, words.WHOLE_PERCENT), "powers": words.PLAIN_POWERS,
-            "nothing": words.NOTHING}
 
 
 def _colours() -> dict[str, Any]:

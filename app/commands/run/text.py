@@ -76,10 +76,6 @@ def _estimates(name: str, estimate: dict, index: dict, distance: dict) -> str:
     return _columns([(f"estimate: {name}", *SUMMARY, "index", "distance"), *rows])
 
 
-def _share(part: float | None) -> str:
-    return NOTHING if part is None else f"{100 * part:.3g} %"
-
-
 def _by_estimator(result: dict) -> dict:
     """``{estimator: (estimate, index, distance)}``; one estimator's values are not keyed by its name."""
     names = result["scene"]["estimator"] if "estimate" in result["effects"] else []
@@ -109,7 +105,7 @@ def _effects(result: dict) -> Iterator[tuple[str, str]]:
 
 def _number(value: float | None, number: Number) -> str:
     if number.unit == SHARE:
-        return _share(value)
+        return NOTHING if value is None else f"{100 * value:.3g} %"
     return formatted(value, "," if number.kind is int else ".4g") + f" {number.unit}" * bool(number.unit)
 
 
