@@ -10,7 +10,7 @@ import sys
 import textwrap
 
 from app.commands import DEFAULT_COMMAND, commands
-from app.commands.terminal import coloured
+from app.commands.progress import coloured
 
 PROGRAM = "mpm-lab"
 WIDEST = 100  # characters of a line

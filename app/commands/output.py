@@ -7,14 +7,18 @@ import os
 import sys
 import traceback
 from collections.abc import Callable, Iterator, Mapping
+from html import escape
 from pathlib import Path
 from typing import Any
 
 from app.commands.flags import BadInput
+from app.lessons.markup import html
+from app.templates import rendered
 from solvers.outside import quoting
 
 LONGEST_LINE = 1000  # letters; refusals have less
 STDOUT = "standard output"
+REPORT = Path(__file__).parent / "report.html"
 _places = False  # whether a failure that is told comes with its traceback
 
 
@@ -186,3 +190,23 @@ def draw(figures: Mapping[str, Callable[[Any], Any]], values: Any, put: Callable
             say(f"--out {out}: the picture {name} failed ({type(error).__name__}: {error}); {rest}")
             status = 1
     return drawn, status
+
+
+def as_html(text: str, folder: Path) -> str:
+    """A report in Markdown as one page of HTML, its pictures, which lie in the folder, in it."""
+    title = escape(text.partition("\n")[0].lstrip("# "))
+    body = html(text, folder)  # whose tables scroll by themselves where they are wider than a phone
+    body = body.replace("<table>", '<div class="wide" tabindex="0"><table>').replace("</table>", "</table></div>")
+    return rendered(REPORT, title=title, body=body)
+
+
+def put_report(folder: Folder, values: dict, pictured: Any, figures: Mapping[str, Callable[[Any], Any]],
+               markdown: Callable[[list[str]], str]) -> int:
+    """Write what ``values`` say and ``pictured`` shows as Markdown, JSON and one page of HTML; the exit status. A
+    picture that fails costs nothing else."""
+    drawn, status = draw(figures, pictured, folder.put, folder.text, "the rest is fine")
+    text = markdown(drawn)
+    folder.put("report.json", json_text(values, lines=True).encode())
+    folder.put("report.md", text.encode())
+    folder.put("report.html", as_html(text, folder.path).encode())
+    return status

@@ -1,4 +1,5 @@
-"""While solvers work: a clean standard output, Ctrl-C, and a progress bar that says how long it will take."""
+"""While solvers work: a clean standard output, Ctrl-C, and a progress bar that says how long it will take; and what the
+terminal at the other end can show."""
 
 import contextlib
 import ctypes
@@ -8,9 +9,7 @@ import sys
 import threading
 import time
 import warnings
-from collections.abc import Callable, Iterator
-
-from app.commands.terminal import is_dumb
+from collections.abc import Callable, Iterator, Mapping
 
 BAR_WIDTH = 30  # of the progress bar in characters
 BAR_TEXT = 24  # of what is being done; the whole line fits a terminal of 80
@@ -109,3 +108,16 @@ def working(quiet: bool) -> Iterator[Callable[..., None]]:
         finally:
             if drawn:  # wipe the bar off the line
                 print("\r" + " " * (BAR_WIDTH + 24 + BAR_TEXT) + "\r", end="", file=sys.stderr, flush=True)
+
+
+def coloured(environment: Mapping[str, str], is_terminal: bool) -> bool:
+    """Whether colours are wanted: on a terminal that has them, or with FORCE_COLOR; never with NO_COLOR
+    (https://no-color.org)."""
+    if environment.get("NO_COLOR") or is_dumb(environment):
+        return False
+    return is_terminal or bool(environment.get("FORCE_COLOR"))
+
+
+def is_dumb(environment: Mapping[str, str]) -> bool:
+    """Whether the terminal can neither colour nor take back what it has shown."""
+    return environment.get("TERM") in (None, "", "dumb")

@@ -2,19 +2,20 @@
 
 import sys
 from collections.abc import Callable, Mapping, Sequence
+from contextlib import closing
 from typing import Any
 
 from app import state
 from app.export import lattice
-from app.export.bets import bet_words, judged
 from app.export.page import SCRIPTS, Progress, assembled, quantities, record
 from app.export.plan import Plan, planned
 from app.frame.budget import QUESTION
 from app.language.spoken import later, speaking, tr
-from app.lessons import progress, shelf
+from app.lessons import bet_lines, progress, shelf
+from app.lessons.bets import BY_ROUND, OWN, YOURS, asked_before
 from app.lessons.claims import ClaimError, needed
 from app.lessons.lesson import CHOICE, DRAG, NAMES, POWERS, REACH, TEXT, Lesson, Numbers, Question, Step, filled
-from app.lessons.marks import BARE, DIGITS, LONGEST, MOST, TOLD_AFTER, expressions, right
+from app.lessons.marks import BARE, DIGITS, LONGEST, MOST, TOLD_AFTER, expressions, judge_ends, right
 from app.lessons.markup import html
 from app.lessons.outcomes import Outcomes, RunFailed
 from app.words import QUANTITIES, SYMBOLS
@@ -76,14 +77,10 @@ def _sought(lesson: Lesson, step: Step) -> str:
 def rules(lesson: Lesson, processes: int,
           on_progress: Callable[[float, str], None]) -> dict[str, list[dict[str, Any] | None]]:
     """What is right in each question with the numbers of each variant; None where it could not be found out."""
-    outcomes, found = Outcomes(processes), dict[str, list[dict[str, Any] | None]]()
-    try:
+    with closing(Outcomes(processes)) as outcomes:
         outcomes.prepare(_needed(lesson), lambda done, total: on_progress(done / total, f"answer {done} of {total}"))
-        for step in lesson.questions.values():
-            found[step.key] = [_rule(lesson, step, numbers, outcomes) for numbers in lesson.variants]
-    finally:
-        outcomes.close()
-    return found
+        return {step.key: [_rule(lesson, step, numbers, outcomes) for numbers in lesson.variants]
+                for step in lesson.questions.values()}
 
 
 def _needed(lesson: Lesson) -> list[str]:
@@ -160,3 +157,21 @@ def _question(lesson: Lesson, asked: Question | None, right: list[Any]) -> dict[
         made["drag"] = {"name": f"{tr(NAMES[asked.control])} {SYMBOLS.get(asked.control, '')}".strip(), "low": low,
                         "high": high, "step": step, "powers": asked.control in POWERS}
     return made
+
+
+def bet_words() -> dict[str, Any]:
+    """The words and limits of the picture of bets, as ``app.lessons.bet_lines`` has them."""
+    return {"yours": YOURS, "by_round": BY_ROUND, "your_bets": tr(bet_lines.YOUR_BETS), "round": tr(bet_lines.ROUND),
+            "told": tr(bet_lines.TOLD), "some": tr(bet_lines.SOME), "none": tr(bet_lines.NONE),
+            "scored": tr(bet_lines.SCORED), "said": tr(bet_lines.SAID), "truth": tr(bet_lines.TRUTH),
+            "less": bet_lines.LESS, "more": bet_lines.MORE, "most": bet_lines.MOST}
+
+
+def judged(lesson: Lesson, processes: int) -> dict[str, list[dict[str, dict[str, Any]]]]:
+    """By the key of each step that shows judges, for each variant, their bets by judge and question."""
+    steps = [step for step in lesson.steps if set(step.bets) - {*OWN}]
+    with closing(Outcomes(processes)) as outcomes:
+        return {step.key: [{judge: {other.key: judge_ends(lesson, other, judge, numbers, outcomes)
+                                    for other in asked_before(lesson, step)}
+                            for judge in step.bets if judge not in OWN} for numbers in lesson.variants]
+                for step in steps}

@@ -12,7 +12,7 @@ import numpy as np
 
 from app import state
 from app.export.quantise import NUMBER, PLACE, SIGNED, SIZE, Track, packed
-from app.export.texts import notes, texts
+from app.export.vocabulary import notes, texts
 from app.frame.budget import whose
 from app.frame.captions import why_no_field
 from app.frame.planar import PlanarStage

@@ -1,15 +1,32 @@
-"""What the player shares with the live page, as data: forms of numbers, scales, colours, names of what is looked at."""
+"""What the player shares with the live page, as data: forms of numbers, scales, colours, names of what is looked at;
+and what it says of a run, made by what makes the page's words: numbers alone are still to come."""
 
 import base64
-from collections.abc import Iterable
+from collections.abc import Collection, Iterable, Mapping
 from dataclasses import asdict
 from typing import Any
 
 from app import words
 from app.colours import CAUSES, PALETTE, PINNED, colour_table
 from app.export import quantise
-from app.frame import budget, captions, crossings, field, layout, scale, sentence
-from app.frame.captions import ALIKE, DIFFERENCE, ESTIMATE, SIDE_BY_SIDE, TRUTH, FieldWords, counting
+from app.frame import budget, crossings, field, layout, scale, sentence
+from app.frame.captions import (
+    ALIKE,
+    DIFFERENCE,
+    ESTIMATE,
+    NOT_COUNTED,
+    SIDE_BY_SIDE,
+    TRUTH,
+    FieldWords,
+    captions,
+    counting,
+    field_words,
+    marks_note,
+    not_estimated,
+    why_no_estimate,
+    why_no_numbers,
+    why_no_truth,
+)
 from app.frame.layout import Seat
 from app.frame.marks import LIGHT, Label, Room
 from app.frame.stage import Stage, Words
@@ -17,6 +34,7 @@ from app.language.spoken import tr
 from app.problems.views import VIEWS
 from solvers.scene import causes
 from solvers.scene.registry import ESTIMATORS
+from solvers.scene.scene import Scene
 
 #: In which stages are laid out: of a window, and of one as narrow as a phone's. The player enlarges all that is in it.
 ROOMS = {"wide": Room(720.0, high=0.58, gutter=0.18), "narrow": Room(336.0, high=0.84)}
@@ -25,7 +43,10 @@ LATER = "…"  # what a run or a frame says
 
 def vocabulary(problems: Iterable[str]) -> dict[str, Any]:
     """All of it as a JSON object, with the stages of some problems."""
-    return {"formats": formats(), "codes": quantise.CODES,
+    formats = {"prefixes": words.PREFIXES, "superscripts": words.SUPERSCRIPTS, "ratios": words.PLAIN_RATIOS,
+               "percents": (*words.PLAIN_PERCENT, words.WHOLE_PERCENT), "powers": words.PLAIN_POWERS,
+               "nothing": words.NOTHING}
+    return {"formats": formats, "codes": quantise.CODES,
             "scale": {"tops": list(scale.TOPS.items()), "decades": scale.DECADES, "beyond": scale.BEYOND,
                       "smallest": scale.SMALLEST, "zero": tr(scale.ZERO)},
             "axis": {"steps": field.STEPS, "room": field.ROOM, "stems": field.MOST_STEMS},
@@ -37,7 +58,7 @@ def vocabulary(problems: Iterable[str]) -> dict[str, Any]:
             "sentences": {"unstable": tr(sentence.UNSTABLE), "last": tr(sentence.LAST), "lost": tr(sentence.LOST),
                           "now": tr(sentence.NOW), "paused": tr(sentence.PAUSED), "less": tr(sentence.LESS),
                           "more": tr(sentence.MORE), "all": sentence.ALL_OF_IT,
-                          "not_counted": tr(captions.NOT_COUNTED)},
+                          "not_counted": tr(NOT_COUNTED)},
             "budget": {"causes": {name: {"words": tr(said), "meaning": tr(budget.MEANINGS[name]),
                                          "colour": CAUSES[name].light} for name, said in causes.CAUSES.items()},
                        "fields": causes.FIELDS, "units": budget.UNITS, "seen": budget.SEEN,
@@ -73,13 +94,6 @@ def _laid_out(stage: type[Stage], room: Room) -> dict[str, Any]:
             "bar": asdict(top), "labels": [asdict(label) for label in (*of, *labels)]}
 
 
-def formats() -> dict[str, Any]:
-    """What the player's ``words.js`` needs for the forms of numbers."""
-    return {"prefixes": words.PREFIXES, "superscripts": words.SUPERSCRIPTS, "ratios": words.PLAIN_RATIOS,
-            "percents": (*words.PLAIN_PERCENT, words.WHOLE_PERCENT), "powers": words.PLAIN_POWERS,
-            "nothing": words.NOTHING}
-
-
 def _colours() -> dict[str, Any]:
     """The map as bytes, and the colours that have a meaning."""
     marks = {name: f"rgb{colour}" for name, colour in vars(LIGHT).items()}
@@ -88,3 +102,31 @@ def _colours() -> dict[str, Any]:
     return {"map": base64.b64encode(colour_table().tobytes()).decode(), "pinned": PINNED, **marks,
             "fading": (LIGHT.crossing, LIGHT.ground),
             "tones": {tone: PALETTE[name].light for tone, name in tones.items()}}
+
+
+def texts(scene: Scene, not_valid: Mapping[str, str], silent: Mapping[str, Collection[str]],
+          difference: bool) -> dict[str, Any]:
+    """By quantity: why a row of the readout has no number, words of the field plot, and by
+    estimator ("" for none) the captions of both halves, side by side and, if wanted, as ``difference``, and what is
+    said of the errors. ``silent`` are the estimators by quantity that have no number of it."""
+    component = VIEWS[scene.problem].stage.PLOT.component
+    return {key: {"rows": why_no_numbers(scene, not_valid, key, silent[key]),
+                  "field": vars(field_words(scene, component, key)),
+                  "by": {name: _by(scene, not_valid, key, name, silent[key], difference)
+                         for name in scene.estimators or ("",)}} for key in silent}
+
+
+def notes(scene: Scene, every: int) -> dict[str, str]:
+    """What stands at the stage, on which one particle in ``every`` is marked where it crosses."""
+    stage = VIEWS[scene.problem].stage
+    return {"note": stage.note(scene), "marks": marks_note(stage.MARKED, every)}
+
+
+def _by(scene: Scene, not_valid: Mapping[str, str], quantity: str, name: str, silent: Collection[str],
+        difference: bool) -> dict[str, Any]:
+    estimator, no_truth = name or None, why_no_truth(scene, quantity)
+    no_estimate = why_no_estimate(scene, not_valid, estimator, quantity) \
+        or f"{name} {not_estimated(quantity)}" * (name in silent)
+    return {"captions": [vars(captions(quantity, estimator, apart, no_estimate, no_truth))
+                         for apart in (False, True)[:1 + difference]],
+            "errors": vars(sentence.error_words(scene, quantity, estimator, no_estimate, no_truth))}

@@ -3,14 +3,16 @@
 from __future__ import annotations
 
 import re
-from itertools import combinations, product
+from itertools import combinations, pairwise, product
 from pathlib import Path
 
 import numpy as np
 import pytest
+from matplotlib import colormaps
 
 from app import colours
 from app.colours import GROUNDS, LINES, PALETTE, TEXTS, rgb
+from solvers.problems import PROBLEMS
 from solvers.scene.causes import CAUSES
 from solvers.scene.registry import ESTIMATORS
 
@@ -92,3 +94,19 @@ def test_estimators_have_colours_of_the_palette_and_dashes_of_their_own():
     assert {name: ESTIMATORS[name].colour.lower() for name in OURS} \
         == {name: LINES[name.replace("-", "")].light for name in OURS}
     assert len({ESTIMATORS[name].dashes for name in OURS}) == len(OURS)
+
+
+def test_estimate_truth_and_estimators_are_told_apart_by_lightness_too():
+    assert contrast(colours.ESTIMATE, colours.TRUTH) > 1.25
+    for problem in PROBLEMS.values():
+        shades = sorted((ESTIMATORS[name].colour for name in problem.estimators), key=_luminance)
+        assert all(contrast(*pair) > 1.25 for pair in pairwise(shades))
+
+
+def test_the_colour_map_rises_evenly_in_lightness():
+    table = colours.colour_table()
+    assert table.shape == (256, 3) and table.dtype == np.uint8 and colours.COLOUR_MAP == "viridis"
+    assert np.array_equal(table, (255 * colormaps[colours.COLOUR_MAP](np.arange(256))[:, :3]).round())
+    lightness = np.cbrt([_luminance(f"#{shade.tobytes().hex()}") for shade in table[::15]])
+    steps = np.diff(lightness)
+    assert np.all(steps > 0) and steps.max() < 2 * steps.min()

@@ -7,9 +7,19 @@ from typing import Annotated, Any, ClassVar
 import tyro
 
 from app.commands.expected import Expectable
-from app.commands.flags import BadInput, ClaimsFlag, FilesFlag, NamesFlag, PathFlag, Switch, default_hint
-from app.commands.output import Folder, json_target, json_text, put_text
-from app.commands.particle_files import look_for, require_files, times_for
+from app.commands.flags import (
+    BadInput,
+    ClaimsFlag,
+    FilesFlag,
+    NamesFlag,
+    PathFlag,
+    Switch,
+    default_hint,
+    look_for,
+    require_files,
+    times_for,
+)
+from app.commands.output import Folder, json_target, json_text, put_report, put_text
 from app.commands.progress import working
 from solvers.outside.file_error import FileError
 
@@ -71,7 +81,6 @@ class Check:
             put_text(summary(values) + "\n")
         if folder is None:
             return 0
-        from app.commands.report import put_report
         from app.pictures.check import FIGURES
         return put_report(folder, values, checked, FIGURES, lambda drawn: as_markdown(values, drawn))
 

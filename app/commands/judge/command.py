@@ -7,9 +7,20 @@ from typing import Annotated, Any, ClassVar
 import tyro
 
 from app.commands.expected import Expectable
-from app.commands.flags import BadInput, ClaimsFlag, FilesFlag, NamesFlag, PathFlag, Switch, default_hint, number
-from app.commands.output import Folder, put_text
-from app.commands.particle_files import look_for, require_files, times_for
+from app.commands.flags import (
+    BadInput,
+    ClaimsFlag,
+    FilesFlag,
+    NamesFlag,
+    PathFlag,
+    Switch,
+    default_hint,
+    look_for,
+    number,
+    require_files,
+    times_for,
+)
+from app.commands.output import Folder, put_report, put_text
 from app.commands.progress import working
 from app.commands.scene_flags import SceneFlags
 from app.lessons.claims import NORMS
@@ -90,7 +101,6 @@ class Judge(SceneFlags):
         if not self.quiet:
             put_text(summary(values, judged) + "\n")
         if folder is not None:
-            from app.commands.report import put_report
             from app.pictures.judge import FIGURES
             status = put_report(folder, values, judged, FIGURES, lambda drawn: as_markdown(values, judged, drawn))
         grids = outcomes(values)

@@ -7,9 +7,8 @@ from typing import Annotated, Any, ClassVar
 
 import numpy as np
 
-from app.commands.flags import BadInput, NamesFlag, PathFlag, default_hint
+from app.commands.flags import BadInput, NamesFlag, PathFlag, default_hint, times_of
 from app.commands.output import Folder, json_text, say
-from app.commands.particle_files import times_of
 from app.commands.scene_flags import SceneFlags
 from app.templates import rendered
 from app.words import per_cell

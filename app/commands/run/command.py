@@ -12,8 +12,7 @@ from app import state
 from app.commands.flags import BadInput, PathFlag, Switch, TextFlag, default_hint
 from app.commands.output import Target, json_target, put_result, say
 from app.commands.progress import working
-from app.commands.run.goals import goal_table
-from app.commands.run.text import run_table
+from app.commands.run.text import goal_table, run_table
 from app.commands.scene_flags import SceneFlags
 from solvers.judging.frames import Frame
 from solvers.outside.limits import LIMITS

@@ -1,15 +1,22 @@
-"""The summary that ``mpm-lab run`` prints for people, made from the JSON object and nothing else."""
+"""The summary that ``mpm-lab run`` prints for people, made from the JSON object and nothing else; and below it the
+numbers that were wanted, each with a bar by every estimator."""
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 
 from app.words import QUANTITIES, particles_per_cell, unit_of
 from solvers.problems import PROBLEMS
+from solvers.running.goals import SAFETY
 from solvers.scene.causes import CAUSES, FIELDS
 from solvers.scene.effects import ALL, EFFECTS, SHARE, Number, told
+from solvers.scene.scene import Scene
+from solvers.study.coverage import track_record
 
 NOTHING = "-"
 UNITS = {"x": "m", "v": "m/s", "F": "1"}
 SUMMARY = ("final", "max", "mean")
+GOAL_WIDTH = 14
+GOAL_MEANING = (f"bar: {SAFETY:g} times the estimated error of the number; held: how often such a bar held the truth "
+                "in runs of\nthis method that were drawn at random (mpm-lab coverage)")
 
 
 def run_table(result: dict) -> str:
@@ -69,10 +76,6 @@ def _estimates(name: str, estimate: dict, index: dict, distance: dict) -> str:
     return _columns([(f"estimate: {name}", *SUMMARY, "index", "distance"), *rows])
 
 
-def _share(part: float | None) -> str:
-    return NOTHING if part is None else f"{100 * part:.3g} %"
-
-
 def _by_estimator(result: dict) -> dict:
     """``{estimator: (estimate, index, distance)}``; one estimator's values are not keyed by its name."""
     names = result["scene"]["estimator"] if "estimate" in result["effects"] else []
@@ -102,7 +105,7 @@ def _effects(result: dict) -> Iterator[tuple[str, str]]:
 
 def _number(value: float | None, number: Number) -> str:
     if number.unit == SHARE:
-        return _share(value)
+        return NOTHING if value is None else f"{100 * value:.3g} %"
     return formatted(value, "," if number.kind is int else ".4g") + f" {number.unit}" * bool(number.unit)
 
 
@@ -124,3 +127,22 @@ def _columns(rows: list[tuple[str, ...]]) -> str:
 def formatted(value: float | None, form: str) -> str:
     """A number; a dash where there is none."""
     return NOTHING if value is None else format(value, form)
+
+
+def goal_table(scene: Scene, goals: Mapping[str, dict]) -> str:
+    """A block for each goal, and what the bars are; nothing where none was wanted."""
+    if not goals:
+        return ""
+    blocks = ["\n".join(_goal_lines(scene, name, goal)) for name, goal in goals.items()]
+    return "\n\n".join(["", *blocks, GOAL_MEANING])
+
+
+def _goal_lines(scene: Scene, name: str, goal: Mapping) -> Iterator[str]:
+    unit = goal["unit"]
+    yield f"{name:<24}{formatted(goal['value'], '.6g'):>{GOAL_WIDTH}} {unit}"
+    for estimator, bar in goal["bar"].items():
+        counts = track_record.held(scene, name, estimator)
+        often = f"   held {counts[0]} of {counts[1]}" if counts else ""
+        yield f"  {'+- ' + estimator:<22}{formatted(bar, '.2g'):>{GOAL_WIDTH}} {unit}{often if bar is not None else ''}"
+    if goal["true_error"] is not None:
+        yield f"  {'true error':<22}{formatted(goal['true_error'], '.2g'):>{GOAL_WIDTH}} {unit}"

@@ -8,7 +8,7 @@ from mpm_lab import take
 def plot(result: Any) -> Any:
     """The picture of a result, a matplotlib figure."""
     take("app")
-    from app.notebook.picture import result_picture
+    from app.notebook.result import result_picture
 
     return result_picture(result)
 
@@ -16,6 +16,6 @@ def plot(result: Any) -> Any:
 def table(result: Any) -> str:
     """The table of a result, HTML."""
     take("app")
-    from app.notebook.table import result_table
+    from app.notebook.result import result_table
 
     return result_table(result)

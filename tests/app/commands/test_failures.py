@@ -127,9 +127,10 @@ def test_a_folder_that_cannot_be_is_one_sentence(words, capsys):
     assert said.startswith(f"mpm-lab: --out {path}: ") and "not a directory" in said and said.count("\n") == 1
 
 
-LONG = {"lesson check": "", "judge ring exact.csv --cells 48 --out verdict": "", "advise ring --tolerance 1e-5": "slow",
-        "budget ring --cells 100": "slow", "lesson guide 9": "slow", "export bar --out bar.html": "slow",
-        "stability bar --out map": "slow", "tables all --out tables": "slow"}
+LONG = {"run bar --cells 20000 --dt 1e-6 --t-end 100 --json a.json": "", "sweep bar --cells 20 40 80 --out rows": "",
+        "lesson check": "", "judge ring exact.csv --cells 48 --out verdict": "slow", "bench --json a.json": "slow",
+        "advise ring --tolerance 1e-5": "slow", "budget ring --cells 100": "slow", "lesson guide 9": "slow",
+        "export bar --out bar.html": "slow", "stability bar --out map": "slow", "tables all --out tables": "slow"}
 
 
 def family(process: int) -> list[int]:
@@ -141,7 +142,7 @@ def family(process: int) -> list[int]:
 @pytest.mark.parametrize("line", [pytest.param(line, marks=getattr(pytest.mark, mark) if mark else ())
                                   for line, mark in LONG.items()])
 def test_an_interrupt_is_one_line_and_leaves_nothing_running(line, tmp_path):
-    """And no file but the rows that are kept on purpose; run, sweep, bench and serve have their own."""
+    """And no file but the rows that are kept on purpose; serve has its own in tests/app/serving."""
     if "exact.csv" in line:
         assert main(["problem", "ring", "--cells", "48", "--out", str(tmp_path / "handout")]) == 0
         os.rename(tmp_path / "handout" / "exact.csv", tmp_path / "exact.csv")

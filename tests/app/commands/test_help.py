@@ -8,6 +8,7 @@ import shlex
 import shutil
 import subprocess
 import sys
+from dataclasses import fields
 
 import pytest
 
@@ -16,10 +17,11 @@ from app.commands import commands
 from app.commands.completion import SHELLS, script
 from app.commands.dispatch import _find_command, _read_flags
 from app.commands.help import EVERYWHERE, WIDEST
-from app.commands.terminal import coloured
+from app.commands.progress import coloured
 from tests.paths import ROOT
 from tests.processes import HANG
 
+WITHOUT_NAMES = {"text", "files", "table", "names", "name", "what", "visitors"}  # typed where they stand
 EACH = pytest.mark.parametrize("name", commands(), ids=" ".join)
 
 
@@ -44,6 +46,12 @@ def test_help_of_a_command(name, wide, capsys):
     assert re.fullmatch(r"[A-Z][^.]*[^.]\.", lines[first]) and not lines[first + 1]
     assert sum("Exit status: 0" in line for line in lines) == 1
     assert lines[-3].startswith(f"Example:  mpm-lab {' '.join(name)}") and lines[-1] == EVERYWHERE
+    shown = " ".join(" ".join(lines).replace("│", " ").split())
+    flags = {field.name.replace("_", "-") for field in fields(commands()[name])} - WITHOUT_NAMES
+    assert [flag for flag in flags if f"--{flag}" not in shown and f"--no-{flag}" not in shown] == []
+    if name in (("run", "bar"), ("run", "ring"), ("run", "vortex")):
+        scene = commands()[name].SCENE
+        assert f"(default: {scene.cells})" in shown and f"(default: {scene.DEFAULT_PERIODS:g} without" in shown
 
 
 @EACH
@@ -101,13 +109,6 @@ def test_a_shell_gets_its_script(shell, capsys):
     assert seen.out == 2 * script(shell) and seen.err == ""
     assert all(word in seen.out for name in commands() for word in name if not word.startswith("-"))
     assert "--linearity-preserving" in seen.out
-
-
-@pytest.mark.parametrize("words", [["--completion"], ["--completion", "tcsh"], ["--completion=csh"]])
-def test_a_shell_that_has_none_is_told_which_have(words, capsys):
-    assert main(words) == 2
-    said = capsys.readouterr().err
-    assert said.startswith("mpm-lab: --completion ") and said.endswith("give one of bash, zsh, fish\n")
 
 
 @pytest.mark.skipif(shutil.which("bash") is None, reason="no bash")

@@ -44,7 +44,9 @@ def lines(name: tuple[str, ...], most: int) -> st.SearchStrategy[list[str]]:
         lambda parts: [word for part in parts for word in part])
 
 
-@pytest.mark.parametrize("name", commands(), ids="-".join)
+@pytest.mark.parametrize("name", [
+    pytest.param(name, id="-".join(name), marks=pytest.mark.slow if name[-1] in ("ring", "vortex") else ())
+    for name in commands()])
 def test_random_command_lines_end_as_they_should(name, tmp_path, monkeypatch, capsys):
     monkeypatch.chdir(tmp_path)
 

@@ -12,7 +12,6 @@ import numpy as np
 import pytest
 
 from app import state
-from app.cli import main
 from app.export import lattice, plan
 from app.export.lesson import rules
 from app.export.page import _titled, scene_page
@@ -202,26 +201,3 @@ def test_what_is_right_is_known_for_every_variant():
     assert [rule["options"] for rule in found["what-happens"]] == [[2], [2]]
     first, second = (rule["value"] for rule in found["and"])
     assert 0 < first < second
-
-
-@pytest.mark.parametrize("arguments, sentence", [
-    (["bar cells=2", "--out", "a.html"], "cells=2: give a whole number from 4"),
-    (["bar cels=40", "--out", "a.html"], "did you mean cells?"),
-    (["bar cells=10000 periods=100", "--out", "a.html"], "too long to record"),
-    (["no-such-lesson", "--out", "a.html"], "there is no lesson 'no-such-lesson'"),
-    (["bar", "--out", "a.htm"], "give a file that ends in .html"),
-    (["bar", "--out", "no/such/place/a.html"], "cannot be written"),
-    (["bar", "--out", "a.html", "--processes", "0"], "processes 0: give a whole number"),
-    (["bar cells=8", "--scorm", "--out", "a.zip"], "is no lesson, and a course keeps a score of lessons alone"),
-    (["--scorm", "--out", "a.zip"], "give lessons by name or number"),
-    (["1", "99", "--scorm", "--out", "a.zip"], "there is no lesson '99'"),
-    (["1", "--scorm", "--out", "a.html"], "give a file that ends in .zip"),
-    (["1", "--out", "a.zip"], "give a file that ends in .html"),
-    (["1", "4", "--out", "a.html"], "a file has one lesson; give one, or --scorm for a package of several"),
-])
-def test_bad_input_is_told_in_one_sentence(arguments, sentence, capsys, monkeypatch, tmp_path):
-    monkeypatch.chdir(tmp_path)
-    assert main(["export", *arguments]) == 2
-    said = capsys.readouterr().err.strip()
-    assert sentence in said and "\n" not in said
-    assert not list(tmp_path.iterdir())

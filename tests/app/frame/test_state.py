@@ -115,10 +115,3 @@ def test_the_same_text_runs_without_a_page(text, capfd):
     assert main(["run", "--scene", text, "--json", "-", "--quiet"]) == 0
     scene = json.loads(capfd.readouterr().out)["scene"]
     assert (scene["problem"], scene["cells"], scene["ppc"], scene["periods"]) == ("bar", 8, 2, 0.1)
-
-
-@pytest.mark.parametrize("arguments", [["run", "--scene"], ["run", "--scene="], ["run", "--scene", "bar;cells=3"]])
-def test_a_bad_scene_is_bad_input(arguments, capfd):
-    assert main(arguments) == 2
-    said = capfd.readouterr().err
-    assert said.startswith("mpm-lab: --scene") and said.count("\n") == 1

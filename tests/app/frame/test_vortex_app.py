@@ -1,14 +1,11 @@
-"""The vortex in everything that shows problems: command line, picture, state, page, recording, slow motion."""
+"""The vortex in what shows problems: state, page, recording, slow motion."""
 
 from __future__ import annotations
-
-import json
 
 import numpy as np
 import pytest
 
 from app import state
-from app.cli import main
 from app.export.record import Wanted, recording
 from app.page.visit.session import first_scene
 from app.problems.vortex.view import ANGLES, FIFTHS, VORTEX
@@ -19,34 +16,6 @@ from solvers.problems.vortex.scene import VortexScene
 from solvers.running.run import build
 from solvers.scene.effects import EFFECTS
 from solvers.study.stability import offered
-
-QUICK = ["--cells", "12", "--ppc", "2", "--amplitude", "0.25", "--t-end", "0.2", "--quiet"]
-
-
-def test_a_run_prints_its_angular_momentum_and_draws_a_picture(capsys, tmp_path):
-    assert main(["run", "vortex", *QUICK, "--plot", str(tmp_path / "a.png")]) == 0
-    printed = capsys.readouterr().out
-    assert "amplitude 0.25 rad" in printed and "angular momentum off its balance by" in printed
-    assert (tmp_path / "a.png").stat().st_size > 50_000
-
-
-def test_json_says_what_the_vortex_is(capsys):
-    assert main(["run", "vortex", *QUICK, "--method", "cpgimp-v", "--json", "-"]) == 0
-    printed = json.loads(capsys.readouterr().out)
-    assert printed["scene"]["poisson_ratio"] == 0.3 and printed["scene"]["frequency"] == 1.0
-    assert set(printed["angular_momentum"]) == {"initial", "final", "drift", "error"}
-    assert abs(printed["angular_momentum"]["drift"]) < 0.01 and "spin" in printed["effects"]
-    assert printed["step"]["margin"] < 1
-
-
-@pytest.mark.parametrize("words, says", [
-    (["--amplitude", "2"], "--amplitude 2: give an angle in radians"),
-    (["--poisson-ratio", "0.5"], "--poisson-ratio 0.5: give a number above -0.9 and up to 0.49"),
-    (["--method", "bspline"], "--method bspline: is not known; give one of ugimp"),
-    (["--remedies", "coupled-deformation"], "give one of null-space-filter, frozen-weights")])
-def test_what_cannot_be_is_one_sentence(words, says, capsys):
-    assert main(["run", "vortex", *words]) == 2
-    assert says in capsys.readouterr().err
 
 
 def test_a_state_and_words():

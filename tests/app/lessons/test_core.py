@@ -184,12 +184,6 @@ def test_the_guide_says_what_is_deeper_or_leaves_it_out(monkeypatch, capsys):
     assert "mpm-lab serve --lesson 06-ring --core" in text and "mpm-lab lesson grade FILES --core" in text
 
 
-def test_bad_input_is_one_sentence(capsys):
-    assert main(["export", "bar cells=8", "--core", "--out", "x.html"]) == 2
-    assert capsys.readouterr().err == "mpm-lab: --core bar cells=8: a scene has no core; give a lesson, by name or " \
-        "number\n"
-
-
 @pytest.mark.parametrize("name", shelf.names())
 def test_numbers_of_a_student_do_not_depend_on_the_core(name):
     found = shelf.lesson(name)

@@ -102,16 +102,6 @@ def test_a_lesson_that_cannot_be_read_keeps_no_other_from_being_checked(shelf_of
     assert capfd.readouterr().out == "nothing was checked; 2 files could not be read\n"
 
 
-@pytest.mark.parametrize("arguments, said", [
-    (["lesson", "check", "99"], "there is no lesson '99'"), (["lesson", "check", "--processes", "0"], "from 1 to 64"),
-    (["lesson", "guide", "1", "--out", "x.doc"], "ends in .md or .html"), (["lesson", "grade"], "give the files"),
-    (["lesson", "guide"], "there is no lesson"), (["serve", "--lesson", "99"], "there is no lesson '99'")])
-def test_bad_input_is_one_sentence(arguments, said, capfd):
-    assert main(arguments) == 2
-    told = capfd.readouterr().err
-    assert said in told and told.count("\n") == 1
-
-
 def test_the_guide_has_notes_and_right_answers(shelf_of_one, tmp_path, capfd):
     assert main(["lesson", "guide", "1", "--quiet"]) == 0
     text = capfd.readouterr().out

@@ -144,11 +144,9 @@ RING = dict(method="ugimp", cells=8, ppc=1, amplitude=0.05, modulus=4e6, density
 
 
 @pytest.mark.parametrize("name, scene, parameters", [
-    ("bar.py", BarScene, {}), ("ring.py", RingScene, {}), ("bar.py", BarScene, BAR),
-    pytest.param("ring.py", RingScene, RING, marks=pytest.mark.slow),
-], ids=["bar", "ring", "bar, edited", "ring, edited"])
-def test_scripts(name, scene, parameters, tmp_path, monkeypatch, capsys):
-    """A script runs as it is and edited, obeys every parameter, prints what ``run`` finds and leaves a picture."""
+    ("bar.py", BarScene, BAR), pytest.param("ring.py", RingScene, RING, marks=pytest.mark.slow)], ids=["bar", "ring"])
+def test_a_script_that_is_edited(name, scene, parameters, tmp_path, monkeypatch, capsys):
+    """It obeys every parameter, prints what ``run`` finds and leaves a picture; as it is, ``test_scripts`` runs it."""
     monkeypatch.chdir(tmp_path)
     done: dict = {}
     exec(compile(edited(name, **parameters), name, "exec"), done)

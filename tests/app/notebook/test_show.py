@@ -15,7 +15,7 @@ from app import state
 from app.export import lattice
 from app.export.page import scene_page
 from app.notebook import show
-from app.notebook.table import result_table
+from app.notebook.result import result_table
 from app.words import ratio, with_unit
 from solvers import BarScene, RingScene, SceneError, run
 from tests.processes import HANG

@@ -4,19 +4,16 @@ from __future__ import annotations
 
 import sys
 from dataclasses import replace
-from itertools import pairwise
 
 import numpy as np
 import pytest
-from matplotlib import colormaps
 from matplotlib.collections import PathCollection
 from matplotlib.colors import to_rgb
 
 from app.colours import CAUSES as CAUSE_COLOURS
-from app.colours import COLOUR_MAP, ESTIMATE, TRUTH, colour_table
+from app.colours import ESTIMATE, TRUTH
 from app.frame.budget import percent
-from app.pictures.run import png_bytes, run_figure, save_png
-from solvers.problems import PROBLEMS
+from app.pictures.run import png_bytes, run_figure
 from solvers.problems.bar.scene import BarScene
 from solvers.problems.ring.scene import RingScene
 from solvers.running.result import Result
@@ -30,7 +27,7 @@ RING = RingScene(cells=12, periods=0.1)
 
 @pytest.fixture(scope="module")
 def result() -> Result:
-    return run(SCENE)
+    return run(SCENE, prices=False)
 
 
 def panels(figure) -> dict:
@@ -71,30 +68,26 @@ def test_title_tells_the_scene(result):
     assert "uGIMP" in title and "8 cells" in title and "A = 0.025 m" in title
 
 
-def test_truth_off_shows_the_estimate_alone():
-    shown = panels(run_figure(run(replace(SCENE, effects=("estimate",)), prices=False)))
-    assert [line.get_color() for line in shown["norms"][0].get_lines()] == [ESTIMATE]
-    assert [label.get_text() for label in shown["particles"].get_yticklabels()] == ["estimate\n(transport)"]
-    assert any("nothing to show" in text.get_text() for text in shown["index"].texts)
-
-
-def test_no_estimator_shows_the_truth_alone():
-    shown = panels(run_figure(run(replace(SCENE, estimators=()))))
-    assert [line.get_color() for line in shown["norms"][0].get_lines()] == [TRUTH]
-    assert [label.get_text() for label in shown["particles"].get_yticklabels()] == ["truth"]
-
-
-def test_no_effects_shows_the_particles():
-    figure = run_figure(run(replace(SCENE, effects=())))
+@pytest.mark.parametrize("changes, colours, named, ring_says", [
+    ({"effects": ("estimate",)}, [ESTIMATE], ["estimate\n(transport)"], "estimate (transport) truth not computed"),
+    ({"estimators": ()}, [TRUTH], ["truth"], "not estimated truth"),
+    ({"effects": ()}, [], ["particles"], "not estimated truth not computed")], ids=str)
+def test_what_is_not_there_is_not_drawn_and_said(changes, colours, named, ring_says):
+    """Alone the estimate, the truth, or the particles."""
+    figure = run_figure(run(replace(SCENE, **changes), prices=False))
     shown = panels(figure)
-    assert all(any("nothing to show" in text.get_text() for text in axes.texts) for axes in figure.axes[:3])
-    assert [label.get_text() for label in shown["particles"].get_yticklabels()] == ["particles"]
-    assert png_bytes(figure).startswith(b"\x89PNG")
+    assert [line.get_color() for line in shown["norms"][0].get_lines()] == colours
+    assert [label.get_text() for label in shown["particles"].get_yticklabels()] == named
+    assert "nothing to show" in words(shown["index"]) and (colours or "nothing to show" in words(figure.axes[0]))
+    figure = run_figure(run(replace(RING, **changes), prices=False))
+    assert ring_says in words(figure.axes[5]) and png_bytes(figure).startswith(b"\x89PNG")
 
 
-def test_unstable_run_is_drawn_with_its_reason():
-    unstable = run(replace(SCENE, cells=40, cfl=1.5, periods=5.0), prices=False)
-    assert unstable.status == "unstable"
+@pytest.mark.parametrize("scene", [replace(SCENE, cells=40, cfl=1.5, periods=5.0), replace(RING, cfl=1.2, periods=1.0)],
+                         ids=["bar", "ring"])
+def test_an_unstable_run_is_drawn_at_its_end_and_with_its_reason(scene):
+    unstable = run(scene, prices=False)
+    assert unstable.status == "unstable" and unstable.shown is unstable.final
     figure = run_figure(unstable)
     assert " ".join(unstable.reason.split()) == " ".join(" ".join(figure.get_suptitle().split("\n")[2:]).split())
     low, high = panels(figure)["norms"][0].get_ylim()
@@ -137,11 +130,6 @@ def test_who_made_the_error_is_drawn_where_the_run_has_it(result):
     assert not run_figure(replace(divided, series=divided.series | noise)).legends
 
 
-def test_save_png_writes_the_picture(result, tmp_path):
-    save_png(result, str(tmp_path / "run.png"))
-    assert (tmp_path / "run.png").read_bytes() == png_bytes(run_figure(result))
-
-
 def test_pictures_leave_no_global_figure(result):
     run_figure(result)
     pyplot = sys.modules.get("matplotlib.pyplot")
@@ -150,7 +138,7 @@ def test_pictures_leave_no_global_figure(result):
 
 @pytest.fixture(scope="module")
 def ring() -> Result:
-    return run(RING)
+    return run(RING, prices=False)
 
 
 def ring_halves(figure) -> tuple:
@@ -197,25 +185,6 @@ def test_ring_says_what_is_not_estimated(ring):
     assert len(figure.axes[2].get_lines()) == 1
 
 
-@pytest.mark.parametrize(("changes", "says"), [
-    ({"effects": ()}, "not estimated truth not computed"),
-    ({"effects": ("estimate",)}, "estimate (transport) truth not computed"),
-    ({"estimators": ()}, "not estimated truth"),
-])
-def test_ring_without_effects_says_so(changes, says):
-    figure = run_figure(run(replace(RING, **changes), prices=False))
-    assert says in words(figure.axes[5])
-    assert png_bytes(figure).startswith(b"\x89PNG")
-
-
-def test_unstable_ring_is_drawn_with_its_reason():
-    unstable = run(replace(RING, cfl=1.2, periods=1.0), prices=False)
-    assert unstable.status == "unstable"
-    figure = run_figure(unstable)
-    assert "went unstable" in figure.get_suptitle()
-    assert png_bytes(figure).startswith(b"\x89PNG")
-
-
 def test_ring_without_a_finite_particle_is_drawn(ring):
     lost = replace(ring.final, position=np.full_like(ring.final.position, np.nan),
                    error=np.full_like(ring.final.error, np.nan))
@@ -238,25 +207,6 @@ def test_a_fifth_estimator_is_drawn_as_it_is_registered(result, monkeypatch):
     assert png_bytes(figure).startswith(b"\x89PNG")
 
 
-def test_colour_table_is_that_of_the_map_by_name():
-    assert np.array_equal(colour_table(), (255 * colormaps[COLOUR_MAP](np.arange(256))[:, :3]).round())
-
-
-def test_colour_table_rises_evenly_in_lightness():
-    table = colour_table()
-    assert table.shape == (256, 3) and table.dtype == np.uint8 and COLOUR_MAP == "viridis"
-    linear = np.where(table / 255 > 0.04045, ((table / 255 + 0.055) / 1.055) ** 2.4, table / 255 / 12.92)
-    lightness = np.cbrt(linear @ (0.2126, 0.7152, 0.0722))
-    steps = np.diff(lightness[::15])
-    assert np.all(steps > 0) and steps.max() < 2 * steps.min()
-
-
-def test_estimate_and_truth_differ_in_lightness_too():
-    def luminance(colour: str) -> float:
-        return float(np.dot(np.power(to_rgb(colour), 2.2), (0.2126, 0.7152, 0.0722)))
-    assert luminance(ESTIMATE) > 1.25 * luminance(TRUTH)
-
-
 @pytest.mark.parametrize(("scene", "share"), [
     (replace(SCENE, periods=1), 0.75), (replace(RING, periods=1), 0.75), (replace(SCENE, periods=1.5), 1.25 / 1.5),
     (replace(SCENE, periods=1.2), 1), (replace(SCENE, periods=0.05), 1), (replace(SCENE, cfl=10, periods=0.5), None)],
@@ -267,14 +217,13 @@ def test_the_moment_shown_has_something_to_see(scene, share):
     assert 0 < step <= scene.steps and (share is None or step == pytest.approx(share * scene.steps, abs=1))
 
 
-@pytest.mark.parametrize("scene", [replace(SCENE, periods=1), replace(RING, periods=0.5)], ids=["bar", "ring"])
-def test_the_moment_changes_no_bit_of_the_result(scene):
+def test_the_moment_changes_no_bit_of_the_result():
     """The picture's particles are those of a run that ends there, and the rest is as without."""
-    scene = replace(scene, estimators=("companion",))
+    scene = replace(SCENE, periods=1)
     kept, without = run(scene, prices=False), run(scene, prices=False, mid_run=False)
     for name, values in without.series.items():
         np.testing.assert_array_equal(values, kept.series[name])
-    np.testing.assert_array_equal(kept.final.estimate["companion"], without.final.estimate["companion"])
+    np.testing.assert_array_equal(kept.final.estimate["transport"], without.final.estimate["transport"])
     np.testing.assert_array_equal(kept.final.position, without.final.position)
     assert without.shown is without.final and kept.shown.step == shown_step(scene) < kept.final.step
     ended = run(replace(scene, periods=None, t_end=kept.shown.time, sample_every=scene.sample_interval), prices=False)
@@ -283,16 +232,3 @@ def test_the_moment_changes_no_bit_of_the_result(scene):
     figure = run_figure(kept)
     at = f"at t = {kept.shown.time:.4g} s (last peak of the motion)"
     assert sum(at in axes.get_title("left") for axes in figure.axes) == 2
-
-
-def test_a_run_that_breaks_is_shown_at_its_end():
-    unstable = run(replace(SCENE, cells=40, cfl=1.5, periods=5.0), prices=False)
-    assert unstable.status == "unstable" and unstable.shown is unstable.final
-
-
-@pytest.mark.parametrize("problem", PROBLEMS)
-def test_estimators_are_told_apart_by_lightness_too(problem):
-    def luminance(colour: str) -> float:
-        return float(np.dot(np.power(to_rgb(colour), 2.2), (0.2126, 0.7152, 0.0722)))
-    lightness = sorted(luminance(ESTIMATORS[name].colour) for name in PROBLEMS[problem].estimators)
-    assert all(0.05 + after > 1.25 * (0.05 + before) for before, after in pairwise(lightness))

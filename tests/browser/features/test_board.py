@@ -22,6 +22,7 @@ ON_THE_BOARD = SIZES.replace("(document.body,", "(document.getElementById('lab-b
 #: Of what is on the board, what is wider than its box.
 CUT = """[...document.querySelectorAll("#lab-board *")].filter(e => getComputedStyle(e).overflowX !== "visible"
     && e.scrollWidth > e.clientWidth + 1).map(e => e.className)"""
+PUPILS = 5
 OUT = 120.0  # seconds until it is known what came out: three runs, on a machine that does other things
 
 
@@ -86,8 +87,7 @@ def readable(lecturer):
     assert lecturer.page.evaluate(CUT) == [] and axe_finds(lecturer.page) == []
 
 
-@pytest.mark.parametrize("pupils", [5, pytest.param(30, marks=pytest.mark.slow)])
-def test_a_class_on_the_board(chromium, lecturer_of, pupils, tmp_path):
+def test_a_class_on_the_board(chromium, lecturer_of, tmp_path):
     with serving(arguments=("--lesson", "4", "--board"), coded=2) as (address, _, lines), ExitStack() as stack:
         code, own = (re.search(rf"{whose} code.* is (\S+);", lines)[1] for whose in ("class", "board's"))
         assert code != own and enter(address, "surf-9999")[0] == 403  # made up, on this machine alone, too
@@ -101,9 +101,9 @@ def test_a_class_on_the_board(chromium, lecturer_of, pupils, tmp_path):
             pupil.find("Next")
             return pupil
 
-        cookies = [cookie_of(address, code) for _ in range(pupils)]
+        cookies = [cookie_of(address, code) for _ in range(PUPILS)]
         class_ = [come(cookie) for cookie in cookies[:-1]]  # and one who comes late
-        lecturer.reads(f"{pupils - 1} are here.")
+        lecturer.reads(f"{PUPILS - 1} are here.")
         expected = predictions(lecturer, class_, cookies, come)
         the_answers(lecturer, expected)
         what_came_out(lecturer, expected, come(cookies[-1]))

@@ -19,7 +19,6 @@ from tests.browser.page.test_axe import nothing_serious
 from tests.browser.page.test_first_picture import summary
 
 QUARTER = "bar;method=mpm;cells=20;ppc=2;estimators=none;effects=all;periods=0.25;stops;speed=0.5"
-RING = "ring;method=ugimp;cells=12;ppc=2;periods=0.3;estimators=none"
 HELD = """
     addEventListener("lab-tell", event => {
         if (event.detail.budget !== true || event.detail.late) return;
@@ -81,34 +80,13 @@ def test_who_made_it_and_what_is_left_without_it(server, chromium):
         until(lambda: chart.count() == 1 and not page.locator(".lab-outcome").count(), "one chart", LONG)
 
 
-@pytest.mark.parametrize(("link", "script"), [
-    (HATS, HELD), pytest.param(QUARTER, "", marks=pytest.mark.slow)], ids=["late", "there"])
-def test_who_asks_has_the_chart_before_him(server, chromium, link, script):
+def test_who_asks_has_the_chart_before_him(server, chromium):
     """One that comes late too: the press is held back, as by a kernel that has to be compiled, longer than the fold is
-    waited for. One that is there already is in a fold that grows."""
-    with visit(chromium, server[0], f"#{link}", script) as page:
+    waited for."""
+    with visit(chromium, server[0], f"#{HATS}", HELD) as page:
         page.locator(".lab-who").click()
         shares = page.locator(".lab-causes")  # below the chart
         until(shares.count, "the chart", LONG)
         until(lambda: (box := shares.bounding_box()) and box["y"] + box["height"] < 720, "all of it in the window")
 
 
-@pytest.mark.slow  # what is found there, and what it says, tests/app/page/test_budget_fold.py shows without a browser
-def test_in_the_plane_it_is_found_beside_the_stage(server, chromium):
-    """By the keyboard, and with the numbers of the command."""
-    with visit(chromium, server[0], f"#{RING}") as page:
-        page.locator(".lab-who").focus()
-        page.keyboard.press("Enter")
-        until(page.locator(".lab-made svg").count, "the chart", LONG)
-        found = run_budget(state.read(RING).scene, "crossings")
-        shares = found.result.budget["x"]
-        assert legend(page) == {cause: [percent(shares[cause])] for cause in CAUSES}
-        page.get_by_role("button", name="Take it away and run again").focus()
-        page.keyboard.press("Enter")
-        until(page.locator(".lab-outcome").count, "what is left", LONG)
-        taken = found.take_away()
-        said = page.locator(".lab-outcome").inner_text()
-        sizes = [size_in(re.search(rf"{words}\s+(\S+ \S*m)\b", said)[1], "m")
-                 for words in ("before", "foretold", "run again")]
-        assert sizes == pytest.approx([taken[key]["x"] for key in ("before", "predicted", "again")], rel=6e-3)
-        nothing_serious(page, "the fold")

@@ -1,4 +1,4 @@
-"""The Cost tab: runs become dots, a small sweep goes on behind a live stage, and what is clicked is loaded."""
+"""The Cost tab: a search goes on behind a paused stage, its runs become dots, and what is clicked is loaded."""
 
 from __future__ import annotations
 
@@ -6,9 +6,9 @@ import csv
 
 import pytest
 
-from tests.browser.conftest import HOME, PHONE
-from tests.browser.driving import click, engine_processes, readout, row, shown, time, until
-from tests.processes import PATIENCE, children, held
+from tests.browser.conftest import HOME
+from tests.browser.driving import click, engine_processes, readout, row, shown, until
+from tests.processes import children, held
 
 
 def job_processes(parent):
@@ -31,11 +31,6 @@ def dots(page):
 
 def open_cost(page):
     page.get_by_role("tab", name="Cost").click()
-
-
-def value(page, label):
-    """What stands in the control with this label."""
-    return row(page, label).locator("input").last.input_value()
 
 
 def headline(page):
@@ -88,61 +83,9 @@ def names_are_apart(page):
     }""")
 
 
-@pytest.mark.slow
-def test_sweep_beside_the_live_stage_and_load(own_page, server):
-    """The stage's own run is a dot, in the band of those not timed alone; a sweep adds more while the stage pauses, or
-    moves if its visitor wishes; then the stage goes on. The line of the tolerance, a dot, a row and the file."""
-    page = own_page  # which it leaves, or downloads from
-    begin(page, server)
-    until(lambda: dots(page) == 1, "the run on the stage as a dot")
-    assert page.locator(".lab-dot.lab-untimed").count() == 1
-    shown(page, "Nothing timed yet.")
-    click(page, "Small sweep")
-    until(page.get_by_role("button", name="Find the cheapest run").is_disabled, "no second job")
-    # Three rows of kernels that are compiled for the first time, in a process of low priority: work, not waiting.
-    until(lambda: dots(page) >= 4, "dots of the sweep", patience=4 * PATIENCE)
-    with held(job_processes(server[1])):  # else it might be done before it is cancelled
-        shown(page, "Your stage is paused meanwhile")
-        between = time(page)
-        page.wait_for_timeout(500)
-        assert time(page) == between
-        page.get_by_role("tab", name="Explore").click()
-        click(page, "Play")
-        until(lambda: time(page) > between, "the stage moving on")
-        open_cost(page)
-        shown(page, "Your stage runs beside it")
-        page.get_by_role("tab", name="Explore").click()
-        click(page, "Pause")
-        until(lambda: "paused" in readout(page), "the stage paused by its visitor")
-        open_cost(page)
-        click(page, "Cancel")
-        shown(page, "The sweep was cancelled")
-    until(lambda: not job_processes(server[1]), "the process gone")
-    move_the_line(page)
-    look_at_dots(page)
-    until(lambda: names_are_apart(page), "names that can be read")
-    dot = page.locator(".lab-dot[aria-label*='MPM on 20 cells']")
-    dot.click()
-    shown(page, f"Run {dot.get_attribute('data-run')} is on the stage")
-    until(lambda: "of 1.25 ms" in readout(page), "the step of 20 cells")
-    page.get_by_role("tab", name="Explore").click()
-    assert value(page, "Cells, h = 1/20") == "20" and value(page, "Method") == "MPM (hat functions)"
-    open_cost(page)
-    button = page.get_by_role("button", name="load run 2", exact=True)
-    button.focus()
-    page.keyboard.press("Enter")
-    shown(page, "Run 2 is on the stage")
-    with page.expect_download() as download:
-        click(page, "Download CSV")
-    with open(download.value.path(), newline="") as file:
-        assert len(list(csv.DictReader(file))) == dots(page)
-    page.set_viewport_size(PHONE)
-    until(lambda: page.locator("#lab-cost").bounding_box()["width"] == PHONE["width"], "the chart in the stage's place")
-    until(lambda: names_are_apart(page), "names that can be read on a phone")
-
-
 def test_search_is_refused_in_words_cancelled_and_left(own_page, server):
-    """A tolerance that is none is said; a search says what it does; who leaves takes the process along."""
+    """A tolerance that is none is said; a search says what it does, and what it has run is looked at by line, dot and
+    file; who leaves takes the process along."""
     page = own_page  # which it leaves, or downloads from
     open_cost(page)
     until(page.locator("#lab-cost").is_visible, "the chart")
@@ -162,10 +105,15 @@ def test_search_is_refused_in_words_cancelled_and_left(own_page, server):
     shown(page, "What it was to find has changed.")
     shown(page, "The search was cancelled")
     until(lambda: "paused" not in readout(page), "the stage going on")
-    click(page, "Find the cheapest run")
-    shown(page, "Search")
-    click(page, "Cancel")
-    shown(page, "The search was cancelled")
+    move_the_line(page)
+    look_at_dots(page)
+    until(lambda: names_are_apart(page), "names that can be read")
+    page.locator(".lab-dot.lab-judged").first.click()
+    shown(page, "is on the stage")
+    with page.expect_download() as download:
+        click(page, "Download CSV")
+    with open(download.value.path(), newline="") as file:
+        assert len(list(csv.DictReader(file))) == dots(page)
     click(page, "Small sweep")
     until(lambda: job_processes(server[1]), "a process")
     page.goto("about:blank")

@@ -100,27 +100,6 @@ def test_every_link_of_a_german_page_leads_to_a_german_page(chromium, address):
             assert spoken(other) == "de" and "lang=de" in at(other)[0]
 
 
-def test_who_wants_english_has_it_though_his_browser_asks_for_german(chromium, address):
-    with visiting(chromium, address, "&lang=en", locale="de-DE") as page:
-        assert spoken(page) == "en" and "lang=en" in at(page)[0]
-        page.reload()
-        there(page)
-        assert spoken(page) == "en"
-
-
-def test_two_visitors_read_two_languages_at_once(chromium, address):
-    """Of the lesson that both are opened on, and of what is said while they go on."""
-    with visiting(chromium, address, locale="de-DE") as german, visiting(chromium, address) as english:
-        for page, words in ((german, ("Einführung", "Weiter")), (english, ("introduction", "Next"))):
-            until(page.locator(".lab-lesson-head").is_visible, "the lesson")
-            assert words[0] in page.locator(".lab-lesson-head").inner_text()
-            again_until(page.get_by_role("button", name=words[1], exact=True).click,
-                        page.locator(".lab-kind").is_visible, words[1])
-        assert german.locator(".lab-kind").inner_text() == "Vorhersagen"
-        assert english.locator(".lab-kind").inner_text() == "Predict"
-        assert german.locator(".lab-choice span").first.inner_text().startswith("a) Er fällt")
-
-
 def test_the_code_is_asked_for_in_the_language_and_the_wish_is_kept(chromium, address):
     context = chromium.new_context(viewport=PHONE)
     page = context.new_page()

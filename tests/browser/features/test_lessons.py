@@ -11,8 +11,8 @@ from app.cli import main
 from app.lessons import shelf
 from app.lessons.lesson import OBSERVE, PREDICT, TEXT
 from app.lessons.progress import Progress
-from tests.browser.conftest import PHONE, SIZE, serving, visit
-from tests.browser.driving import again_until, click, row, scene, shown, until
+from tests.browser.conftest import PHONE, serving, visit
+from tests.browser.driving import again_until, click, scene, shown, until
 from tests.browser.following import answer, go_on
 
 NAME = "05-who-is-to-blame"  # one question of each kind that a browser may get wrong: choices, numbers and free text
@@ -123,42 +123,10 @@ def test_the_core_is_taken_alone(class_room, chromium):
         at(f"step {deeper} of {len(lesson.steps)}")
 
 
-@pytest.mark.slow
-def test_a_link_shows_the_same_scene_to_another_visitor(server, chromium):
-    text = "bar;method=mpm;cells=24;amplitude=0.03;estimators=companion;error-of=sigma;magnify=10;pinned;cells=12"
-    with visit(chromium, server[0], query=f"#{text}") as page:
-        until(lambda: scene(page)["cells"] == 24, "the scene of the link")
-        until(lambda: address(page).endswith(f"#{text}"), "the same link again")
-        assert page.get_by_label("Error of", exact=True).input_value() == "stress σ"
-        assert page.get_by_label("Magnify error", exact=True).input_value() == "× 10"
-        shown(page, "Unpin")
-        row(page, "Particles / cell").locator("input.mantine-NumberInput-input").fill("2")
-        until(lambda: "ppc=2" in address(page), "the address that follows")
-        link = address(page)
-    with visit(chromium, server[0], query=f"#{link.partition('#')[2]}") as page:
-        until(lambda: scene(page)["ppc"] == 2 and scene(page)["method"] == "mpm", "the first visitor's scene")
-
-
 def test_a_link_that_means_nothing_is_refused_in_words(server, chromium):
     with visit(chromium, server[0], query="#bar;cells=2;amplitude=9") as page:
         until(lambda: "The link cannot be followed: " in page.locator(".lab-notice").inner_text(), "the refusal")
         assert scene(page)["cells"] == 40
-
-
-def test_a_lesson_opens_on_a_phone(class_room, chromium):
-    """There the viewer has other tabs; and when it is turned, the tab that was chosen meanwhile stays open."""
-    def selected(name):
-        return page.get_by_role("tab", name=name, exact=True, selected=True).is_visible()
-
-    with visit(chromium, class_room[0], size=PHONE) as page:
-        until(page.locator(".lab-lesson-head").is_visible, "the lesson")
-        page.get_by_role("tab", name="Explore", exact=True).click()
-        until(lambda: selected("Explore"), "the controls")
-        page.set_viewport_size(SIZE)
-        until(page.locator("[data-dock-region=right]").count, "another layout")
-        until(lambda: selected("Explore"), "the controls again")
-        page.get_by_role("tab", name="Lessons", exact=True).click()
-        until(page.locator(".lab-lesson-head").is_visible, "the lesson again")
 
 
 def test_a_lessons_controls_stand_below_its_text(server, chromium):

@@ -10,7 +10,7 @@ import pytest
 
 from app.cli import main
 from app.words import size_in
-from tests.browser.driving import choose, click, coloured, readout, row, scene, shown, stage, steps, to_the_ring, until
+from tests.browser.driving import click, coloured, readout, row, scene, shown, stage, steps, to_the_ring, until
 from tests.listening import PATIENCE
 
 FIELD = "[data-lab~=lab-upload] + div input[type=file]"
@@ -87,30 +87,6 @@ def test_a_file_that_cannot_be_judged_is_said_and_nothing_is_lost(page):
     until(lambda: "no velocity in the files" in readout(page).lower(), "what it has not", PATIENCE)
     page.get_by_role("button", name="Play", exact=True).first.click()  # the other one is the file's
     until(lambda: "right.csv" not in readout(page), "our run")
-
-
-def test_a_file_of_another_problem_is_asked_about(page, ring, tmp_path):
-    """A stranger's ring on the page of the bar: its owner says what it is, and it is judged as that. One of ours says
-    it itself."""
-    file, error = ring
-    with np.load(file) as ours:
-        frame = {name: ours[name] for name in ("id", "x", "cells")} | {"t": ours["t"][-1], "x": ours["x"][-1]}
-        np.savez(tmp_path / "theirs.npz", **frame)
-    until(lambda: steps(page) > 0, "the bar")
-    page.set_input_files(FIELD, tmp_path / "theirs.npz")
-    until(lambda: "two directions, and the bar has one. Is it of the" in notice(page), "the question", PATIENCE)
-    assert page.get_by_role("button", name="It is the vibrating bar").count() == 0
-    click(page, "It is the expanding ring")
-    until(lambda: "theirs.npz" in readout(page), "it is judged as a ring", PATIENCE)
-    assert page.get_by_label("Problem", exact=True).input_value() == "expanding ring"
-    until(lambda: "Worst of all" in readout(page), "the verdict", PATIENCE)
-    assert norm(page, "true", 1) == pytest.approx(error["final"], rel=0.05)
-    assert page.get_by_role("button", name="It is the expanding ring").count() == 0
-    choose(page, "Problem", "vibrating bar")
-    until(lambda: scene(page)["problem"] == "bar" and "theirs.npz" not in readout(page), "the bar again", PATIENCE)
-    page.set_input_files(FIELD, file)
-    until(lambda: "mine.npz" in readout(page), "one of ours says it", PATIENCE)
-    assert page.get_by_label("Problem", exact=True).input_value() == "expanding ring"
 
 
 def test_a_file_that_is_too_large_is_not_even_sent(page):

@@ -1,5 +1,5 @@
-"""What the player's pictures mean, by its own scripts in a browser: which half and which lane show which error, and
-that a colour at a tick is that of its number."""
+"""What the player's pictures, numbers and bets mean, by its own scripts in a browser: which half and which lane show
+which error, that a colour at a tick is that of its number, and that all is read and written as in Python."""
 
 from __future__ import annotations
 
@@ -10,15 +10,16 @@ import numpy as np
 import pytest
 
 from app import words
-from app.export.bets import bet_words
+from app.export.lesson import bet_words
 from app.export.page import PLAYER
 from app.export.vocabulary import vocabulary
 from app.frame.scale import TOPS, ZERO
 from app.lessons.bet_lines import drawn
 from app.lessons.bets import BY_ROUND, YOURS, Bet, Bettor
+from app.page.features.lesson.answer import number
 from solvers.problems import PROBLEMS
 
-SCRIPTS = ("words", "tracks", "frame", "colours", "field", "bar", "plane", "bets")
+SCRIPTS = ("words", "tracks", "frame", "colours", "field", "bar", "plane", "answers", "bets")
 #: What is filled on a canvas: its colour and where its middle is, in pixels to the right and down.
 PEN = """
 class Pen {
@@ -124,3 +125,44 @@ def test_bets_are_scored_and_drawn_as_in_python(player):
     labels = player.evaluate(f"(told) => [...figure({again}).querySelectorAll('svg')].map((one) => "
                              "one.getAttribute('aria-label'))", told)
     assert labels == [f"{one.name}: {one.told}" for one in drawn(bettors).bettors]
+
+
+def test_an_answer_is_read_as_on_the_page(player):
+    """With the unit asked for, another prefix of it, or none."""
+    asked = [(text, unit) for unit in ("", "µm", "mm/s", "m", "m/s", "Pa", "kPa", "s", "%", "m/s²")
+             for text in ("330 nm", "2,5", "-1e-3", "0.33 µm", "2.75 mm/s", "3 m/s", "4 kPa", "4 Pa", "12 %", "5 m",
+                          "5 mm", "1 ms", "7 µm/s²", "nothing", "", "-3 mm", "1 mmm")]
+    found = player.evaluate("(asked) => asked.map((one) => numberIn(...one))", asked)
+    for (text, unit), value in zip(asked, found, strict=True):
+        meant = number(text, unit)
+        assert value == (meant if meant is None else pytest.approx(meant, rel=1e-11)), (text, unit)
+
+
+def sizes():
+    """Of all sizes and signs, round and not, midway between two that can be written, at edges of a form, and none."""
+    edges = [0.0949, 0.095, 0.0951, 0.00949, 0.0095, 0.99, 0.994, 0.995, 0.996, 0.9995, 0.99949, 9.995, 99.95, 999.4,
+             999.5, 999.6, 999.949, 999.95, 999.995, 999.999, 1000.0, 1000.5, 9994.9, 9995.0, 9999.5, 99995.0, 1e5, 0.1,
+             0.125, 0.375, 0.625, 2.125, 2.5, 3.5, 0.5, 1.5, 12.25, 100.5, 1005.0, 1015.0, 1025.0, 0.0625, 0.03125]
+    powers = [10.0**k for k in (*range(-300, 301, 20), *range(-18, 19))]
+    beside = [math.nextafter(power, to) for power in powers[-37:] for to in (0.0, math.inf)]
+    random = np.random.default_rng(7)
+    some = random.choice([-1, 1], 250) * random.uniform(1, 10, 250) * 10.0 ** random.integers(-20, 20, 250)
+    found = [*edges, *powers, *beside, *(3.0 * power for power in powers)]
+    return [*found, *(-size for size in found), *some.tolist(), 0.0, -0.0, math.inf, -math.inf, math.nan]
+
+
+def test_a_number_is_written_as_on_the_page(player):
+    """Every form of the player's ``words.js`` beside that of ``app.words``, to the letter."""
+    values = sizes()
+    forms = {"number(x)": words.number, "number(x, 4)": lambda x: f"{x:.4g}", "ratio(x)": words.ratio,
+             "perCent(x)": words.per_cent, "powerOfTen(x)": words.power_of_ten, "fixed(x, 2)": lambda x: f"{x:.2f}",
+             "withUnit(x, 'm')": lambda x: words.with_unit(x, "m"),
+             "withUnit(x, 'Pa', 2)": lambda x: words.with_unit(x, "Pa", 2)}
+    found = player.evaluate(f"(texts) => texts.map(Number).map((x) => [{', '.join(forms)}])",
+                            [repr(value).replace("inf", "Infinity") for value in values])
+    assert player.evaluate("(all) => all.map(powerText)", list(range(-30, 31))) == [
+        words.power_text(k) for k in range(-30, 31)]
+    wrong = [(form, value, said, write(value)) for value, row in zip(values, found, strict=True)
+             for (form, write), said in zip(forms.items(), row, strict=True)
+             if said != write(value) and not (form.startswith("fixed") and abs(value) > 1e20)]
+    assert wrong == []

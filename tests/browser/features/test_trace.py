@@ -1,11 +1,10 @@
-"""A particle is traced by a click, earlier frames are looked back at, and plots show less on request."""
+"""A particle is traced by a click, and earlier frames are looked back at."""
 
 from __future__ import annotations
 
 import re
 
 from tests.browser.driving import (
-    choose,
     click,
     click_a_particle,
     in_lane,
@@ -14,9 +13,7 @@ from tests.browser.driving import (
     press,
     readout,
     row,
-    stage_box,
     time,
-    to_the_ring,
     unfold,
     until,
 )
@@ -70,39 +67,7 @@ def looking_back_goes_back_and_play_goes_on_from_now(page):
     until(lambda: slider.get_attribute("aria-valuenow") == "0", "the slider at now")
 
 
-def plots_show_the_last_periods(page):
-    """Two of them, though the run is longer; all of it again on request."""
-    speed = row(page, "Speed, typed").get_by_role("textbox")
-    speed.fill("8")
-    until(lambda: time(page) > 3, "more than two periods", 60)
-    unfold(page, "What is drawn")
-    choose(page, "Plots show", "last 2 periods")
-
-    def lengths():
-        return page.evaluate("Object.values(window.__viserTestpoints.uplots).map(u => u.chart.data[0])"
-                             ".map(t => t[t.length - 1] - t[0])")
-
-    until(lambda: all(1.5 < length < 2.01 for length in lengths()), "two periods")
-    choose(page, "Plots show", "all")
-    until(lambda: all(length > 2.5 for length in lengths()), "all of it")
-
-
 def test_what_was_is_seen_again(page):
-    """One visitor for all three."""
+    """One visitor for both."""
     a_click_traces_a_particle(page)
     looking_back_goes_back_and_play_goes_on_from_now(page)
-    plots_show_the_last_periods(page)
-
-
-def test_a_mirror_image_of_the_ring_is_traced(page):
-    """In the estimate's half, which is a mirror image; the hole ends it."""
-    to_the_ring(page)
-    until(lambda: "of 25 µs" in readout(page), "the ring's run")
-    unfold(page, "What is drawn")
-    box = stage_box(page)  # the body stands at its left, as wide as the box is high
-    middle = box["x"] + box["height"] / 2, box["y"] + 0.55 * box["height"]
-    click_a_particle(page, middle[0] - 94 / 366 * box["height"], middle[1])  # in the middle of the wall
-    page.get_by_text("particle ").first.wait_for()
-    until(lambda: len(plotted(page)) == 5, "its plot")
-    page.mouse.click(middle[0] - 20, middle[1])
-    until(lambda: traced(page) == ("", 4), "nothing traced")

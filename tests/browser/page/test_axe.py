@@ -2,13 +2,10 @@
 
 from __future__ import annotations
 
-from contextlib import suppress
-
 import pytest
 
-from tests.browser.conftest import SIZE, axe_finds, visit
-from tests.browser.driving import click, unfold, until
-from tests.browser.page.test_room import STATES
+from tests.browser.conftest import axe_finds, visit
+from tests.browser.driving import unfold, until
 
 
 def serious(page):
@@ -35,67 +32,6 @@ def test_axe_finds_nothing(server, chromium, scheme):
         for tab in ("Lessons", "Cost", "About"):
             page.get_by_role("tab", name=tab).click()
             nothing_serious(page, tab)
-
-
-def in_a_lesson(page):
-    click(page, "Next")
-    until(page.get_by_role("radiogroup", name="Answer").is_visible, "a question")
-
-
-def a_refusal(page):
-    page.get_by_label("Amplitude A, typed", exact=True).fill("0.3")
-    page.get_by_label("Amplitude A, typed", exact=True).press("Enter")
-    page.locator("[data-answer]").wait_for()
-
-
-def keys_listed(page):
-    page.keyboard.press("?")
-    until(page.get_by_role("dialog", name="Keys").is_visible, "the list of keys")
-
-
-def an_answer(page):
-    page.keyboard.press("1")
-    until(page.locator(".lab-answer").is_visible, "an answer", 60)
-
-
-def nobody_judging(page):
-    until(page.get_by_role("button", name="Switch on companion").is_visible, "somebody offered")
-
-
-#: Links, and what is done there, to come into each state of the page that axe sees.
-AXED = {"lost": (STATES["a run gone bad"], lambda page: until(page.locator("body.lab-lost").count, "a lost run", 90)),
-        "a pinned run and an answer": ("bar;estimators=recovered", an_answer),
-        "nobody judging": ("bar;estimators=", nobody_judging),
-        "refused": ("bar;estimators=recovered", a_refusal),
-        "ring": ("ring;estimators=companion,transport", None),
-        "vortex": ("vortex;estimators=transport", None),
-        "slow motion": ("bar;estimators=recovered", lambda page: click(page, "Slow motion")),
-        "a lesson": ("lesson=04-grid-crossing", in_a_lesson),
-        "keys": ("bar;estimators=recovered", keys_listed),
-        "presented": ("bar;estimators=recovered", lambda page: click(page, "Present")),
-        "a code": ("bar;estimators=recovered", lambda page: click(page, "QR code"))}
-
-
-@pytest.mark.slow  # what any state has, the tabs above have in small
-@pytest.mark.parametrize("scheme", ["light", "dark"])
-def test_axe_finds_nothing_in_any_state(server, chromium, scheme):
-    """One page, which is loaded anew for each."""
-    page = chromium.new_page(viewport=SIZE, color_scheme=scheme)
-    found = {}
-    try:
-        for state, (link, act) in AXED.items():
-            page.goto("about:blank")
-            page.goto(f"{server[0]}/?fixedDpr=0.5#{link}")
-            page.locator("body.lab-to-see").wait_for(timeout=60_000)
-            until(lambda: page.locator("#lab-stage .lab-label").count() > 3, "a stage")
-            if act:
-                act(page)
-            with suppress(AssertionError):
-                nothing_serious(page, state)
-            found[state] = serious(page)
-    finally:
-        page.close()
-    assert found == {state: [] for state in AXED}
 
 
 def test_signs_are_seen_in_the_browsers_own_colours(server, chromium):

@@ -49,20 +49,6 @@ def test_code_that_is_typed_lets_in_and_a_wrong_one_says_so(stranger, address):
     there(stranger)
 
 
-@pytest.mark.slow
-def test_code_in_the_link_is_taken_and_removed(stranger, address):
-    """Also of one who is in already."""
-    asked = []
-    stranger.on("request", lambda request: asked.append(request.url))
-    for _ in range(2):
-        stranger.goto(f"{address}/?fixedDpr=0.5#code={CODE}")
-        there(stranger)
-        until(lambda: stranger.evaluate("location.hash").startswith("#bar"), "what is on the stage, in its place")
-        assert CODE not in stranger.evaluate("location.href")
-        stranger.goto("about:blank")
-    assert asked and all(CODE not in url.partition("#")[0] for url in asked)
-
-
 def test_wrong_code_in_the_link_is_told_and_removed(stranger, address):
     stranger.goto(f"{address}/#code=nonsense")
     stranger.get_by_role("alert").filter(has_text="This is not the code.").wait_for()

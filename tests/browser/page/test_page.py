@@ -2,19 +2,15 @@
 
 from __future__ import annotations
 
-import io
 import os
 import re
 import signal
 
 import numpy as np
 import pytest
-from PIL import Image
 
-from app.colours import colour_table
 from app.page.visit.session import FIRST_SCENE
 from app.words import size_in
-from tests.browser.conftest import visit
 from tests.browser.driving import (
     choose,
     click,
@@ -22,15 +18,12 @@ from tests.browser.driving import (
     drawn,
     engine_processes,
     ever_shown,
-    number,
     plotted,
     press,
     readout,
     row,
     scene,
-    shown,
     stage,
-    stage_box,
     step_size,
     steps,
     tick,
@@ -74,31 +67,6 @@ def chosen(page, label, unit):
 def typed(page, label):
     """The text beside a slider."""
     return row(page, f"{label}, typed").get_by_role("textbox")
-
-
-def test_sizes_can_be_typed_and_come_back_exactly(page):
-    """With a prefix, with a comma, or as it is; what is no number is refused in words and the scene runs on; the slider
-    that comes back to the default meets it to the last digit, and a step of its own shows when single steps are taken.
-    """
-    size = step_size(page)
-    typed(page, "Modulus E").fill("16 kPa")
-    until(lambda: step_size(page) == pytest.approx(size * (4 / 16e3) ** 0.5, rel=5e-3), "a stiff bar")
-    typed(page, "Modulus E").fill("1,0")
-    until(lambda: step_size(page) == pytest.approx(2 * size, rel=5e-3), "a soft one")
-    typed(page, "Amplitude A").fill("a lot")
-    shown(page, "'a lot' is not a number above 0 in m; give one such as 25 mm")
-    typed(page, "Amplitude A").fill("3e-3")
-    until(lambda: not page.get_by_text("not a number above 0").is_visible(), "no complaint")
-    press(page, "CFL number", "ArrowRight", 3)
-    assert chosen(page, "CFL number", "") != 0.05
-    press(page, "CFL number", "ArrowLeft", 3)
-    until(lambda: typed(page, "CFL number").input_value() == "0.05", "the default")
-    click(page, "Pause")
-    until(lambda: "paused" in readout(page), "paused")
-    norm = re.compile(r"true\s+(\S+ \S*m)")  # on a busy machine the new run may still be at its start, at 0 m
-    before = norm.search(readout(page))[1]
-    click(page, "Step")
-    until(lambda: norm.search(readout(page))[1] != before, "the numbers of the new step")
 
 
 def pause_step_play_and_reset_do_so(page):
@@ -153,20 +121,6 @@ def test_what_is_refused(page):
     a_refused_value_is_wished_no_longer(page)
 
 
-def test_instability_is_said_and_survived(page):
-    """CFL 2 cannot be stable: eight steps, and the page says so and what to do; that done, the bar runs again."""
-    press(page, "CFL number", "End")
-    page.locator(".lab-notice.lab-unstable").wait_for()  # it may be called lost for a moment before
-    said = page.locator(".lab-notice.lab-unstable").inner_text()
-    assert "went unstable at t = " in said and "the box \"Auto step\" takes" in said
-    assert "stopped" in readout(page) and page.locator(".lab-over").inner_text().endswith("of its bound")
-    tick(page, "Auto step")
-    page.locator(".lab-notice.lab-unstable").wait_for(state="detached")
-    until(lambda: time(page) > 0.2, "a stable run")
-    assert 0.5 < number(page, r"step\s+(\S+) of its bound") < 1
-    assert page.locator(".lab-over").count() == 0
-
-
 def test_auto_step_follows_the_scene_and_gives_way_to_the_slider(page):
     """The slider shows what it takes, also for another scene; who moves the slider has the say again."""
     tick(page, "Auto step")
@@ -191,27 +145,6 @@ def test_lost_run_is_said_and_goes_on(page):
     unfold(page, "Effects: compute")
     tick(page, "step margin")
     until(lambda: "of its bound" not in readout(page), "no margin")
-
-
-@pytest.mark.slow
-def test_remedies_run_and_what_does_not_go_together_is_refused(page):
-    """A remedy is compiled in and runs; frozen weights beside it are refused in words, alone they run."""
-    until(lambda: steps(page) > 20, "a run without")
-    click(page, "Pause")
-    until(lambda: "paused" in readout(page), "paused")
-    unfold(page, "Method details")
-    tick(page, "null-space filter")
-    tick(page, "displacement-coupled F")
-    until(lambda: steps(page) == 0, "a new run with them")
-    click(page, "Play")
-    until(lambda: steps(page) > 20, "the remedies at work")
-    tick(page, "frozen weights")
-    page.locator(".lab-refused").wait_for()
-    assert "\"frozen weights\" stands alone" in page.locator(".lab-refused").inner_text()
-    tick(page, "null-space filter")
-    tick(page, "displacement-coupled F")
-    page.locator(".lab-refused").wait_for(state="detached")
-    until(lambda: steps(page) > 20, "frozen weights at work")
 
 
 def test_methods_effects_and_estimator(page):
@@ -247,53 +180,3 @@ def test_killed_engine_is_replaced(page, server):
     page.locator(".lab-wait").wait_for(state="detached")
     at = time(page)
     until(lambda: time(page) > at, "time running again")
-
-
-@pytest.mark.slow
-def test_large_window(page):
-    """At 1920x1080 the stage fills the space between the panels: the lanes reach over half of it."""
-    page.set_viewport_size({"width": 1920, "height": 1080})
-    table = {tuple(c) for c in colour_table().tolist()}
-
-    def breadth():
-        shot = page.screenshot(clip={"x": 330, "y": 0, "width": 1220, "height": 1080})
-        picture = np.asarray(Image.open(io.BytesIO(shot)).convert("RGB")).astype(int)
-        columns = [x for x in range(0, 1220, 4) if sum(tuple(c) in table for c in picture[::4, x].tolist()) > 10]
-        return max(columns, default=0) - min(columns, default=0)
-
-    until(lambda: breadth() > 610, "a stage over half of the space")
-
-
-@pytest.mark.slow
-def test_two_visitors_do_not_share(page, server, chromium):
-    """A second visitor's slider leaves the first one's run alone."""
-    with visit(chromium, server[0]) as other:
-        before = step_size(page)
-        row(other, "Cells, h = 1/").locator("input.mantine-NumberInput-input").fill("100")
-        until(lambda: step_size(other) < before, "the second visitor's finer grid")
-        assert step_size(page) == before
-
-
-def test_the_field_follows_the_quantity_and_magnifies(page):
-    """Another quantity: another curve, other words on the stage. Magnified deviations: other dots."""
-    def curve():
-        box = stage_box(page)
-        return stage(page)[int(box["y"] + 0.62 * box["height"]):int(box["y"] + box["height"]) - 24, 20:-20]
-
-    def written():
-        return page.locator("#lab-stage").inner_text()
-
-    def changed(what):
-        until(lambda: np.any(np.abs(curve() - before) > 60, axis=2).mean() > 0.001, what)
-
-    until(lambda: steps(page) > 20, "a run under way")
-    click(page, "Pause")
-    until(lambda: "paused" in readout(page), "paused")
-    for quantity in ("velocity v", "stress σ", "acceleration a", "displacement x"):
-        before, words = curve(), written()
-        choose(page, "Error of", quantity)
-        changed(quantity)
-        until(lambda words=words: written() != words, f"words of {quantity}")
-    before = curve()
-    choose(page, "Magnify error", "× 1000")
-    changed("deviations drawn large")

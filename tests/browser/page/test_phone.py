@@ -6,7 +6,6 @@ from tests.browser.conftest import visit
 from tests.browser.driving import PATIENCE, stage_box, until
 
 SIZE = {"width": 390, "height": 844}
-STOPS = (16, 40, 85)
 LEAST = 44  # pixels, of what a finger presses
 #: What can be pressed and is seen, and is lower or narrower than a finger needs.
 SMALL = """least => [...document.querySelectorAll("button, [role=tab], [role=slider]:not(.mantine-Slider-thumb)")]

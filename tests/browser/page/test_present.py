@@ -91,15 +91,6 @@ def room_for_all_words(page, size):
         raise AssertionError(f"in {size}: {written_over(page)}, {cut_off(page)}") from None
 
 
-@pytest.mark.slow  # on a bar, in the talk above
-def test_nothing_in_a_talk_of_a_ring_lies_over_anything_else(server, chromium):
-    with visit(chromium, server[0], "&present#ring;estimators=companion") as page:
-        until(lambda: presented(page) and page.locator("#lab-stage .lab-label").count() > 5, "words on the stage")
-        for size in (LAPTOP, PROJECTOR, OLD, UPRIGHT):
-            resize(page, size)
-            room_for_all_words(page, size)
-
-
 def keys_drive_it(page, shown):
     was = playing(page)
     page.keyboard.press("Space")

@@ -6,7 +6,6 @@ import re
 
 import pytest
 
-from tests.browser.conftest import PHONE, visit
 from tests.browser.driving import choose, number, row, scene, unfold, until
 from tests.browser.page.test_first_picture import summary
 
@@ -40,14 +39,3 @@ def test_the_patch_test_comes_and_goes(page):
     until(lambda: scene(page)["motion"] == "vibrate", "the vibrating bar")
     assert (scene(page)["ppc"], scene(page)["body_force"], scene(page)["stretch"]) == (2, "material", 1.02)
     page.get_by_text("Amplitude A").first.wait_for()
-
-
-@pytest.mark.slow
-def test_a_link_opens_it_on_a_phone(server, chromium):
-    """All particles stay on the stage while the bar moves through it, and nothing is wider than the screen."""
-    link = "#bar;motion=patch;method=mpm;ppc=2.5;cells=20;modulus=1000;cfl=0.2;estimators=companion;error-of=sigma"
-    with visit(chromium, server[0], f"{link};speed=1", size=PHONE) as phone:
-        until(lambda: scene(phone)["motion"] == "patch", "the link's scene")
-        assert scene(phone)["ppc"] == 2.5
-        until(lambda: "lost" in summary(phone), "what is seen, in words")
-        assert phone.evaluate("document.documentElement.scrollWidth") <= PHONE["width"]

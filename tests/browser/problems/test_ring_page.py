@@ -14,11 +14,7 @@ from tests.browser.driving import (
     row,
     stage,
     stage_box,
-    step_size,
-    tick,
-    time,
     to_the_ring,
-    unfold,
     until,
 )
 
@@ -49,43 +45,6 @@ def both_halves_move_and_are_coloured(ring):
     until(lambda: min(halves()) > 0.03, "two coloured halves")
     first = stage(ring)
     until(lambda: np.any(np.abs(stage(ring) - first) > 30, axis=2).mean() > 0.005, "another picture")
-
-
-def the_field_is_against_the_radius(ring):
-    """Right of the drawing: another quantity has another title; deviations drawn large move its dots."""
-    def field():
-        box = stage_box(ring)
-        return stage(ring)[int(box["y"]) + 60:int(box["y"] + box["height"]) - 30, int(0.68 * box["width"]):-20]
-
-    ring.get_by_text("Radial displacement", exact=True).wait_for()
-    choose(ring, "Error of", "stress σ")
-    ring.get_by_text("Radial displacement", exact=True).wait_for(state="detached")
-    before = field()
-    choose(ring, "Magnify error", "× 1000")
-    until(lambda: np.any(np.abs(field() - before) > 60, axis=2).mean() > 0.01, "× 1000")
-
-
-def test_methods_layouts_and_domains(ring):
-    """Other methods and layouts run; domains are drawn on request."""
-    for method in ("cpGIMP", "CPDI"):
-        choose(ring, "Method", method)
-        until(lambda: time(ring) > 1e-4, f"{method} running")
-    unfold(ring, "Method details")
-    choose(ring, "Layout", "Cartesian")
-    until(lambda: time(ring) > 1e-4, "the Cartesian layout running")
-    ring.get_by_role("button", name="Pause", exact=True).click()
-    until(lambda: "paused" in readout(ring), "paused")
-    unfold(ring, "What is drawn")
-    before = stage(ring)
-    tick(ring, "Show domains")
-    until(lambda: np.any(np.abs(stage(ring) - before) > 30, axis=2).mean() > 0.005, "outlines")
-
-
-def a_finer_ring_starts_without_compiling(ring):
-    """96 cells from a slider: the finer grid's step size is there at once."""
-    size = step_size(ring)
-    row(ring, "Cells, h = ").locator("input.mantine-NumberInput-input").fill("96")
-    until(lambda: step_size(ring) == pytest.approx(size / 4, rel=1e-2), "a quarter of the step")
 
 
 def the_probe_reads_a_region(ring):
@@ -123,7 +82,6 @@ def the_bar_comes_back(ring):
 
 def test_a_visit_to_the_ring(ring):
     """One visitor for all: a page of their own would cost each more than what is looked at."""
-    for part in (both_halves_move_and_are_coloured, the_probe_reads_a_region, the_field_is_against_the_radius,
-                 resonance_is_warned_of_and_inversion_refused, a_finer_ring_starts_without_compiling,
-                 the_bar_comes_back):
+    for part in (both_halves_move_and_are_coloured, the_probe_reads_a_region,
+                 resonance_is_warned_of_and_inversion_refused, the_bar_comes_back):
         part(ring)

@@ -8,8 +8,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from app.commands.flags import BadInput, number, real
-from app.commands.particle_files import times_of
+from app.commands.flags import BadInput, number, real, times_of
 from app.page.features.cost.words import NoNumber, typed
 from app.state import StateError
 from app.state import read as read_state

@@ -1,11 +1,15 @@
-"""A result as the table that a notebook shows below a cell."""
+"""A result in a notebook: the table below a cell, and the picture, beside which the notebook's own keep their looks."""
 
 from collections.abc import Iterator
 from html import escape
+from typing import TYPE_CHECKING
 
 from app.words import NOTHING, QUANTITIES, in_a_line, ratio, with_unit
 from solvers.running.result import Result
 from solvers.solver.soundness import OK
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
 
 CELL = "padding: 2px 12px; text-align: {}; font-variant-numeric: tabular-nums"
 
@@ -59,3 +63,13 @@ def _row(kind: str, cells: list[str]) -> str:
     places = ("left", *("right" for _ in cells[1:]))
     return "<tr>" + "".join(f"<{kind} style=\"{CELL.format(place)}\">{escape(cell)}</{kind}>"
                             for place, cell in zip(places, cells, strict=True)) + "</tr>"
+
+
+def result_picture(result: Result) -> "Figure":
+    """The figure that ``mpm-lab run --plot`` writes."""
+    import matplotlib  # here: a table does not wait for it
+    with matplotlib.rc_context():  # what is imported here sets them for the whole process, which is the user's
+        from app.pictures.run import run_figure
+        from app.renderers.look import SETTINGS
+        matplotlib.rcParams.update(SETTINGS)
+        return run_figure(result)
