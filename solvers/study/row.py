@@ -17,7 +17,7 @@ import functools
 import hashlib
 import platform
 import statistics
-from collections.abc import Callable
+from collections.abc import Callable, Collection
 from dataclasses import fields, replace
 from pathlib import Path
 from typing import Any
@@ -156,7 +156,8 @@ def fault(row: Any, measured: dict = MEASURED, identity: dict = IDENTITY) -> str
     status, and, if something was ``measured``, has the form of that; None where it is whole."""
     if found := mismatch(row, identity):
         return found
-    for name, known in (("problem", PROBLEMS), ("status", STATUSES)):
+    named: dict[str, Collection[str]] = {"problem": PROBLEMS, "status": STATUSES}
+    for name, known in named.items():
         if row[name] not in known:
             return f"its {name} is not one of {', '.join(known)}"
     if measured is MEASURED and row["scene"] is not None:

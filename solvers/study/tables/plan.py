@@ -104,7 +104,8 @@ class Table:
 
 def make(number: str, estimators: Mapping[str, Iterable[str]]) -> Table:
     """A table of the paper, with the estimators that each problem has."""
-    return {"1": table_1, "2": table_2, "3": table_3}[number](estimators)
+    makers: dict[str, Callable[..., Table]] = {"1": table_1, "2": table_2, "3": table_3}
+    return makers[number](estimators)
 
 
 def table_1(estimators: Mapping[str, Iterable[str]], cells: Iterable[int] = BAR_CELLS, end: float = 1.0,
