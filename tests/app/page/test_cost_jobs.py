@@ -35,7 +35,7 @@ class Pool:
     made: ClassVar[list[Pool]] = []
 
     def __init__(self, work, processes=1):
-        self.work, self.ways, self.closed, self.process_ids = work, 0, False, [1]
+        self.work, self.ways, self.closed, self.killed, self.process_ids = work, 0, False, False, [1]
         self.made.append(self)
 
     def submit(self, question, hear=None, patience=None):
@@ -46,7 +46,10 @@ class Pool:
         self.ways += 1
 
     def kill(self):
-        self.future.set_exception(ProcessDied("was closed"))
+        """From another thread the future learns it, as ever."""
+        if not self.killed:
+            self.killed = True
+            threading.Thread(target=self.end, args=[ProcessDied("was closed")]).start()
 
     def close(self):
         self.closed = True
@@ -134,6 +137,7 @@ def test_a_job_is_told_of_and_makes_room(jobs, pools):
     pools[0].hear({"row": made_up()})
     assert words.going(jobs.status) == "Sweep: 1 of 16 runs."
     jobs.cancel()
+    until(lambda: not jobs.status.running, "the end of a job that was cancelled")
     assert "cancelled" in words.going(jobs.status) and jobs.status.trouble is None and len(jobs.runs.all()) == 1
     for error, said in ((ProcessDied("was ended by SIGKILL"), "SIGKILL"),
                         (OSError(11, "Resource temporarily unavailable"), "temporarily unavailable")):
@@ -158,7 +162,8 @@ def test_visitor_who_leaves_takes_the_process_along(jobs, pools):
     page._drawing, page._refreshing = threading.Lock(), threading.Lock()
     page._session = page._slow = page._player = page._own = page._links = SimpleNamespace(close=lambda: None)
     page.close()
-    assert not jobs.status.running and pools[0].closed
+    until(lambda: not jobs.status.running, "the end of the job")
+    assert pools[0].closed
     jobs.sweep(small_sweep(SCENE))
     assert not jobs.status.running and len(pools) == 1
 
@@ -367,6 +372,7 @@ def test_search_ends_when_what_was_asked_changes(tab, pools):
     assert tab.jobs.status.running
     tab.stage.scene = replace(SCENE, amplitude=0.01)
     tab.refresh()
+    until(lambda: not tab.jobs.status.running, "the end of the search")
     tab.refresh()
     assert words.going(tab.jobs.status) == "The search was cancelled."
     assert "What it was to find has changed." in tab.widgets.said
