@@ -19,8 +19,8 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 
 from app.lessons.lesson import INTERVAL, Lesson, Step
-from solvers.study.coverage.bets import JUDGES, LEVEL, Ends
-from solvers.study.coverage.measured import QUANTITIES
+from solvers.study.coverage.draws import QUANTITIES
+from solvers.study.coverage.track_record import JUDGES, LEVEL, Ends
 
 __all__ = ["BETTORS", "BY_ROUND", "JUDGES", "LEVEL", "OWN", "PATH", "QUANTITIES", "YOURS", "Bet", "Bettor", "Ends",
            "about_bets", "asked_before", "score", "told", "word"]

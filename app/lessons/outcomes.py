@@ -106,7 +106,7 @@ def scene_texts(lesson: Lesson, numbers: Numbers) -> list[str]:
 def work(question: Mapping[str, Any], answer: Callable[[dict], None]) -> None:
     """In a process of its own: run one scene, or ask the judges for their bets on it."""
     from solvers.running.run import run
-    from solvers.study.coverage.bets import bets
+    from solvers.study.coverage.track_record import bets
 
     if nice := getattr(os, "nice", None):  # not on every system
         nice(max(0, question["politeness"] - nice(0)))

@@ -9,8 +9,7 @@ from app.colours import INK, INK3, LINE2
 from app.pictures import study_parts as parts
 from solvers.running.goals import SAFETY
 from solvers.scene.registry import ESTIMATORS
-from solvers.study.coverage.grid_convergence import INTERVALS
-from solvers.study.coverage.tally import FACTORS, REGIMES, interval
+from solvers.study.coverage.tally import FACTORS, INTERVALS, REGIMES, interval
 
 PROMISED = 95.0  # per cent, by those who made the grid convergence index
 SYMBOLS = ("o", "s", "^")  # one for each regime

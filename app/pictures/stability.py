@@ -11,7 +11,7 @@ from app.pictures import study_parts as parts
 from app.renderers.look import in_sizes, sheet
 from app.words import method_name, unit_of, with_unit
 from solvers.problems import PROBLEMS
-from solvers.study.series import measured
+from solvers.study.fit import measured
 from solvers.study.stability import TREATMENTS, held, survived, treatment_of
 
 PANEL = (2.5, 2.0)  # inches

@@ -19,8 +19,7 @@ from app.renderers.look import Sizes, in_sizes
 from app.renderers.picture import Look, say
 from app.words import METHODS, QUANTITIES
 from solvers.solver.soundness import BROKEN, OK
-from solvers.study.fit import balance, pareto
-from solvers.study.series import Series, error_of, measured
+from solvers.study.fit import Series, balance, error_of, measured, pareto
 
 REST = "everything else\nthat was measured"
 NO_TRUTH = "no row has a true error"

@@ -14,7 +14,7 @@ from app.renderers.look import Sizes, sheet
 from app.renderers.picture import Look, say
 from app.words import METHODS, QUANTITIES, with_unit
 from solvers.solver.soundness import BROKEN
-from solvers.study.series import Series, error_of, measured, series
+from solvers.study.fit import Series, error_of, measured, series
 
 LINE_STYLES = ("-", "--", ":", "-.")
 MOST_LEGEND_ENTRIES = 12

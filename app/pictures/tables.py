@@ -14,7 +14,7 @@ from app.renderers.picture import Look, line_style, say
 from app.words import EXTRA_NORMS, QUANTITIES, method_name, with_unit
 from solvers.scene.registry import ESTIMATORS
 from solvers.study.tables.document import parts
-from solvers.study.tables.paper import short
+from solvers.study.tables.plan import short
 
 PAPER: Look = dict(color=INK, marker="x", markersize=7, markeredgewidth=1.6, linestyle="none",
                    label="the paper's, printed")

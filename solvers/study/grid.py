@@ -45,6 +45,13 @@ class Task:
             return error
         return None
 
+    def remarks(self) -> list[str]:
+        """What whoever asks is to know before it is measured, in sentences."""
+        try:
+            return [f"warning: {sentence}" for sentence in self.scene().warnings()]
+        except SceneError as error:
+            return [f"refused: {error}"]
+
     @property
     def key(self) -> str:
         """A hash of the inputs with the defaults filled in, not of how a run is timed: equal scenes have equal keys."""
@@ -88,9 +95,17 @@ def plan(problem: str, axes: Mapping[str, Sequence], **options) -> list[Task]:
         The values of each input by the name of its flag; those of the last vary fastest.
     options
         The other fields of :class:`Task`.
+
+    Raises
+    ------
+    SceneError
+        Where no combination makes a scene.
     """
     tasks: dict[str, Task] = {}
     for given in combinations(axes):
         task = Task(problem, {name: scene_text.plain(value) for name, value in given.items()}, **options)
         tasks.setdefault(task.key, task)
+    refusals = [task.refusal() for task in tasks.values()]
+    if refusals and refusals[0] and all(refusals):
+        raise refusals[0]
     return list(tasks.values())

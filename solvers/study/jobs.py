@@ -9,12 +9,18 @@
     {"trouble": a sentence}                          why nothing can be found
 """
 
+import math
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
+from solvers.scene.effects import EFFECTS
 from solvers.scene.scene import Scene
 from solvers.solver.norms import finite
+from solvers.solver.soundness import OK
+from solvers.study.advise import COARSE, Goal, advise, families, scouts
+from solvers.study.family import ESTIMATOR, Family, Point, forget_rates
 from solvers.study.grid import Task, task_of
+from solvers.study.row import measure, of_scene
 
 #: What a search chooses from unless it is told: the cheapest runs are often those of one particle per cell, or of steps
 #: near the longest that are stable.
@@ -40,8 +46,6 @@ class SearchJob:
 
 def sweep(tasks: Sequence[dict], tell: Callable[[dict], None]) -> None:
     """What the process of a sweep does: measure tasks in their order."""
-    from solvers.study.row import measure
-
     for task in tasks:
         tell({"row": measure(Task(**task))})
 
@@ -49,10 +53,6 @@ def sweep(tasks: Sequence[dict], tell: Callable[[dict], None]) -> None:
 def search(fields: dict, tell: Callable[[dict], None]) -> None:
     """What the process of a search does: the job of these fields; or it gets ready for one like that, of which it says
     nothing."""
-    from solvers.study.advise import COARSE, Goal, advise, families, scouts
-    from solvers.study.family import Family, Point, forget_rates
-    from solvers.study.found import point_of, point_row, to_watch, told
-
     ready = fields.pop(READY, False)
     job = SearchJob(**fields)
     base = Task(**job.base).scene()
@@ -87,3 +87,35 @@ def search(fields: dict, tell: Callable[[dict], None]) -> None:
     tell({"advice": {"met": advice.met, "task": to_watch(chosen.scene).to_dict(), "measured": chosen.measured,
                      "error": finite(chosen.error), "seconds": chosen.seconds, "why": advice.why,
                      "looks": advice.looks}})
+
+
+def point_row(family: Family, point: Point) -> dict:
+    """A row (``solvers.study.row``) with what is known of the run: the estimate of one quantity, and the time of the
+    bare run out of its steps, its particles and a rate that was measured alone. It has no true error: a search does
+    without. Its task is :func:`to_watch`."""
+    scene = family.member(point.cells)
+    task, seconds = to_watch(scene), finite(family.seconds(point.cells))
+    estimate = {ESTIMATOR: {family.quantity: {"max": point.error}}} if math.isfinite(point.error) else {}
+    return {**of_scene(task, scene), "status": point.status, "reason": None if point.status == OK else point.reason,
+            "t": scene.end_time, "steps": scene.steps, "particles": scene.particles,
+            "particle_steps": scene.steps * scene.particles, "error": {}, "estimate": estimate,
+            "effects": list(scene.effects), "seconds": {} if seconds is None else {"min": seconds}}
+
+
+def to_watch(scene: Scene) -> Task:
+    """The task of a scene with the estimator that a search goes by, and with every effect."""
+    return task_of(replace(scene, estimators=(ESTIMATOR,), effects=tuple(EFFECTS)))
+
+
+def told(point: Point) -> dict:
+    """A point as JSON: ``error`` (None where it went bad), ``rate`` (seconds of a particle-step, None likewise),
+    ``status`` and ``reason``."""
+    return {"error": finite(point.error), "rate": finite(point.seconds_per_particle_step), "status": point.status,
+            "reason": point.reason}
+
+
+def point_of(cells: int, known: dict) -> Point:
+    """The point that was told of; without a ``rate`` it is yet to be timed."""
+    rate = known.get("rate", math.nan)
+    return Point(cells, math.inf if known["error"] is None else known["error"], math.inf if rate is None else rate,
+                 known["status"], known["reason"])

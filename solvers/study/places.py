@@ -12,7 +12,7 @@ import logging
 import os
 import time
 from collections import Counter
-from collections.abc import Callable, Hashable, Iterable
+from collections.abc import Callable, Hashable, Iterable, Sequence
 from concurrent.futures import FIRST_COMPLETED, CancelledError, Future, wait
 from typing import Any, Protocol
 
@@ -48,24 +48,14 @@ class Question(Protocol):
     def kind(self) -> Hashable:
         """What has to be compiled for it: a process that has done so does the next one of the kind."""
 
+    def remarks(self) -> Sequence[str]:
+        """What whoever asks is to know before it is measured, in sentences."""
+
     def to_dict(self) -> dict:
         """Itself, as JSON has it."""
 
 
-class Place(Protocol):
-    """Somewhere to measure rows."""
-
-    def submit(self, task: Question) -> Future[dict]:
-        """Queue a task. The future holds its row, or the way in which its worker was lost."""
-
-    def check(self) -> None:
-        """Raise :class:`PlaceLost` if waiting is in vain."""
-
-    def close(self) -> None:
-        """Stop everything at once."""
-
-
-def execute(tasks: Iterable[Any], place: Place, on_row: Callable[[dict], None],
+def execute(tasks: Iterable[Any], place: "Here | Cluster", on_row: Callable[[dict], None],
             give_up: Callable[[Any, str], dict] = failed) -> None:
     """Measure every task at a place. A lost worker is replaced; a row that keeps losing workers is marked as failed.
 

@@ -17,7 +17,7 @@ import functools
 import hashlib
 import platform
 import statistics
-from collections.abc import Collection
+from collections.abc import Callable, Collection
 from dataclasses import fields, replace
 from pathlib import Path
 from typing import Any
@@ -46,7 +46,7 @@ IDENTITY = {"key": str, "problem": str, "asked": dict, "status": str, "reason": 
 NORMS = Each(Each(NUMBER_OR_NONE))  # of each quantity, by kind of norm
 #: What the row of a run has beside that.
 MEASURED = {
-    "h": NUMBER, "steps": int, "particles": int, "error": NORMS, "estimate": Each(NORMS), "index": NORMS,
+    "scene": dict, "h": NUMBER, "steps": int, "particles": int, "error": NORMS, "estimate": Each(NORMS), "index": NORMS,
     "seconds": {"repeats": list, "min": NUMBER, "full": NUMBER, "estimators": Each(NUMBER), "effects": Each(NUMBER)},
     "rate": NUMBER_OR_NONE, "life": Each(NUMBER_OR_NONE)}
 SCENE = {"method": str, "cells": int, "ppc": NUMBER, "amplitude": NUMBER_OR_NONE, "dt": NUMBER, "cfl": NUMBER,
@@ -54,12 +54,13 @@ SCENE = {"method": str, "cells": int, "ppc": NUMBER, "amplitude": NUMBER_OR_NONE
 BLANK = dict.fromkeys(("scene", "h", "status", "reason", "t", "steps", "particles", "particle_steps"))
 
 
-def measure(task: Task) -> dict:
-    """The row of a task, with the keys above. Whatever goes wrong in its scene is a row too, and never an exception."""
+def measure(task: Task, of: Callable[[Task, Scene], dict] | None = None) -> dict:
+    """The row of a task, with the keys above, or what is found ``of`` its scene. Whatever goes wrong in that is a row
+    too, and never an exception."""
     if refusal := task.refusal():
         return refused(task, refusal)
     try:
-        return _measured(task, task.scene())
+        return (of or _measured)(task, task.scene())
     except Exception as error:
         return failed(task, f"{type(error).__name__}: {error}")
 
@@ -76,7 +77,7 @@ def _measured(task: Task, scene: Scene) -> dict:
     fastest = min(result.seconds.run for result in results)
     prices = {name: fastest * statistics.median(result.seconds.estimators[name] / result.seconds.run
                                                 for result in results) for name in full.seconds.estimators}
-    row = {**_identity(task), "scene": values["scene"], "h": scene.spacing}
+    row = {**identity(task), "scene": values["scene"], "h": scene.spacing}
     row |= {name: values[name] for name in ("status", "reason", "t", "steps", "particles")}
     row |= {"particle_steps": full.steps * full.particles, "error": values["error"]}
     each = {"estimate": full.estimate, "index": full.index, "distance": full.distance}
@@ -116,19 +117,26 @@ def time_bare(scene: Scene, repeats: int, effects: tuple[str, ...] = ()) -> tupl
     return seconds, result
 
 
+def of_scene(task: Task, scene: Scene) -> dict:
+    """The row of a scene of whose run more is known otherwise than by :func:`measure`."""
+    return {**BLANK, "schema": SCHEMA, "key": task.key, "problem": task.problem, "asked": task.inputs,
+            "scene": scene.to_dict(), "h": scene.spacing}
+
+
 def refused(task: Task, error: SceneError) -> dict:
     """The row of a combination that no scene can have."""
-    return {**_identity(task), "status": REFUSED, "reason": str(error), "version": task.version}
+    return {**identity(task), "status": REFUSED, "reason": str(error), "version": task.version}
 
 
 def failed(task: Task, reason: str) -> dict:
     """The row of a run that was lost."""
     scene = None if task.refusal() else task.scene().to_dict()
-    return {**_identity(task), "scene": scene, "status": FAILED, "reason": " ".join(reason.split()),
+    return {**identity(task), "scene": scene, "status": FAILED, "reason": " ".join(reason.split()),
             "version": task.version}
 
 
-def _identity(task: Task) -> dict:
+def identity(task: Task) -> dict:
+    """What says which row it is, and None for all that is not known yet."""
     return {"schema": SCHEMA, "key": task.key, "problem": task.problem, "asked": task.inputs, **BLANK,
             "solvers": fingerprint()}
 
@@ -143,23 +151,17 @@ def fingerprint() -> str:
     return digest.hexdigest()
 
 
-def identity_fault(row: Any, form: dict, statuses: Collection[str]) -> str | None:
-    """What is wrong with what says which row it is, in words: it has the form, and names a problem and a status."""
-    if found := mismatch(row, form):
+def fault(row: Any, measured: dict = MEASURED, identity: dict = IDENTITY) -> str | None:
+    """What is wrong with a kept row, in words: it has the form of what says which row it is, names a problem and a
+    status, and, if something was ``measured``, has the form of that; None where it is whole."""
+    if found := mismatch(row, identity):
         return found
-    if row["problem"] not in PROBLEMS or row["status"] not in statuses:
-        name = "status" if row["problem"] in PROBLEMS else "problem"
-        return f"its {name} is not one of {', '.join(statuses if name == 'status' else PROBLEMS)}"
-    return None
-
-
-def fault(row: Any) -> str | None:
-    """What is wrong with a kept row, in words; None where it is whole."""
-    if found := identity_fault(row, IDENTITY, STATUSES):
-        return found
-    inputs = {field_key(field.name): ANY for field in fields(PROBLEMS[row["problem"]].scene)} | SCENE
-    if row["scene"] is not None and (found := mismatch(row["scene"], inputs, "scene")):
-        return found
-    if row["status"] not in (OK, *BROKEN):
-        return None
-    return mismatch(row, {"scene": dict, **MEASURED})
+    named: dict[str, Collection[str]] = {"problem": PROBLEMS, "status": STATUSES}
+    for name, known in named.items():
+        if row[name] not in known:
+            return f"its {name} is not one of {', '.join(known)}"
+    if measured is MEASURED and row["scene"] is not None:
+        inputs = {field_key(field.name): ANY for field in fields(PROBLEMS[row["problem"]].scene)} | SCENE
+        if found := mismatch(row["scene"], inputs, "scene"):
+            return found
+    return mismatch(row, measured) if row["status"] in (OK, *BROKEN) else None

@@ -16,9 +16,9 @@ from solvers.scene.rules import SceneError
 from solvers.scene.scene import LOOKS_A_PERIOD, Scene
 from solvers.scene.step_bound import SAFE
 from solvers.solver.soundness import BROKEN
+from solvers.study.fit import measured
 from solvers.study.grid import Task
 from solvers.study.markdown import grid
-from solvers.study.series import measured
 
 SCHEMA = "mpm-lab/stability/1"
 NOTHING = "–"
@@ -107,8 +107,18 @@ def held(row: Mapping) -> bool:
     return row["status"] not in BROKEN and row["life"]["accurate"] is None
 
 
-def prices(scenes: Mapping[str, Scene]) -> dict[str, float]:
-    """Seconds of a step of each scene over those of the first, bare, taken in turns on this machine."""
+def prices(kind: type[Scene], rows: Iterable[dict]) -> dict[tuple[str, str], float]:
+    """What each treatment of each method costs a step, over the plain method's, measured here and now."""
+    scenes: dict[str, dict[str, Scene]] = {}
+    for row in measured(rows):
+        method, treatment = row["scene"]["method"], treatment_of(row)
+        scenes.setdefault(method, {"plain": scene_of(kind, row, "plain")})[treatment] = scene_of(kind, row, treatment)
+    return {(method, treatment): price for method, treated in scenes.items()
+            for treatment, price in _over_the_first(treated).items()}
+
+
+def _over_the_first(scenes: Mapping[str, Scene]) -> dict[str, float]:
+    """Seconds of a step of each scene over those of the first, bare, taken in turns."""
     from solvers.running.run import build
     from solvers.running.timing import Stretch, take_turns
 

@@ -22,29 +22,14 @@ class StoreError(Exception):
         super().__init__(quoting.sentence(sentence))
 
 
-class NotWhole(Exception):
-    """What is kept is no row; the message says what is wrong, after the name of its place."""
-
-
-def whole(content: bytes, fault: Callable[[Any], str | None]) -> dict:
-    """The row that a line or a file holds, in which ``fault`` finds nothing wrong; else :class:`NotWhole`."""
-    try:
-        row = parsed(content)
-        wrong = fault(row)
-    except ValueError:
-        wrong = "it is not JSON"
-    if wrong:
-        raise NotWhole(f"is not a whole row ({wrong})")
-    return row
-
-
 class Store:
     """The rows of a study in a directory. A row with the key of an earlier one replaces it.
 
     Parameters
     ----------
     directory
-        Made if it is not there; to be empty, or with ``resume`` to hold rows of the ``problem``.
+        Made if it is not there; to be empty, or with ``resume`` to hold rows of the ``problem``, if one is given. Where
+        ``resume`` is None, rows may be there or not, and anything else.
     fault
         What is wrong with a kept row, in words, or None.
 
@@ -54,7 +39,7 @@ class Store:
         Where the directory cannot be used.
     """
 
-    def __init__(self, directory: str | os.PathLike, problem: str, resume: bool = False,
+    def __init__(self, directory: str | os.PathLike, problem: str | None, resume: bool | None = False,
                  fault: Callable[[Any], str | None] = fault):
         self._fault = fault
         self._path = Path(directory) / NAME
@@ -90,7 +75,7 @@ class Store:
     def close(self) -> None:
         self._file.close()
 
-    def _load(self, problem: str) -> None:
+    def _load(self, problem: str | None) -> None:
         """Read what is there. A last line that a kill cut short is taken off; its row will be measured again."""
         if (size := self._path.stat().st_size) > LARGEST:
             raise StoreError(f"holds a {NAME} of {size / 1e6:,.0f} MB; give one of at most {LARGEST / 1e6:,.0f} MB, or "
@@ -105,29 +90,31 @@ class Store:
                     self._take(number, line[:-1], problem)
                 else:
                     rest = line
-        if rest:
-            try:
-                whole(rest, self._fault)
-            except NotWhole:
-                self._file.truncate(size - len(rest))
-            else:  # but for the end of its line
-                self._take(number, rest, problem)
-                self._file.write(b"\n")
-                self._file.flush()
+        if rest and self._wrong(rest):
+            self._file.truncate(size - len(rest))
+        elif rest:  # whole but for the end of its line
+            self._take(number, rest, problem)
+            self._file.write(b"\n")
+            self._file.flush()
 
-    def _take(self, number: int, line: bytes, problem: str) -> None:
-        """Take in a line; :class:`StoreError`, and nothing changed on the disk, where it is no row of the problem."""
+    def _wrong(self, line: bytes) -> str | None:
         try:
-            row = whole(line, self._fault)
-        except NotWhole as error:
-            raise StoreError(f"holds a {NAME} whose line {number} {error}; take that line out, and it is measured "
-                             "again, or give another directory") from None
-        if row["problem"] != problem:
+            return self._fault(parsed(line))
+        except ValueError:
+            return "it is not JSON"
+
+    def _take(self, number: int, line: bytes, problem: str | None) -> None:
+        """Take in a line; :class:`StoreError`, and nothing changed on the disk, where it is no row of the problem."""
+        if wrong := self._wrong(line):
+            raise StoreError(f"holds a {NAME} whose line {number} is not a whole row ({wrong}); take that line out, "
+                             "and it is measured again, or give another directory")
+        row = parsed(line)
+        if row["problem"] != (problem or row["problem"]):
             raise StoreError(f"holds rows of the {row['problem']}; give another directory for the {problem}")
         self.rows[row["key"]] = row
 
 
-def _prepare(directory: Path, resume: bool) -> None:
+def _prepare(directory: Path, resume: bool | None) -> None:
     """Make the directory, or make sure that it is ours to write to."""
     try:
         directory.mkdir(parents=True, exist_ok=True)
@@ -137,6 +124,8 @@ def _prepare(directory: Path, resume: bool) -> None:
     except OSError as error:
         raise StoreError(f"cannot be used: {(error.strerror or str(error)).lower()}; give a directory that can be "
                          "written to") from None
+    if resume is None:
+        return
     if names and not resume:
         raise StoreError("is not empty; give an empty or a new directory"
                          + (", or --resume to finish the sweep in it" if NAME in names else ""))

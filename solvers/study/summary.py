@@ -8,10 +8,9 @@ from typing import Any
 from solvers.outside import quoting
 from solvers.scene.causes import CAUSES
 from solvers.solver.soundness import BROKEN, OK
-from solvers.study.fit import pareto
+from solvers.study.fit import error_of, fits, measured, pareto, series, varying
 from solvers.study.markdown import grid
 from solvers.study.row import FAILED, REFUSED
-from solvers.study.series import error_of, fits, measured, series, varying
 
 SHOWN = ("x", "v", "sigma")
 BUDGETED = ("x", "v")  # of which the shares of each cause are shown

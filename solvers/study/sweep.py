@@ -1,21 +1,69 @@
-"""A sweep as a function: every combination of lists of values, a row each."""
+"""A sweep as a function: every combination of lists of values, a row each, and columns of these rows by their names."""
 
 from __future__ import annotations
 
 import contextlib
 import math
-from collections.abc import Callable
+import numbers
+from collections.abc import Callable, Iterable, Mapping
 from dataclasses import fields
-from typing import Any
+from typing import Any, SupportsIndex, overload
 
+import numpy as np
+
+from solvers.outside import quoting
 from solvers.problems import PROBLEMS
 from solvers.running.run import scene_of
 from solvers.scene.rules import SceneError, field_key, key_field, require_choice, require_whole
 from solvers.scene.scene import ALTERNATIVES, LISTS, Scene
-from solvers.study.columns import Rows
 from solvers.study.grid import MOST_ROWS, plan
 from solvers.study.places import Here, execute
 from solvers.study.summary import columns
+
+
+class Rows(list[dict]):
+    """Rows with the same keys. A name gives the column: ``rows["error.x.max"]``, as an array over the rows."""
+
+    def __init__(self, rows: Iterable[Mapping] = ()):
+        super().__init__(map(dict, rows))
+
+    @overload
+    def __getitem__(self, which: SupportsIndex) -> dict: ...
+    @overload
+    def __getitem__(self, which: slice) -> Rows: ...
+    @overload
+    def __getitem__(self, which: str) -> np.ndarray: ...
+
+    def __getitem__(self, which):
+        """A row by its number, rows by a slice, a column by its name: numbers with NaN where a row has none, or
+        anything else as objects, so that ``rows["scene.method"] == "mpm"`` says which rows are.
+
+        Raises
+        ------
+        SceneError
+            For a column that there is not, with those that are.
+        """
+        if isinstance(which, str):
+            return self._column(which)
+        found = super().__getitem__(which)
+        return Rows(found) if isinstance(which, slice) else found
+
+    @property
+    def columns(self) -> list[str]:
+        """The names of all columns."""
+        return list(self[0]) if self else []
+
+    def _column(self, name: str) -> np.ndarray:
+        if name not in self.columns:
+            raise SceneError("column", name, f"is none of these rows{quoting.meant(name, self.columns)}; they have "
+                                             f"{', '.join(self.columns) or 'none'}")
+        values = [row[name] for row in self]
+        known = [value for value in values if value is not None]
+        if not known or not all(isinstance(value, numbers.Real) and not isinstance(value, bool) for value in known):
+            return np.array([*values, None], dtype=object)[:-1]
+        if len(known) == len(values) and all(isinstance(value, numbers.Integral) for value in values):
+            return np.array(values)
+        return np.array([np.nan if value is None else value for value in values], float)
 
 
 def sweep(problem: str | Scene | type[Scene], *, repeats: int = 3, workers: int = 1,
@@ -62,9 +110,6 @@ def sweep(problem: str | Scene | type[Scene], *, repeats: int = 3, workers: int 
     if (count := math.prod(map(len, axes.values()))) > MOST_ROWS:
         raise SceneError("combinations", f"{count:,}", f"are too many for one sweep; give at most {MOST_ROWS:,}")
     tasks = plan(problem, axes, repeats=repeats)
-    refusals = [task.refusal() for task in tasks]
-    if refusals[0] and all(refusals):
-        raise refusals[0]
     measured: dict[str, dict] = {}
 
     def keep(row: dict) -> None:

@@ -1,29 +1,26 @@
 """``mpm-lab coverage PROBLEM``: how often the estimators are right, on runs drawn at random."""
 
-import contextlib
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import ClassVar
 
 from app.commands.flags import NumberFlag, ProcessesFlag
-from app.commands.output import json_text, put_text, say, telling
-from app.commands.study.rows import INCOMPLETE, Study
-from solvers.outside.quoting import quoted
+from app.commands.output import json_text
+from app.commands.study.rows import StudyFlags
 from solvers.scene.rules import require_whole
 from solvers.scene.scene import Scene
-from solvers.study.coverage.draws import Draw
-from solvers.study.coverage.measured import failed, fault
+from solvers.study.coverage.draws import IDENTITY, MEASURED, Draw, failed
 from solvers.study.coverage.tally import tally
 from solvers.study.coverage.text import summary
 from solvers.study.grid import MOST_ROWS
 from solvers.study.row import FAILED
 
-WORK = "solvers.study.coverage.measured:measure_draw"
 SEED = 29  # of what ``assets/coverage.md`` shows
 MOST_SEED = 2**31 - 1
 
 
 @dataclass(frozen=True, kw_only=True)
-class Coverage(Study):
+class Coverage(StudyFlags):
     """How many runs are drawn, and from which seed."""
 
     HELP: ClassVar[str] = """Count how often the error estimators of the {title} are right.
@@ -36,6 +33,8 @@ class Coverage(Study):
     EXAMPLE: ClassVar[str] = "mpm-lab coverage {problem} --runs 50 --out coverage"
     SCENE: ClassVar[type[Scene]]
     TIMED = False
+    IDENTITY, MEASURED = IDENTITY, MEASURED
+    WORK = "solvers.study.coverage.draws:measure_draw"
 
     runs: NumberFlag = 1000
     """Runs to draw."""
@@ -44,48 +43,24 @@ class Coverage(Study):
     workers: ProcessesFlag = None
     """Processes on this machine that run rows side by side; nothing is timed."""
 
-    def execute(self) -> int:
-        from app.pictures.coverage import coverage_figure
-
+    def plan(self) -> list[Draw]:
         require_whole("runs", self.runs, 1, MOST_ROWS)
         require_whole("seed", self.seed, 0, MOST_SEED)
         self.check_place(self.runs)
-        problem = self.SCENE.problem
-        rows = self._drawn([Draw(problem, self.seed, number) for number in range(self.runs)])
-        if rows is None:
-            return INCOMPLETE
-        counted = tally(problem, self.seed, rows)
-        drawn, status = self.draw({"coverage": coverage_figure}, [counted])
-        text = summary(counted, *drawn)
-        self.put("coverage.json", json_text(counted).encode())
-        self.put("coverage.md", text.encode())
-        put_text(text.partition("\n\n![")[0] + "\n")
-        return status
+        return [Draw(self.SCENE.problem, self.seed, number) for number in range(self.runs)]
 
-    def _drawn(self, draws: list[Draw]) -> list[dict] | None:
-        """The rows of the draws; None if the place where they run was lost on the way."""
-        from solvers.study.places import PlaceLost, execute
+    def document(self, rows: list[dict]) -> int:
+        from app.pictures.coverage import coverage_figure
 
-        with contextlib.ExitStack() as stack:
-            place = stack.enter_context(contextlib.closing(self._place(WORK)))
-            store = stack.enter_context(contextlib.closing(self._store(draws[0].problem, fault)))
-            todo = [draw for draw in draws if not store.finished(draw.key)]
-            done = len(draws) - len(todo)
-            if done and not self.quiet:
-                say(f"{done} of {len(draws)} rows are there already")
+        counted = tally(self.SCENE.problem, self.seed, rows[:self.runs])
+        return self.write({"coverage": coverage_figure}, [counted], lambda drawn: {
+            "coverage.json": json_text(counted), "coverage.md": summary(counted, *drawn)}, printed="coverage.md")
 
-            def keep(row: dict) -> None:
-                nonlocal done
-                done += 1
-                with telling(f"--out {quoted(self.out)}"):
-                    store.append(row)
-                if not self.quiet:
-                    say(f"{done}/{len(draws)} run {row['number']}: {row['status']}"
-                        + (f": {row['reason']}" if row["status"] == FAILED else ""))
+    def given_up(self, task: Draw, reason: str) -> dict:
+        return failed(task, reason)
 
-            try:
-                execute(todo, place, keep, failed)
-            except PlaceLost as error:
-                say(f"{error}; {done} of {len(draws)} rows are kept: give --resume to run the others")
-                return None
-            return [store.rows[draw.key] for draw in draws]
+    def told(self, row: dict, tasks: Sequence[Draw]) -> str:
+        return f"run {row['number']}: {row['status']}" + (f": {row['reason']}" if row["status"] == FAILED else "")
+
+    def beside(self, row: dict) -> dict:
+        return row

@@ -5,21 +5,20 @@ from typing import Annotated, Any, ClassVar
 
 from app import __version__
 from app.commands.flags import ProcessesFlag, RealFlag, choices_of, default_hint, number, several_of
-from app.commands.output import json_text, put_text
-from app.commands.study.rows import INCOMPLETE, Study
+from app.commands.output import json_text
+from app.commands.study.rows import StudyFlags
 from app.words import unit_of
 from solvers.scene.rules import require_choice
 from solvers.scene.scene import Scene
-from solvers.study.grid import combinations
-from solvers.study.series import measured
-from solvers.study.stability import TREATMENTS, as_dict, as_markdown, map_tasks, offered, prices, scene_of, treatment_of
+from solvers.study.grid import Task, combinations
+from solvers.study.stability import TREATMENTS, as_dict, as_markdown, map_tasks, offered, prices
 from solvers.study.summary import csv_text
 
 DEFAULT_CFL = (0.1, 0.3, 0.5, 0.7)
 
 
 @dataclass(frozen=True, kw_only=True)
-class Stability(Study):
+class Stability(StudyFlags):
     """What is mapped; every combination that a method has is run."""
 
     HELP: ClassVar[str] = """Map how many periods each method of the {title} survives.
@@ -44,25 +43,20 @@ class Stability(Study):
     workers: ProcessesFlag = None
     """Processes on this machine that run rows side by side; what a step costs is timed alone, at the end."""
 
-    def execute(self) -> int:
-        from app.pictures.stability import stability_figure
-
-        problem, inputs = self.SCENE.problem, combinations(self.axes())
+    def plan(self) -> list[Task]:
+        inputs = combinations(self.axes())
         for treatment in self.treatment:
             require_choice("treatment", treatment, offered(self.SCENE))
         self.check_place(len(inputs) * len(TREATMENTS))
-        tasks = map_tasks(problem, inputs, self.treatment or offered(self.SCENE), __version__)
-        rows = self.rows(problem, tasks)
-        if rows is None:
-            return INCOMPLETE
-        values = as_dict(problem, rows, _prices(self.SCENE, rows))
-        _, status = self.draw({"stability": stability_figure}, rows)
-        text = as_markdown(values)
-        self.put("stability.csv", csv_text(rows).encode())
-        self.put("stability.json", json_text(values, lines=True).encode())
-        self.put("stability.md", text.encode())
-        put_text(text + "\n")
-        return status
+        return map_tasks(self.SCENE.problem, inputs, self.treatment or offered(self.SCENE), __version__)
+
+    def document(self, rows: list[dict]) -> int:
+        from app.pictures.stability import stability_figure
+
+        values = as_dict(self.SCENE.problem, rows, prices(self.SCENE, rows))
+        return self.write({"stability": stability_figure}, rows, lambda _: {
+            "stability.csv": csv_text(rows), "stability.json": json_text(values, lines=True),
+            "stability.md": as_markdown(values)}, printed="stability.md")
 
     def axes(self) -> dict[str, list]:
         """The values of each input of a scene, by the name of its flag."""
@@ -86,12 +80,3 @@ def map_flags(scene: type[Scene]) -> dict[str, Any]:
             "cfl": choices_of(("X",), " ".join(map(str, DEFAULT_CFL)), "Lengths of the time step, dt c/h."),
             "periods": RealFlag}
 
-
-def _prices(kind: type[Scene], rows: list[dict]) -> dict[tuple[str, str], float]:
-    """What each treatment of each method costs a step, over the plain method's, measured here and now."""
-    scenes: dict[str, dict[str, Scene]] = {}
-    for row in measured(rows):
-        method, treatment = row["scene"]["method"], treatment_of(row)
-        scenes.setdefault(method, {"plain": scene_of(kind, row, "plain")})[treatment] = scene_of(kind, row, treatment)
-    return {(method, treatment): price for method, treated in scenes.items()
-            for treatment, price in prices(treated).items()}

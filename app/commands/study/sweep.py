@@ -6,16 +6,16 @@ from typing import Annotated, Any, ClassVar, get_args, get_type_hints
 
 from app import __version__
 from app.commands.flags import NumberFlag, Switch, default_hint
-from app.commands.output import json_text, put_text
+from app.commands.output import json_text
 from app.commands.scene_flags import SceneFlags
-from app.commands.study.rows import INCOMPLETE, Study
+from app.commands.study.rows import StudyFlags
 from solvers.scene.rules import require_whole
 from solvers.study import summary as table
-from solvers.study.grid import plan
+from solvers.study.grid import Task, plan
 
 
 @dataclass(frozen=True, kw_only=True)
-class Sweep(Study, SceneFlags):
+class Sweep(StudyFlags, SceneFlags):
     """The flags of a sweep beside those of its scenes, of which all but ``LISTS`` may hold several values."""
 
     HELP: ClassVar[str] = """Run the {title} with every combination of values: what accuracy costs.
@@ -34,13 +34,19 @@ class Sweep(Study, SceneFlags):
     each_effect: Annotated[Switch, default_hint("off")] = False
     """Time each effect alone as well, which compiles and runs more."""
 
-    def execute(self) -> int:
+    def plan(self) -> list[Task]:
         require_whole("repeats", self.repeats, 1, 1000)
-        self.check_place(math.prod(map(len, self.axes().values())))
+        axes = self.axes()
+        self.check_place(math.prod(map(len, axes.values())))
+        return plan(self.SCENE.problem, axes, repeats=self.repeats, price_effects=self.each_effect, version=__version__)
+
+    def document(self, rows: list[dict]) -> int:
+        from app.pictures.study import FIGURES
+
         problem = self.SCENE.problem
-        rows = self.rows(problem, plan(problem, self.axes(), repeats=self.repeats, price_effects=self.each_effect,
-                                       version=__version__))
-        return INCOMPLETE if rows is None else self._write(problem, rows)
+        return self.write(FIGURES, rows, lambda drawn: {
+            "table.csv": table.csv_text(rows), "table.json": json_text(table.table_dict(problem, rows), lines=True),
+            "summary.md": table.summary(problem, rows, drawn)}, printed="summary.md")
 
     def axes(self) -> dict[str, list]:
         """The values of each input of a scene, by the name of its flag."""
@@ -49,17 +55,6 @@ class Sweep(Study, SceneFlags):
                 for name, value in self.inputs().items()}
         on = axes["linearity_preserving"][0]
         return axes | {"linearity_preserving": [True] * on + [False] * (self.no_linearity_preserving or not on)}
-
-    def _write(self, problem: str, rows: list[dict]) -> int:
-        from app.pictures.study import FIGURES
-
-        drawn, status = self.draw(FIGURES, rows)
-        text = table.summary(problem, rows, drawn)
-        self.put("table.csv", table.csv_text(rows).encode())
-        self.put("table.json", json_text(table.table_dict(problem, rows), lines=True).encode())
-        self.put("summary.md", text.encode())
-        put_text(text.partition("\n\n![")[0] + "\n")
-        return status
 
 
 def _values(value: Any, hint: Any) -> list:

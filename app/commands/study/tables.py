@@ -1,39 +1,39 @@
-"""``mpm-lab tables``: the paper's tables beside ours, run by run, so that what is finished is never run twice."""
+"""``mpm-lab tables``: the paper's numbers, ours and their ratio, then what each estimator says."""
 
-import os
-from collections.abc import Iterable, Mapping
+import functools
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
-from pathlib import Path
-from typing import Annotated, ClassVar
+from typing import Annotated
 
 import tyro
 
 from app.commands.flags import BadInput, PathFlag, ProcessesFlag, Switch, TextFlag, default_hint, side_by_side
-from app.commands.output import Target, json_text, made_directory, say
-from app.commands.progress import working
-from app.commands.study.tables_text import markdown
+from app.commands.output import json_text, say
+from app.commands.study.rows import INCOMPLETE, Study
+from app.words import NOTHING, QUANTITIES, method_name
 from solvers.problems import PROBLEMS
-from solvers.study.store import NotWhole
+from solvers.study.grid import Task
+from solvers.study.markdown import grid
+from solvers.study.row import FAILED
 from solvers.study.tables import plan
-from solvers.study.tables.document import Results, document
-from solvers.study.tables.making import Making
-from solvers.study.tables.rows import read_begun, read_row, write_row
+from solvers.study.tables.document import MEASURED, PAPERS_ESTIMATOR, document, parts, results_of, runs
+from solvers.study.tables.plan import Table, digits
 
-OK, UNSTABLE = 0, 3
-KINDS = ("md", "json", "png")
-ROWS = "rows"  # the folder of finished rows
+UNSTABLE = 3
 
 
 @dataclass(frozen=True)
-class Tables:
+class Tables(Study):
     """Make the paper's tables again and write them beside the printed numbers.
 
-    As Markdown, JSON and a picture each. Takes a minute or two. Each finished run is kept in DIR/rows; a command that
-    was stopped goes on there.
+    As Markdown, JSON and a picture each. Takes a minute or two. Each finished run is kept in DIR/rows.jsonl; a command
+    that was stopped goes on there.
     Exit status: 0 ok, 1 could not run or write, 2 bad input, 3 a row went unstable or is lost, 130 stopped by Ctrl-C.
     """
 
-    EXAMPLE: ClassVar[str] = "mpm-lab tables 1 --out tables"
+    EXAMPLE = "mpm-lab tables 1 --out tables"
+    MEASURED = MEASURED
+    WORK = "solvers.study.tables.document:measure_run"
 
     table: Annotated[TextFlag, tyro.conf.Positional, tyro.conf.arg(metavar="{1,2,3,all}")] = "all"
     """Table of the paper."""
@@ -42,66 +42,164 @@ class Tables:
     processes: ProcessesFlag = None
     """Processes that make runs side by side; what estimators cost is timed afterwards, alone."""
     quiet: Annotated[Switch, default_hint("off")] = False
-    """No progress bar and no remarks on standard error."""
+    """No remarks on standard error."""
 
-    def execute(self) -> int:
+    @property
+    def only_problem(self) -> None:
+        """Rows are of several."""
+
+    def plan(self) -> list[Task]:
         if self.table not in (*plan.NUMBERS, "all"):
             raise BadInput("", self.table, f"is not a table of the paper; give {', '.join(plan.NUMBERS)} or all")
-        processes = side_by_side(self.processes)
-        numbers = plan.NUMBERS if self.table == "all" else (self.table,)
-        targets = _targets(self.out, numbers)
+        side_by_side(self.processes)
+        wanted = runs(self._tables())
+        self.check_place(len(wanted))
+        return wanted
+
+    def _tables(self) -> list[Table]:
         estimators = {name: problem.estimators for name, problem in PROBLEMS.items()}
-        made = [plan.make(number, estimators) for number in numbers]
-        results = _run_rows(made, Path(self.out, ROWS), processes, self.quiet)
-        tables = [document(table, results) for table in made]
-        for table in tables:
-            _write(table, targets[table["table"]])
-        unstable = [row for table in tables for row in table["rows"] if row["unstable"]]
+        return [plan.make(number, estimators) for number in (plan.NUMBERS if self.table == "all" else (self.table,))]
+
+    def stages(self, tasks: Sequence[Task]) -> Iterable[Sequence[Task]]:
+        return [[task for task in tasks if not task.repeats], *([task] for task in tasks if task.repeats)]
+
+    def told(self, row: dict, tasks: Sequence[Task]) -> str:
+        asked = row["asked"]
+        return f"{row['problem']}, {asked['method']}, {asked['cells']} cells: {row['status']}"
+
+    def beside(self, row: dict) -> dict:
+        return row
+
+    def _workers(self) -> int:
+        return side_by_side(self.processes)
+
+    def document(self, rows: list[dict]) -> int:
+        from app.pictures.tables import figure
+
+        wanted = self._tables()
+        keys = {task.key for task in runs(wanted)}
+        if failed := [row for row in rows if row["key"] in keys and row["status"] == FAILED]:
+            say(f"{len(failed)} runs failed, the first of them: {failed[0]['reason']}; the others are kept")
+            return INCOMPLETE
+        made = [document(table, results_of(table, rows)) for table in wanted]
+        status = self.write({f"table{table['table']}": functools.partial(lambda table, _: figure(table), table)
+                             for table in made}, made,
+                            lambda _: {f"table{table['table']}.{kind}": text for table in made
+                                       for kind, text in (("json", json_text(table, lines=True)),
+                                                          ("md", markdown(table)))})
+        unstable = [row for table in made for row in table["rows"] if row["unstable"]]
         for row in unstable:
             say(f"{row['name']}: {row['unstable']}")
-        return UNSTABLE if unstable else OK
+        return UNSTABLE if unstable else status
 
 
-def _targets(directory: str, numbers: Iterable[str]) -> dict[str, dict[str, Target]]:
-    """The files of each table, tried before anything runs; the directory and those above it are made."""
-    if not directory.strip():
-        raise BadInput("out", directory, "give a directory for the tables")
-    made_directory(os.path.join(directory, ROWS), directory)
-    return {number: {kind: Target("out", os.path.join(directory, f"table{number}.{kind}")) for kind in KINDS}
-            for number in numbers}
+#: The inputs that tell the rows of each table from one another.
+INPUTS = {"1": ("cells",), "2": ("method", "cells"), "3": ("method", "cells")}
+#: What is compared with the paper in each table: key and heading with the unit.
+COMPARED = {"1": {"x": "x (m)", "v": "v (m/s)", "sigma_log": "σ (Pa)", "grid_crossings": "crossings"},
+            "2": {"x": "x (m)", "v": "v (m/s)", "a_nodes": "Err A (m/s²)"},
+            "3": {"index_x": "index of x, transport"}}
+Footnotes = dict[str, int]  # sentences under the table, each once, with their numbers
 
 
-def _run_rows(tables: Iterable[plan.Table], folder: Path, processes: int, quiet: bool) -> dict[str, Results]:
-    """The results of every row by its name: kept ones first, then the others, whose runs are kept as they come."""
-    rows = {row.name: row for table in tables for row in table.rows}
-    results = {name: kept for name, row in rows.items() if (kept := _kept(folder, row, quiet))}
-    missing = [row for name, row in rows.items() if name not in results]
-    if results and not quiet:
-        say(f"{len(results)} of {len(rows)} rows are there already")
-
-    def keep(row: plan.Row, made: Results) -> None:
-        results[row.name] = made
-        write_row(folder, row, made)
-
-    with working(quiet) as show:
-        Making(missing, {row.name: read_begun(folder, row) for row in missing}, processes, show, keep).make()
-    return results
+def markdown(table: dict) -> str:
+    notes: Footnotes = {}
+    blocks = [f"# {table['title']}", *table["setup"]]
+    for part, rows in parts(table).items():
+        blocks += [f"## {part}", _comparison(table["table"], rows, notes)]
+        if table["table"] != "2":
+            blocks += [f"Index of each estimator, its distance and its cost — {part}:", _estimators(table, rows, notes)]
+    seconds = table["seconds"]
+    blocks.append(f"These runs took {seconds['run']:.0f} s, and {seconds['setup'] + seconds['compile']:.0f} s to set "
+                  "up and compile; all but those for the cost may have been made side by side.")
+    return "\n\n".join([*blocks, *(f"[^{number}]: {sentence}" for sentence, number in notes.items())]) + "\n"
 
 
-def _kept(folder: Path, row: plan.Row, quiet: bool) -> Results | None:
-    """What is kept of a row; None, and a sentence that says why, where that is not what this row would be."""
-    try:
-        return read_row(folder, row)
-    except NotWhole as error:
-        if not quiet:
-            say(f"{folder.name}/{row.name}.json {error}: it is made again")
-        return None
+def _mark(sentence: str, notes: Footnotes) -> str:
+    """The mark of a footnote, which is added if it is new."""
+    return f"[^{notes.setdefault(sentence, len(notes) + 1)}]"
 
 
-def _write(table: dict, targets: Mapping[str, Target]) -> None:
-    from app.pictures.run import png_bytes
-    from app.pictures.tables import figure
+def _comparison(number: str, rows: list[dict], notes: Footnotes) -> str:
+    heads = list(INPUTS[number])
+    for key, heading in COMPARED[number].items():
+        ours = [f"{heading} to {rows[0]['inputs'][end]:g} s" for end in ("t_end_crossings", "t_end")] \
+            if key == "grid_crossings" else [heading]
+        heads += [*ours, "paper", "ratio"]
+    others = [name for name in rows[0]["estimators"] if name != PAPERS_ESTIMATOR] if number == "3" else []
+    heads += others
+    lines = []
+    for row in rows:
+        cells = _row_cells(number, row, notes)
+        for key in COMPARED[number]:
+            cells.append(_ours(row, key, notes))
+            if key == "grid_crossings":
+                cells.append(_count(row["ours"]["grid_crossings_short"]))
+            cells += [_printed(key, row["paper"][key]), _factor(row["ratio"][key])]
+        lines.append([*cells, *(_index_of_x(row, name, notes) for name in others)])
+    return grid(heads, lines, words=("method",))
 
-    targets["json"].write(json_text(table, lines=True).encode())
-    targets["md"].write(markdown(table).encode())
-    targets["png"].write(png_bytes(figure(table)))
+
+def _ours(row: dict, key: str, notes: Footnotes) -> str:
+    if key == "index_x":
+        return _index_of_x(row, PAPERS_ESTIMATOR, notes)
+    value = row["ours"][key]
+    return _count(value) if key == "grid_crossings" else NOTHING if value is None else digits(value, 3)
+
+
+def _estimators(table: dict, rows: list[dict], notes: Footnotes) -> str:
+    """Index, distance and cost, one line for each estimator of a row; the paper's indices of Table 1 above them."""
+    number, symbols = table["table"], [quantity.symbol for quantity in QUANTITIES.values()]
+    heads = [*INPUTS[number], "estimator", *(f"{kind} {s}" for kind in ("index", "distance") for s in symbols), "cost"]
+    lines = []
+    for row in rows:
+        if number == "1":
+            printed = [_printed(f"index_{q}", row["paper"].get(f"index_{q}")) for q in QUANTITIES]
+            lines.append([*_row_cells(number, row, notes), "the paper's, printed", *printed, *[NOTHING] * 5])
+        for name, said in row["estimators"].items():
+            values = [_factor(said[kind][q]) for kind in ("index", "distance") for q in QUANTITIES]
+            cost = NOTHING if said["cost"] is None else f"{100 * said['cost']:.0f} %"
+            lines.append([*_row_cells(number, row, notes), name + _why(name, said, notes), *values, cost])
+    return grid(heads, lines, words=("method", "estimator"))
+
+
+def _index_of_x(row: dict, name: str, notes: Footnotes) -> str:
+    """An estimator's index; where it does not hold, a dash and why."""
+    said = row["estimators"].get(name)
+    return _factor(said["index"]["x"]) + _why(name, said, notes) if said else NOTHING
+
+
+def _why(name: str, said: dict, notes: Footnotes) -> str:
+    """The mark of the sentence in which an estimator says that it does not hold; nothing where it does."""
+    return _mark(f"{name}: {said['not_valid']}", notes) if said["not_valid"] else ""
+
+
+def _row_cells(number: str, row: dict, notes: Footnotes) -> list[str]:
+    scene = row["inputs"]
+    words = {"method": method_name(scene["method"]),
+             "cells": str(scene["cells"]) + (_mark(row["unstable"], notes) if row["unstable"] else "")}
+    return [words[name] for name in INPUTS[number]]
+
+
+def _printed(key: str, value: float | None) -> str:
+    """A number of the paper, with the digits that it has."""
+    if value is None:
+        return NOTHING
+    if key == "grid_crossings":
+        return _count(round(value))
+    if key.startswith("index"):
+        return f"{value:.1f}" if value < 10 and value == round(value, 1) else f"{value:g}"
+    return digits(value, 2)
+
+
+def _count(value: int | None) -> str:
+    return NOTHING if value is None else f"{value:,}"
+
+
+def _factor(value: float | None) -> str:
+    """A ratio or an index: two digits at least, hundredths where they mean something."""
+    if value is None:
+        return NOTHING
+    if value >= 1000 or value == 0:
+        return f"{value:,.0f}"
+    return f"{value:.2f}" if 0.1 <= value < 9.995 else f"{value:.3g}" if value > 1 else digits(value, 2)

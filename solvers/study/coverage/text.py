@@ -4,10 +4,8 @@ import math
 from collections.abc import Iterable, Mapping, Sequence
 
 from solvers.running.goals import DISPLACEMENT, ENERGY, SAFETY, STRESS
-from solvers.study.coverage.draws import REACH
-from solvers.study.coverage.grid_convergence import INTERVALS
-from solvers.study.coverage.measured import AFTER, BEFORE, IMPOSSIBLE, QUANTITIES
-from solvers.study.coverage.tally import FACTORS, MIDDLE, NEEDLESS, REGIMES, interval
+from solvers.study.coverage.draws import AFTER, BEFORE, IMPOSSIBLE, QUANTITIES, REACH
+from solvers.study.coverage.tally import FACTORS, INTERVALS, MIDDLE, NEEDLESS, REGIMES, interval
 from solvers.study.markdown import grid
 
 NOTHING = "–"

@@ -1,19 +1,57 @@
-"""A finished table as one JSON object: for each row what went in, the paper's numbers, ours, and the estimators'.
+"""The runs of tables, measured and kept like rows of any study, and a finished table as one JSON object: for each row
+what went in, the paper's numbers, ours, and the estimators'.
 
 Everything that is printed or drawn of a table is made from this object and nothing else.
 """
 
-from collections.abc import Mapping
+from collections.abc import Callable, Iterable, Mapping
 
+from solvers.scene.scene import Scene
 from solvers.solver.norms import finite
 from solvers.solver.samples import QUANTITIES
+from solvers.study.forms import NUMBER, Each
+from solvers.study.grid import Task, task_of
+from solvers.study.row import NORMS, identity, measure
 from solvers.study.tables.plan import Row, Table
 
-SCHEMA = "mpm-lab/tables/1"
+SCHEMA, RUN_SCHEMA = "mpm-lab/tables/1", "mpm-lab/tables-run/1"
 PAPERS_ESTIMATOR = "transport"
 TIMED = ("cost",)  # runs of which times are shown: they are made alone
+#: What is read of a run.
+MEASURED = {"result": {
+    "scene": dict, "t": NUMBER, "particles": int, "error": NORMS, "index": dict, "distance": dict,
+    "grid_crossings": (int, type(None)), "not_valid": Each(str),
+    "seconds": {"setup": NUMBER, "compile": NUMBER, "run": NUMBER, "estimators": Each(NUMBER)}}}
 
 Results = Mapping[str, dict]  # the object of ``mpm-lab run --json`` for each run of a row
+
+
+def runs(tables: Iterable[Table]) -> list[Task]:
+    """Every run of the tables once: first those that are only computed, the longest first, so that no processor waits
+    for another at the end; then those that are timed, with ``repeats``."""
+    scenes = [(name in TIMED, scene) for table in tables for row in table.rows for name, scene in row.scenes.items()]
+    wanted = sorted(scenes, key=lambda one: (one[0], 0 if one[0] else -one[1].particles * one[1].steps))
+    found = {task.key: task for task in (task_of(scene, repeats=int(timed)) for timed, scene in wanted)}
+    return list(found.values())
+
+
+def measure_run(task: dict, answer: Callable[[dict], None]) -> None:
+    """What a worker process does: one run. Prices of estimators are measured where it is timed."""
+    answer(measure(Task(**task), _result))
+
+
+def _result(task: Task, scene: Scene) -> dict:
+    from solvers.running.run import run  # here: a row can be read, kept and drawn without Taichi
+
+    result = run(scene, prices=task.repeats > 0, mid_run=False).to_dict()
+    return {**identity(task), "schema": RUN_SCHEMA, "status": result["status"], "reason": result["reason"],
+            "result": result}
+
+
+def results_of(table: Table, rows: Iterable[dict]) -> dict[str, Results]:
+    """The results of each row of a table under its name, out of the runs that were measured."""
+    found = {row["key"]: row["result"] for row in rows if "result" in row}
+    return {row.name: {name: found[task_of(scene).key] for name, scene in row.scenes.items()} for row in table.rows}
 
 
 def document(table: Table, results: Mapping[str, Results]) -> dict:

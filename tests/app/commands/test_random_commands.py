@@ -60,9 +60,8 @@ def test_random_command_lines_end_as_they_should(name, tmp_path, monkeypatch, ca
         begun = False
         line = [*name, *arguments, *(ENDS_SOON if name[0] in ("run", "budget") else [])]
         with patch("app.page.serving.serve", begin), patch.object(Study, "_place", begin), \
-                patch.object(Advise, "_search", begin), patch("app.commands.study.tables._run_rows", begin), \
-                patch("app.commands.bench.command.working", begin), patch("app.commands.lesson.working", begin), \
-                patch("app.commands.export.working", begin):
+                patch.object(Advise, "_search", begin), patch("app.commands.bench.command.working", begin), \
+                patch("app.commands.lesson.working", begin), patch("app.commands.export.working", begin):
             try:
                 status = main(line)
             except Begun:

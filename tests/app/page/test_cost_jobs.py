@@ -2,42 +2,73 @@
 
 from __future__ import annotations
 
-import os
-import signal
-import subprocess
 import threading
+from concurrent.futures import Future
 from dataclasses import replace
 from types import SimpleNamespace
+from typing import ClassVar
 
 import pytest
 
-from app.page.features.cost import words
-from app.page.features.cost.front import cheapest, question
+from app.page.features import background
+from app.page.features.cost import searches, words
 from app.page.features.cost.jobs import CostStatus, Jobs, QuietStage, search, small_sweep
-from app.page.features.cost.kept import HOLDS, MOST_POINTS, MOST_QUESTIONS, KeptPoints
 from app.page.features.cost.panel import CostTab
-from app.page.features.cost.ready import Ready
-from app.page.features.cost.runs import Runs
+from app.page.features.cost.runs import Runs, cheapest, question
+from app.page.features.cost.searches import HOLDS, MOST_POINTS, MOST_QUESTIONS, KeptPoints, Ready
 from app.page.page import Page
 from solvers.problems.bar.scene import BarScene
 from solvers.problems.ring.scene import RingScene
+from solvers.study.family import Point
 from solvers.study.grid import task_of
-from solvers.study.jobs import SearchJob
+from solvers.study.jobs import READY, told
 from solvers.workers.pool import Slots
+from solvers.workers.processes import ProcessDied
 from tests.app.page.test_cost import SCENE
-from tests.processes import has_library, until
+from tests.processes import until
+from tests.rows import made_up
 
 
-def wait(condition):
-    until(condition, "what a job was waited for")
+class Pool:
+    """A pool whose process says what a test has it say."""
+
+    made: ClassVar[list[Pool]] = []
+
+    def __init__(self, work, processes=1):
+        self.work, self.ways, self.closed, self.killed, self.process_ids = work, 0, False, False, [1]
+        self.made.append(self)
+
+    def submit(self, question, hear=None, patience=None):
+        self.question, self.hear, self.future = question, hear, Future()
+        return self.future
+
+    def give_way(self):
+        self.ways += 1
+
+    def kill(self):
+        """From another thread the future learns it, as ever."""
+        if not self.killed:
+            self.killed = True
+            threading.Thread(target=self.end, args=[ProcessDied("was closed")]).start()
+
+    def close(self):
+        self.closed = True
+
+    def end(self, error=None):
+        """The job ends, well or not."""
+        if error:
+            self.future.set_exception(error)
+        else:
+            self.future.set_result({})
 
 
-def alive(process_id):
-    try:
-        os.kill(process_id, 0)
-    except ProcessLookupError:
-        return False
-    return True
+@pytest.fixture
+def pools(monkeypatch):
+    """The pools that were made, the last one last."""
+    monkeypatch.setattr(Pool, "made", [])
+    monkeypatch.setattr(background, "WorkerPool", Pool)
+    monkeypatch.setattr(searches, "WorkerPool", Pool)
+    return Pool.made
 
 
 @pytest.fixture
@@ -45,6 +76,12 @@ def jobs():
     jobs = Jobs(Runs(), Slots(1), KeptPoints())
     yield jobs
     jobs.close()
+
+
+def few(tolerance):
+    """A search among two families."""
+    return replace(search(SCENE, tolerance, 5.0), methods=(("ugimp", False), ("mpm", False)), ppc=(2,),
+                   courant_numbers=(0.5,))
 
 
 @pytest.mark.parametrize("scene", [
@@ -60,59 +97,64 @@ def test_small_sweep_is_valid_and_like_the_scene(scene):
     assert task_of(scene).scene() == scene
 
 
-def test_sweep_runs_in_a_process_that_ends(jobs):
-    tasks = small_sweep(SCENE)[:2]
-    jobs.sweep(tasks)
-    process = jobs.process_id
-    jobs.sweep(tasks)  # while one runs nothing else begins
-    assert jobs.process_id == process
-    wait(lambda: not jobs.status.running)
-    assert jobs.status == CostStatus("sweep", done=2, total=2)
-    assert [run.row["asked"]["cells"] for run in jobs.runs.all()] == [10, 20] and not alive(process)
-    assert all(run.row["seconds"]["min"] > 0 for run in jobs.runs.all())
+def test_a_sweep_and_a_search_in_processes_of_their_own(jobs):
+    """Each of a search's runs is a row as soon as it is made, with an estimate, no true error, and a scene to watch;
+    the advice is a scene with the truth and the estimate by which it was found. Another visitor's search for the same
+    makes none of them again."""
+    jobs.sweep(small_sweep(SCENE)[:1])
+    until(lambda: not jobs.status.running, "the end of a sweep")
+    [run] = jobs.runs.all()
+    assert jobs.status == CostStatus("sweep", done=1, total=1) and run.row["seconds"]["min"] > 0
+    searcher, other = (Jobs(Runs(), jobs.slots, jobs._kept) for _ in range(2))
+    for one in (searcher, other):
+        one.search(few(1e-2))
+        until(lambda one=one: not one.status.running, "the end of a search")
+    advice, found = searcher.status.advice, searcher.runs.all()
+    assert advice["met"] and advice["error"] <= 1e-2 * SCENE.amplitude
+    assert words.going(searcher.status).startswith("Take uGIMP") and "estimate" in words.going(searcher.status)
+    assert len(found) == advice["looks"] == searcher.status.done and searcher.status.known == 0
+    assert {(run.source, run.error, run.estimator) for run in found} == {("search", None, "companion")}
+    assert all(run.drawable for run in found)
+    taken = cheapest(found, 1e-2)
+    assert taken.row["asked"] == advice["task"]["inputs"] and taken.scene.has("truth")
+    assert taken.seconds == advice["seconds"] and taken.size == advice["error"] / SCENE.amplitude
+    assert words.found({**advice, "met": False, "error": None}).startswith("Nothing within reach")
+    assert other.status.known == other.status.done == searcher.status.done and other.status.task is None
+    assert other.status.advice == advice and [run.row for run in other.runs.all()] == [run.row for run in found]
+    assert f"{other.status.known} of them had been made by earlier searches" in words.going(other.status)
+    searcher.close()
+    other.close()
 
 
-def test_cancel_keeps_rows_and_makes_room(jobs):
-    """Cancelled between rows: what was measured stays, the process is gone and its place is free."""
-    jobs.sweep([*small_sweep(SCENE)[:1], task_of(BarScene(cells=2000, periods=100), repeats=1)])
+def test_a_job_is_told_of_and_makes_room(jobs, pools):
+    """While one runs nothing else begins, and no other visitor's; cancelled it keeps its rows; what ends it is said."""
+    jobs.sweep(small_sweep(SCENE))
+    jobs.search(few(1e-2))
+    assert len(pools) == 1 and pools[0].work == "solvers.study.jobs:sweep" and len(pools[0].question) == 16
     other = Jobs(Runs(), jobs.slots)
     other.sweep(small_sweep(SCENE))
-    assert "server busy" in words.going(other.status) and not other.status.running
-    wait(lambda: jobs.status.done == 1)
-    process = jobs.process_id
+    assert "server busy" in words.going(other.status) and not other.status.running and other.others
+    pools[0].hear({"row": made_up()})
+    assert words.going(jobs.status) == "Sweep: 1 of 16 runs."
     jobs.cancel()
-    wait(lambda: not jobs.status.running)
-    assert not alive(process) and len(jobs.runs.all()) == 1 and jobs.status.trouble is None
-    assert "cancelled" in words.going(jobs.status)
-    other.search(SearchJob(task_of(SCENE).to_dict(), (), (2,), (0.5,), "x", 1.0, 1.0))
-    wait(lambda: not other.status.running)
-    assert "no method" in words.going(other.status)
+    until(lambda: not jobs.status.running, "the end of a job that was cancelled")
+    assert "cancelled" in words.going(jobs.status) and jobs.status.trouble is None and len(jobs.runs.all()) == 1
+    for error, said in ((ProcessDied("was ended by SIGKILL"), "SIGKILL"),
+                        (OSError(11, "Resource temporarily unavailable"), "temporarily unavailable")):
+        jobs.sweep(small_sweep(SCENE))
+        pools[-1].end(error)
+        assert said in words.going(jobs.status) and not jobs.status.running and jobs.slots.taken == 0
+    other.search(few(1e-2))
+    pools[-1].hear({"look": 1, "certain": 2, "task": task_of(SCENE).to_dict()})
+    assert words.going(other.status).startswith("Search, run 1 of at least 2: uGIMP")
+    pools[-1].hear({"trouble": "no method makes a valid scene with these settings"})
+    pools[-1].end()
+    assert "no method" in words.going(other.status) and pools[0].closed
 
 
-def test_process_that_dies_is_said(jobs):
-    jobs.sweep([task_of(BarScene(cells=2000, periods=100))])
-    wait(lambda: has_library(jobs.process_id, "taichi"))  # it has read what to do, else another would do it
-    os.kill(jobs.process_id, signal.SIGKILL)
-    wait(lambda: not jobs.status.running)
-    assert "SIGKILL" in words.going(jobs.status)
-    assert jobs.slots.taken == 0
-
-
-def test_process_that_cannot_start_is_said(jobs, monkeypatch):
-    def refuse(*_, **options):
-        raise OSError(11, "Resource temporarily unavailable")
-
-    monkeypatch.setattr(subprocess, "Popen", refuse)
-    jobs.sweep(small_sweep(SCENE))
-    wait(lambda: not jobs.status.running)
-    assert "temporarily unavailable" in words.going(jobs.status) and not jobs.status.running
-    assert jobs.slots.taken == 0
-
-
-def test_visitor_who_leaves_takes_the_process_along(jobs):
+def test_visitor_who_leaves_takes_the_process_along(jobs, pools):
     """The page closes its tab, the tab its jobs; after that none begins."""
-    jobs.sweep([task_of(BarScene(cells=2000, periods=100))])
-    process = jobs.process_id
+    jobs.sweep(small_sweep(SCENE))
     page, tab = Page.__new__(Page), CostTab.__new__(CostTab)
     tab.jobs = jobs
     page._closed, page._stands, page._cost = threading.Event(), threading.Event(), tab
@@ -120,126 +162,71 @@ def test_visitor_who_leaves_takes_the_process_along(jobs):
     page._drawing, page._refreshing = threading.Lock(), threading.Lock()
     page._session = page._slow = page._player = page._own = page._links = SimpleNamespace(close=lambda: None)
     page.close()
-    wait(lambda: not jobs.status.running)
-    assert not alive(process)
+    until(lambda: not jobs.status.running, "the end of the job")
+    assert pools[0].closed
     jobs.sweep(small_sweep(SCENE))
-    assert not jobs.status.running
+    assert not jobs.status.running and len(pools) == 1
 
 
-def test_search_finds_a_scene_that_can_be_loaded(jobs):
-    """It says what it looks at, and the advice is a scene with the truth and the estimate by which it was found. Each
-    of its runs is a row as soon as it is made, with an estimate, no true error, and a scene to watch."""
-    job = replace(search(SCENE, 1e-2, 5.0), methods=(("ugimp", False), ("mpm", False)), ppc=(2,),
-                  courant_numbers=(0.5,))
-    jobs.search(job)
-    wait(lambda: jobs.status.task or not jobs.status.running)
-    assert "Search, run" in words.going(jobs.status)
-    wait(lambda: not jobs.status.running)
-    advice = jobs.status.advice
-    assert advice["met"] and advice["error"] <= 1e-2 * SCENE.amplitude
-    text = words.going(jobs.status)
-    assert text.startswith("Take uGIMP") and "estimate" in text
-    found = jobs.runs.all()
-    assert len(found) == advice["looks"] == jobs.status.done
-    assert {(run.source, run.error, run.estimator) for run in found} == {("search", None, "companion")}
-    assert all(run.drawable for run in found)
-    taken = cheapest(found, 1e-2)
-    assert taken.row["asked"] == advice["task"]["inputs"] and taken.scene.has("truth")
-    assert taken.seconds == advice["seconds"] and taken.size == advice["error"] / SCENE.amplitude
-    assert words.found({**advice, "met": False, "error": None}).startswith("Nothing within reach")
-
-
-def few(tolerance):
-    """A search among two families."""
-    return replace(search(SCENE, tolerance, 5.0), methods=(("ugimp", False), ("mpm", False)), ppc=(2,),
-                   courant_numbers=(0.5,))
-
-
-def test_what_a_search_has_measured_is_not_run_again(jobs):
-    """For another visitor, nor for another tolerance of the same motion; another motion is begun anew. What is known is
-    a row as if it had been made."""
-    jobs.search(few(1e-2))
-    wait(lambda: not jobs.status.running)
-    assert jobs.status.known == 0 < jobs.status.done
-    other = Jobs(Runs(), jobs.slots, jobs._kept)
-    other.search(few(1e-2))
-    wait(lambda: not other.status.running)
-    assert other.status.known == other.status.done == jobs.status.done and other.status.task is None  # no run began
-    assert other.status.advice == jobs.status.advice
-    assert [run.row for run in other.runs.all()] == [run.row for run in jobs.runs.all()]
-    assert f"{other.status.known} of them had been made by earlier searches" in words.going(other.status)
-    other.search(few(3e-3))
-    wait(lambda: not other.status.running)
-    assert 2 <= other.status.known < other.status.done and other.status.advice["error"] <= 3e-3 * SCENE.amplitude
-    another = replace(few(1e-2), base=task_of(replace(SCENE, amplitude=0.01)).to_dict())
-    other.search(another)
-    wait(lambda: not other.status.running)
-    assert other.status.known == 0 < other.status.done
-    other.close()
-
-
-def test_a_time_that_was_disturbed_is_taken_anew_where_nothing_disturbs(jobs):
-    """The run itself is not made again."""
-    jobs.search(few(1e-2), quiet=False)
-    wait(lambda: not jobs.status.running)
-    about, keys = jobs._about, [run.row["key"] for run in jobs.runs.all()]
-    assert all("rate" not in point for point in jobs._kept.known(about, quiet=True).values())
-    assert all(point["rate"] > 0 for point in jobs._kept.known(about, quiet=False).values())
-    jobs.search(few(1e-2), quiet=True)
-    wait(lambda: not jobs.status.running)
-    # Which runs are looked at may follow the new times; those that were known are none that begin.
-    assert jobs.status.known >= 2 and jobs._about == about
-    timed = [key for key, point in jobs._kept.known(about, quiet=True).items() if "rate" in point]
-    assert set(timed) & set(keys)
+def test_a_search_is_told_what_is_known_and_times_only_as_they_were_taken(jobs, pools):
+    """Of the same motion, whatever the tolerance; a time that was disturbed is no time where nothing disturbs."""
+    for tolerance, quiet, rate in ((1e-2, False, None), (3e-3, True, None), (1e-2, False, 2e-9)):
+        jobs.search(few(tolerance), quiet)
+        known = pools[-1].question["known"]
+        assert [point.get("rate") for point in known.values()] == ([rate] if pools[1:] else [])
+        pools[-1].hear({"row": made_up(), "known": bool(known), "point": told(Point(20, 1e-3, 2e-9))})
+        assert jobs.status.known == len(known) and jobs.status.done == 1
+        pools[-1].end()
+    jobs.search(replace(few(1e-2), base=task_of(replace(SCENE, amplitude=0.01)).to_dict()))
+    assert pools[-1].question["known"] == {}
 
 
 @pytest.fixture
-def ready():
+def ready(pools):
     ready = Ready("solvers.study.jobs:search", Slots(1))
     yield ready
     ready.end()
 
 
-def test_a_search_takes_the_process_that_is_ready(jobs, ready):
-    """It is asked to get ready once, says nothing, and is the one that searches, and that searches again; a sweep ends
-    it."""
+def test_a_search_takes_the_process_that_is_ready(jobs, ready, pools):
+    """It is asked to get ready once, and is the one that searches, and that searches again, until it has given way: it
+    would for ever. A sweep ends it."""
     jobs._ready = ready
-    jobs.prepare(few(1e-2), quiet=True)
-    [process] = ready._pool.process_ids
-    jobs.prepare(few(1e-2), quiet=True)
-    assert ready._pool.process_ids == [process] and ready._places.taken == 1
+    for _ in range(2):
+        jobs.prepare(few(1e-2), quiet=True)
+    first = pools[0]
+    assert first.question[READY] and ready._pool is first and ready._places.taken == 1
     jobs.search(few(1e-2))
-    assert jobs.process_id == process and ready._pool is None and ready._places.taken == 0
-    wait(lambda: not jobs.status.running)
-    assert jobs.status.advice and jobs.status.done == jobs.status.advice["looks"]
-    assert ready._pool.process_ids == [process]
+    assert jobs._pool is first and ready._pool is None and ready._places.taken == 0 and READY not in first.question
+    first.end()
+    assert ready._pool is first and not first.closed
     jobs.search(few(3e-3))
-    assert jobs.process_id == process
+    first.hear({"row": made_up()})
     jobs.beside()
-    wait(lambda: not jobs.status.running)
-    assert ready._pool is None and not alive(process)  # it would give way for ever
+    first.end()
+    assert first.ways == 1 and ready._pool is None and first.closed
     jobs.prepare(few(1e-2), quiet=True)
-    [process] = ready._pool.process_ids
+    second = ready._pool
     jobs.sweep(small_sweep(SCENE)[:1])
-    assert jobs.process_id != process
-    wait(lambda: not alive(process) and not jobs.status.running)
+    assert jobs._pool is not second
+    until(lambda: second.closed, "the end of what was ready")
 
 
-def test_few_processes_are_ready_and_none_for_ever(ready):
+def test_few_processes_are_ready_and_none_for_ever(ready, pools):
     """A second visitor gets none while the first one's is there; who leaves, or takes too long, takes it along."""
     first, second = (Jobs(Runs(), Slots(1), KeptPoints()) for _ in range(2))
     first._ready, second._ready = ready, Ready("solvers.study.jobs:search", ready._places, rests=0.1)
     first.prepare(few(1e-2), quiet=False)
-    [process] = ready._pool.process_ids
-    assert os.getpriority(os.PRIO_PROCESS, process) > os.getpriority(os.PRIO_PROCESS, 0)
+    mine = ready._pool
+    assert mine.ways == 1
     second.prepare(few(1e-2), quiet=True)
     assert second._ready._pool is None
     first.close()
-    wait(lambda: not alive(process))
+    until(lambda: mine.closed, "the end of the first one's")
     first.prepare(few(1e-2), quiet=True)
     assert ready._pool is None
     second.prepare(few(1e-2), quiet=True)
-    wait(lambda: second._ready._pool is None and ready._places.taken == 0)
+    until(lambda: second._ready._pool is None and ready._places.taken == 0, "the end of the second one's")
 
 
 def test_who_opens_the_tab_has_a_process_made_ready(tab):
@@ -347,15 +334,6 @@ def test_tab_says_what_disturbs_the_times_and_gives_way_to_it(tab):
     assert "Your stage" not in said() and "Other visitors" not in said() and "paused" not in said()
 
 
-def test_job_gives_way_when_told_to(jobs):
-    jobs.sweep([task_of(BarScene(cells=2000, periods=100))])
-    before = os.getpriority(os.PRIO_PROCESS, jobs.process_id)
-    assert before == os.getpriority(os.PRIO_PROCESS, 0) and not jobs.others
-    jobs.give_way()
-    assert os.getpriority(os.PRIO_PROCESS, jobs.process_id) > before or before == 19
-    assert Jobs(Runs(), jobs.slots).others
-
-
 def test_a_search_gives_way_once_it_has_shown_a_run(jobs):
     """A sweep does at once: nobody waits for its first row in particular."""
     ways = []
@@ -389,12 +367,12 @@ def test_advice_goes_when_what_was_asked_changes(tab):
         assert question(replace(SCENE, **change)) != question(SCENE)
 
 
-def test_search_ends_when_what_was_asked_changes(tab):
+def test_search_ends_when_what_was_asked_changes(tab, pools):
     tab.widgets.by_label[SEARCH].click()
     assert tab.jobs.status.running
     tab.stage.scene = replace(SCENE, amplitude=0.01)
     tab.refresh()
-    wait(lambda: not tab.jobs.status.running)
+    until(lambda: not tab.jobs.status.running, "the end of the search")
     tab.refresh()
     assert words.going(tab.jobs.status) == "The search was cancelled."
     assert "What it was to find has changed." in tab.widgets.said

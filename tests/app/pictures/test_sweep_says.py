@@ -12,7 +12,7 @@ import pytest
 from app.pictures.run import png_bytes
 from app.pictures.study import FIGURES, error_spacing_figure, error_step_figure, error_time_figure
 from app.pictures.study_parts import UNSTABLE_LOOK
-from solvers.study import fit, row, series
+from solvers.study import fit, row
 from solvers.study import summary as table
 from solvers.study.grid import Task
 from tests.rows import made_up
@@ -44,17 +44,17 @@ def test_the_brink_of_stability_is_no_time_error():
 
 def test_series_are_alike_but_for_one_input():
     rows = [made_up(method, cells, cfl) for method in ("ugimp", "bspline") for cells in (40, 20) for cfl in (0.1, 0.2)]
-    lines = series.series(rows)
+    lines = fit.series(rows)
     assert [(line.method, line.inputs["cfl"]) for line in lines] == [
         (method, cfl) for method in ("ugimp", "bspline") for cfl in (0.1, 0.2)]
     assert [row["scene"]["cells"] for row in lines[0].rows] == [20, 40]
-    assert next(line.inputs for line in series.series(rows, "dt")) == {"method": "ugimp", "cells": 40}
-    assert all(entry["orders"]["x"]["order"] == pytest.approx(2) for entry in series.fits(rows))
+    assert next(line.inputs for line in fit.series(rows, "dt")) == {"method": "ugimp", "cells": 40}
+    assert all(entry["orders"]["x"]["order"] == pytest.approx(2) for entry in fit.fits(rows))
 
 
 def test_unstable_rows_are_not_fitted():
     rows = [made_up(cells=20), made_up(cells=40), made_up(cells=80, order=-3, status="unstable")]
-    assert series.fits(rows)[0]["orders"]["x"]["points"] == 2
+    assert fit.fits(rows)[0]["orders"]["x"]["points"] == 2
 
 
 def test_the_table_has_a_column_for_everything():

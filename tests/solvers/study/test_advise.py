@@ -3,7 +3,6 @@
 import json
 import math
 from dataclasses import replace
-from itertools import product
 
 import pytest
 
@@ -20,6 +19,7 @@ from solvers.study.jobs import COURANT_NUMBERS, PARTICLES_PER_CELL
 STEP = {"ugimp": 15.0, "cpgimp": 10.0, "bspline": 8.5, "cpdi": 32.0, "mpm": 8.0, "cpgimp-v": 20.0}
 BAR = BarScene(amplitude=2.5e-4, periods=1, estimators=(), effects=())
 RING = RingScene(estimators=(), effects=())
+MADE: dict[tuple, Point] = {}  # what a member of a family has given, for all tests
 VORTEX = VortexScene(amplitude=0.3, periods=0.2, estimators=(), effects=())
 
 
@@ -75,40 +75,20 @@ def test_time_grows_as_cells_squared_on_a_bar():
     assert cells == 40
 
 
-def exhaustive(choices: list[Family], goal: Goal, grid: list[int]) -> float:
-    """Seconds of the cheapest member on the grid whose estimate meets the goal."""
-    best = math.inf
-    for choice, cells in product(choices, grid):
-        one = Family(choice.scene, choice.quantity, choice.multiple)
-        if one.measure(cells).error <= goal.tolerance:
-            best = min(best, one.seconds(cells))
-    return best
+@pytest.fixture
+def rates(monkeypatch):
+    """Times are steps times particles times a rate, which is given here and not measured: a processor may be twice as
+    fast when the search has ended as when it began. No run is made twice."""
+    def measured(family: Family, cells: int) -> Point:
+        key = family.member(cells), family.quantity
+        if key in MADE:
+            return family.take(MADE[key])
+        MADE[key] = measure(family, cells)
+        return MADE[key]
 
-
-@pytest.mark.parametrize(("base", "methods", "numbers", "steps", "grid", "tolerances"), [
-    pytest.param(BAR, [("ugimp", True), ("cpgimp", False), ("bspline", False)], (2, 4), (0.1, 0.4),
-                 [10, 14, 20, 28, 40, 56, 80, 112, 160], (1e-2, 1e-3, 3e-4), marks=pytest.mark.slow),
-    pytest.param(RING, [("ugimp", False), ("cpdi", False)], (2, 3), (0.3, 0.5), [12, 18, 24, 30, 42, 60],
-                 (3e-2, 5e-3), marks=pytest.mark.slow),
-    (RING, [("ugimp", False), ("cpdi", False)], (2,), (0.5,), [12, 18, 24, 30], (3e-2,))],
-    ids=["bar", "ring", "ring, in short"])
-def test_the_answer_holds_and_is_cheap(base, methods, numbers, steps, grid, tolerances, monkeypatch):
-    """The true error is within the tolerance, and no member of an exhaustive search is cheaper by a half.
-
-    Times are steps times particles times a rate, which is given here and not measured: a processor may be twice as fast
-    when the search has ended as when it began. The truth may exceed an estimate that just meets the tolerance by the
-    estimate's own error, 1 %.
-    """
+    measure = Family.measure
+    monkeypatch.setattr(Family, "measure", measured)
     monkeypatch.setattr("solvers.study.family._seconds_per_particle_step", lambda scene: 1e-9 * STEP[scene.method])
-    choices = families(base, methods, numbers, steps, "x")
-    for tolerance in tolerances:
-        goal = Goal("x", tolerance * base.amplitude, budget=20.0)
-        advice = advise([Family(c.scene, c.quantity, c.multiple) for c in choices], goal)
-        assert advice.met and advice.chosen.measured and advice.chosen.error <= goal.tolerance
-        truth = run(replace(advice.chosen.scene, estimators=(), effects=("truth",)))
-        assert truth.error["x"]["max"] <= 1.01 * goal.tolerance
-        assert advice.chosen.seconds <= 1.5 * exhaustive(choices, goal, grid)
-        assert advice.why
 
 
 def brute_force(choices: list[Family], goal: Goal, most: int) -> float:
@@ -145,10 +125,9 @@ def tried_seconds(scene, cells: int) -> float:
     pytest.param(replace(RING, amplitude=0.03, periods=0.5), None, "x", 5e-3, 60, marks=pytest.mark.slow),
     pytest.param(VORTEX, None, "x", 2e-2, 60, marks=pytest.mark.slow)],
     ids=["bar", "bar, all methods", "ring", "vortex"])
-def test_no_run_is_cheaper_by_a_quarter(base, methods, quantity, part, most, monkeypatch):
+def test_no_run_is_cheaper_by_a_quarter(base, methods, quantity, part, most, rates):
     """Of all that a search chooses from unless it is told: one to four particles per cell, steps of cfl .1 to .6. It
     took 1.1 to 4.9 times the time of the cheapest run when it tried two to four, and no more than cfl .5."""
-    monkeypatch.setattr("solvers.study.family._seconds_per_particle_step", lambda scene: 1e-9 * STEP[scene.method])
     choices = families(base, methods or base.candidates(), PARTICLES_PER_CELL, COURANT_NUMBERS, quantity)
     goal = Goal(quantity, part * base.size_of(quantity), budget=20.0)
     advice = advise([Family(c.scene, c.quantity, c.multiple) for c in choices], goal)
@@ -158,9 +137,8 @@ def test_no_run_is_cheaper_by_a_quarter(base, methods, quantity, part, most, mon
     assert truth.error[quantity]["max"] <= 1.01 * goal.tolerance
 
 
-def test_what_cannot_win_is_run_once(monkeypatch):
+def test_what_cannot_win_is_run_once(rates):
     """A search that chooses from a hundred families makes little more than one coarse run of each."""
-    monkeypatch.setattr("solvers.study.family._seconds_per_particle_step", lambda scene: 1e-9 * STEP[scene.method])
     choices = families(BAR, [("cpgimp", False), ("bspline", False)], PARTICLES_PER_CELL, COURANT_NUMBERS, "x")
     advice = advise(choices, Goal("x", 1e-2 * BAR.amplitude, budget=20.0))
     assert advice.looks < 1.5 * len(choices) < 75
@@ -184,9 +162,8 @@ def usual(base, tolerance: float, **how):
 
 
 @pytest.mark.parametrize("tolerance", [1e-2, 1e-3])
-def test_a_first_answer_comes_long_before_the_last(tolerance, monkeypatch):
+def test_a_first_answer_comes_long_before_the_last(tolerance, rates):
     """One family of each method is followed first; what comes later is cheaper, or not said."""
-    monkeypatch.setattr("solvers.study.family._seconds_per_particle_step", lambda scene: 1e-9 * STEP[scene.method])
     advice, points = usual(BAR, tolerance)
     meets = [k for k, (_, point) in enumerate(points) if point.error <= tolerance * BAR.amplitude]
     assert meets[0] < 6 and len(points) == advice.looks > 80  # one method, on at most six grids
@@ -195,9 +172,8 @@ def test_a_first_answer_comes_long_before_the_last(tolerance, monkeypatch):
     assert [point.cells for _, point in scouted[:1]] == [10]
 
 
-def test_what_is_known_is_not_run_again(monkeypatch):
+def test_what_is_known_is_not_run_again(rates):
     """The same search makes no run and ends alike; another tolerance makes those only that are new."""
-    monkeypatch.setattr("solvers.study.family._seconds_per_particle_step", lambda scene: 1e-9 * STEP[scene.method])
     advice, points = usual(BAR, 1e-2)
     known = {(scene, point.cells): point for scene, point in points}
     looks = []
@@ -222,9 +198,8 @@ def test_a_known_run_without_a_time_is_timed(monkeypatch):
     assert one.take(Point(20, 1e-4, 2e-9)).seconds_per_particle_step == 2e-9 and len(timed) == 1
 
 
-def test_what_a_coarse_grid_meets_is_not_run_twice(monkeypatch):
+def test_what_a_coarse_grid_meets_is_not_run_twice(rates):
     """Of the runner-up one member is known and meets the goal: a second look at it would find no order."""
-    monkeypatch.setattr("solvers.study.family._seconds_per_particle_step", lambda scene: 1e-9 * STEP[scene.method])
     advice, points = usual(BAR, 1e-1)
     assert advice.met and len({(scene, point.cells) for scene, point in points}) == len(points)
 

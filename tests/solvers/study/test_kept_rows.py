@@ -1,4 +1,4 @@
-"""Rows kept by a study and by the tables, spoilt in every way; closed streams."""
+"""Rows kept by a study, spoilt in every way; closed streams."""
 
 from __future__ import annotations
 
@@ -6,18 +6,13 @@ import json
 import os
 import subprocess
 import sys
-from concurrent.futures import Future
-from pathlib import Path
 
 import pytest
 
 from app.cli import main
-from solvers.study.grid import Task
-from solvers.study.row import fingerprint
-from solvers.study.store import NotWhole, Store, StoreError
-from solvers.study.tables import plan
-from solvers.study.tables.making import Making
-from solvers.study.tables.rows import read_row, write_row
+from solvers.study.row import fault
+from solvers.study.store import Store, StoreError
+from solvers.study.tables.document import MEASURED
 from tests.paths import ROOT
 from tests.processes import HANG
 from tests.rows import made_up
@@ -84,81 +79,17 @@ def test_a_last_row_that_lacks_only_its_end_of_line_is_kept(tmp_path):
     assert [row["scene"]["cells"] for row in kept] == [20, 40]
 
 
-class Instant:
-    """A place that needs no time and counts what it is asked for."""
-
-    asked = 0
-
-    def __init__(self, workers: int, work: str): ...
-
-    def submit(self, task: Task) -> Future:
-        Instant.asked += 1
-        future: Future = Future()
-        future.set_result({**made_up(cells=task.inputs["cells"]), "key": task.key, "asked": task.inputs})
-        return future
-
-    def check(self) -> None: ...
-
-    def close(self) -> None: ...
-
-
-def test_rows_of_other_source_are_measured_again_and_said(tmp_path, monkeypatch, capsys):
-    monkeypatch.setattr("solvers.study.places.Here", Instant)
-    monkeypatch.setattr("app.pictures.study.FIGURES", {})
-    flags = ["sweep", "bar", "--cells", "20", "40", "--out", str(tmp_path)]
-    assert main(flags) == 0
-    path = tmp_path / "rows.jsonl"
-    first, second = path.read_text().splitlines()
-    path.write_text(first.replace(fingerprint(), "0" * 64) + "\n" + second + "\n")
-    capsys.readouterr()
-    Instant.asked = 0
-    assert main([*flags, "--resume"]) == 0
-    assert Instant.asked == 1 and path.read_text().count("\n") == 3
-    assert "1 row was measured by another version of the solvers and is measured again" in capsys.readouterr().err
-    assert main([*flags, "--resume"]) == 0
-    assert Instant.asked == 1 and "another version" not in capsys.readouterr().err
-
-
-# ---- the tables' rows -----------------------------------------------------------------------------------------
-
-
-@pytest.fixture(scope="module")
-def kept(tmp_path_factory) -> tuple[Path, plan.Row]:
-    folder = tmp_path_factory.mktemp("rows")
-    row = plan.table_1({"bar": ("transport",)}, cells=(20,), end=0.01, long=0.02).rows[0]
-    Making([row], {}, 1, lambda part, name: None, lambda row, made: write_row(folder, row, made)).make()
-    return folder, row
-
-
-def change(values: dict, names: str, value: object) -> None:
-    *path, last = names.split(".")
-    for name in path:
-        values = values[name]
-    values[last] = value
-
-
-@pytest.mark.parametrize(("names", "value", "says"), [
-    ("results", {}, "it has no results.errors"), ("results", [], "results is of the wrong kind"),
-    ("results.errors", {}, "it has no results.errors.scene"), ("results.cost", 3, "results.cost is no object"),
-    ("results.errors.error", {}, "it has no results.errors.error.x"), ("results.errors.error.x.max", "1", "wrong kind"),
-    ("results.errors.scene", {}, "other scenes"), ("solvers", "0", "another version"), ("scenes", 1, "another version"),
-])
-def test_a_tables_row_that_is_spoilt_is_not_taken(names, value, says, kept, tmp_path):
-    folder, row = kept
-    values = json.loads((folder / f"{row.name}.json").read_text())
-    change(values, names, value)
-    (tmp_path / f"{row.name}.json").write_text(json.dumps(values))
-    assert read_row(folder, row) is not None and read_row(tmp_path / "nowhere", row) is None
-    with pytest.raises(NotWhole, match=says):
-        read_row(tmp_path, row)
-
-
-@pytest.mark.parametrize("content", [b"", b"[]", b"3", b"null", b"\xff", b"[" * 100_000, b'{"results": NaN}'], ids=repr)
-def test_a_tables_row_that_is_no_row_is_not_taken(content, kept, tmp_path):
-    _, row = kept
-    (tmp_path / f"{row.name}.json").write_bytes(content)
-    with pytest.raises(NotWhole, match=r"cannot be read|not a whole row"):
-        read_row(tmp_path, row)
+def test_a_row_of_the_tables_has_what_is_read_of_it():
+    run = {"scene": {}, "t": 1.0, "particles": 8, "error": {"x": {"max": 1e-3}}, "index": {}, "distance": {},
+           "grid_crossings": None, "not_valid": {},
+           "seconds": {"setup": 0, "compile": 1, "run": 1.0, "estimators": {"transport": 0.1}}}
+    row = {**GOOD, "result": run}
+    assert fault(row, MEASURED) is None is fault({**GOOD, "status": "failed"}, MEASURED)
+    for spoilt, says in ((GOOD, "it has no result"), ({**row, "result": []}, "result is no object"),
+                         ({**row, "result": {**run, "error": {"x": {"max": "1"}}}}, "error.x.max is of the wrong kind"),
+                         *(({**row, "result": {n: v for n, v in run.items() if n != name}}, f"no result.{name}")
+                           for name in run)):
+        assert says in fault(spoilt, MEASURED)
 
 
 # ---- closed streams -------------------------------------------------------------------------------------------

@@ -4,19 +4,19 @@ from __future__ import annotations
 
 import json
 import os
-import signal
-import threading
 from concurrent.futures import Future
 
+import numpy as np
 import pytest
 
+from solvers import SceneError, sweep
 from solvers.problems.bar.scene import BarScene
 from solvers.study import row
 from solvers.study.grid import Task, combinations, plan
-from solvers.study.places import ATTEMPTS, MEASURE_ROW, Here, PlaceLost, execute
+from solvers.study.places import ATTEMPTS, Here, PlaceLost, execute
 from solvers.study.store import Store, StoreError
-from solvers.workers.processes import ProcessDied, WorkerProcess
-from tests.processes import processor_seconds, until
+from solvers.study.sweep import Rows
+from solvers.workers.processes import ProcessDied
 from tests.rows import made_up
 
 QUICK = {"cells": 8, "ppc": 2, "periods": 0.2}
@@ -41,9 +41,11 @@ def test_a_key_belongs_to_the_scene_not_to_its_wording():
 
 
 def test_a_task_survives_json():
-    task = plan("bar", {"estimator": [("transport",)], "effects": [()], "amplitude": [float("nan")]}, repeats=2)[0]
+    task = plan("bar", {"estimator": [("transport",)], "effects": [()], "amplitude": [0.1, float("nan")]}, repeats=2)[1]
     assert Task(**json.loads(json.dumps(task.to_dict(), allow_nan=False))).key == task.key
-    assert task.refusal().field == "amplitude"
+    assert task.refusal().field == "amplitude" and task.remarks() == [f"refused: {task.refusal()}"]
+    with pytest.raises(SceneError, match="amplitude"):
+        plan("bar", {"amplitude": [0.2, 0.3]})
 
 
 # ---- one row ----------------------------------------------------------------------------------------------
@@ -81,29 +83,6 @@ def test_bad_runs_are_rows(monkeypatch):
     monkeypatch.setattr("solvers.running.run.build", lambda scene: (_ for _ in ()).throw(MemoryError("no\nroom")))
     failed = row.measure(Task("bar", QUICK))
     assert (failed["status"], failed["reason"]) == ("failed", "MemoryError: no room")
-
-
-def test_a_process_that_dies_says_so_and_starts_again():
-    process = WorkerProcess(MEASURE_ROW)
-
-    def measured(task: Task) -> dict:
-        [found] = process.ask(task.to_dict())
-        return found
-
-    try:
-        assert row.measure(Task("bar", QUICK, repeats=1)).keys() == measured(Task("bar", QUICK, 1)).keys()
-        first = process.process_id
-        idle = processor_seconds(first)
-        killer = threading.Thread(target=lambda: (
-            until(lambda: processor_seconds(first) > idle + 0.1, "a row under way"), os.kill(first, signal.SIGKILL)))
-        killer.start()
-        with pytest.raises(ProcessDied, match="SIGKILL"):
-            measured(Task("bar", {"cells": 100, "periods": 10_000}, 1))
-        assert process.process_id is None
-        assert measured(Task("bar", QUICK, 1))["status"] == "ok" and process.process_id != first
-    finally:
-        process.close()
-    assert process.process_id is None
 
 
 # ---- many rows --------------------------------------------------------------------------------------------
@@ -211,3 +190,37 @@ def test_two_sweeps_do_not_write_to_one_file(tmp_path):
     with pytest.raises(StoreError, match="another sweep"):
         Store(tmp_path, "bar", resume=True)
     store.close()
+
+
+# ---- columns of rows, as a user of Python asks for them ---------------------------------------------------------
+
+ROWS = Rows([{"cells": 10, "error": 0.5, "method": "mpm", "on": True, "reason": None},
+             {"cells": 20, "error": None, "method": "ugimp", "on": False, "reason": "lost"}])
+
+
+def test_a_name_gives_a_column():
+    assert ROWS["cells"].dtype.kind == "i" and ROWS["cells"].tolist() == [10, 20]
+    assert ROWS["error"].dtype == float and ROWS["error"][0] == 0.5 and np.isnan(ROWS["error"][1])
+    assert (ROWS["method"] == "mpm").tolist() == [True, False]
+    assert ROWS["on"].tolist() == [True, False] and ROWS["reason"].tolist() == [None, "lost"]
+
+
+def test_it_is_still_a_list_of_rows():
+    assert ROWS[0]["cells"] == 10 and ROWS[-1] == ROWS[1] and len(ROWS) == 2
+    assert isinstance(ROWS[:1], Rows) and ROWS[:1]["cells"].tolist() == [10]
+    assert Rows(row for row in ROWS if row["on"])["cells"].tolist() == [10]
+    assert ROWS.columns == ["cells", "error", "method", "on", "reason"] and Rows().columns == []
+
+
+@pytest.mark.parametrize(("rows", "name", "says"), [
+    (ROWS, "eror", "did you mean error"), (ROWS, "x", "they have cells, error, method"), (Rows(), "cells", "none")])
+def test_a_column_that_there_is_not(rows, name, says):
+    with pytest.raises(SceneError, match=says):
+        rows[name]
+
+
+def test_a_sweep_has_columns():
+    rows = sweep("bar", cells=[5, 10], method=["mpm", "bspline"], periods=0.1, estimators=(), repeats=0)
+    second_order = rows["error.x.max"][rows["scene.method"] == "bspline"]
+    assert rows["scene.cells"].tolist() == [5, 5, 10, 10] and second_order[1] < second_order[0] / 3
+    assert np.isnan(rows["seconds.min"]).sum() == 0 and set(rows["status"]) == {"ok"}

@@ -1,37 +1,28 @@
-"""``mpm-lab tables``: the paper's numbers beside ours, rows that survive a kill, and what is written of them."""
+"""``mpm-lab tables``: the paper's numbers beside ours, and what is written of them."""
 
 from __future__ import annotations
 
 import json
-import os
-import signal
-import subprocess
-import sys
-from concurrent.futures import Future
 
 import pytest
 
 from app.cli import main
-from app.commands.study import tables as command
-from app.commands.study.tables_text import markdown
+from app.commands.study.tables import Tables, markdown
 from app.pictures.tables import figure
 from app.words import QUANTITIES
 from solvers.problems import PROBLEMS
 from solvers.scene.registry import ESTIMATORS
-from solvers.study.tables import making, paper, plan, rows
-from solvers.study.tables.document import document
-from solvers.study.tables.making import Making
-from solvers.study.tables.paper import digits, short
+from solvers.study.row import failed, fault
+from solvers.study.tables import plan
+from solvers.study.tables.document import MEASURED, document, measure_run, results_of, runs
+from solvers.study.tables.plan import digits, short
 from tests.paths import ROOT
-from tests.processes import HANG
+from tests.rows import Instant
 
-ONE = {"bar": ("transport",), "ring": ("transport",)}
 #: Cut-down tables: the coarsest rows, the bar for a hundredth of the time.
-MADE = """{"1": plan.table_1({"bar": ("transport",)}, cells=(20,), end=0.01, long=0.02),
-           "2": plan.table_2({"ring": ("transport",)}, cells=(12,), methods=("cpdi",)),
-           "3": plan.table_3({"ring": ("transport",)}, cells=(12,), methods=("cpdi",))}"""
-CUT = eval(MADE)
-ROWS = [row for number in ("1", "2") for row in CUT[number].rows]  # Table 3 has the rows of Table 2
+CUT = {"1": plan.table_1({"bar": ("transport",)}, cells=(20,), end=0.01, long=0.02),
+       "2": plan.table_2({"ring": ("transport",)}, cells=(12,), methods=("cpdi",)),
+       "3": plan.table_3({"ring": ("transport",)}, cells=(12,), methods=("cpdi",))}
 
 
 @pytest.fixture(autouse=True)
@@ -40,57 +31,28 @@ def cut_down(monkeypatch):
 
 
 @pytest.fixture(scope="module")
-def results() -> dict:
-    """The runs of every row, once for all tests."""
-    return made_of(ROWS, {}, 1)
+def measured() -> dict[str, dict]:
+    """The row of every run by its key, once for all tests."""
+    found: list[dict] = []
+    for task in runs(CUT.values()):
+        measure_run(task.to_dict(), found.append)
+    return {row["key"]: json.loads(json.dumps(row, allow_nan=False)) for row in found}
 
 
-def made_of(wanted: list, begun: dict, processes: int) -> dict:
-    """Rows as they are made."""
-    found = {}
-    Making(wanted, begun, processes, lambda part, name: None, lambda row, runs: found.update({row.name: runs})).make()
-    return found
-
-
-class Remembered:
-    """In the place of :class:`Making`: rows come from ``results`` instead of being run. ``asked`` are their names."""
-
-    results: dict
-    asked: list[str]
-
-    def __init__(self, rows, begun, processes, show, keep):
-        self._rows, self._keep = rows, keep
-
-    def make(self):
-        for row in self._rows:
-            self.asked.append(row.name)
-            self.before(row)
-            self._keep(row, self.results[row.name])
-
-    def before(self, row):
-        """What else happens first."""
+@pytest.fixture(scope="module")
+def results(measured) -> dict:
+    return {name: runs for table in CUT.values() for name, runs in results_of(table, measured.values()).items()}
 
 
 @pytest.fixture
-def remembered(results, monkeypatch) -> type[Remembered]:
-    made = type("Made", (Remembered,), {"results": dict(results), "asked": []})
-    monkeypatch.setattr(command, "Making", made)
-    return made
+def place(measured, monkeypatch) -> Instant:
+    """Where runs are there at once."""
+    place = Instant(lambda task: measured[task.key])
+    monkeypatch.setattr("solvers.study.places.Here", place)
+    return place
 
 
-@pytest.fixture
-def counted(remembered) -> list[str]:
-    """The names of the rows that were asked for."""
-    return remembered.asked
-
-
-@pytest.fixture
-def unwritten(monkeypatch) -> None:
-    """Only rows are written: drawing takes its time."""
-    monkeypatch.setattr(command, "_write", lambda *_: None)
-
-
-@pytest.fixture
+@pytest.fixture(scope="module")
 def made(results) -> dict[str, dict]:
     """The three tables' objects, as they read in their files."""
     return {number: json.loads(json.dumps(document(table, results), allow_nan=False)) for number, table in CUT.items()}
@@ -103,12 +65,12 @@ def test_the_papers_numbers_are_those_of_the_bars_reference():
     reference = json.loads((ROOT / "assets/reference/bar.json").read_text())["table1"]
     for case in ("small", "large"):
         for cells, row in reference[case]["rows"].items():
-            printed = paper.bar(reference[case]["modulus"], int(cells))
+            printed = plan.printed_bar(reference[case]["modulus"], int(cells))
             assert {key: printed[key] for key in row["paper"]} == row["paper"]
             assert {q: printed[f"index_{q}"] for q in row["paper_index"]} == row["paper_index"]
-    assert paper.ring_errors("cpdi", 96) == {"x": 8.9e-6, "v": 1.4e-2, "a_nodes": 7.6e1}
-    assert paper.ring_index("ugimp", 12) == {"index_x": 0.69}
-    assert paper.bar(4.0, 21) == paper.ring_errors("cpdi", 13) == paper.ring_index("mpm", 12) == {}
+    assert plan.printed_ring_errors("cpdi", 96) == {"x": 8.9e-6, "v": 1.4e-2, "a_nodes": 7.6e1}
+    assert plan.printed_ring_index("ugimp", 12) == {"index_x": 0.69}
+    assert plan.printed_bar(4.0, 21) == plan.printed_ring_errors("cpdi", 13) == plan.printed_ring_index("mpm", 12) == {}
 
 
 def test_whole_tables_have_the_papers_rows_twice(monkeypatch):
@@ -252,191 +214,60 @@ def test_pictures_show_ours_and_the_papers(made):
 # ---- the command ----------------------------------------------------------------------------------------------
 
 
-def test_all_writes_nine_files_and_keeps_every_row(tmp_path, counted, capsys):
-    assert main(["tables", "all", "--out", str(tmp_path / "new" / "dir")]) == 0
+def test_runs_are_made_once_those_that_are_timed_alone(measured):
+    """All that is only computed side by side, the longest first; then one at a time, with the price of estimators.
+    Tables 2 and 3 share their runs."""
+    wanted = runs(CUT.values())
+    together, *alone = Tables.stages(Tables.__new__(Tables), wanted)
+    work = [task.scene().particles * task.scene().steps for task in together]
+    assert work == sorted(work, reverse=True) and len(together) == 4 * 2 + 2
+    assert [len(group) for group in alone] == [1] * 6
+    assert all(task.scene().sample_every is None and task.repeats for [task] in alone)
+    for task in wanted:
+        assert fault(measured[task.key], MEASURED) is None
+        assert bool(measured[task.key]["result"]["seconds"]["estimators"]) == bool(task.repeats)
+
+
+def test_all_writes_nine_files_and_goes_on_where_it_was(place, tmp_path, monkeypatch, capsys):
+    """A run is not made again for another table, but by another version of the solvers, or after it had failed."""
+    out = ["--out", str(tmp_path / "new" / "dir")]
+    assert main(["tables", "2", *out]) == 0
+    asked = len(place.asked)
+    assert main(["tables", "all", *out, "--quiet"]) == 0
     folder = tmp_path / "new" / "dir"
-    assert {path.name for path in folder.iterdir()} == {"rows", *(f"table{n}.{kind}" for n in "123"
-                                                                  for kind in ("md", "json", "png"))}
+    assert {path.name for path in folder.iterdir()} == {"rows.jsonl", *(f"table{n}.{kind}" for n in "123"
+                                                                        for kind in ("md", "json", "png"))}
     for number in "123":
         table = json.loads((folder / f"table{number}.json").read_text())
         assert (folder / f"table{number}.md").read_text() == markdown(table)
         assert (folder / f"table{number}.png").read_bytes().startswith(b"\x89PNG\r\n\x1a\n")
-    assert sorted(counted) == sorted(path.stem for path in (folder / "rows").iterdir())
-    assert len(counted) == len(set(counted)) == len(ROWS)  # Tables 2 and 3 share theirs
-    assert capsys.readouterr() == ("", "")
+    assert asked == 4 and len(place.asked) == len(runs(CUT.values())) == (folder / "rows.jsonl").read_text().count("\n")
+    said = capsys.readouterr()
+    assert said.out == "" and "4/4 ring, cpdi, 12 cells: ok" in said.err
+    first = (folder / "table3.md").read_text()
+    assert main(["tables", "3", *out]) == 0
+    assert capsys.readouterr().err == "mpm-lab: 4 rows, 4 of them there already\n"
+    assert len(place.asked) == 16 and (folder / "table3.md").read_text() == first
+    monkeypatch.setattr("solvers.study.store.fingerprint", lambda: "another")
+    assert main(["tables", "3", *out]) == 0
+    assert len(place.asked) == 20
 
 
-def test_a_finished_table_is_not_run_again(tmp_path, counted, capsys):
-    assert main(["tables", "3", "--out", str(tmp_path)]) == 0
-    first = (tmp_path / "table3.md").read_text()
-    assert main(["tables", "2", "--out", str(tmp_path)]) == main(["tables", "3", "--out", str(tmp_path)]) == 0
-    assert len(counted) == 2 and (tmp_path / "table3.md").read_text() == first
-    assert capsys.readouterr().err.splitlines() == ["mpm-lab: 2 of 2 rows are there already"] * 2
+def test_an_unstable_row_is_marked_and_exits_3(place, measured, tmp_path, capsys):
+    reason = "the run went unstable"
+    place._answer = lambda task: {**measured[task.key], "result": {
+        **measured[task.key]["result"], "status": "unstable", "reason": reason}}
+    assert main(["tables", "2", "--out", str(tmp_path), "--quiet"]) == 3
+    said = capsys.readouterr().err
+    assert said == "".join(f"mpm-lab: ring-{name}-cpdi-12: {reason}\n" for name in ("ours", "fitted"))
+    text = (tmp_path / "table2.md").read_text()
+    assert "| 12[^1] |" in text and f"[^1]: {reason}" in text
 
 
-@pytest.mark.parametrize("spoil", [
-    lambda path: path.write_text("not json"), lambda path: path.write_text(path.read_text()[:-100]),
-    lambda path: path.write_bytes(b"\xff\xfe\x00"), lambda path: path.write_text("[]"),
-    lambda path: path.write_text("{}"),
-    lambda path: path.write_text(path.read_text().replace('"cells": 12', '"cells": 13')),
-    lambda path: path.write_text(path.read_text().replace('"cost"', '"price"')), lambda path: path.unlink()])
-def test_a_row_that_is_not_whole_is_made_again(spoil, tmp_path, counted, unwritten):
-    assert main(["tables", "2", "--out", str(tmp_path), "--quiet"]) == 0
-    spoil(tmp_path / "rows" / "ring-ours-cpdi-12.json")
-    assert main(["tables", "2", "--out", str(tmp_path), "--quiet"]) == 0
-    assert [name for name in counted if counted.count(name) > 1] == ["ring-ours-cpdi-12"] * 2
-
-
-def test_a_changed_setup_or_solver_is_not_a_finished_row(tmp_path, counted, unwritten, monkeypatch):
-    assert main(["tables", "2", "--out", str(tmp_path), "--quiet"]) == 0
-    monkeypatch.setitem(CUT, "2", plan.table_2(ONE, cells=(12,), methods=("cpdi",), end=0.01))
-    assert main(["tables", "2", "--out", str(tmp_path), "--quiet"]) == 0
-    assert len(counted) == 4
-    monkeypatch.setattr(rows, "fingerprint", lambda: "another")
-    assert main(["tables", "2", "--out", str(tmp_path), "--quiet"]) == 0
-    assert len(counted) == 6
-
-
-def untimed(runs: dict) -> dict:
-    """A row's runs without what is measured on a clock."""
-    return {name: {key: value for key, value in run.items() if key not in ("seconds", "rate")}
-            for name, run in runs.items()}
-
-
-def test_rows_are_the_same_however_many_processes_make_them(results):
-    """To the last bit; and what was made before is not made again, nor told of."""
-    row = ROWS[0]
-    assert untimed(made_of([row], {}, 2)[row.name]) == untimed(results[row.name])
-    begun = {row.name: {name: run for name, run in results[row.name].items() if name != "cost"}}
-    again = made_of([row], begun, 2)[row.name]
-    assert untimed(again) == untimed(results[row.name])
-    assert all(again[name] is begun[row.name][name] for name in begun[row.name])
-    assert results[row.name]["cost"]["seconds"]["estimators"] and not again["errors"]["seconds"]["estimators"]
-
-
-def test_what_is_timed_runs_alone(monkeypatch):
-    """All other runs are asked for at once; one that is timed when every other has ended, and before the next."""
-    asked, open_ones, most = [], set(), {True: 0, False: 0}
-
-    class Pool:
-        def __init__(self, work, processes): ...
-
-        def submit(self, question, hear, kind):
-            future = Future()
-            asked.append(question["timed"])
-            open_ones.add(future)
-            future.add_done_callback(open_ones.discard)
-            most[question["timed"]] = max(most[question["timed"]], len(open_ones))
-            return future
-
-        def close(self): ...
-
-    def wait(waiting, *_):
-        first = next(iter(waiting))
-        first.set_result({"result": {}})
-        return {first}, set()
-
-    monkeypatch.setattr(making, "WorkerPool", Pool)
-    monkeypatch.setattr(making, "wait", wait)
-    made_of(ROWS, {}, 2)
-    timed = sum(name in making.TIMED for row in ROWS for name in row.scenes)
-    assert asked == [False] * (len(asked) - timed) + [True] * timed
-    assert most == {False: len(asked) - timed, True: 1}
-
-
-@pytest.mark.parametrize("spoil", [lambda text: text, lambda text: text[:-100], lambda text: "[]",
-                                   lambda text: text.replace('"cells": 12', '"cells": 13'),
-                                   lambda text: text.replace('"errors"', '"other"')],
-                         ids=["whole", "cut", "a list", "another scene", "another run"])
-def test_runs_of_a_row_that_is_not_finished_are_taken_if_they_are_whole(spoil, results, tmp_path):
-    row = next(row for row in ROWS if row.name == "ring-ours-cpdi-12")
-    some = {"errors": results[row.name]["errors"]}
-    rows.write_row(tmp_path, row, some)
-    [path] = tmp_path.iterdir()
-    assert path.suffix == rows.BEGUN and rows.read_row(tmp_path, row) is None
-    text = path.read_text()
-    path.write_text(spoil(text))
-    assert rows.read_begun(tmp_path, row) == (some if path.read_text() == text else {})
-    rows.write_row(tmp_path, row, results[row.name])
-    assert [path.suffix for path in tmp_path.iterdir()] == [rows.FINISHED]
-
-
-@pytest.mark.slow
-@pytest.mark.skipif(os.name == "nt", reason="POSIX signals")
-def test_a_killed_run_goes_on_where_it_was(tmp_path, results, counted, capsys):
-    code = f"""
-import os, signal, sys
-from app.cli import main
-from app.commands.study import tables
-from solvers.study.tables import plan
-MADE = {MADE}
-plan.make, write, runs = lambda number, estimators: MADE[number], tables.write_row, []
-def ten_runs(folder, row, made):
-    write(folder, row, made)
-    runs.append(row)
-    if len(runs) == 10:
-        os.kill(os.getpid(), signal.SIGKILL)
-tables.write_row = ten_runs
-main(["tables", "1", "--out", sys.argv[1]])
-"""
-    killed = subprocess.run([sys.executable, "-c", code, str(tmp_path)], cwd=ROOT, capture_output=True, timeout=HANG)
-    assert killed.returncode == -signal.SIGKILL, killed.stderr
-    # Two runs of each of the four rows, then what is timed, row by row.
-    kept = sorted(path.name for path in (tmp_path / "rows").iterdir())
-    assert kept == ["bar-large-material-20.begun", "bar-large-node-20.begun", "bar-small-material-20.json",
-                    "bar-small-node-20.json"] and not (tmp_path / "table1.md").exists()
-    assert main(["tables", "1", "--out", str(tmp_path)]) == 0
-    assert counted == ["bar-large-node-20", "bar-large-material-20"]
-    assert capsys.readouterr().err == "mpm-lab: 2 of 4 rows are there already\n"
-    first, again = json.loads((tmp_path / "table1.json").read_text()), document(CUT["1"], results)
-    assert [row["ours"] for row in first["rows"]] == [row["ours"] for row in again["rows"]]  # to the last bit
-
-
-def test_an_interrupt_is_one_line_and_130_and_keeps_rows(tmp_path, remembered, capsys):
-    def interrupted(self, row):
-        if row is not CUT["2"].rows[0]:
-            signal.raise_signal(signal.SIGINT)
-
-    remembered.before = interrupted
-    assert main(["tables", "2", "--out", str(tmp_path)]) == 130
-    assert capsys.readouterr().err == "mpm-lab: interrupted\n"
-    assert [path.name for path in tmp_path.rglob("*.*")] == ["ring-ours-cpdi-12.json"]
-
-
-def test_an_unstable_row_is_marked_and_exits_3(tmp_path, results, remembered, capsys):
-    remembered.results["ring-ours-cpdi-12"] = {
-        name: {**run, "status": "unstable", "reason": "the run went unstable"}
-        for name, run in results["ring-ours-cpdi-12"].items()}
-    assert main(["tables", "2", "--out", str(tmp_path)]) == 3
-    assert capsys.readouterr().err == "mpm-lab: ring-ours-cpdi-12: the run went unstable\n"
-    assert "| 12[^1] |" in (tmp_path / "table2.md").read_text()
-    assert "[^1]: the run went unstable" in (tmp_path / "table2.md").read_text()
-
-
-@pytest.mark.parametrize(("flags", "says"), [
-    (["4", "--out", "d"], "4: is not a table of the paper; give 1, 2, 3 or all"),
-    (["1", "2", "--out", "d"], "1 2: is not a table of the paper"),
-    (["1"], "--out (no value): give a directory for the tables"),
-    (["1", "--out"], "--out (no value): give a directory for the tables"),
-    (["1", "--out", "file"], "--out file: cannot be a directory: not a directory; give one that exists"),
-    (["1", "--out", "file/below"], "--out file/below: cannot be a directory: not a directory"),
-    (["1", "--out", "a" * 300], "name too long; give one"),
-    (["1", "--out", "taken"], "--out taken/table1.json: cannot be written: is a directory"),
-    (["1", "--out", "d", "--json", "-"], "--json: is not a flag of mpm-lab tables"),
-])
-def test_bad_input_is_one_line_that_names_the_flag(flags, says, tmp_path, monkeypatch, capsys):
-    monkeypatch.chdir(tmp_path)
-    monkeypatch.setattr(command, "Making", lambda *_: pytest.fail("it ran before it had checked"))
-    (tmp_path / "file").write_text("mine")
-    (tmp_path / "taken" / "table1.json").mkdir(parents=True)
-    assert main(["tables", *flags]) == 2
-    seen = capsys.readouterr()
-    assert seen.out == "" and seen.err.count("\n") == 1 and says in seen.err
-    assert (tmp_path / "file").read_text() == "mine"
-
-
-def test_help_is_light_and_names_the_choices():
-    code = ("import sys; from app.cli import main; main(['tables', '--help']); main(['tables', '9', '--out', 'd']); "
-            "sys.exit(any(name in sys.modules for name in ('taichi', 'viser', 'matplotlib')))")
-    done = subprocess.run([sys.executable, "-c", code], cwd=ROOT, capture_output=True, text=True, timeout=HANG)
-    assert done.returncode == 0 and "{1,2,3,all}" in done.stdout and "--out DIR" in done.stdout
+def test_a_run_that_failed_makes_no_table_and_is_made_again(place, tmp_path, capsys):
+    answer, place._answer = place._answer, lambda task: failed(task, "MemoryError: no room")
+    assert main(["tables", "2", "--out", str(tmp_path), "--quiet"]) == 1
+    said = capsys.readouterr().err
+    assert said == "mpm-lab: 4 runs failed, the first of them: MemoryError: no room; the others are kept\n"
+    place._answer = answer
+    assert main(["tables", "2", "--out", str(tmp_path), "--quiet"]) == 0 and len(place.asked) == 8

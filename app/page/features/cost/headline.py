@@ -5,9 +5,8 @@ from collections.abc import Sequence
 from html import escape
 
 from app.language.spoken import later, tr, trn
-from app.page.features.cost.front import cheapest, measured
 from app.page.features.cost.picture import Axes, curves
-from app.page.features.cost.runs import NumberedRun
+from app.page.features.cost.runs import NumberedRun, cheapest, measured
 from app.page.features.cost.words import called, details, percent, seconds, together, whole
 from app.words import METHODS
 from solvers.problems import PROBLEMS

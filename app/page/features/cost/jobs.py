@@ -9,10 +9,8 @@ from dataclasses import asdict, dataclass, replace
 from app import __version__
 from app.language.spoken import later
 from app.page.features.background import SLOTS, Background, JobStatus
-from app.page.features.cost.front import bare, question
-from app.page.features.cost.kept import KEPT, KeptPoints
-from app.page.features.cost.ready import Ready
-from app.page.features.cost.runs import LIVE, SEARCH, SWEEP, NumberedRun, Runs
+from app.page.features.cost.runs import LIVE, SEARCH, SWEEP, NumberedRun, Runs, bare, question
+from app.page.features.cost.searches import KEPT, KeptPoints, Ready
 from app.page.visit.session import Session
 from solvers.scene.rules import SceneError
 from solvers.scene.scene import Scene

@@ -10,11 +10,10 @@ import viser
 
 from app.language.spoken import tr
 from app.page.features.cost import words
-from app.page.features.cost.front import comparable, question, staged
 from app.page.features.cost.headline import headline, line
 from app.page.features.cost.jobs import CostStatus, Jobs, QuietStage, search, small_sweep, timings
 from app.page.features.cost.picture import Axes, axes, picture
-from app.page.features.cost.runs import LIVE, LiveRows, Runs, csv_bytes
+from app.page.features.cost.runs import LIVE, LiveRows, Runs, comparable, csv_bytes, question, staged
 from app.page.panels.head import BESIDE
 from app.page.visit.history import History
 from app.page.visit.links import too_many

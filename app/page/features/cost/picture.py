@@ -8,16 +8,14 @@ script keeps names apart and puts the line of the accuracy that is wanted (``js/
 import functools
 import json
 import math
-from collections.abc import Sequence
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
 from html import escape
 from itertools import pairwise
 
 from app.colours import METHOD_MARKS
 from app.language.spoken import tr
-from app.page.features.cost.axes import LogAxis, around
-from app.page.features.cost.front import front, measured, staged
-from app.page.features.cost.runs import SWEEP, NumberedRun
+from app.page.features.cost.runs import SWEEP, NumberedRun, front, measured, staged
 from app.page.features.cost.words import percent, seconds, sentence, whole
 from app.words import method_name
 from solvers.scene.scene import Scene
@@ -26,9 +24,59 @@ from solvers.scene.scene import Scene
 SHAPES = {"o": "M-5 0a5 5 0 1 0 10 0a5 5 0 1 0 -10 0z", "s": "M-4.5 -4.5h9v9h-9z", "^": "M0 -5.8L5.4 4.2H-5.4z",
           "D": "M0 -6L5.8 0L0 6L-5.8 0z", "v": "M0 5.8L5.4 -4.2H-5.4z"}
 CROSS = "M-4.5 -4.5L4.5 4.5M4.5 -4.5L-4.5 4.5"
-UNTIMED, UNMEASURED = LogAxis(-4.3, -0.7), LogAxis(-3.3, -0.7)  # axes before anything is known
+ROOM = 0.12  # decades around the values
+LEAST = 1.0  # decades that an axis has at least
+MINOR = (2, 5)  # times a power of ten: ticks between, for which a narrow chart has no room
 MOST_BELOW = 2  # decades below all errors to which the line of a tolerance may draw the axis
 ORDER = 2  # of the methods, in the size of a cell
+
+
+@dataclass(frozen=True)
+class Tick:
+    """A tick at ``part`` of the axis, from its low end; ``minor`` where its value is no power of ten."""
+
+    part: float
+    label: str
+    minor: bool
+
+
+@dataclass(frozen=True)
+class LogAxis:
+    """From ``low`` to ``high``, both as powers of ten."""
+
+    low: float
+    high: float
+
+    def part(self, value: float) -> float:
+        """Where a value is: 0 at the low end, 1 at the high one."""
+        return (math.log10(value) - self.low) / (self.high - self.low)
+
+    def around(self, values: Iterable[float]) -> "LogAxis":
+        """This axis, longer where values need it: what has been drawn once stays within it."""
+        other = around(values)
+        return self if other is None else LogAxis(min(self.low, other.low), max(self.high, other.high))
+
+    def ticks(self, label: Callable[[float], str]) -> list[Tick]:
+        """At powers of ten, and at 2 and 5 times those."""
+        found = []
+        for power in range(math.floor(self.low), math.ceil(self.high) + 1):
+            for factor in (1, *MINOR):
+                value = float(f"{factor}e{power}")
+                if 0 <= self.part(value) <= 1:
+                    found.append(Tick(self.part(value), label(value), factor in MINOR))
+        return found
+
+
+def around(values: Iterable[float]) -> LogAxis | None:
+    """An axis that holds these values with some room; None if there are none."""
+    logs = [math.log10(value) for value in values]
+    if not logs:
+        return None
+    middle, half = 0.5 * (min(logs) + max(logs)), max(0.5 * (max(logs) - min(logs)) + ROOM, 0.5 * LEAST)
+    return LogAxis(middle - half, middle + half)
+
+
+UNTIMED, UNMEASURED = LogAxis(-4.3, -0.7), LogAxis(-3.3, -0.7)  # axes before anything is known
 
 
 @dataclass(frozen=True)

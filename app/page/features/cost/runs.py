@@ -1,11 +1,12 @@
 """A visitor's runs, one row each, numbered: those of small sweeps, those that a search has made, and those that came to
-their end on the stage."""
+their end on the stage. Which of them can be compared, which none beats, and which is the cheapest that is accurate
+enough."""
 
 import functools
 import math
 import threading
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -17,11 +18,13 @@ from solvers.solver.norms import RATIOS, summary
 from solvers.solver.samples import QUANTITIES
 from solvers.solver.soundness import BROKEN, LOST, OK, UNSTABLE
 from solvers.study import summary as table
+from solvers.study.fit import pareto
 from solvers.study.grid import Task, task_of
-from solvers.study.row import BLANK, FAILED, SCHEMA
+from solvers.study.row import FAILED, of_scene
 
 MOST_RUNS = 300  # then the oldest is forgotten
 LIVE, SEARCH, SWEEP = "live", "search", "sweep"
+CHOSEN = {"method", "linearity_preserving", "cells", "ppc", "cfl"}  # by a search, of what a run can be
 KNOWN = {LIVE: 0, SEARCH: 1, SWEEP: 2}  # of one scene the row with more to say is kept: that with a time measured alone
 
 
@@ -162,9 +165,7 @@ def live_row(report: FrameReport, history: History) -> dict:
     seconds = 1e-6 * steps * report.particles / report.rate if report.rate > 0 else None
     task = task_of(scene, version=__version__)
     return {
-        **BLANK, "schema": SCHEMA, "key": task.key, "problem": scene.problem, "asked": task.inputs,
-        "scene": scene.to_dict(), "h": scene.spacing, "status": status,
-        "reason": None if status == OK != report.status else report.reason,
+        **of_scene(task, scene), "status": status, "reason": None if status == OK != report.status else report.reason,
         "t": steps * scene.time_step, "steps": steps,
         "particles": report.particles, "particle_steps": steps * report.particles,
         "error": {q: summary(series[f"error_{q}"][within]) for q in QUANTITIES},
@@ -185,3 +186,50 @@ def _status(report: FrameReport) -> str:
 
 def _last(values: np.ndarray) -> float | None:
     return float(values[-1]) if len(values) and np.isfinite(values[-1]) else None
+
+
+def bare(scene: Scene) -> Scene:
+    """The scene without what a search brings with it."""
+    return replace(scene, velocity="grid", estimators=(), effects=(), dt=None, sample_every=None)
+
+
+@functools.lru_cache(maxsize=1000)  # asked again and again, of each run
+def question(scene: Scene) -> dict:
+    """What an advice depends on, of the scene that it is asked for."""
+    return {"problem": scene.problem} | {name: value for name, value in task_of(bare(scene)).inputs.items()
+                                         if name not in CHOSEN}
+
+
+def comparable(runs: Sequence[NumberedRun], scene: Scene) -> list[NumberedRun]:
+    """Those that compute what the scene computes, by whatever method and remedies: the others' errors and times are
+    answers to another question."""
+    asked = question(replace(scene, remedies=()))
+    return [run for run in runs if run.row["problem"] == scene.problem
+            and question(replace(run.scene, remedies=())) == asked]
+
+
+def staged(runs: Sequence[NumberedRun], scene: Scene) -> NumberedRun | None:
+    """The one that computes the very scene, whatever else is asked of it: where it was timed alone, if so."""
+    own = [run for run in runs if run.drawable and _computed(run.scene) == _computed(scene)]
+    return next((run for run in own if run.alone), own[0] if own else None)
+
+
+@functools.lru_cache(maxsize=1000)
+def _computed(scene: Scene) -> tuple[Scene, float]:
+    return replace(scene, estimators=(), effects=(), dt=None, cfl=None, sample_every=None), scene.time_step
+
+
+def measured(runs: Sequence[NumberedRun]) -> list[NumberedRun]:
+    """Those that have an error or an estimate, and a time that was taken alone."""
+    return [run for run in runs if run.alone and run.drawable and not run.broken]
+
+
+def front(runs: Sequence[NumberedRun]) -> list[NumberedRun]:
+    """Those that none beats in both error and time, by time."""
+    known = measured(runs)
+    return [known[k] for k in pareto([run.seconds for run in known], [run.size for run in known])]
+
+
+def cheapest(runs: Sequence[NumberedRun], tolerance: float) -> NumberedRun | None:
+    """The cheapest with an error of ``tolerance`` times A at most."""
+    return next((run for run in front(runs) if run.size <= tolerance), None)
