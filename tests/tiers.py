@@ -1,8 +1,9 @@
 """Which tests ``uv run pytest`` runs, those that take less than a second of a processor, and how processes share them.
 
-A pytest plugin. ``long_tests.txt`` lists the other tests with the seconds that they took, kernels compiled anew.
-``--long`` runs them too, ``--long -m long`` only them, and so does naming a file or a test. A test marked ``short``
-stays however long it takes, ``slow`` ones run with ``--slow`` alone. After tests have come or gone::
+A pytest plugin. ``long_tests.txt`` lists the other tests with the seconds that they took, kernels compiled anew; those
+in a browser are long all the same. ``--long`` runs them too, ``--long -m long`` only them, and so does naming a file or
+a test. A test marked ``short`` stays however long it takes, ``slow`` ones run with ``--slow`` alone. After tests have
+come or gone::
 
     uv run --all-groups pytest --long --update-long-tests
 """
@@ -19,6 +20,7 @@ from xdist.scheduler import LoadScopeScheduling
 from xdist.workermanage import WorkerController
 
 LIST = Path(__file__).with_name("long_tests.txt")
+BROWSER = "tests/browser/"
 LONG = 1.0  # seconds of processor time from which on a test is long
 LIMIT = 5.0  # seconds that no short test may take where CI is set: between the two lies what kernels cost by turns
 
@@ -31,7 +33,8 @@ def read_long_tests() -> dict[str, float]:
 
 def write_long_tests(seconds: dict[str, float]) -> None:
     """Write the list anew: tests that were measured as they are now, others as they were."""
-    rows = {name: spent for name, spent in (read_long_tests() | seconds).items() if spent >= LONG}
+    rows = {name: spent for name, spent in (read_long_tests() | seconds).items()
+            if spent >= LONG and not name.startswith(BROWSER)}
     LIST.write_text("".join(f"{spent:.1f} {name}\n" for name, spent in sorted(rows.items())), encoding="utf-8")
 
 
@@ -85,7 +88,7 @@ def pytest_configure_node(node: WorkerController) -> None:
 def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item]) -> None:
     listed = read_long_tests()
     for item in items:
-        if item.nodeid in listed and not item.get_closest_marker("short"):
+        if (item.nodeid in listed or item.nodeid.startswith(BROWSER)) and not item.get_closest_marker("short"):
             item.add_marker("long")
     complete = is_everything(config) and not config.getoption("ignore") and os.environ.get("CI")
     if complete and (gone := listed.keys() - {item.nodeid for item in items}):
@@ -126,7 +129,7 @@ class FileByFile(LoadScopeScheduling):
 
     def _split_scope(self, nodeid: str) -> str:
         path = Path(nodeid.partition("::")[0])
-        if "browser" not in path.parts:
+        if not nodeid.startswith(BROWSER):
             return str(path)
         return f"browser {BROWSERS * BROWSER_FILES.index(path.name) // len(BROWSER_FILES)}"
 
