@@ -56,7 +56,10 @@ class Axis:
 
 def axis_for(values: Sequence[float], always: Sequence[float] = ()) -> Axis:
     """The axis for values, of which there is one at least; those that must be on it ``always`` are."""
-    logarithmic = _spread(values) and min(always, default=1.0) > 0
+    ranked = sorted(values)
+    few, many = (ranked[round(part * (len(ranked) - 1))] for part in MOST)
+    # Decades matter where most are above zero, and far apart.
+    logarithmic = few > 0 and math.log10(many) - math.log10(few) > DECADES and min(always, default=1.0) > 0
     inner = sorted(math.log10(value) if logarithmic else value for value in values if value > 0 or not logarithmic)
     fixed = [math.log10(value) if logarithmic else value for value in always]
     few, many = (inner[round(part * (len(inner) - 1))] for part in MOST)
@@ -68,13 +71,6 @@ def axis_for(values: Sequence[float], always: Sequence[float] = ()) -> Axis:
         low, high = low - room, high + room
     margin = MARGIN * (high - low)
     return Axis(low - margin, high + margin, logarithmic)
-
-
-def _spread(values: Sequence[float]) -> bool:
-    """Whether decades matter: most are above zero, and far apart."""
-    ranked = sorted(values)
-    few, many = (ranked[round(part * (len(ranked) - 1))] for part in MOST)
-    return few > 0 and math.log10(many) - math.log10(few) > DECADES
 
 
 def _round_up(step: float, whole: bool) -> float:
@@ -102,8 +98,10 @@ def chart(asked: Question, answers: Sequence[Any], numbers: Numbers, found: Righ
     ends = [float(end) for answer in answers for end in (answer if asked.kind == INTERVAL else (answer,))]
     axis = axis_for(ends or [low, high], [] if found is None else [low, high])
     drawn = _lines(asked, answers, axis, found) if asked.kind == INTERVAL else _dots(answers, axis)
+    ticks = "".join(f"<span style='left: {100 * axis.place(tick):.2f}%'>{escape(in_unit(asked, tick))}</span>"
+                    for tick in axis.ticks)
     return f"<div class='lab-scale' role='img' aria-label='{escape(_in_words(asked, answers))}'>{drawn}" \
-           f"{_truth(asked, axis, found)}{_ticks(asked, axis)}</div>{_beyond(ends, axis)}"
+           f"{_truth(asked, axis, found)}{ticks}</div>{_beyond(ends, axis)}"
 
 
 def right_among(asked: Question, answers: Sequence[Any], found: Right) -> int:
@@ -155,11 +153,6 @@ def _truth(asked: Question, axis: Axis, found: Right | None) -> str:
     return f"<div class='lab-band' style='left: {low:.2f}%; width: {high - low:.2f}%'></div>" \
            f"<div class='lab-truth{' lab-leftwards' * (at > 50)}' style='left: {at:.2f}%'>" \
            f"<b>{escape(told)}</b></div>"
-
-
-def _ticks(asked: Question, axis: Axis) -> str:
-    return "".join(f"<span style='left: {100 * axis.place(tick):.2f}%'>{escape(in_unit(asked, tick))}</span>"
-                   for tick in axis.ticks)
 
 
 def _beyond(ends: Sequence[float], axis: Axis) -> str:

@@ -71,7 +71,8 @@ class BudgetFold:
         self._cancel.on_click(lambda _: self.jobs.cancel())
         self._find.on_click(lambda _: self.find_out())
         self._again.on_click(lambda _: self._take_away())
-        self._back.on_click(lambda _: self._put_back())
+        self._back.on_click(lambda _: self._show(replace(
+            state := self._state(), scene=_without(NOTHING, state.scene), pinned=None)))
         self._field.on_update(lambda _: self._redraw())
 
     def press(self, said: object) -> None:
@@ -129,7 +130,9 @@ class BudgetFold:
         elif not playing or now >= self._drawn_at + REDRAWN:
             self._drawn_at = now
             self._chart.content = chart(runs, field)
-            self._mark.content = marked("lab-budget", words=_verdict(runs[-1], field))
+            most = largest_share(runs[-1].series, field)  # who has made most of the error
+            self._mark.content = marked("lab-budget", words=tr("not valid here") if most is None else
+                                        f"{tr(CAUSES[most[0]])} {percent(most[1])}")
             self._outcome.content = "" if cause == NOTHING or len(runs) < 2 else \
                 outcome(runs[0], runs[-1], field, cause)
 
@@ -179,10 +182,6 @@ class BudgetFold:
         else:
             self._show(replace(state, scene=after, pinned=before))
 
-    def _put_back(self) -> None:
-        state = self._state()
-        self._show(replace(state, scene=_without(NOTHING, state.scene), pinned=None))
-
 
 def _runs_found(found: Found) -> list[Divided]:
     """The run whose budget a job has found, and the one without a cause."""
@@ -219,12 +218,6 @@ def _named(name: tuple[str, str], scene: Scene, other: Scene) -> str:
 
 def _offer(text: str) -> str:
     return f"<p class='lab-budget-offer'>{tr(text)}</p>"
-
-
-def _verdict(run: Divided, field: str) -> str:
-    """Who has made most of the error, for the right of the fold's name."""
-    found = largest_share(run.series, field)
-    return tr("not valid here") if found is None else f"{tr(CAUSES[found[0]])} {percent(found[1])}"
 
 
 def _missing(scene: Scene) -> str:

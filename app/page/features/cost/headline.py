@@ -35,9 +35,12 @@ def headline(like: Sequence[NumberedRun], scene: Scene, tolerance: float, troubl
                 tr("The closest errs by {error}: {run}, {seconds}. <b>Find the cheapest run</b> looks for a better "
                    "one.", error=_error(near), run=escape(called(near)), seconds=seconds(near.seconds)))
     answer = PROVISIONAL if provisional else FINAL
+    worse = dict.fromkeys(str(METHODS.get(curve[0].method, curve[0].method)) for curve in curves(like)
+                          if len(curve) > 1 and curve[-1].size > WORSE * curve[0].size)
+    says = [trn("{methods} gets worse, however much you pay.", "{methods} get worse, however much you pay.", len(worse),
+                methods=escape(together(worse)))] if worse else []
     return (tr(answer, share=percent(tolerance), whole=of, seconds=seconds(best.seconds), run=escape(called(best))),
-            " ".join([tr("Its error is {error}; {run}.", error=_error(best), run=escape(details(best))),
-                      *_worse(like)]))
+            " ".join([tr("Its error is {error}; {run}.", error=_error(best), run=escape(details(best))), *says]))
 
 
 def _nothing(like: Sequence[NumberedRun], scene: Scene, begin: str) -> tuple[str, str]:
@@ -71,11 +74,3 @@ def _error(run: NumberedRun) -> str:
     share = percent(run.size)
     return share if run.error is not None else tr("{share}, as {estimator} estimates", share=share,
                                                   estimator=escape(run.estimator))
-
-
-def _worse(runs: Sequence[NumberedRun]) -> list[str]:
-    """Methods that more cells make worse, if any."""
-    found = dict.fromkeys(str(METHODS.get(curve[0].method, curve[0].method)) for curve in curves(runs)
-                          if len(curve) > 1 and curve[-1].size > WORSE * curve[0].size)
-    return [trn("{methods} gets worse, however much you pay.", "{methods} get worse, however much you pay.", len(found),
-                methods=escape(together(found)))] if found else []

@@ -73,25 +73,22 @@ class CostTab:
     def refresh(self) -> None:
         """Now and then, and when the line of the tolerance has been moved."""
         with self._refreshing:
-            self._refresh()
-
-    def _refresh(self) -> None:
-        status = self.jobs.status  # once: a job that begins meanwhile must not give way to a stage yet to be paused
-        self._quiet.follow(status.running)
-        self._drop_what_is_old()
-        scene, stage = self._session.scene, self._stage_word(status)
-        if self._of != (self.runs.version, scene):  # seldom, and of many runs it takes a millisecond
-            self._of = self.runs.version, scene
-            self._chartable = (self.runs.version, question(scene), staged(self.runs.all(), scene))
-        charted = self._chartable
-        if charted != self._charted and (not status.running or monotonic() >= self._next):
-            self._charted, self._next = charted, monotonic() + STREAM_SECONDS
-            self._show_runs(scene)
-        told = (charted, self._tolerance.value, status, self._remark, stage)
-        if told != self._told:
-            self._told = told
-            self._show_answer(scene, status, stage)
-            self._show_status(status, stage)
+            status = self.jobs.status  # once: a job that begins meanwhile must not give way to a stage yet to be paused
+            self._quiet.follow(status.running)
+            self._drop_what_is_old()
+            scene, stage = self._session.scene, self._stage_word(status)
+            if self._of != (self.runs.version, scene):  # seldom, and of many runs it takes a millisecond
+                self._of = self.runs.version, scene
+                self._chartable = (self.runs.version, question(scene), staged(self.runs.all(), scene))
+            charted = self._chartable
+            if charted != self._charted and (not status.running or monotonic() >= self._next):
+                self._charted, self._next = charted, monotonic() + STREAM_SECONDS
+                self._show_runs(scene)
+            told = (charted, self._tolerance.value, status, self._remark, stage)
+            if told != self._told:
+                self._told = told
+                self._show_answer(scene, status, stage)
+                self._show_status(status, stage)
 
     def notice(self) -> Notice | None:
         """Why the stage stands still, if that is for a job's sake."""

@@ -104,13 +104,10 @@ def with_buttons(html: str) -> str:
 @kept(8)
 def _lines() -> re.Pattern[str]:
     """The lines of html that are acts."""
-    told = "|".join(f"(?P<{verb}>{_pattern(tr(sentence), verb)})" for verb, sentence in SENTENCES.items())
+    patterns = {verb: re.escape(tr(sentence)).replace(r"\{name\}", rf"<strong>(?P<{verb}_name>[^<]+)</strong>").replace(
+        r"\{value\}", rf"<code>(?P<{verb}_value>[^<]+)</code>") for verb, sentence in SENTENCES.items()}
+    told = "|".join(f"(?P<{verb}>{pattern})" for verb, pattern in patterns.items())
     return re.compile(rf"<li>\s*(?:<p>)?(?:{told})\.?(?:</p>)?\s*</li>")
-
-
-def _pattern(sentence: str, verb: str) -> str:
-    return re.escape(sentence).replace(r"\{name\}", rf"<strong>(?P<{verb}_name>[^<]+)</strong>") \
-        .replace(r"\{value\}", rf"<code>(?P<{verb}_value>[^<]+)</code>")
 
 
 def _parts(line: re.Match[str]) -> tuple[str, str]:

@@ -6,7 +6,7 @@ from collections.abc import Callable
 import viser
 
 from app.language.spoken import later, tr
-from app.lessons.lesson import Lesson, Step
+from app.lessons.lesson import Lesson
 from app.lessons.progress import Progress
 from app.page.panels.head import BESIDE
 from app.viewer.widgets import is_removed
@@ -55,7 +55,9 @@ def where(lesson: Lesson, progress: Progress) -> str:
     else:
         said = tr("step {at} of {total} of the core", at=at, total=total) if progress.core else \
             tr("step {at} of {total}", at=at, total=total)
-    segments = "".join(f"<i class='{_segment(number, step, progress.step)}'></i>" for number, step in steps)
+    kinds = ((("lab-now" if number == progress.step else "lab-past" if number < progress.step else ""),
+              "" if step.core else "lab-deep") for number, step in steps)
+    segments = "".join(f"<i class='{' '.join(filter(None, kind))}'></i>" for kind in kinds)
     return f"<div>{said}</div><div class='lab-segments' role='progressbar' aria-label='{name}' aria-valuemin='0' " \
            f"aria-valuemax='{total}' aria-valuenow='{at}'>{segments}</div>"
 
@@ -76,11 +78,6 @@ def left(lesson: Lesson) -> str:
     told = tr("This was the core. The lesson has {steps} deeper steps, some {minutes} minutes.",
               steps=len(lesson.deeper), minutes=minutes)
     return f"<p>{told}</p>"
-
-
-def _segment(number: int, step: Step, at: int) -> str:
-    return " ".join(filter(None, ["lab-now" if number == at else "lab-past" if number < at else "",
-                                  "" if step.core else "lab-deep"]))
 
 
 class Way:

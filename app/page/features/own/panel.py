@@ -114,7 +114,8 @@ class OwnCode:
         with self._lock:
             if self._run is None:
                 return
-            self._end()
+            self._let_go()
+            self._folder.visible = self._back.visible = False
             self._say("")
             if self._resumes:
                 self._session.play(True)
@@ -126,11 +127,6 @@ class OwnCode:
         with self._lock:
             self._let_go()
         self._upload.clear()
-
-    def _end(self) -> None:
-        """No file any more, on the stage or on its way to it."""
-        self._let_go()
-        self._folder.visible = self._back.visible = False
 
     def _let_go(self) -> None:
         self._forget()
