@@ -33,19 +33,15 @@ def lesson_page(lesson: Lesson, processes: int, on_progress: Progress, counts: M
                  core: bool = False, scripts: Sequence[str] = SCRIPTS) -> str:
     """The page of a lesson, with so many values of each field on its sliders; it begins with the ``core`` alone where
     that is asked for, and has these ``scripts`` of the player."""
-    plans = _plans(lesson, counts)
+    plans = {  # what each step with a stage puts there, by the step's key and the number of the variant
+        (step.key, number): _plan(lesson, step, filled(step.stage, numbers), filled(step.text, numbers), counts)
+        for step in lesson.steps if step.stage for number, numbers in enumerate(lesson.variants)}
     right = rules(lesson, processes, lambda part, what: on_progress(0.5 * part, what))
     once = list(dict.fromkeys(plans.values()))
     bets = judged(lesson, processes)
     recorded = record(once, processes, lambda part, what: on_progress(0.5 + 0.5 * part, what))
     stages = {key: once.index(plan) for key, plan in plans.items()}
     return assembled(lesson.title, once, recorded, _data(lesson, right, stages, bets, core), scripts)
-
-
-def _plans(lesson: Lesson, counts: Mapping[str, int]) -> dict[tuple[str, int], Plan]:
-    """What each step with a stage puts there, by the step's key and the number of the variant."""
-    return {(step.key, number): _plan(lesson, step, filled(step.stage, numbers), filled(step.text, numbers), counts)
-            for step in lesson.steps if step.stage for number, numbers in enumerate(lesson.variants)}
 
 
 def _plan(lesson: Lesson, step: Step, stage: str, text: str, counts: Mapping[str, int]) -> Plan:
@@ -56,7 +52,9 @@ def _plan(lesson: Lesson, step: Step, stage: str, text: str, counts: Mapping[str
         kept += tuple(key for key, quantity in QUANTITIES.items() if key not in kept and f"`{quantity}`" in text)
         scene = planned(shown, (), kept).scene
         axes = lattice.named(scene, text)
-    if (sought := _sought(lesson, step)) and sought not in {axis.field for axis in axes}:
+    asks = [other.question for other in lesson.steps[lesson.steps.index(step) + 1:][:1]]
+    sought = asks[0].control if asks and asks[0] and asks[0].kind == DRAG else ""  # what one is to find on the stage
+    if sought and sought not in {axis.field for axis in axes}:
         own = getattr(scene, sought) if sought != "cfl" else scene.courant_number
         values = [type(own)(float(f"{factor * own:.3g}")) for factor in DENSE]
         axes.append(lattice.axis(scene, sought, values, len(DENSE) + 1))
@@ -66,12 +64,6 @@ def _plan(lesson: Lesson, step: Step, stage: str, text: str, counts: Mapping[str
         if offered and room and axis.field not in {other.field for other in axes}:
             axes.append(axis)
     return planned(shown, axes, kept)
-
-
-def _sought(lesson: Lesson, step: Step) -> str:
-    """The field that the question after a step has one find on the stage, or ""."""
-    following = lesson.steps[lesson.steps.index(step) + 1:][:1]
-    return next((other.question.control for other in following if other.question and other.question.kind == DRAG), "")
 
 
 def rules(lesson: Lesson, processes: int,
