@@ -69,23 +69,16 @@ def _plan(lesson: Lesson, step: Step, stage: str, text: str, counts: Mapping[str
 def rules(lesson: Lesson, processes: int,
           on_progress: Callable[[float, str], None]) -> dict[str, list[dict[str, Any] | None]]:
     """What is right in each question with the numbers of each variant; None where it could not be found out."""
-    with closing(Outcomes(processes)) as outcomes:
-        outcomes.prepare(_needed(lesson), lambda done, total: on_progress(done / total, f"answer {done} of {total}"))
-        return {step.key: [_rule(lesson, step, numbers, outcomes) for numbers in lesson.variants]
-                for step in lesson.questions.values()}
-
-
-def _needed(lesson: Lesson) -> list[str]:
-    """The scenes of all runs that questions are about."""
-    found = []
+    found = []  # the scenes of all runs that questions are about
     for step in lesson.questions.values():
-        asked = step.question
-        assert asked is not None
         for numbers in lesson.variants:
-            for expression in expressions(asked, numbers):
+            for expression in expressions(step.asked, numbers):
                 names = needed(expression, lesson.runs, lesson.main_run(step)) - {""}
                 found += [filled(text, numbers) for name in names for text in lesson.runs[name].texts]
-    return found
+    with closing(Outcomes(processes)) as outcomes:
+        outcomes.prepare(found, lambda done, total: on_progress(done / total, f"answer {done} of {total}"))
+        return {step.key: [_rule(lesson, step, numbers, outcomes) for numbers in lesson.variants]
+                for step in lesson.questions.values()}
 
 
 def _rule(lesson: Lesson, step: Step, numbers: Numbers, outcomes: Outcomes) -> dict[str, Any] | None:

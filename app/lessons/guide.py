@@ -27,10 +27,15 @@ def markdown(lesson: Lesson, outcomes: Outcomes, core: bool = False) -> str:
              "\n".join(f"* {goal}" for goal in lesson.goals)]
     if lesson.prerequisites:
         parts.append(tr("Do before: {lessons}.", lessons=", ".join(lesson.prerequisites)))
+    variants = ""
+    if names := list(lesson.variants[0]):
+        rows = ([str(k), *(f"{numbers[name]}" for name in names)] for k, numbers in enumerate(lesson.variants, 1))
+        differ = tr("Numbers differ from student to student, drawn from the name:")
+        variants = f"{differ}\n\n{grid([tr('variant'), *names], rows)}"
     flag = " --core" if core else ""
     parts += [tr("Open the class on it: `mpm-lab serve --lesson {name}`. Handed-in files become one table by "
                  "`mpm-lab lesson grade {files}`.", name=f"{lesson.name}{flag}", files=f"FILES{flag}"),
-              *_variants(lesson), lesson.intro, _quoted(lesson.notes)]
+              variants, lesson.intro, _quoted(lesson.notes)]
     numbers = {step.key: number for number, step in enumerate(lesson.walk(core), 1)}
     for one in rounds(lesson.walk(core)):
         takes = round_minutes(one, lesson)
@@ -48,14 +53,6 @@ def page(lesson: Lesson, outcomes: Outcomes, core: bool = False) -> str:
     """The guide as one html file, with its pictures in it."""
     return rendered(PAGE, language=language(), title=lesson.title,
                     body=html(markdown(lesson, outcomes, core), FOLDER))
-
-
-def _variants(lesson: Lesson) -> Iterator[str]:
-    names = list(lesson.variants[0])
-    if names:
-        rows = ([str(k), *(f"{numbers[name]}" for name in names)] for k, numbers in enumerate(lesson.variants, 1))
-        told = tr("Numbers differ from student to student, drawn from the name:")
-        yield f"{told}\n\n{grid([tr('variant'), *names], rows)}"
 
 
 def _question(lesson: Lesson, step: Step, outcomes: Outcomes) -> Iterator[str]:

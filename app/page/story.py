@@ -119,11 +119,17 @@ def _beat(beat: int, report: FrameReport, arrays: FrameArrays, pinned: PinnedRun
                 {"by": str(METHODS[scene.method])})
     if beat == 2:
         # The share of the squared error within a cell's width of particles that have changed their cell.
+        count = int(crossed.sum())
         x, square = arrays.position[:, 0].astype(float), arrays.error[:, SIGMA].astype(float) ** 2
         near = np.abs(x[:, None] - x[arrays.steps_since_crossing >= 0]).min(axis=1) <= WIDE * OPENING.scene.spacing
-        share = per_cent(float(square[near].sum() / square.sum())) if square.sum() else ""
+        told = trn("{count} particle has changed its cell: {share} of the squared error lies within a cell's width.",
+                   "{count} particles have changed their cell: {share} of the squared error lies within a cell's "
+                   "width.", count, share=per_cent(float(square[near].sum() / square.sum()))) if square.sum() else \
+            trn("{count} particle has changed its cell: all of the squared error lies within a cell's width.",
+                "{count} particles have changed their cell: all of the squared error lies within a cell's width.",
+                count)
         return (tr("The stress is {wrong} {off}: it leaves the line where a particle changes its cell."),
-                [_crossed(int(crossed.sum()), share)], {"wrong": per_cent(wrong), "off": tr("wrong")})
+                [told], {"wrong": per_cent(wrong), "off": tr("wrong")})
     if beat == 3:
         estimate = arrays.estimate.get("recovered", np.full_like(arrays.error, np.nan))[:, SIGMA].astype(float)
         index = math.sqrt(np.mean(estimate**2)) / (wrong * size) if wrong else math.nan
@@ -140,13 +146,3 @@ def _beat(beat: int, report: FrameReport, arrays: FrameArrays, pinned: PinnedRun
                    "{by}: {wrong} {off}, though {count} particles have changed their cell there, too.", same,
                    **{name: f"{{{name}}}" for name in places})
     return headline, [tr("At what price? Ask one of the questions that come now, or open Cost.")], places
-
-
-def _crossed(count: int, share: str) -> str:
-    """How many particles have changed their cell, and the ``share`` of the error beside them, "" for all of it."""
-    if share:
-        return trn("{count} particle has changed its cell: {share} of the squared error lies within a cell's width.",
-                   "{count} particles have changed their cell: {share} of the squared error lies within a cell's "
-                   "width.", count, share=share)
-    return trn("{count} particle has changed its cell: all of the squared error lies within a cell's width.",
-               "{count} particles have changed their cell: all of the squared error lies within a cell's width.", count)

@@ -45,15 +45,12 @@ def _wrong(values: dict) -> str:
     order = {"broken": 0, "suspicious": 1}
     found = sorted((one for one in values["findings"] if one["verdict"] in order),
                    key=lambda one: order[one["verdict"]])
-    return "\n".join(f"* **{one['verdict'].capitalize()}**, {one['finding']}: {markdown(one['says'])}{_place(one)}."
-                     for one in found)
-
-
-def _place(one: dict) -> str:
-    if one["particle"] is None:
-        return ""
-    where = f" at X = {', '.join(f'{c:.4g}' for c in one['X'])}" if one["X"] else ""
-    return f" (particle {one['particle']}{where})"
+    lines = []
+    for one in found:
+        where = f" at X = {', '.join(f'{c:.4g}' for c in one['X'])}" if one["X"] else ""
+        place = "" if one["particle"] is None else f" (particle {one['particle']}{where})"
+        lines.append(f"* **{one['verdict'].capitalize()}**, {one['finding']}: {markdown(one['says'])}{place}.")
+    return "\n".join(lines)
 
 
 def _looked(values: dict) -> str:

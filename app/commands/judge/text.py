@@ -90,7 +90,12 @@ def _verdict(g: dict, values: dict) -> str:
 
 
 def _grid(g: dict, values: dict, several: bool) -> str:
-    parts = [f"## {g['cells']} cells" if several else "## Errors", _error_table(g), _worst(g, values["problem"])]
+    rows = [[str(QUANTITIES[q]), _size(found["size"], q), str(found["particle"]), _place(found["X"]),
+             _region(values["problem"], found["X"]), f"{found['t']:.4g} s", code(file_name(found['file']))]
+            for q, found in g["worst"].items() if found]
+    parts = [f"## {g['cells']} cells" if several else "## Errors", _error_table(g),
+             "Worst of all particles and times:\n\n" + grid(["error of", "size", "particle", "X", "where", "t", "file"],
+                                                           rows, words=("error of", "where", "file"))]
     parts.append(f"At least {g['crossings_at_least']:,} grid crossings between the times given.")
     rows = [[check["check"], _number(check["measured"]), _number(check["tolerance"]), check["unit"], check["verdict"],
              check["says"]] for check in g["checks"]]
@@ -116,14 +121,6 @@ def _error_table(g: dict) -> str:
                      _size(estimate["companion"][q]["max"], q), _ratio((estimate["index"] or {}).get(q)),
                      _ratio((estimate["distance"] or {}).get(q)), _size(estimate["own_error"][q], q)])
     return grid(heads, rows, words=("error of",))
-
-
-def _worst(g: dict, problem: str) -> str:
-    rows = [[str(QUANTITIES[q]), _size(found["size"], q), str(found["particle"]), _place(found["X"]),
-             _region(problem, found["X"]), f"{found['t']:.4g} s", code(file_name(found['file']))]
-            for q, found in g["worst"].items() if found]
-    return "Worst of all particles and times:\n\n" + grid(
-        ["error of", "size", "particle", "X", "where", "t", "file"], rows, words=("error of", "where", "file"))
 
 
 def _ours(g: dict) -> str:

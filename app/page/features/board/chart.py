@@ -97,10 +97,19 @@ def chart(asked: Question, answers: Sequence[Any], numbers: Numbers, found: Righ
     low, high = _band(asked, found)
     ends = [float(end) for answer in answers for end in (answer if asked.kind == INTERVAL else (answer,))]
     axis = axis_for(ends or [low, high], [] if found is None else [low, high])
-    drawn = _lines(asked, answers, axis, found) if asked.kind == INTERVAL else _dots(answers, axis)
+    if asked.kind == INTERVAL:
+        drawn = _lines(asked, answers, axis, found)
+        words = [tr("{low} to {high}", low=in_unit(asked, float(low)), high=in_unit(asked, float(high)))
+                 for low, high in answers]
+    else:  # dots, one above the other where they are nearly the same
+        columns = Counter(min(COLUMNS - 1, int(COLUMNS * axis.place(answer))) for answer in answers)
+        stacks = "".join(f"<div style='left: {100 * (k + 0.5) / COLUMNS:.2f}%'>{'<i></i>' * count}</div>"
+                         for k, count in sorted(columns.items()))
+        drawn = f"<div class='lab-dots' style='--most: {max(columns.values(), default=1)}'>{stacks}</div>"
+        words = [in_unit(asked, float(answer)) for answer in answers]
     ticks = "".join(f"<span style='left: {100 * axis.place(tick):.2f}%'>{escape(in_unit(asked, tick))}</span>"
                     for tick in axis.ticks)
-    return f"<div class='lab-scale' role='img' aria-label='{escape(_in_words(asked, answers))}'>{drawn}" \
+    return f"<div class='lab-scale' role='img' aria-label='{escape('; '.join(words))}'>{drawn}" \
            f"{_truth(asked, axis, found)}{ticks}</div>{_beyond(ends, axis)}"
 
 
@@ -117,14 +126,6 @@ def _bars(asked: Question, answers: Sequence[int], numbers: Numbers, found: Righ
         rows.append(f"<li{' class=lab-came-out' * came}><b>{letter})</b> <span>{escape(filled(option, numbers))} {sign}"
                     f"</span><i style='--part: {counts[k] / max(1, len(answers)):.4f}'></i><b>{counts[k]}</b></li>")
     return f"<ol class='lab-bars lab-counted'>{''.join(rows)}</ol>"
-
-
-def _dots(answers: Sequence[float], axis: Axis) -> str:
-    """One above the other where they are nearly the same."""
-    columns = Counter(min(COLUMNS - 1, int(COLUMNS * axis.place(answer))) for answer in answers)
-    stacks = "".join(f"<div style='left: {100 * (k + 0.5) / COLUMNS:.2f}%'>{'<i></i>' * count}</div>"
-                     for k, count in sorted(columns.items()))
-    return f"<div class='lab-dots' style='--most: {max(columns.values(), default=1)}'>{stacks}</div>"
 
 
 def _lines(asked: Question, answers: Sequence[Sequence[float]], axis: Axis, found: Right | None) -> str:
@@ -163,10 +164,3 @@ def _beyond(ends: Sequence[float], axis: Axis) -> str:
     left = f"<span>◂ {low}</span>" if sides[-1] else ""
     right = f"<span class='lab-rightmost'>{high} ▸</span>" if sides[1] else ""
     return f"<p class='lab-beyond'>{left}{right}</p>" if left or right else ""
-
-
-def _in_words(asked: Question, answers: Sequence[Any]) -> str:
-    if asked.kind == INTERVAL:
-        return "; ".join(tr("{low} to {high}", low=in_unit(asked, float(low)), high=in_unit(asked, float(high)))
-                         for low, high in answers)
-    return "; ".join(in_unit(asked, float(answer)) for answer in answers)

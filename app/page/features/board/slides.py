@@ -101,7 +101,13 @@ def _step(board: Board, place: Place, step: Step) -> str:
     title = escape(filled(step.title, board.numbers))
     head = f"<h2><span class='lab-kind lab-kind-{step.kind}'>{tr(TITLES[step.kind])}</span> {title}</h2>"
     if step.question is None:
-        return head + _without_question(board, place)
+        here, come = board.tally.here, board.tally.reached(place.at)
+        following = board.step(board.after(place.at))
+        onward = tr("Next: {kind}: {title}", kind=tr(TITLES[following.kind]),
+                    title=filled(following.title, board.numbers)) if following else \
+            tr("Next: the end, and how the class did")
+        said = tr("{come} of {here} have come to this step", come=come, here=here) if here else tr(NOBODY)
+        return f"{head}<div class='lab-waits'>{_meter(said, come, here)}<p>{escape(onward)}</p></div>"
     if place.stage == COUNTED:
         text, name = html(filled(step.text, board.numbers), shelf.FOLDER), tr("the question")
         return f"{head}<div class='lab-asked' tabindex='0' role='region' aria-label='{name}'>{text}</div>" \
@@ -114,16 +120,6 @@ def _step(board: Board, place: Place, step: Step) -> str:
                after) if after else ""
     return f"{head}<div class='lab-chart'>{drawn}</div><p class='lab-said' role='status'>" \
            f"{_said(step, len(answers))} {late} {_outcome(place, step, answers, came)}</p>"
-
-
-def _without_question(board: Board, place: Place) -> str:
-    here, come = board.tally.here, board.tally.reached(place.at)
-    following = board.step(board.after(place.at))
-    onward = tr("Next: {kind}: {title}", kind=tr(TITLES[following.kind]),
-                title=filled(following.title, board.numbers)) if following else \
-        tr("Next: the end, and how the class did")
-    said = tr("{come} of {here} have come to this step", come=come, here=here) if here else tr(NOBODY)
-    return f"<div class='lab-waits'>{_meter(said, come, here)}<p>{escape(onward)}</p></div>"
 
 
 def _counted(board: Board, step: Step, at: int) -> str:

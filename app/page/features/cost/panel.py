@@ -92,7 +92,7 @@ class CostTab:
 
     def notice(self) -> Notice | None:
         """Why the stage stands still, if that is for a job's sake."""
-        return Notice("wait", words.pause(self.jobs.status.kind)) if self._quiet.paused else None
+        return Notice("wait", tr(words.PAUSED[self.jobs.status.kind])) if self._quiet.paused else None
 
     def _stage_word(self, status: CostStatus) -> str:
         """What disturbs the job that runs, which gives way to every stage that moves."""
@@ -189,7 +189,9 @@ class CostTab:
         if status.running:
             more = escape(f"{words.counted(status)} {stage}")
         elif status.advice:
-            more = " ".join([more, escape(words.ended(status.advice))])
+            end = tr("The search has ended. That a run which it has not made is clearly cheaper is not expected, but "
+                     "possible.") if status.advice["met"] else tr("The search has ended.")
+            more = f"{more} {escape(end)}"
         self._line.content = (f"<template class='lab-cost-says'><h2>{says}</h2><p>{more}</p></template>"
                               f"{line(like, scene, tolerance, self._inside)}")
 

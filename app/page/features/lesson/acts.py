@@ -138,15 +138,14 @@ def do(act: Act, controls: Hands) -> None:
     if act.verb == "Press":
         controls.press(act.name)
     elif act.name in LOOKS:
-        controls.look(**_looked(act))
+        with speaking(act.language):
+            quantities = {str(quantity): key for key, quantity in words.QUANTITIES.items()}
+        if act.name == "Error of":
+            controls.look(quantity=quantities[act.value])
+        else:
+            controls.look(estimator=act.value)
     else:
         controls.change(FIELDS[act.name], f"{tr(act.name)} {act.value}", carried(_meant(act), act.language))
-
-
-def _looked(act: Act) -> dict[str, str]:
-    with speaking(act.language):
-        quantities = {str(quantity): key for key, quantity in words.QUANTITIES.items()}
-    return {"quantity": quantities[act.value]} if act.name == "Error of" else {"estimator": act.value}
 
 
 def _meant(act: Act) -> Callable[[Scene], object]:

@@ -151,7 +151,10 @@ class OwnCode:
 
     def _hear(self, judging: Judging, message: dict) -> None:
         if "frames" in message and judging is self._judging:
-            self._go_with(Shown(**message["frames"]))
+            # A file that says another problem takes the page with it, whose controls are then of that.
+            own = Task(**Shown(**message["frames"]).task).scene()
+            if own.problem != self._session.scene.problem:
+                self._on_scene(words.scene_of(own, first_scene(own.problem)))
         with self._lock:
             if judging is not self._judging:
                 return
@@ -170,12 +173,6 @@ class OwnCode:
             elif self._run is not None:
                 self._run.verdict = message["verdict"]
         self._on_view()
-
-    def _go_with(self, shown: Shown) -> None:
-        """A file that says another problem takes the page with it, whose controls are then of that."""
-        own = Task(**shown.task).scene()
-        if own.problem != self._session.scene.problem:
-            self._on_scene(words.scene_of(own, first_scene(own.problem)))
 
     def _ask(self, name: str, reason: str, problems: tuple[str, ...]) -> None:
         """A file that is not of the problem on the stage: it waits for an answer."""
