@@ -108,8 +108,13 @@ class BudgetFold:
         _see(bool(runs), self._chart)
         _see(bool(runs) and not found.running, self._cause, self._again)
         _see(own and taken_away(scene) != NOTHING, self._back)
-        self._offer.content = (_missing(scene) if on else _offer(OFFER)) if own else _going(found) or _offer(ON_DEMAND)
-        self._follow(choice.quantity)
+        # Why there is no chart yet, or cannot be one.
+        reason = next((text for text in scene.warnings() if text.startswith("error budget")), "") if own and on else ""
+        why = f"<p class='lab-budget-offer'>{escape(sentence(heard(reason).partition(': ')[2]))}</p>" if reason else ""
+        self._offer.content = why or _offer(WAITING if on else OFFER) if own else _going(found) or _offer(ON_DEMAND)
+        if choice.quantity != self._followed:  # its field is divided
+            self._followed, self._drawn_at = choice.quantity, -math.inf
+            self._field.value = tr(_NAMES[field_of(choice.quantity)])  # type: ignore[misc]
         self._draw(runs, self._cause_between(runs) if own else found.cause, on, numbers.now.playing)
 
     def _found(self, scene: Scene | None) -> Found:
@@ -147,12 +152,6 @@ class BudgetFold:
     @property
     def _shown_field(self) -> str:
         return next(field for field, name in _NAMES.items() if tr(name) == self._field.value)
-
-    def _follow(self, quantity: str) -> None:
-        """Another quantity is on the stage: its field is divided."""
-        if quantity != self._followed:
-            self._followed, self._drawn_at = quantity, -math.inf
-            self._field.value = tr(_NAMES[field_of(quantity)])  # type: ignore[misc]
 
     def _redraw(self) -> None:
         self._drawn_at = -math.inf
@@ -218,13 +217,6 @@ def _named(name: tuple[str, str], scene: Scene, other: Scene) -> str:
 
 def _offer(text: str) -> str:
     return f"<p class='lab-budget-offer'>{tr(text)}</p>"
-
-
-def _missing(scene: Scene) -> str:
-    """Why there is no chart yet, or cannot be one."""
-    reason = next((text for text in scene.warnings() if text.startswith("error budget")), "")
-    said = heard(reason).partition(": ")[2]
-    return f"<p class='lab-budget-offer'>{escape(sentence(said))}</p>" if reason else _offer(WAITING)
 
 
 def _see(visible: bool, *widgets: Any) -> None:

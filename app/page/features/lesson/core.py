@@ -37,14 +37,6 @@ def takes(lesson: Lesson) -> str:
               minutes=lesson.minutes)
 
 
-def add_choice(gui: viser.GuiApi, lesson: Lesson, chosen: bool, change: Callable[[bool], None]) -> None:
-    """A box to take the core alone."""
-    hint = tr("the core stands by itself and takes {minutes} minutes; you can go deeper at its end",
-              minutes=lesson.core_minutes)
-    only = gui.add_checkbox(tr(ONLY), chosen, hint=hint)
-    only.on_update(lambda _: change(only.value))
-
-
 def where(lesson: Lesson, progress: Progress) -> str:
     """How far one has come, in words, and below them as a row of segments."""
     steps = [(number, step) for number, step in enumerate(lesson.steps, 1) if step.core or not progress.core]
@@ -65,11 +57,6 @@ def where(lesson: Lesson, progress: Progress) -> str:
 def numbers(lesson: Lesson) -> str:
     """Of the core's steps, for the list, which the browser fills."""
     return " ".join(str(number) for number, step in enumerate(lesson.steps, 1) if step.core)
-
-
-def deeper_from(lesson: Lesson) -> int:
-    """The number of the first step that is deeper."""
-    return lesson.steps.index(lesson.deeper[0]) + 1
 
 
 def left(lesson: Lesson) -> str:

@@ -123,11 +123,6 @@ def taken_html(lesson: Lesson, step: Step, answer: Answer, numbers: Numbers, com
            f"{escape(comment)}</div>"
 
 
-def trouble_html(why: str) -> str:
-    """Why something is no answer."""
-    return f"<div class='lab-lesson lab-recorded' role='alert'>{why}</div>"
-
-
 def end_html(lesson: Lesson, progress: Progress, marks: Mapping[str, AnswerMark | str], numbers: Numbers,
              paced: bool) -> str:
     """The end: all answers, what to do with them, in a class that is ``paced`` by a board or without, and what there is

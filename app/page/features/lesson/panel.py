@@ -145,7 +145,10 @@ class Player:
         name = self._gui.add_text(tr("Your name"), self._progress.name, hint=hint)
         name.on_update(lambda _: self._call(name.value))
         if lesson.deeper:
-            core.add_choice(self._gui, lesson, self._progress.core, lambda only: self._choose_core(lesson, only, head))
+            hint = tr("the core stands by itself and takes {minutes} minutes; you can go deeper at its end",
+                      minutes=lesson.core_minutes)
+            only = self._gui.add_checkbox(tr(core.ONLY), self._progress.core, hint=hint)
+            only.on_update(lambda _: self._choose_core(lesson, only.value, head))
         self._buttons(back=False, onward=True)
 
     def _choose_core(self, lesson: Lesson, only: bool, head: viser.GuiHtmlHandle) -> None:
@@ -198,7 +201,7 @@ class Player:
         def take(_: viser.GuiEvent) -> None:
             answer = widgets.value
             if why := trouble(step.asked, answer):
-                return self._show(said, lambda: page.trouble_html(why))
+                return self._show(said, lambda: f"<div class='lab-lesson lab-recorded' role='alert'>{why}</div>")
             with self._lock:
                 if step.kind != PREDICT or step.key not in self._progress.answers:  # on another page of his meanwhile
                     self._progress.answer(step.key, answer, monotonic() - self._shown_at)
@@ -233,7 +236,8 @@ class Player:
     @property
     def _step(self) -> Step | None:
         """That is shown."""
-        return self._lesson.step_at(self._progress.step) if self._lesson else None
+        number, steps = self._progress.step, self._lesson.steps if self._lesson else ()
+        return steps[number - 1] if 0 < number <= len(steps) else None
 
     def _taken(self, step: Step, found: AnswerMark | str | None) -> str:
         """What is said of the answer that the step has."""
@@ -279,7 +283,8 @@ class Player:
             title = tr("Next lesson: {title}", title=following.title)
             self._gui.add_button(title).on_click(lambda _: self.open(following.name))
         if self._progress.core and not self._paced:
-            self._gui.add_button(tr(core.GO_DEEPER)).on_click(lambda _: self.turn(False, core.deeper_from(lesson)))
+            deeper = lesson.steps.index(lesson.deeper[0]) + 1
+            self._gui.add_button(tr(core.GO_DEEPER)).on_click(lambda _: self.turn(False, deeper))
         hint = tr("save your answers as a file")
         self._gui.add_button(tr("Hand in"), icon=viser.Icon.DOWNLOAD, hint=hint).on_click(lambda _: self._hand_in())
         self._buttons(back=True, onward=False)
