@@ -118,16 +118,15 @@ def goal_table(scene: Scene, goals: Mapping[str, dict]) -> str:
     """A block for each goal, and what the bars are; nothing where none was wanted."""
     if not goals:
         return ""
-    blocks = ["\n".join(_goal_lines(scene, name, goal)) for name, goal in goals.items()]
+    blocks = []
+    for name, goal in goals.items():
+        unit = goal["unit"]
+        lines = [f"{name:<24}{formatted(goal['value'], '.6g'):>{GOAL_WIDTH}} {unit}"]
+        for estimator, bar in goal["bar"].items():
+            counts = track_record.held(scene, name, estimator)
+            often = f"   held {counts[0]} of {counts[1]}" if counts and bar is not None else ""
+            lines.append(f"  {'+- ' + estimator:<22}{formatted(bar, '.2g'):>{GOAL_WIDTH}} {unit}{often}")
+        if goal["true_error"] is not None:
+            lines.append(f"  {'true error':<22}{formatted(goal['true_error'], '.2g'):>{GOAL_WIDTH}} {unit}")
+        blocks.append("\n".join(lines))
     return "\n\n".join(["", *blocks, GOAL_MEANING])
-
-
-def _goal_lines(scene: Scene, name: str, goal: Mapping) -> Iterator[str]:
-    unit = goal["unit"]
-    yield f"{name:<24}{formatted(goal['value'], '.6g'):>{GOAL_WIDTH}} {unit}"
-    for estimator, bar in goal["bar"].items():
-        counts = track_record.held(scene, name, estimator)
-        often = f"   held {counts[0]} of {counts[1]}" if counts else ""
-        yield f"  {'+- ' + estimator:<22}{formatted(bar, '.2g'):>{GOAL_WIDTH}} {unit}{often if bar is not None else ''}"
-    if goal["true_error"] is not None:
-        yield f"  {'true error':<22}{formatted(goal['true_error'], '.2g'):>{GOAL_WIDTH}} {unit}"

@@ -44,7 +44,12 @@ class Axis:
     @property
     def ticks(self) -> list[float]:
         """Round values within it, few enough to have their names beside each other."""
-        step = _round_up((self.high - self.low) / TICKS, whole=self.logarithmic)
+        step = (self.high - self.low) / TICKS
+        if self.logarithmic and step <= 1:  # decades are whole
+            step = 1.0
+        else:  # the next of 1, 2 and 5 times a power of ten
+            power = 10.0 ** math.floor(math.log10(step))
+            step = next(factor * power for factor in (1, 2, 5, 10) if factor * power >= step * (1 - 1e-9))
         first, last = math.ceil(self.low / step), math.floor(self.high / step)
         return [10.0 ** (k * step) if self.logarithmic else float(f"{k * step:.12g}") for k in range(first, last + 1)]
 
@@ -71,14 +76,6 @@ def axis_for(values: Sequence[float], always: Sequence[float] = ()) -> Axis:
         low, high = low - room, high + room
     margin = MARGIN * (high - low)
     return Axis(low - margin, high + margin, logarithmic)
-
-
-def _round_up(step: float, whole: bool) -> float:
-    """The next of 1, 2 and 5 times a power of ten, 1 at least where it must be ``whole``."""
-    if whole and step <= 1:
-        return 1.0
-    power = 10.0 ** math.floor(math.log10(step))
-    return next(factor * power for factor in (1, 2, 5, 10) if factor * power >= step * (1 - 1e-9))
 
 
 def options(asked: Question, numbers: Numbers) -> str:

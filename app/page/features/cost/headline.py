@@ -25,7 +25,13 @@ def headline(like: Sequence[NumberedRun], scene: Scene, tolerance: float, troubl
     if not known:
         begin = tr("Begin with a small sweep of {n} runs", n=sweep)
         button = f"<button data-press='{escape(tr('Small sweep'))}'>{begin}</button>"
-        return _nothing(like, scene, button)
+        live = next((run for run in reversed(like) if run.drawable and not run.broken), None)
+        if live is None:
+            asked = tr("What does accuracy cost on the {problem}?", problem=tr(PROBLEMS[scene.problem].scene.TITLE))
+            return tr("Nothing measured yet."), f"{asked}<br>{button}"
+        untimed = tr("The run on the stage errs by {share} of {whole}, but its time was taken beside pictures and "
+                     "estimates.", share=percent(live.size), whole=of)
+        return tr("Nothing timed yet."), f"{untimed}<br>{button}"
     if trouble:
         return tr("How accurate must it be?"), escape(trouble)
     best = cheapest(like, tolerance)
@@ -41,18 +47,6 @@ def headline(like: Sequence[NumberedRun], scene: Scene, tolerance: float, troubl
                 methods=escape(together(worse)))] if worse else []
     return (tr(answer, share=percent(tolerance), whole=of, seconds=seconds(best.seconds), run=escape(called(best))),
             " ".join([tr("Its error is {error}; {run}.", error=_error(best), run=escape(details(best))), *says]))
-
-
-def _nothing(like: Sequence[NumberedRun], scene: Scene, begin: str) -> tuple[str, str]:
-    """What is said before anything has been timed, and how to ``begin``."""
-    live = next((run for run in reversed(like) if run.drawable and not run.broken), None)
-    if live is None:
-        title = PROBLEMS[scene.problem].scene.TITLE
-        asked = tr("What does accuracy cost on the {problem}?", problem=tr(title))
-        return tr("Nothing measured yet."), f"{asked}<br>{begin}"
-    known = tr("The run on the stage errs by {share} of {whole}, but its time was taken beside pictures and estimates.",
-               share=percent(live.size), whole=whole(scene))
-    return tr("Nothing timed yet."), f"{known}<br>{begin}"
 
 
 def line(like: Sequence[NumberedRun], scene: Scene, tolerance: float, inside: Axes | None) -> str:
