@@ -283,8 +283,8 @@ class Player:
             title = tr("Next lesson: {title}", title=following.title)
             self._gui.add_button(title).on_click(lambda _: self.open(following.name))
         if self._progress.core and not self._paced:
-            deeper = lesson.steps.index(lesson.deeper[0]) + 1
-            self._gui.add_button(tr(core.GO_DEEPER)).on_click(lambda _: self.turn(False, deeper))
+            self._gui.add_button(tr(core.GO_DEEPER)).on_click(
+                lambda _: self.turn(False, lesson.steps.index(lesson.deeper[0]) + 1))
         hint = tr("save your answers as a file")
         self._gui.add_button(tr("Hand in"), icon=viser.Icon.DOWNLOAD, hint=hint).on_click(lambda _: self._hand_in())
         self._buttons(back=True, onward=False)
