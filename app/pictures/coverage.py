@@ -23,6 +23,7 @@ def coverage_figure(counted: Sequence[Mapping]) -> Figure:
     figure, axes = parts.frame(title, 1, 2, (13.5, 5.2))
     names = list(one["estimators"])
     left, right = axes[0]
+
     def right_of(name: str, regime: str) -> tuple[int, int]:
         found = one["estimators"][name]["regime"][regime]["x"]
         return found["within"][f"{FACTORS[0]:g}"], found["runs"]

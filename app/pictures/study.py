@@ -214,7 +214,8 @@ def _agreement(axes: Axes, rows: Sequence[dict], estimator: str, quantity: str) 
     # One range for both axes: the true errors of stable runs, and estimates if they are not off by powers of ten.
     stood = [point for point in points if not point[3]] or points
     sizes = [point[0] for point in stood]
-    sizes += [float(np.clip(point[1], min(sizes) / MOST_OFF, max(sizes) * MOST_OFF)) for point in stood]
+    least, most = min(sizes) / MOST_OFF, max(sizes) * MOST_OFF
+    sizes += [float(np.clip(point[1], least, most)) for point in stood]
     low, high = min(sizes) / 2, max(sizes) * 2
     edge, far = (high / low) ** 0.025, 0
     for true, estimated, method, unstable in points:

@@ -96,8 +96,7 @@ def draw_halves(figure: Figure, place: SubplotSpec, result: Result, stage: type[
                 (1, truth, "truth", TRUTH_INK, EMPTY_HALVES[1])):
             own = slice(None) if mirrored else (x < 0) == (side < 0)
             look = {"color": UNKNOWN_COLOUR} if sizes is None else {"c": sizes[own], "cmap": COLOUR_MAP, "norm": scale}
-            axes.scatter(side * x[own] if mirrored else x[own], y[own], linewidths=0, zorder=2, **look,
-                         s=area)
+            axes.scatter(side * x[own] if mirrored else x[own], y[own], linewidths=0, zorder=2, s=area, **look)
             axes.text(0.5 + 0.485 * side, 0.95 if mirrored else 0.985, silence if sizes is None else title,
                       transform=axes.transAxes, color=INK3 if sizes is None else colour, fontsize=11,
                       fontweight="bold", va="top", ha="right" if side > 0 else "left",

@@ -37,6 +37,13 @@ def takes(lesson: Lesson) -> str:
               minutes=lesson.minutes)
 
 
+def choice(gui: viser.GuiApi, lesson: Lesson, chosen: bool) -> viser.GuiCheckboxHandle:
+    """A box to take the core alone."""
+    return gui.add_checkbox(tr(ONLY), chosen, hint=tr(
+        "the core stands by itself and takes {minutes} minutes; you can go deeper at its end",
+        minutes=lesson.core_minutes))
+
+
 def where(lesson: Lesson, progress: Progress) -> str:
     """How far one has come, in words, and below them as a row of segments."""
     steps = [(number, step) for number, step in enumerate(lesson.steps, 1) if step.core or not progress.core]

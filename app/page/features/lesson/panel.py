@@ -145,9 +145,7 @@ class Player:
         name = self._gui.add_text(tr("Your name"), self._progress.name, hint=hint)
         name.on_update(lambda _: self._call(name.value))
         if lesson.deeper:
-            hint = tr("the core stands by itself and takes {minutes} minutes; you can go deeper at its end",
-                      minutes=lesson.core_minutes)
-            only = self._gui.add_checkbox(tr(core.ONLY), self._progress.core, hint=hint)
+            only = core.choice(self._gui, lesson, self._progress.core)
             only.on_update(lambda _: self._choose_core(lesson, only.value, head))
         self._buttons(back=False, onward=True)
 
@@ -199,8 +197,7 @@ class Player:
         self._buttons(back=True, onward=answered is not None, main=answered is not None)
 
         def take(_: viser.GuiEvent) -> None:
-            answer = widgets.value
-            if why := trouble(step.asked, answer):
+            if why := trouble(step.asked, answer := widgets.value):
                 return self._show(said, lambda: f"<div class='lab-lesson lab-recorded' role='alert'>{why}</div>")
             with self._lock:
                 if step.kind != PREDICT or step.key not in self._progress.answers:  # on another page of his meanwhile
@@ -236,8 +233,7 @@ class Player:
     @property
     def _step(self) -> Step | None:
         """That is shown."""
-        number, steps = self._progress.step, self._lesson.steps if self._lesson else ()
-        return steps[number - 1] if 0 < number <= len(steps) else None
+        return dict(enumerate(self._lesson.steps if self._lesson else (), 1)).get(self._progress.step)
 
     def _taken(self, step: Step, found: AnswerMark | str | None) -> str:
         """What is said of the answer that the step has."""
@@ -272,8 +268,8 @@ class Player:
     def _show(self, text: viser.GuiHtmlHandle, content: Callable[[], str]) -> None:
         """Put what has been worked out into a text, unless the visitor has gone on meanwhile."""
         with self._lock:
-            if not is_removed(text) and text.content != (new := content()):  # the browser would make it anew
-                text.content = new
+            if not is_removed(text):
+                text.content = content()
 
     def _build_end(self, lesson: Lesson) -> None:
         text = self._gui.add_html(self._end(lesson))
