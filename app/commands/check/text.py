@@ -26,9 +26,13 @@ def as_markdown(values: dict, pictures: list[str]) -> str:
     files, count = values["files"], len(values["files"])
     notes = ["\n".join(f"* {markdown(note)}" for note in values["notes"])] if values["notes"] else []
     listed = ", ".join(code(file_name(file)) for file in files[:20]) + f" and {count - 20} more" * (count > 20)
+    rows = [[one["finding"], _size(one["measured"], one["unit"]), _size(one["limit"], one["unit"]), one["verdict"],
+             markdown(one["says"]) or NOTHING] for one in values["findings"]]
+    looked = "## What was looked at\n\n" + grid(["looked at", "measured", "limit", "verdict", "remark"], rows,
+                                                words=("looked at", "verdict", "remark"))
     shown = [f"![{CAPTION}]({name})" for name in pictures]
     return "\n\n".join([f"# {count} file{'s' * (count != 1)} checked: {values['verdict']}", summary(values), *shown,
-                        _looked(values), *notes, f"Files: {listed}.", rendered(HERE / "how.md")])
+                        looked, *notes, f"Files: {listed}.", rendered(HERE / "how.md")])
 
 
 def _verdict(values: dict) -> str:
@@ -51,13 +55,6 @@ def _wrong(values: dict) -> str:
         place = "" if one["particle"] is None else f" (particle {one['particle']}{where})"
         lines.append(f"* **{one['verdict'].capitalize()}**, {one['finding']}: {markdown(one['says'])}{place}.")
     return "\n".join(lines)
-
-
-def _looked(values: dict) -> str:
-    rows = [[one["finding"], _size(one["measured"], one["unit"]), _size(one["limit"], one["unit"]), one["verdict"],
-             markdown(one["says"]) or NOTHING] for one in values["findings"]]
-    return "## What was looked at\n\n" + grid(["looked at", "measured", "limit", "verdict", "remark"], rows,
-                                              words=("looked at", "verdict", "remark"))
 
 
 def _size(value: Any, unit: str) -> str:
