@@ -68,8 +68,8 @@ class Story:
             return
         self._restarts, periods = restarts, report.time / report.scene.period
         # A pinned run that is compiled late begins both anew, and they would stand at t = 0 if the first were paused.
-        if self._opened and session.ended and ((pinned := session.pinned) is None or pinned.shortfall() or (
-                pinned.last is not None and pinned.last[0].step >= pinned.scene.steps)):
+        if self._opened and session.ended and ((other := session.pinned) is None or other.shortfall() or (
+                other.last is not None and other.last[0].step >= other.scene.steps)):
             self._opened = False
             session.open_end()
             self._hurry()
