@@ -116,7 +116,11 @@ def _read_flags(kind: type, program: str, arguments: list[str]) -> Any:
         if not end.code:
             put_text(finished(shown.getvalue(), kind))
             return None
-        raise BadInput("", program, _condensed(complaints.getvalue())) from None
+        # tyro's boxed complaint as one sentence: the first line between the borders.
+        lines = [line.strip(" │|╭╮╰╯─-") for line in complaints.getvalue().splitlines()]
+        says = [line for line in lines if line and not line.startswith(("Missing", "Parsing", "For full"))]
+        raise BadInput("", program, quoted(says[0], LONGEST_COMPLAINT) if says else
+                       "the flags could not be read; --help shows them") from None
     if unknown:
         raise _unexpected(unknown[0], kind, program)
     return command
@@ -132,10 +136,3 @@ def _unexpected(word: str, kind: type, program: str) -> BadInput:
     if hasattr(kind, "SCENE") and (reason := kind.SCENE.RUN_ONLY.get(flag.lstrip("-").replace("-", "_"))):
         return BadInput("", flag, f"is not a flag of {program}: {reason}")
     return BadInput("", flag, f"is not a flag of {program}{meant(flag, flags)}; --help shows them all")
-
-
-def _condensed(box: str) -> str:
-    """tyro's boxed complaint as one sentence: the first line between the borders."""
-    lines = [line.strip(" │|╭╮╰╯─-") for line in box.splitlines()]
-    said = [line for line in lines if line and not line.startswith(("Missing", "Parsing", "For full"))]
-    return quoted(said[0], LONGEST_COMPLAINT) if said else "the flags could not be read; --help shows them"

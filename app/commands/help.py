@@ -42,7 +42,11 @@ def finished(shown: str, kind: type) -> str:
     """The help of a command that tyro has ``shown``: its paragraphs wrapped, and below the flags how it is typed and
     what every command has."""
     usage, _, rest = shown.partition("\n")
-    shown = f"{_usage(usage)}\n{rest}"
+    if len(usage) > _width():  # as several lines, none of which parts a flag from its value
+        together = re.sub(r"\[[^]]*\]", lambda flag: flag[0].replace(" ", "\0"), usage)
+        usage = textwrap.fill(together, _width(), subsequent_indent=" " * 4, break_long_words=False,
+                              break_on_hyphens=False).replace("\0", " ")
+    shown = f"{usage}\n{rest}"
     for part in paragraphs(kind):
         shown = shown.replace(part, textwrap.fill(part, _width()))
     return f"{shown}\nExample:  {kind.EXAMPLE}\n\n{EVERYWHERE}\n"  # type: ignore[attr-defined]
@@ -62,15 +66,6 @@ def overview(name: tuple[str, ...]) -> str:
                             "completes", "commands and flags in bash, zsh or fish."]
     return "\n".join([f"usage: {program} COMMAND [flags]", "", *about, *lines, "",
                       f"{program} COMMAND --help explains the flags of a command.", *more, EVERYWHERE])
-
-
-def _usage(line: str) -> str:
-    """The line of a command's flags, as several where it is too wide, none of which parts a flag from its value."""
-    if len(line) <= _width():
-        return line
-    together = re.sub(r"\[[^]]*\]", lambda flag: flag[0].replace(" ", "\0"), line)
-    return textwrap.fill(together, _width(), subsequent_indent=" " * 4, break_long_words=False,
-                         break_on_hyphens=False).replace("\0", " ")
 
 
 def _width() -> int:

@@ -146,17 +146,6 @@ def _is_device(path: str) -> bool:
     return os.path.exists(path) and not os.path.isfile(path) and not os.path.isdir(path)
 
 
-def made_directory(path: str, typed: str) -> list[str]:
-    """Make a directory, and those above it, of what was ``typed`` after ``--out``; what is in it already."""
-    try:
-        os.makedirs(path, exist_ok=True)
-        return os.listdir(path)
-    except (OSError, ValueError) as error:  # a character that no name can have is the latter
-        why = (getattr(error, "strerror", None) or str(error)).lower()
-        raise BadInput("out", typed, f"cannot be a directory: {why}; give one that exists or can be made and may be "
-                                     "written to") from None
-
-
 class Folder:
     """The directory after ``--out``, made and tried now: new or empty, so that nothing of anybody's is overwritten."""
 
@@ -165,7 +154,14 @@ class Folder:
         if not self.text:
             raise BadInput("out", "", "give a directory for the files")
         self.path = Path(self.text)
-        if made_directory(self.text, self.text):
+        try:
+            os.makedirs(self.text, exist_ok=True)
+            there = os.listdir(self.text)
+        except (OSError, ValueError) as error:  # a character that no name can have is the latter
+            why = (getattr(error, "strerror", None) or str(error)).lower()
+            raise BadInput("out", self.text, f"cannot be a directory: {why}; give one that exists or can be made and "
+                                             "may be written to") from None
+        if there:
             raise BadInput("out", self.text, "is not empty; give an empty or a new directory")
         Target("out", str(self.path / "try"))  # says now what would fail later
 

@@ -82,7 +82,9 @@ class ClassCode:
         digest = _digest(plain(guess))
         opened = [whose for whose, code in self._codes.items() if hmac.compare_digest(digest, code)]
         if opened:
-            return Entry(self._cookie(opened[-1]), more=opened[-1] != CLASS)
+            key, whose = secrets.token_urlsafe(16), opened[-1]  # good until the browser is closed or the server ends
+            return Entry(f"{self._name}={key}.{self._proof(whose, key)}; Path=/; HttpOnly; SameSite=Strict",
+                         more=whose != CLASS)
         own = self._of.of(network_of(who))
         wait = math.ceil(max(own.wait(), self._all.wait()))
         if wait:
@@ -91,11 +93,6 @@ class ClassCode:
         own.pay()
         self._all.pay()
         return Entry(sentence=tr(WRONG))
-
-    def _cookie(self, whose: str) -> str:
-        """The header that sets it, until the browser is closed or the server ends."""
-        key = secrets.token_urlsafe(16)
-        return f"{self._name}={key}.{self._proof(whose, key)}; Path=/; HttpOnly; SameSite=Strict"
 
     def _proof(self, whose: str, key: str) -> str:
         """That a key is of this server's making."""

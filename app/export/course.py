@@ -34,7 +34,9 @@ def package(lessons: Sequence[Lesson], processes: int, on_progress: Progress,
 def manifest(lessons: Sequence[Lesson]) -> str:
     """What a system reads first: the parts in their order, and the page of each. Identifiers are made of a lesson's
     name and fingerprint, so that a lesson that has changed is another one."""
-    root = Element("manifest", {"identifier": _whole(lessons), "version": "1.0", **SPACES})
+    keys = [_key(lesson) for lesson in lessons]
+    whole = keys[0] if len(keys) == 1 else hashlib.sha256(" ".join(keys).encode()).hexdigest()[:24]
+    root = Element("manifest", {"identifier": f"mpm-lab-{whole}", "version": "1.0", **SPACES})
     metadata = SubElement(root, "metadata")
     SubElement(metadata, "schema").text = "ADL SCORM"
     SubElement(metadata, "schemaversion").text = "1.2"
@@ -55,11 +57,6 @@ def manifest(lessons: Sequence[Lesson]) -> str:
 
 def _key(lesson: Lesson) -> str:
     return re.sub(r"[^\w.-]", "-", f"{lesson.name}-{lesson.fingerprint[:12]}")
-
-
-def _whole(lessons: Sequence[Lesson]) -> str:
-    keys = [_key(lesson) for lesson in lessons]
-    return f"mpm-lab-{keys[0] if len(keys) == 1 else hashlib.sha256(' '.join(keys).encode()).hexdigest()[:24]}"
 
 
 def _title(lesson: Lesson) -> str:

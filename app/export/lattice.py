@@ -4,6 +4,7 @@ import itertools
 import math
 import re
 from collections.abc import Iterator, Mapping, Sequence
+from contextlib import suppress
 from dataclasses import dataclass, replace
 from typing import Any
 
@@ -55,8 +56,10 @@ def axis(scene: Scene, field: str, candidates: Sequence[Any], most: int) -> Slid
     own = getattr(scene, field) if field != "cfl" else scene.courant_number
     values = [own]
     for value in candidates:
-        if value not in values and len(values) < most and _possible(scene, field, value):
-            values.append(value)
+        if value not in values and len(values) < most:
+            with suppress(SceneError):
+                if work(_changed(scene, {field: value})) <= max(MOST_WORK, work(scene)):
+                    values.append(value)
     order = values if field == "method" else sorted(values)
     return SliderAxis(field, tuple(order), order.index(own))
 
@@ -110,14 +113,6 @@ def _candidates(scene: Scene, field: str) -> Sequence[Any]:
 def work(scene: Scene) -> float:
     """Particle-steps of a run: some tens of millions take a second."""
     return float(scene.particles) * scene.steps
-
-
-def _possible(scene: Scene, field: str, value: Any) -> bool:
-    try:
-        other = _changed(scene, {field: value})
-    except SceneError:
-        return False
-    return work(other) <= max(MOST_WORK, work(scene))
 
 
 def _value(scene: Scene, field: str, text: str) -> Any:

@@ -33,19 +33,15 @@ def lesson_page(lesson: Lesson, processes: int, on_progress: Progress, counts: M
                  core: bool = False, scripts: Sequence[str] = SCRIPTS) -> str:
     """The page of a lesson, with so many values of each field on its sliders; it begins with the ``core`` alone where
     that is asked for, and has these ``scripts`` of the player."""
-    plans = _plans(lesson, counts)
+    plans = {  # what each step with a stage puts there, by the step's key and the number of the variant
+        (step.key, number): _plan(lesson, step, filled(step.stage, numbers), filled(step.text, numbers), counts)
+        for step in lesson.steps if step.stage for number, numbers in enumerate(lesson.variants)}
     right = rules(lesson, processes, lambda part, what: on_progress(0.5 * part, what))
     once = list(dict.fromkeys(plans.values()))
     bets = judged(lesson, processes)
     recorded = record(once, processes, lambda part, what: on_progress(0.5 + 0.5 * part, what))
     stages = {key: once.index(plan) for key, plan in plans.items()}
     return assembled(lesson.title, once, recorded, _data(lesson, right, stages, bets, core), scripts)
-
-
-def _plans(lesson: Lesson, counts: Mapping[str, int]) -> dict[tuple[str, int], Plan]:
-    """What each step with a stage puts there, by the step's key and the number of the variant."""
-    return {(step.key, number): _plan(lesson, step, filled(step.stage, numbers), filled(step.text, numbers), counts)
-            for step in lesson.steps if step.stage for number, numbers in enumerate(lesson.variants)}
 
 
 def _plan(lesson: Lesson, step: Step, stage: str, text: str, counts: Mapping[str, int]) -> Plan:
@@ -56,7 +52,9 @@ def _plan(lesson: Lesson, step: Step, stage: str, text: str, counts: Mapping[str
         kept += tuple(key for key, quantity in QUANTITIES.items() if key not in kept and f"`{quantity}`" in text)
         scene = planned(shown, (), kept).scene
         axes = lattice.named(scene, text)
-    if (sought := _sought(lesson, step)) and sought not in {axis.field for axis in axes}:
+    asks = [other.question for other in lesson.steps[lesson.steps.index(step) + 1:][:1]]
+    sought = asks[0].control if asks and asks[0] and asks[0].kind == DRAG else ""  # what one is to find on the stage
+    if sought and sought not in {axis.field for axis in axes}:
         own = getattr(scene, sought) if sought != "cfl" else scene.courant_number
         values = [type(own)(float(f"{factor * own:.3g}")) for factor in DENSE]
         axes.append(lattice.axis(scene, sought, values, len(DENSE) + 1))
@@ -68,32 +66,19 @@ def _plan(lesson: Lesson, step: Step, stage: str, text: str, counts: Mapping[str
     return planned(shown, axes, kept)
 
 
-def _sought(lesson: Lesson, step: Step) -> str:
-    """The field that the question after a step has one find on the stage, or ""."""
-    following = lesson.steps[lesson.steps.index(step) + 1:][:1]
-    return next((other.question.control for other in following if other.question and other.question.kind == DRAG), "")
-
-
 def rules(lesson: Lesson, processes: int,
           on_progress: Callable[[float, str], None]) -> dict[str, list[dict[str, Any] | None]]:
     """What is right in each question with the numbers of each variant; None where it could not be found out."""
-    with closing(Outcomes(processes)) as outcomes:
-        outcomes.prepare(_needed(lesson), lambda done, total: on_progress(done / total, f"answer {done} of {total}"))
-        return {step.key: [_rule(lesson, step, numbers, outcomes) for numbers in lesson.variants]
-                for step in lesson.questions.values()}
-
-
-def _needed(lesson: Lesson) -> list[str]:
-    """The scenes of all runs that questions are about."""
-    found = []
+    found = []  # the scenes of all runs that questions are about
     for step in lesson.questions.values():
-        asked = step.question
-        assert asked is not None
         for numbers in lesson.variants:
-            for expression in expressions(asked, numbers):
+            for expression in expressions(step.asked, numbers):
                 names = needed(expression, lesson.runs, lesson.main_run(step)) - {""}
                 found += [filled(text, numbers) for name in names for text in lesson.runs[name].texts]
-    return found
+    with closing(Outcomes(processes)) as outcomes:
+        outcomes.prepare(found, lambda done, total: on_progress(done / total, f"answer {done} of {total}"))
+        return {step.key: [_rule(lesson, step, numbers, outcomes) for numbers in lesson.variants]
+                for step in lesson.questions.values()}
 
 
 def _rule(lesson: Lesson, step: Step, numbers: Numbers, outcomes: Outcomes) -> dict[str, Any] | None:

@@ -68,18 +68,14 @@ def ending(scene: Scene, like: Scene | None = None) -> Scene:
 
 def wanted(plans: Sequence[Plan]) -> dict[tuple[int, str], Wanted]:
     """What is to be recorded, by the number of the plan and the text of the run."""
-    most = _most(plans)
+    counts = [(plan, min(read(text).scene.particles, MOST[plan.scene.DIMENSIONS]))
+              for plan in plans for text in plan.runs]
+    # The tracks of as many particles are kept as the budget has room for, when smaller runs need less.
+    most = next((most for most in range(max(MOST.values()), LEAST, -STRIDE)
+                 if sum(_bytes(plan, min(count, most)) for plan, count in counts) <= BUDGET), LEAST)
     return {(number, text): Wanted(text, plan.pictures, min(most, MOST[plan.scene.DIMENSIONS]), plan.quantities,
                                    plan.state.difference, plan.state.domains, language())
             for number, plan in enumerate(plans) for text in plan.runs}
-
-
-def _most(plans: Sequence[Plan]) -> int:
-    """Of how many particles the tracks are kept: as many as the budget has room for, when smaller runs need less."""
-    counts = [(plan, min(read(text).scene.particles, MOST[plan.scene.DIMENSIONS]))
-              for plan in plans for text in plan.runs]
-    return next((most for most in range(max(MOST.values()), LEAST, -STRIDE)
-                 if sum(_bytes(plan, min(count, most)) for plan, count in counts) <= BUDGET), LEAST)
 
 
 def _bytes(plan: Plan, particles: int) -> int:

@@ -56,11 +56,8 @@ def _bytes(track: Track) -> bytes:
         top = TOPS[track.kind]  # a scale of so few bits that it is below its largest value must not lead beyond
         codes = np.clip(np.rint(top * values / over), -top, top)
         codes = np.where(np.isfinite(values), codes, NONE[track.kind])
-    return scales.tobytes() + _differences(codes.astype(np.int32), 8 * BYTES[track.kind])
-
-
-def _differences(codes: np.ndarray, bits: int) -> bytes:
-    """Each row less the one before it, modulo 2^bits; of 16 bits the low bytes of all, then the high ones."""
-    steps = np.diff(codes, axis=0, prepend=0) % (1 << bits)
-    planes = [steps & 255, steps >> 8] if bits == 16 else [steps]
-    return b"".join(plane.astype(np.uint8).tobytes() for plane in planes)
+    whole: np.ndarray = codes.astype(np.int32)
+    bits = 8 * BYTES[track.kind]
+    steps = np.diff(whole, axis=0, prepend=0) % (1 << bits)
+    planes = [steps & 255, steps >> 8] if bits == 16 else [steps]  # the low bytes of all, then the high ones
+    return scales.tobytes() + b"".join(plane.astype(np.uint8).tobytes() for plane in planes)

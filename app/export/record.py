@@ -102,7 +102,10 @@ def _recorded(wanted: Wanted) -> dict[str, Any]:
     tracks = _tracks(wanted, scene, kept, marked, shots)
     regular, pictures = (samples.read(np.concatenate(some), scene, _count(shots), margin_unit(scene))
                          for some in (rows, own))
-    tracks += _norms(scene, regular, pictures) + _budget(scene, pictures)
+    tracks += _norms(scene, regular, pictures)
+    if scene.has("budget"):  # of each field the error, RMS over particles, and the part that each cause has made
+        tracks += [Track(f"budget.{field}", SIGNED, np.stack([pictures[f"budget/error_{field}"], *(
+            pictures[f"budget/part_{field}_{cause}"] for cause in CAUSES)], axis=1)) for field in FIELDS]
     not_valid = solver.not_valid()
     silent = {key: [name for name in scene.active_estimators if not any(
         np.isfinite(shot[key].estimate[name][:, samples.QUANTITIES.index(key)]).any() for shot in shots)]
@@ -234,22 +237,6 @@ def _norms(scene: Scene, regular: Mapping[str, np.ndarray], pictures: Mapping[st
     return tracks
 
 
-def _budget(scene: Scene, pictures: Mapping[str, np.ndarray]) -> list[Track]:
-    """Of each field the error, RMS over particles, and the part of it that each cause has made (pictures, 1 + 4)."""
-    if not scene.has("budget"):
-        return []
-    return [Track(f"budget.{field}", SIGNED, np.stack([pictures[f"budget/error_{field}"], *(
-        pictures[f"budget/part_{field}_{cause}"] for cause in CAUSES)], axis=1)) for field in FIELDS]
-
-
-def _shares(scene: Scene, regular: Mapping[str, np.ndarray]) -> dict[str, Any] | None:
-    """Of each field the share of each cause over the run, whose error it is, and why shares say nothing."""
-    if not scene.has("budget"):
-        return None
-    return {"shares": {field: budget.shares(regular, field) for field in FIELDS}, "whose": whose(scene),
-            "not_valid": budget.not_valid(regular)}
-
-
 def _columns(series: Mapping[str, np.ndarray], name: str) -> np.ndarray:
     return np.stack([series[name.format(key)] for key in samples.QUANTITIES], axis=1)
 
@@ -272,4 +259,6 @@ def _head(wanted: Wanted, scene: Scene, solver: Solver, not_valid: dict[str, str
             "moves_on": not scene.swings, "least": {} if scene.swings else {
                 key: [share * scene.size_of(key) for share in (LEAST_TOP, LEAST_REACH)] for key in wanted.quantities},
             "estimators": scene.active_estimators, "not_valid": not_valid, "quantities": wanted.quantities,
-            "status": status, "reason": reason or "", "since": since, "budget": _shares(scene, series[0])}
+            "status": status, "reason": reason or "", "since": since, "budget": None if not scene.has("budget") else {
+                "shares": {field: budget.shares(series[0], field) for field in FIELDS}, "whose": whose(scene),
+                "not_valid": budget.not_valid(series[0])}}

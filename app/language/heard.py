@@ -106,16 +106,15 @@ class Translator:
                 before, after = text[:found.start()], text[found.end():]
                 head, tail = self._known(before, looked, depth), self._known(after, looked, depth)
                 if head is None and joint == ": ":
-                    head = self._named(before)
+                    # The name of an input with its value, or of an estimator, which will do before a colon.
+                    label = max((words for words in self._words if before.startswith(f"{words} ")),
+                                key=len, default=None)
+                    if label is not None:
+                        head = Understood(len(label), self._words[label] + before.removeprefix(label))
+                    elif " " not in before:
+                        head = Understood(0, before)
                 if head is not None and tail is not None:
                     yield Understood(head.known + tail.known, f"{head.said}{joint}{tail.said}")
-
-    def _named(self, head: str) -> Understood | None:
-        """The name of an input with its value, or of an estimator, which will do before a colon."""
-        label = max((words for words in self._words if head.startswith(f"{words} ")), key=len, default=None)
-        if label is not None:
-            return Understood(len(label), self._words[label] + head.removeprefix(label))
-        return None if " " in head else Understood(0, head)
 
 
 @functools.lru_cache

@@ -31,20 +31,17 @@ def checks(lesson: Lesson, outcomes: Outcomes, variants: int | None = None) -> I
         for step in lesson.steps:
             for claim in step.claims:
                 text = filled(claim.text, numbers)
-                yield Check(lesson.file, step.title, claim.line, text, *_claim(lesson, step, text, numbers, outcomes))
+                try:
+                    result = decide(text, outcomes.scope(lesson, step, numbers, [text]))
+                    came = result.holds, f"found {result.found}"
+                except (ClaimError, RunFailed) as error:
+                    came = False, str(error)
+                yield Check(lesson.file, step.title, claim.line, text, *came)
             if step.question and expressions(step.question, numbers):
                 asked = step.question
                 text = "one option is right" if asked.kind == CHOICE else \
                     f"{filled(asked.expected, numbers)} has a value"
                 yield Check(lesson.file, step.title, asked.line, text, *_question(lesson, step, numbers, outcomes))
-
-
-def _claim(lesson: Lesson, step: Step, claim: str, numbers: Numbers, outcomes: Outcomes) -> tuple[bool, str]:
-    try:
-        result = decide(claim, outcomes.scope(lesson, step, numbers, [claim]))
-    except (ClaimError, RunFailed) as error:
-        return False, str(error)
-    return result.holds, f"found {result.found}"
 
 
 def _question(lesson: Lesson, step: Step, numbers: Numbers, outcomes: Outcomes) -> tuple[bool, str]:

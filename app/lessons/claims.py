@@ -263,17 +263,12 @@ def _call(node: ast.Call, scope: Scope) -> float:
         if not varied or not isinstance(values, list) or len(values) < 2:
             raise ClaimError(f"{ast.unparse(node)}: needs a run with several values of one field, such as "
                              "cells=20,40,80")
-        return _slope(varied[0], values)
+        sizes = [float(result["scene"][varied[0].varied]) for result in varied[0].results]
+        if min(values) <= 0:
+            raise ClaimError("an order needs values above 0")
+        # The slope of the logarithms over those of h, or of the field that was varied.
+        return float(np.polyfit(np.log(sizes) * (-1 if varied[0].varied == "cells" else 1), np.log(values), 1)[0])
     return FUNCTIONS[name](values if isinstance(values, list) else [values])
-
-
-def _slope(outcome: Outcome, values: list[float]) -> float:
-    """The order: the slope of the logarithms over those of h, or of the field that was varied."""
-    sizes = [float(result["scene"][outcome.varied]) for result in outcome.results]
-    logs = np.log(sizes) * (-1 if outcome.varied == "cells" else 1)
-    if min(values) <= 0:
-        raise ClaimError("an order needs values above 0")
-    return float(np.polyfit(logs, np.log(values), 1)[0])
 
 
 def _lookup(result: Mapping[str, Any], path: tuple[str, ...]) -> float | str:

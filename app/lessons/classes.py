@@ -128,12 +128,9 @@ def _timetable(part: Part) -> tuple[Row, ...]:
         elif not text.startswith("|"):
             inside = False
         elif inside and not set(text) <= set("|:- "):
-            rows.append(_row(cells, line))
+            if len(cells) != len(COLUMNS) or not (cells[0].isdecimal() and cells[1].isdecimal()):
+                raise LessonError(line, "a row of a timetable has the minute from which it is, whole minutes, and what "
+                                        "it is")
+            link = LINK.search(cells[2])
+            rows.append(Row(line, int(cells[0]), int(cells[1]), link[1] if link else ""))
     return tuple(rows)
-
-
-def _row(cells: list[str], line: int) -> Row:
-    if len(cells) != len(COLUMNS) or not (cells[0].isdecimal() and cells[1].isdecimal()):
-        raise LessonError(line, "a row of a timetable has the minute from which it is, whole minutes, and what it is")
-    link = LINK.search(cells[2])
-    return Row(line, int(cells[0]), int(cells[1]), link[1] if link else "")

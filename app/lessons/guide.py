@@ -20,20 +20,31 @@ PAGE = Path(__file__).parent / "guide.html"
 
 def markdown(lesson: Lesson, outcomes: Outcomes, core: bool = False) -> str:
     """The guide as Markdown, or that to the ``core`` alone. Runs what the right answers need."""
-    parts = [f"# {lesson.title}", _length(lesson, core), tr("Afterwards students can"),
+    length = tr("*Teacher's guide to the core, which takes {minutes} minutes, without a talk.*",
+                minutes=lesson.core_minutes) if core else \
+        tr("*Teacher's guide. {length}, without a talk.*", length=told(lesson))
+    parts = [f"# {lesson.title}", length, tr("Afterwards students can"),
              "\n".join(f"* {goal}" for goal in lesson.goals)]
     if lesson.prerequisites:
         parts.append(tr("Do before: {lessons}.", lessons=", ".join(lesson.prerequisites)))
+    variants = ""
+    if names := list(lesson.variants[0]):
+        rows = ([str(k), *(f"{numbers[name]}" for name in names)] for k, numbers in enumerate(lesson.variants, 1))
+        differ = tr("Numbers differ from student to student, drawn from the name:")
+        variants = f"{differ}\n\n{grid([tr('variant'), *names], rows)}"
     flag = " --core" if core else ""
     parts += [tr("Open the class on it: `mpm-lab serve --lesson {name}`. Handed-in files become one table by "
                  "`mpm-lab lesson grade {files}`.", name=f"{lesson.name}{flag}", files=f"FILES{flag}"),
-              *_variants(lesson), lesson.intro, _quoted(lesson.notes)]
+              variants, lesson.intro, _quoted(lesson.notes)]
     numbers = {step.key: number for number, step in enumerate(lesson.walk(core), 1)}
     for one in rounds(lesson.walk(core)):
+        takes = round_minutes(one, lesson)
+        begins = tr("*This round takes {minutes} min.*", minutes=takes) if one[0].core else \
+            tr("*Deeper: the core does without this round, which takes {minutes} min.*", minutes=takes)
         for step in one:
             stage = tr("On the stage: `{scene}`", scene=step.stage) if step.stage else ""
             parts += [f"## {numbers[step.key]}. {tr(TITLES[step.kind])}: {step.title}",
-                      _round(lesson, one) if step is one[0] else "", step.text, stage,
+                      begins if step is one[0] else "", step.text, stage,
                       *_question(lesson, step, outcomes), _quoted(step.notes)]
     return "\n\n".join(part for part in parts if part.strip()) + "\n"
 
@@ -42,28 +53,6 @@ def page(lesson: Lesson, outcomes: Outcomes, core: bool = False) -> str:
     """The guide as one html file, with its pictures in it."""
     return rendered(PAGE, language=language(), title=lesson.title,
                     body=html(markdown(lesson, outcomes, core), FOLDER))
-
-
-def _length(lesson: Lesson, core: bool) -> str:
-    if core:
-        return tr("*Teacher's guide to the core, which takes {minutes} minutes, without a talk.*",
-                  minutes=lesson.core_minutes)
-    return tr("*Teacher's guide. {length}, without a talk.*", length=told(lesson))
-
-
-def _round(lesson: Lesson, one: tuple[Step, ...]) -> str:
-    """What a round is, before its first step."""
-    takes = round_minutes(one, lesson)
-    return tr("*This round takes {minutes} min.*", minutes=takes) if one[0].core else \
-        tr("*Deeper: the core does without this round, which takes {minutes} min.*", minutes=takes)
-
-
-def _variants(lesson: Lesson) -> Iterator[str]:
-    names = list(lesson.variants[0])
-    if names:
-        rows = ([str(k), *(f"{numbers[name]}" for name in names)] for k, numbers in enumerate(lesson.variants, 1))
-        told = tr("Numbers differ from student to student, drawn from the name:")
-        yield f"{told}\n\n{grid([tr('variant'), *names], rows)}"
 
 
 def _question(lesson: Lesson, step: Step, outcomes: Outcomes) -> Iterator[str]:

@@ -73,19 +73,17 @@ def round_minutes(steps: Sequence[Step], lesson: Lesson) -> int:
 def round_seconds(steps: Sequence[Step], lesson: Lesson) -> float:
     """Seconds of whole rounds of a lesson, with its first numbers."""
     compared = sum(step.question is not None for one in rounds(steps) if one[-1].kind == EXPLAIN for step in one)
-    return compared * COMPARING_SECONDS + sum(_seconds(step, lesson) for step in steps)
+    seconds = 0.0
+    for step in steps:
+        asked = step.question
+        answering = 0 if asked is None else (PREDICTING if step.kind == PREDICT else TELLING)[asked.kind]
+        seconds += _reading(" ".join((step.title, step.text, *(asked.options if asked else ())))) + answering \
+            + _running(step, lesson) + TURN_SECONDS
+    return compared * COMPARING_SECONDS + seconds
 
 
 def _whole(seconds: float) -> int:
     return max(1, round(seconds / 60))
-
-
-def _seconds(step: Step, lesson: Lesson) -> float:
-    """Of one step, but for what it compares."""
-    asked = step.question
-    reading = _reading(" ".join((step.title, step.text, *(asked.options if asked else ()))))
-    answering = 0 if asked is None else (PREDICTING if step.kind == PREDICT else TELLING)[asked.kind]
-    return reading + answering + _running(step, lesson) + TURN_SECONDS
 
 
 def _reading(text: str) -> float:
@@ -100,14 +98,11 @@ def _running(step: Step, lesson: Lesson) -> float:
     acts = ACT.findall(step.text)
     taken = 60 * sum(map(int, TAKE.findall(step.text)))
     put = any(name == STAGE for verb, name in acts if verb == "Press") or step.kind == RUN
-    again = sum(name in CHANGES for _, name in acts)
-    return len(acts) * ACT_SECONDS + taken + (_plays(step.stage, lesson, again) if step.stage and put else 0)
-
-
-def _plays(stage: str, lesson: Lesson, again: int) -> float:
-    """Seconds of seeing a stage's run, and so many times again."""
-    shown = state.read(filled(stage, lesson.variants[0]))
+    seconds = len(acts) * ACT_SECONDS + taken
+    if not step.stage or not put:
+        return seconds
+    shown = state.read(filled(step.stage, lesson.variants[0]))
     if not shown.stops:
-        return ENDLESS_SECONDS
-    scene = shown.scene
-    return (1 + again) * (scene.end_time / scene.period / (shown.speed or SPEED) + STOPPED_SECONDS)
+        return seconds + ENDLESS_SECONDS
+    runs, scene = 1 + sum(name in CHANGES for _, name in acts), shown.scene
+    return seconds + runs * (scene.end_time / scene.period / (shown.speed or SPEED) + STOPPED_SECONDS)

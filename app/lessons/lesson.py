@@ -140,10 +140,6 @@ class Lesson:
         """What its file is called, without the ending."""
         return self.name if self.language == ENGLISH else f"{self.name}.{self.language}"
 
-    def step_at(self, number: int) -> Step | None:
-        """The step of a number, counted from 1; None before the first and after the last."""
-        return self.steps[number - 1] if 0 < number <= len(self.steps) else None
-
     @functools.cached_property
     def questions(self) -> dict[str, Step]:
         return {step.key: step for step in self.steps if step.question}

@@ -152,16 +152,15 @@ def laid(lesson: Lesson, step: Step, given: Mapping[str, Intervals], numbers: Nu
                 for other in steps]
         bets = [None if pair is None else Bet(float(pair[0]), float(pair[1]), truth, other.asked.level)
                 for other, truth, pair in zip(steps, truths, ends, strict=True)]
-        found += _by_round(lesson, steps, bets) if name == BY_ROUND else [Bettor(name, tuple(bets))]
+        if name == BY_ROUND:  # a student's bets apart by rounds, each of which ends where something is explained
+            explained = [sum(other.kind == EXPLAIN for other in lesson.steps[:lesson.steps.index(step)])
+                         for step in steps]
+            for number, one in enumerate(sorted(set(explained)), 1):
+                own = tuple(bet for bet, before in zip(bets, explained, strict=True) if before == one)
+                found.append(Bettor(name, own, number))
+        else:
+            found.append(Bettor(name, tuple(bets)))
     return found
-
-
-def _by_round(lesson: Lesson, steps: Sequence[Step], bets: Sequence[Bet | None]) -> list[Bettor]:
-    """A student's bets apart by rounds, each of which ends where something is explained."""
-    explained = [sum(other.kind == EXPLAIN for other in lesson.steps[:lesson.steps.index(step)]) for step in steps]
-    rounds = [tuple(bet for bet, before in zip(bets, explained, strict=True) if before == one)
-              for one in sorted(set(explained))]
-    return [Bettor(BY_ROUND, bets, number) for number, bets in enumerate(rounds, 1)]
 
 
 def judge_ends(lesson: Lesson, step: Step, judge: str, numbers: Numbers, outcomes: Outcomes) -> Ends | None:

@@ -76,7 +76,8 @@ class Outcomes:
 
     def prepare(self, texts: Iterable[str], on_progress: Callable[[int, int], None]) -> None:
         """Run all of these scenes, as many at a time as there are processes; failures show when they are asked for."""
-        longest_first = sorted(set(texts), key=lambda text: (-_work(text), text))
+        scenes = {text: state.read(text).scene for text in texts}
+        longest_first = sorted(scenes, key=lambda text: (-scenes[text].particles * scenes[text].steps, text))
         runs = dict.fromkeys(map(self._run, one_of_each_first(longest_first, _compiled)))
         for done, _ in enumerate(as_completed(runs), 1):
             on_progress(done, len(runs))
@@ -90,12 +91,6 @@ def _scene(text: str) -> str:
 def _compiled(text: str) -> tuple:
     """What has to be compiled for the scene of a state."""
     return combination(state.read(text).scene)
-
-
-def _work(text: str) -> int:
-    """Particle-steps of the scene of a state."""
-    scene = state.read(text).scene
-    return scene.particles * scene.steps
 
 
 def scene_texts(lesson: Lesson, numbers: Numbers) -> list[str]:

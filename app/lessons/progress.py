@@ -78,8 +78,11 @@ def read(text: str, find: Callable[[str], Lesson | None]) -> Progress:
     lesson = find(values["lesson"])
     if lesson is None:
         raise NotAnswers(f"is about a lesson that is not here: {quoting.quoted(values['lesson'])}")
-    answers = {key: Answer(**{name: given[name] for name in ANSWER}) for key, given in values["answers"].items()
-               if key in lesson.questions and _fits(lesson, key, given)}
+    answers = {}
+    for key, given in values["answers"].items():
+        if key in lesson.questions and given["attempts"] > 0 and 0 <= given["seconds"] < MOST_SECONDS and not any(
+                trouble(lesson.questions[key].asked, given[when]) for when in ("first", "last")):
+            answers[key] = Answer(**{name: given[name] for name in ANSWER})
     step = min(max(values["step"], 0), len(lesson.steps) + 1)
     return Progress(lesson.name, values["fingerprint"][:64], values["name"][:LONGEST_NAME], step, answers,
                     values.get("core") is True and bool(lesson.deeper))
@@ -93,9 +96,3 @@ def of_lesson(text: str, lesson: Lesson) -> Progress | None:
     except NotAnswers:
         return None
     return found if found.fingerprint == lesson.fingerprint else None
-
-
-def _fits(lesson: Lesson, key: str, given: dict[str, Any]) -> bool:
-    asked = lesson.questions[key].asked
-    return not trouble(asked, given["first"]) and not trouble(asked, given["last"]) \
-        and given["attempts"] > 0 and 0 <= given["seconds"] < MOST_SECONDS

@@ -4,7 +4,7 @@ The first step of a round of the core says so, ``## Predict (core): ...``; all o
 marked everything is core.
 """
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from dataclasses import replace
 
 from app.lessons.claims import needed
@@ -37,15 +37,11 @@ def check_core(lesson: Lesson) -> None:
     """What the core claims and asks is about runs of the core: :class:`LessonError` where it needs a deeper step."""
     deeper = {run.name: step.line for step in lesson.deeper for run in step.runs}
     for step in lesson.walk(core=True):
-        for text, line in _expressions(step, lesson):
-            for name in sorted(needed(text, lesson.runs, lesson.main_run(step)) & deeper.keys()):
+        found = [(claim.text, claim.line) for claim in step.claims]
+        if asked := step.question:
+            found += [(text, asked.line) for text in (*asked.holds, asked.expected) if text]
+        for text, line in found:
+            uses = needed(filled(text, lesson.variants[0]), lesson.runs, lesson.main_run(step))
+            for name in sorted(uses & deeper.keys()):
                 raise LessonError(line, f"the core needs the run {name} of the deeper step in line {deeper[name]}; "
                                         "move it into the core, or this out of it")
-
-
-def _expressions(step: Step, lesson: Lesson) -> Iterator[tuple[str, int]]:
-    """Claims and expected values of a step, with their lines."""
-    found = [(claim.text, claim.line) for claim in step.claims]
-    if asked := step.question:
-        found += [(text, asked.line) for text in (*asked.holds, asked.expected) if text]
-    yield from ((filled(text, lesson.variants[0]), line) for text, line in found)

@@ -20,23 +20,14 @@ def result_table(result: Result) -> str:
     names = list(result.estimate.estimators)
     valid = [name for name in names if name not in result.not_valid]
     head = ["largest RMS error", "true", *(part for name in valid for part in (f"by {name}", "index", "distance"))]
-    rows = [[str(quantity), *_numbers(result, key, quantity.unit, valid)] for key, quantity in QUANTITIES.items()]
+    rows = [[str(quantity), _size(result.error[key]["max"], quantity.unit), *(text for name in valid for text in (
+        _size(result.estimate[name][key]["max"], quantity.unit), _ratio(result.index[name][key]),
+        _ratio(result.distance[name][key])))] for key, quantity in QUANTITIES.items()]
+    ended = f"{result.status} after {result.steps:,} steps, at {with_unit(result.time, 's')}"
     lines = "".join(_row("td", row) for row in rows)
-    return (f"<div><p>{escape(in_a_line(result.scene))}: <b>{escape(_ended(result))}</b></p>"
+    return (f"<div><p>{escape(in_a_line(result.scene))}: <b>{escape(ended)}</b></p>"
             f"<table><thead>{_row('th', head)}</thead><tbody>{lines}</tbody></table>"
             + "".join(f"<p>{escape(line)}</p>" for line in _notes(result)) + "</div>")
-
-
-def _numbers(result: Result, key: str, unit: str, names: list[str]) -> Iterator[str]:
-    yield _size(result.error[key]["max"], unit)
-    for name in names:
-        yield _size(result.estimate[name][key]["max"], unit)
-        yield _ratio(result.index[name][key])
-        yield _ratio(result.distance[name][key])
-
-
-def _ended(result: Result) -> str:
-    return f"{result.status} after {result.steps:,} steps, at {with_unit(result.time, 's')}"
 
 
 def _notes(result: Result) -> Iterator[str]:

@@ -268,12 +268,6 @@ class Controls:
         self._folds[name] = mark(self._gui, words=self._fold_words()[name])
         return self._gui.add_folder(label, expand_by_default=False)
 
-    def _say_folds(self) -> None:
-        says = self._fold_words()
-        for fold, handle in self._folds.items():
-            if handle.content != (content := marked(words=says[fold])):
-                handle.content = content
-
     def _fold_words(self) -> dict[str, str]:
         """What is set in each fold, for the right of its name."""
         scene, view = self._session.scene, VIEWS[self._session.scene.problem]
@@ -295,7 +289,9 @@ class Controls:
             self._looking.refresh()
             self._transport.refresh()
             self._run.refresh()
-            self._say_folds()
+            says = self._fold_words()
+            for fold, handle in self._folds.items():
+                handle.content = marked(words=says[fold])
         self._answers.refresh(self._session.compiling)
 
     def judge(self, judged: str) -> None:

@@ -14,14 +14,12 @@ from app.page.source import Choice, Picture, Sight
 from app.page.stage.worst import WorstRegions
 from app.page.summary import compared, summary
 from app.page.visit.notice import Notice
-from app.page.visit.pinned import PinnedRun
 from app.page.visit.recent import Recent
 from app.page.visit.session import Session
 from app.page.visit.trace import Trace
 from app.words import differing
 from solvers.engine.frames import FrameArrays
 from solvers.engine.messages import FrameReport
-from solvers.scene.scene import Scene
 from solvers.solver.soundness import UNSTABLE
 
 
@@ -52,9 +50,14 @@ class LiveRun:
         picture = self._picture(report, arrays, look(report, arrays, *asked), name)
         if not report.playing:  # while it moves, words that change with each frame could not be read
             self._worst.look(report, arrays, picture.view, choice.quantity)
+        beside: Picture | str | None = None  # a pinned run, or before its first frame that there will be one
+        if pinned:
+            run, view = differing(pinned.scene, scene) or tr("the same so far"), pinned.view(*asked)
+            beside = tr("pinned: {run}, being prepared", run=run) if view is None or pinned.last is None else \
+                self._picture(*pinned.last, view, tr("pinned: {run}", run=run))
         return Sight(picture, (picture.view.left.sizes, picture.view.right.sizes), asked,
                      0.0 if scene.swings else LEAST_TOP * scene.size_of(choice.quantity), back,
-                     self._beside(pinned, scene, asked) if pinned else None, self._worst.remarks(scene))
+                     beside, self._worst.remarks(scene))
 
     def numbers(self, choice: Choice, picture: Picture | None, probed: str | None) -> Numbers | None:
         """Those of the frame that is looked at, and plots of all that has come in."""
@@ -89,10 +92,3 @@ class LiveRun:
 
     def _picture(self, report: FrameReport, arrays: FrameArrays, view: View, name: str) -> Picture:
         return Picture(report, arrays, view, self._session.speed * report.scene.period, name)
-
-    def _beside(self, pinned: PinnedRun, other: Scene, asked: tuple[str, str | None, bool]) -> Picture | str:
-        """A pinned run beside an ``other`` one, or before its first frame that there will be one."""
-        run, view = differing(pinned.scene, other) or tr("the same so far"), pinned.view(*asked)
-        if view is None or pinned.last is None:
-            return tr("pinned: {run}, being prepared", run=run)
-        return self._picture(*pinned.last, view, tr("pinned: {run}", run=run))

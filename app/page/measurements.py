@@ -65,10 +65,8 @@ class Measurements:
         if scene is not None and scene != self._described:
             self._described = scene
             self._running.content = f"<i class='lab-scene' data-scene='{escape(json.dumps(asdict(scene)))}'></i>"
-        foot = numbers.readout.errors if self.reading else ""
-        for html, content in ((self._readout, numbers.readout.html), (self._foot, foot)):
-            if html.content != content:
-                html.content = content
+        self._readout.content = numbers.readout.html
+        self._foot.content = numbers.readout.errors if self.reading else ""
         self.timeline.have(numbers.estimators, numbers.pinned is not None)
         self._plots.have(numbers.estimators, PLOT_HEIGHT, traced is not None, numbers.pinned is not None)
         if past is None or len(past.series.get("time", ())) < 2:

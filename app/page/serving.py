@@ -266,7 +266,11 @@ def _announce(address: str, link: str, codes: Mapping[str, str]) -> None:
         link_of_class = f"{link}#code={quote(code)}"
         print(f"the class code is {code}; {link_of_class} brings it along", file=sys.stderr, flush=True)
         if sys.stderr.isatty():
-            print(_picture(link_of_class), file=sys.stderr, flush=True)
+            import segno  # for a QR code of block characters, to be put on the board
+
+            out = io.StringIO()
+            segno.make(link_of_class, error="l", micro=False).terminal(out, compact=True)
+            print(out.getvalue(), file=sys.stderr, flush=True)
     if notes := codes[TEACHER]:
         print(f"the teacher's code, which shows the notes too, is {notes}; {link}#code={quote(notes)} brings it along",
               file=sys.stderr, flush=True)
@@ -290,15 +294,6 @@ def _outside(host: str) -> str:
         trial.connect(("192.0.2.1", 9))  # nobody's (RFC 5737): nothing is sent, only a way out looked for
         return str(trial.getsockname()[0])
     return HERE
-
-
-def _picture(link: str) -> str:
-    """A link as a QR code of block characters, to be put on the board."""
-    import segno
-
-    out = io.StringIO()
-    segno.make(link, error="l", micro=False).terminal(out, compact=True)
-    return out.getvalue()
 
 
 def _engine_count() -> int:

@@ -67,7 +67,9 @@ class Story:
         if report is None or report.scene != OPENING.scene:
             return
         self._restarts, periods = restarts, report.time / report.scene.period
-        if self._opened and session.ended and self._both_there():
+        # A pinned run that is compiled late begins both anew, and they would stand at t = 0 if the first were paused.
+        if self._opened and session.ended and ((other := session.pinned) is None or other.shortfall() or (
+                other.last is not None and other.last[0].step >= other.scene.steps)):
             self._opened = False
             session.open_end()
             self._hurry()
@@ -78,14 +80,6 @@ class Story:
         elif self.beat == LAST and self._clock() > self._since + BEAT:
             self._end()
         self._show()
-
-    def _both_there(self) -> bool:
-        """Whether the pinned run has come to the quarter, too, or will not. One that is compiled late begins both anew,
-        and they would stand at t = 0 if the first were paused."""
-        pinned = self._session.pinned
-        if pinned is None or pinned.shortfall():
-            return True
-        return pinned.last is not None and pinned.last[0].step >= pinned.scene.steps
 
     def said(self, frame: Frame | None) -> Said:
         """What the present beat says of the runs; nothing where none is told."""
@@ -106,9 +100,7 @@ class Story:
         self._show()
 
     def _show(self) -> None:
-        content = f"<i class='lab-story' data-beat='{self.beat}'></i>"
-        if self._mark.content != content:
-            self._mark.content = content
+        self._mark.content = f"<i class='lab-story' data-beat='{self.beat}'></i>"
 
 
 def _beat(beat: int, report: FrameReport, arrays: FrameArrays, pinned: PinnedRun | None,
@@ -126,8 +118,18 @@ def _beat(beat: int, report: FrameReport, arrays: FrameArrays, pinned: PinnedRun
                 [tr("No particle has changed its cell yet. Watch for the magenta dots.")],
                 {"by": str(METHODS[scene.method])})
     if beat == 2:
+        # The share of the squared error within a cell's width of particles that have changed their cell.
+        count = int(crossed.sum())
+        x, square = arrays.position[:, 0].astype(float), arrays.error[:, SIGMA].astype(float) ** 2
+        near = np.abs(x[:, None] - x[arrays.steps_since_crossing >= 0]).min(axis=1) <= WIDE * OPENING.scene.spacing
+        told = trn("{count} particle has changed its cell: {share} of the squared error lies within a cell's width.",
+                   "{count} particles have changed their cell: {share} of the squared error lies within a cell's "
+                   "width.", count, share=per_cent(float(square[near].sum() / square.sum()))) if square.sum() else \
+            trn("{count} particle has changed its cell: all of the squared error lies within a cell's width.",
+                "{count} particles have changed their cell: all of the squared error lies within a cell's width.",
+                count)
         return (tr("The stress is {wrong} {off}: it leaves the line where a particle changes its cell."),
-                [_crossed(int(crossed.sum()), _share(arrays))], {"wrong": per_cent(wrong), "off": tr("wrong")})
+                [told], {"wrong": per_cent(wrong), "off": tr("wrong")})
     if beat == 3:
         estimate = arrays.estimate.get("recovered", np.full_like(arrays.error, np.nan))[:, SIGMA].astype(float)
         index = math.sqrt(np.mean(estimate**2)) / (wrong * size) if wrong else math.nan
@@ -144,22 +146,3 @@ def _beat(beat: int, report: FrameReport, arrays: FrameArrays, pinned: PinnedRun
                    "{by}: {wrong} {off}, though {count} particles have changed their cell there, too.", same,
                    **{name: f"{{{name}}}" for name in places})
     return headline, [tr("At what price? Ask one of the questions that come now, or open Cost.")], places
-
-
-def _crossed(count: int, share: str) -> str:
-    """How many particles have changed their cell, and the ``share`` of the error beside them, "" for all of it."""
-    if share:
-        return trn("{count} particle has changed its cell: {share} of the squared error lies within a cell's width.",
-                   "{count} particles have changed their cell: {share} of the squared error lies within a cell's "
-                   "width.", count, share=share)
-    return trn("{count} particle has changed its cell: all of the squared error lies within a cell's width.",
-               "{count} particles have changed their cell: all of the squared error lies within a cell's width.", count)
-
-
-def _share(arrays: FrameArrays) -> str:
-    """The share of the squared error of the stress within a cell's width of particles that have changed their cell; ""
-    where there is no error."""
-    x, square = arrays.position[:, 0].astype(float), arrays.error[:, SIGMA].astype(float) ** 2
-    there = x[arrays.steps_since_crossing >= 0]
-    near = np.abs(x[:, None] - there[None, :]).min(axis=1) <= WIDE * OPENING.scene.spacing
-    return per_cent(float(square[near].sum() / square.sum())) if square.sum() else ""

@@ -23,10 +23,19 @@ def coverage_figure(counted: Sequence[Mapping]) -> Figure:
     figure, axes = parts.frame(title, 1, 2, (13.5, 5.2))
     names = list(one["estimators"])
     left, right = axes[0]
-    _rows(left, names, lambda name, regime: _right(one, name, regime))
+
+    def right_of(name: str, regime: str) -> tuple[int, int]:
+        found = one["estimators"][name]["regime"][regime]["x"]
+        return found["within"][f"{FACTORS[0]:g}"], found["runs"]
+
+    def held_of(name: str, regime: str) -> tuple[int, int]:  # of all goals together
+        found = [split["regime"][regime][bars[name]] for split in one["goals"].values()]
+        return sum(goal["held"] for goal in found), sum(goal["runs"] for goal in found)
+
+    _rows(left, names, right_of)
     left.set_xlabel(f"runs with the estimate of x within a factor of {FACTORS[0]:g} of the truth, %")
     bars = {f"{SAFETY:g} × {name}": f"{SAFETY:g} x {name}" for name in names} | {name: name for name in INTERVALS}
-    _rows(right, list(bars), lambda name, regime: _held(one, bars[name], regime))
+    _rows(right, list(bars), held_of)
     right.axvline(PROMISED, color=INK, linewidth=1, linestyle=(0, (4, 3)))
     right.set_xlabel("bars around a number that hold the truth, %; dashed: the GCI's promise")
     handles = [left.plot([], [], symbol, color=INK3, label=f"particles move {regime}")[0]
@@ -51,14 +60,3 @@ def _rows(axes: Axes, names: Sequence[str], counts: Callable[[str, str], tuple[i
     axes.set_ylim(len(names) - 0.5, -0.5)
     axes.set_xlim(-2, 102)
     axes.grid(axis="x", color=LINE2)
-
-
-def _right(counted: Mapping, name: str, regime: str) -> tuple[int, int]:
-    found = counted["estimators"][name]["regime"][regime]["x"]
-    return found["within"][f"{FACTORS[0]:g}"], found["runs"]
-
-
-def _held(counted: Mapping, name: str, regime: str) -> tuple[int, int]:
-    """Of all goals together."""
-    found = [split["regime"][regime][name] for split in counted["goals"].values()]
-    return sum(one["held"] for one in found), sum(one["runs"] for one in found)

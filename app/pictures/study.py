@@ -47,7 +47,11 @@ def error_time_figure(rows: Sequence[dict]) -> Figure:
         title += f"; from left to right along a line: {', '.join(map(str, cells))} cells"
     figure, axes = parts.frame(title, 1, len(shown), (WIDTH, 5.6))
     for panel, quantity in zip(axes[0], shown, strict=True):
-        _front(panel, rows, quantity)
+        points = [(row["seconds"]["min"], error) for row in measured(rows)
+                  if row["status"] == OK and (error := error_of(row, quantity))]
+        if points:
+            best = [points[k] for k in pareto(*zip(*points, strict=True))]
+            panel.plot(*zip(*best, strict=True), marker="o", markersize=6, **FRONT)
         parts.draw_errors(panel, lines, quantity, lambda row: row["seconds"]["min"])
         panel.set_xlabel("time of the bare run, shortest of the repeats")
         parts.logarithmic(panel)
@@ -136,14 +140,6 @@ def error_step_figure(rows: Sequence[dict]) -> Figure:
     return figure
 
 
-def _front(axes: Axes, rows: Sequence[dict], quantity: str) -> None:
-    points = [(row["seconds"]["min"], error) for row in measured(rows)
-              if row["status"] == OK and (error := error_of(row, quantity))]
-    if points:
-        best = [points[k] for k in pareto(*zip(*points, strict=True))]
-        axes.plot(*zip(*best, strict=True), marker="o", markersize=6, **FRONT)
-
-
 def _fits(axes: Axes, lines: Sequence[tuple[Series, dict]], quantity: str) -> None:
     """Straight lines through the points of each series, with the orders in words where there is room for them."""
     handles = []
@@ -215,7 +211,12 @@ def _agreement(axes: Axes, rows: Sequence[dict], estimator: str, quantity: str) 
         axes.set_axis_off()
         say(axes, "not estimated" if any(row["estimate"].get(estimator) for row in rows) else "not valid here")
         return
-    low, high = _common_range(points)
+    # One range for both axes: the true errors of stable runs, and estimates if they are not off by powers of ten.
+    stood = [point for point in points if not point[3]] or points
+    sizes = [point[0] for point in stood]
+    least, most = min(sizes) / MOST_OFF, max(sizes) * MOST_OFF
+    sizes += [float(np.clip(point[1], least, most)) for point in stood]
+    low, high = min(sizes) / 2, max(sizes) * 2
     edge, far = (high / low) ** 0.025, 0
     for true, estimated, method, unstable in points:
         look: Look = {"marker": METHOD_MARKS[method], "linestyle": "none", "markersize": 6}
@@ -231,15 +232,6 @@ def _agreement(axes: Axes, rows: Sequence[dict], estimator: str, quantity: str) 
         axes.plot(ends, factor * ends, color=TRUTH, linewidth=0.9, linestyle=":", zorder=2)
     axes.set(xlim=(low, high), ylim=(low, high))
     parts.logarithmic(axes, name.unit)
-
-
-def _common_range(points: Sequence[tuple[float, float, str, bool]]) -> tuple[float, float]:
-    """One range for both axes: the true errors of stable runs, and estimates if they are not off by powers of ten."""
-    stood = [point for point in points if not point[3]] or list(points)
-    true = [point[0] for point in stood]
-    least, most = min(true) / MOST_OFF, max(true) * MOST_OFF
-    values = true + [float(np.clip(point[1], least, most)) for point in stood]
-    return min(values) / 2, max(values) * 2
 
 
 def _extra_prices(rows: Sequence[dict]) -> dict[str, list[tuple[str, float]]]:
@@ -273,7 +265,10 @@ def _steps(axes: Axes, rows: Sequence[dict]) -> None:
 
 def _extras(axes: Axes, prices: dict[str, list[tuple[str, float]]]) -> None:
     axes.set_title("On top of it, as a part of the bare run's time")
-    low, high = _price_span([100 * part for points in prices.values() for _, part in points])
+    # Most of the prices; a run that was disturbed must not squeeze the others. What is outside is at the edge.
+    low, high = np.percentile([100 * part for points in prices.values() for _, part in points], (10, 90))
+    high = max(1.6 * high, 10.0)
+    low = min(1.6 * low, -0.08 * high)
     for height, points in enumerate(prices.values()):
         for method, part in points:
             place = height + 0.3 * ((list(METHODS).index(method) + 0.5) / len(METHODS) - 0.5) * 1.6
@@ -290,13 +285,6 @@ def _extras(axes: Axes, prices: dict[str, list[tuple[str, float]]]) -> None:
     axes.grid(visible=False, axis="y")
     axes.grid(axis="x")
     axes.set(xlabel="added time (% of the bare run)", xlim=(low, high), ylim=(-0.6, len(prices) - 0.4))
-
-
-def _price_span(percents: Sequence[float]) -> tuple[float, float]:
-    """Most of the prices; a run that was disturbed must not squeeze the others. What is outside is at the edge."""
-    low, high = np.percentile(percents, (10, 90))
-    high = max(1.6 * high, 10.0)
-    return min(1.6 * low, -0.08 * high), high
 
 
 #: The pictures of a study by the names of their files.

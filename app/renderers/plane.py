@@ -86,6 +86,9 @@ def draw_halves(figure: Figure, place: SubplotSpec, result: Result, stage: type[
     scale = picture.shared_scale(truth, list(estimates.values()))
     names = list(estimates) or [""]
     panels = place.subgridspec(1, len(names)).subplots(squeeze=False)[0]
+    # A dot is about as wide as the particles are apart, in points of the picture, not so wide that they merge.
+    apart = result.scene.spacing / result.scene.ppc * np.sqrt(result.particles / max(1, len(few)))
+    area = float(np.clip((0.8 * apart * (per_metre / len(names) ** 0.5)) ** 2, 0.5, 64.0))
     for axes, name in zip(panels, names, strict=True):
         _frame(axes, result.scene, stage, reach, lines, told)
         for side, sizes, title, colour, silence in (
@@ -93,8 +96,7 @@ def draw_halves(figure: Figure, place: SubplotSpec, result: Result, stage: type[
                 (1, truth, "truth", TRUTH_INK, EMPTY_HALVES[1])):
             own = slice(None) if mirrored else (x < 0) == (side < 0)
             look = {"color": UNKNOWN_COLOUR} if sizes is None else {"c": sizes[own], "cmap": COLOUR_MAP, "norm": scale}
-            axes.scatter(side * x[own] if mirrored else x[own], y[own], linewidths=0, zorder=2, **look,
-                         s=_dot_area(result, len(few), per_metre / len(names) ** 0.5))
+            axes.scatter(side * x[own] if mirrored else x[own], y[own], linewidths=0, zorder=2, s=area, **look)
             axes.text(0.5 + 0.485 * side, 0.95 if mirrored else 0.985, silence if sizes is None else title,
                       transform=axes.transAxes, color=INK3 if sizes is None else colour, fontsize=11,
                       fontweight="bold", va="top", ha="right" if side > 0 else "left",
@@ -137,11 +139,3 @@ def _draw_cells(axes: Axes, scene: Scene, reach: float, least: float, start: flo
     axes.vlines(lines, least, reach, color=LINE, linewidth=width, zorder=0)
     axes.hlines(lines[lines >= least], -reach, reach, color=LINE, linewidth=width, zorder=0)
     return "; grey lines: cells"
-
-
-def _dot_area(result: Result, shown: int, per_metre: float) -> float:
-    """Area of a dot in points squared: about as wide as the particles are apart, not so wide that they merge.
-
-    A metre is ``per_metre`` points of the picture, roughly."""
-    apart = result.scene.spacing / result.scene.ppc * np.sqrt(result.particles / max(1, shown))
-    return float(np.clip((0.8 * apart * per_metre) ** 2, 0.5, 64.0))

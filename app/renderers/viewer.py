@@ -74,7 +74,8 @@ class Lettering:
     @property
     def written(self) -> list[tuple[str, Label]]:
         """All labels that are seen, each with the name of its sheet."""
-        return [(sheet, label) for sheet, labels in self._labels.items() if not self._is_hidden(sheet)
+        return [(sheet, label) for sheet, labels in self._labels.items()
+                if not any(sheet == hidden or sheet.startswith(f"{hidden}/") for hidden in self._hidden)
                 for label in labels.values()]
 
     def send(self) -> None:
@@ -88,9 +89,6 @@ class Lettering:
             high = round((1 + 2 * EDGE) * (y1 - y0) / (x1 - x0), 4)
             said = json.dumps({"high": high, "labels": labels}, separators=(",", ":"))
         self._html.content = f"<i class='lab-stage' data-said='{escape(said)}'></i>"
-
-    def _is_hidden(self, sheet: str) -> bool:
-        return any(sheet == hidden or sheet.startswith(f"{hidden}/") for hidden in self._hidden)
 
     def _placed(self, sheet: str, label: Label, left: float, top: float, width: float, height: float) -> dict:
         """A label as the page gets it, its place in parts of the stage's box."""

@@ -201,8 +201,9 @@ async def _attend(address: str, server: int, load: Load, on_progress: Callable[[
         ended = await asyncio.gather(*visits, return_exceptions=True)
     on_progress(1.0)
     lost = [str(error) for error in ended if error and not isinstance(error, asyncio.CancelledError)]
+    frames = sum(begin <= at < end for visitor in visitors for at in visitor.frames)
     return {**load_report(visitors, begin, end, lost), "memory": None if None in memory else memory,
-            "server_seconds_per_frame": None if work is None else work_per_frame(visitors, begin, end, work)}
+            "server_seconds_per_frame": None if work is None or not frames else work / frames}
 
 
 async def _visit(visitor: Visitor, dice: random.Random) -> None:
@@ -230,12 +231,6 @@ def memory_held(server: int) -> dict[str, int] | None:
         return None
     engines = sum(proportional_bytes(process) for process in descendants(server))
     return {"server": proportional_bytes(server), "engines": engines}
-
-
-def work_per_frame(visitors: list[Visitor], begin: float, end: float, work: float) -> float | None:
-    """Processor seconds of the web process, out of its ``work`` between two times, for each frame of each visitor."""
-    frames = sum(begin <= at < end for visitor in visitors for at in visitor.frames)
-    return work / frames if frames else None
 
 
 def load_report(visitors: list[Visitor], begin: float, end: float, lost: list[str]) -> dict[str, Any]:

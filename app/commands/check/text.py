@@ -16,15 +16,23 @@ NO_CONTRADICTION = "No contradiction was found. That is not to say that the run 
 
 def summary(values: dict) -> str:
     """The verdict, what was found wrong, and what could not be told."""
-    return "\n\n".join([_verdict(values), *([_wrong(values)] if _wrong(values) else []), _not_told(values)])
+    lines = [*map(markdown, values["not_told"]), *values["never_told"]]
+    return "\n\n".join([_verdict(values), *([_wrong(values)] if _wrong(values) else []),
+                        "What could not be told:\n\n" + "\n".join(f"* {line}" for line in lines)])
 
 
 def as_markdown(values: dict, pictures: list[str]) -> str:
     """The whole report; pictures stand after the summary."""
-    count = len(values["files"])
+    files, count = values["files"], len(values["files"])
+    notes = ["\n".join(f"* {markdown(note)}" for note in values["notes"])] if values["notes"] else []
+    listed = ", ".join(code(file_name(file)) for file in files[:20]) + f" and {count - 20} more" * (count > 20)
+    rows = [[one["finding"], _size(one["measured"], one["unit"]), _size(one["limit"], one["unit"]), one["verdict"],
+             markdown(one["says"]) or NOTHING] for one in values["findings"]]
+    looked = "## What was looked at\n\n" + grid(["looked at", "measured", "limit", "verdict", "remark"], rows,
+                                                words=("looked at", "verdict", "remark"))
     shown = [f"![{CAPTION}]({name})" for name in pictures]
     return "\n\n".join([f"# {count} file{'s' * (count != 1)} checked: {values['verdict']}", summary(values), *shown,
-                        _looked(values), _files(values), rendered(HERE / "how.md")])
+                        looked, *notes, f"Files: {listed}.", rendered(HERE / "how.md")])
 
 
 def _verdict(values: dict) -> str:
@@ -41,38 +49,15 @@ def _wrong(values: dict) -> str:
     order = {"broken": 0, "suspicious": 1}
     found = sorted((one for one in values["findings"] if one["verdict"] in order),
                    key=lambda one: order[one["verdict"]])
-    return "\n".join(f"* **{one['verdict'].capitalize()}**, {one['finding']}: {markdown(one['says'])}{_place(one)}."
-                     for one in found)
-
-
-def _place(one: dict) -> str:
-    if one["particle"] is None:
-        return ""
-    where = f" at X = {', '.join(f'{c:.4g}' for c in one['X'])}" if one["X"] else ""
-    return f" (particle {one['particle']}{where})"
-
-
-def _not_told(values: dict) -> str:
-    lines = [*map(markdown, values["not_told"]), *values["never_told"]]
-    return "What could not be told:\n\n" + "\n".join(f"* {line}" for line in lines)
-
-
-def _looked(values: dict) -> str:
-    rows = [[one["finding"], _size(one["measured"], one["unit"]), _size(one["limit"], one["unit"]), one["verdict"],
-             markdown(one["says"]) or NOTHING] for one in values["findings"]]
-    return "## What was looked at\n\n" + grid(["looked at", "measured", "limit", "verdict", "remark"], rows,
-                                              words=("looked at", "verdict", "remark"))
+    lines = []
+    for one in found:
+        where = f" at X = {', '.join(f'{c:.4g}' for c in one['X'])}" if one["X"] else ""
+        place = "" if one["particle"] is None else f" (particle {one['particle']}{where})"
+        lines.append(f"* **{one['verdict'].capitalize()}**, {one['finding']}: {markdown(one['says'])}{place}.")
+    return "\n".join(lines)
 
 
 def _size(value: Any, unit: str) -> str:
     if value is None:
         return NOTHING
     return with_unit(value, unit) if unit in ("m", "m/s", "Pa", "s") else f"{value:.3g} {unit}".strip()
-
-
-def _files(values: dict) -> str:
-    files = values["files"]
-    notes = [f"* {markdown(note)}" for note in values["notes"]]
-    listed = "Files: " + ", ".join(code(file_name(file)) for file in files[:20]) \
-        + (f" and {len(files) - 20} more" if len(files) > 20 else "") + "."
-    return "\n\n".join([*(["\n".join(notes)] if notes else []), listed])

@@ -109,13 +109,11 @@ class Judge(SceneFlags):
 
 def outcomes(values: Mapping[str, Any]) -> list[Mapping[str, Any]]:
     """Each grid's part of the report in the shape of a run's JSON object."""
-    return [_outcome(grid, values) for grid in values["grids"]]
-
-
-def _outcome(grid: Mapping[str, Any], values: Mapping[str, Any]) -> dict[str, Any]:
-    estimate = grid["estimate"]
     orders = values["order"] or {}
-    return {"scene": {"cells": grid["cells"], "estimator": [COMPANION]}, "error": grid["error"],
-            "estimate": estimate[COMPANION], "index": estimate["index"], "distance": estimate["distance"],
-            "order": {q: (orders.get(q) or {}).get("order") for q in QUANTITIES},
-            "contradictions": sum(one["verdict"] == OFF for one in grid["checks"]), "particles": grid["particles"]}
+    return [{
+        "scene": {"cells": grid["cells"], "estimator": [COMPANION]}, "error": grid["error"],
+        "estimate": grid["estimate"][COMPANION], "index": grid["estimate"]["index"],
+        "distance": grid["estimate"]["distance"],
+        "order": {q: (orders.get(q) or {}).get("order") for q in QUANTITIES},
+        "contradictions": sum(one["verdict"] == OFF for one in grid["checks"]), "particles": grid["particles"]}
+        for grid in values["grids"]]

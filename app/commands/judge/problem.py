@@ -90,17 +90,13 @@ def page(scene: Scene, texts: Texts, times: Sequence[float], solution: str) -> s
     period = "A period of the motion is" if scene.swings else f"Times are counted in periods of the {scene.TITLE},"
     known = "the exact solution" if scene.solution_known else \
         "a spectral-element solution of the same problem (companion), for none is known exactly,"
+    # What says the problem to the judge: every input but those of methods and of the end.
+    flags = (f"--{key.replace('_', '-')} {f'{value:.15g}' if isinstance(value, float) else value}"
+             for key, value in scene.to_dict().items() if value is not None
+             and key not in {"problem", "t_end", "periods", *map(field_key, OF_METHODS)})
     return rendered(
-        PAGE, **vars(texts), **columns, title=scene.title, problem=scene.problem, flags=_flags(scene),
+        PAGE, **vars(texts), **columns, title=scene.title, problem=scene.problem, flags=" ".join(flags),
         solution=solution, known=known, times=len(times), cells=scene.cells, h=f"{scene.spacing:.6g}",
         per_cell=per_cell(scene.problem, scene.ppc), period_is=period, period=f"{scene.period:.15g}",
         wave_speed=f"{scene.wave_speed:.15g}", crossing=f"{scene.spacing / scene.wave_speed:.4g}",
         first_step=f"{FIRST_STEP * scene.spacing / scene.wave_speed:.4g}")
-
-
-def _flags(scene: Scene) -> str:
-    """What says the problem to the judge: every input but those of methods and of the end."""
-    said = {key: value for key, value in scene.to_dict().items() if value is not None}
-    return " ".join(f"--{key.replace('_', '-')} {f'{value:.15g}' if isinstance(value, float) else value}"
-                    for key, value in said.items()
-                    if key not in {"problem", "t_end", "periods", *map(field_key, OF_METHODS)})

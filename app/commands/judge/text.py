@@ -24,12 +24,19 @@ HERE = Path(__file__).parent
 
 def summary(values: dict, judged: Judgement) -> str:
     """What was judged, how large the errors are, and what does not hold."""
-    scene = judged.scene
+    scene, asked = judged.scene, values["scene"]
+    more = [f"{name} {asked[key]:g}{unit}" for key, name, unit in OF_SOME if key in asked]
     files = sorted({file for g in values["grids"] for file in g["files"]})
     head = [f"# {scene.title.capitalize()}: {len(files)} file{'s' * (len(files) != 1)} judged",
-            f"{_said(values, judged)}, against the {values['against']}.", _largest(values, judged)]
+            f"{values['problem'].capitalize()}: {moving(scene)}, E = {asked['modulus']:g} Pa, density "
+            f"{asked['density']:g} kg/m³, {''.join(f'{one}, ' for one in more)}body force {asked['body_force']}, "
+            f"{particles_per_cell(values['problem'], asked['ppc'])} unless files say which they are, against the "
+            f"{values['against']}.", _largest(values, judged)]
     head += [_verdict(g, values) for g in values["grids"]]
-    return "\n\n".join([*head, *([_order_said(values)] if values["order"] else [])])
+    if values["order"]:
+        known = [f"{fit['order']:.2f} of {QUANTITIES[q].symbol}" for q, fit in values["order"].items() if fit]
+        head.append(f"**Order in h:** {', '.join(known) or 'none could be found'}.")
+    return "\n\n".join(head)
 
 
 def as_markdown(values: dict, judged: Judgement, pictures: list[str]) -> str:
@@ -40,23 +47,16 @@ def as_markdown(values: dict, judged: Judgement, pictures: list[str]) -> str:
     return "\n\n".join([summary(values, judged), *shown, *order, *body, rendered(HERE / "how.md")])
 
 
-def _said(values: dict, judged: Judgement) -> str:
-    scene = values["scene"]
-    more = [f"{name} {scene[key]:g}{unit}" for key, name, unit in OF_SOME if key in scene]
-    return (f"{values['problem'].capitalize()}: {moving(judged.scene)}, E = {scene['modulus']:g} Pa, density "
-            f"{scene['density']:g} kg/m³, {''.join(f'{one}, ' for one in more)}body force {scene['body_force']}, "
-            f"{particles_per_cell(values['problem'], scene['ppc'])} unless files say which they are")
-
-
 def _largest(values: dict, judged: Judgement) -> str:
     heads = ["cells", "h", "particles", "times", *(f"largest {QUANTITIES[q].symbol}" for q in JUDGED), "of the motion"]
     rows = []
     for g, one in zip(values["grids"], judged.grids, strict=True):
         errors, times = _errors(g), g["times"]
+        x = errors["x"]["max"]
         when = f"t = {times[0]:.4g} s" if len(times) == 1 else f"{len(times)}, {times[0]:.4g} to {times[-1]:.4g} s"
         rows.append([str(g["cells"]), with_unit(g["h"], "m"), f"{g['particles']:,}", when,
                      *(_size(errors[q]["max"], q) for q in JUDGED),
-                     _percent(errors["x"]["max"], one.scene.size_of("x"))])
+                     NOTHING if x is None else f"{100 * x / one.scene.size_of('x'):.3g} %"])
     return grid(heads, rows, words=("times",))
 
 
@@ -78,8 +78,8 @@ def _verdict(g: dict, values: dict) -> str:
                          f"{_size(best['error']['x']['max'], 'x')} (these particles: "
                          f"{ratio(x / best['error']['x']['max'])} "
                          f"times), and {_method(worst)} the most, {_size(worst['error']['x']['max'], 'x')}.")
-    sentences += [f"**{_sentence(check['says'])}**" for check in g["checks"] if check["verdict"] == OFF
-                  and check["check"] != BY_PLACE]
+    sentences += [f"**{check['says'][:1].upper()}{check['says'][1:]}.**" for check in g["checks"]
+                  if check["verdict"] == OFF and check["check"] != BY_PLACE]
     if found := g["neighbour_gap"]:
         sentences.append(f"**{found['count']:,} particle{'s' * (found['count'] != 1)} ({100 * found['share']:.2g} %) "
                          f"{'are' if found['count'] != 1 else 'is'} not where the neighbours are**, by up to "
@@ -89,14 +89,19 @@ def _verdict(g: dict, values: dict) -> str:
     return " ".join(sentences)
 
 
-def _sentence(text: str) -> str:
-    return f"{text[:1].upper()}{text[1:]}."
-
-
 def _grid(g: dict, values: dict, several: bool) -> str:
-    parts = [f"## {g['cells']} cells" if several else "## Errors", _error_table(g), _worst(g, values["problem"])]
+    rows = [[str(QUANTITIES[q]), _size(found["size"], q), str(found["particle"]), _place(found["X"]),
+             _region(values["problem"], found["X"]), f"{found['t']:.4g} s", code(file_name(found['file']))]
+            for q, found in g["worst"].items() if found]
+    parts = [f"## {g['cells']} cells" if several else "## Errors", _error_table(g),
+             "Worst of all particles and times:\n\n" + grid(["error of", "size", "particle", "X", "where", "t", "file"],
+                                                           rows, words=("error of", "where", "file"))]
     parts.append(f"At least {g['crossings_at_least']:,} grid crossings between the times given.")
-    parts += [_checks(g)]
+    rows = [[check["check"], _number(check["measured"]), _number(check["tolerance"]), check["unit"], check["verdict"],
+             check["says"]] for check in g["checks"]]
+    parts.append("What was compared, with what tolerance:\n\n" + grid(
+        ["compared", "measured", "tolerance", "in", "verdict", "remark"], rows,
+        words=("compared", "in", "verdict", "remark")))
     if g["ours"]:
         parts += ["Our own methods on the same grid, at the same times:", _ours(g)]
     told = {check["says"] for check in g["checks"]}  # in the table, and above
@@ -118,23 +123,6 @@ def _error_table(g: dict) -> str:
     return grid(heads, rows, words=("error of",))
 
 
-def _worst(g: dict, problem: str) -> str:
-    rows = [[str(QUANTITIES[q]), _size(found["size"], q), str(found["particle"]), _place(found["X"]),
-             _region(problem, found["X"]), f"{found['t']:.4g} s", code(file_name(found['file']))]
-            for q, found in g["worst"].items() if found]
-    return "Worst of all particles and times:\n\n" + grid(
-        ["error of", "size", "particle", "X", "where", "t", "file"], rows, words=("error of", "where", "file"))
-
-
-def _checks(g: dict) -> str:
-    """Everything that was compared, whatever came of it."""
-    rows = [[check["check"], _number(check["measured"]), _number(check["tolerance"]), check["unit"], check["verdict"],
-             check["says"]] for check in g["checks"]]
-    return "What was compared, with what tolerance:\n\n" + grid(
-        ["compared", "measured", "tolerance", "in", "verdict", "remark"], rows,
-        words=("compared", "in", "verdict", "remark"))
-
-
 def _ours(g: dict) -> str:
     here = _errors(g)
     heads = ["method", *(f"largest {QUANTITIES[q].symbol}" for q in JUDGED),
@@ -142,16 +130,11 @@ def _ours(g: dict) -> str:
     rows = []
     for run in g["ours"]:
         theirs = run["error"]
+        both = [(here[q]["max"], theirs[q]["max"]) for q in JUDGED]
         rows.append([_method(run), *(_size(theirs[q]["max"], q) for q in JUDGED),
-                     *(_over(here[q]["max"], theirs[q]["max"]) for q in JUDGED),
+                     *(NOTHING if one is None or not other else ratio(one / other) for one, other in both),
                      f"{run['status']}, cfl {run['cfl']:.3g}"])
     return grid(heads, rows, words=("method", "ran"))
-
-
-def _order_said(values: dict) -> str:
-    """The orders in a sentence."""
-    known = [f"{fit['order']:.2f} of {QUANTITIES[q].symbol}" for q, fit in values["order"].items() if fit is not None]
-    return f"**Order in h:** {', '.join(known)}." if known else "**Order in h:** none could be found."
 
 
 def _order(values: dict) -> str:
@@ -189,11 +172,3 @@ def _number(value: float | None) -> str:
 
 def _ratio(value: float | None) -> str:
     return NOTHING if value is None else f"{value:.3f}"
-
-
-def _over(one: float | None, other: float | None) -> str:
-    return NOTHING if one is None or not other else ratio(one / other)
-
-
-def _percent(value: float | None, whole: float) -> str:
-    return NOTHING if value is None else f"{100 * value / whole:.3g} %"

@@ -33,7 +33,10 @@ class ParticleWriter:
         if Path(text).suffix.lower() not in KINDS:
             raise BadInput("particles", text, f"give a file that ends in {' or '.join(KINDS)}")
         samples = scene.steps // scene.sample_interval + 2
-        rows, most = scene.particles * samples, _most_rows(scene.DIMENSIONS, text)
+        # Of a file that the judge reads: time, id, three vectors and a tensor in each row.
+        rows, width = scene.particles * samples, 2 + 3 * scene.DIMENSIONS + scene.DIMENSIONS**2
+        in_bytes = LIMITS.bytes // (width * LETTERS) if text.lower().endswith(".csv") else LIMITS.rows
+        most = min(LIMITS.rows, LIMITS.numbers // width, in_bytes)
         if rows > most or samples > LIMITS.times:
             raise BadInput("particles", text, f"would hold {rows:,} particles of {samples:,} samples; at most {most:,} "
                                               f"of {LIMITS.times:,} are allowed, as the judge reads them: sample more "
@@ -57,13 +60,6 @@ class ParticleWriter:
             said = {"problem": self._scene.problem, "cells": self._scene.cells, "scene": line(self._scene)}
             content = writing.csv(writing.table(self._frames), said)
         self._target.write(content)
-
-
-def _most_rows(dimensions: int, path: str) -> int:
-    """Of a file that the judge reads: time, id, three vectors and a tensor in each."""
-    width = 2 + 3 * dimensions + dimensions**2
-    in_bytes = LIMITS.bytes // (width * LETTERS) if path.lower().endswith(".csv") else LIMITS.rows
-    return min(LIMITS.rows, LIMITS.numbers // width, in_bytes)
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -23,8 +23,13 @@ def run_table(result: dict) -> str:
     """Heading, errors, estimates of each estimator, and what the run cost."""
     errors = [_norm(key, summary) for key, summary in result["error"].items()]
     parts = [_heading(result), _columns([("true error, RMS", *SUMMARY), *errors])]
-    estimates = {name: values for name, values in _by_estimator(result).items() if name not in result["not_valid"]}
-    parts += [_estimates(name, *values) for name, values in estimates.items()]
+    names = result["scene"]["estimator"] if "estimate" in result["effects"] else []
+    estimates = [name for name in names if name not in result["not_valid"]]
+    for name in estimates:  # one estimator's values are not keyed by its name
+        estimate, index, distance = (result[key] if len(names) == 1 else result[key][name]
+                                     for key in ("estimate", "index", "distance"))
+        rows = [(*_norm(q, estimate[q]), formatted(index[q], ".3f"), formatted(distance[q], ".3f")) for q in QUANTITIES]
+        parts.append(_columns([(f"estimate: {name}", *SUMMARY, "index", "distance"), *rows]))
     if estimates:
         parts += ["index: estimate over truth, 1 is perfect; distance: their difference over truth, 0 is perfect"]
     if estimates and result["rounding"]:
@@ -46,43 +51,23 @@ def budget_table(budget: dict) -> str:
 def _heading(result: dict) -> str:
     scene = result["scene"]
     per = particles_per_cell(scene["problem"], scene["ppc"])
-    return (f"{scene['problem']}, {scene['method']}, {scene['cells']} cells, {per} "
-            f"({result['particles']:,}), {_moving(scene)}, cfl {scene['cfl']:.3g}\n"
-            f"{result['status']}{_doubts(result)}: {result['steps']:,} steps to t = {result['t']:.6g} s"
-            + f"\n{result['not_checked']}" * bool(result["not_checked"]))
-
-
-def _doubts(result: dict) -> str:
-    """Behind the word ok, which quantities it does not hold for."""
-    return f" for x, not for {', '.join(result['as_large_as_itself'])}" \
-        if result["status"] == "ok" and result["as_large_as_itself"] else ""
-
-
-def _moving(scene: dict) -> str:
     if scene["amplitude"] is None:
-        return f"patch test with stretch {scene['stretch']:g} at {scene['initial_velocity']:g} m/s"
-    unit = unit_of(PROBLEMS[scene["problem"]].scene, "amplitude")
-    return f"amplitude {scene['amplitude']:g} {unit}"
+        moving = f"patch test with stretch {scene['stretch']:g} at {scene['initial_velocity']:g} m/s"
+    else:
+        moving = f"amplitude {scene['amplitude']:g} {unit_of(PROBLEMS[scene['problem']].scene, 'amplitude')}"
+    # Which quantities the word ok does not hold for.
+    doubts = f" for x, not for {', '.join(result['as_large_as_itself'])}" \
+        if result["status"] == "ok" and result["as_large_as_itself"] else ""
+    return (f"{scene['problem']}, {scene['method']}, {scene['cells']} cells, {per} "
+            f"({result['particles']:,}), {moving}, cfl {scene['cfl']:.3g}\n"
+            f"{result['status']}{doubts}: {result['steps']:,} steps to t = {result['t']:.6g} s"
+            + f"\n{result['not_checked']}" * bool(result["not_checked"]))
 
 
 def _norm(key: str, summary: dict) -> tuple[str, ...]:
     """An error with its unit, and its sizes; a problem's own norms say first which quantity they are of: a_nodes."""
     name = f"{key} ({QUANTITIES[key.partition('_')[0]].unit})"
     return name, *(formatted(summary[part], ".3e") for part in SUMMARY)
-
-
-def _estimates(name: str, estimate: dict, index: dict, distance: dict) -> str:
-    rows = [(*_norm(q, estimate[q]), formatted(index[q], ".3f"), formatted(distance[q], ".3f")) for q in QUANTITIES]
-    return _columns([(f"estimate: {name}", *SUMMARY, "index", "distance"), *rows])
-
-
-def _by_estimator(result: dict) -> dict:
-    """``{estimator: (estimate, index, distance)}``; one estimator's values are not keyed by its name."""
-    names = result["scene"]["estimator"] if "estimate" in result["effects"] else []
-    blocks = [result[key] for key in ("estimate", "index", "distance")]
-    if len(names) == 1:
-        return {names[0]: blocks}
-    return {name: [block[name] for block in blocks] for name in names}
 
 
 def take_away_table(values: dict) -> str:
@@ -133,16 +118,15 @@ def goal_table(scene: Scene, goals: Mapping[str, dict]) -> str:
     """A block for each goal, and what the bars are; nothing where none was wanted."""
     if not goals:
         return ""
-    blocks = ["\n".join(_goal_lines(scene, name, goal)) for name, goal in goals.items()]
+    blocks = []
+    for name, goal in goals.items():
+        unit = goal["unit"]
+        lines = [f"{name:<24}{formatted(goal['value'], '.6g'):>{GOAL_WIDTH}} {unit}"]
+        for estimator, bar in goal["bar"].items():
+            counts = track_record.held(scene, name, estimator)
+            often = f"   held {counts[0]} of {counts[1]}" if counts and bar is not None else ""
+            lines.append(f"  {'+- ' + estimator:<22}{formatted(bar, '.2g'):>{GOAL_WIDTH}} {unit}{often}")
+        if goal["true_error"] is not None:
+            lines.append(f"  {'true error':<22}{formatted(goal['true_error'], '.2g'):>{GOAL_WIDTH}} {unit}")
+        blocks.append("\n".join(lines))
     return "\n\n".join(["", *blocks, GOAL_MEANING])
-
-
-def _goal_lines(scene: Scene, name: str, goal: Mapping) -> Iterator[str]:
-    unit = goal["unit"]
-    yield f"{name:<24}{formatted(goal['value'], '.6g'):>{GOAL_WIDTH}} {unit}"
-    for estimator, bar in goal["bar"].items():
-        counts = track_record.held(scene, name, estimator)
-        often = f"   held {counts[0]} of {counts[1]}" if counts else ""
-        yield f"  {'+- ' + estimator:<22}{formatted(bar, '.2g'):>{GOAL_WIDTH}} {unit}{often if bar is not None else ''}"
-    if goal["true_error"] is not None:
-        yield f"  {'true error':<22}{formatted(goal['true_error'], '.2g'):>{GOAL_WIDTH}} {unit}"

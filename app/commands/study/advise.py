@@ -64,7 +64,11 @@ class Advise:
         if len(self.quantity) != 1 or self.quantity[0] not in QUANTITIES:
             raise BadInput("quantity", " ".join(self.quantity), f"give one of {', '.join(QUANTITIES)}")
         quantity = self.quantity[0]
-        tolerance = self._tolerance(base, quantity)
+        if self.tolerance is None:
+            raise BadInput("tolerance", "", "give the error that is allowed, for example 1e-3")
+        require_number("tolerance", self.tolerance, 0, math.inf)
+        require_number("budget", self.budget, 0, math.inf)
+        tolerance = self.tolerance * (base.size_of(quantity) if self.relative else 1.0)  # in the quantity's unit
         target = json_target(self.json)
         begun = time.monotonic()
         with stdout_to_stderr(), noted_interrupts() as check_interrupts:
@@ -74,13 +78,6 @@ class Advise:
         if not advice.met:
             say(values["reason"])
         return OK if advice.met else UNREACHABLE
-
-    def _tolerance(self, base: Scene, quantity: str) -> float:  # in the quantity's unit
-        if self.tolerance is None:
-            raise BadInput("tolerance", "", "give the error that is allowed, for example 1e-3")
-        require_number("tolerance", self.tolerance, 0, math.inf)
-        require_number("budget", self.budget, 0, math.inf)
-        return self.tolerance * (base.size_of(quantity) if self.relative else 1.0)
 
     def _search(self, base: Scene, quantity: str, tolerance: float, check_interrupts) -> Advice:
         from solvers.study.advise import Goal, advise, families
@@ -128,19 +125,16 @@ def as_dict(advice: Advice, base: Scene, tolerance: float, relative: bool, spent
 
     return {
         "schema": SCHEMA, "status": "ok" if advice.met else "unreachable",
-        "reason": None if advice.met else _reason(advice, tolerance, relative),
+        "reason": None if advice.met else
+        f"nothing that runs within {goal.budget:g} s is expected to meet {tolerance:g}{' of the size' * relative}: the "
+        f"best within reach is {chosen.error:.3g} ({'measured' if chosen.measured else 'expected'}) in "
+        f"{chosen.seconds:.2g} s",
         "problem": base.problem, "quantity": goal.quantity, "tolerance": tolerance, "relative": relative,
         "budget": goal.budget, "recommended": _inputs(chosen.scene), "command": command_line(chosen.scene),
         "predicted": {**errors(advice.predicted_error), "seconds": chosen.seconds},
         "verified": errors(chosen.error) if chosen.measured else None,
         "runner_up": other and {**_inputs(other.scene), **errors(other.error), "seconds": finite(other.seconds)},
         "why": advice.why, "runs": advice.looks, "seconds": spent}
-
-
-def _reason(advice: Advice, tolerance: float, relative: bool) -> str:
-    best, of_size = advice.chosen, " of the size" if relative else ""
-    return (f"nothing that runs within {advice.goal.budget:g} s is expected to meet {tolerance:g}{of_size}: the best "
-            f"within reach is {best.error:.3g} ({'measured' if best.measured else 'expected'}) in {best.seconds:.2g} s")
 
 
 def as_text(values: dict) -> str:

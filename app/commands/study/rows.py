@@ -117,7 +117,11 @@ class Study:
         yet is run. None if the place where rows run was lost on the way."""
         with contextlib.ExitStack() as stack:
             place = stack.enter_context(contextlib.closing(self._place()))
-            store = stack.enter_context(contextlib.closing(self._store()))
+            try:
+                store = stack.enter_context(contextlib.closing(Store(
+                    self.out, self.only_problem, self.resume, lambda row: fault(row, self.MEASURED, self.IDENTITY))))
+            except StoreError as error:
+                raise BadInput("out", self.out, str(error)) from None
             self._announce(tasks, store)
             if not self._measure(tasks, place, store):
                 return None
@@ -131,14 +135,6 @@ class Study:
             return Here(self._workers(), self.WORK) if self.scheduler is None else Cluster(self.scheduler, self.WORK)
         except NoCluster as error:
             raise BadInput("scheduler", self.scheduler, str(error)) from None
-
-    def _store(self) -> Store:
-        """The rows of the directory."""
-        try:
-            return Store(self.out, self.only_problem, self.resume,
-                         lambda row: fault(row, self.MEASURED, self.IDENTITY))
-        except StoreError as error:
-            raise BadInput("out", self.out, str(error)) from None
 
     def _announce(self, tasks: Sequence["Question"], store: Store) -> None:
         if self.quiet:

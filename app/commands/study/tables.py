@@ -137,19 +137,15 @@ def _comparison(number: str, rows: list[dict], notes: Footnotes) -> str:
     for row in rows:
         cells = _row_cells(number, row, notes)
         for key in COMPARED[number]:
-            cells.append(_ours(row, key, notes))
-            if key == "grid_crossings":
-                cells.append(_count(row["ours"]["grid_crossings_short"]))
+            if key == "index_x":
+                cells.append(_index_of_x(row, PAPERS_ESTIMATOR, notes))
+            elif key == "grid_crossings":
+                cells += map(_count, (row["ours"][key], row["ours"]["grid_crossings_short"]))
+            else:
+                cells.append(NOTHING if row["ours"][key] is None else digits(row["ours"][key], 3))
             cells += [_printed(key, row["paper"][key]), _factor(row["ratio"][key])]
         lines.append([*cells, *(_index_of_x(row, name, notes) for name in others)])
     return grid(heads, lines, words=("method",))
-
-
-def _ours(row: dict, key: str, notes: Footnotes) -> str:
-    if key == "index_x":
-        return _index_of_x(row, PAPERS_ESTIMATOR, notes)
-    value = row["ours"][key]
-    return _count(value) if key == "grid_crossings" else NOTHING if value is None else digits(value, 3)
 
 
 def _estimators(table: dict, rows: list[dict], notes: Footnotes) -> str:

@@ -53,14 +53,16 @@ class SlowStage(ABC):
         self._nodes = self._node_spots(a.nodes)
         self._scale = self._per_metre * a.spacing  # a cell, on the stage
         self._legend: list[str] = []
-        moved = _magnification(a)
-        shift = a.after.position - a.before.position
+        shift = a.after.position - a.before.position  # drawn longer than it is, to be seen
+        moved = max(1.0, _round(MAGNIFIED * a.spacing / max(np.abs(shift).max(), 1e-300)))
         progress = {4: max(0.0, 2 * s - 1), 5: 1.0}.get(phase, 0.0)
         self._places = a.place + moved * progress * shift
         self._spots = self._particle_spots(self._places)
         self._ground(a)
         if phase < 5:
-            self._domains(a)
+            seen = self._seen(self._spots, self._per_metre * float(np.abs(a.edges).sum(axis=1).max()))
+            self._outline(self._places[seen], a.edges[seen], DOMAINS, 1.0)
+            self._outline(self._places[:1], a.edges[:1], FRONT, 2.0)
         (self._functions_phase, self._gather, self._forces, self._velocities, self._scatter, self._strain)[phase](
             scene, a, s)
         if phase >= 4 and moved > 1:
@@ -69,7 +71,10 @@ class SlowStage(ABC):
         self._sketch.dots(self._spots[:1], FRONT, 2)
         self._sketch.dots(self._nodes, NODE, 0)
         self._numbers(a, phase)
-        self._caption(scene, a, phase)
+        which = tr("Particle {particle} in step {step}", particle=a.particle, step=a.step)
+        caption = "\n".join(wrapped(line, self.width) for line in [which, *PHASES[phase].front(scene, a)])
+        self._sketch.text(0.0, self._room.high, wrapped("; ".join(self._legend), self.width), "top-left", CAPTION)
+        self._sketch.text(0.0, 0.0, caption, "bottom-left", CAPTION)
         self.sheet.show(*self._sketch.marks())
 
     def _functions_phase(self, scene: Scene, a: StepBreakdown, s: float) -> None:
@@ -157,11 +162,6 @@ class SlowStage(ABC):
         if most > 0:
             self._sketch.arrow(at, LONGEST * self._scale / most * self._aim(vectors), colour, thickness)
 
-    def _domains(self, a: StepBreakdown) -> None:
-        seen = self._seen(self._spots, self._per_metre * float(np.abs(a.edges).sum(axis=1).max()))
-        self._outline(self._places[seen], a.edges[seen], DOMAINS, 1.0)
-        self._outline(self._places[:1], a.edges[:1], FRONT, 2.0)
-
     def _numbers(self, a: StepBreakdown, phase: int) -> None:
         """The solver's own, beside each node: on the side to which its arrows point least."""
         shown = PHASES[phase].columns[:PHASES[phase].drawn]
@@ -181,12 +181,6 @@ class SlowStage(ABC):
                  for c, unit in zip(shown, units, strict=True)]
         self._legend.insert(0, tr("numbers at the nodes: {first}, below it {second}", first=names[0], second=names[1])
                             if len(names) > 1 else tr("numbers at the nodes: {first}", first=names[0]))
-
-    def _caption(self, scene: Scene, a: StepBreakdown, phase: int) -> None:
-        which = tr("Particle {particle} in step {step}", particle=a.particle, step=a.step)
-        lines, width, x = [which, *PHASES[phase].front(scene, a)], self.width, 0.0
-        self._sketch.text(x, self._room.high, wrapped("; ".join(self._legend), width), "top-left", CAPTION)
-        self._sketch.text(x, 0.0, "\n".join(wrapped(line, width) for line in lines), "bottom-left", CAPTION)
 
     def _free_side(self, spot: np.ndarray, away: float, text: str, taken: np.ndarray,
                    written: list[tuple[np.ndarray, np.ndarray]]) -> int:
@@ -268,12 +262,6 @@ def shape(distance: np.ndarray, reach: float) -> np.ndarray:
         return x - 0.5 * x * np.abs(x)
 
     return (integral(distance + reach) - integral(distance - reach)) / (2 * reach)
-
-
-def _magnification(a: StepBreakdown) -> float:
-    """By how much the particles' way in the step is drawn longer than it is, to be seen."""
-    way = np.abs(a.after.position - a.before.position).max()
-    return max(1.0, _round(MAGNIFIED * a.spacing / max(way, 1e-300)))
 
 
 def _round(factor: float) -> float:

@@ -114,13 +114,11 @@ class Background(ABC, Generic[S]):
         if self._pool is not None and not (job.exception() is None and self._keeps(self._pool)):
             self._pool.close()
         with self._lock:
-            trouble = None if self.status.cancelled else _trouble(job.exception()) or self.status.trouble
+            trouble = None if self.status.cancelled else self.status.trouble
+            error = None if self.status.cancelled else job.exception()
+            if isinstance(error, OSError):
+                trouble = tr("No process could be started: {reason}.", reason=error.strerror or error)
+            elif error is not None:
+                trouble = tr("the background process {has_ended}", has_ended=heard(str(error)))
             self.status, self._pool = replace(self.status, running=False, trouble=trouble), None
             self.slots.give_back()
-
-
-def _trouble(error: BaseException | None) -> str | None:
-    """What has become of the process, in a sentence."""
-    if isinstance(error, OSError):
-        return tr("No process could be started: {reason}.", reason=error.strerror or error)
-    return None if error is None else tr("the background process {has_ended}", has_ended=heard(str(error)))

@@ -86,7 +86,9 @@ class SlowMotion:
             if not self.on or report.number < self._asked:
                 return
             if report.breakdown is not None:
-                self._prepare(report.scene.problem)
+                problem = report.scene.problem
+                if problem not in self._stages:
+                    self._stages[problem] = VIEWS[problem].slow(self._canvas.sheet(f"/slow-{problem}"))
                 before, self._step, self._drawn = self._step, (report.scene, report.breakdown), None
                 if before is None or (before[0], before[1].step) != (report.scene, report.step):
                     self._phase, self._s = 0, 0.0
@@ -164,11 +166,6 @@ class SlowMotion:
         particle = max(0, min(int(self._particle.value), self._session.scene.particles - 1))
         self._asked = self._session.break_down(particle, step)
 
-    def _prepare(self, problem: str) -> None:
-        """Have a stage for a problem."""
-        if problem not in self._stages:
-            self._stages[problem] = VIEWS[problem].slow(self._canvas.sheet(f"/slow-{problem}"))
-
     def _draw_loop(self, over: threading.Event) -> None:
         while not over.wait(TICK):
             try:
@@ -185,7 +182,9 @@ class SlowMotion:
         if now != self._drawn:
             if self._drawn is None or self._phase != self._drawn[0]:
                 self._text.content = _table(scene, step, self._phase)
-                self.sentence = _sentence(scene, self._phase)
+                phase = PHASES[self._phase]  # what happens in it, for above the stage
+                self.sentence = Said.of(tr("{n} of {all}: {title}.", n=self._phase + 1, all=len(PHASES),
+                                           title=tr(phase.title)), phase.words(scene))
             along = min(1.0, self._s / MOVING)
             with self._client.atomic():
                 stage.draw(scene, step, self._phase, along * along * (3 - 2 * along))
@@ -228,12 +227,6 @@ class SlowStep:
 
     def notice(self) -> Notice | None:
         return self._run.notice()
-
-
-def _sentence(scene: Scene, phase: int) -> Said:
-    """What happens in a phase, for above the stage."""
-    return Said.of(tr("{n} of {all}: {title}.", n=phase + 1, all=len(PHASES), title=tr(PHASES[phase].title)),
-                   PHASES[phase].words(scene))
 
 
 def _table(scene: Scene, a: StepBreakdown, phase: int) -> str:

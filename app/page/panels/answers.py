@@ -50,8 +50,7 @@ class Answers:
             content = _said(widget, "refused", f"{sentence[:1].upper()}{sentence[1:]}.")
         else:
             content = _said(widget, "compiling", tr("compiling …")) if compiling else ""
-        if self._html.content != content:
-            self._html.content = content
+        self._html.content = content
         if back and not is_removed(widget):
             back()
 

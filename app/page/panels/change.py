@@ -17,7 +17,7 @@ from app.page.panels.size_control import Size, SizeControl
 from app.page.visit.session import Session
 from app.problems.views import VIEWS
 from app.words import METHODS, Method, with_unit
-from solvers.scene.scene import AUTO, DEFAULT_CFL, Scene
+from solvers.scene.scene import AUTO, DEFAULT_CFL
 from solvers.scene.step_bound import SAFE, stencil
 
 CFL = (0.01, 2.0)
@@ -79,10 +79,6 @@ class RunWidgets:
         self._pictured = scene.method
         self._pictures = gui.add_html(pictures(tuple(self._names), scene.method))
         self._bound.follow(self._shown_method, lambda name: self._session.set(method=codes[name]))
-
-    def _picture(self, scene: Scene) -> None:
-        self._pictured = scene.method
-        self._pictures.content = pictures(tuple(self._names), scene.method)
 
     def _choose_method(self, method: Any) -> None:
         """A picture has been clicked."""
@@ -151,7 +147,8 @@ class RunWidgets:
             self._shown_step = scene.courant_number
             self._step_size.show(scene.courant_number)
         if scene.method != self._pictured:
-            self._picture(scene)
+            self._pictured = scene.method
+            self._pictures.content = pictures(tuple(self._names), scene.method)
 
 
 def weights(method: str) -> tuple[np.ndarray, np.ndarray]:
@@ -174,14 +171,13 @@ def _weight(method: str, at: np.ndarray, half_width: np.ndarray) -> np.ndarray:
 def pictures(methods: tuple[str, ...], chosen: str) -> str:
     """Html of a picture for each method, the ``chosen`` one marked. For pointers only: who hears the page, or has keys,
     takes the dropdown above, which says the same."""
+    def name(method: str) -> str:
+        return tr(NAMES[method]) if method in NAMES else (METHODS[method].name if method in METHODS else method)
+
     return "<div class='lab-methods' aria-hidden='true'>" + "".join(
         f"<span class='lab-method{' lab-chosen' * (method == chosen)}' data-method='{escape(method)}' "
-        f"title='{escape(str(METHODS.get(method) or Method(method)))}'>{_curve(method)}{escape(_name(method))}</span>"
+        f"title='{escape(str(METHODS.get(method) or Method(method)))}'>{_curve(method)}{escape(name(method))}</span>"
         for method in methods) + "</div>"
-
-
-def _name(method: str) -> str:
-    return tr(NAMES[method]) if method in NAMES else (METHODS[method].name if method in METHODS else method)
 
 
 def _curve(method: str) -> str:

@@ -42,7 +42,9 @@ class Judges:
     def build(self, gui: viser.GuiApi) -> None:
         """Make the widgets, for the session's present scene."""
         wished, problem = self._session.scene.estimators, self._session.scene.problem
-        gui.add_html(_heading())
+        gui.add_html(f"<h2 class='lab-h2'>{tr('Who judges the run?')}<small title='{escape(tr(INDEX))}'>"
+                     f"{tr('index, 1 is perfect · price')}</small></h2><div class='lab-judge-true'>{sample(TRUE)} "
+                     f"<b>{tr(TRUE)}</b> <span>{tr('norm now')}</span> <strong></strong></div>")
         self._boxes = {}
         usual = VIEWS[problem].estimators
         for name in (*usual, *(name for name in PROBLEMS[problem].estimators if name not in usual)):
@@ -55,9 +57,7 @@ class Judges:
 
     def show(self, judged: str) -> None:
         """Have the cards say what :func:`app.page.panels.readout.judged` does; nothing if it is empty."""
-        content = f"<i class='lab-judged' data-said='{escape(judged)}'></i>"
-        if self._said.content != content:
-            self._said.content = content
+        self._said.content = f"<i class='lab-judged' data-said='{escape(judged)}'></i>"
 
     def _choose(self) -> None:
         self._stage.judge_by(self.chosen)
@@ -73,12 +73,6 @@ class Judges:
                 self._session.set(estimators=self.chosen)
                 self._stage.judge_by(self.chosen)
             self._stage.put(name)
-
-
-def _heading() -> str:
-    return (f"<h2 class='lab-h2'>{tr('Who judges the run?')}<small title='{escape(tr(INDEX))}'>"
-            f"{tr('index, 1 is perfect · price')}</small></h2><div class='lab-judge-true'>{sample(TRUE)} "
-            f"<b>{tr(TRUE)}</b> <span>{tr('norm now')}</span> <strong></strong></div>")
 
 
 def _card(name: str, problem: str) -> str:

@@ -37,18 +37,14 @@ def ground() -> str:
 
 def set_up(gui: viser.GuiApi, dark: bool = False) -> None:
     """Theme and panel of a page."""
+    # The theme colour for which buttons come out as the accent: they are drawn two shades lighter.
+    hue, light, full = colorsys.rgb_to_hls(*(part / 255 for part in rgb(TEXTS["accent"][dark])))
+    red, green, blue = colorsys.hls_to_rgb(hue, max(0.0, 0.9 - (0.9 - light) * 8 / 6), full)
     gui.configure_theme(dark_mode=dark, show_logo=False, show_share_button=False,
-                        brand_color=_brand(TEXTS["accent"][dark]))
+                        brand_color=(round(255 * red), round(255 * green), round(255 * blue)))
     gui.main_panel.dock_right()
     gui.main_panel.set_width(CONTROLS_WIDTH)
     gui.set_panel_label("mpm-lab: how wrong is it?")
-
-
-def _brand(colour: str) -> tuple[int, int, int]:
-    """The theme colour for which buttons come out as ``colour``: they are drawn two shades lighter."""
-    hue, light, full = colorsys.rgb_to_hls(*(part / 255 for part in rgb(colour)))
-    red, green, blue = colorsys.hls_to_rgb(hue, max(0.0, 0.9 - (0.9 - light) * 8 / 6), full)
-    return round(255 * red), round(255 * green), round(255 * blue)
 
 
 def links() -> str:

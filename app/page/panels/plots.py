@@ -101,11 +101,17 @@ class Plots:
         errors, unit = self._errors(series, valid, quantity, grey)
         of_time, second = _time_unit(time[-1], history.scene)
         self._time_label.content = _time_label(of_time)
+        # What the lines of the presented plot are, for where the readout does not say it.
+        meant = *map(named, (TRUE, *valid)), tr("over {time}", time=of_time)
+        lines = "".join(f"<span>{text}</span>" for text in meant)
         title = tr("error norm of {symbol} / {unit}", symbol=words.symbol, unit=unit) \
-            + f"<br>{tr('grey: pinned')}" * bool(grey) + _legend(valid, of_time)
+            + f"<br>{tr('grey: pinned')}" * bool(grey) + f"<div class='lab-lines'>{lines}</div>"
         self._headings[0].content = _heading(title, NORM, kind="lab-presented")
         put(self._plots[0], finite(second * time, *errors))
-        beyond = no_index or _beyond({name: series[f"{name}/index_{quantity}"][-1] for name in valid})
+        (low, high), ends = INDEX_RANGE, {name: series[f"{name}/index_{quantity}"][-1] for name in valid}
+        beyond = no_index or "; ".join(tr(ABOVE if index > high else BELOW, estimator=name, index=number(index))
+                                       for name, index in ends.items()
+                                       if np.isfinite(index) and not low <= index <= high)
         title = tr("error index of {symbol}: estimated / true", symbol=words.symbol)
         self._headings[1].content = _heading(title, INDEX, beyond)
         indices = [np.minimum(series[f"{name}/index_{quantity}"], INDEX_RANGE[1]) if name in valid else nothing
@@ -212,13 +218,6 @@ def put(plot: viser.GuiUplotHandle, data: tuple[np.ndarray, ...]) -> None:
         plot.data = data
 
 
-def _beyond(indices: dict[str, float]) -> str:
-    """Which indices are outside of the plot, and where."""
-    low, high = INDEX_RANGE
-    return "; ".join(tr(ABOVE if index > high else BELOW, estimator=name, index=number(index))
-                     for name, index in indices.items() if np.isfinite(index) and not low <= index <= high)
-
-
 def line(label: str, colour: str, width: float, dashes: tuple[int, ...] = ()) -> uplot.Series:
     return {"label": label, "stroke": colour, "width": width, "dash": dashes, "points": {"show": False}}
 
@@ -255,12 +254,6 @@ def _time_unit(end: float, scene: Scene) -> tuple[str, float]:
 
 def _time_label(of_time: str) -> str:
     return f"<div class='lab-time'>{of_time}</div>"
-
-
-def _legend(estimators: Sequence[str], of_time: str) -> str:
-    """What the lines of the presented plot are, for where the readout does not say it."""
-    lines = "".join(f"<span>{named(name)}</span>" for name in (TRUE, *estimators))
-    return f"<div class='lab-lines'>{lines}<span>{tr('over {time}', time=of_time)}</span></div>"
 
 
 def _heading(text: str, hint: str = "", remark: str = "", kind: str = "") -> str:

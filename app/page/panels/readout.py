@@ -22,7 +22,6 @@ from solvers.engine.messages import FrameReport
 from solvers.running.goals import ENERGY, STRESS
 from solvers.scene.effects import ALL, SHARE, Line, Number, told
 from solvers.scene.registry import ESTIMATORS
-from solvers.scene.scene import Scene
 from solvers.solver.norms import nothing_but_rounding
 from solvers.solver.rounding import rounding
 from solvers.solver.soundness import OK, UNSTABLE
@@ -77,18 +76,14 @@ def judged(report: FrameReport, series: dict[str, np.ndarray], quantity: str, dr
         else:
             values = series.get(f"{name}/index_{quantity}", np.zeros(0))
             at = place(float(values[-1]) if len(values) else math.nan)
+            counts = track_record.right(report.scene, name, quantity)  # None where nobody counted
             judges[name] = {"index": _ratio(series, f"{name}/index_{quantity}"), "at": at,
-                            "trust": _trust(report.scene, name, quantity)}
+                            "trust": "" if counts is None else tr(
+                                "right within 10\N{NO-BREAK SPACE}% in {n} of {all} runs like this",
+                                n=counts[0], all=counts[1])}
     true = why_not[TRUE] or norm(series, f"error_{quantity}", QUANTITIES[quantity].unit)
     return json.dumps({"problem": report.scene.problem, "true": true, "known": not why_not[TRUE], "stage": drawn,
                        "judges": judges})
-
-
-def _trust(scene: Scene, estimator: str, quantity: str) -> str:
-    """How often an estimator was right in runs like a scene that were drawn at random; nothing where nobody counted."""
-    counts = track_record.right(scene, estimator, quantity)
-    return "" if counts is None else tr("right within 10\N{NO-BREAK SPACE}% in {n} of {all} runs like this",
-                                        n=counts[0], all=counts[1])
 
 
 def place(index: float) -> float | None:
@@ -118,7 +113,9 @@ def _run(session: Session, history: History, report: FrameReport, series: dict[s
     rows += [(line.name, text) for name, line in lines.items()
              if scene.has(name) and (text := _found(name, line, series))]
     if scene.has("margin"):
-        rows.append(("step", _margin(margin)))
+        text = tr("{margin} of its bound", margin=ratio(margin))
+        rows.append(("step", NOTHING if math.isnan(margin) else  # before the first step nothing has a mass
+                     f"<span class='lab-over'>{text}</span>" if margin > 1 else text))
     rows += [] if ago else list(_goals(report, drawn))
     rows += [("steps", tr("{steps:,} of {length}", steps=report.step, length=with_unit(scene.time_step, "s"))),
              ("solver", tr("{rate:.1f} M particle-steps/s on {arch}", rate=report.rate, arch=html.escape(report.arch))),
@@ -176,14 +173,6 @@ def _percent(share: float | None) -> str:
     return f"{sign}{abs(share):.2%}" if abs(share) < 10 else f"{sign}{ratio(100 * abs(share))}%"
 
 
-def _margin(margin: float) -> str:
-    """The step over the bound of what the present configuration bears; beyond 1 it will not hold."""
-    if math.isnan(margin):  # before the first step nothing has a mass
-        return NOTHING
-    text = tr("{margin} of its bound", margin=ratio(margin))
-    return f"<span class='lab-over'>{text}</span>" if margin > 1 else text
-
-
 def _estimates(session: Session, report: FrameReport, series: dict[str, np.ndarray], key: str,
                drawn: str | None) -> str:
     """A line for the truth, each estimator and a pinned run: its norm now, its index and its distance so far."""
@@ -202,15 +191,11 @@ def _estimates(session: Session, report: FrameReport, series: dict[str, np.ndarr
             rows.append(row("", named(name), norm(series, f"{name}/estimate_{key}", unit),
                              _ratio(series, f"{name}/index_{key}"), _ratio(series, f"{name}/distance_{key}")))
     if session.pinned:
-        rows.append(_pinned(session.pinned, _said(session.pinned, report), key, drawn))
+        # Where it differs: on the stage that is drawn, which no screen reader reads.
+        said = "" if session.pinned.scene.problem != report.scene.problem else \
+            differing(session.pinned.scene, report.scene) or tr("the same so far")
+        rows.append(_pinned(session.pinned, said, key, drawn))
     return table("".join(rows), "lab-numbers lab-estimates")
-
-
-def _said(run: PinnedRun, report: FrameReport) -> str:
-    """What a pinned run is where the other is not: on the stage it is drawn, which no screen reader reads."""
-    if run.scene.problem != report.scene.problem:
-        return ""
-    return differing(run.scene, report.scene) or tr("the same so far")
 
 
 def _pinned(run: PinnedRun, said: str, key: str, drawn: str | None) -> str:

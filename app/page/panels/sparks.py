@@ -64,8 +64,7 @@ class Sparks:
             said = json.dumps({"label": tr(label), "answer": answer, "cards": [asdict(card) for card in cards]},
                               ensure_ascii=False)
             content = f"<i class='lab-sparks' data-sparks=\"{escape(said)}\"></i>"
-        if self._html.content != content:
-            self._html.content = content
+        self._html.content = content
 
     def _now(self) -> tuple[str, Answer | None, list[Card]]:
         self._forget()

@@ -49,7 +49,8 @@ class StageChoice:
         self._parts: dict[str, tuple[Any, Any]] = {
             "quantity": (quantity_mark, self._quantity), "estimators": (estimator_mark, self._estimator),
             "magnify": (magnify_mark, self._magnify)}
-        self._quantity.on_update(lambda event: self._choose_quantity() if event.client else None)
+        self._quantity.on_update(
+            lambda event: self.measure(self._quantities[event.target.value]) if event.client else None)
         self._estimator.on_update(lambda event: self._choose_estimator() if event.client else None)
         self._magnify.on_update(lambda event: self._choose_factor() if event.client else None)
 
@@ -87,8 +88,7 @@ class StageChoice:
         options, shown = estimators or (tr(NONE),), self.estimator or tr(NONE)
         if self._estimator.options != options:
             self._estimator.options = options
-        if self._estimator.value != shown:
-            self._estimator.value = shown  # type: ignore[misc]
+        self._estimator.value = shown  # type: ignore[misc]
         if self.estimator != before:
             self._on_view()
 
@@ -115,8 +115,7 @@ class StageChoice:
     def measure(self, quantity: str) -> None:
         """Show the error of a quantity, by its key."""
         self.quantity, self._silent = quantity, True
-        if self._quantity.value != self._shown_quantity:
-            self._quantity.value = self._shown_quantity  # type: ignore[misc]
+        self._quantity.value = self._shown_quantity  # type: ignore[misc]
         self._session.show(plotted=quantity)
         self._scale.forget()
         self._on_view()
@@ -124,9 +123,6 @@ class StageChoice:
     @property
     def _shown_quantity(self) -> str:
         return str(words.QUANTITIES[self.quantity])
-
-    def _choose_quantity(self) -> None:
-        self.measure(self._quantities[self._quantity.value])
 
     def _choose_estimator(self) -> None:
         self.estimator = None if self._estimator.value == tr(NONE) else self._estimator.value

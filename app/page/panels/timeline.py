@@ -71,8 +71,7 @@ class Timeline:
         for which, plot in self._plots.items():
             plot.visible = which == wanted
         self._estimators, self._plot = estimators, self._plots[wanted]
-        if self._plot.height != self.height:
-            self._plot.height = self.height
+        self._plot.height = self.height
 
     def show(self, past: Past, valid: tuple[str, ...], quantity: str, latest: bool, pinned: PinnedRun | None,
              drawn: str | None, now: Now) -> None:
@@ -81,7 +80,9 @@ class Timeline:
         time = series["time"]
         grey = grey_curves(pinned, past, series, quantity, drawn, latest)[0]
         true = series[f"error_{quantity}"]
-        estimated = [np.minimum(series[f"{name}/estimate_{quantity}"], _most(true)) if name in valid
+        # An estimate that has lost its way is drawn at the edge of the plot instead of flattening the truth.
+        most = BEYOND * largest(true) if largest(true) > 0 else np.inf
+        estimated = [np.minimum(series[f"{name}/estimate_{quantity}"], most) if name in valid
                      else np.full(len(time), np.nan) for name in self._estimators]
         top = self._scaled(past, (quantity, latest), time, [*grey, true, *estimated])
         start, end, _ = self._ends or (0.0, 1.0, 1.0)
@@ -145,9 +146,7 @@ class Timeline:
 
     def _tell(self, said: dict[str, object]) -> None:
         text = json.dumps(said, separators=(",", ":"), ensure_ascii=False)
-        content = f"<i class='lab-times' data-said='{escape(text)}'></i>"
-        if content != self._html.content:
-            self._html.content = content
+        self._html.content = f"<i class='lab-times' data-said='{escape(text)}'></i>"
 
     def _at_pointer(self, scene: Scene, unit: str) -> list[str]:
         """The time at which the visitor reads, and what each curve says then; nothing beyond the run."""
@@ -191,9 +190,3 @@ class Timeline:
 def unit_of_time(scene: Scene) -> float:
     """What its times are counted in, in s: periods, of which all texts speak, or seconds where nothing swings."""
     return scene.period if scene.swings else 1.0
-
-
-def _most(true: np.ndarray) -> float:
-    """An estimate that has lost its way is drawn at the edge of the plot instead of flattening the truth."""
-    truth = largest(true)
-    return BEYOND * truth if truth > 0 else np.inf

@@ -43,10 +43,12 @@ def what_now(state: State, report: FrameReport, seek: Callable[[float], bool], s
         if not seek(back):  # it is not kept: run again until then
             show(replace(state, scene=replace(scene, periods=None, t_end=back), speed=None, stops=True))
 
+    other = next(name for name in OTHERS if name in scene.choices("method") and name != scene.method)
     hint = tr("back to t = {time} s, paused", time=number(back))
     return [(Card("back", "back", tr("See the moment it broke"), hint), look),
             _changed("cure", "filter", state, show, *_cure(scene)),
-            _changed("other", "halve", state, show, *_other(scene))]
+            _changed("other", "halve", state, show, tr("Take {method} instead", method=METHODS[other].name),
+                     tr(OTHERS[other], problem=scene.problem), {"method": other})]
 
 
 def _changed(key: str, icon: str, state: State, show: Callable[[State], None], title: str, hint: str,
@@ -68,10 +70,3 @@ def _cure(scene: Scene) -> tuple[str, str, dict[str, object]]:
     hint = ", ".join(tr(SHORT.get(name, REMEDIES[name].label)) for name in names)
     title = tr("Switch on two remedies") if len(names) > 1 else tr("Switch on a remedy")
     return title, hint if missing else tr("it is on already"), {"remedies": names} if missing else {}
-
-
-def _other(scene: Scene) -> tuple[str, str, dict[str, object]]:
-    """Another method that the problem has."""
-    method = next(name for name in OTHERS if name in scene.choices("method") and name != scene.method)
-    return (tr("Take {method} instead", method=METHODS[method].name),
-            tr(OTHERS[method], problem=scene.problem), {"method": method})

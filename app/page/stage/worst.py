@@ -92,9 +92,14 @@ class WorstRegions:
             size = (region.estimated if estimated else region.true) if region else None
             return Worst(region.particles, with_unit(size, unit, 2)) if region and size and size > least else None
 
+        alike = False  # whether the estimate is as large as the truth, as far as one can see
+        if view.estimated is not None and view.true is not None:
+            known = np.isfinite(view.estimated) & np.isfinite(view.true)
+            index = float(np.linalg.norm(view.estimated[known]) / np.linalg.norm(view.true[known]))
+            alike = ALIKE[0] <= index <= ALIKE[1]
         self._remarks = scene, Remarks(
             (told(estimate, True) if view.left.sizes is view.estimated else None,
-             told(truth, False)), report.status != soundness.OK, _alike(view))
+             told(truth, False)), report.status != soundness.OK, alike)
 
     def _region(self, worst: SteadyMaximum, own: np.ndarray | None,
                 errors: list[np.ndarray | None]) -> WorstRegion | None:
@@ -103,12 +108,3 @@ class WorstRegions:
             return None
         return WorstRegion(self._regions.names[at], self._regions.number == at,
                            *(None if e is None else float(e[at]) for e in errors))
-
-
-def _alike(view: View) -> bool:
-    """Whether the estimate is as large as the truth, as far as one can see."""
-    if view.estimated is None or view.true is None:
-        return False
-    known = np.isfinite(view.estimated) & np.isfinite(view.true)
-    index = float(np.linalg.norm(view.estimated[known]) / np.linalg.norm(view.true[known]))
-    return ALIKE[0] <= index <= ALIKE[1]

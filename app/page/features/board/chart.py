@@ -44,7 +44,12 @@ class Axis:
     @property
     def ticks(self) -> list[float]:
         """Round values within it, few enough to have their names beside each other."""
-        step = _round_up((self.high - self.low) / TICKS, whole=self.logarithmic)
+        step = (self.high - self.low) / TICKS
+        if self.logarithmic and step <= 1:  # decades are whole
+            step = 1.0
+        else:  # the next of 1, 2 and 5 times a power of ten
+            power = 10.0 ** math.floor(math.log10(step))
+            step = next(factor * power for factor in (1, 2, 5, 10) if factor * power >= step * (1 - 1e-9))
         first, last = math.ceil(self.low / step), math.floor(self.high / step)
         return [10.0 ** (k * step) if self.logarithmic else float(f"{k * step:.12g}") for k in range(first, last + 1)]
 
@@ -56,7 +61,10 @@ class Axis:
 
 def axis_for(values: Sequence[float], always: Sequence[float] = ()) -> Axis:
     """The axis for values, of which there is one at least; those that must be on it ``always`` are."""
-    logarithmic = _spread(values) and min(always, default=1.0) > 0
+    ranked = sorted(values)
+    few, many = (ranked[round(part * (len(ranked) - 1))] for part in MOST)
+    # Decades matter where most are above zero, and far apart.
+    logarithmic = few > 0 and math.log10(many) - math.log10(few) > DECADES and min(always, default=1.0) > 0
     inner = sorted(math.log10(value) if logarithmic else value for value in values if value > 0 or not logarithmic)
     fixed = [math.log10(value) if logarithmic else value for value in always]
     few, many = (inner[round(part * (len(inner) - 1))] for part in MOST)
@@ -68,21 +76,6 @@ def axis_for(values: Sequence[float], always: Sequence[float] = ()) -> Axis:
         low, high = low - room, high + room
     margin = MARGIN * (high - low)
     return Axis(low - margin, high + margin, logarithmic)
-
-
-def _spread(values: Sequence[float]) -> bool:
-    """Whether decades matter: most are above zero, and far apart."""
-    ranked = sorted(values)
-    few, many = (ranked[round(part * (len(ranked) - 1))] for part in MOST)
-    return few > 0 and math.log10(many) - math.log10(few) > DECADES
-
-
-def _round_up(step: float, whole: bool) -> float:
-    """The next of 1, 2 and 5 times a power of ten, 1 at least where it must be ``whole``."""
-    if whole and step <= 1:
-        return 1.0
-    power = 10.0 ** math.floor(math.log10(step))
-    return next(factor * power for factor in (1, 2, 5, 10) if factor * power >= step * (1 - 1e-9))
 
 
 def options(asked: Question, numbers: Numbers) -> str:
@@ -101,9 +94,20 @@ def chart(asked: Question, answers: Sequence[Any], numbers: Numbers, found: Righ
     low, high = _band(asked, found)
     ends = [float(end) for answer in answers for end in (answer if asked.kind == INTERVAL else (answer,))]
     axis = axis_for(ends or [low, high], [] if found is None else [low, high])
-    drawn = _lines(asked, answers, axis, found) if asked.kind == INTERVAL else _dots(answers, axis)
-    return f"<div class='lab-scale' role='img' aria-label='{escape(_in_words(asked, answers))}'>{drawn}" \
-           f"{_truth(asked, axis, found)}{_ticks(asked, axis)}</div>{_beyond(ends, axis)}"
+    if asked.kind == INTERVAL:
+        drawn = _lines(asked, answers, axis, found)
+        words = [tr("{low} to {high}", low=in_unit(asked, float(low)), high=in_unit(asked, float(high)))
+                 for low, high in answers]
+    else:  # dots, one above the other where they are nearly the same
+        columns = Counter(min(COLUMNS - 1, int(COLUMNS * axis.place(answer))) for answer in answers)
+        stacks = "".join(f"<div style='left: {100 * (k + 0.5) / COLUMNS:.2f}%'>{'<i></i>' * count}</div>"
+                         for k, count in sorted(columns.items()))
+        drawn = f"<div class='lab-dots' style='--most: {max(columns.values(), default=1)}'>{stacks}</div>"
+        words = [in_unit(asked, float(answer)) for answer in answers]
+    ticks = "".join(f"<span style='left: {100 * axis.place(tick):.2f}%'>{escape(in_unit(asked, tick))}</span>"
+                    for tick in axis.ticks)
+    return f"<div class='lab-scale' role='img' aria-label='{escape('; '.join(words))}'>{drawn}" \
+           f"{_truth(asked, axis, found)}{ticks}</div>{_beyond(ends, axis)}"
 
 
 def right_among(asked: Question, answers: Sequence[Any], found: Right) -> int:
@@ -119,14 +123,6 @@ def _bars(asked: Question, answers: Sequence[int], numbers: Numbers, found: Righ
         rows.append(f"<li{' class=lab-came-out' * came}><b>{letter})</b> <span>{escape(filled(option, numbers))} {sign}"
                     f"</span><i style='--part: {counts[k] / max(1, len(answers)):.4f}'></i><b>{counts[k]}</b></li>")
     return f"<ol class='lab-bars lab-counted'>{''.join(rows)}</ol>"
-
-
-def _dots(answers: Sequence[float], axis: Axis) -> str:
-    """One above the other where they are nearly the same."""
-    columns = Counter(min(COLUMNS - 1, int(COLUMNS * axis.place(answer))) for answer in answers)
-    stacks = "".join(f"<div style='left: {100 * (k + 0.5) / COLUMNS:.2f}%'>{'<i></i>' * count}</div>"
-                     for k, count in sorted(columns.items()))
-    return f"<div class='lab-dots' style='--most: {max(columns.values(), default=1)}'>{stacks}</div>"
 
 
 def _lines(asked: Question, answers: Sequence[Sequence[float]], axis: Axis, found: Right | None) -> str:
@@ -157,11 +153,6 @@ def _truth(asked: Question, axis: Axis, found: Right | None) -> str:
            f"<b>{escape(told)}</b></div>"
 
 
-def _ticks(asked: Question, axis: Axis) -> str:
-    return "".join(f"<span style='left: {100 * axis.place(tick):.2f}%'>{escape(in_unit(asked, tick))}</span>"
-                   for tick in axis.ticks)
-
-
 def _beyond(ends: Sequence[float], axis: Axis) -> str:
     """What has no place of its own on the axis."""
     sides = Counter(axis.beyond(end) for end in ends)
@@ -170,10 +161,3 @@ def _beyond(ends: Sequence[float], axis: Axis) -> str:
     left = f"<span>◂ {low}</span>" if sides[-1] else ""
     right = f"<span class='lab-rightmost'>{high} ▸</span>" if sides[1] else ""
     return f"<p class='lab-beyond'>{left}{right}</p>" if left or right else ""
-
-
-def _in_words(asked: Question, answers: Sequence[Any]) -> str:
-    if asked.kind == INTERVAL:
-        return "; ".join(tr("{low} to {high}", low=in_unit(asked, float(low)), high=in_unit(asked, float(high)))
-                         for low, high in answers)
-    return "; ".join(in_unit(asked, float(answer)) for answer in answers)

@@ -66,11 +66,10 @@ class BoardPanel:
         """Show what there is now."""
         with self._drawing:
             place = self._board.place
-            content = f"<template class='lab-board' data-turn='{place.turn}' data-covers='{'yes' * self._covers}' " \
-                      f"data-next='{escape(says_next(self._board, place))}' data-back='{'yes' * (place.at > 0)}'>" \
-                      f"{slide(self._board, place, self._lectern.seen_from(self._store.here))}</template>"
-            if self._says.content != content:
-                self._says.content = content
+            self._says.content = (
+                f"<template class='lab-board' data-turn='{place.turn}' data-covers='{'yes' * self._covers}' "
+                f"data-next='{escape(says_next(self._board, place))}' data-back='{'yes' * (place.at > 0)}'>"
+                f"{slide(self._board, place, self._lectern.seen_from(self._store.here))}</template>")
 
     def _follow(self) -> None:
         while not self._closed.is_set():

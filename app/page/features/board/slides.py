@@ -52,7 +52,9 @@ def slide(board: Board, place: Place, door: Door) -> str:
         tr("the beginning") if place.at == 0 else tr("the end")
     now = tr("you look back; the class is at step {at}", at=board.number(place.opened))
     past = "" if place.now else f"<b class='lab-looks-back'>{now}</b>"
-    count = f"<span>{_here(board.tally.here)}</span>" if place.at else ""  # at the beginning it is said below
+    here = board.tally.here
+    here_said = trn("{count} is here", "{count} are here", here) if here else tr("nobody is here")
+    count = f"<span>{here_said}</span>" if place.at else ""  # at the beginning it is said below
     top = f"<header><span>{where}</span>{past}{count}</header>"
     body = _step(board, place, step) if step else _beginning(board, door) if place.at == 0 else _end(board)
     return f"{top}{body}"
@@ -82,10 +84,6 @@ def scores(board: Board) -> list[Scored]:
     return found
 
 
-def _here(count: int) -> str:
-    return trn("{count} is here", "{count} are here", count) if count else tr("nobody is here")
-
-
 def _beginning(board: Board, door: Door) -> str:
     picture = segno.make(door.whole, error="l", micro=False).svg_inline(border=2, omitsize=True)
     warning = f"<p class='lab-warns'>{escape(door.warning)}</p>" if door.warning else ""
@@ -103,7 +101,13 @@ def _step(board: Board, place: Place, step: Step) -> str:
     title = escape(filled(step.title, board.numbers))
     head = f"<h2><span class='lab-kind lab-kind-{step.kind}'>{tr(TITLES[step.kind])}</span> {title}</h2>"
     if step.question is None:
-        return head + _without_question(board, place)
+        here, come = board.tally.here, board.tally.reached(place.at)
+        following = board.step(board.after(place.at))
+        onward = tr("Next: {kind}: {title}", kind=tr(TITLES[following.kind]),
+                    title=filled(following.title, board.numbers)) if following else \
+            tr("Next: the end, and how the class did")
+        said = tr("{come} of {here} have come to this step", come=come, here=here) if here else tr(NOBODY)
+        return f"{head}<div class='lab-waits'>{_meter(said, come, here)}<p>{escape(onward)}</p></div>"
     if place.stage == COUNTED:
         text, name = html(filled(step.text, board.numbers), shelf.FOLDER), tr("the question")
         return f"{head}<div class='lab-asked' tabindex='0' role='region' aria-label='{name}'>{text}</div>" \
@@ -111,18 +115,11 @@ def _step(board: Board, place: Place, step: Step) -> str:
     answers = board.tally.answers(step.key)
     came = board.came_out(step) if place.stage == REVEALED else None
     drawn = chart.chart(step.asked, answers, board.numbers, came if isinstance(came, Right) else None)
+    after = board.tally.late(step.key)
+    late = trn("{count} came later and is not counted.", "{count} came later and are not counted.",
+               after) if after else ""
     return f"{head}<div class='lab-chart'>{drawn}</div><p class='lab-said' role='status'>" \
-           f"{_said(step, len(answers))} {_late(board, step)} {_outcome(place, step, answers, came)}</p>"
-
-
-def _without_question(board: Board, place: Place) -> str:
-    here, come = board.tally.here, board.tally.reached(place.at)
-    following = board.step(board.after(place.at))
-    onward = tr("Next: {kind}: {title}", kind=tr(TITLES[following.kind]),
-                title=filled(following.title, board.numbers)) if following else \
-        tr("Next: the end, and how the class did")
-    said = tr("{come} of {here} have come to this step", come=come, here=here) if here else tr(NOBODY)
-    return f"<div class='lab-waits'>{_meter(said, come, here)}<p>{escape(onward)}</p></div>"
+           f"{_said(step, len(answers))} {late} {_outcome(place, step, answers, came)}</p>"
 
 
 def _counted(board: Board, step: Step, at: int) -> str:
@@ -152,12 +149,6 @@ def _said(step: Step, count: int) -> str:
     return trn("{count} answer.", "{count} answers.", count) if count else tr("Nobody has answered.")
 
 
-def _late(board: Board, step: Step) -> str:
-    late = board.tally.late(step.key)
-    return "" if late == 0 else \
-        trn("{count} came later and is not counted.", "{count} came later and are not counted.", late)
-
-
 def _outcome(place: Place, step: Step, answers: list, came: Right | str | None) -> str:
     """What is said of what came out, when that is asked for."""
     if place.stage != REVEALED:
@@ -182,18 +173,14 @@ def _end(board: Board) -> str:
     found = scores(board)
     rows = "".join(f"<li><span>{escape(filled(one.step.title, board.numbers))}</span>"
                    f"<i style='--part: {one.right / max(1, one.answers):.4f}'></i>"
-                   f"<b>{_score(one)}</b></li>" for one in found)
+                   f"<b>{tr(HELD if one.step.asked.kind == INTERVAL else RIGHT, right=one.right, of=one.answers)}</b>"
+                   "</li>" for one in found)
     sums = "".join(f"<p class='lab-many'>{told}</p>" for told in calibration(found))
     none, name = tr("No question has been revealed."), tr("question by question")
     nothing = "" if found else f"<p class='lab-said'>{none}</p>"
     return f"<h2>{tr(HOW)}</h2><div class='lab-sums'>{sums}</div>{nothing}" \
            f"<ol class='lab-scores{' lab-in-two' * (len(found) > IN_ONE)}' tabindex='0' " \
            f"aria-label='{name}'>{rows}</ol>"
-
-
-def _score(one: Scored) -> str:
-    held = one.step.asked.kind == INTERVAL
-    return tr(HELD if held else RIGHT, right=one.right, of=one.answers)
 
 
 def calibration(found: list[Scored]) -> list[str]:

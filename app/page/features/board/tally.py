@@ -44,8 +44,8 @@ class Tally:
         """A page of a visitor is opened: what is known of him, perhaps from before."""
         with self._lock:
             entry = self._entries.get(key) or Entry()
-            if len(self._entries) >= MOST:
-                self._make_room()
+            if len(self._entries) >= MOST:  # forget who has left without a word
+                self._entries = {key: one for key, one in self._entries.items() if one.pages or one.answers}
             if len(self._entries) < MOST:
                 self._entries[key] = entry
             entry.pages += 1
@@ -108,7 +108,3 @@ class Tally:
         """What counts, sorted: in which order it was said, and who said what else, cannot be told from it."""
         with self._lock:
             return sorted(entry.said[question] for entry in self._entries.values() if question in entry.said)
-
-    def _make_room(self) -> None:
-        """Forget who has left without a word."""
-        self._entries = {key: entry for key, entry in self._entries.items() if entry.pages or entry.answers}

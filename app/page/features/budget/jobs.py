@@ -60,8 +60,9 @@ class BudgetJobs(Background[Found]):
         self.give_way()
 
     def heard(self, before: Found, message: dict[str, Any]) -> Found:
-        given: dict[str, Any] = message | {name: _arrays(message[name]) for name in ("series", "again")
-                                           if name in message}
+        given: dict[str, Any] = message | {
+            name: columns and {key: np.array(values, float) for key, values in columns.items()}
+            for name, columns in message.items() if name in ("series", "again")}
         if (reason := given.pop("bad", None)) is not None:
             given["trouble"] = tr("the run goes bad: {reason}", reason=heard(reason))
         return replace(before, **given)
@@ -93,7 +94,3 @@ def budget(question: dict[str, Any], tell: Tell) -> None:
 def _columns(result: Result) -> dict[str, list[float | None]]:
     return {name: [finite(value) for value in np.asarray(values).tolist()] for name, values in result.series.items()
             if name == "time" or name.startswith("budget/")}
-
-
-def _arrays(columns: dict[str, list[float | None]] | None) -> Series | None:
-    return None if columns is None else {name: np.array(values, float) for name, values in columns.items()}

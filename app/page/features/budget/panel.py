@@ -71,7 +71,8 @@ class BudgetFold:
         self._cancel.on_click(lambda _: self.jobs.cancel())
         self._find.on_click(lambda _: self.find_out())
         self._again.on_click(lambda _: self._take_away())
-        self._back.on_click(lambda _: self._put_back())
+        self._back.on_click(lambda _: self._show(replace(
+            state := self._state(), scene=_without(NOTHING, state.scene), pinned=None)))
         self._field.on_update(lambda _: self._redraw())
 
     def press(self, said: object) -> None:
@@ -107,8 +108,13 @@ class BudgetFold:
         _see(bool(runs), self._chart)
         _see(bool(runs) and not found.running, self._cause, self._again)
         _see(own and taken_away(scene) != NOTHING, self._back)
-        self._offer.content = (_missing(scene) if on else _offer(OFFER)) if own else _going(found) or _offer(ON_DEMAND)
-        self._follow(choice.quantity)
+        # Why there is no chart yet, or cannot be one.
+        reason = next((text for text in scene.warnings() if text.startswith("error budget")), "") if own and on else ""
+        why = f"<p class='lab-budget-offer'>{escape(sentence(heard(reason).partition(': ')[2]))}</p>" if reason else ""
+        self._offer.content = why or _offer(WAITING if on else OFFER) if own else _going(found) or _offer(ON_DEMAND)
+        if choice.quantity != self._followed:  # its field is divided
+            self._followed, self._drawn_at = choice.quantity, -math.inf
+            self._field.value = tr(_NAMES[field_of(choice.quantity)])  # type: ignore[misc]
         self._draw(runs, self._cause_between(runs) if own else found.cause, on, numbers.now.playing)
 
     def _found(self, scene: Scene | None) -> Found:
@@ -129,7 +135,9 @@ class BudgetFold:
         elif not playing or now >= self._drawn_at + REDRAWN:
             self._drawn_at = now
             self._chart.content = chart(runs, field)
-            self._mark.content = marked("lab-budget", words=_verdict(runs[-1], field))
+            most = largest_share(runs[-1].series, field)  # who has made most of the error
+            self._mark.content = marked("lab-budget", words=tr("not valid here") if most is None else
+                                        f"{tr(CAUSES[most[0]])} {percent(most[1])}")
             self._outcome.content = "" if cause == NOTHING or len(runs) < 2 else \
                 outcome(runs[0], runs[-1], field, cause)
 
@@ -144,12 +152,6 @@ class BudgetFold:
     @property
     def _shown_field(self) -> str:
         return next(field for field, name in _NAMES.items() if tr(name) == self._field.value)
-
-    def _follow(self, quantity: str) -> None:
-        """Another quantity is on the stage: its field is divided."""
-        if quantity != self._followed:
-            self._followed, self._drawn_at = quantity, -math.inf
-            self._field.value = tr(_NAMES[field_of(quantity)])  # type: ignore[misc]
 
     def _redraw(self) -> None:
         self._drawn_at = -math.inf
@@ -178,10 +180,6 @@ class BudgetFold:
             self._session.refuse(tr("Take it away: {reason}", reason=heard(str(error))))
         else:
             self._show(replace(state, scene=after, pinned=before))
-
-    def _put_back(self) -> None:
-        state = self._state()
-        self._show(replace(state, scene=_without(NOTHING, state.scene), pinned=None))
 
 
 def _runs_found(found: Found) -> list[Divided]:
@@ -219,19 +217,6 @@ def _named(name: tuple[str, str], scene: Scene, other: Scene) -> str:
 
 def _offer(text: str) -> str:
     return f"<p class='lab-budget-offer'>{tr(text)}</p>"
-
-
-def _verdict(run: Divided, field: str) -> str:
-    """Who has made most of the error, for the right of the fold's name."""
-    found = largest_share(run.series, field)
-    return tr("not valid here") if found is None else f"{tr(CAUSES[found[0]])} {percent(found[1])}"
-
-
-def _missing(scene: Scene) -> str:
-    """Why there is no chart yet, or cannot be one."""
-    reason = next((text for text in scene.warnings() if text.startswith("error budget")), "")
-    said = heard(reason).partition(": ")[2]
-    return f"<p class='lab-budget-offer'>{escape(sentence(said))}</p>" if reason else _offer(WAITING)
 
 
 def _see(visible: bool, *widgets: Any) -> None:

@@ -25,7 +25,13 @@ def headline(like: Sequence[NumberedRun], scene: Scene, tolerance: float, troubl
     if not known:
         begin = tr("Begin with a small sweep of {n} runs", n=sweep)
         button = f"<button data-press='{escape(tr('Small sweep'))}'>{begin}</button>"
-        return _nothing(like, scene, button)
+        live = next((run for run in reversed(like) if run.drawable and not run.broken), None)
+        if live is None:
+            asked = tr("What does accuracy cost on the {problem}?", problem=tr(PROBLEMS[scene.problem].scene.TITLE))
+            return tr("Nothing measured yet."), f"{asked}<br>{button}"
+        untimed = tr("The run on the stage errs by {share} of {whole}, but its time was taken beside pictures and "
+                     "estimates.", share=percent(live.size), whole=of)
+        return tr("Nothing timed yet."), f"{untimed}<br>{button}"
     if trouble:
         return tr("How accurate must it be?"), escape(trouble)
     best = cheapest(like, tolerance)
@@ -35,21 +41,12 @@ def headline(like: Sequence[NumberedRun], scene: Scene, tolerance: float, troubl
                 tr("The closest errs by {error}: {run}, {seconds}. <b>Find the cheapest run</b> looks for a better "
                    "one.", error=_error(near), run=escape(called(near)), seconds=seconds(near.seconds)))
     answer = PROVISIONAL if provisional else FINAL
+    worse = dict.fromkeys(str(METHODS.get(curve[0].method, curve[0].method)) for curve in curves(like)
+                          if len(curve) > 1 and curve[-1].size > WORSE * curve[0].size)
+    says = [trn("{methods} gets worse, however much you pay.", "{methods} get worse, however much you pay.", len(worse),
+                methods=escape(together(worse)))] if worse else []
     return (tr(answer, share=percent(tolerance), whole=of, seconds=seconds(best.seconds), run=escape(called(best))),
-            " ".join([tr("Its error is {error}; {run}.", error=_error(best), run=escape(details(best))),
-                      *_worse(like)]))
-
-
-def _nothing(like: Sequence[NumberedRun], scene: Scene, begin: str) -> tuple[str, str]:
-    """What is said before anything has been timed, and how to ``begin``."""
-    live = next((run for run in reversed(like) if run.drawable and not run.broken), None)
-    if live is None:
-        title = PROBLEMS[scene.problem].scene.TITLE
-        asked = tr("What does accuracy cost on the {problem}?", problem=tr(title))
-        return tr("Nothing measured yet."), f"{asked}<br>{begin}"
-    known = tr("The run on the stage errs by {share} of {whole}, but its time was taken beside pictures and estimates.",
-               share=percent(live.size), whole=whole(scene))
-    return tr("Nothing timed yet."), f"{known}<br>{begin}"
+            " ".join([tr("Its error is {error}; {run}.", error=_error(best), run=escape(details(best))), *says]))
 
 
 def line(like: Sequence[NumberedRun], scene: Scene, tolerance: float, inside: Axes | None) -> str:
@@ -71,11 +68,3 @@ def _error(run: NumberedRun) -> str:
     share = percent(run.size)
     return share if run.error is not None else tr("{share}, as {estimator} estimates", share=share,
                                                   estimator=escape(run.estimator))
-
-
-def _worse(runs: Sequence[NumberedRun]) -> list[str]:
-    """Methods that more cells make worse, if any."""
-    found = dict.fromkeys(str(METHODS.get(curve[0].method, curve[0].method)) for curve in curves(runs)
-                          if len(curve) > 1 and curve[-1].size > WORSE * curve[0].size)
-    return [trn("{methods} gets worse, however much you pay.", "{methods} get worse, however much you pay.", len(found),
-                methods=escape(together(found)))] if found else []

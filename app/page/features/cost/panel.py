@@ -73,29 +73,26 @@ class CostTab:
     def refresh(self) -> None:
         """Now and then, and when the line of the tolerance has been moved."""
         with self._refreshing:
-            self._refresh()
-
-    def _refresh(self) -> None:
-        status = self.jobs.status  # once: a job that begins meanwhile must not give way to a stage yet to be paused
-        self._quiet.follow(status.running)
-        self._drop_what_is_old()
-        scene, stage = self._session.scene, self._stage_word(status)
-        if self._of != (self.runs.version, scene):  # seldom, and of many runs it takes a millisecond
-            self._of = self.runs.version, scene
-            self._chartable = (self.runs.version, question(scene), staged(self.runs.all(), scene))
-        charted = self._chartable
-        if charted != self._charted and (not status.running or monotonic() >= self._next):
-            self._charted, self._next = charted, monotonic() + STREAM_SECONDS
-            self._show_runs(scene)
-        told = (charted, self._tolerance.value, status, self._remark, stage)
-        if told != self._told:
-            self._told = told
-            self._show_answer(scene, status, stage)
-            self._show_status(status, stage)
+            status = self.jobs.status  # once: a job that begins meanwhile must not give way to a stage yet to be paused
+            self._quiet.follow(status.running)
+            self._drop_what_is_old()
+            scene, stage = self._session.scene, self._stage_word(status)
+            if self._of != (self.runs.version, scene):  # seldom, and of many runs it takes a millisecond
+                self._of = self.runs.version, scene
+                self._chartable = (self.runs.version, question(scene), staged(self.runs.all(), scene))
+            charted = self._chartable
+            if charted != self._charted and (not status.running or monotonic() >= self._next):
+                self._charted, self._next = charted, monotonic() + STREAM_SECONDS
+                self._show_runs(scene)
+            told = (charted, self._tolerance.value, status, self._remark, stage)
+            if told != self._told:
+                self._told = told
+                self._show_answer(scene, status, stage)
+                self._show_status(status, stage)
 
     def notice(self) -> Notice | None:
         """Why the stage stands still, if that is for a job's sake."""
-        return Notice("wait", words.pause(self.jobs.status.kind)) if self._quiet.paused else None
+        return Notice("wait", tr(words.PAUSED[self.jobs.status.kind])) if self._quiet.paused else None
 
     def _stage_word(self, status: CostStatus) -> str:
         """What disturbs the job that runs, which gives way to every stage that moves."""
@@ -192,7 +189,9 @@ class CostTab:
         if status.running:
             more = escape(f"{words.counted(status)} {stage}")
         elif status.advice:
-            more = " ".join([more, escape(words.ended(status.advice))])
+            end = tr("The search has ended. That a run which it has not made is clearly cheaper is not expected, but "
+                     "possible.") if status.advice["met"] else tr("The search has ended.")
+            more = f"{more} {escape(end)}"
         self._line.content = (f"<template class='lab-cost-says'><h2>{says}</h2><p>{more}</p></template>"
                               f"{line(like, scene, tolerance, self._inside)}")
 

@@ -11,7 +11,7 @@ import math
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
 from html import escape
-from itertools import pairwise
+from itertools import chain, pairwise
 
 from app.colours import METHOD_MARKS
 from app.language.spoken import tr
@@ -120,8 +120,11 @@ def picture(runs: Sequence[NumberedRun], like: Sequence[NumberedRun], scene: Sce
     under = _path(best, inside, "class='lab-front'")
     lines = "".join([_grid(inside), _guides(inside, scene.DIMENSIONS) if inside.times else "", under, *drawn])
     texts = [_beside(run, inside, "lab-name", words, _colour(run)) for run, words in names(like)]
-    texts += [_at_edge(run, inside) for run in unnamed(like)]
-    texts += [_beside(run, inside, "lab-cells", str(run.scene.cells)) for run in [*_on_curves(like), *best]]
+    texts += [  # the name of a method whose runs are a cloud: at the right, as high as the most accurate of them
+        f"<span class='lab-name lab-at-edge' style='left:100%;top:{inside.place(run)[1]}%;{_colour(run)}' "
+        f"aria-hidden='true'><svg viewBox='-8 -8 16 16'><path d='{SHAPES[METHOD_MARKS[run.method]]}'/></svg>"
+        f"{escape(method_name(run.method))}</span>" for run in unnamed(like)]
+    texts += [_beside(run, inside, "lab-cells", str(run.scene.cells)) for run in [*chain(*curves(like)), *best]]
     if own := staged(like, scene):
         texts.append(_beside(own, inside, f"lab-on-stage{' lab-untimed' * (not own.alone)}", tr("on the stage")))
     # What is drawn last is on top: those that count.
@@ -163,10 +166,6 @@ def unnamed(runs: Sequence[NumberedRun]) -> list[NumberedRun]:
         if run.method not in named:
             best.setdefault(run.method, run)
     return list(best.values())
-
-
-def _on_curves(runs: Sequence[NumberedRun]) -> list[NumberedRun]:
-    return [run for curve in curves(runs) for run in curve]
 
 
 def _colour(run: NumberedRun) -> str:
@@ -241,13 +240,6 @@ def _dot(run: NumberedRun, inside: Axes, aside: bool) -> str:
     return (f"<button class='{' '.join(['lab-dot', *kinds])}' data-run='{run.number}' tabindex='-1' "
             f"style='left:{x}%;top:{y}%;{_colour(run)}' aria-label='{words}'>"
             f"<svg viewBox='-8 -8 16 16'><path d='{shape}'/></svg></button>")
-
-
-def _at_edge(run: NumberedRun, inside: Axes) -> str:
-    """The name of a method whose runs are a cloud: at the right, as high as the most accurate of them."""
-    mark = f"<svg viewBox='-8 -8 16 16'><path d='{SHAPES[METHOD_MARKS[run.method]]}'/></svg>"
-    return (f"<span class='lab-name lab-at-edge' style='left:100%;top:{inside.place(run)[1]}%;{_colour(run)}' "
-            f"aria-hidden='true'>{mark}{escape(method_name(run.method))}</span>")
 
 
 def _beside(run: NumberedRun, inside: Axes, kind: str, words: str, style: str = "") -> str:

@@ -158,7 +158,11 @@ def live_row(report: FrameReport, history: History) -> dict:
     """A row like those of ``solvers.study.row``, with the errors up to the end of the scene. Its seconds are those of
     all that the engine computes; the bare method's are not known."""
     scene, series = report.scene, history.series
-    status = _status(report)
+    status = report.status
+    if report.since is None or report.since > scene.end_time:
+        status = OK
+    elif status == UNSTABLE and report.time > scene.end_time:  # at the end of the scene it was lost only
+        status = LOST
     steps = report.step if status == UNSTABLE else scene.steps
     within = series["time"] <= (steps + 0.5) * scene.time_step
     valid = [name for name in scene.active_estimators if name not in report.not_valid]
@@ -174,14 +178,6 @@ def live_row(report: FrameReport, history: History) -> dict:
            for ratio in RATIOS},
         "not_valid": dict(report.not_valid), "effects": list(scene.effects),
         "seconds": {"full": seconds}, "rate": report.rate or None, "arch": report.arch, "version": __version__}
-
-
-def _status(report: FrameReport) -> str:
-    """What the run was found to be up to the end of its scene."""
-    end = report.scene.end_time
-    if report.since is None or report.since > end:
-        return OK
-    return LOST if report.status == UNSTABLE and report.time > end else report.status
 
 
 def _last(values: np.ndarray) -> float | None:

@@ -28,11 +28,6 @@ class _Point:
     told: dict
     rates: dict[bool, tuple[float | None, float]] = field(default_factory=dict)
 
-    def as_taken(self, quiet: bool, since: float) -> dict:
-        """With the rate that was taken so and later than that, if there is one."""
-        rate, taken = self.rates.get(quiet, (None, since))
-        return self.told | ({"rate": rate} if taken > since else {})
-
 
 class KeptPoints:
     """Points by question (what a search is about, as text) and by key of their rows. Safe from any thread."""
@@ -58,7 +53,10 @@ class KeptPoints:
         were taken alike, and not too long ago; else without."""
         with self._lock:
             since = self._now() - HOLDS
-            return {key: point.as_taken(quiet, since) for key, point in self._questions.get(question, {}).items()}
+            found = self._questions.get(question, {})
+            rates = {key: point.rates.get(quiet, (None, since)) for key, point in found.items()}
+            return {key: point.told | ({"rate": rates[key][0]} if rates[key][1] > since else {})
+                    for key, point in found.items()}
 
 
 KEPT = KeptPoints()

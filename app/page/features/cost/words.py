@@ -192,21 +192,10 @@ def going(status: CostStatus) -> str:
     if status.trouble:
         return status.trouble if status.trouble.endswith(".") else tr(ENDED[status.kind], trouble=status.trouble)
     if status.advice:
-        return " ".join([found(status.advice), *recalled(status)])
+        known = trn("{count} of them had been made by an earlier search on this server.",
+                    "{count} of them had been made by earlier searches on this server.", status.known)
+        return f"{found(status.advice)} {known}" if status.known else found(status.advice)
     return tr("The sweep is done: {n} runs.", n=status.done) if status.kind == SWEEP else ""
-
-
-def recalled(status: CostStatus) -> list[str]:
-    """That runs of a search had been made before, if so."""
-    return [trn("{count} of them had been made by an earlier search on this server.",
-                "{count} of them had been made by earlier searches on this server.", status.known)] \
-        if status.known else []
-
-
-def ended(advice: dict) -> str:
-    """What the end of a search means for the answer, and what it does not."""
-    return tr("The search has ended. That a run which it has not made is clearly cheaper is not expected, but "
-              "possible.") if advice["met"] else tr("The search has ended.")
 
 
 def stage(paused: bool, playing: bool, others: bool) -> str:
@@ -215,11 +204,6 @@ def stage(paused: bool, playing: bool, others: bool) -> str:
         tr("Your stage runs beside it: times come out longer. Pause makes them true.") if playing else ""
     theirs = tr("Other visitors use this server at the same time: times may come out longer.") if others else ""
     return f"{own} {theirs}".strip()
-
-
-def pause(kind: str) -> str:
-    """On a stage that has been paused."""
-    return tr(PAUSED[kind])
 
 
 def found(advice: dict) -> str:

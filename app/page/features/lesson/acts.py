@@ -104,13 +104,10 @@ def with_buttons(html: str) -> str:
 @kept(8)
 def _lines() -> re.Pattern[str]:
     """The lines of html that are acts."""
-    told = "|".join(f"(?P<{verb}>{_pattern(tr(sentence), verb)})" for verb, sentence in SENTENCES.items())
+    patterns = {verb: re.escape(tr(sentence)).replace(r"\{name\}", rf"<strong>(?P<{verb}_name>[^<]+)</strong>").replace(
+        r"\{value\}", rf"<code>(?P<{verb}_value>[^<]+)</code>") for verb, sentence in SENTENCES.items()}
+    told = "|".join(f"(?P<{verb}>{pattern})" for verb, pattern in patterns.items())
     return re.compile(rf"<li>\s*(?:<p>)?(?:{told})\.?(?:</p>)?\s*</li>")
-
-
-def _pattern(sentence: str, verb: str) -> str:
-    return re.escape(sentence).replace(r"\{name\}", rf"<strong>(?P<{verb}_name>[^<]+)</strong>") \
-        .replace(r"\{value\}", rf"<code>(?P<{verb}_value>[^<]+)</code>")
 
 
 def _parts(line: re.Match[str]) -> tuple[str, str]:
@@ -141,15 +138,14 @@ def do(act: Act, controls: Hands) -> None:
     if act.verb == "Press":
         controls.press(act.name)
     elif act.name in LOOKS:
-        controls.look(**_looked(act))
+        with speaking(act.language):
+            quantities = {str(quantity): key for key, quantity in words.QUANTITIES.items()}
+        if act.name == "Error of":
+            controls.look(quantity=quantities[act.value])
+        else:
+            controls.look(estimator=act.value)
     else:
         controls.change(FIELDS[act.name], f"{tr(act.name)} {act.value}", carried(_meant(act), act.language))
-
-
-def _looked(act: Act) -> dict[str, str]:
-    with speaking(act.language):
-        quantities = {str(quantity): key for key, quantity in words.QUANTITIES.items()}
-    return {"quantity": quantities[act.value]} if act.name == "Error of" else {"estimator": act.value}
 
 
 def _meant(act: Act) -> Callable[[Scene], object]:

@@ -6,7 +6,7 @@ from collections.abc import Callable
 import viser
 
 from app.language.spoken import later, tr
-from app.lessons.lesson import Lesson, Step
+from app.lessons.lesson import Lesson
 from app.lessons.progress import Progress
 from app.page.panels.head import BESIDE
 from app.viewer.widgets import is_removed
@@ -37,12 +37,11 @@ def takes(lesson: Lesson) -> str:
               minutes=lesson.minutes)
 
 
-def add_choice(gui: viser.GuiApi, lesson: Lesson, chosen: bool, change: Callable[[bool], None]) -> None:
+def choice(gui: viser.GuiApi, lesson: Lesson, chosen: bool) -> viser.GuiCheckboxHandle:
     """A box to take the core alone."""
-    hint = tr("the core stands by itself and takes {minutes} minutes; you can go deeper at its end",
-              minutes=lesson.core_minutes)
-    only = gui.add_checkbox(tr(ONLY), chosen, hint=hint)
-    only.on_update(lambda _: change(only.value))
+    return gui.add_checkbox(tr(ONLY), chosen, hint=tr(
+        "the core stands by itself and takes {minutes} minutes; you can go deeper at its end",
+        minutes=lesson.core_minutes))
 
 
 def where(lesson: Lesson, progress: Progress) -> str:
@@ -55,7 +54,9 @@ def where(lesson: Lesson, progress: Progress) -> str:
     else:
         said = tr("step {at} of {total} of the core", at=at, total=total) if progress.core else \
             tr("step {at} of {total}", at=at, total=total)
-    segments = "".join(f"<i class='{_segment(number, step, progress.step)}'></i>" for number, step in steps)
+    kinds = ((("lab-now" if number == progress.step else "lab-past" if number < progress.step else ""),
+              "" if step.core else "lab-deep") for number, step in steps)
+    segments = "".join(f"<i class='{' '.join(filter(None, kind))}'></i>" for kind in kinds)
     return f"<div>{said}</div><div class='lab-segments' role='progressbar' aria-label='{name}' aria-valuemin='0' " \
            f"aria-valuemax='{total}' aria-valuenow='{at}'>{segments}</div>"
 
@@ -65,22 +66,12 @@ def numbers(lesson: Lesson) -> str:
     return " ".join(str(number) for number, step in enumerate(lesson.steps, 1) if step.core)
 
 
-def deeper_from(lesson: Lesson) -> int:
-    """The number of the first step that is deeper."""
-    return lesson.steps.index(lesson.deeper[0]) + 1
-
-
 def left(lesson: Lesson) -> str:
     """Said at the end of the core."""
     minutes = max(1, lesson.minutes - lesson.core_minutes)
     told = tr("This was the core. The lesson has {steps} deeper steps, some {minutes} minutes.",
               steps=len(lesson.deeper), minutes=minutes)
     return f"<p>{told}</p>"
-
-
-def _segment(number: int, step: Step, at: int) -> str:
-    return " ".join(filter(None, ["lab-now" if number == at else "lab-past" if number < at else "",
-                                  "" if step.core else "lab-deep"]))
 
 
 class Way:

@@ -49,7 +49,8 @@ def intro_html(lesson: Lesson, numbers: Numbers, teacher: bool) -> str:
     """The lesson's beginning: what it is for, and its first words."""
     goals = "".join(f"<li>{escape(goal)}</li>" for goal in lesson.goals)
     known = shelf.lessons()
-    before = [_title(known[name]) if name in known else escape(name) for name in lesson.prerequisites]
+    before = [f"<span{lang(known[name])}>{escape(known[name].title)}</span>" if name in known and lang(known[name]) else
+              escape(known[name].title if name in known else name) for name in lesson.prerequisites]
     first = tr("Do before: {lessons}.", lessons="; ".join(before))
     needs = f"<p>{first}</p>" if before else ""
     untranslated = tr("This lesson is in English.")
@@ -122,11 +123,6 @@ def taken_html(lesson: Lesson, step: Step, answer: Answer, numbers: Numbers, com
            f"{escape(comment)}</div>"
 
 
-def trouble_html(why: str) -> str:
-    """Why something is no answer."""
-    return f"<div class='lab-lesson lab-recorded' role='alert'>{why}</div>"
-
-
 def end_html(lesson: Lesson, progress: Progress, marks: Mapping[str, AnswerMark | str], numbers: Numbers,
              paced: bool) -> str:
     """The end: all answers, what to do with them, in a class that is ``paced`` by a board or without, and what there is
@@ -160,10 +156,6 @@ def _notes(lesson: Lesson, notes: str, teacher: bool) -> str:
         if notes and teacher else ""
 
 
-def _title(lesson: Lesson) -> str:
-    return f"<span{lang(lesson)}>{escape(lesson.title)}</span>" if lang(lesson) else escape(lesson.title)
-
-
 def _own(lesson: Lesson, words: str) -> str:
     """What a lesson says, as html, so that a browser knows in which language it is."""
     return f"<div{lang(lesson)}>{words}</div>" if lang(lesson) else words
@@ -189,14 +181,10 @@ def bets_html(bettors: Sequence[Bettor] | str) -> str:
 def _row(bettor: Lines) -> str:
     """One bettor: who, how it went, and the lines."""
     high = OWN_ROW if bettor.own else ROW
-    lines = "".join(_line(line, (k + 0.5) * high) for k, line in enumerate(bettor.lines) if line)
+    lines = "".join(
+        f"<line class='{'lab-held' if line[2] else 'lab-missed'}' x1='{line[0]:.2f}%' x2='{line[1]:.2f}%' "
+        f"y1='{(k + 0.5) * high:g}' y2='{(k + 0.5) * high:g}'/>" for k, line in enumerate(bettor.lines) if line)
     label = escape(f"{bettor.name}: {bettor.told}", quote=True)
     return f"<div class='lab-bettor'><b>{escape(bettor.name)}</b> <span>{escape(bettor.told)}</span>" \
            f"<svg role='img' aria-label='{label}' height='{high * len(bettor.lines)}'>" \
            f"<line class='lab-bets-truth' x1='50%' x2='50%' y1='0' y2='100%'/>{lines}</svg></div>"
-
-
-def _line(line: tuple[float, float, bool], y: float) -> str:
-    low, high, holds = line
-    kind = "lab-held" if holds else "lab-missed"
-    return f"<line class='{kind}' x1='{low:.2f}%' x2='{high:.2f}%' y1='{y:g}' y2='{y:g}'/>"

@@ -145,7 +145,8 @@ class Player:
         name = self._gui.add_text(tr("Your name"), self._progress.name, hint=hint)
         name.on_update(lambda _: self._call(name.value))
         if lesson.deeper:
-            core.add_choice(self._gui, lesson, self._progress.core, lambda only: self._choose_core(lesson, only, head))
+            only = core.choice(self._gui, lesson, self._progress.core)
+            only.on_update(lambda _: self._choose_core(lesson, only.value, head))
         self._buttons(back=False, onward=True)
 
     def _choose_core(self, lesson: Lesson, only: bool, head: viser.GuiHtmlHandle) -> None:
@@ -196,9 +197,8 @@ class Player:
         self._buttons(back=True, onward=answered is not None, main=answered is not None)
 
         def take(_: viser.GuiEvent) -> None:
-            answer = widgets.value
-            if why := trouble(step.asked, answer):
-                return self._show(said, lambda: page.trouble_html(why))
+            if why := trouble(step.asked, answer := widgets.value):
+                return self._show(said, lambda: f"<div class='lab-lesson lab-recorded' role='alert'>{why}</div>")
             with self._lock:
                 if step.kind != PREDICT or step.key not in self._progress.answers:  # on another page of his meanwhile
                     self._progress.answer(step.key, answer, monotonic() - self._shown_at)
@@ -233,7 +233,7 @@ class Player:
     @property
     def _step(self) -> Step | None:
         """That is shown."""
-        return self._lesson.step_at(self._progress.step) if self._lesson else None
+        return dict(enumerate(self._lesson.steps if self._lesson else (), 1)).get(self._progress.step)
 
     def _taken(self, step: Step, found: AnswerMark | str | None) -> str:
         """What is said of the answer that the step has."""
@@ -268,8 +268,8 @@ class Player:
     def _show(self, text: viser.GuiHtmlHandle, content: Callable[[], str]) -> None:
         """Put what has been worked out into a text, unless the visitor has gone on meanwhile."""
         with self._lock:
-            if not is_removed(text) and text.content != (new := content()):  # the browser would make it anew
-                text.content = new
+            if not is_removed(text):
+                text.content = content()
 
     def _build_end(self, lesson: Lesson) -> None:
         text = self._gui.add_html(self._end(lesson))
@@ -279,7 +279,8 @@ class Player:
             title = tr("Next lesson: {title}", title=following.title)
             self._gui.add_button(title).on_click(lambda _: self.open(following.name))
         if self._progress.core and not self._paced:
-            self._gui.add_button(tr(core.GO_DEEPER)).on_click(lambda _: self.turn(False, core.deeper_from(lesson)))
+            self._gui.add_button(tr(core.GO_DEEPER)).on_click(
+                lambda _: self.turn(False, lesson.steps.index(lesson.deeper[0]) + 1))
         hint = tr("save your answers as a file")
         self._gui.add_button(tr("Hand in"), icon=viser.Icon.DOWNLOAD, hint=hint).on_click(lambda _: self._hand_in())
         self._buttons(back=True, onward=False)

@@ -99,7 +99,8 @@ class Question:
         with self._folder:
             self._text = gui.add_html("")
             hint = tr("judge the file as a run of this problem")
-            self._buttons = {problem: gui.add_button(_label(problem), hint=hint) for problem in PROBLEMS}
+            self._buttons = {name: gui.add_button(tr("It is the {problem}", problem=tr(kind.scene.TITLE)), hint=hint)
+                             for name, kind in PROBLEMS.items()}
             neither = gui.add_button(tr(NEITHER), hint=tr("leave the file aside"))
         for problem, button in self._buttons.items():
             button.on_click(lambda _, problem=problem: on_choice(problem))  # type: ignore[misc]
@@ -117,7 +118,3 @@ class Question:
 
     def end(self) -> None:
         self._folder.visible = False
-
-
-def _label(problem: str) -> str:
-    return tr("It is the {problem}", problem=tr(PROBLEMS[problem].scene.TITLE))

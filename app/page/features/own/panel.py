@@ -114,7 +114,8 @@ class OwnCode:
         with self._lock:
             if self._run is None:
                 return
-            self._end()
+            self._let_go()
+            self._folder.visible = self._back.visible = False
             self._say("")
             if self._resumes:
                 self._session.play(True)
@@ -126,11 +127,6 @@ class OwnCode:
         with self._lock:
             self._let_go()
         self._upload.clear()
-
-    def _end(self) -> None:
-        """No file any more, on the stage or on its way to it."""
-        self._let_go()
-        self._folder.visible = self._back.visible = False
 
     def _let_go(self) -> None:
         self._forget()
@@ -155,7 +151,10 @@ class OwnCode:
 
     def _hear(self, judging: Judging, message: dict) -> None:
         if "frames" in message and judging is self._judging:
-            self._go_with(Shown(**message["frames"]))
+            # A file that says another problem takes the page with it, whose controls are then of that.
+            own = Task(**Shown(**message["frames"]).task).scene()
+            if own.problem != self._session.scene.problem:
+                self._on_scene(words.scene_of(own, first_scene(own.problem)))
         with self._lock:
             if judging is not self._judging:
                 return
@@ -174,12 +173,6 @@ class OwnCode:
             elif self._run is not None:
                 self._run.verdict = message["verdict"]
         self._on_view()
-
-    def _go_with(self, shown: Shown) -> None:
-        """A file that says another problem takes the page with it, whose controls are then of that."""
-        own = Task(**shown.task).scene()
-        if own.problem != self._session.scene.problem:
-            self._on_scene(words.scene_of(own, first_scene(own.problem)))
 
     def _ask(self, name: str, reason: str, problems: tuple[str, ...]) -> None:
         """A file that is not of the problem on the stage: it waits for an answer."""

@@ -73,9 +73,13 @@ def _errors(run: OwnRun, k: int, quantity: str) -> str:
     if quantity in run.missing or quantity == "a":
         return table("".join([*rows, row("", named(TRUE), tr("not in the file"))]), "lab-numbers lab-estimates")
     for name, norms in ((TRUE, run.true), (JUDGE, run.estimate)):
-        index = _index(run, quantity) if name == JUDGE else ""
+        last = run.series.get(f"{JUDGE}/index_{quantity}", np.zeros(0))[-1:]
+        index = "" if name != JUDGE else ratio(float(last[0])) if np.isfinite(last).any() else NOTHING
+        values = np.zeros(0) if norms is None or quantity not in norms else \
+            norms[quantity][run.times > 0 if (run.times > 0).any() else ...]
+        largest = float(values.max()) if len(values) and np.isfinite(values).all() else None
         rows.append(row("", named(name), *(NOTHING if value is None else with_unit(value, words.unit, 2) for value in (
-            _now(norms, k, quantity), _largest(run, norms, quantity))), index))
+            _now(norms, k, quantity), largest)), index))
     return table("".join(rows), "lab-numbers lab-estimates")
 
 
@@ -106,14 +110,3 @@ def _place(X: list[float]) -> str:
 def _now(norms: dict[str, np.ndarray] | None, k: int, quantity: str) -> float | None:
     value = np.nan if norms is None or quantity not in norms else norms[quantity][k]
     return float(value) if np.isfinite(value) else None
-
-
-def _largest(run: OwnRun, norms: dict[str, np.ndarray] | None, quantity: str) -> float | None:
-    later = run.times > 0 if (run.times > 0).any() else np.ones(len(run), bool)
-    values = np.zeros(0) if norms is None or quantity not in norms else norms[quantity][later]
-    return float(values.max()) if len(values) and np.isfinite(values).all() else None
-
-
-def _index(run: OwnRun, quantity: str) -> str:
-    values = run.series.get(f"{JUDGE}/index_{quantity}", np.zeros(0))
-    return ratio(float(values[-1])) if len(values) and np.isfinite(values[-1]) else NOTHING
