@@ -15,6 +15,8 @@ from app.page.serving import OVER
 from app.page.visit import links
 from app.page.visit import session as page
 from app.page.visit.links import Tally
+from app.viewer import upload
+from tests.app.page.test_own_file import Sender
 from tests.browser.conftest import serving
 from tests.listening import PATIENCE, SCENE
 from tests.processes import children, ended, until
@@ -87,11 +89,16 @@ def test_health(server):
 @pytest.mark.parametrize("end, thread", [
     (signal.SIGTERM, "second"),
     *(pytest.param(signal.SIGINT, thread, marks=pytest.mark.slow) for thread in ("first", "second"))])
-def test_the_end_is_told_and_leaves_nothing(end, thread):
-    """Neither a process nor a word of warning (``serving`` looks for that), however it is ended, and whichever of its
-    threads the system chooses to tell."""
-    with serving() as (address, process), Raw(address) as one, Raw(address) as two:
+def test_the_end_is_told_and_leaves_nothing(end, thread, tmp_path):
+    """Neither a process nor a word of warning nor a part of a file, however it is ended, and whichever of its threads
+    the system chooses to tell."""
+    log = []
+    with serving({"TMPDIR": str(tmp_path)}, log=log) as (address, process), Raw(address) as one, Raw(address) as two:
         until(lambda: one.frames > 3 and two.frames > 3, "frames")
+        sender = Sender(one)
+        sender.start(2 * upload.PART_BYTES)
+        sender.part(0, bytes(upload.PART_BYTES))
+        until(lambda: any(tmp_path.rglob("coming")), "the beginning of a file")
         until(lambda: all(any("lab-says" in text for text in v.html.values()) for v in (one, two)), "finished pages")
         engines = children(process, "spawn_main")
         assert engines
@@ -101,6 +108,7 @@ def test_the_end_is_told_and_leaves_nothing(end, thread):
         for visitor in (one, two):
             assert any(OVER in text for text in visitor.html.values())
         until(lambda: ended(process) and all(map(ended, engines)), "server and engines ended")
+    assert not any(tmp_path.iterdir()) and not re.search("Warning|leaked", log[0]), log[0]
 
 
 def test_a_tally_counts_whole_seconds(monkeypatch):
