@@ -24,6 +24,7 @@ from solvers.study.grid import task_of
 from solvers.study.jobs import READY, told
 from solvers.workers.pool import Slots
 from solvers.workers.processes import ProcessDied
+from tests.app.page.panel import Gui
 from tests.app.page.test_cost import SCENE
 from tests.processes import until
 from tests.rows import made_up
@@ -286,33 +287,12 @@ def test_stage_stands_still_while_a_job_runs():
     assert not stage.playing  # it did not move before
 
 
-class Widgets:
-    """A panel of widgets that nobody sees: a test sets and clicks them by their labels, and reads what is said."""
-
-    def __init__(self):
-        self.by_label, self._texts = {}, []
-
-    def __getattr__(self, kind):
-        def add(label, value="", **_):
-            widget = SimpleNamespace(value=value, content="", on_update=lambda act: None)
-            widget.on_click = lambda act: setattr(widget, "click", lambda: act(None))
-            self._texts.append(widget)
-            self.by_label[label] = widget
-            return widget
-
-        return add
-
-    @property
-    def said(self):
-        return " ".join(widget.content for widget in self._texts)
-
-
 @pytest.fixture
 def tab():
     """The Cost tab of a visitor on ``tab.stage``, with the ``tab.widgets`` it has made."""
-    stage, widgets = Stage(), Widgets()
-    tab = CostTab(SimpleNamespace(gui=widgets), stage, lambda scene: setattr(stage, "scene", scene))
-    tab.stage, tab.widgets = stage, widgets
+    stage, gui = Stage(), Gui()
+    tab = CostTab(SimpleNamespace(gui=gui), stage, lambda scene: setattr(stage, "scene", scene))
+    tab.stage, tab.widgets = stage, gui
     yield tab
     tab.jobs.close()
 
