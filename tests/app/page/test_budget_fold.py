@@ -92,13 +92,6 @@ def test_layers_add_up_to_the_error_and_leave_no_gap():
             assert np.array_equal(one.above[1], other.above[0]) and np.array_equal(one.below[1], other.below[0])
 
 
-def test_the_legend_has_the_shares_of_the_run():
-    text = chart([of(made())], "v")
-    assert shares(text) == dict(zip(CAUSES, (["90 %"], ["20 %"], ["0 %"], ["−10 %"]), strict=True))
-    assert all(words in text for words in (*CAUSES.values(), *MEANINGS.values()))
-    assert percent(-0.001) == "0 %" and percent(None) == "–"
-
-
 def test_the_line_is_the_error_at_its_times():
     """Whole units of the chart; few enough points whatever the run's length."""
     series = made()
@@ -112,7 +105,11 @@ def test_the_line_is_the_error_at_its_times():
     assert chart([of(made(periods=12.0, count=30 * MOST))], "v").count("L") < 12 * MOST
 
 
-def test_two_runs_have_one_scale_and_a_share_each():
+def test_the_legend_has_shares_and_two_runs_have_one_scale():
+    text = chart([of(made())], "v")
+    assert shares(text) == dict(zip(CAUSES, (["90 %"], ["20 %"], ["0 %"], ["−10 %"]), strict=True))
+    assert all(words in text for words in (*CAUSES.values(), *MEANINGS.values()))
+    assert percent(-0.001) == "0 %" and percent(None) == "–"
     text = chart([of(made(), "pinned: MPM"), of(made(0.4, 0.7, 3e-4), "this run: uGIMP", UGIMP)], "v")
     assert text.count("<figure>") == 2 and text.count(">pinned</th>") == 1
     assert shares(text)["crossings"] == ["90 %", "40 %"]
@@ -204,17 +201,14 @@ def test_in_the_plane_it_is_found_beside_the_stage_when_asked_for(monkeypatch):
                         ("run again", 0.1 * budget.rms(made(), "x"))):
         assert f"<span>{words}</span> <b>{with_unit(size, 'm')}</b>" in text
     assert stage.state.scene == RING and stage.state.pinned is None and not stage.gui.by_label["Put it back"].visible
-    other = replace(RING, cells=10)
+    other, unknown = replace(RING, cells=10), replace(RING, body_force="none", effects=())
     stage.show(State(other))
     assert "Found beside your stage" in stage.look(scene=other)
-
-
-def test_what_has_no_budget_in_the_plane_is_refused_in_words(monkeypatch):
-    ring = replace(RING, body_force="none", effects=())
-    stage = Stage(State(ring))
-    at_once(monkeypatch, stage.fold.jobs, [])
+    monkeypatch.undo()
+    at_once(monkeypatch, stage.fold.jobs, said)
+    stage.show(State(unknown))
     stage.fold.press(True)
-    assert "leaves no exact solution" in stage.look(scene=ring) and stage.gui.by_label["Find out"].visible
+    assert "leaves no exact solution" in stage.look(scene=unknown) and stage.gui.by_label["Find out"].visible
 
 
 def test_where_there_is_none_nothing_is_seen():

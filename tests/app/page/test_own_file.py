@@ -13,7 +13,6 @@ from types import SimpleNamespace
 import msgspec
 import numpy as np
 import pytest
-from websockets.exceptions import ConnectionClosed
 
 from app.cli import main
 from app.page.features.own.judging import BUSY, Judging
@@ -23,7 +22,7 @@ from app.page.features.own.run import OwnRun
 from app.page.features.own.words import taken
 from app.page.visit.links import MOST_WATCHED
 from app.page.visit.notice import Notice
-from app.viewer import messages, upload
+from app.viewer import upload
 from solvers.judging import writing
 from solvers.judging.handout import exact
 from solvers.judging.measure import sizes
@@ -342,18 +341,6 @@ def test_what_is_no_file_is_refused_and_harms_nobody(here, sender, arrived):
             assert client.gui._current_file_upload_states == {}
             boxes = [h for h in client.gui._gui_input_handle_from_uuid.values() if upload.of(h)]
             assert [box.value.content for box in boxes] == [b""]
-
-
-def test_who_floods_with_parts_is_sent_away(here, arrived, monkeypatch):
-    monkeypatch.setattr(messages, "MESSAGES", 200)
-    with Raw(here[1], source_address=("127.0.7.7", 0)) as raw:  # who must wait afterwards
-        raw.find("Download CSV")
-        sender = Sender(raw)
-        noise = bytes(upload.PART_BYTES)
-        with pytest.raises(ConnectionClosed):
-            for _ in range(3000):
-                sender.part(0, noise)
-        until(lambda: raw.closed is not None, "sent away")
 
 
 def test_nothing_of_a_file_stays_when_its_visitor_has_gone(here, arrived):

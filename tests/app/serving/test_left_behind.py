@@ -66,9 +66,10 @@ def test_a_log_has_few_lines_a_minute_whoever_writes():
 
 def test_a_page_that_has_gone_keeps_no_line():
     """Neither those that it had nor one that it opens on its way; and it forgets those that are closed meanwhile."""
-    links = PageLinks(Pool())
+    links = PageLinks(pool := Pool())
     first, second = links.open(None), links.open(None)
     gone = weakref.ref(second)
+    pool.links.clear()
     second.close()
     del second
     gc.collect()

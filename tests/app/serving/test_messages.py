@@ -248,33 +248,26 @@ def test_socket_that_never_speaks_is_closed(monkeypatch, here):
         assert mute.socket.close_reason == server.NOTHING_SAID
 
 
-def test_session_asks_for_no_more_than_one_visitor_may_have():
-    """Whatever the widgets let through: particles, and with them memory; and periods a second. It is said in words."""
-    session = Session(Pool(), FIRST_SCENE, lambda *_: None)
-    fits = session.scene
-    session.set(cells=MOST_WATCHED)
-    assert session.scene == fits and "particles are too many" in session.notice().sentence
-    session.set(cells=fits.cells)
-    session.set_speed(1e300)
-    assert session.speed < FASTEST and "periods a second are too many" in session.notice().sentence
-    session.choose(replace(fits, cells=MOST_WATCHED))
-    assert session.scene == fits and "particles are too many" in session.notice().sentence
-
-
 def test_what_is_refused_is_wished_no_longer():
-    """It is said of which field, until anything else is asked for, which is done with the value that there was."""
+    """It is said of which field, until anything else is asked for, which is done with the value that there was. No more
+    than one visitor may have is asked for, whatever the widgets let through: particles, and with them memory; and
+    periods a second."""
     session = Session(Pool(), FIRST_SCENE, lambda *_: None)
     session.set(amplitude=0.2)
     field, sentence = session.refused
     assert field == "amplitude" and "0.159" in sentence and session.scene == FIRST_SCENE
     session.set(cells=20)
-    assert session.refused is None and session.scene == replace(FIRST_SCENE, cells=20)
-    for ask, field in ((lambda: session.set(cells=MOST_WATCHED), "cells"), (lambda: session.set_speed(1e9), "speed"),
-                       (lambda: session.refuse("no number", "modulus"), "modulus"),
-                       (lambda: session.choose(replace(FIRST_SCENE, cells=MOST_WATCHED)), "")):
+    fits, many, fast = replace(FIRST_SCENE, cells=20), "particles are too many", "periods a second are too many"
+    assert session.refused is None and session.scene == fits
+    for ask, field, said in ((lambda: session.set(cells=MOST_WATCHED), "cells", many),
+                             (lambda: session.set_speed(1e300), "speed", fast),
+                             (lambda: session.refuse("no number", "modulus"), "modulus", "no number"),
+                             (lambda: session.choose(replace(fits, cells=MOST_WATCHED)), "", many)):
         ask()
         assert session.refused[0] == field and session.untouched < 1
-        assert session.notice().seen == bool(field)  # under its control, else over the stage
+        notice = session.notice()
+        assert notice.seen == bool(field) and said in notice.sentence.lower()  # under its control, else over the stage
+        assert session.scene == fits and session.speed < FASTEST
         session.play(True)
         assert session.refused is None
 
