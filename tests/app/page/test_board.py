@@ -201,11 +201,8 @@ def test_the_board_shows_the_address_by_which_a_class_comes_in(board, here, link
     """That of the lecturer's browser, unless only this machine can mean it."""
     door = Lectern(board, Door("http://10.0.0.5:8080/", "wave 4711")).seen_from(here)
     assert (door.link, door.warning, door.whole) == (link, "", f"{link}#code=wave%204711")
-
-
-def test_an_address_that_nobody_else_can_open_is_told(board):
     door = Lectern(board, Door("http://127.0.0.1:8080/", "wave-4711")).seen_from("http://localhost:8080/")
-    assert "Only this computer" in slide(board, board.place, door)
+    assert "Only this computer" in slide(board, board.place, door)  # which nobody else can open
 
 
 def test_what_cannot_be_worked_out_is_said_and_ends_nothing():

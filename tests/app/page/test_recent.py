@@ -76,14 +76,7 @@ def engine_frame(solver):
     return read(block, solver.scene, len(solver.snapshot().position), FrameOptions(plotted="x"))
 
 
-def test_a_fresh_frame_empties():
-    recent = recent_of(30)
-    recent.go_back(20)
-    recent.add(*frame(0, fresh=True, playing=False))
-    assert len(recent.frames) == 1 and recent.back == 0 and shown(recent) == 0
-
-
-def test_looking_back_needs_a_pause_and_ends_when_the_run_moves():
+def test_looking_back_needs_a_pause_and_ends_when_the_run_moves_or_begins_anew():
     """A frame that only holds something else, of the same step, changes nothing but itself."""
     recent = Recent()
     assert recent.shown is None and recent.reach == (0, 0.0)
@@ -102,6 +95,10 @@ def test_looking_back_needs_a_pause_and_ends_when_the_run_moves():
     recent.go_back(5)
     recent.add(*frame(10))  # on it goes
     assert shown(recent) == 10 and recent.back == 0
+    recent.add(*frame(11, playing=False))
+    recent.go_back(5)
+    recent.add(*frame(0, fresh=True, playing=False))
+    assert len(recent.frames) == 1 and recent.back == 0 and shown(recent) == 0
 
 
 def test_numbers_are_those_of_the_frame():

@@ -10,6 +10,8 @@ import threading
 import warnings
 import weakref
 from concurrent.futures import ThreadPoolExecutor
+from contextlib import suppress
+from itertools import count, takewhile
 from types import SimpleNamespace
 
 import numpy as np
@@ -122,13 +124,9 @@ def test_files_take_room_until_their_visitor_goes(monkeypatch):
     folders, over = [one.folder, other.folder], threading.Event()
 
     def write():
-        k = 0
-        while not over.is_set() and folders[0].exists():
-            k += 1
-            try:
+        with suppress(OSError):  # the folder has gone
+            for k in takewhile(lambda _: not over.is_set(), count()):
                 (folders[0] / f"table-{k}").write_text("x")
-            except OSError:
-                return
 
     writer = threading.Thread(target=write)
     writer.start()

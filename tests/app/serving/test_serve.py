@@ -102,16 +102,6 @@ def test_many_at_once_get_no_more_than_the_places():
     assert len(house.pool.links) == 2 and len(house.shown) == 6
 
 
-def test_leaving_while_the_page_is_made_closes_it():
-    def leaving(client, pool):
-        house.leave(client.client_id)
-        return Page(client, pool)
-
-    house = House(leaving)
-    house.come(1)
-    assert len(house.pool.links) == 1 and house.open_links == 0 and house.empty
-
-
 @pytest.mark.parametrize("first", ["leave", "stay"])
 def test_goodbye_while_the_page_is_made_closes_it(first):
     """Also where its visitor has left by then; and nobody is let in afterwards, but told."""
@@ -136,6 +126,12 @@ def test_leaving_before_being_let_in_makes_no_page():
     house.leave(1)
     house.come(1)
     assert not house.pool.links and not house.shown and house.empty
+
+
+def test_leaving_while_the_page_is_made_closes_it():
+    house = House(lambda client, pool: house.leave(client.client_id) or Page(client, pool))
+    house.come(1)
+    assert len(house.pool.links) == 1 and house.open_links == 0 and house.empty
 
 
 @pytest.mark.parametrize("leaves", [False, True])
