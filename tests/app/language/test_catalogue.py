@@ -17,14 +17,11 @@ LEFT_OUT = {"problem"}  # "the same ring": another language says "the same", for
 PLACE, TAG = re.compile(r"\{(\w*)[^}]*\}"), re.compile(r"</?\w+")
 
 
-def test_the_catalogue_has_every_text_and_no_other():
+def test_the_catalogue_has_every_text_translated_and_no_other():
     """``python -m tests.words`` brings it up to date."""
     kept = {(entry.msgid, entry.msgid_plural) if entry.msgid_plural else (entry.msgid,)
             for entry in CATALOGUE if not entry.obsolete}
     assert kept == TEXTS and CATALOGUE.obsolete_entries() == [] and CATALOGUE.fuzzy_entries() == []
-
-
-def test_every_text_has_a_translation():
     assert [entry.msgid for entry in CATALOGUE.untranslated_entries()] == []
 
 
@@ -43,17 +40,13 @@ def test_a_translation_has_the_places_and_tags_of_its_text(marks):
     assert wrong == []
 
 
-def test_no_text_of_python_is_where_it_is_not_looked_for():
-    """The words are found by their tokens, and some Pythons have none within an f-string."""
+def test_no_text_is_where_it_is_not_looked_for():
+    """The words are found by their tokens, and some Pythons have none within an f-string; nor are they found within a
+    template of JavaScript."""
     said = {tuple(argument.value for argument in call.args[:TOLD_BY[call.func.id]]): path.name
             for path in APP.rglob("*.py") for call in ast.walk(ast.parse(path.read_text(encoding="utf-8")))
             if isinstance(call, ast.Call) and isinstance(call.func, ast.Name) and call.func.id in TOLD_BY
             and all(isinstance(one, ast.Constant) for one in call.args)}
-    assert {text: place for text, place in said.items() if text not in TEXTS} == {}
-
-
-def test_no_text_of_a_script_is_where_it_is_not_looked_for():
-    """Nor are they found within a template of JavaScript."""
-    said = {(text,): path.name for path in APP.rglob("*.js")
-            for text in re.findall(r"\btr\(\"((?:[^\"\\]|\\.)*)\"", path.read_text(encoding="utf-8"))}
+    said |= {(text,): path.name for path in APP.rglob("*.js")
+             for text in re.findall(r"\btr\(\"((?:[^\"\\]|\\.)*)\"", path.read_text(encoding="utf-8"))}
     assert {text: place for text, place in said.items() if text not in TEXTS} == {}

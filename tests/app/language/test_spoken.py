@@ -1,4 +1,5 @@
-"""Texts in the language that is spoken: with places and counts, on other threads, kept, and of files."""
+"""Texts in the language that is spoken: with places and counts, on other threads, kept, and of files; and which one a
+browser gets."""
 
 from concurrent.futures import ThreadPoolExecutor
 
@@ -76,3 +77,19 @@ def test_a_file_has_its_translation_beside_it_or_stands_for_itself(tmp_path):
 def test_scripts_get_their_own_words(other):
     assert spoken.catalogue(other).of_files("app/page/web/js/") == WORDS
     assert spoken.catalogue(other).of_files("app/export/") == spoken.catalogue("en").of_files("app/") == {}
+
+
+@pytest.mark.parametrize(("query", "accepted", "found"), [
+    ("", "", "en"), ("", "de", "de"), ("", "de-CH,de;q=0.9,en;q=0.8", "de"), ("", "fr, en;q=0.5, de;q=0.4", "en"),
+    ("", "en;q=0.4,de;q=0.5", "de"), ("", "de;q=0, en", "en"), ("", "fr,nl", "en"), ("", "de;q=x, en", "en"),
+    ("lang=de", "en", "de"), ("lang=en", "de", "en"), ("lang=DE&x=1", "", "de"), ("lang=klingon", "de", "de"),
+    ("lang=fr&lang=de", "", "de"), ("lang=", "", "en"), ("&&=%ff;lang", ";q=1,,;;q=", "en"),
+    ("x" * 10_000 + "&lang=de", "y," * 10_000, "en")])
+def test_the_address_goes_first_then_what_the_browser_likes_best(query, accepted, found):
+    assert spoken.wished(query, accepted) == found
+
+
+def test_a_cookie_tells_the_websocket_and_one_of_nobodys_tells_nothing():
+    assert spoken.of_cookie([f"mpm-lab-8080=x; {spoken.as_cookie('de').partition(';')[0]}"]) == "de"
+    for cookies in ([], ["mpm-lab-language=klingon"], ["mpm-lab-language"]):
+        assert spoken.of_cookie(cookies) == "en"

@@ -13,25 +13,17 @@ from tests.processes import until
 from tests.raw import Raw
 
 
-class Clock:
-    """Time that goes on when the test says so."""
-
-    now = 0.0
-
-    def __call__(self):
-        return self.now
-
-
 @pytest.fixture
 def clock():
-    return Clock()
+    """Time that goes on when the test says so."""
+    return SimpleNamespace(now=0.0)
 
 
 @pytest.fixture
 def said(clock):
     """The answers, with a page that keeps what it shows."""
     html = SimpleNamespace(content="")
-    told = Answers(SimpleNamespace(add_html=lambda _: html), clock)
+    told = Answers(SimpleNamespace(add_html=lambda _: html), lambda: clock.now)
     told.shown = lambda: tuple(re.findall(r"data-(?:of|kind|says)='([^']*)'", html.content))
     return told
 

@@ -1,4 +1,4 @@
-"""A board without a page: what a press does, what seats are told, what is shown when, and what is saved."""
+"""A board without a page: what a press does, what seats are told, what is shown when, what is saved, and its tally."""
 
 from __future__ import annotations
 
@@ -12,9 +12,12 @@ import pytest
 from app.lessons import shelf
 from app.lessons.lesson import CHOICE, INTERVAL, TEXT
 from app.lessons.outcomes import Outcomes, RunFailed
+from app.lessons.progress import Answer
+from app.page.features.board import tally as tally_module
 from app.page.features.board.board import BACK, COUNTED, NEXT, REVEALED, SHOWN, Board
 from app.page.features.board.panel import Lectern, saved
 from app.page.features.board.slides import Door, calibration, says_next, scores, slide
+from app.page.features.board.tally import Tally
 from tests.processes import until
 
 DOOR = Door("http://lab/", "wave-4711")
@@ -143,10 +146,12 @@ def test_how_many_first_then_what_and_then_what_came_out(board):
     press(board, NEXT)
     assert re.findall(r"<b>(\d)</b></li>", shown(board)) == ["0", "1", "1"] and "came out" not in shown(board)
     assert json.loads(saved(board))["questions"][0]["came_out"] is None
-    seats[2].answered(first, 2)
+    for late in (seats[2], board.seat("d")):  # also one who comes only then
+        for _ in range(2):
+            late.answered(first, 2)
     seats[0].answered(first, 2)
     assert re.findall(r"<b>(\d)</b></li>", shown(board)) == ["0", "1", "1"]
-    assert "1 came later and is not counted" in shown(board)
+    assert "2 came later and are not counted" in shown(board)
     assert "1 of 2 was right" in revealed(board) and "✓ this came out" in shown(board)
 
 
@@ -196,11 +201,8 @@ def test_the_board_shows_the_address_by_which_a_class_comes_in(board, here, link
     """That of the lecturer's browser, unless only this machine can mean it."""
     door = Lectern(board, Door("http://10.0.0.5:8080/", "wave 4711")).seen_from(here)
     assert (door.link, door.warning, door.whole) == (link, "", f"{link}#code=wave%204711")
-
-
-def test_an_address_that_nobody_else_can_open_is_told(board):
     door = Lectern(board, Door("http://127.0.0.1:8080/", "wave-4711")).seen_from("http://localhost:8080/")
-    assert "Only this computer" in slide(board, board.place, door)
+    assert "Only this computer" in slide(board, board.place, door)  # which nobody else can open
 
 
 def test_what_cannot_be_worked_out_is_said_and_ends_nothing():
@@ -225,3 +227,59 @@ def test_a_visitor_who_comes_back_finds_his_answers_and_his_place(board):
     again = board.seat("a").progress()
     assert again.step == 1 and again.answers["a-gentle-test"].first == 2
     assert board.seat("b").progress().answers == {} and board.seat("b").progress().step == 0
+
+
+def test_a_visitor_is_one_however_many_pages_he_has():
+    tally = Tally()
+    first, again = tally.come("a"), tally.come("a")
+    assert first is again and tally.here == 1
+    tally.leave("a")
+    assert tally.here == 1
+    tally.leave("a")
+    assert tally.here == 0
+
+
+def test_who_leaves_leaves_his_answers():
+    """He is still one of those who were asked; one who has left without an answer is not."""
+    tally = Tally()
+    for key in "abc":
+        tally.come(key)
+    tally.say("a", "how-much", 1)
+    tally.leave("a")
+    tally.leave("b")
+    assert (tally.here, tally.asked("how-much"), tally.answers("how-much")) == (1, 2, [1])
+    entry = tally.come("a")
+    assert tally.asked("how-much") == 2 and entry.said == {"how-much": 1}
+
+
+def test_memory_ends_somewhere(monkeypatch):
+    """Cookies are easily had: who has left without an answer is forgotten first, and one too many is not counted,
+    though he has his lesson."""
+    monkeypatch.setattr(tally_module, "MOST", 3)
+    tally = Tally()
+    for key in "abc":
+        tally.come(key)
+    tally.leave("a")
+    tally.come("b").answers["how-much"] = Answer(1, 1, 1, 1.0)
+    assert tally.come("d").pages == 1 and tally.here == 3  # in the place of a
+    late = tally.come("e")
+    tally.say("e", "how-much", 1)
+    assert late.pages == 1 and tally.here == 3 and tally.answers("how-much") == []
+
+
+def test_thirty_at_once_are_thirty():
+    """Each from a thread of its own; whoever listens hears of it, and may ask the tally then."""
+    heard = []
+    tally = Tally(lambda: heard.append(tally.asked("how-much")))
+
+    def visit(k):
+        tally.come(str(k))
+        for answer in (k, k + 1):
+            tally.say(str(k), "how-much", answer)
+
+    threads = [threading.Thread(target=visit, args=(k,)) for k in range(30)]
+    for thread in threads:
+        thread.start()
+    for thread in threads:
+        thread.join()
+    assert tally.answers("how-much") == list(range(30)) and max(heard) == 30

@@ -25,6 +25,7 @@ from solvers.problems.ring.scene import RingScene
 from solvers.running import budget as running
 from solvers.scene.causes import CAUSES, FIELDS
 from solvers.solver import budget
+from tests.app.page.panel import Gui
 
 HATS = state.read("bar;method=mpm;cells=20;ppc=2;estimators=none;effects=truth,crossings,budget").scene
 UGIMP = replace(HATS, method="ugimp")
@@ -51,38 +52,6 @@ def of(series, name="", scene=HATS):
 def past(scene, series):
     """The history of a run on the stage."""
     return SimpleNamespace(scene=scene, series=series, latest=series)
-
-
-class Handle(SimpleNamespace):
-    """A widget that remembers what it calls."""
-
-    def on_click(self, act):
-        self.press = lambda: act(None)
-
-    on_update = on_click
-
-    def __enter__(self):
-        return self
-
-    def __exit__(self, *_):
-        return None
-
-
-class Gui:
-    """Widgets by their labels."""
-
-    def __init__(self):
-        self.made = {}
-
-    def add_html(self, content):
-        return Handle(content=content, visible=True)
-
-    def __getattr__(self, kind):
-        def add(label, options=(None,), **_):
-            self.made[label] = Handle(visible=True, value=options[0])
-            return self.made[label]
-
-        return add
 
 
 class Stage:
@@ -123,13 +92,6 @@ def test_layers_add_up_to_the_error_and_leave_no_gap():
             assert np.array_equal(one.above[1], other.above[0]) and np.array_equal(one.below[1], other.below[0])
 
 
-def test_the_legend_has_the_shares_of_the_run():
-    text = chart([of(made())], "v")
-    assert shares(text) == dict(zip(CAUSES, (["90 %"], ["20 %"], ["0 %"], ["−10 %"]), strict=True))
-    assert all(words in text for words in (*CAUSES.values(), *MEANINGS.values()))
-    assert percent(-0.001) == "0 %" and percent(None) == "–"
-
-
 def test_the_line_is_the_error_at_its_times():
     """Whole units of the chart; few enough points whatever the run's length."""
     series = made()
@@ -143,7 +105,11 @@ def test_the_line_is_the_error_at_its_times():
     assert chart([of(made(periods=12.0, count=30 * MOST))], "v").count("L") < 12 * MOST
 
 
-def test_two_runs_have_one_scale_and_a_share_each():
+def test_the_legend_has_shares_and_two_runs_have_one_scale():
+    text = chart([of(made())], "v")
+    assert shares(text) == dict(zip(CAUSES, (["90 %"], ["20 %"], ["0 %"], ["−10 %"]), strict=True))
+    assert all(words in text for words in (*CAUSES.values(), *MEANINGS.values()))
+    assert percent(-0.001) == "0 %" and percent(None) == "–"
     text = chart([of(made(), "pinned: MPM"), of(made(0.4, 0.7, 3e-4), "this run: uGIMP", UGIMP)], "v")
     assert text.count("<figure>") == 2 and text.count(">pinned</th>") == 1
     assert shares(text)["crossings"] == ["90 %", "40 %"]
@@ -172,17 +138,17 @@ def test_the_sentence_names_who_made_most():
 def test_it_is_asked_for_by_a_button_and_follows_the_quantity():
     plain = replace(HATS, effects=("truth", "crossings"))
     stage = Stage(State(plain, pinned=replace(plain, method="ugimp")))
-    assert "Which part of the error" in stage.look(scene=plain) and stage.gui.made["Find out"].visible
+    assert "Which part of the error" in stage.look(scene=plain) and stage.gui.by_label["Find out"].visible
     stage.fold.press(True)
     assert stage.state == State(HATS, pinned=UGIMP), "the pinned run is divided too"
     stage.fold.press(True)
     stage.fold.press("anything")
     assert stage.state.scene == HATS
-    assert "begins again" in stage.look() and not stage.gui.made["Find out"].visible
+    assert "begins again" in stage.look() and not stage.gui.by_label["Find out"].visible
     history = past(HATS, made())
     for quantity, field in (("x", "x"), ("v", "v"), ("a", "F"), ("sigma", "F")):
         assert f"share of the error of {field} over the run" in stage.look(history, quantity=quantity)
-    stage.gui.made["Divide the error of"].value = "velocity v"
+    stage.gui.by_label["Divide the error of"].value = "velocity v"
     assert "share of the error of v over the run" in stage.look(history, quantity="sigma")
     assert "crossings" in stage.fold._mark.content
 
@@ -226,26 +192,23 @@ def test_in_the_plane_it_is_found_beside_the_stage_when_asked_for(monkeypatch):
     stage.fold.press(True)
     assert stage.state.scene == RING and said[0] == {"part": 0.5}
     assert shares(stage.look(scene=RING))["crossings"] == ["90 %"]
-    stage.gui.made["Suspect"].value = "crossings"
-    stage.gui.made["Take it away and run again"].press()
+    stage.gui.by_label["Suspect"].value = "crossings"
+    stage.gui.by_label["Take it away and run again"].click()
     text = stage.look(scene=RING)
     assert text.count("<figure>") == 2 and "RMS of x over the run, without crossings" in text
     assert "The run goes bad: it is lost." in text
     for words, size in (("before", budget.rms(made(), "x")), ("foretold", 0.1 * budget.rms(made(), "x")),
                         ("run again", 0.1 * budget.rms(made(), "x"))):
         assert f"<span>{words}</span> <b>{with_unit(size, 'm')}</b>" in text
-    assert stage.state.scene == RING and stage.state.pinned is None and not stage.gui.made["Put it back"].visible
-    other = replace(RING, cells=10)
+    assert stage.state.scene == RING and stage.state.pinned is None and not stage.gui.by_label["Put it back"].visible
+    other, unknown = replace(RING, cells=10), replace(RING, body_force="none", effects=())
     stage.show(State(other))
     assert "Found beside your stage" in stage.look(scene=other)
-
-
-def test_what_has_no_budget_in_the_plane_is_refused_in_words(monkeypatch):
-    ring = replace(RING, body_force="none", effects=())
-    stage = Stage(State(ring))
-    at_once(monkeypatch, stage.fold.jobs, [])
+    monkeypatch.undo()
+    at_once(monkeypatch, stage.fold.jobs, said)
+    stage.show(State(unknown))
     stage.fold.press(True)
-    assert "leaves no exact solution" in stage.look(scene=ring) and stage.gui.made["Find out"].visible
+    assert "leaves no exact solution" in stage.look(scene=unknown) and stage.gui.by_label["Find out"].visible
 
 
 def test_where_there_is_none_nothing_is_seen():
@@ -264,8 +227,8 @@ def test_a_cause_is_taken_away_foretold_and_run_again():
     """Of the time that both runs have."""
     stage = Stage(State(HATS, quantity="v"))
     stage.look(past(HATS, made()), quantity="v")
-    stage.gui.made["Suspect"].value = "crossings"
-    stage.gui.made["Take it away and run again"].press()
+    stage.gui.by_label["Suspect"].value = "crossings"
+    stage.gui.by_label["Take it away and run again"].click()
     shown = stage.state
     assert shown.scene == replace(HATS, take_away="crossings") and shown.pinned == HATS and shown.quantity == "v"
     assert state.read(state.write(shown)) == shown
@@ -277,7 +240,7 @@ def test_a_cause_is_taken_away_foretold_and_run_again():
     for words, size in (("before", half), ("foretold", 0.1 * half), ("run again", 0.2 * half)):
         assert f"<span>{words}</span> <b>{with_unit(size, 'm/s')}</b>" in text
     assert "RMS of v over the run, without crossings" in text and text.count("<figure>") == 2
-    stage.gui.made["Put it back"].press()
+    stage.gui.by_label["Put it back"].click()
     assert stage.state.scene == HATS and stage.state.pinned is None
 
 

@@ -1,6 +1,5 @@
 """Every control of a scene reaches the field that it names, and no other. No browser, and no engine: a visitor's values
-come as they would from a browser, and what an engine is asked for tells the scene. In a browser
-``tests/browser/page/test_controls.py`` does the same with the bar's sliders; its choices and boxes are slow."""
+come as they would from a browser, and what an engine is asked for tells the scene."""
 
 from __future__ import annotations
 

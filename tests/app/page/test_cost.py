@@ -70,26 +70,22 @@ def test_live_row_holds_the_errors_of_the_scene(scene, simulate):
     assert not follower._done
 
 
-def test_live_run_that_goes_unstable_is_a_row():
-    follower = LiveRows()
-    bad = replace(SCENE, cells=40, amplitude=0.1, cfl=1.5)
-    row = next(row for report, history in frames(bad, 50) if (row := follower.follow(report, history)))
-    assert row["status"] == "unstable" and row["reason"] and row["t"] < bad.end_time
-    runs = Runs()
-    runs.add(row, LIVE)
-    assert runs.all()[0].drawable and "unstable" in words.sentence(runs.all()[0])
+def run_of(scene, steps=100):
+    """What a live run of a scene becomes in the table."""
+    follower, runs = LiveRows(), Runs()
+    runs.add(next(row for report, history in frames(scene, steps) if (row := follower.follow(report, history))), LIVE)
+    return runs.all()[0]
 
 
-def test_live_run_that_is_lost_is_a_row():
-    """It goes to the end of its scene, and is drawn and told like an unstable one under its own name."""
-    follower, bad = LiveRows(), replace(SCENE, cells=40, ppc=1)
-    row = next(row for report, history in frames(bad) if (row := follower.follow(report, history)))
-    assert row["status"] == "lost" and row["reason"].startswith("the run is lost") and row["steps"] == bad.steps
-    runs = Runs()
-    runs.add(row, LIVE)
-    runs.add(made_up(status="lost"), SWEEP)
-    assert runs.all()[0].drawable and "the run is lost from" in words.sentence(runs.all()[0])
-    assert words.table(runs.all()).count(">lost</td>") == 2
+@pytest.mark.parametrize(("status", "steps", "changes", "said"), [
+    ("unstable", 50, {"amplitude": 0.1, "cfl": 1.5}, "unstable"), ("lost", 100, {"ppc": 1}, "the run is lost from")])
+def test_live_run_that_goes_bad_is_a_row(status, steps, changes, said):
+    """Drawn and told under its own name; one that is lost goes to the end of its scene."""
+    bad = replace(SCENE, cells=40, **changes)
+    run = run_of(bad, steps)
+    assert run.row["status"] == status and run.row["reason"] and run.drawable and said in words.sentence(run)
+    assert run.row["t"] < bad.end_time if status == "unstable" else run.row["steps"] == bad.steps
+    assert f">{status}</td>" in words.table([run])
 
 
 def test_run_that_is_lost_after_its_scene_is_ok():
@@ -99,12 +95,7 @@ def test_run_that_is_lost_after_its_scene_is_ok():
 
 
 def test_live_run_without_truth_has_its_estimate():
-    follower = LiveRows()
-    scene = replace(SCENE, body_force="two-tone")
-    row = next(row for report, history in frames(scene) if (row := follower.follow(report, history)))
-    runs = Runs()
-    runs.add(row, LIVE)
-    run = runs.all()[0]
+    run = run_of(replace(SCENE, body_force="two-tone"))
     assert run.error is None and run.size == run.estimate > 0 and run.drawable
     assert f"est. {words.percent(run.estimate)}" in words.table([run])
 
@@ -128,8 +119,7 @@ def test_runs_keep_their_numbers_and_are_bounded():
 def test_csv_has_every_row_and_input():
     runs = Runs()
     runs.add(made_up(cells=10), SWEEP)
-    report_row = failed(task_of(replace(SCENE, cells=30)), "lost")
-    runs.add(report_row, SWEEP)
+    runs.add(failed(task_of(replace(SCENE, cells=30)), "lost"), SWEEP)
     read = list(csv.DictReader(io.StringIO(csv_bytes(runs.all()).decode())))
     assert [(line["run"], line["source"], line["scene.cells"], line["status"]) for line in read] == [
         ("1", SWEEP, "10", "ok"), ("2", SWEEP, "30", "failed")]

@@ -76,7 +76,11 @@ def test_every_run_is_a_button_where_its_error_and_time_are():
     assert found[5][0] == {"lab-dot", "lab-judged"} and "as companion estimates" in found[5][3]
     assert drawing.count("class='lab-curve'") == 2 and "hollow: as companion estimates" in drawing
     assert [words for _, words in names(runs)] == ["uGIMP"] and [run.method for run in unnamed(runs)] == ["bspline"]
+    rows = [(made_up("ugimp", cells, cfl), SWEEP) for cfl in (0.1, 0.5) for cells in (10, 20)]
+    assert [words for _, words in names(numbered(*rows))] == ["uGIMP, CFL 0.1", "uGIMP, CFL 0.5"]
     assert not buttons(drawn([])) and "time of one run" in drawn([])  # what will be there
+    stranger = drawn([NumberedRun(1, SWEEP, made_up(status="lost", reason="<img src=x onerror='alert(1)'>"))])
+    assert "<img" not in stranger and "onerror=&#x27;" in stranger
 
 
 def test_times_of_a_stage_are_not_on_the_axis():
@@ -125,9 +129,6 @@ def test_headline_is_the_answer_and_says_whose_word_it_is():
     guessed = numbered((judged(size=0.02), SEARCH))
     assert "as companion estimates" in headline(guessed, SCENE, 0.03, "", 16)[1]
     assert headline(runs, SCENE, float("nan"), "give a <number>", 16)[1] == "give a &lt;number&gt;"
-
-
-def test_headline_says_how_to_begin():
     assert headline([], SCENE, 1e-3, "", 16)[0] == "Nothing measured yet."
     says, more = headline(numbered((made_up(), LIVE)), SCENE, 1e-3, "", 16)
     assert says == "Nothing timed yet." and "data-press='Small sweep'" in more and "of 16 runs" in more
@@ -165,11 +166,6 @@ def test_axis_holds_its_values_and_has_ticks(values):
     assert LogAxis(0.0, 1.0).around(values).part(values[0]) >= 0
 
 
-def test_several_curves_of_a_method_are_told_apart():
-    rows = [(made_up("ugimp", cells, cfl), SWEEP) for cfl in (0.1, 0.5) for cells in (10, 20)]
-    assert [words for _, words in names(numbered(*rows))] == ["uGIMP, CFL 0.1", "uGIMP, CFL 0.5"]
-
-
 def test_run_on_the_stage_is_marked():
     """Whatever else is computed beside it, and where it was timed alone, if so; the step may be said either way."""
     runs = numbered((made_up("ugimp", 20, estimate=None, key="live"), LIVE), *sweep("ugimp"))
@@ -177,13 +173,6 @@ def test_run_on_the_stage_is_marked():
     assert staged(runs[:1], SCENE) is runs[0] and "on the stage</span>" in drawn(runs[:1])
     assert staged(runs, replace(SCENE, cells=40)) is runs[3] and staged(runs, replace(SCENE, cells=41)) is None
     assert staged(runs, replace(SCENE, cfl=0.1)) is None and staged(runs, replace(SCENE, amplitude=0.01)) is None
-
-
-def test_what_a_visitor_may_have_written_is_escaped():
-    """A method's name may come from elsewhere."""
-    row = made_up(status="lost", reason="<img src=x onerror='alert(1)'>")
-    drawing = drawn([NumberedRun(1, SWEEP, row)])
-    assert "<img" not in drawing and "onerror=&#x27;" in drawing
 
 
 def test_methods_have_the_colours_of_every_picture():

@@ -16,7 +16,6 @@ from app.page.features.cost.jobs import CostStatus, Jobs, QuietStage, search, sm
 from app.page.features.cost.panel import CostTab
 from app.page.features.cost.runs import Runs, cheapest, question
 from app.page.features.cost.searches import HOLDS, MOST_POINTS, MOST_QUESTIONS, KeptPoints, Ready
-from app.page.page import Page
 from solvers.problems.bar.scene import BarScene
 from solvers.problems.ring.scene import RingScene
 from solvers.study.family import Point
@@ -24,6 +23,7 @@ from solvers.study.grid import task_of
 from solvers.study.jobs import READY, told
 from solvers.workers.pool import Slots
 from solvers.workers.processes import ProcessDied
+from tests.app.page.panel import Gui
 from tests.app.page.test_cost import SCENE
 from tests.processes import until
 from tests.rows import made_up
@@ -56,10 +56,7 @@ class Pool:
 
     def end(self, error=None):
         """The job ends, well or not."""
-        if error:
-            self.future.set_exception(error)
-        else:
-            self.future.set_result({})
+        self.future.set_exception(error) if error else self.future.set_result({})
 
 
 @pytest.fixture
@@ -153,17 +150,10 @@ def test_a_job_is_told_of_and_makes_room(jobs, pools):
 
 
 def test_visitor_who_leaves_takes_the_process_along(jobs, pools):
-    """The page closes its tab, the tab its jobs; after that none begins."""
+    """After that none begins. That the page closes its jobs is seen in ``tests/browser/features/test_cost.py``."""
     jobs.sweep(small_sweep(SCENE))
-    page, tab = Page.__new__(Page), CostTab.__new__(CostTab)
-    tab.jobs = jobs
-    page._closed, page._stands, page._cost = threading.Event(), threading.Event(), tab
-    page._budget, page._board = SimpleNamespace(jobs=tab.jobs), None
-    page._drawing, page._refreshing = threading.Lock(), threading.Lock()
-    page._session = page._slow = page._player = page._own = page._links = SimpleNamespace(close=lambda: None)
-    page.close()
-    until(lambda: not jobs.status.running, "the end of the job")
-    assert pools[0].closed
+    jobs.close()
+    until(lambda: not jobs.status.running and pools[0].closed, "the end of the job")
     jobs.sweep(small_sweep(SCENE))
     assert not jobs.status.running and len(pools) == 1
 
@@ -286,33 +276,12 @@ def test_stage_stands_still_while_a_job_runs():
     assert not stage.playing  # it did not move before
 
 
-class Widgets:
-    """A panel of widgets that nobody sees: a test sets and clicks them by their labels, and reads what is said."""
-
-    def __init__(self):
-        self.by_label, self._texts = {}, []
-
-    def __getattr__(self, kind):
-        def add(label, value="", **_):
-            widget = SimpleNamespace(value=value, content="", on_update=lambda act: None)
-            widget.on_click = lambda act: setattr(widget, "click", lambda: act(None))
-            self._texts.append(widget)
-            self.by_label[label] = widget
-            return widget
-
-        return add
-
-    @property
-    def said(self):
-        return " ".join(widget.content for widget in self._texts)
-
-
 @pytest.fixture
 def tab():
     """The Cost tab of a visitor on ``tab.stage``, with the ``tab.widgets`` it has made."""
-    stage, widgets = Stage(), Widgets()
-    tab = CostTab(SimpleNamespace(gui=widgets), stage, lambda scene: setattr(stage, "scene", scene))
-    tab.stage, tab.widgets = stage, widgets
+    stage, gui = Stage(), Gui()
+    tab = CostTab(SimpleNamespace(gui=gui), stage, lambda scene: setattr(stage, "scene", scene))
+    tab.stage, tab.widgets = stage, gui
     yield tab
     tab.jobs.close()
 

@@ -5,7 +5,6 @@ from __future__ import annotations
 import io
 import json
 import os
-import time
 from dataclasses import asdict, replace
 from pathlib import Path
 from time import monotonic
@@ -14,7 +13,6 @@ from types import SimpleNamespace
 import msgspec
 import numpy as np
 import pytest
-from websockets.exceptions import ConnectionClosed
 
 from app.cli import main
 from app.page.features.own.judging import BUSY, Judging
@@ -24,7 +22,7 @@ from app.page.features.own.run import OwnRun
 from app.page.features.own.words import taken
 from app.page.visit.links import MOST_WATCHED
 from app.page.visit.notice import Notice
-from app.viewer import messages, server, upload
+from app.viewer import upload
 from solvers.judging import writing
 from solvers.judging.handout import exact
 from solvers.judging.measure import sizes
@@ -34,8 +32,7 @@ from solvers.problems import PROBLEMS
 from solvers.study.grid import task_of
 from solvers.workers.pool import Slots
 from solvers.workers.processes import WorkerProcess
-from tests.app.serving.test_messages import page_of
-from tests.doors import lab
+from tests.app.serving.test_messages import page_of, settle
 from tests.hostile import FILES
 from tests.processes import until
 from tests.raw import Raw, unknown
@@ -62,6 +59,14 @@ def shown_of(process, file, scene, folder, name="mine", chosen=False):
     return answers, table
 
 
+def run_of(process, file, scene, folder, name="mine"):
+    """The run on the stage that comes of a file, estimated; and all that the process says of it."""
+    answers, table = shown_of(process, file, scene, folder, name)
+    run = OwnRun(name, Shown(**answers["frames"]), table)
+    run.estimated(answers["estimate"])
+    return run, answers
+
+
 @pytest.mark.parametrize("problem", ["bar", "ring", pytest.param("vortex", marks=pytest.mark.slow)])
 def test_a_run_of_ours_is_shown_with_its_own_errors(problem, process, tmp_path):
     """Norms to rounding, as those of the judge; what is drawn in single precision."""
@@ -69,10 +74,8 @@ def test_a_run_of_ours_is_shown_with_its_own_errors(problem, process, tmp_path):
     assert main(["run", problem, *QUICK[problem], "--particles", str(file), "--json", str(report), "--quiet"]) == 0
     error = json.loads(report.read_text())["error"]
     scene = PROBLEMS[problem].scene()
-    answers, table = shown_of(process, file, scene, tmp_path, "run.npz")
-    run = OwnRun("run.npz", Shown(**answers["frames"]), table)
+    run, answers = run_of(process, file, scene, tmp_path, "run.npz")
     assert run.scene.cells == int(QUICK[problem][1]) != scene.cells  # the file says it
-    run.estimated(answers["estimate"])
     for q in ("x", "v", "sigma"):
         assert run.true[q][1:].max() == pytest.approx(error[q]["max"], rel=1e-12)
         assert run.true[q][-1] == pytest.approx(error[q]["final"], rel=1e-12)
@@ -104,8 +107,7 @@ def test_a_file_of_another_problem_is_asked_about_and_one_that_says_its_scene_is
         "generalized vortex?")
     answers, _ = shown_of(process, theirs, PROBLEMS["ring"].scene(amplitude=0.02), tmp_path, chosen=True)
     assert max(answers["frames"]["norms"]["x"]) < 1e-12
-    answers, table = shown_of(process, ours, bar, tmp_path)
-    run = OwnRun("ours.npz", Shown(**answers["frames"]), table)
+    run, _ = run_of(process, ours, bar, tmp_path, "ours.npz")
     assert run.scene.problem == "ring" and run.scene.amplitude == 0.02 and run.true["x"].max() < 1e-12
     assert taken(run, PROBLEMS["ring"].scene(cells=12)) == "The file ours.npz is on the stage, judged with A = 20 mm."
     assert taken(run, PROBLEMS["ring"].scene(cells=12, amplitude=0.02)) == "The file ours.npz is on the stage."
@@ -124,8 +126,7 @@ def test_the_field_of_exact_particles_is_on_the_exact_curve(problem, process, tm
     frame = exact(scene, t)
     file = tmp_path / "exact.csv"
     file.write_bytes(writing.csv(writing.table([frame])))
-    answers, table = shown_of(process, file, scene, tmp_path)
-    run = OwnRun("exact.csv", Shown(**answers["frames"]), table)
+    run, _ = run_of(process, file, scene, tmp_path)
     at = np.linalg.norm(frame.material_position, axis=1)
     for q in ("x", "v", "sigma"):
         _, arrays = run.frame(0, q, False)
@@ -139,10 +140,8 @@ def test_where_no_solution_is_known_the_companion_alone_is_shown(process, tmp_pa
     frame = exact(replace(scene, body_force="material"), 0.1)
     file = tmp_path / "mine.csv"
     file.write_bytes(writing.csv(writing.table([replace(frame, stress=None, deformation_gradient=None)])))
-    answers, table = shown_of(process, file, scene, tmp_path)
-    run = OwnRun("mine.csv", Shown(**answers["frames"]), table)
+    run, _ = run_of(process, file, scene, tmp_path)
     assert run.true is None and run.missing == ["sigma"]
-    run.estimated(answers["estimate"])
     _, arrays = run.frame(0, "x", False)
     view = run.view(arrays, "x", False)
     assert view.right.sizes is None and "no exact solution" in view.right.silence
@@ -163,8 +162,7 @@ def test_particles_that_are_not_ours_and_not_always_the_same(process, tmp_path):
     del columns["id"]
     file = tmp_path / "mine.csv"
     file.write_bytes(writing.csv(columns))
-    answers, table = shown_of(process, file, scene, tmp_path)
-    run = OwnRun("mine.csv", Shown(**answers["frames"]), table)
+    run, _ = run_of(process, file, scene, tmp_path)
     assert [run.particles(0), run.particles(1)] == [len(frames[0].number), len(few)]
     _, arrays = run.frame(1, "x", False)
     assert arrays.position == pytest.approx(moved, abs=1e-6)
@@ -247,14 +245,6 @@ def test_names_of_files_are_shown_plainly(name, said):
     assert file_name(name) == said
 
 
-@pytest.fixture(scope="module")
-def here():
-    with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(server, "HANDSHAKES", 1e9)
-        with lab() as one:
-            yield one
-
-
 @pytest.fixture
 def arrived(monkeypatch):
     """What comes through the doors: name and content of each file; and what is refused in words."""
@@ -280,18 +270,8 @@ class Sender:
                           "part_index": index, "content": content} | other)
 
 
-def settle(one, visitor):
-    """Return when the server has done all that was said by one of its visitors."""
-    widget, text = visitor.find("Tolerance / A"), str(time.perf_counter())
-    visitor.set(widget, text)
-    until(lambda: any(text == handles[widget].value for handles in (
-        client.gui._gui_input_handle_from_uuid for client in list(one._connected_clients.values()))
-        if widget in handles), "the server has heard")
-
-
 @pytest.fixture
-def sender(here, arrived, monkeypatch):
-    monkeypatch.setattr(messages, "MESSAGES", 1e9)  # whatever many a second
+def sender(here, arrived):
     with Raw(here[1]) as one:
         one.find("Download CSV")  # the last of its controls
         yield Sender(one)
@@ -363,22 +343,10 @@ def test_what_is_no_file_is_refused_and_harms_nobody(here, sender, arrived):
             assert [box.value.content for box in boxes] == [b""]
 
 
-def test_who_floods_with_parts_is_sent_away(here, arrived):
-    with Raw(here[1], source_address=("127.0.7.7", 0)) as raw:  # who must wait afterwards
-        raw.find("Download CSV")
-        sender = Sender(raw)
-        noise = bytes(upload.PART_BYTES)
-        with pytest.raises(ConnectionClosed):
-            for _ in range(3000):
-                sender.part(0, noise)
-        until(lambda: raw.closed is not None, "sent away")
-
-
 def test_nothing_of_a_file_stays_when_its_visitor_has_gone(here, arrived):
     with Raw(here[1]) as raw:
         raw.find("Download CSV")
         sender = Sender(raw)
-        page_of(here[0])
         [box] = [h for h in page_of(here[0]).values() if upload.of(h)]
         folder = upload.of(box).folder
         sender.start(2 * upload.PART_BYTES)

@@ -9,7 +9,9 @@ import numpy as np
 import pytest
 
 from app.frame.captions import NOT_COMPARED
+from app.frame.crossings import WINDOW
 from app.frame.view import look
+from app.page.features.own.run import OwnRun
 from app.page.panels.readout import readout
 from app.page.stage.worst import WorstRegions
 from app.page.summary import summary
@@ -74,14 +76,7 @@ def engine_frame(solver):
     return read(block, solver.scene, len(solver.snapshot().position), FrameOptions(plotted="x"))
 
 
-def test_a_fresh_frame_empties():
-    recent = recent_of(30)
-    recent.go_back(20)
-    recent.add(*frame(0, fresh=True, playing=False))
-    assert len(recent.frames) == 1 and recent.back == 0 and shown(recent) == 0
-
-
-def test_looking_back_needs_a_pause_and_ends_when_the_run_moves():
+def test_looking_back_needs_a_pause_and_ends_when_the_run_moves_or_begins_anew():
     """A frame that only holds something else, of the same step, changes nothing but itself."""
     recent = Recent()
     assert recent.shown is None and recent.reach == (0, 0.0)
@@ -100,6 +95,10 @@ def test_looking_back_needs_a_pause_and_ends_when_the_run_moves():
     recent.go_back(5)
     recent.add(*frame(10))  # on it goes
     assert shown(recent) == 10 and recent.back == 0
+    recent.add(*frame(11, playing=False))
+    recent.go_back(5)
+    recent.add(*frame(0, fresh=True, playing=False))
+    assert len(recent.frames) == 1 and recent.back == 0 and shown(recent) == 0
 
 
 def test_numbers_are_those_of_the_frame():
@@ -157,3 +156,28 @@ def test_until_cuts_at_a_time():
     assert until(series, 2.0) is series and until({}, 1.0) == {}
     np.testing.assert_array_equal(until(series, 1.0)["value"], [5, 6])
     np.testing.assert_array_equal(until(series, -1.0)["value"], [5])
+
+
+@pytest.mark.parametrize("scene", [BarScene(modulus=64.0), BarScene(modulus=0.25)], ids=["quick", "slow"])
+def test_a_rate_of_crossings_is_per_second(scene):
+    """A history made up: 40 crossings a second, then none, then 120; looked at a hundred times a period, and seldom.
+    The rate is there a window later, whatever the period is: a number by the period would be wrong by as much."""
+    T = scene.period
+    history = History(scene, scene.particles)
+    for steps in (300, 15):
+        time = np.linspace(0, 3 * T, steps + 1)
+        count = np.interp(time, [0, T, 2 * T, 3 * T], np.cumsum([0, 40 * T, 0, 120 * T]))
+        at, rate = history.crossings_per_second({"time": time, "crossings": count})
+        late = max(WINDOW * T, time[1] * (1 + 1e-9))
+        for start, expected in ((0, 40.0), (1, 0.0), (2, 120.0)):
+            inside = (at >= start * T + late) & (at <= (start + 1) * T)
+            assert inside.sum() >= 4
+            np.testing.assert_allclose(rate[inside], expected, rtol=0, atol=1e-9 * 120)
+
+
+def test_a_rate_of_crossings_in_a_file_is_per_second():
+    """7, 3 and 10 particles are elsewhere after a half, a quarter and a second."""
+    file = SimpleNamespace(times=np.array([0, 0.5, 0.75, 1.75]), _crossed=np.array([0, 7, 3, 10]))
+    at, rate = OwnRun.crossings_per_second(file, {})
+    np.testing.assert_array_equal(at, [0.5, 0.75, 1.75])
+    np.testing.assert_allclose(rate, [14, 12, 10])

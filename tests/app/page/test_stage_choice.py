@@ -10,18 +10,9 @@ import pytest
 from app.page.panels.stage_choice import StageChoice
 from solvers.problems.bar.scene import BarScene
 from solvers.problems.ring.scene import RingScene
+from tests.app.page.panel import Gui
 
 BAR, RING = BarScene(estimators=("recovered", "transport")), RingScene(estimators=("transport", "companion"))
-
-
-class Gui:
-    """Makes widgets that only hold what they show."""
-
-    def add_html(self, *_):
-        return SimpleNamespace(visible=True)
-
-    def add_dropdown(self, _, options, initial_value, **__):
-        return SimpleNamespace(options=options, value=initial_value, visible=True, on_update=lambda _: None)
 
 
 @pytest.fixture

@@ -84,16 +84,13 @@ def test_where_it_is_worst_is_looked_for_in_each_of_the_two():
         np.flatnonzero(one.particles).tolist() for one in (worst.by_estimate, worst.by_truth)]
 
 
-def test_of_a_run_that_stands_both_are_of_the_moment():
-    assert said(playing=False).startswith("At t = 0.35 s the displacement is 5.3 % wrong; transport finds 50 % of it. ")
-    assert said(playing=False, ago=0.25).startswith("0.25 periods back the displacement is 5.3 % wrong; transport")
-
-
 def test_the_eye_gets_the_same_in_spans():
     """The number is marked, what is true and what is estimated, and that a run is lost."""
     assert {text: kind for kind, text in told().shown if kind} == {
         "10 %": "number", "wrong": "truth", "transport": "estimate", "44 %": "figure"}
     assert told(status=LOST, since=0.2).shown[0] == ("bad", "The run is lost from t = 0.2 s on")
+    assert said(status=UNSTABLE, playing=False) == \
+        "The run went unstable and has stopped at t = 0.35 s. This is its last picture."
     assert " ".join(["".join(text for _, text in told().shown), *told().sentences]) == said()
 
 
@@ -106,6 +103,10 @@ def test_crossings_are_those_of_the_last_twentieth_of_a_period(beyond, who):
 
 
 @pytest.mark.parametrize(("begins", "given", "changes"), [
+    ("At t = 0.35 s the displacement is 5.3 % wrong; transport finds 50 % of it. ", {}, {"playing": False}),
+    ("0.25 periods back the displacement is 5.3 % wrong; transport", {}, {"playing": False, "ago": 0.25}),
+    ("The run is lost from t = 0.2 s on: the displacement is 5.3 % wrong; transport finds 50 % ", {},
+     {"status": LOST, "since": 0.2}),
     (f"So far transport estimates that the displacement is 4.4 % wrong. 1.1 mm of 25 mm at most. {UNKNOWN[:1].upper()}"
      f"{UNKNOWN[1:]}. Worst at X = 0.30", {"body_force": "two-tone"}, {"series": SERIES | {"error_x": [np.nan] * 2}}),
     (f"So far the displacement is 10 % wrong; {NONE_CHOSEN}. 2.5 mm of 25 mm at most. Worst at X", {"estimators": ()},
@@ -116,18 +117,12 @@ def test_crossings_are_those_of_the_last_twentieth_of_a_period(beyond, who):
      {"drawn": None}),
     ("So far no error of the displacement has been measured. ", {}, {"series": {}}),
     ("So far no error of the displacement has ", {}, {"series": SERIES | {"transport/index_x": [np.nan]}})],
-    ids=["no truth", "no estimate", "none that holds", "neither", "no sample yet", "no index yet"])
-def test_what_is_not_known_is_not_told(begins, given, changes):
-    """Without truth the worst place is that of the estimate."""
+    ids=["stands", "back", "lost", "no truth", "no estimate", "none that holds", "neither", "no sample yet",
+         "no index yet"])
+def test_a_run_that_stands_is_told_of_its_moment_and_what_is_not_known_is_not_told(begins, given, changes):
+    """That it is lost or unstable comes first. Without truth the worst place is that of the estimate."""
     assert said(replace(BAR, **given), **changes).startswith(begins)
     assert summary(None, None, None, WorstRegions(), {}, "x", None) == Said.of(WAITING)
-
-
-def test_lost_and_unstable_come_first():
-    lost = said(status=LOST, since=0.2)
-    assert lost.startswith("The run is lost from t = 0.2 s on: the displacement is 5.3 % wrong; transport finds 50 % ")
-    assert said(status=UNSTABLE, playing=False) == \
-        "The run went unstable and has stopped at t = 0.35 s. This is its last picture."
 
 
 def test_sentences_come_calmly():

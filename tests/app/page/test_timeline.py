@@ -14,30 +14,10 @@ from app.page.panels.timeline import BINS, Now, Timeline
 from app.page.panels.window import Size, Window
 from solvers.problems.bar.scene import BarScene
 from solvers.problems.ring.scene import RingScene
+from tests.app.page.panel import Gui
 from tests.app.page.test_recent import frame, recent_of, shown
 
 SCENE = BarScene()
-
-
-class Gui:
-    """Of the viewer's only what the timeline needs."""
-
-    def add_html(self, content):
-        return SimpleNamespace(content=content)
-
-    def add_folder(self, label):
-        return SimpleNamespace(__enter__=lambda: None)
-
-    def add_uplot(self, data, series, **options):
-        return SimpleNamespace(data=data, series=series, visible=True, **options)
-
-
-class Folder:
-    def __enter__(self):
-        return self
-
-    def __exit__(self, *what):
-        return None
 
 
 class Past:
@@ -52,10 +32,9 @@ class Past:
         return series["time"][1:], np.full(len(series["time"]) - 1, 600.0)
 
 
-def timeline(monkeypatch):
-    gui = Gui()
-    monkeypatch.setattr(gui, "add_folder", lambda label: Folder(), raising=False)
-    line = Timeline(gui)
+@pytest.fixture
+def line():
+    line = Timeline(Gui())
     line.have(("transport",), False)
     return line
 
@@ -75,9 +54,8 @@ def show(line, end, now=None, scene=SCENE):
     return said(line)
 
 
-def test_axes_only_grow_within_a_run_and_end_at_round_numbers(monkeypatch):
+def test_axes_only_grow_within_a_run_and_end_at_round_numbers(line):
     """Twice an error of 100 µm a second; in another run they begin anew."""
-    line = timeline(monkeypatch)
     show(line, 0.9)
     assert ends(line) == ([0.0, 1.0], [0.0, pytest.approx(2e-4)])
     show(line, 1.2)
@@ -88,32 +66,31 @@ def test_axes_only_grow_within_a_run_and_end_at_round_numbers(monkeypatch):
     assert line._plot.scales["x"]["range"] == [0.0, pytest.approx(0.3)]
 
 
-def test_what_is_said_round_the_curves(monkeypatch):
+def test_what_is_said_round_the_curves(line):
     """Places are parts of the axis, sizes have a unit with a prefix, said once on the time's axis."""
-    at = show(timeline(monkeypatch), 0.9)
+    at = show(line, 0.9)
     assert at["symbol"] == "x" and at["top"] == [0.5, "100 µm"] and at["start"] == "0"
     assert at["ticks"] == [[0.5, "0.5"], [1.0, "1 period"]]
     assert at["now"] == 0.9 and at["reach"] == [0.45, 0.9] and at["lost"] is None and at["clock"] == "900 ms"
     assert at["strip"] == "9" * round(0.9 * BINS)
 
 
-def test_times_are_counted_in_periods_where_something_swings(monkeypatch):
+def test_times_are_counted_in_periods_where_something_swings(line):
     """The ring's last a fiftieth of a second; of a patch test's nobody speaks."""
     ring, patch_test = RingScene(), BarScene(motion="patch")
-    line = timeline(monkeypatch)
     line.point(0.5)
     at = show(line, 2.4 * ring.period, scene=ring)
     assert [text for _, text in at["ticks"]] == ["1", "2", "3 periods"]
     assert line._plot.scales["x"]["range"] == [0.0, pytest.approx(3 * ring.period)]
     assert at["read"][0] == "30 ms = 1.5 periods"
-    at = show(timeline(monkeypatch), 0.9, scene=patch_test)
+    at = show(line, 0.9, scene=patch_test)
     assert [text for _, text in at["ticks"]] == ["0.5", "1 s"]
 
 
-def test_a_lost_run_says_since_when(monkeypatch):
-    at = show(timeline(monkeypatch), 0.9, Now(0.9, (0.0, 0.9), False, 0.6))
+def test_a_lost_run_says_since_when(line):
+    at = show(line, 0.9, Now(0.9, (0.0, 0.9), False, 0.6))
     assert (at["lost"], at["says"], at["playing"]) == (0.6, "lost from 600 ms on", False)
-    at = show(timeline(monkeypatch), 0.9, Now(0.9, (0.0, 0.9), False, 0.6, unstable=True))
+    at = show(line, 0.9, Now(0.9, (0.0, 0.9), False, 0.6, unstable=True))
     assert at["says"] == "unstable from 600 ms on"
 
 
@@ -148,9 +125,8 @@ def test_what_a_browser_says_of_its_window_is_believed_in_nothing(wrong):
     assert sizes == [Size(700.0, 300.0, 144.0, 700.0, 60.0, 12.0), True]
 
 
-def test_what_the_curves_are_under_the_pointer(monkeypatch):
+def test_what_the_curves_are_under_the_pointer(line):
     """Between two samples in a straight line; nothing beyond the run, and nothing once the pointer has left."""
-    line = timeline(monkeypatch)
     line.point(0.5)
     assert show(line, 0.9)["read"] == ["500 ms = 0.5 periods", "true 50 µm", "transport 100 µm"]
     line.point(0.95)

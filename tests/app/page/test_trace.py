@@ -1,4 +1,4 @@
-"""The traced particle: its numbers are the frames', and a click finds it. No web server, no engine."""
+"""The traced particle: its numbers are the frames', and a click finds it; and what the probe reads in a rectangle."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ import pytest
 
 from app.frame.layout import Seat
 from app.frame.scale import ColourScale
-from app.page.stage.probe import RADIUS, TraceRings
+from app.page.stage.probe import RADIUS, Probe, TraceRings
 from app.page.visit.history import LAST_PERIODS, MOST_ROWS
 from app.page.visit.recent import Recent
 from app.page.visit.trace import Trace
@@ -176,3 +176,24 @@ def test_a_click_marks_and_another_ends_it(run, stage):
             np.testing.assert_allclose(apart, RADIUS, rtol=1e-4)  # single precision near 1
         click(*place)
         assert trace.traced is None and not scene.made["trace"].visible
+
+
+def test_mean_and_worst_are_of_the_particles_in_the_rectangle_alone():
+    """Drawn from its lower right to its upper left; one of three particles within has no estimate."""
+    acts = []
+    client = SimpleNamespace(scene=SimpleNamespace(on_rect_select=lambda: acts.append))
+    camera = SimpleNamespace(on_stage=lambda place: place)
+    x = np.array([0.1, 0.2, 0.3, 0.9])
+    stage = SimpleNamespace(region=lambda low, high, arrays: (x >= low[0]) & (x <= high[0]))
+    probe = Probe(client, Sheet(), camera)
+    estimated, true = np.array([1e-3, np.nan, 5e-3, 1.0]), np.array([2e-3, 3e-3, 10e-3, 1.0])
+    probe.look(stage, None, estimated, true, "m")
+    assert probe.text is None
+    acts[0](SimpleNamespace(screen_min=(0.5, -0.1), screen_max=(0.0, 0.2)))
+    probe.look(stage, None, estimated, true, "m")
+    assert probe.text == "3 particles; estimated mean 3 mm, worst 5 mm; true mean 5 mm, worst 10 mm"
+    probe.look(stage, None, None, true, "m")
+    assert probe.text == "3 particles; true mean 5 mm, worst 10 mm"
+    acts[0](SimpleNamespace(screen_min=(0.4, 0.0), screen_max=(0.5, 1.0)))
+    probe.look(stage, None, estimated, true, "m")
+    assert probe.text is None

@@ -6,8 +6,6 @@ import json
 import os
 import re
 import signal
-import urllib.error
-import urllib.request
 
 import pytest
 
@@ -15,7 +13,10 @@ from app.page.serving import OVER
 from app.page.visit import links
 from app.page.visit import session as page
 from app.page.visit.links import Tally
+from app.viewer import upload
+from tests.app.page.test_own_file import Sender
 from tests.browser.conftest import serving
+from tests.doors import get
 from tests.listening import PATIENCE, SCENE
 from tests.processes import children, ended, until
 from tests.raw import Raw
@@ -25,15 +26,6 @@ from tests.raw import Raw
 def server():
     with serving() as one:
         yield one
-
-
-def get(server, path):
-    """Status and text of an answer."""
-    try:
-        with urllib.request.urlopen(f"{server[0]}/{path}") as answer:
-            return answer.status, answer.read().decode()
-    except urllib.error.HTTPError as refused:
-        return refused.code, refused.read().decode()
 
 
 def more(visitor, frames):
@@ -62,23 +54,23 @@ def test_what_nobody_sees_rests(server):
     with Raw(server[0]) as visitor, Raw(server[0]) as other:
         until(lambda: visitor.frames > 3 and other.frames > 3, "frames of both")
         # A page is drawn a moment before the server knows it by its token; a browser asks again as well.
-        until(lambda: get(server, f"away/{token(visitor)}")[0] == 204, "the server knows the page")
+        until(lambda: get(server[0], f"/away/{token(visitor)}")[0] == 204, "the server knows the page")
         # What was on its way comes meanwhile, later where the server is busy; a page that does not rest gets about as
         # many as the other, and never has such a pause.
         until(lambda: frames_while(visitor, other) == 0, "a pause")
-        assert get(server, f"here/{token(visitor)}")[0] == 204
+        assert get(server[0], f"/here/{token(visitor)}")[0] == 204
         more(visitor, 3)
-    assert get(server, "away/nobody")[0] == 404
+    assert get(server[0], "/away/nobody")[0] == 404
 
 
 def test_health(server):
-    until(lambda: json.loads(get(server, "health")[1])["sessions"] == 0, "those of other tests gone")
+    until(lambda: json.loads(get(server[0], "/health")[1])["sessions"] == 0, "those of other tests gone")
     with Raw(server[0]) as visitor:
         visitor.follow("bar")
         until(lambda: visitor.frames > 3, "frames")
-        until(lambda: json.loads(get(server, "health")[1])["frames_per_second"] > 0, "a rate")
-        until(lambda: json.loads(get(server, "health")[1])["playing"] == 1, "the opening and its pinned run gone")
-        found = json.loads(get(server, "health")[1])
+        until(lambda: json.loads(get(server[0], "/health")[1])["frames_per_second"] > 0, "a rate")
+        until(lambda: json.loads(get(server[0], "/health")[1])["playing"] == 1, "the opening and its pinned run gone")
+        found = json.loads(get(server[0], "/health")[1])
     assert found.keys() == {"ready", "sessions", "places", "engines", "playing", "frames_per_second"}
     assert (found["ready"], found["sessions"], found["places"], found["playing"]) == (True, 1, 40, 1)
     assert found["engines"] >= 1
@@ -87,11 +79,16 @@ def test_health(server):
 @pytest.mark.parametrize("end, thread", [
     (signal.SIGTERM, "second"),
     *(pytest.param(signal.SIGINT, thread, marks=pytest.mark.slow) for thread in ("first", "second"))])
-def test_the_end_is_told_and_leaves_nothing(end, thread):
-    """Neither a process nor a word of warning (``serving`` looks for that), however it is ended, and whichever of its
-    threads the system chooses to tell."""
-    with serving() as (address, process), Raw(address) as one, Raw(address) as two:
+def test_the_end_is_told_and_leaves_nothing(end, thread, tmp_path):
+    """Neither a process nor a word of warning nor a part of a file, however it is ended, and whichever of its threads
+    the system chooses to tell."""
+    log = []
+    with serving({"TMPDIR": str(tmp_path)}, log=log) as (address, process), Raw(address) as one, Raw(address) as two:
         until(lambda: one.frames > 3 and two.frames > 3, "frames")
+        sender = Sender(one)
+        sender.start(2 * upload.PART_BYTES)
+        sender.part(0, bytes(upload.PART_BYTES))
+        until(lambda: any(tmp_path.rglob("coming")), "the beginning of a file")
         until(lambda: all(any("lab-says" in text for text in v.html.values()) for v in (one, two)), "finished pages")
         engines = children(process, "spawn_main")
         assert engines
@@ -101,6 +98,7 @@ def test_the_end_is_told_and_leaves_nothing(end, thread):
         for visitor in (one, two):
             assert any(OVER in text for text in visitor.html.values())
         until(lambda: ended(process) and all(map(ended, engines)), "server and engines ended")
+    assert not any(tmp_path.iterdir()) and not re.search("Warning|leaked", log[0]), log[0]
 
 
 def test_a_tally_counts_whole_seconds(monkeypatch):

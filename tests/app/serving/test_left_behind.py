@@ -10,6 +10,8 @@ import threading
 import warnings
 import weakref
 from concurrent.futures import ThreadPoolExecutor
+from contextlib import suppress
+from itertools import count, takewhile
 from types import SimpleNamespace
 
 import numpy as np
@@ -24,6 +26,7 @@ from app.viewer import patches, upload
 from solvers.problems.bar.scene import BarScene
 from solvers.solver import soundness
 from tests import doors
+from tests.app.serving.test_serve import Pool
 from tests.doors import get
 from tests.processes import until
 from tests.raw import Raw
@@ -47,13 +50,10 @@ def test_what_fails_in_a_callback_is_one_line(capfd, caplog, monkeypatch):
     except ValueError as error:
         patches.of_loop(None, {"message": SECRET, "exception": error})
     lines = [record.getMessage() for record in caplog.records]
-    assert len(lines) == 2 and all(line.endswith(place_of_fail()) for line in lines), lines
+    place = f"ValueError in test_left_behind.py, line {fail.__code__.co_firstlineno + 1}"
+    assert len(lines) == 2 and all(line.endswith(place) for line in lines), lines
     assert place_of(KeyError(SECRET)) == "KeyError"  # without a trace
     assert SECRET not in caplog.text and "Traceback" not in caplog.text and capfd.readouterr() == ("", "")
-
-
-def place_of_fail():
-    return f"ValueError in test_left_behind.py, line {fail.__code__.co_firstlineno + 1}"
 
 
 def test_a_log_has_few_lines_a_minute_whoever_writes():
@@ -66,25 +66,12 @@ def test_a_log_has_few_lines_a_minute_whoever_writes():
     assert brief.filter(more) and more.getMessage() == "(47 more lines were left out) line 50"
 
 
-class Pool:
-    """Opens lines that know whether they were closed."""
-
-    def open(self, listener, beside=None):
-        return Link()
-
-
-class Link:
-    closed = False
-
-    def close(self):
-        self.closed = True
-
-
 def test_a_page_that_has_gone_keeps_no_line():
     """Neither those that it had nor one that it opens on its way; and it forgets those that are closed meanwhile."""
-    links = PageLinks(Pool())
+    links = PageLinks(pool := Pool())
     first, second = links.open(None), links.open(None)
     gone = weakref.ref(second)
+    pool.links.clear()
     second.close()
     del second
     gc.collect()
@@ -103,16 +90,10 @@ def test_room_is_shared_out():
     assert room.taken == 19 and room.take("10.0.0.1", 6) and not room.take("10.0.0.1", 1)
 
 
-class Gui:
-    """Hears what an upload tells the browser."""
-
-    def __init__(self):
-        self._websock_interface = SimpleNamespace(queue_message=lambda _: None)
-
-
 def an_upload(arrived, refused):
+    gui = SimpleNamespace(_websock_interface=SimpleNamespace(queue_message=lambda _: None))
     button = SimpleNamespace(_impl=SimpleNamespace(uuid="box"))
-    one = upload.Upload(Gui(), button, lambda name, path: arrived.append(path), refused.append)
+    one = upload.Upload(gui, button, lambda name, path: arrived.append(path), refused.append)
     assert start(one, 3) == "a file for nobody"  # before all is there that it is for
     one.open()
     return one
@@ -143,13 +124,9 @@ def test_files_take_room_until_their_visitor_goes(monkeypatch):
     folders, over = [one.folder, other.folder], threading.Event()
 
     def write():
-        k = 0
-        while not over.is_set() and folders[0].exists():
-            k += 1
-            try:
+        with suppress(OSError):  # the folder has gone
+            for k in takewhile(lambda _: not over.is_set(), count()):
                 (folders[0] / f"table-{k}").write_text("x")
-            except OSError:
-                return
 
     writer = threading.Thread(target=write)
     writer.start()

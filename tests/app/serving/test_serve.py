@@ -92,11 +92,7 @@ def test_many_at_once_get_no_more_than_the_places():
     """The count and the taking of a place are one: pages slow to make do not let others in."""
     release = threading.Event()
 
-    def slow(client, pool):
-        release.wait(5)
-        return Page(client, pool)
-
-    house = House(slow)
+    house = House(lambda client, pool: release.wait(5) and Page(client, pool))
     threads = [threading.Thread(target=house.come, args=(number,)) for number in range(8)]
     for thread in threads:
         thread.start()
@@ -104,16 +100,6 @@ def test_many_at_once_get_no_more_than_the_places():
     for thread in threads:
         thread.join()
     assert len(house.pool.links) == 2 and len(house.shown) == 6
-
-
-def test_leaving_while_the_page_is_made_closes_it():
-    def leaving(client, pool):
-        house.leave(client.client_id)
-        return Page(client, pool)
-
-    house = House(leaving)
-    house.come(1)
-    assert len(house.pool.links) == 1 and house.open_links == 0 and house.empty
 
 
 @pytest.mark.parametrize("first", ["leave", "stay"])
@@ -140,6 +126,12 @@ def test_leaving_before_being_let_in_makes_no_page():
     house.leave(1)
     house.come(1)
     assert not house.pool.links and not house.shown and house.empty
+
+
+def test_leaving_while_the_page_is_made_closes_it():
+    house = House(lambda client, pool: house.leave(client.client_id) or Page(client, pool))
+    house.come(1)
+    assert len(house.pool.links) == 1 and house.open_links == 0 and house.empty
 
 
 @pytest.mark.parametrize("leaves", [False, True])
@@ -174,13 +166,8 @@ def test_engines_follow_the_processors_that_may_be_used(monkeypatch, processors,
 def starts(monkeypatch):
     """Engines that end at once; the times at which they were started."""
     times, start = [], process.EngineProcess._start
-
-    def timed(self):
-        times.append(monotonic())
-        start(self)
-
     monkeypatch.setattr(process, "become_engine", operator.is_)  # any function that takes two arguments and returns
-    monkeypatch.setattr(process.EngineProcess, "_start", timed)
+    monkeypatch.setattr(process.EngineProcess, "_start", lambda self: (times.append(monotonic()), start(self)))
     return times
 
 

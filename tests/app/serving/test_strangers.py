@@ -10,7 +10,8 @@ import pytest
 from websockets.exceptions import ConnectionClosed, InvalidStatus
 
 from app.doors.network import Anteroom, Bucket, Buckets, network_of
-from app.viewer import line, server
+from app.viewer import line, server, upload
+from tests.app.page.test_own_file import Sender
 from tests.doors import lab
 from tests.processes import starving, until
 from tests.raw import Raw
@@ -123,17 +124,18 @@ def test_who_comes_and_goes_keeps_only_its_own_network_out(address, monkeypatch)
     assert refused > 3 and comes_in(address) < WITHIN
 
 
-def test_who_sends_far_too_much_is_sent_away_and_must_wait(address):
+@pytest.mark.parametrize(("source", "what"), [("127.0.0.99", "values"), ("127.0.7.7", "parts of a file")])
+def test_who_sends_far_too_much_is_sent_away_and_must_wait(address, source, what):
     """Others stay; from its address no websocket opens for some seconds."""
     with Raw(address, source_address=OTHER) as other:
-        flood = Raw(address, source_address=("127.0.0.99", 0))
-        slider = flood.find("Cells, h = 1/40")
+        flood = Raw(address, source_address=(source, 0))
+        slider, sender = flood.find("Cells, h = 1/40"), Sender(flood)
         with pytest.raises(ConnectionClosed):
             while True:
-                flood.set(slider, 41)
+                flood.set(slider, 41) if what == "values" else sender.part(0, bytes(upload.PART_BYTES))
         until(lambda: flood.closed in (1008, 1006), "it is sent away")
         with pytest.raises(InvalidStatus) as refused:
-            Raw(address, source_address=("127.0.0.99", 0))
+            Raw(address, source_address=(source, 0))
         assert refused.value.response.status_code == 503 and refused.value.response.headers["Retry-After"]
         assert other.closed is None
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import asyncio
 import threading
-from time import monotonic, sleep
+from time import sleep
 
 import msgspec
 import numpy as np
@@ -32,12 +32,12 @@ def loop():
 
 
 def listen(loop, buffer, marker=None):
-    """What leaves a buffer: a list of windows, each with the time at which it came, and the end of it."""
+    """What leaves a buffer: a list of windows, and the end of it."""
     windows = []
 
     async def take():
         async for window in buffer.window_generator(1, marker):
-            windows.append((monotonic(), window))
+            windows.append(window)
 
     return windows, asyncio.run_coroutine_threadsafe(take(), loop)
 
@@ -70,7 +70,7 @@ def test_a_frame_leaves_whole_and_at_once(loop):
         buffer.flush()
         buffer.atomic_end()
         until(lambda: len(windows) > step, "a frame", pause=0.001)  # noqa: B023
-        assert [(message.name, message.updates["step"]) for message in windows[step][1]] == \
+        assert [(message.name, message.updates["step"]) for message in windows[step]] == \
             [(name, step) for name in "abc"]
     buffer.set_done()
     end.result(PATIENCE)
@@ -102,7 +102,7 @@ def test_frames_of_many_that_come_together_wake_the_sender_once(loop, monkeypatc
         assert len(woken) == 1
     until(lambda: all(windows for windows, _ in heard), "a frame for each")
     assert len(woken) <= 2
-    assert all([message.name for message in windows[0][1]] == ["a", "b", "c"] for windows, _ in heard)
+    assert all([message.name for message in windows[0]] == ["a", "b", "c"] for windows, _ in heard)
     for buffer, (_, end) in zip(buffers, heard, strict=True):
         buffer.set_done()
         end.result(PATIENCE)
@@ -149,12 +149,12 @@ def test_a_newcomer_hears_what_was_said_before_and_where_that_ends(loop):
     for number in range(200):
         buffer.push(moved(f"a{number}", 0))
     windows, end = listen(loop, buffer, ReplayDoneMessage())
-    until(lambda: sum(len(window) for _, window in windows) >= 201, "all that was said before")
+    until(lambda: sum(map(len, windows)) >= 201, "all that was said before")
     buffer.push(moved("later", 0))
-    until(lambda: sum(len(window) for _, window in windows) >= 202, "what is said later")
+    until(lambda: sum(map(len, windows)) >= 202, "what is said later")
     buffer.set_done()
     end.result(PATIENCE)
-    messages = [message for _, window in windows for message in window]
+    messages = [message for window in windows for message in window]
     assert len(messages) == 202 and isinstance(messages[200], ReplayDoneMessage) and messages[201].name == "later"
 
 
