@@ -3,16 +3,9 @@
 from __future__ import annotations
 
 import ast
-import re
-import sys
 
 from tests.groups import MODULES
 from tests.paths import ROOT
-
-if sys.version_info >= (3, 11):
-    import tomllib
-else:
-    import tomli as tomllib
 
 FILES = sorted((ROOT / "tests").rglob("*.py"))
 
@@ -33,10 +26,3 @@ def test_no_file_imports_what_only_another_group_brings():
     found = {(str(path.relative_to(ROOT)), name) for path in FILES
              for name in at_import(ast.parse(path.read_text(encoding="utf-8"))) if name.partition(".")[0] in others}
     assert not found
-
-
-def test_the_groups_are_those_of_the_project():
-    groups = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["dependency-groups"]
-    for group, modules in MODULES.items():
-        brought = [re.match(r"[\w.-]+", line)[0].replace("-", "_") for line in groups[group]]
-        assert sorted(brought) == sorted(modules)

@@ -1,5 +1,6 @@
 """What the texts tell a reader to type is so: every command is read by the parser that a reader meets, and run where it
-takes seconds; modules, tools and files are there; Python runs as it stands."""
+takes seconds; modules, tools and files are there; Python runs as it stands. And what the paper and the report of
+accessibility name is there."""
 
 from __future__ import annotations
 
@@ -198,3 +199,52 @@ def test_commands_in_blocks_do_what_they_are_there_for(words, tmp_path: Path, mo
     assert status == 0 or (status == BROKEN and SHOWN.search(" ".join(words))), capsys.readouterr().err
     files = [words[k + 1] for k, flag in enumerate(words) if flag in ("--plot", "--out", "--particles")]
     assert all((tmp_path / name).exists() for name in files)
+
+
+PAPER = ROOT / "assets" / "paper"
+
+
+def test_what_the_paper_cites_is_in_its_bibliography_and_the_other_way_round():
+    text, entries = (PAPER / "paper.md").read_text(encoding="utf-8"), (PAPER / "paper.bib").read_text(encoding="utf-8")
+    listed = re.findall(r"^@\w+{(\w+),", entries, re.M)
+    cited = set(re.findall(r"(?<![\w.])@(\w+)", text.partition("\n---\n")[2]))
+    assert len(listed) == len(set(listed)) and set(listed) == cited
+    assert entries.count("{") == entries.count("}")
+    for entry in re.split(r"^@", entries, flags=re.M)[1:]:
+        assert "year" in entry and ("doi" in entry or "eprint" in entry), entry
+
+
+def test_numbers_of_the_paper_are_those_of_the_readme():
+    """Each with words around it, as both texts have it."""
+    paper, readme = (" ".join((ROOT / path).read_text(encoding="utf-8").split())
+                     for path in ("assets/paper/paper.md", "README.md"))
+    for number in ("88 of 90 random trials", "97 %", "14 %", "87 %"):
+        assert number in paper and number in readme, number
+    assert "Ten lessons" in readme and "ten lessons" in paper
+
+
+REPORT = (ROOT / "assets" / "accessibility.md").read_text(encoding="utf-8")
+ROW = re.compile(r"^\| (\d\.\d\.\d+) (.+?) \| (AA?) \| (.+?) \| (.+?) \| (.*?) \|$", re.MULTILINE)
+VERDICTS = {"supported", "partly", "not", "does not apply"}
+
+
+def test_each_criterion_of_accessibility_is_listed_once():
+    """All of WCAG 2.1 of the levels A and AA."""
+    rows = ROW.findall(REPORT)
+    assert len({number for number, *_ in rows}) == len(rows) == len(re.findall(r"^\| \d", REPORT, re.M)) == 50
+    assert [level for _, _, level, *_ in rows].count("AA") == 20
+
+
+def test_each_verdict_is_one_of_four_and_has_a_reason():
+    for number, _, _, verdict, looked_at, shown in ROW.findall(REPORT):
+        assert verdict in VERDICTS and looked_at.endswith("."), number
+        assert shown or verdict != "supported", f"{number} is said to be supported, and nothing shows it"
+
+
+def test_each_test_that_is_named_is_there():
+    named = re.findall(r"`(tests/[\w/]+\.py)::(\w+)`", REPORT)
+    assert len(named) > 20
+    for path, name in named:
+        assert f"def {name}(" in (ROOT / path).read_text(encoding="utf-8"), f"{path}::{name}"
+    cells = " ".join(shown for *_, shown in ROW.findall(REPORT))
+    assert len(re.findall(r"tests/[\w/]+\.py", cells)) == len(named)

@@ -102,6 +102,13 @@ BAD = {
     "problem bar --out taken": "--out taken: is not empty; give an empty or a new directory",
     "problem bar --out file/below": "--out file/below: cannot be a directory",
     "judge bar file": "--out (no value): give a directory",
+    "judge bar file --out file/x": "--out file/x: … not a directory",
+    "sweep bar --out file/x": "--out file/x: … not a directory",
+    "stability bar --out file/x": "--out file/x: … not a directory",
+    "check file --out file/x": "--out file/x: … not a directory",
+    "export bar --out file/x.html": "--out file/x.html: … not a directory",
+    "lesson guide 1 --out file/x.html": "--out file/x.html: … not a directory",
+    "lesson grade file --out file/x.csv": "--out file/x.csv: … not a directory",
     "judge bar file --out .": "--out .: is not empty; give an empty or a new directory",
     "coverage ring": "--out … give",
     # what only some commands take
@@ -125,6 +132,9 @@ BAD = {
     f"sweep bar --out x --modulus {' '.join(map(str, range(1, 200)))} --cells {' '.join(map(str, range(4, 100)))}":
         " … too many",
     "tables 4 --out d": "4: is not a table of the paper; give 1, 2, 3 or all",
+    "tables 1 --out x --processes 0": "--processes 0: give a whole number from 1",
+    "stability bar --out x --treatment prayer": "--treatment prayer: is not known",
+    "stability bar --out x --method cpdi": "--method cpdi: is not known",
     "tables 1 2 --out d": "1 2: is not a table of the paper",
     "advise bar": "--tolerance (no value): give the error that is allowed",
     "advise bar --tolerance small": "--tolerance small: give a number above 0",
@@ -137,12 +147,22 @@ BAD = {
     "coverage ring --out new --runs 0": "--runs 0: give a whole number from 1 to 10,000",
     "coverage ring --out new --runs many": "--runs many: give a whole number from 1 to 10,000",
     "coverage ring --out new --seed -1": "--seed -1: give a whole number from 0 to 2,147,483,647",
+    "bench --history a.jsonl": "--history: is gone from mpm-lab bench",
+    "bench --waits": "--waits: is gone from mpm-lab bench: assets/speed.md",
+    "bench --beside=.": "--beside: is gone from mpm-lab bench",
     "bench --class many": "--class many: give a whole number from 1 to",
     "bench --class 2 --minutes -1": "--minutes -1: give a number above 0",
     "budget bar --effects none": "--effects none: a budget needs the effect truth",
     "budget bar --body-force two-tone": "--body-force two-tone: has no exact solution",
     "budget bar --take-away gravity": "--take-away gravity: … coarse_grid",
     "budget ring --take-away gravity": "--take-away gravity: … coarse_grid",
+    "budget bar --plot a.png --json a.png": " … is the file of --json too",
+    "budget bar --map map.png": "--map: is gone from mpm-lab budget bar",
+    "budget ring --particle 3": " … --plot draws",
+    "budget ring --body-force none": " … give material",
+    "budget vortex --body-force two-tone": " … give material",
+    "budget ring --arch gpu": " … cpu",
+    "budget ring --method ugimp --remedies null-space-filter": " … frozen-weights",
     "problem bar --out new --times soon": "--times soon: is no time; give seconds from 0 on",
     "problem bar --out new --times -1": "--times -1: is no time",
     "problem bar --out new --times nan": "--times nan: is no time",
@@ -184,7 +204,7 @@ def test_bad_input_is_one_sentence(line, capsys, tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     (tmp_path / "file").write_text("id,x\n1,0.2\n2,0.4\n")
     (tmp_path / "taken" / "table1.json").mkdir(parents=True)
-    for run in ("app.commands.run.command._run", "app.page.serving.serve", "app.commands.study.tables._run_rows"):
+    for run in ("app.commands.run.command._run", "app.page.serving.serve", "app.commands.study.rows.Study._measure"):
         monkeypatch.setattr(run, lambda *_: pytest.fail("it ran before it had checked"))
     before = files(tmp_path)
     assert main(shlex.split(line)) == 2

@@ -216,14 +216,3 @@ def test_what_is_compared_takes_the_same_steps():
 
 def test_a_run_that_goes_bad_has_no_rate():
     assert math.isnan(rate(build(BarScene(cells=8, cfl=1.5, effects=(), estimators=())), 2))
-
-
-@pytest.mark.parametrize(("flags", "says"), [
-    (["--history", "a.jsonl"], "--history: is gone from mpm-lab bench"),
-    (["--waits"], "--waits: is gone from mpm-lab bench: assets/speed.md"),
-    (["--beside=."], "--beside: is gone from mpm-lab bench")])
-def test_a_flag_that_is_gone_says_so(flags, says, capsys, monkeypatch):
-    monkeypatch.setattr("solvers.bench.bench.bench", lambda *_: pytest.fail("it ran before it had checked"))
-    assert main(["bench", *flags]) == 2
-    said = capsys.readouterr()
-    assert said.out == "" and said.err.count("\n") == 1 and says in said.err

@@ -10,13 +10,13 @@ import math
 import pytest
 
 from app.cli import main
-from app.lessons import classes, grading, shelf
+from app.lessons import grading, shelf
 from app.lessons.lesson import drawn, filled
 from app.lessons.marks import mark, shown, trouble
 from app.lessons.outcomes import Outcomes
 from app.lessons.progress import NotAnswers, Progress, read
 from app.lessons.reading import parse
-from tests.app.lessons.test_lesson_format import TEXT
+from tests.app.lessons.test_lesson_format import TEXT, use_folder
 
 SAVED = TEXT + """
 ## Predict: Drag
@@ -48,10 +48,7 @@ EMPTY = {"schema": "mpm-lab/answers/1", "lesson": "99", "fingerprint": "", "name
 def shelf_of_one(tmp_path, monkeypatch):
     """A folder with one lesson, in the place of ours."""
     (tmp_path / "01-test.md").write_text(SAVED, encoding="utf-8")
-    for function in (shelf.names, shelf.called, shelf.lesson, shelf.lessons, shelf.in_every_language):
-        monkeypatch.setattr(function, "__defaults__", (tmp_path,))
-    for function in (classes.names, classes.page):
-        monkeypatch.setattr(function, "__defaults__", (tmp_path / "classes",))
+    use_folder(monkeypatch, tmp_path)
     return tmp_path / "01-test.md"
 
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import pytest
 
+from app.lessons import classes, shelf
 from app.lessons.lesson import LessonError, drawn, filled
 from app.lessons.reading import parse, read
 from app.lessons.shelf import FOLDER, UnknownLesson, called, lessons, names
@@ -56,6 +57,14 @@ Because $h^2$.
 Ask them.
 ```
 """
+
+
+def use_folder(monkeypatch, folder):
+    """Have all that reads lessons and pages for a class read those of this folder."""
+    for function in (shelf.names, shelf.called, shelf.lesson, shelf.lessons, shelf.in_every_language):
+        monkeypatch.setattr(function, "__defaults__", (folder,))
+    for function in (classes.names, classes.page):
+        monkeypatch.setattr(function, "__defaults__", (folder / "classes",))
 
 
 def test_a_lesson_is_read():

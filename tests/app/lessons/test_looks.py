@@ -8,7 +8,7 @@ import pytest
 
 from app import state
 from app.lessons.lesson import EXPLAIN, filled
-from app.lessons.shelf import lessons
+from app.lessons.shelf import lessons, names
 from solvers.scene.registry import ESTIMATORS
 from tests.paths import LESSONS
 
@@ -25,11 +25,11 @@ def test_letters_of_a_figure_can_be_read_beside_the_stage(figure):
     assert sizes and min(sizes) * BESIDE / width >= LEAST
 
 
-@pytest.mark.parametrize("name", [name for name, one in lessons().items() if "estimators" not in one.controls])
+@pytest.mark.parametrize("name", names())
 def test_an_estimate_is_on_the_stage_only_where_the_text_speaks_of_it(name):
-    """In one of the steps until it is explained."""
+    """In one of the steps until it is explained; or where the reader chooses estimators."""
     lesson = lessons()[name]
-    for k, step in enumerate(lesson.steps):
+    for k, step in enumerate(lesson.steps if "estimators" not in lesson.controls else ()):
         end = next((j for j, other in enumerate(lesson.steps[k:], k + 1) if other.kind == EXPLAIN), len(lesson.steps))
         said = " ".join(f"{other.title} {other.text}" for other in lesson.steps[k:end])
         for numbers in lesson.variants if step.stage else ():
