@@ -1,8 +1,9 @@
-"""The vortex in what shows problems: state, page, recording."""
+"""The vortex in what shows problems: state, page, recording, slow motion."""
 
 from __future__ import annotations
 
 import numpy as np
+import pytest
 
 from app import state
 from app.export.record import Wanted, recording
@@ -12,6 +13,7 @@ from app.words import choices, unit_of
 from solvers.problems import PROBLEMS
 from solvers.problems.planar.layout import particle_layout
 from solvers.problems.vortex.scene import VortexScene
+from solvers.running.run import build
 from solvers.study.stability import offered
 
 
@@ -39,3 +41,21 @@ def test_a_recording():
     head = recording(Wanted("vortex cells=12 ppc=2 t-end=0.1", 3, 1000, ("x",), domains=True))["head"]
     assert head["outermost"] == 1.25 and head["shown"] == VortexScene(cells=12, ppc=2).particles
     assert VORTEX.stage.MIRRORS == ((1, 1),) and VORTEX.stage.PLOT.component == "angular"
+
+
+@pytest.mark.parametrize("changes", [{"method": "cpdi"}, {"method": "cpgimp-v"},
+                                     {"method": "ugimp", "remedies": ("frozen-weights",)}], ids=str)
+def test_a_step_taken_apart_adds_up(changes):
+    """What the particles give is what the solver's nodes have, to rounding: mass, momentum, forces; and a = f/m."""
+    solver = build(VortexScene(cells=12, ppc=2, **changes))
+    solver.advance(20)
+    _, a = solver.break_down(40)
+    k, W, dW = a.links.members, a.links.weight, a.links.slope
+    np.testing.assert_allclose(W.T @ a.mass, a.node_mass, rtol=1e-11)
+    np.testing.assert_allclose(W.T @ (a.mass[:, None] * a.before.velocity), a.momentum, rtol=0,
+                               atol=1e-11 * np.abs(a.momentum).max())
+    force = -np.einsum("knd,ked->ne", dW, a.tension)
+    np.testing.assert_allclose(force, a.internal_force, rtol=0, atol=1e-9 * np.abs(a.internal_force).max())
+    np.testing.assert_allclose((a.internal_force + a.body_force) / a.node_mass[:, None], a.acceleration, rtol=1e-9,
+                               atol=1e-9 * np.abs(a.acceleration).max())
+    assert len(k) > 4 and a.particle == 40
