@@ -204,7 +204,8 @@ class LessonScripts:
     def execute(self) -> int:
         folder = Folder(self.out)
         from app.lessons import shelf
-        for path in sorted(shelf.FOLDER.glob("scripts/*.py")) + sorted(shelf.FOLDER.glob("notebooks/*.py")):
+        for path in sorted(path for part in ("scripts", "scripts/codes", "notebooks")
+                           for path in shelf.FOLDER.glob(f"{part}/*.py")):
             folder.put(path.name, path.read_bytes())
         say(f"{folder.text}: begin with bar.py")
         return OK

@@ -64,7 +64,7 @@ def _prices(title: str, rows: list[dict]) -> str:
 
 
 def _off(rows: list[dict]) -> str:
-    lines = ["an effect that is off: time of a bare step over one stripped by hand of all that is optional",
+    lines = ["an effect that is off: time of a bare step over the method's phases with nothing optional",
              _line("", "ratio", "quartiles", "noise", "call", "stripped")]
     for row in rows:
         ratio, low, high = (formatted(row[name], ".3f") for name in ("ratio", "low", "high"))

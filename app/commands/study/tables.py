@@ -1,6 +1,7 @@
 """``mpm-lab tables``: the paper's numbers, ours and their ratio, then what each estimator says."""
 
 import functools
+import os
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from typing import Annotated
@@ -8,7 +9,7 @@ from typing import Annotated
 import tyro
 
 from app.commands.flags import BadInput, PathFlag, ProcessesFlag, Switch, TextFlag, default_hint, side_by_side
-from app.commands.output import json_text, say
+from app.commands.output import Target, json_text, say
 from app.commands.study.rows import INCOMPLETE, Study
 from app.words import NOTHING, QUANTITIES, method_name
 from solvers.problems import PROBLEMS
@@ -20,6 +21,7 @@ from solvers.study.tables.document import MEASURED, PAPERS_ESTIMATOR, document, 
 from solvers.study.tables.plan import Table, digits
 
 UNSTABLE = 3
+KINDS = ("json", "md", "png")  # of the files of a table
 
 
 @dataclass(frozen=True)
@@ -52,8 +54,11 @@ class Tables(Study):
         if self.table not in (*plan.NUMBERS, "all"):
             raise BadInput("", self.table, f"is not a table of the paper; give {', '.join(plan.NUMBERS)} or all")
         side_by_side(self.processes)
-        wanted = runs(self._tables())
+        wanted = runs(tables := self._tables())
         self.check_place(len(wanted))
+        for path in (f"{self.out.rstrip('/')}/table{table.number}.{kind}" for table in tables for kind in KINDS):
+            if os.path.isdir(path):
+                Target("out", path)  # refuses it now and not after the runs
         return wanted
 
     def _tables(self) -> list[Table]:

@@ -94,14 +94,14 @@ BAD = {
     "sweep bar --cells 20": "--out (no value): give a directory",
     "sweep bar --out file": "--out file: is a file",
     "sweep bar --out .": "--out .: is not empty",
-    "tables 1": "--out (no value): give a directory for the tables",
-    "tables 1 --out file/below": "--out file/below: cannot be a directory: not a directory",
-    f"tables 1 --out {LONG}": "--out … name too long; give one",
+    "tables 1": "--out (no value): give a directory for the rows, tables and pictures",
+    "tables 1 --out file/below": "--out file/below: cannot be used: not a directory",
+    f"tables 1 --out {LONG}": "--out … name too long; give a directory",
     "tables 1 --out taken": "--out taken/table1.json: cannot be written: is a directory",
     "problem bar": "--out (no value): give a directory",
     "problem bar --out taken": "--out taken: is not empty; give an empty or a new directory",
     "problem bar --out file/below": "--out file/below: cannot be a directory",
-    "judge bar file": "--out (no value): give a directory",
+    "judge bar file": "file: is of no kind that is known",
     "judge bar file --out file/x": "--out file/x: … not a directory",
     "sweep bar --out file/x": "--out file/x: … not a directory",
     "stability bar --out file/x": "--out file/x: … not a directory",
@@ -204,7 +204,7 @@ def test_bad_input_is_one_sentence(line, capsys, tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     (tmp_path / "file").write_text("id,x\n1,0.2\n2,0.4\n")
     (tmp_path / "taken" / "table1.json").mkdir(parents=True)
-    for run in ("app.commands.run.command._run", "app.page.serving.serve", "app.commands.study.rows.Study._measure"):
+    for run in ("app.commands.run.command._run", "app.page.serving.serve", "app.commands.study.rows.Study._announce"):
         monkeypatch.setattr(run, lambda *_: pytest.fail("it ran before it had checked"))
     before = files(tmp_path)
     assert main(shlex.split(line)) == 2
