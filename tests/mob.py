@@ -13,7 +13,8 @@ import logging
 import os
 import sys
 import zipfile
-from contextlib import suppress
+from collections.abc import AsyncIterator, Callable
+from contextlib import asynccontextmanager, suppress
 from itertools import count
 from urllib.parse import quote
 
@@ -53,10 +54,22 @@ class Mob:
         finally:
             writer.close()
 
-    def socket(self) -> client.connect:
-        return client.connect(f"ws://{self.host}:{self.port}", subprotocols=[PROTOCOL], compression=None, max_size=None,
-                              ping_interval=None, open_timeout=20, close_timeout=1, local_addr=(FROM, 0),
-                              additional_headers={"Cookie": self.cookie})
+    @asynccontextmanager
+    async def page(self, wanted: Callable[[dict], bool]) -> AsyncIterator[tuple[client.ClientConnection, str]]:
+        """A socket, which is read, and the id of the first widget on its page that is ``wanted``."""
+        async with client.connect(f"ws://{self.host}:{self.port}", subprotocols=[PROTOCOL], compression=None,
+                                  max_size=None, ping_interval=None, open_timeout=20, close_timeout=1,
+                                  local_addr=(FROM, 0), additional_headers={"Cookie": self.cookie}) as socket:
+            await socket.send(packed(CAMERA))
+            found = ""
+            async for raw in socket:
+                if found := next((said["uuid"] for said in unpacked(raw) if wanted(said)), ""):
+                    break
+            reading = asyncio.create_task(drained(socket))
+            try:
+                yield socket, found
+            finally:
+                reading.cancel()
 
     async def guess(self) -> None:
         for k in count():
@@ -66,24 +79,17 @@ class Mob:
 
     async def talk(self) -> None:
         """Whoever is sent away comes again."""
+        def is_slider(said: dict) -> bool:
+            return str(said.get("props", {}).get("label")).startswith("Cells")
+
         while True:
             with suppress(*GONE):
-                async with self.socket() as socket:
-                    await socket.send(packed(CAMERA))
-                    async for raw in socket:
-                        slider = next((said["uuid"] for said in unpacked(raw) if str(
-                            said.get("props", {}).get("label")).startswith("Cells")), None)
-                        if slider:
-                            break
-                    reading = asyncio.create_task(drained(socket))
-                    try:
-                        for cells in count():
-                            value = {"value": 39.0 + cells % 4}
-                            await socket.send(packed({"type": "GuiUpdateMessage", "uuid": slider, "updates": value}))
-                            if cells % 10 == 0:
-                                await asyncio.sleep(10 / MESSAGES)
-                    finally:
-                        reading.cancel()
+                async with self.page(is_slider) as (socket, slider):
+                    for cells in count():
+                        value = {"value": 39.0 + cells % 4}
+                        await socket.send(packed({"type": "GuiUpdateMessage", "uuid": slider, "updates": value}))
+                        if cells % 10 == 0:
+                            await asyncio.sleep(10 / MESSAGES)
             await asyncio.sleep(0.5)
 
     async def half_open(self) -> None:
@@ -106,19 +112,9 @@ class Mob:
     async def _give(self, name: str, content: bytes, whole: bool) -> None:
         for number in count():
             with suppress(*GONE):
-                async with self.socket() as socket:
-                    await socket.send(packed(CAMERA))
-                    async for raw in socket:
-                        box = next((said["uuid"] for said in unpacked(raw)
-                                    if said["type"] == "GuiUploadButtonMessage"), "")
-                        if box:
-                            break
-                    reading = asyncio.create_task(drained(socket))
-                    try:
-                        await give(socket, box, name, content, f"file {number}", whole)
-                        await asyncio.sleep(20)
-                    finally:
-                        reading.cancel()
+                async with self.page(lambda said: said["type"] == "GuiUploadButtonMessage") as (socket, box):
+                    await give(socket, box, name, content, f"file {number}", whole)
+                    await asyncio.sleep(20)
             await asyncio.sleep(1)
 
 

@@ -148,22 +148,17 @@ def test_our_rate_over_the_limits(bar, monkeypatch):
     assert case["low"] == case["ratio"] == case["high"] == pytest.approx(case["rate"] / case["limit"])
 
 
-def test_a_compiler_that_is_not_there_is_said(monkeypatch):
+def test_what_is_missing_or_fails_is_said(monkeypatch):
     monkeypatch.setenv("CXX", "no-such-compiler")
     found = limit.ratios("bar", quick=True)
     assert found["cases"] == [] and "no C++ compiler (no-such-compiler)" in found["missing"]
-
-
-def test_a_missing_example_is_said(monkeypatch):
-    monkeypatch.setattr(example, "NAME", "no_such_example")
-    row = example.example()
-    assert row["rate"] is None and "without this example" in row["missing"]
-
-
-def test_an_example_that_fails_is_said(monkeypatch):
     monkeypatch.setattr(example, "WORK", "solvers.no_such_module:measure")
     row = example.example()
     assert row["rate"] is None and "could not be run" in row["missing"] and "no_such_module" in row["missing"]
+    monkeypatch.undo()
+    monkeypatch.setattr(example, "NAME", "no_such_example")
+    row = example.example()
+    assert row["rate"] is None and "without this example" in row["missing"]
 
 
 def test_a_process_that_fails_or_hangs_is_one_line(monkeypatch):

@@ -36,35 +36,24 @@ def panels(figure) -> dict:
             "particles": figure.axes[5]}
 
 
-def test_norms_are_drawn_in_the_two_colours(result):
-    for axes, quantity in zip(panels(run_figure(result))["norms"], ("x", "v", "sigma"), strict=True):
+def test_the_picture_of_a_bar_shows_its_result(result):
+    """Norms in the two colours, the index, lanes on one scale with the boundaries of cells, and the scene."""
+    figure = run_figure(result)
+    shown, title = panels(figure), figure.get_suptitle()
+    for axes, quantity in zip(shown["norms"], ("x", "v", "sigma"), strict=True):
         assert axes.get_yscale() == "log"
         truth, estimate = axes.get_lines()
         assert (truth.get_color(), estimate.get_color()) == (TRUTH, ESTIMATE)
         np.testing.assert_array_equal(truth.get_ydata()[1:], result.series[f"error_{quantity}"][1:])
-
-
-def test_index_ends_at_the_results_index(result):
-    lines = {line.get_label(): line for line in panels(run_figure(result))["index"].get_lines()}
+    lines = {line.get_label(): line for line in shown["index"].get_lines()}
     assert lines["x"].get_ydata()[-1] == pytest.approx(result.index["transport"]["x"])
     assert lines["σ"].get_ydata()[-1] == pytest.approx(result.index["transport"]["sigma"])
-
-
-def test_lanes_share_one_scale(result):
-    truth, estimate = panels(run_figure(result))["particles"].collections[:2]
+    truth, estimate, boundaries = shown["particles"].collections[:3]
     assert truth.norm is estimate.norm
     np.testing.assert_array_equal(truth.get_array(), np.abs(result.final.error[:, 0]))
     np.testing.assert_array_equal(estimate.get_array(), np.abs(result.final.estimate["transport"][:, 0]))
     assert truth.norm.vmax == max(truth.get_array().max(), estimate.get_array().max())
-
-
-def test_cell_boundaries_are_drawn(result):
-    boundaries = panels(run_figure(result))["particles"].collections[2].get_segments()
-    np.testing.assert_allclose([line[0][0] for line in boundaries], np.arange(9) / 8)
-
-
-def test_title_tells_the_scene(result):
-    title = run_figure(result).get_suptitle()
+    np.testing.assert_allclose([line[0][0] for line in boundaries.get_segments()], np.arange(9) / 8)
     assert "uGIMP" in title and "8 cells" in title and "A = 0.025 m" in title
 
 
