@@ -114,8 +114,8 @@ def test_a_reader_that_has_gone_is_no_fuss(words):
     assert (done.returncode, done.stderr) == (dispatch.BROKEN_PIPE, "")
 
 
-LONG = {"run bar --cells 20000 --dt 1e-6 --t-end 100 --json a.json": "", "sweep bar --cells 20 40 80 --out rows": "",
-        "lesson check": "", "judge ring exact.csv --cells 48 --out verdict": "slow", "bench --json a.json": "slow",
+LONG = {"run bar --cells 20000 --dt 1e-6 --t-end 100 --json a.json": "", "lesson check": "",
+        "judge ring exact.csv --cells 48 --out verdict": "slow", "bench --json a.json": "slow",
         "advise ring --tolerance 1e-5": "slow", "budget ring --cells 100": "slow", "lesson guide 9": "slow",
         "export bar --out bar.html": "slow", "stability bar --out map": "slow", "tables all --out tables": "slow"}
 
