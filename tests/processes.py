@@ -114,11 +114,8 @@ class Watch:
 
     def __init__(self, process: int):
         self._process = process
-        self._begun = perf_counter() - self._waited()
+        self._begun = perf_counter() - _waited(process)
 
     @property
     def seconds(self) -> float:
-        return perf_counter() - self._waited() - self._begun
-
-    def _waited(self) -> float:
-        return _waited(self._process)
+        return perf_counter() - _waited(self._process) - self._begun

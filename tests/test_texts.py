@@ -162,18 +162,16 @@ def test_files_that_a_text_names_are_there():
         assert next(ROOT.glob(pattern), None) is not None, piece
 
 
-PYTHON_PAGES = sorted({piece.page for piece in texts.python_blocks()})
-
-
-@pytest.mark.parametrize("page", PYTHON_PAGES)
-def test_python_of_a_page_runs_from_top_to_bottom(page, tmp_path):
+def test_python_of_a_page_runs_from_top_to_bottom(tmp_path):
     """In a process of its own, as a reader would: the blocks of a page one after the other."""
-    code = "\n".join(piece.text for piece in texts.python_blocks() if piece.page == page)
-    done = subprocess.run([sys.executable, "-c", code], cwd=tmp_path, capture_output=True, text=True, timeout=HANG,
-                          env=os.environ | {"PYTHONPATH": str(ROOT), "MPLBACKEND": "agg"})
-    assert done.returncode == 0, done.stderr
-    if page == "README.md":
-        assert re.search(r"largest error of x: \S+ m; estimated over true: (1\.00|0\.99)\d*\n", done.stdout)
+    pieces = list(texts.python_blocks())
+    for page in sorted({piece.page for piece in pieces}):
+        code = "\n".join(piece.text for piece in pieces if piece.page == page)
+        done = subprocess.run([sys.executable, "-c", code], cwd=tmp_path, capture_output=True, text=True, timeout=HANG,
+                              env=os.environ | {"PYTHONPATH": str(ROOT), "MPLBACKEND": "agg"})
+        assert done.returncode == 0, f"{page}: {done.stderr}"
+        if page == "README.md":
+            assert re.search(r"largest error of x: \S+ m; estimated over true: (1\.00|0\.99)\d*\n", done.stdout)
 
 
 def test_each_command_in_a_block_is_run_somewhere():
@@ -182,23 +180,20 @@ def test_each_command_in_a_block_is_run_somewhere():
     assert all((ROOT / place).exists() for place in ELSEWHERE.values())
 
 
-def runs():
-    """Each command in a block that ends by itself, and how long one waits for it."""
-    for piece in in_blocks():
-        words = after_uv(texts.words(piece.text))[0][1:]
-        if named(words) in (*AT_ONCE, *SLOW) and ON_A_GPU not in words:
-            slow = named(words) in SLOW
-            yield pytest.param(words, id=" ".join(words), marks=[pytest.mark.slow] if slow else [])
-
-
-@pytest.mark.parametrize("words", list(runs()))
-def test_commands_in_blocks_do_what_they_are_there_for(words, tmp_path: Path, monkeypatch, capsys):
+@pytest.mark.parametrize("some", [AT_ONCE, pytest.param(SLOW, marks=pytest.mark.slow)], ids=["at once", "slow"])
+def test_commands_in_blocks_do_what_they_are_there_for(some, tmp_path: Path, monkeypatch, capsys):
     """They end well, but for runs that are shown because they break, and leave what they name."""
-    monkeypatch.chdir(tmp_path)
-    status = main(words)
-    assert status == 0 or (status == BROKEN and SHOWN.search(" ".join(words))), capsys.readouterr().err
-    files = [words[k + 1] for k, flag in enumerate(words) if flag in ("--plot", "--out", "--particles")]
-    assert all((tmp_path / name).exists() for name in files)
+    for k, piece in enumerate(in_blocks()):
+        words = after_uv(texts.words(piece.text))[0][1:]
+        if named(words) not in some or ON_A_GPU in words:
+            continue
+        folder = tmp_path / str(k)
+        folder.mkdir()
+        monkeypatch.chdir(folder)
+        status = main(words)
+        assert status == 0 or (status == BROKEN and SHOWN.search(piece.text)), f"{piece}\n{capsys.readouterr().err}"
+        files = [words[n + 1] for n, flag in enumerate(words) if flag in ("--plot", "--out", "--particles")]
+        assert all((folder / name).exists() for name in files), piece
 
 
 PAPER = ROOT / "assets" / "paper"

@@ -141,6 +141,7 @@ def words(axes) -> str:
 
 
 def test_ring_shows_the_estimate_mirrored_and_the_truth_on_one_scale(ring):
+    """Which the truth caps; and a profile in the two colours."""
     figure = run_figure(ring)
     estimate, truth = ring_halves(figure)
     np.testing.assert_array_equal(estimate.get_offsets(), ring.final.position * (-1, 1))
@@ -151,16 +152,10 @@ def test_ring_shows_the_estimate_mirrored_and_the_truth_on_one_scale(ring):
     assert estimate.norm.vmax == min(max(estimate.get_array().max(), truth.get_array().max()),
                                      10 * truth.get_array().max())
     assert figure.axes[5].get_aspect() == 1.0 and "estimate (transport) truth" in words(figure.axes[5])
-
-
-def test_ring_scale_is_capped_by_the_truth(ring):
     wild = replace(ring.final, estimate={"transport": 1e6 * ring.final.estimate["transport"]})
     estimate, truth = ring_halves(run_figure(replace(ring, final=wild)))
     assert estimate.norm.vmax == truth.norm.vmax == 10 * truth.get_array().max()
-
-
-def test_ring_profile_is_drawn_in_the_two_colours(ring):
-    truth, estimate = run_figure(ring).axes[4].get_lines()
+    truth, estimate = figure.axes[4].get_lines()
     assert (truth.get_color(), estimate.get_color()) == (TRUTH, ESTIMATE)
     shells = len(truth.get_xdata())
     squares = ring.final.error[:, 0].reshape(-1, shells) ** 2  # the polar layout runs through R first
