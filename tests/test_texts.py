@@ -30,7 +30,7 @@ else:
 
 LAB = "mpm-lab"
 #: What is run here, as it stands in a block, and how: at once, or with ``--slow``.
-AT_ONCE = (("run", "--scene"), ("problem", "ring"), ("lesson", "list"))
+AT_ONCE = (("run", "--scene"), ("problem", "ring"), ("lesson", "list"), ("lesson", "scripts"))
 SLOW = (("run", "bar"), ("run", "ring"), ("run", "vortex"), ("budget", "bar"), ("budget", "ring"), ("export",),
         ("lesson", "check"), ("lesson", "guide"), ("advise", "bar"), ("sweep", "bar"), ("tables",))
 #: What is read here and run elsewhere, for it ends only when it is told to, measures for long, or asks for files.

@@ -32,6 +32,11 @@ def _luminance(colour: str) -> float:
     return 0.2126 * linear[0] + 0.7152 * linear[1] + 0.0722 * linear[2]
 
 
+def test_contrast_is_the_guidelines():
+    assert contrast("#ffffff", "#000000") == pytest.approx(21)
+    assert contrast("#777777", "#ffffff") == contrast("#ffffff", "#777777") == pytest.approx(4.478, abs=1e-3)
+
+
 @pytest.mark.parametrize("shade", (0, 1), ids=("light", "dark"))
 def test_words_and_lines_stand_out_from_every_ground(shade):
     for least, tokens in ((4.5, TEXTS), (3.0, LINES)):
