@@ -43,7 +43,7 @@ class Coverage(StudyFlags):
     workers: ProcessesFlag = None
     """Processes on this machine that run rows side by side; nothing is timed."""
 
-    def plan(self) -> list[Draw]:
+    def questions(self) -> list[Draw]:
         require_whole("runs", self.runs, 1, MOST_ROWS)
         require_whole("seed", self.seed, 0, MOST_SEED)
         self.check_place(self.runs)

@@ -26,7 +26,7 @@ ADDRESS = re.compile(r"(tcp|tls|ucx|ws|wss)://\S+:\d+/?")
 
 
 class Study:
-    """A study as a command: its ``plan`` (of ``solvers.study.places.Question``), how a worker process measures a row of
+    """A study as a command: its ``questions`` (of ``solvers.study.places.Question``), how a worker process measures a row of
     each, how one that was kept is checked, and the ``document`` of the rows."""
 
     SCENE: ClassVar[type[Scene]]
@@ -40,7 +40,7 @@ class Study:
     out: Any
     quiet: bool
 
-    def plan(self) -> Sequence["Question"]:
+    def questions(self) -> Sequence["Question"]:
         """Every row that is wanted, in order; refuses bad input."""
         raise NotImplementedError
 
@@ -50,7 +50,7 @@ class Study:
         raise NotImplementedError
 
     def execute(self) -> int:
-        rows = self._rows(self.plan())
+        rows = self._rows(self.questions())
         return INCOMPLETE if rows is None else self.document(rows)
 
     @property

@@ -43,7 +43,7 @@ class Stability(StudyFlags):
     workers: ProcessesFlag = None
     """Processes on this machine that run rows side by side; what a step costs is timed alone, at the end."""
 
-    def plan(self) -> list[Task]:
+    def questions(self) -> list[Task]:
         inputs = combinations(self.axes())
         for treatment in self.treatment:
             require_choice("treatment", treatment, offered(self.SCENE))

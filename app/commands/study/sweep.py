@@ -34,7 +34,7 @@ class Sweep(StudyFlags, SceneFlags):
     each_effect: Annotated[Switch, default_hint("off")] = False
     """Time each effect alone as well, which compiles and runs more."""
 
-    def plan(self) -> list[Task]:
+    def questions(self) -> list[Task]:
         require_whole("repeats", self.repeats, 1, 1000)
         axes = self.axes()
         self.check_place(math.prod(map(len, axes.values())))

@@ -50,7 +50,7 @@ class Tables(Study):
     def only_problem(self) -> None:
         """Rows are of several."""
 
-    def plan(self) -> list[Task]:
+    def questions(self) -> list[Task]:
         if self.table not in (*plan.NUMBERS, "all"):
             raise BadInput("", self.table, f"is not a table of the paper; give {', '.join(plan.NUMBERS)} or all")
         side_by_side(self.processes)
