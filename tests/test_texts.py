@@ -171,7 +171,7 @@ def test_python_of_a_page_runs_from_top_to_bottom(tmp_path):
                               env=os.environ | {"PYTHONPATH": str(ROOT), "MPLBACKEND": "agg"})
         assert done.returncode == 0, f"{page}: {done.stderr}"
         if page == "README.md":
-            assert re.search(r"largest error of x: \S+ m; estimated over true: (1\.00|0\.99)\d*\n", done.stdout)
+            assert re.search(r"largest error of x \S+ m; estimated over true (1\.00|0\.99)\d*\n", done.stdout)
 
 
 def test_each_command_in_a_block_is_run_somewhere():
