@@ -25,7 +25,7 @@ OF_PYTHON = {"uname", "WNOHANG", "SIGKILL", "SIGSTOP", "SIGHUP", "pthread_sigmas
 #: Files that use such names, and why they may.
 MAY = {"solvers/engine/successor.py": "forks, where it is POSSIBLE",
        "solvers/engine/process.py": "buries what was forked, and nothing else",
-       "solvers/workers/pool.py": "suppresses the AttributeError", "solvers/workers/processes.py": "on Linux only",
+       "solvers/workers/pool.py": "suppresses the AttributeError",
        "solvers/bench/bench.py": "asks hasattr", "solvers/judging/show.py": "on Linux only",
        "app/commands/bench/class_load.py": "asks hasattr", "solvers/study/store.py": "suppresses the ImportError"}
 
