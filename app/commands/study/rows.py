@@ -26,8 +26,8 @@ ADDRESS = re.compile(r"(tcp|tls|ucx|ws|wss)://\S+:\d+/?")
 
 
 class Study:
-    """A study as a command: its ``questions`` (of ``solvers.study.places.Question``), how a worker process measures a row of
-    each, how one that was kept is checked, and the ``document`` of the rows."""
+    """A study as a command: its ``questions`` (of ``solvers.study.places.Question``), how a worker process measures a row
+    of each, how one that was kept is checked, and the ``document`` of the rows."""
 
     SCENE: ClassVar[type[Scene]]
     TIMED: ClassVar[bool] = True  # whether rows have times, for the sake of which one runs after the other

@@ -126,3 +126,10 @@ def test_bash_completes_commands_flags_words_and_files(tmp_path):
     registered, *offered = done.stdout.splitlines()
     assert registered == "complete -o default -F _tyro_mpm_lab mpm-lab"
     assert offered == [f"1 {word}" if word else "0 " for word in lines.values()]
+
+
+def test_no_flag_hides_what_its_command_does():
+    """A ring has a field ``plan``: a method of that name would be its value."""
+    hidden = [(name, flag.name) for name, kind in commands().items() for flag in fields(kind)
+              for base in kind.__mro__ if callable(own := vars(base).get(flag.name)) or isinstance(own, property)]
+    assert hidden == []

@@ -11,6 +11,7 @@ import sys
 
 import pytest
 
+from app.cli import main
 from tests.paths import ROOT
 from tests.processes import HANG
 
@@ -104,3 +105,11 @@ def test_bar_is_judged_well(printed, tmp_path):
     """The companion's index of the bar is 1.00 (assets/estimates.md)."""
     true, estimated = (numbers(line)[1] for line in printed("bar").splitlines() if line.startswith("x (m)"))
     assert estimated == pytest.approx(true, rel=0.02) and (tmp_path / "bar.png").exists()
+
+
+def test_scripts_and_notebooks_are_copied_as_they_are(tmp_path):
+    assert main(["lesson", "scripts", "--out", str(tmp_path / "new")]) == 0
+    there = {path.name: path.read_bytes() for path in (tmp_path / "new").iterdir()}
+    assert {"bar.py", "own_estimator.py", "taichi_mpm99_bar.py", "crossing.py"} <= there.keys()
+    assert there["bar.py"] == (ROOT / "lessons" / "scripts" / "bar.py").read_bytes()
+    assert main(["lesson", "scripts", "--out", str(tmp_path / "new")]) == 2 and main(["lesson", "scripts"]) == 2

@@ -25,7 +25,7 @@ from tests.paths import ROOT
 from tests.rows import Instant
 
 SEED = 7  # not that of assets/coverage.md
-FEW, MANY = 12, 50  # runs
+FEW, MANY = 20, 50  # runs
 
 
 @pytest.mark.parametrize("problem", PROBLEMS)
