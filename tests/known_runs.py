@@ -1,45 +1,88 @@
-"""Runs of ours drawn at random, good ones and broken ones, with their particles as any code would write them."""
+"""Runs of ours drawn at random, good ones and broken ones: what they are worth, what the lab says of them with the
+truth and without, and their particles as any code would write them."""
 
 from __future__ import annotations
 
 import itertools
 import random
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
+from typing import Any
 
 import numpy as np
 
 from solvers.judging.frames import Frame
 from solvers.judging.ours import framed
+from solvers.problems import PROBLEMS
 from solvers.running.run import run
+from solvers.scene.remedies import CENTRED, COUPLED, FILTER, FROZEN
+from solvers.scene.rules import SceneError
 from solvers.scene.scene import Scene
 from solvers.solver.checked import as_large_as_itself
 from solvers.solver.snapshot import Snapshot
 from solvers.solver.soundness import LOST, MOST_ERROR, OK, UNSTABLE, findings
-from tests.verdict_search import FINE, RANGES, SWITCHES, Numbers, scene_of
 
+FINE = 0.1  # amplitudes: a run whose error of x never exceeds it, nor v and sigma themselves, must not be called lost
+BETWEEN = 1.2  # looks are 20 a period: between two of them an error may be larger than at either
+MOST_WORK, MOST_STEPS = 3e5, 8000  # of a scene: particles and nodes times steps, and steps
 MOMENTS = 24  # of a run that are written, about
 CLOSE = 0.5  # of the distance of particles: farther off, their order says nothing
 SMALL = 0.5  # of the quantity itself
+SWITCHES: dict[str, tuple[dict[str, Any], ...]] = {
+    "bar": ({"method": "mpm"}, {"method": "ugimp"}, {"method": "cpgimp"}, {"method": "bspline"},
+            {"method": "ugimp", "linearity_preserving": True}, {"method": "ugimp", "body_force": "node"},
+            {"method": "cpgimp", "linearity_preserving": True, "remedies": (FILTER, COUPLED, CENTRED)},
+            {"method": "mpm", "remedies": (FROZEN,)}, {"method": "cpgimp", "body_force": "none"},
+            {"method": "ugimp", "velocity": "particle"}),
+    "ring": ({"method": "mpm"}, {"method": "ugimp"}, {"method": "cpgimp"}, {"method": "cpdi"},
+             {"method": "ugimp", "remedies": (FILTER, COUPLED)}, {"method": "mpm", "velocity": "particle"},
+             {"method": "cpdi", "layout": "cartesian"}),
+    "vortex": ({"method": "mpm"}, {"method": "ugimp"}, {"method": "cpgimp-v"}, {"method": "cpdi"},
+               {"method": "cpgimp", "remedies": (FILTER,)}, {"method": "mpm", "remedies": (FROZEN,)},
+               {"method": "cpdi", "layout": "cartesian"}, {"method": "cpdi", "poisson_ratio": 0.47}),
+}
+#: Of each number the range it is drawn from, by its logarithm.
+RANGES: dict[str, dict[str, tuple[float, float]]] = {
+    "bar": {"cells": (4, 250), "ppc": (1, 8), "amplitude": (1e-4, 0.158), "cfl": (0.03, 0.6), "periods": (0.05, 40)},
+    "ring": {"cells": (8, 40), "ppc": (1, 4), "amplitude": (1e-3, 0.384), "cfl": (0.03, 0.5), "periods": (0.05, 3)},
+    "vortex": {"cells": (12, 40), "ppc": (1, 4), "amplitude": (1e-3, 1.57), "cfl": (0.03, 0.5), "periods": (0.05, 2),
+               "frequency": (0.03, 6.0)},
+}
 #: From which part on of the logarithm of a range, and up to which, a number is drawn: all of it, what is to break a run
 #: and what is to spare it.
 PARTS: tuple[dict[str, tuple[float, float]], ...] = (
     {}, {"amplitude": (0.75, 1.0), "cells": (0.0, 0.6), "cfl": (0.5, 1.0), "periods": (0.6, 1.0)},
     {"cells": (0.6, 1.0), "ppc": (0.5, 1.0), "cfl": (0.3, 0.7), "periods": (0.0, 0.7), "frequency": (0.0, 0.5)})
-Arrays = dict[str, np.ndarray]
+Numbers = dict[str, float]
 
 
 @dataclass(frozen=True)
 class KnownRun:
     """A run with the largest errors of x (in amplitudes), v and the stress (in their own RMS), the lab's status, the
-    kinds of evidence for it, and the particles at moments that an outsider would have."""
+    kinds of evidence for it without the truth, and the particles at moments that an outsider would have."""
 
     scene: Scene
     errors: dict[str, float]
     status: str
     kinds: tuple[str, ...]
     named: tuple[str, ...]  # quantities as wrong as they are large
-    particles: Arrays
+    particles: dict[str, np.ndarray]
+
+    @property
+    def blind(self) -> str:
+        """The status without the truth."""
+        return UNSTABLE if self.status == UNSTABLE else LOST if self.kinds else OK
+
+    @property
+    def missed(self) -> bool:
+        """Whether it is off by more than half the motion, and nothing says so without the truth."""
+        return self.blind == OK and self.errors["x"] > BETWEEN * MOST_ERROR
+
+    @property
+    def false_alarm(self) -> bool:
+        """Whether it is lost without the truth, and fine with it."""
+        fine = self.errors["x"] < FINE and not self.named and self.status != UNSTABLE
+        return self.blind == LOST and fine
 
     @property
     def good(self) -> bool:
@@ -79,20 +122,17 @@ class _Kept:
             self.frames, self._every = self.frames[::2], 2 * self._every
 
 
-def known(scene: Scene) -> KnownRun | None:
-    """Run a scene; None where it left fewer than two moments."""
+def known(scene: Scene) -> KnownRun:
+    """Run a scene, and judge it again without the truth."""
     kept = _Kept(scene)
     result = run(scene, prices=False, mid_run=False, on_sample=kept.keep)
-    series = result.series
+    series, frames = result.series, kept.frames
     with np.errstate(all="ignore"):
         errors = {"x": float(np.nanmax(series["error_x"])) / scene.motion_amplitude,
                   **{q: float(np.nanmax(series[f"error_{q}"])) / scene.rms_of(q) for q in ("v", "sigma")}}
-    frames = kept.frames
     last = framed(result.final, scene)
     if not frames or last.time > frames[-1].time:  # of a run gone bad, too: a code stops with something
         frames.append(last)
-    if len(frames) < 2:
-        return None
     unseen = {name: np.full_like(values, np.nan) if name.startswith("error_") else values
               for name, values in series.items()}
     kinds = tuple(sorted(findings(replace(scene, effects=("soundness",)), unseen)))
@@ -109,11 +149,33 @@ def numbers(problem: str, parts: Mapping[str, tuple[float, float]], chance: rand
             for name, (low, high) in RANGES[problem].items()}
 
 
+def scene_of(problem: str, switches: Mapping[str, Any], numbers: Numbers) -> Scene | None:
+    """The scene, cut to what is cheap; None where it is refused."""
+    whole = {name: round(value) if name in ("cells", "ppc") else value for name, value in numbers.items()}
+    try:
+        scene = PROBLEMS[problem].scene(**switches, **whole, estimators=(), effects=("truth", "soundness"))
+        most = min(MOST_STEPS, MOST_WORK / (scene.particles + 0.2 * scene.cells**scene.DIMENSIONS))
+        return replace(scene, periods=whole["periods"] * most / scene.steps) if scene.steps > most else scene
+    except SceneError:
+        return None
+
+
+def random_runs(problem: str, count: int, chance: random.Random,
+                switches: Sequence[Mapping[str, Any]] = ()) -> list[KnownRun]:
+    """So many runs of random scenes, with some of the ``switches`` or any."""
+    found: list[KnownRun] = []
+    while len(found) < count:
+        if scene := scene_of(problem, chance.choice(switches or SWITCHES[problem]), numbers(problem, {}, chance)):
+            found.append(known(scene))
+    return found
+
+
 def known_runs(problem: str, seed: int) -> Iterator[KnownRun]:
-    """Runs of a problem without end, the same for the same seed: every third one is likely to break."""
+    """Runs of a problem without end, the same for the same seed, of two moments at least: every third one is likely to
+    break."""
     chance = random.Random(f"check {seed} {problem}")
     for turn in itertools.count():
         inputs = numbers(problem, PARTS[turn % len(PARTS)], chance)
         scene = scene_of(problem, chance.choice(SWITCHES[problem]), inputs)
-        if scene and (found := known(scene)):
+        if scene and len((found := known(scene)).particles["t"]) > 1:
             yield found

@@ -12,7 +12,6 @@ from collections import defaultdict
 from collections.abc import Callable, Iterable, Iterator
 from contextlib import contextmanager, suppress
 from pathlib import Path
-from subprocess import Popen
 from time import monotonic, perf_counter, sleep
 
 PATIENCE = 30.0  # seconds: against a test that would hang, and for nothing else
@@ -88,22 +87,8 @@ def state(process: int) -> str:
     return ""
 
 
-def wait_for_library(process: Popen, name: str) -> None:
-    """Wait until a process has begun to load a native library, such as Taichi's."""
-    def loaded() -> bool:
-        assert process.poll() is None, "it ended before"
-        return has_library(process.pid, name)
-
-    until(loaded, f"{name} loaded")
-
-
 def has_library(process: int, name: str) -> bool:
     return name in Path(f"/proc/{process}/maps").read_text()
-
-
-def processor_seconds(process: int) -> float:
-    """That its first thread has run."""
-    return 1e-9 * int(Path(f"/proc/{process}/schedstat").read_text().split()[0])
 
 
 @contextmanager
@@ -129,11 +114,8 @@ class Watch:
 
     def __init__(self, process: int):
         self._process = process
-        self._begun = perf_counter() - self._waited()
+        self._begun = perf_counter() - _waited(process)
 
     @property
     def seconds(self) -> float:
-        return perf_counter() - self._waited() - self._begun
-
-    def _waited(self) -> float:
-        return _waited(self._process)
+        return perf_counter() - _waited(self._process) - self._begun

@@ -5,6 +5,7 @@ Workflows run elsewhere; here each is read, and what it would type exists.
 
 from __future__ import annotations
 
+import ast
 import os
 import re
 import shlex
@@ -17,6 +18,7 @@ import yaml
 
 from app import __version__
 from app.commands.dispatch import commands
+from tests.groups import MODULES
 from tests.paths import ROOT
 
 if sys.version_info >= (3, 11):
@@ -125,3 +127,22 @@ def test_the_version_is_the_same_wherever_it_stands():
     number, day = re.findall(r"^## (\d+\.\d+\.\d+), (\d{4}-\d\d-\d\d)$", texts["CHANGELOG.md"], re.M)[0]
     assert (number, day) == (__version__, str(cited["date-released"])) and cited["version"] == __version__
     assert f"git tag -a v{__version__} -m \"mpm-lab {__version__}\"" in texts["CONTRIBUTING.md"]
+
+
+def at_import(tree: ast.AST):
+    """The names of the modules that a file imports as it is imported: all but those within functions."""
+    for node in ast.iter_child_nodes(tree):
+        if isinstance(node, ast.Import):
+            yield from (name.name for name in node.names)
+        elif isinstance(node, ast.ImportFrom) and not node.level:
+            yield node.module
+        elif not isinstance(node, (ast.FunctionDef, ast.AsyncFunctionDef)):
+            yield from at_import(node)
+
+
+def test_no_test_imports_what_only_another_group_brings():
+    """``uv run pytest`` collects with the dependency group ``test`` alone; what others bring is asked for."""
+    others = {module for modules in MODULES.values() for module in modules}
+    found = {(str(path.relative_to(ROOT)), name) for path in (ROOT / "tests").rglob("*.py")
+             for name in at_import(ast.parse(path.read_text(encoding="utf-8"))) if name.partition(".")[0] in others}
+    assert not found

@@ -1,5 +1,6 @@
 """What the texts tell a reader to type is so: every command is read by the parser that a reader meets, and run where it
-takes seconds; modules, tools and files are there; Python runs as it stands."""
+takes seconds; modules, tools and files are there; Python runs as it stands. And what the paper and the report of
+accessibility name is there."""
 
 from __future__ import annotations
 
@@ -29,7 +30,7 @@ else:
 
 LAB = "mpm-lab"
 #: What is run here, as it stands in a block, and how: at once, or with ``--slow``.
-AT_ONCE = (("run", "--scene"), ("problem", "ring"), ("lesson", "list"))
+AT_ONCE = (("run", "--scene"), ("problem", "ring"), ("lesson", "list"), ("lesson", "scripts"))
 SLOW = (("run", "bar"), ("run", "ring"), ("run", "vortex"), ("budget", "bar"), ("budget", "ring"), ("export",),
         ("lesson", "check"), ("lesson", "guide"), ("advise", "bar"), ("sweep", "bar"), ("tables",))
 #: What is read here and run elsewhere, for it ends only when it is told to, measures for long, or asks for files.
@@ -161,18 +162,16 @@ def test_files_that_a_text_names_are_there():
         assert next(ROOT.glob(pattern), None) is not None, piece
 
 
-PYTHON_PAGES = sorted({piece.page for piece in texts.python_blocks()})
-
-
-@pytest.mark.parametrize("page", PYTHON_PAGES)
-def test_python_of_a_page_runs_from_top_to_bottom(page, tmp_path):
+def test_python_of_a_page_runs_from_top_to_bottom(tmp_path):
     """In a process of its own, as a reader would: the blocks of a page one after the other."""
-    code = "\n".join(piece.text for piece in texts.python_blocks() if piece.page == page)
-    done = subprocess.run([sys.executable, "-c", code], cwd=tmp_path, capture_output=True, text=True, timeout=HANG,
-                          env=os.environ | {"PYTHONPATH": str(ROOT), "MPLBACKEND": "agg"})
-    assert done.returncode == 0, done.stderr
-    if page == "README.md":
-        assert re.search(r"largest error of x \S+ m; estimated over true (1\.00|0\.99)\d\n", done.stdout)
+    pieces = list(texts.python_blocks())
+    for page in sorted({piece.page for piece in pieces}):
+        code = "\n".join(piece.text for piece in pieces if piece.page == page)
+        done = subprocess.run([sys.executable, "-c", code], cwd=tmp_path, capture_output=True, text=True, timeout=HANG,
+                              env=os.environ | {"PYTHONPATH": str(ROOT), "MPLBACKEND": "agg"})
+        assert done.returncode == 0, f"{page}: {done.stderr}"
+        if page == "README.md":
+            assert re.search(r"largest error of x \S+ m; estimated over true (1\.00|0\.99)\d\n", done.stdout)
 
 
 def test_each_command_in_a_block_is_run_somewhere():
@@ -181,20 +180,66 @@ def test_each_command_in_a_block_is_run_somewhere():
     assert all((ROOT / place).exists() for place in ELSEWHERE.values())
 
 
-def runs():
-    """Each command in a block that ends by itself, and how long one waits for it."""
-    for piece in in_blocks():
-        words = after_uv(texts.words(piece.text))[0][1:]
-        if named(words) in (*AT_ONCE, *SLOW) and ON_A_GPU not in words:
-            slow = named(words) in SLOW
-            yield pytest.param(words, id=" ".join(words), marks=[pytest.mark.slow] if slow else [])
-
-
-@pytest.mark.parametrize("words", list(runs()))
-def test_commands_in_blocks_do_what_they_are_there_for(words, tmp_path: Path, monkeypatch, capsys):
+@pytest.mark.parametrize("some", [AT_ONCE, pytest.param(SLOW, marks=pytest.mark.slow)], ids=["at once", "slow"])
+def test_commands_in_blocks_do_what_they_are_there_for(some, tmp_path: Path, monkeypatch, capsys):
     """They end well, but for runs that are shown because they break, and leave what they name."""
-    monkeypatch.chdir(tmp_path)
-    status = main(words)
-    assert status == 0 or (status == BROKEN and SHOWN.search(" ".join(words))), capsys.readouterr().err
-    files = [words[k + 1] for k, flag in enumerate(words) if flag in ("--plot", "--out", "--particles")]
-    assert all((tmp_path / name).exists() for name in files)
+    for k, piece in enumerate(in_blocks()):
+        words = after_uv(texts.words(piece.text))[0][1:]
+        if named(words) not in some or ON_A_GPU in words:
+            continue
+        folder = tmp_path / str(k)
+        folder.mkdir()
+        monkeypatch.chdir(folder)
+        status = main(words)
+        assert status == 0 or (status == BROKEN and SHOWN.search(piece.text)), f"{piece}\n{capsys.readouterr().err}"
+        files = [words[n + 1] for n, flag in enumerate(words) if flag in ("--plot", "--out", "--particles")]
+        assert all((folder / name).exists() for name in files), piece
+
+
+PAPER = ROOT / "assets" / "paper"
+
+
+def test_what_the_paper_cites_is_in_its_bibliography_and_the_other_way_round():
+    text, entries = (PAPER / "paper.md").read_text(encoding="utf-8"), (PAPER / "paper.bib").read_text(encoding="utf-8")
+    listed = re.findall(r"^@\w+{(\w+),", entries, re.M)
+    cited = set(re.findall(r"(?<![\w.])@(\w+)", text.partition("\n---\n")[2]))
+    assert len(listed) == len(set(listed)) and set(listed) == cited
+    assert entries.count("{") == entries.count("}")
+    for entry in re.split(r"^@", entries, flags=re.M)[1:]:
+        assert "year" in entry and ("doi" in entry or "eprint" in entry), entry
+
+
+def test_numbers_of_the_paper_are_those_of_the_readme():
+    """Each with words around it, as both texts have it."""
+    paper, readme = (" ".join((ROOT / path).read_text(encoding="utf-8").split())
+                     for path in ("assets/paper/paper.md", "README.md"))
+    for number in ("88 of 90 random trials", "97 %", "14 %", "87 %"):
+        assert number in paper and number in readme, number
+    assert "Ten lessons" in readme and "ten lessons" in paper
+
+
+REPORT = (ROOT / "assets" / "accessibility.md").read_text(encoding="utf-8")
+ROW = re.compile(r"^\| (\d\.\d\.\d+) (.+?) \| (AA?) \| (.+?) \| (.+?) \| (.*?) \|$", re.MULTILINE)
+VERDICTS = {"supported", "partly", "not", "does not apply"}
+
+
+def test_each_criterion_of_accessibility_is_listed_once():
+    """All of WCAG 2.1 of the levels A and AA."""
+    rows = ROW.findall(REPORT)
+    assert len({number for number, *_ in rows}) == len(rows) == len(re.findall(r"^\| \d", REPORT, re.M)) == 50
+    assert [level for _, _, level, *_ in rows].count("AA") == 20
+
+
+def test_each_verdict_is_one_of_four_and_has_a_reason():
+    for number, _, _, verdict, looked_at, shown in ROW.findall(REPORT):
+        assert verdict in VERDICTS and looked_at.endswith("."), number
+        assert shown or verdict != "supported", f"{number} is said to be supported, and nothing shows it"
+
+
+def test_each_test_that_is_named_is_there():
+    named = re.findall(r"`(tests/[\w/]+\.py)::(\w+)`", REPORT)
+    assert len(named) > 20
+    for path, name in named:
+        assert f"def {name}(" in (ROOT / path).read_text(encoding="utf-8"), f"{path}::{name}"
+    cells = " ".join(shown for *_, shown in ROW.findall(REPORT))
+    assert len(re.findall(r"tests/[\w/]+\.py", cells)) == len(named)

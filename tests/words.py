@@ -3,6 +3,7 @@
 ``app/language/de.po``, without a translation, and takes out those that are said no more."""
 
 import ast
+import functools
 import re
 from collections.abc import Iterator
 from io import BytesIO
@@ -41,14 +42,19 @@ PASSING = (b"POT-Creation-Date", b"PO-Revision-Date", b"Last-Translator", b"Lang
 METHODS = [("**.py", words_of_code), ("**.js", "javascript"), ("**.html", words_of_a_template)]
 
 
+@functools.cache
+def found() -> tuple[tuple[str | tuple[str, ...], str], ...]:
+    """All of them, each with a file in which it stands."""
+    said = extract_from_dir(APP, METHODS, keywords=KEYWORDS)
+    return (*((text, f"app/{file}") for file, _, text, _, _ in said), *sentences())
+
+
 def template() -> Catalog:
     """All of them, untranslated; of each the files in which it stands."""
-    found = Catalog(project="mpm-lab", charset="utf-8")
-    for file, _, text, _, _ in extract_from_dir(APP, METHODS, keywords=KEYWORDS):
-        found.add(text, locations=[(f"app/{file}", None)])
-    for text, file in sentences():
-        found.add(text, locations=[(file, None)])
-    return found
+    catalogue = Catalog(project="mpm-lab", charset="utf-8")
+    for text, file in found():
+        catalogue.add(text, locations=[(file, None)])
+    return catalogue
 
 
 def german() -> Catalog:

@@ -1,12 +1,16 @@
-"""Words about a scene come from the scene: what does not swing is not the patch test of the bar."""
+"""Words about a scene come from the scene: what does not swing is not the patch test of the bar; sizes with units; and
+sentences as the page has them."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
 
+import pytest
+
 from app import words
 from solvers.problems.bar.patch import PATCH
 from solvers.problems.bar.scene import BarScene
+from solvers.scene.rules import SceneError
 
 
 @dataclass(frozen=True)
@@ -30,3 +34,37 @@ def test_a_patch_test_says_so():
     assert words.in_a_line(scene).lower().count("patch test") == 1
     assert "--motion patch" in words.command_line(scene) and "--body-force" not in words.command_line(scene)
     assert words.moving(replace(BarScene(), amplitude=0.025)) == "A = 25 mm"
+
+
+@pytest.mark.parametrize(("value", "text"), [
+    (0.00212, "2.12 mm"), (999.9e-6, "1 mm"), (1.0, "1 m"), (3.4e5, "340 km"), (0.0, "0 m"), (2e-20, "2.00e-20 m")])
+def test_units_have_prefixes(value, text):
+    assert words.with_unit(value, "m") == text
+
+
+@pytest.mark.parametrize("text, unit, value", [
+    ("25 mm", "m", 0.025), ("0.025", "m", 0.025), ("0,025 m", "m", 0.025), (" 2.5e-2m ", "m", 0.025),
+    ("1e3", "Pa", 1e3), ("16 kPa", "Pa", 16e3), ("3 µm", "m", 3e-6), ("0.5 periods/s", "periods/s", 0.5)])
+def test_a_size_is_read_as_it_is_written(text, unit, value):
+    assert words.size_in(text, unit) == pytest.approx(value, rel=1e-11)
+    assert words.size_in(words.with_unit(value, unit, 6), unit) == pytest.approx(value, rel=1e-5)
+
+
+@pytest.mark.parametrize("text, unit", [("", "m"), ("a lot", "m"), ("0", "m"), ("-1", "m"), ("25 kg", "m"), ("e", "Pa"),
+                                        ("1e999", "m"), ("1e-999", "m"), ("5 k", ""), ("1.2.3", "m"), ("nan", "m")])
+def test_what_is_no_size_is_refused(text, unit):
+    with pytest.raises(ValueError):
+        words.size_in(text, unit)
+
+
+def test_sentences_name_what_stands_beside_the_widgets():
+    """A visitor has no flags: the box, the choice and the remedies are called as the page calls them."""
+    assert words.on_page("steps (--dt auto takes 0.1 s)") == "steps (the box \"Auto step\" takes 0.1 s)"
+    assert words.on_page("give --velocity grid") == "give grid velocity"
+    assert words.on_page("ugimp needs 98 cells, cfl 0.5; mpm-lab run bar --method mpm; cpgimp-v, or bspline") == \
+        "uGIMP needs 98 cells, CFL 0.5; mpm-lab run bar --method mpm; cpGIMP (V), or B-spline"
+    assert words.on_page("call for the remedies null-space-filter,coupled-deformation, or choose CPDI") == \
+        "call for the remedies \"null-space filter\" and \"displacement-coupled F\", or choose CPDI"
+    with pytest.raises(SceneError) as refusal:
+        BarScene(remedies=("frozen-weights", "zero-drift"))
+    assert words.on_page(str(refusal.value)).startswith("remedies \"frozen weights\", \"zero drift\": ")

@@ -148,22 +148,17 @@ def test_our_rate_over_the_limits(bar, monkeypatch):
     assert case["low"] == case["ratio"] == case["high"] == pytest.approx(case["rate"] / case["limit"])
 
 
-def test_a_compiler_that_is_not_there_is_said(monkeypatch):
+def test_what_is_missing_or_fails_is_said(monkeypatch):
     monkeypatch.setenv("CXX", "no-such-compiler")
     found = limit.ratios("bar", quick=True)
     assert found["cases"] == [] and "no C++ compiler (no-such-compiler)" in found["missing"]
-
-
-def test_a_missing_example_is_said(monkeypatch):
-    monkeypatch.setattr(example, "NAME", "no_such_example")
-    row = example.example()
-    assert row["rate"] is None and "without this example" in row["missing"]
-
-
-def test_an_example_that_fails_is_said(monkeypatch):
     monkeypatch.setattr(example, "WORK", "solvers.no_such_module:measure")
     row = example.example()
     assert row["rate"] is None and "could not be run" in row["missing"] and "no_such_module" in row["missing"]
+    monkeypatch.undo()
+    monkeypatch.setattr(example, "NAME", "no_such_example")
+    row = example.example()
+    assert row["rate"] is None and "without this example" in row["missing"]
 
 
 def test_a_process_that_fails_or_hangs_is_one_line(monkeypatch):
@@ -216,14 +211,3 @@ def test_what_is_compared_takes_the_same_steps():
 
 def test_a_run_that_goes_bad_has_no_rate():
     assert math.isnan(rate(build(BarScene(cells=8, cfl=1.5, effects=(), estimators=())), 2))
-
-
-@pytest.mark.parametrize(("flags", "says"), [
-    (["--history", "a.jsonl"], "--history: is gone from mpm-lab bench"),
-    (["--waits"], "--waits: is gone from mpm-lab bench: assets/speed.md"),
-    (["--beside=."], "--beside: is gone from mpm-lab bench")])
-def test_a_flag_that_is_gone_says_so(flags, says, capsys, monkeypatch):
-    monkeypatch.setattr("solvers.bench.bench.bench", lambda *_: pytest.fail("it ran before it had checked"))
-    assert main(["bench", *flags]) == 2
-    said = capsys.readouterr()
-    assert said.out == "" and said.err.count("\n") == 1 and says in said.err

@@ -40,22 +40,6 @@ def test_a_table_has_both_runs_and_claims_no_sum_where_shares_say_nothing(capfd)
     assert "no more than round-off" in said and "adding up to 1" not in said
 
 
-@pytest.mark.parametrize(("arguments", "said"), [
-    ("budget bar --effects none", "--effects none: a budget needs the effect truth"),
-    ("budget bar --body-force two-tone", "--body-force two-tone: has no exact solution"),
-    ("budget bar --take-away gravity", "coarse_grid"), ("budget bar --plot budget.pdf", "ends in .png"),
-    ("budget bar --plot a.png --json a.png", "is the file of --json too"),
-    ("budget bar --map map.png", "is gone from mpm-lab budget bar"),
-    ("budget ring --particle 3", "--plot draws"), ("run ring --effects truth,budget", "mpm-lab budget ring"),
-    ("budget ring --body-force none", "give material"), ("budget vortex --body-force two-tone", "give material"),
-    ("budget ring --take-away gravity", "coarse_grid"), ("budget ring --arch gpu", "cpu"),
-    ("budget ring --method ugimp --remedies null-space-filter", "frozen-weights")])
-def test_what_it_cannot_do_it_refuses_without_a_warning(arguments, said, capfd):
-    assert main([*arguments.split(), "--cells", "12"]) == 2
-    told = capfd.readouterr().err
-    assert said in told and told.count("\n") == 1
-
-
 def test_rows_and_their_summary_have_the_shares():
     shares = dict.fromkeys(CAUSES, 0.25)
     row = {"status": "ok", "reason": None, "problem": "bar", "asked": {}, "scene": {"method": "mpm", "cells": 8},

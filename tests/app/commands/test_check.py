@@ -30,6 +30,7 @@ def test_a_consistent_motion_is_not_called_right(files, tmp_path, capsys):
     printed = json.loads(capsys.readouterr().out)
     assert printed.keys() == KEYS and printed["verdict"] == "consistent" and printed["contradictions"] == 0
     assert all(one.keys() == OF_FINDINGS for one in printed["findings"])
+    assert main(["check", files[0], files[0]]) == 2 and "give each time once" in capsys.readouterr().err
     assert main(["check", files[0]]) == 0
     said = capsys.readouterr().out
     assert "No contradiction was found. That is not to say that the run is right." in said and "sigma" in said
@@ -48,13 +49,3 @@ def test_a_contradiction_is_exit_status_3_with_its_particle_and_place(files, tmp
 def test_claims_decide_where_there_are_some(files, which, claim, status, capsys):
     assert main(["check", files[which], "--quiet", "--expect", claim]) == status
     assert ("DOES NOT HOLD" in capsys.readouterr().err) == (status == 1)
-
-
-@pytest.mark.parametrize("words, says", [([], "give one or several files"), (["no.csv"], "cannot be read"),
-                                         (["{good}", "--time", "1", "2"], "gives 2 times for 1 files"),
-                                         (["{good}", "--expect", "order.x > 1"], "--expect"),
-                                         (["{good}", "{good}"], "give each time once")])
-def test_bad_input_is_one_sentence(files, words, says, capsys):
-    assert main(["check", "--quiet", *(word.format(good=files[0]) for word in words)]) == 2
-    said = capsys.readouterr().err
-    assert says in said and said.count("\n") == 1

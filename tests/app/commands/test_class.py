@@ -6,7 +6,6 @@ import json
 
 import pytest
 
-from app.cli import main
 from app.commands.bench.class_load import BROKEN, SCHEMA, Control, Load, Visitor, class_load, class_table
 from solvers.workers.processes import LINUX
 
@@ -79,14 +78,3 @@ def test_whose_choice_it_was_that_a_stage_stood_still_for():
     assert visitor.standstill(0.0, 6.1, own=True) == 2.0 and visitor.standstill(0.0, 6.1) == 1.5
     visitor.choices.append(4.0)
     assert visitor.standstill(0.0, 6.1) == pytest.approx(1.1) and visitor.standstill(0.0, 3.0) == 0.5
-
-
-@pytest.mark.parametrize(("flags", "says"), [
-    (["--class", "0"], "--class 0: give a whole number from 1 to"),
-    (["--class", "many"], "--class many: give a whole number"),
-    (["--class", "2", "--minutes", "-1"], "--minutes -1: give a number above 0"),
-])
-def test_bad_input_is_one_line(flags, says, capsys):
-    assert main(["bench", *flags]) == 2
-    printed = capsys.readouterr()
-    assert says in printed.err and printed.err.count("\n") == 1 and printed.out == ""

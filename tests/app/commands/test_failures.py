@@ -114,21 +114,8 @@ def test_a_reader_that_has_gone_is_no_fuss(words):
     assert (done.returncode, done.stderr) == (dispatch.BROKEN_PIPE, "")
 
 
-@pytest.mark.skipif(os.name == "nt", reason="POSIX devices")
-@pytest.mark.parametrize("words", [
-    ["sweep", "bar"], ["stability", "bar"], ["tables", "1"], ["problem", "bar"], ["judge", "bar", __file__],
-    ["check", __file__],
-    ["export", "bar"], ["lesson", "guide", "1"], ["lesson", "grade", __file__]], ids=" ".join)
-def test_a_folder_that_cannot_be_is_one_sentence(words, capsys):
-    ending = {"export": "x.html", "guide": "x.html", "grade": "x.csv"}.get(words[words[0] == "lesson"], "x")
-    path = f"/dev/null/{ending}"
-    assert main([*words, "--out", path]) == 2
-    said = capsys.readouterr().err
-    assert said.startswith(f"mpm-lab: --out {path}: ") and "not a directory" in said and said.count("\n") == 1
-
-
-LONG = {"run bar --cells 20000 --dt 1e-6 --t-end 100 --json a.json": "", "sweep bar --cells 20 40 80 --out rows": "",
-        "lesson check": "", "judge ring exact.csv --cells 48 --out verdict": "slow", "bench --json a.json": "slow",
+LONG = {"run bar --cells 20000 --dt 1e-6 --t-end 100 --json a.json": "", "lesson check": "",
+        "judge ring exact.csv --cells 48 --out verdict": "slow", "bench --json a.json": "slow",
         "advise ring --tolerance 1e-5": "slow", "budget ring --cells 100": "slow", "lesson guide 9": "slow",
         "export bar --out bar.html": "slow", "stability bar --out map": "slow", "tables all --out tables": "slow"}
 

@@ -139,25 +139,3 @@ def test_a_problem_without_a_solution_brings_the_companions(tmp_path):
     names = {entry.name for entry in (tmp_path / "free").iterdir()}
     assert names == FILES - {"exact.csv"} | {"companion.csv"}
     assert "None is built in" in (tmp_path / "free" / "problem.md").read_text()
-
-
-@pytest.mark.parametrize("flags, said", [
-    ([], "--out (no value): give a directory"),
-    (["--out", "FULL"], "is not empty; give an empty or a new directory"),
-    (["--out", "FULL/file"], "cannot be a directory"),
-    (["--out", "new", "--times", "soon"], "--times soon: is no time; give seconds from 0 on"),
-    (["--out", "new", "--times", "-1"], "--times -1: is no time"),
-    (["--out", "new", "--times", "nan"], "--times nan: is no time"),
-    (["--out", "new", "--cells", "1"], "--cells 1: give a whole number"),
-    (["--out", "new", "--amplitude", "5"], "--amplitude 5"),
-    (["--out", "new", "--cells", "9000", "--times", *map(str, range(600))], "at most 4,000,000 are allowed"),
-    (["--out", "new", "--method", "mpm"], "--method: is not a flag"),
-])
-def test_bad_input_is_one_line(flags, said, tmp_path, capsys, monkeypatch):
-    monkeypatch.chdir(tmp_path)
-    (tmp_path / "FULL").mkdir()
-    (tmp_path / "FULL" / "file").write_text("mine")
-    assert main(["problem", "bar", *flags]) == 2
-    error = capsys.readouterr().err
-    assert said in error and error.count("\n") == 1
-    assert (tmp_path / "FULL" / "file").read_text() == "mine"

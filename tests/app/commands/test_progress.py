@@ -13,15 +13,11 @@ from app.commands.progress import MEASURED, Remaining, working
 
 def test_what_is_left_is_reckoned_from_the_first_part_on():
     """Sixty seconds of compiling before the first part count for nothing."""
-    remaining = Remaining()
+    idle, remaining = Remaining(), Remaining()
+    assert idle.text(0.0, 0.0) == idle.text(0.0, 100.0) == ""  # nothing was done
     assert remaining.text(0.001, 60.0) == "" and remaining.text(0.011, 61.0) == ""  # too early to say
     assert remaining.text(0.101, 70.0) == "90 s left"
     assert remaining.text(1.0, 160.0) == "0 s left"
-
-
-def test_nothing_done_says_nothing():
-    remaining = Remaining()
-    assert remaining.text(0.0, 0.0) == remaining.text(0.0, 100.0) == ""
 
 
 class Terminal(io.StringIO):

@@ -1,4 +1,5 @@
-"""Whatever is quoted in a refusal is harmless and short: hostile text is fed to every flag, field, file and lesson."""
+"""Whatever is quoted in a refusal is harmless and short: hostile text is fed to every flag, field and lesson
+(files of particles: ``tests/solvers/judging/test_hostile_files.py``)."""
 
 from __future__ import annotations
 
@@ -9,7 +10,6 @@ from contextlib import ExitStack
 from dataclasses import fields
 from unittest.mock import patch
 
-import numpy as np
 import pytest
 
 from app import state
@@ -21,8 +21,6 @@ from app.lessons.lesson import LessonError
 from app.lessons.markup import MarkupError, html
 from app.lessons.reading import parse
 from app.page.visit.notice import Notice
-from solvers.judging.columns import from_arrays
-from solvers.outside.file_error import FileError
 from solvers.problems import PROBLEMS
 from solvers.scene.rules import SceneError
 from solvers.study.store import NAME, Store, StoreError
@@ -90,31 +88,6 @@ def test_every_field_of_a_scene_and_word_of_a_state(problem, text):
     for word in state.VIEW:
         with pytest.raises(state.StateError) as refusal:
             state.read(f"{problem};{word}={text}")
-        harmless(str(refusal.value))
-
-
-@pytest.mark.parametrize("text", TEXTS, ids=range(len(TEXTS)))
-def test_every_reader_of_files_of_particles(text, tmp_path, monkeypatch, capsys):
-    monkeypatch.chdir(tmp_path)
-    line = text.replace("\n", " ")[:3000]
-    said = f'# scene = {{"schema":"mpm-lab/particles/{line}"}}'
-    contents = [f"id,x,{line}\n1,2,3\n", f"id,x\n1,{line}\n", f"# t = {line}\nid,x\n0,0\n",
-                f"# cells = {line}\nid,x\n0,0\n", f"{said}\nid,x\n0,0\n", f"{line}\n{line}\n",
-                f"id,{line},{line}\n1,2,3\n"]
-    for content in contents:
-        (tmp_path / "a.csv").write_text(content, encoding="utf-8")
-        assert main(["judge", "bar", "a.csv", "--out", "out", "--no-compare"]) == 2
-        harmless(capsys.readouterr().err)
-    for kind, content in ((".vtk", f"# vtk DataFile Version 3.0\n\nASCII\nDATASET {line}\n"),
-                          (".vtu", f"<VTKFile type='{line}'/>"), (".vtp", line), (".npz", line)):
-        (tmp_path / f"a{kind}").write_text(content, encoding="utf-8")
-        assert main(["judge", "bar", f"a{kind}", "--out", "out"]) == 2
-        harmless(capsys.readouterr().err)
-    assert main(["judge", "bar", f"{line}.csv", "--out", "out"]) == 2
-    harmless(capsys.readouterr().err)
-    for arrays in ({text: [1.0]}, {"x": [text]}, {"x": [0.0], "position": [1.0], text: [1]}):
-        with pytest.raises(FileError) as refusal:
-            from_arrays(text, {name: np.array(values) for name, values in arrays.items()})
         harmless(str(refusal.value))
 
 

@@ -108,32 +108,3 @@ def test_flags_become_axes(monkeypatch):
     assert axes["cells"] == [20, 100] and axes["method"] == ["mpm", "ugimp"] and axes["dt"] == [1e-3, 2e-3]
     assert axes["linearity_preserving"] == [True, False] and axes["estimator"] == [()] and axes["amplitude"] == [0.1]
     assert axes["effects"] == [("truth", "energy")] and axes["cfl"] == [None] and axes["ppc"] == [4]
-
-
-@pytest.mark.parametrize(("words", "says"), [
-    ("sweep bar --cells 20", "--out (no value): give a directory"), ("tables 1", "--out (no value): give a directory"),
-    ("coverage ring", "--out (no value): give a directory"),
-    ("sweep bar --out x --cells 2 3", "--cells 2: give a whole number from 4"),
-    ("sweep bar --out x --amplitude 0.2 0.3", "--amplitude 0.2: the exact bar inverts"),
-    ("sweep bar --out x --dt 1e-3 --cfl 0.1 0.2", "--cfl 0.1: dt is given too"),
-    ("sweep bar --out x --workers 0", "--workers 0: give a whole number from 1 to 1,024"),
-    ("sweep bar --out x --repeats many", "--repeats many: give a whole number"),
-    ("sweep bar --out x --scheduler there", "--scheduler there: give the address of a Dask scheduler"),
-    ("sweep bar --out x --scheduler tcp://a:1 --workers 2", "--workers 2: is for this machine"),
-    (f"sweep bar --out x --modulus {' '.join(map(str, range(1, 200)))} --cells {' '.join(map(str, range(4, 100)))}",
-     "too many"),
-    ("sweep bar --out file", "--out file: is a file"), ("sweep bar --out .", "--out .: is not empty"),
-    ("tables 4 --out x", "4: is not a table of the paper; give 1, 2, 3 or all"),
-    ("tables 1 --out x --processes 0", "--processes 0: give a whole number from 1"),
-    ("coverage ring --out x --runs 0", "--runs 0: give a whole number from 1 to 10,000"),
-    ("coverage ring --out x --seed -1", "--seed -1: give a whole number from 0 to 2,147,483,647"),
-    ("stability bar --out x --treatment prayer", "--treatment prayer: is not known"),
-    ("stability bar --out x --method cpdi", "--method cpdi: is not known")])
-def test_bad_input_of_studies_is_one_line_that_names_the_flag(words, says, capsys, tmp_path, monkeypatch):
-    """And nothing is written."""
-    monkeypatch.chdir(tmp_path)
-    (tmp_path / "file").touch()
-    assert main(words.split()) == 2
-    seen = capsys.readouterr()
-    assert seen.out == "" and seen.err.count("\n") == 1 and says in seen.err
-    assert [path.name for path in tmp_path.iterdir()] == ["file"]

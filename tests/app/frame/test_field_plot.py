@@ -114,6 +114,7 @@ def test_axis_comes_back_once_a_peak_is_gone():
 
 PLACES = BarStage.places(Room(720.0, high=0.5, gutter=0.16), Seat.ALONE)
 BOX = PLACES.field
+AT, UNCROSSED = (np.arange(20) + 0.5) / 20, np.zeros(20, bool)
 
 
 def plot(places=PLACES, beside=None):
@@ -161,19 +162,18 @@ def test_a_run_gone_bad_breaks_nothing_and_is_said():
 def test_the_axis_begins_anew_with_the_run():
     """A restart after a bad end does not wait for its axis to fade."""
     draw, made = plot()
-    at, crossed, field = (np.arange(20) + 0.5) / 20, np.zeros(20, bool), np.full((20, 2), 1e6, np.float32)
-    draw(BAR, "x", 1, at, field, 0.5, crossed)
+    field = np.full((20, 2), 1e6, np.float32)
+    draw(BAR, "x", 1, AT, field, 0.5, UNCROSSED)
     assert made["high"].text == "+1 Mm"
-    draw(BAR, "x", 1, at, 0 * field, 0.0, crossed)
+    draw(BAR, "x", 1, AT, 0 * field, 0.0, UNCROSSED)
     assert made["high"].text == "+30 mm" and made["low"].text == "−30"
 
 
 def test_a_plot_says_what_is_drawn():
     draw, made = plot()
-    at, crossed = (np.arange(20) + 0.5) / 20, np.zeros(20, bool)
 
     def said(scene, quantity, magnified=1, value=0.0):
-        draw(scene, quantity, magnified, at, np.full((20, 2), value, np.float32), 0.1, crossed)
+        draw(scene, quantity, magnified, AT, np.full((20, 2), value, np.float32), 0.1, UNCROSSED)
         return made["name"].text, made["remark"].text, made["key2"].text
 
     assert said(BAR, "x") == ("Displacement", "", "exact curve") and len(made["exact"])
@@ -190,8 +190,7 @@ def test_a_plot_says_what_is_drawn():
 def test_where_a_name_has_no_room_the_remark_says_it():
     places = BarStage.places(Room(358.0, high=0.84), Seat.ALONE)
     draw, made = plot(places)
-    at, crossed = (np.arange(20) + 0.5) / 20, np.zeros(20, bool)
-    draw(BAR, "x", 10, at, np.zeros((20, 2), np.float32), 0.1, crossed)
+    draw(BAR, "x", 10, AT, np.zeros((20, 2), np.float32), 0.1, UNCROSSED)
     assert made["remark"].text == "Displacement" and not made["name"].text
 
 
@@ -210,10 +209,10 @@ def test_dots_and_curve_are_along_the_bar_where_the_material_is():
 def test_stems_are_as_long_as_the_errors():
     """From the exact value to the dot, in the colour of the error; none that the dot would hide."""
     draw, made = plot()
-    at, error = (np.arange(20) + 0.5) / 20, np.zeros(20)
+    error = np.zeros(20)
     error[[4, 11]] = 0.01, -0.02
     for magnified in (1, 10):
-        draw(BAR, "x", magnified, at, np.stack([error, error], axis=1), 0.0, np.zeros(20, bool))
+        draw(BAR, "x", magnified, AT, np.stack([error, error], axis=1), 0.0, UNCROSSED)
         stems, dots = made["stems"], made["particles"].points
         top = float(made["high"].text[1:].split()[0]) / 1000
         drawn = stems.segments[:, 1, 1] - stems.segments[:, 0, 1]
@@ -225,9 +224,9 @@ def test_stems_are_as_long_as_the_errors():
 def test_two_plots_share_an_axis():
     draw, made = plot()
     beside, other = plot(beside=made["plot"])
-    at, crossed, field = (np.arange(20) + 0.5) / 20, np.zeros(20, bool), np.zeros((20, 2), np.float32)
-    draw(BAR, "x", 1, at, field, 0.1, crossed)
-    beside(BAR, "x", 1, at, field + 1, 0.1, crossed)
+    field = np.zeros((20, 2), np.float32)
+    draw(BAR, "x", 1, AT, field, 0.1, UNCROSSED)
+    beside(BAR, "x", 1, AT, field + 1, 0.1, UNCROSSED)
     assert made["plot"].outdated and made["high"].text == "+30 mm"
-    draw(BAR, "x", 1, at, field, 0.1, crossed)
+    draw(BAR, "x", 1, AT, field, 0.1, UNCROSSED)
     assert not made["plot"].outdated and made["high"].text == other["high"].text == "+1 m"

@@ -11,6 +11,7 @@ from app.frame.crossings import LEAST_SECONDS, WINDOW, ages, recent, window
 from app.frame.field import ROOM
 from app.frame.layout import Seat, top
 from app.frame.marks import Room
+from app.frame.planar_places import AROUND, planar_labels, planar_places
 from app.frame.stage import Words
 from app.problems.views import VIEWS
 from solvers.problems.bar.scene import BarScene
@@ -46,3 +47,11 @@ def test_a_crossing_is_shown_for_a_part_of_a_period_and_long_enough_to_be_seen()
         shown = recent(steps, scene, speed * scene.period)
         np.testing.assert_array_equal(shown, [False, True, True, False])
         np.testing.assert_allclose(ages(steps[shown], scene, speed * scene.period), [0, 0.4], rtol=1e-5)
+
+
+@pytest.mark.parametrize("letters", (1.0, 1.7, 2.5))
+def test_a_body_keeps_its_room_beside_letters_of_any_size(letters):
+    """On a projector they are large: names stand above the body then, and none gets a line of no length."""
+    places = planar_places(Room(593.0, letters, 0.72, 0.26).settled(), Seat.ALONE)
+    assert 2 * AROUND * places.radius >= 0.29
+    assert all(label.width >= 0 for label in planar_labels(Words(crossings="crosses an edge"), places))

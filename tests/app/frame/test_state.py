@@ -9,7 +9,7 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
 from app.cli import main
-from app.state import VIEW, State, StateError, read, write
+from app.state import State, StateError, read, write
 from app.words import MAGNIFICATIONS, QUANTITIES
 from solvers.problems import PROBLEMS
 from solvers.problems.bar.scene import BarScene
@@ -103,10 +103,6 @@ def test_any_text_is_a_state_that_comes_back_or_is_refused_shortly(parts, mark):
             assert str(error).isprintable() and len(str(error)) <= 400
         else:
             assert read(write(state)) == state
-
-
-def test_every_word_of_the_view_sets_a_field_of_its_own():
-    assert len({field for field, _ in VIEW.values()}) == len(VIEW)
 
 
 @pytest.mark.parametrize("text", ["bar;cells=8;ppc=2;periods=0.1;error-of=v;pinned;cells=20",

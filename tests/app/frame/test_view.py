@@ -29,7 +29,6 @@ from solvers.problems.bar.scene import BarScene
 from solvers.problems.planar.layout import particle_layout
 from solvers.problems.ring.scene import RingScene
 from solvers.scene.registry import ESTIMATORS
-from solvers.scene.rules import SceneError
 
 BAR = BarScene(cells=10, ppc=2, estimators=("transport",))
 PLACES = (np.arange(20)[:, None] + 0.5) / 20
@@ -211,40 +210,6 @@ def test_a_run_that_is_shown_again_begins_with_what_it_has_come_to():
     scale.forget()
     scale.follow(None, np.array([50.0]), "another")
     assert scale.top == 8 and scale.exceeded
-
-
-@pytest.mark.parametrize(("value", "text"), [
-    (0.00212, "2.12 mm"), (999.9e-6, "1 mm"), (1.0, "1 m"), (3.4e5, "340 km"), (0.0, "0 m"), (2e-20, "2.00e-20 m")])
-def test_units_have_prefixes(value, text):
-    assert with_unit(value, "m") == text
-
-
-@pytest.mark.parametrize("text, unit, value", [
-    ("25 mm", "m", 0.025), ("0.025", "m", 0.025), ("0,025 m", "m", 0.025), (" 2.5e-2m ", "m", 0.025),
-    ("1e3", "Pa", 1e3), ("16 kPa", "Pa", 16e3), ("3 µm", "m", 3e-6), ("0.5 periods/s", "periods/s", 0.5)])
-def test_a_size_is_read_as_it_is_written(text, unit, value):
-    assert words.size_in(text, unit) == pytest.approx(value, rel=1e-11)
-    assert words.size_in(with_unit(value, unit, 6), unit) == pytest.approx(value, rel=1e-5)
-
-
-@pytest.mark.parametrize("text, unit", [("", "m"), ("a lot", "m"), ("0", "m"), ("-1", "m"), ("25 kg", "m"), ("e", "Pa"),
-                                        ("1e999", "m"), ("1e-999", "m"), ("5 k", ""), ("1.2.3", "m"), ("nan", "m")])
-def test_what_is_no_size_is_refused(text, unit):
-    with pytest.raises(ValueError):
-        words.size_in(text, unit)
-
-
-def test_sentences_name_what_stands_beside_the_widgets():
-    """A visitor has no flags: the box, the choice and the remedies are called as the page calls them."""
-    assert words.on_page("steps (--dt auto takes 0.1 s)") == "steps (the box \"Auto step\" takes 0.1 s)"
-    assert words.on_page("give --velocity grid") == "give grid velocity"
-    assert words.on_page("ugimp needs 98 cells, cfl 0.5; mpm-lab run bar --method mpm; cpgimp-v, or bspline") == \
-        "uGIMP needs 98 cells, CFL 0.5; mpm-lab run bar --method mpm; cpGIMP (V), or B-spline"
-    assert words.on_page("call for the remedies null-space-filter,coupled-deformation, or choose CPDI") == \
-        "call for the remedies \"null-space filter\" and \"displacement-coupled F\", or choose CPDI"
-    with pytest.raises(SceneError) as refusal:
-        replace(BAR, remedies=("frozen-weights", "zero-drift"))
-    assert words.on_page(str(refusal.value)).startswith("remedies \"frozen weights\", \"zero drift\": ")
 
 
 @pytest.mark.parametrize(("margin", "shown"), [

@@ -14,21 +14,15 @@ from solvers.problems import PROBLEMS
 from solvers.problems.planar.layout import particle_layout
 from solvers.problems.vortex.scene import VortexScene
 from solvers.running.run import build
-from solvers.scene.effects import EFFECTS
 from solvers.study.stability import offered
 
 
 def test_a_state_and_words():
     text = "vortex;method=cpgimp-v;cells=24;effects=truth,spin;poisson-ratio=0.4;frequency=2"
     assert state.write(state.read(text)) == text
+    assert offered(VortexScene) == ("plain", "filter", "frozen")
     assert choices(VortexScene, "method")["cpgimp-v"] == "cpGIMP with the spatial stretch V"
     assert [unit_of(PROBLEMS[name].scene, "amplitude") for name in ("bar", "ring", "vortex")] == ["m", "m", "rad"]
-
-
-def test_spin_is_an_effect_of_the_vortex_alone():
-    assert VortexScene.choices("effects") == (*EFFECTS, "spin")
-    for problem, own in (("bar", ("budget",)), ("ring", ())):
-        assert PROBLEMS[problem].scene.choices("effects") == (*EFFECTS, *own)
 
 
 def test_the_page_begins_with_half_a_period_and_an_estimate_that_holds():
@@ -41,10 +35,6 @@ def test_regions_divide_the_whole_ring():
     found = VORTEX.regions(particle_layout(scene).position)
     counts = np.bincount(found.number, minlength=len(found.names))
     assert len(counts) == ANGLES * len(FIFTHS) and counts.min() > 0 and counts.sum() == scene.particles
-
-
-def test_treatments_of_the_map():
-    assert offered(VortexScene) == ("plain", "filter", "frozen")
 
 
 def test_a_recording():

@@ -10,6 +10,7 @@ from app.cli import main
 from app.lessons import classes, shelf
 from app.lessons.lesson import LessonError
 from app.lessons.outcomes import Outcomes
+from tests.app.lessons.test_lesson_format import use_folder
 
 TEXT = """+++
 title = "A class"
@@ -95,10 +96,7 @@ def test_a_mistake_is_told_with_its_line(old, new, where, said):
 def test_checks_find_pages_by_name_and_all_where_none_is_given(tmp_path, monkeypatch, capsys):
     (tmp_path / "classes").mkdir()
     (tmp_path / "classes" / "morning.md").write_text(TEXT.replace("[one](../01-one.md)", "one"), encoding="utf-8")
-    for function in (shelf.names, shelf.called, shelf.lesson, shelf.lessons):
-        monkeypatch.setattr(function, "__defaults__", (tmp_path,))
-    for function in (classes.names, classes.page):
-        monkeypatch.setattr(function, "__defaults__", (tmp_path / "classes",))
+    use_folder(monkeypatch, tmp_path)
     monkeypatch.setattr(Outcomes, "prepare", lambda *_: None)
     for names in ([], ["morning"]):
         assert main(["lesson", "check", *names, "--quiet"]) == 0

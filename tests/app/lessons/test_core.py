@@ -131,6 +131,7 @@ def test_the_core_of_our_lessons_is_some_twenty_minutes_and_stands_by_itself(nam
     assert not re.search(r"\b(last|first|second|third|fourth) (round|part) of this lesson|deeper", core)
     notes = "\n".join((found.notes, *(step.notes for step in found.steps)))
     assert not re.search(r"\b(\d+|ten|twenty) min(utes)?\b", notes)
+    assert drawn(found, "Ada") == drawn(replace(found, steps=found.walk(core=True)), "Ada")  # a student's numbers
 
 
 def test_which_is_told_by_the_list(capsys):
@@ -182,9 +183,3 @@ def test_the_guide_says_what_is_deeper_or_leaves_it_out(monkeypatch, capsys):
     assert title not in text and "*Deeper" not in text
     assert f"the core, which takes {found.core_minutes} minutes" in text
     assert "mpm-lab serve --lesson 06-ring --core" in text and "mpm-lab lesson grade FILES --core" in text
-
-
-@pytest.mark.parametrize("name", shelf.names())
-def test_numbers_of_a_student_do_not_depend_on_the_core(name):
-    found = shelf.lesson(name)
-    assert drawn(found, "Ada") == drawn(replace(found, steps=found.walk(core=True)), "Ada")

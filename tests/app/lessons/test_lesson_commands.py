@@ -10,13 +10,13 @@ import math
 import pytest
 
 from app.cli import main
-from app.lessons import classes, grading, shelf
+from app.lessons import grading, shelf
 from app.lessons.lesson import drawn, filled
 from app.lessons.marks import mark, shown, trouble
 from app.lessons.outcomes import Outcomes
 from app.lessons.progress import NotAnswers, Progress, read
 from app.lessons.reading import parse
-from tests.app.lessons.test_lesson_format import TEXT
+from tests.app.lessons.test_lesson_format import TEXT, use_folder
 
 SAVED = TEXT + """
 ## Predict: Drag
@@ -48,10 +48,7 @@ EMPTY = {"schema": "mpm-lab/answers/1", "lesson": "99", "fingerprint": "", "name
 def shelf_of_one(tmp_path, monkeypatch):
     """A folder with one lesson, in the place of ours."""
     (tmp_path / "01-test.md").write_text(SAVED, encoding="utf-8")
-    for function in (shelf.names, shelf.called, shelf.lesson, shelf.lessons, shelf.in_every_language):
-        monkeypatch.setattr(function, "__defaults__", (tmp_path,))
-    for function in (classes.names, classes.page):
-        monkeypatch.setattr(function, "__defaults__", (tmp_path / "classes",))
+    use_folder(monkeypatch, tmp_path)
     return tmp_path / "01-test.md"
 
 
@@ -78,16 +75,6 @@ def test_check_passes_and_fails_with_lesson_step_and_claim(shelf_of_one, capfd):
     assert "01-test, line 29, step \"Look\": order(grids.error.x.max) in 4..5: does not hold, found 2." in said
 
 
-def test_a_file_with_a_mistake_fails_and_is_told(shelf_of_one, capfd):
-    shelf_of_one.write_text(shelf_of_one.read_text().replace("goals =", "minutes = 20\ngoals ="))
-    assert main(["lesson", "list"]) == main(["lesson", "guide", "1"]) == 2
-    capfd.readouterr()
-    assert main(["lesson", "check", "--quiet"]) == 2
-    said = capfd.readouterr()
-    assert said.err.startswith("mpm-lab: 01-test.md, line 3: minutes are computed from what")
-    assert said.out == "nothing was checked; 1 file could not be read\n"
-
-
 def test_a_lesson_that_cannot_be_read_keeps_no_other_from_being_checked(shelf_of_one, capfd):
     (shelf_of_one.parent / "02-broken.md").write_text("no head", encoding="utf-8")
     (shelf_of_one.parent / "03-folder.md").mkdir()
@@ -98,6 +85,8 @@ def test_a_lesson_that_cannot_be_read_keeps_no_other_from_being_checked(shelf_of
     assert set(values["not_read"]) == {"02-broken", "03-folder"}
     assert [line.partition(", line")[0] for line in seen.err.splitlines()] == [
         "mpm-lab: 02-broken.md", "mpm-lab: 03-folder.md"] and "cannot be read: is a directory" in seen.err
+    assert main(["lesson", "list"]) == main(["lesson", "guide", "2"]) == 2
+    capfd.readouterr()
     assert main(["lesson", "check", "2", "3", "--quiet"]) == 2
     assert capfd.readouterr().out == "nothing was checked; 2 files could not be read\n"
 

@@ -1,12 +1,17 @@
-"""A lesson's file: what it says, and every mistake with its line and what was expected."""
+"""A lesson's file: what it says, and every mistake with its line and what was expected; and what our own show."""
 
 from __future__ import annotations
 
+import re
+
 import pytest
 
-from app.lessons.lesson import LessonError, drawn, filled
+from app import state
+from app.lessons import classes, shelf
+from app.lessons.lesson import EXPLAIN, LessonError, drawn, filled
 from app.lessons.reading import parse, read
 from app.lessons.shelf import FOLDER, UnknownLesson, called, lessons, names
+from solvers.scene.registry import ESTIMATORS
 
 TEXT = """+++
 title = "A test"
@@ -56,6 +61,14 @@ Because $h^2$.
 Ask them.
 ```
 """
+
+
+def use_folder(monkeypatch, folder):
+    """Have all that reads lessons and pages for a class read those of this folder."""
+    for function in (shelf.names, shelf.called, shelf.lesson, shelf.lessons, shelf.in_every_language):
+        monkeypatch.setattr(function, "__defaults__", (folder,))
+    for function in (classes.names, classes.page):
+        monkeypatch.setattr(function, "__defaults__", (folder / "classes",))
 
 
 def test_a_lesson_is_read():
@@ -139,3 +152,28 @@ def test_prerequisites_and_pictures_of_our_lessons_are_there():
         assert set(lesson.prerequisites) <= set(names())
         assert lesson.notes or any(step.notes for step in lesson.steps)
     assert (FOLDER / "README.md").exists()
+
+
+BESIDE = 400  # pixels of a figure in a window of 1280
+LEAST = 11  # pixels of letters
+FIGURES = sorted((FOLDER / "figures").glob("*.svg"))
+
+
+@pytest.mark.parametrize("figure", FIGURES, ids=lambda path: path.stem)
+def test_letters_of_a_figure_can_be_read_beside_the_stage(figure):
+    text = figure.read_text(encoding="utf-8")
+    width = float(re.search(r'viewBox="0 0 ([\d.]+)', text)[1])
+    sizes = [float(size) for size in re.findall(r'font-size="([\d.]+)"', text)]
+    assert sizes and min(sizes) * BESIDE / width >= LEAST
+
+
+@pytest.mark.parametrize("name", names())
+def test_an_estimate_is_on_the_stage_only_where_the_text_speaks_of_it(name):
+    """In one of the steps until it is explained; or where the reader chooses estimators."""
+    lesson = lessons()[name]
+    for k, step in enumerate(lesson.steps if "estimators" not in lesson.controls else ()):
+        end = next((j for j, other in enumerate(lesson.steps[k:], k + 1) if other.kind == EXPLAIN), len(lesson.steps))
+        said = " ".join(f"{other.title} {other.text}" for other in lesson.steps[k:end])
+        for numbers in lesson.variants if step.stage else ():
+            asked = state.read(filled(step.stage, numbers)).scene.estimators
+            assert not asked or any(name in said for name in (*ESTIMATORS, "estimat")), (step.key, asked)

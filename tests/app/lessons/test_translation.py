@@ -9,13 +9,13 @@ import pytest
 
 from app.cli import main
 from app.language.spoken import LANGUAGES, speaking
-from app.lessons import classes, shelf
+from app.lessons import shelf
 from app.lessons.grading import graded
 from app.lessons.lesson import LessonError, drawn
 from app.lessons.outcomes import Outcomes
 from app.lessons.progress import Progress, read
 from app.page.features.lesson.html import head_html, intro_html, shelf_html, step_html
-from tests.app.lessons.test_lesson_format import TEXT
+from tests.app.lessons.test_lesson_format import TEXT, use_folder
 
 GRID = "04-grid-crossing"
 TRANSLATED = [(name, code) for code in LANGUAGES for name in shelf.names()
@@ -69,10 +69,7 @@ def test_a_translation_that_changes_more_than_words_is_refused(folder, before, a
 
 def test_a_mistake_in_a_translation_is_told_and_the_original_is_checked(folder, monkeypatch, capfd):
     (folder / "01-test.de.md").write_text(GERMAN.replace("## Explain: Why", "## Explain"), encoding="utf-8")
-    for function in (shelf.names, shelf.called, shelf.lesson, shelf.lessons, shelf.in_every_language):
-        monkeypatch.setattr(function, "__defaults__", (folder,))
-    for function in (classes.names, classes.page):
-        monkeypatch.setattr(function, "__defaults__", (folder / "classes",))
+    use_folder(monkeypatch, folder)
     assert main(["lesson", "check", "--quiet", "--variants", "1"]) == 2
     said = capfd.readouterr()
     assert said.err.startswith("mpm-lab: 01-test.de.md, line") and said.out.startswith("1 lesson, ")
@@ -122,8 +119,7 @@ def test_what_a_text_tells_to_do_is_a_button_in_its_own_words():
 
 
 def test_a_guide_is_in_the_language_that_is_asked_for(folder, monkeypatch, tmp_path):
-    for function in (shelf.called, shelf.names, shelf.lesson):
-        monkeypatch.setattr(function, "__defaults__", (folder,))
+    use_folder(monkeypatch, folder)
     out = tmp_path / "guide.html"
     assert main(["lesson", "guide", "1", "--lang", "de", "--out", str(out), "--quiet"]) == 0
     html = out.read_text(encoding="utf-8")

@@ -39,20 +39,14 @@ def test_the_player_is_the_exported_page_of_the_run(beside, error_of):
     assert frame_of(player)["srcdoc"] == player.page
 
 
-def test_the_frame_may_run_scripts_and_nothing_of_the_notebook():
-    frame = frame_of(show(SMALL, height=300))
+def test_a_player_is_framed_and_saved_as_it_is(tmp_path):
+    """The frame may run scripts and nothing of the notebook; a result is shown by its scene."""
+    player = show(SMALL, height=300)
+    frame = frame_of(player)
     assert set(frame["sandbox"].split()) == {"allow-scripts", "allow-downloads"}
     assert "height: 300px" in frame["style"] and "10 cells" in frame["title"]
-
-
-def test_a_result_is_shown_by_its_scene():
-    assert show(run(SMALL)).page == show(SMALL).page
-
-
-def test_a_player_is_saved_as_it_is(tmp_path):
-    player = show(SMALL)
     player.save(tmp_path / "run.html")
-    assert (tmp_path / "run.html").read_text(encoding="utf-8") == player.page
+    assert (tmp_path / "run.html").read_text(encoding="utf-8") == player.page == show(run(SMALL)).page
     assert len(repr(player)) < 300 and "10 cells" in repr(player)
 
 

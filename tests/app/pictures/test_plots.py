@@ -36,35 +36,24 @@ def panels(figure) -> dict:
             "particles": figure.axes[5]}
 
 
-def test_norms_are_drawn_in_the_two_colours(result):
-    for axes, quantity in zip(panels(run_figure(result))["norms"], ("x", "v", "sigma"), strict=True):
+def test_the_picture_of_a_bar_shows_its_result(result):
+    """Norms in the two colours, the index, lanes on one scale with the boundaries of cells, and the scene."""
+    figure = run_figure(result)
+    shown, title = panels(figure), figure.get_suptitle()
+    for axes, quantity in zip(shown["norms"], ("x", "v", "sigma"), strict=True):
         assert axes.get_yscale() == "log"
         truth, estimate = axes.get_lines()
         assert (truth.get_color(), estimate.get_color()) == (TRUTH, ESTIMATE)
         np.testing.assert_array_equal(truth.get_ydata()[1:], result.series[f"error_{quantity}"][1:])
-
-
-def test_index_ends_at_the_results_index(result):
-    lines = {line.get_label(): line for line in panels(run_figure(result))["index"].get_lines()}
+    lines = {line.get_label(): line for line in shown["index"].get_lines()}
     assert lines["x"].get_ydata()[-1] == pytest.approx(result.index["transport"]["x"])
     assert lines["σ"].get_ydata()[-1] == pytest.approx(result.index["transport"]["sigma"])
-
-
-def test_lanes_share_one_scale(result):
-    truth, estimate = panels(run_figure(result))["particles"].collections[:2]
+    truth, estimate, boundaries = shown["particles"].collections[:3]
     assert truth.norm is estimate.norm
     np.testing.assert_array_equal(truth.get_array(), np.abs(result.final.error[:, 0]))
     np.testing.assert_array_equal(estimate.get_array(), np.abs(result.final.estimate["transport"][:, 0]))
     assert truth.norm.vmax == max(truth.get_array().max(), estimate.get_array().max())
-
-
-def test_cell_boundaries_are_drawn(result):
-    boundaries = panels(run_figure(result))["particles"].collections[2].get_segments()
-    np.testing.assert_allclose([line[0][0] for line in boundaries], np.arange(9) / 8)
-
-
-def test_title_tells_the_scene(result):
-    title = run_figure(result).get_suptitle()
+    np.testing.assert_allclose([line[0][0] for line in boundaries.get_segments()], np.arange(9) / 8)
     assert "uGIMP" in title and "8 cells" in title and "A = 0.025 m" in title
 
 
@@ -152,6 +141,7 @@ def words(axes) -> str:
 
 
 def test_ring_shows_the_estimate_mirrored_and_the_truth_on_one_scale(ring):
+    """Which the truth caps; and a profile in the two colours."""
     figure = run_figure(ring)
     estimate, truth = ring_halves(figure)
     np.testing.assert_array_equal(estimate.get_offsets(), ring.final.position * (-1, 1))
@@ -162,16 +152,10 @@ def test_ring_shows_the_estimate_mirrored_and_the_truth_on_one_scale(ring):
     assert estimate.norm.vmax == min(max(estimate.get_array().max(), truth.get_array().max()),
                                      10 * truth.get_array().max())
     assert figure.axes[5].get_aspect() == 1.0 and "estimate (transport) truth" in words(figure.axes[5])
-
-
-def test_ring_scale_is_capped_by_the_truth(ring):
     wild = replace(ring.final, estimate={"transport": 1e6 * ring.final.estimate["transport"]})
     estimate, truth = ring_halves(run_figure(replace(ring, final=wild)))
     assert estimate.norm.vmax == truth.norm.vmax == 10 * truth.get_array().max()
-
-
-def test_ring_profile_is_drawn_in_the_two_colours(ring):
-    truth, estimate = run_figure(ring).axes[4].get_lines()
+    truth, estimate = figure.axes[4].get_lines()
     assert (truth.get_color(), estimate.get_color()) == (TRUTH, ESTIMATE)
     shells = len(truth.get_xdata())
     squares = ring.final.error[:, 0].reshape(-1, shells) ** 2  # the polar layout runs through R first

@@ -7,7 +7,7 @@ import random
 import pytest
 
 from solvers.problems import PROBLEMS
-from tests.verdict_search import SWITCHES, random_runs
+from tests.known_runs import SWITCHES, random_runs
 
 
 @pytest.mark.parametrize("problem", PROBLEMS)
