@@ -14,7 +14,6 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from app.frame.layout import Seat
 from app.frame.scale import ColourScale
 from app.problems.ring.stage import RingStage
 from app.renderers.viewer import Lettering, Sheet
@@ -22,7 +21,6 @@ from solvers.engine import frames as memory
 from solvers.engine.frames import FrameOptions
 from solvers.problems.ring.scene import RingScene
 from solvers.problems.ring.solver import RingSolver
-from tests import drawn
 from tests.drawn import Scene
 
 SCENE = RingScene(cells=72, ppc=6, periods=1)  # 20,736 particles, within reach of the sliders
@@ -87,17 +85,3 @@ def test_a_redraw_is_cheap(frame):
         stage.draw(SCENE, arrays, estimated, true, 0.0, 0.004)
 
     assert units(draw) < 40
-
-
-def test_images_are_mirrored(frame):
-    """The truth's half is the quarter and its image below, the estimate's the same mirrored at the middle."""
-    _, arrays = frame
-    kept = drawn.Sheet()
-    stage = RingStage(kept, ColourScale())
-    stage.draw(SCENE, arrays, None, arrays.error[:, 0], 0.0, 0.004)
-    truth, estimate = (kept.marks[half].points.reshape(2, -1, 3) for half in ("truth", "estimate"))
-    middle = [*stage.places(kept.room.settled(), Seat.ALONE).middle, 0]
-    place = stage._place(arrays.position) - middle
-    for points, x in ((truth, 1), (estimate, -1)):
-        for image, y in zip(points, (1, -1), strict=True):
-            np.testing.assert_allclose(image - middle, place * [x, y, 1], atol=1e-6)  # single precision near 1
