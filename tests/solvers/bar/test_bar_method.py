@@ -1,7 +1,5 @@
 """The bar's kernel is the method of the formulas: compared with numpy, conserved sums, eq 17's conditions."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 
 import numpy as np

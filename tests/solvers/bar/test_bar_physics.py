@@ -1,8 +1,6 @@
 """What the bar's results must be: orders of accuracy, energy, where it breaks. The published tables are in
 tests/solvers/estimators/test_accuracy.py."""
 
-from __future__ import annotations
-
 import itertools
 import math
 from dataclasses import replace

@@ -1,7 +1,5 @@
 """How the bar runs: repeatable, in any slices, effects aside, honest about going bad; norms that add up."""
 
-from __future__ import annotations
-
 import json
 from dataclasses import replace
 

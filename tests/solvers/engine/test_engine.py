@@ -1,7 +1,5 @@
 """The engine: frames come, the latest wish wins, a killed engine is replaced and a bad run is reported."""
 
-from __future__ import annotations
-
 import os
 import signal
 import subprocess

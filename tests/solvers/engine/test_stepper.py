@@ -1,7 +1,5 @@
 """One session inside an engine: its speed, the beat of its frames and what they say."""
 
-from __future__ import annotations
-
 from contextlib import contextmanager
 from dataclasses import replace
 from multiprocessing.shared_memory import SharedMemory

@@ -4,8 +4,6 @@ Costs are counted in a unit that is measured beside them, the lengths of as many
 many is taken, in the processor's own time: both a slow and a busy machine then come out as a fast one does.
 """
 
-from __future__ import annotations
-
 from contextlib import contextmanager
 from multiprocessing.shared_memory import SharedMemory
 from time import thread_time

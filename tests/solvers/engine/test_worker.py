@@ -1,7 +1,5 @@
 """The sessions of one engine, and what it does for all of them: no pipe, no page and no other process."""
 
-from __future__ import annotations
-
 import gc
 from dataclasses import replace
 from types import SimpleNamespace

@@ -5,8 +5,6 @@ That a run and its estimates do not depend on who else watches, to the bit, is w
 stands with it. What an estimator does beside being accurate is in the file of its name.
 """
 
-from __future__ import annotations
-
 import itertools
 import json
 import math

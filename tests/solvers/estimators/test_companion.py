@@ -1,8 +1,6 @@
 """The companion estimator: its own accuracy, and its limits. How near it comes to the exact solutions is in
 test_accuracy.py, to other programs' in test_unsolved.py."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 
 import numpy as np

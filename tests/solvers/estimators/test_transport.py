@@ -1,8 +1,6 @@
 """The transport estimator (the paper's) and the measures that judge any estimator. How near it comes to the exact
 solutions is in test_accuracy.py."""
 
-from __future__ import annotations
-
 import math
 from dataclasses import replace
 

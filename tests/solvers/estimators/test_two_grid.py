@@ -1,8 +1,6 @@
 """The two-grid estimator: Richardson's extrapolation from the run and a second one with half the cells. How near it
 comes to the exact solutions is in test_accuracy.py, where it is refused in test_refusals.py."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 
 import numpy as np

@@ -1,8 +1,6 @@
 """Estimates of motions that the program has no solution of, against other programs that solve them: the modes of the
 linear bar, the radial equation of the ring, and Lagrange's equations of the vortex's circles."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from dataclasses import replace
 

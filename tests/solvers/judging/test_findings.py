@@ -1,7 +1,5 @@
 """What is compared beside errors: what each finding finds, from the start on, and what it leaves alone."""
 
-from __future__ import annotations
-
 import functools
 import json
 from dataclasses import replace

@@ -1,7 +1,5 @@
 """Files of another problem, grid or scene than they are judged with: refused in one sentence that names what fits."""
 
-from __future__ import annotations
-
 import json
 from dataclasses import replace
 from pathlib import Path

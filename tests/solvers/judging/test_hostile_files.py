@@ -1,7 +1,5 @@
 """Files that mean harm end in one sentence, at once and in little memory; of none is more believed than can be."""
 
-from __future__ import annotations
-
 import base64
 import os
 import re

@@ -1,7 +1,5 @@
 """The referee: our own runs get our own errors, moved particles are found, every file that cannot be judged is told."""
 
-from __future__ import annotations
-
 import io
 import json
 from dataclasses import replace

@@ -1,7 +1,5 @@
 """Rebuilding a scene is what a slider does: it must neither grow memory nor compile."""
 
-from __future__ import annotations
-
 import gc
 import time
 from dataclasses import replace

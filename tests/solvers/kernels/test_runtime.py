@@ -1,7 +1,5 @@
 """Starting Taichi: without the network, and honestly about what runs."""
 
-from __future__ import annotations
-
 import subprocess
 import sys
 

@@ -1,8 +1,6 @@
 """What exact solutions and first layouts are, beside kinematics and balance of momentum, which ``tests/solvers/scene/
 test_exact_solutions.py`` has of all problems."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 
 import numpy as np

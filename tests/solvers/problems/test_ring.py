@@ -1,8 +1,6 @@
 """What only the ring has: energy, resonance, the amplitudes that it bears. The independent program's table and orders
 are in tests/solvers/estimators/test_accuracy.py."""
 
-from __future__ import annotations
-
 import math
 
 import numpy as np

@@ -1,7 +1,5 @@
 """What a run gone bad leaves: numbers up to the largest there are, and beyond. It is a result like any other."""
 
-from __future__ import annotations
-
 import json
 from dataclasses import replace
 

@@ -1,7 +1,5 @@
 """Remedies: what they cure, what they must leave alone, and what does not go together."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 
 import numpy as np

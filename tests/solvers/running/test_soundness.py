@@ -1,7 +1,5 @@
 """Nothing broken is called ok: contradictions against numpy, strict bounds of the error, and what a verdict says."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Scene: one that exists is valid; one that cannot be says which input is wrong and what is allowed."""
 
-from __future__ import annotations
-
 import json
 import math
 import pickle

@@ -1,7 +1,5 @@
 """The bound on the time step: against eigenvalues, against the kernels, and against runs."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 
 import numpy as np

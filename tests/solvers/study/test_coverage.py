@@ -1,7 +1,5 @@
 """Runs drawn at random, the bars around their numbers, and how often what is said of them was so."""
 
-from __future__ import annotations
-
 import json
 from dataclasses import replace
 

@@ -1,7 +1,5 @@
 """Rows kept by a study, spoilt in every way; closed streams."""
 
-from __future__ import annotations
-
 import json
 import os
 import subprocess

@@ -1,7 +1,5 @@
 """Sweeps: tasks, rows, their safety on disk and lost workers."""
 
-from __future__ import annotations
-
 import json
 import os
 from concurrent.futures import Future

@@ -1,7 +1,5 @@
 """``mpm-lab tables``: the paper's numbers beside ours, and what is written of them."""
 
-from __future__ import annotations
-
 import json
 
 import pytest

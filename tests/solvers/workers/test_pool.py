@@ -1,7 +1,5 @@
 """The pool of worker processes: one queue, futures, what is heard on the way, and every way to end."""
 
-from __future__ import annotations
-
 import os
 import signal
 import time
