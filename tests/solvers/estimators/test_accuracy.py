@@ -415,22 +415,6 @@ def test_samples_hold_the_particles_estimates(simulate):
             assert result.series[f"{estimator}/difference_{name}"][-1] == pytest.approx(off, rel=1e-9)
 
 
-def test_transport_converges_with_the_mesh(simulate):
-    """sigma's error is first order and x's second; the estimates must shrink at least at first order."""
-    coarse, fine = (simulate(watched(table_1("small", "node", n))).estimate["transport"] for n in (20, 40))
-    for name in XVS:
-        assert coarse[name]["max"] / fine[name]["max"] > 1.9
-
-
-def test_transport_is_linear_in_a_small_amplitude(simulate):
-    """While u << h the bar is linear, and so is its estimated error: relative change a few A/h = 2e-3."""
-    scene = watched(table_1("small", "node", 20))
-    one, ten = (simulate(replace(scene, amplitude=a, t_end=0.25)) for a in (1e-5, 1e-4))
-    for name in ALL:
-        small, large = (r.series[f"transport/estimate_{name}"].max() for r in (one, ten))
-        assert small > 0 and large / small == pytest.approx(10, rel=1e-2)
-
-
 @pytest.mark.parametrize("scene", [replace(BAR, cells=40, amplitude=2.5e-4, **FREE_STEP, periods=1.0), RING],
                          ids=lambda scene: scene.problem)
 def test_two_grid_reports_between_its_steps(scene, simulate):

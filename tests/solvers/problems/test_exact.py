@@ -96,15 +96,3 @@ def test_layouts_fill_the_ring(scene):
     assert np.abs((a * b).sum(1)).max() < 1e-15
     if polar:
         assert np.abs((a * made.position).sum(1)).max() < 1e-14
-
-
-@pytest.mark.parametrize("scene", PLANE.values(), ids=PLANE)
-def test_edges_meet_their_neighbours(scene):
-    """Across the ring a domain's outer end is the next one's inner end; the lattice runs radius first."""
-    made = particle_layout(scene)
-    across = len(made.radii)
-    ends = made.position[:across] + 0.5 * made.edges[:across, 2:]
-    starts = made.position[:across] - 0.5 * made.edges[:across, 2:]
-    assert np.abs(ends[:-1] - starts[1:]).max() < 1e-15
-    assert np.linalg.norm(ends[-1]) == pytest.approx(scene.OUTER, abs=1e-14)
-    assert np.linalg.norm(starts[0]) == pytest.approx(scene.INNER, abs=1e-14)

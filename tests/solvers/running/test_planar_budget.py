@@ -62,26 +62,6 @@ def test_the_causes_add_up_in_many_scenes(kind):
         assert not [scene for scene in islice(drawn(2, kind, method), 40) if max(gaps(scene).values()) > 1e-6]
 
 
-@pytest.mark.parametrize("scene", [RING, VORTEX], ids=lambda scene: scene.problem)
-def test_the_exact_solution_moves_as_it_says(scene):
-    """Rates by central differences over T/1e4, whose own error is 1e-6 of the size; and F is what the solver's is."""
-    problem = PROBLEMS[scene.problem]
-    moment, solver = problem.budget.moment, problem.solver(scene)
-    X, t, d = solver._arrays.material_position, 0.37 * scene.period, 1e-4 * scene.period
-    before, now, after = (moment(scene, X, time) for time in (t - d, t, t + d))
-    w = scene.angular_frequency
-    for values, rate, size in (
-            ((before.displacement, after.displacement), now.velocity, w), ((before.velocity, after.velocity),
-                                                                          now.acceleration, w * w),
-            ((before.deformation_gradient, after.deformation_gradient), now.rate, w),
-            ((before.rate, after.rate), now.second_rate, w * w)):
-        np.testing.assert_allclose((values[1] - values[0]) / (2 * d), rate, rtol=0, atol=1e-5 * size)
-    force = solver.PARTS.snapshot.body_force
-    solver.advance(3)  # whose last step began after two
-    np.testing.assert_allclose(force(solver._arrays, np.arange(len(X))) / solver._arrays.mass[:, None],
-                               moment(scene, X, 2 * scene.time_step).body_force, rtol=1e-9, atol=1e-9 * w * w)
-
-
 @pytest.mark.parametrize("scene", SCENES, ids=lambda scene: f"{scene.problem}, {scene.layout}")
 def test_pieces_leave_no_gap(scene):
     """Even stress moves no node inside, and a velocity that is linear has its gradient everywhere, whatever the motion;

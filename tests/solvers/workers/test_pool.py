@@ -100,15 +100,6 @@ def test_a_process_helps_with_another_kind_rather_than_rest():
     assert len(kinds([("a", 0.3)] * 6, 2, several=3)) == 2
 
 
-def test_a_process_alone_takes_questions_in_their_order():
-    order: list[str] = []
-    with closing(WorkerPool(WORK)) as pool:
-        asked = [pool.submit({}, lambda _, kind=kind: order.append(kind), kind=kind) for kind in "abab"]
-        for one in asked:
-            one.result()
-    assert order == ["a", "b", "a", "b"]
-
-
 def test_one_of_each_kind_is_put_first():
     assert one_of_each_first(["a1", "a2", "b1", "a3", "c1", "b2"], lambda text: text[0]) == [
         "a1", "b1", "c1", "a2", "a3", "b2"]
