@@ -4,7 +4,6 @@ Costs are counted in a unit that is measured beside them, the lengths of as many
 many is taken, in the processor's own time: both a slow and a busy machine then come out as a fast one does.
 """
 
-from contextlib import contextmanager
 from multiprocessing.shared_memory import SharedMemory
 from time import thread_time
 from types import SimpleNamespace
@@ -26,24 +25,16 @@ SCENE = RingScene(cells=72, ppc=6, periods=1)  # 20,736 particles, within reach 
 GUI = SimpleNamespace(add_html=lambda content: SimpleNamespace())
 
 
-@contextmanager
-def block_for(scene):
-    block = SharedMemory(create=True, size=memory.block_bytes(scene))
-    try:
-        yield block
-    finally:
-        block.close()
-        block.unlink()
-
-
 @pytest.fixture(scope="module")
 def frame():
     """A solver under way and the arrays of its frame."""
     solver = RingSolver(SCENE)
     solver.advance(50)
-    with block_for(SCENE) as block:
-        memory.write(block, SCENE, solver.snapshot(plotted="sigma"))
-        yield solver, memory.read(block, SCENE, SCENE.particles, FrameOptions(plotted="sigma"))
+    block = SharedMemory(create=True, size=memory.block_bytes(SCENE))
+    memory.write(block, SCENE, solver.snapshot(plotted="sigma"))
+    yield solver, memory.read(block, SCENE, SCENE.particles, FrameOptions(plotted="sigma"))
+    block.close()
+    block.unlink()
 
 
 def units(work):

@@ -44,7 +44,7 @@ def test_the_judge_reads_a_saved_result_and_a_file_of_particles_is_one(tmp_path)
 SMALL = BarScene(cells=10, periods=0.1, estimators=("companion",))
 
 
-def file_with(tmp_path, result: Result, **changes) -> str:
+def file_with(tmp_path, result: Result, changes: dict) -> str:
     """A saved result with other arrays: None takes one away; a dict is for what the text says."""
     result.save(tmp_path / "run.npz")
     arrays = dict(np.load(tmp_path / "run.npz"))
@@ -85,7 +85,7 @@ def file_with(tmp_path, result: Result, **changes) -> str:
     ({"final__last_crossing": np.zeros(40)}, "(final/last_crossing is float64"),
 ], ids=str)
 def test_what_is_no_result_is_refused_in_a_sentence(changes, sentence, tmp_path, simulate):
-    file = file_with(tmp_path, simulate(SMALL), **changes)
+    file = file_with(tmp_path, simulate(SMALL), changes)
     with pytest.raises(FileError) as error:
         Result.load(file)
     assert sentence in str(error.value) and "\n" not in str(error.value) and error.value.__cause__ is None

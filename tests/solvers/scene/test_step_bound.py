@@ -161,19 +161,6 @@ def test_the_emptiest_node_is_that_of_the_scenes_own_cells(scene, monkeypatch):
     assert 0.8 < bound / scene.critical_time_step().longest < 1.02
 
 
-@pytest.mark.parametrize("scene", [
-    RingScene(method="ugimp", cells=25, ppc=3, amplitude=2.6e-3, layout="cartesian", periods=1.6),
-    VortexScene(method="cpgimp-v", cells=31, ppc=3, amplitude=0.65, poisson_ratio=0.41, frequency=2.87, periods=0.42),
-    *(pytest.param(VortexScene(method=method, cells=cells, ppc=ppc, amplitude=amplitude, poisson_ratio=nu,
-                               frequency=frequency, periods=0.4), marks=pytest.mark.slow)
-      for method, cells, ppc, amplitude, nu, frequency in (
-          ("ugimp", 35, 2, 0.861, 0.2, 1.19), ("mpm", 34, 3, 0.7777, 0.0322, 1.3647)))], ids=str)
-def test_the_automatic_step_holds_where_weights_never_move(scene, simulate):
-    """Bodies at whose rims nodes are nearly empty, or sheared by 4.6 to 6.1: with the bound of the exact motion on
-    few cells each broke."""
-    assert simulate(replace(scene, dt="auto", remedies=("frozen-weights",), **LOOKS)).status == "ok"
-
-
 def test_a_step_beyond_the_bound_is_warned_of():
     [sentence] = BarScene(cfl=1.2).warnings()
     assert "cfl 1.2" in sentence and "--dt auto" in sentence
