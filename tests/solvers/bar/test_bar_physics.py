@@ -32,8 +32,7 @@ def test_orders_and_sizes_at_small_amplitude(method, linear, simulate):
     sigma: with hat and GIMP L is (nearly) constant in a cell, so sigma misses
     E k^2 A h sqrt((1 - ppc^-2)/24), first order, 10 %; the B-spline's L is continuous and its sigma second
     order. The amplitude is tiny, because the plain hat stops at a floor of about A times the strain 2 pi A,
-    whatever h: within a cell its force is sum F sigma V0/h although the cell has not stretched.
-    """
+    whatever h: within a cell its force is sum F sigma V0/h although the cell has not stretched."""
     scenes = [BarScene(method=method, linearity_preserving=linear, cells=n, cfl=0.2 / n, amplitude=2.5e-5,
                     periods=1, estimators=(), effects=("truth",)) for n in (20, 40, 80)]
     results = [simulate(scene) for scene in scenes]
@@ -54,8 +53,7 @@ def test_orders_and_sizes_at_small_amplitude(method, linear, simulate):
 def test_free_vibration():
     """Without a body force the bar swings as (A/2) sin 2 pi X sin 2wt: rho u_tt = E u_XX has speed c.
 
-    v(0) = A w sin 2 pi X and frequency 2 pi c = 2w give A/2. Second order from h = 1/20 to 1/40, within 0.3.
-    """
+    v(0) = A w sin 2 pi X and frequency 2 pi c = 2w give A/2. Second order from h = 1/20 to 1/40, within 0.3."""
     errors = []
     for cells in (20, 40):
         scene = replace(LARGE, body_force="none", cells=cells, cfl=0.2 / cells, periods=0.74)
@@ -70,9 +68,7 @@ def test_free_vibration():
 
 
 def test_energy_drift_is_first_order_in_the_step(simulate):
-    """cpGIMP over 20 periods: a loss that halves with dt, below the independent program's 5.3 % at cfl
-    0.3.
-    """
+    """cpGIMP over 20 periods: a loss that halves with dt, below the independent program's 5.3 % at cfl 0.3."""
     drifts = [simulate(replace(LARGE, method="cpgimp", periods=20, cfl=cfl)).energy["drift"]
               for cfl in (0.3, 0.15, 0.075)]
     assert -0.053 < drifts[0] < 0

@@ -101,8 +101,7 @@ def test_the_vortexs_marches_to_the_exact_solution_without_knowing_it(monkeypatc
     """A = 1 at t = 0.5, when its own middle circle has turned by 57 degrees.
 
     With order p the error of u falls with the elements as p + 1 or faster, once these resolve the quartic angle; with
-    those in use it is 3e-7 m. An independent program of the same equations, in numpy, had the same errors.
-    """
+    those in use it is 3e-7 m. An independent program of the same equations, in numpy, had the same errors."""
     scene, errors = replace(VORTEX, cells=12, t_end=0.5), []
     for elements in (Elements(0.75, 1.25, 8, 4), Elements(0.75, 1.25, 16, 4), vortex_mesh.mesh()):
         monkeypatch.setattr(vortex_mesh, "mesh", lambda elements=elements: elements)

@@ -22,9 +22,7 @@ TABLE_SCENE = BarScene(linearity_preserving=True, body_force="node", dt=2.5e-5, 
 
 
 def test_error_index_is_a_ratio_of_sums():
-    """Eq 35: sum over time of the estimated norms over that of the true ones; none where there is no
-    truth.
-    """
+    """Eq 35: sum over time of the estimated norms over that of the true ones; none where there is no truth."""
     assert norms.error_index(np.array([0.0, 1.0, 2.0]), np.array([0.0, 2.0, 4.0])) == 0.5
     assert norms.error_index(np.array([1.0, 3.0]), np.array([2.0, 2.0])) == 1.0  # not the mean of the ratios
     assert norms.error_index(np.ones(3), np.zeros(3)) is None

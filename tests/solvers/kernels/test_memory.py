@@ -49,9 +49,7 @@ def test_600_rebuilds_leave_memory_flat_and_compile_nothing():
 
 
 def test_a_new_switch_compiles_once():
-    """The counter above does count: another choice of effects adds a kernel, the same choice again does
-    not.
-    """
+    """The counter above does count: another choice of effects adds a kernel, the same choice again does not."""
     kernel = advance._primal
     scene = BarScene(effects=("energy", "crossings"), body_force="none", velocity="particle")
     counts = [len(kernel.compiled_kernels)]

@@ -51,9 +51,7 @@ def test_weights_sum_to_one_and_gradients_to_zero(case):
 
 
 def test_linear_functions_are_reproduced(case):
-    """sum S x_i = x and sum dS x_i = 1: a uniform motion or strain is seen exactly (rounding of x up to
-    10).
-    """
+    """sum S x_i = x and sum dS x_i = 1: a uniform motion or strain is seen exactly (rounding of x up to 10)."""
     _, x, half, first, S, dS = case
     nodes = first[:, None] + np.arange(3)
     assert np.abs((S * nodes).sum(1) - x).max() <= 10 * 16 * EPS
@@ -64,8 +62,7 @@ def test_weights_follow_their_definitions(case):
     """Hat, three-branch GIMP and B-spline, at every node from 3 left to 3 right of the particle.
 
     That covers locality too: the definition is zero at every node that the stencil leaves out. The GIMP
-    weights divide by the domain's length, so rounding grows as 1/half; positions carry 10 eps.
-    """
+    weights divide by the domain's length, so rounding grows as 1/half; positions carry 10 eps."""
     method, x, half, first, S, dS = case
     nodes = np.floor(x)[:, None] + np.arange(-3, 4)
     full, slopes = np.zeros_like(nodes), np.zeros_like(nodes)

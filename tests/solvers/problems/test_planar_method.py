@@ -110,8 +110,7 @@ def test_sums_at_the_nodes_are_the_particles(scene):
     """Mass and momentum are kept, force adds to sum m b, and sum f_i x_i to sum m b x - V sigma (the virial).
 
     These say that weights sum to one, gradients to zero, and that a linear field has its own gradient. Bounds are
-    1000 roundings of the sum of sizes.
-    """
+    1000 roundings of the sum of sizes."""
     scene = replace(scene, density=1300.0, **({"poisson_ratio": 0.4} if scene.problem == "vortex" else {}))
     solver, time = stirred(scene), 0.2 * scene.period
     a = solver._arrays
@@ -234,8 +233,7 @@ def test_unstable_runs_stay_inside_their_arrays(scene):
 def test_snapshot_errors_are_computed_minus_exact(scene):
     """Every particle's error of x, v, sigma and a, from the exact fields at X and matrices: rounding of the fields.
 
-    Radii are grouped to 12 digits in the Cartesian layout, so 1e-11 of a field's largest value.
-    """
+    Radii are grouped to 12 digits in the Cartesian layout, so 1e-11 of a field's largest value."""
     solver = stirred(replace(scene, effects=("truth", "acceleration")))
     scene, a, exact = solver.scene, solver._arrays, solver.scene.EXACT
     solver.step, X = 37, a.material_position
