@@ -1,7 +1,5 @@
 """What a user imports: ``from solvers import ...``."""
 
-from __future__ import annotations
-
 import copy
 import pickle
 import subprocess

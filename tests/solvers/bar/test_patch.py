@@ -48,13 +48,6 @@ def test_the_test_that_passes_for_the_wrong_reason(method, ppc):
         assert result.index["companion"] == pytest.approx(dict.fromkeys("xv", 1) | {"sigma": 1, "a": 1}, abs=1e-6)
 
 
-def test_the_stress_is_lost_and_does_not_scatter():
-    final = run(replace(PATCH, method="mpm", ppc=2.5), prices=False).final
-    left = (final.deformation_gradient - 1) / .02
-    assert left.max() < .05
-    assert final.position - final.material_position == pytest.approx(.5, abs=1e-4)  # while all stand where they should
-
-
 @pytest.mark.parametrize("changes", [
     {"linearity_preserving": True, "method": "mpm"}, {"stretch": 0.5, "initial_velocity": -3.0},
     {"stretch": 2.0, "method": "cpgimp"}, {"initial_velocity": 0.0}, {"velocity": "particle"},

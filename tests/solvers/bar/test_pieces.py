@@ -3,8 +3,6 @@
 Bands come from runs with other numbers of cells and steps, given with each test.
 """
 
-from __future__ import annotations
-
 from dataclasses import replace
 
 import numpy as np

@@ -1,7 +1,5 @@
 """One session inside an engine: its speed, the beat of its frames and what they say."""
 
-from __future__ import annotations
-
 from contextlib import contextmanager
 from dataclasses import replace
 from multiprocessing.shared_memory import SharedMemory
@@ -111,8 +109,7 @@ def test_frames_keep_their_beat(clock, apart):
     """Looked after only every 7 ms, and 10 ms late for a turn, frames still come 30 a second, and evenly, or as many as
     are wished.
 
-    Counted each from the one before it, they would be 22.
-    """
+    Counted each from the one before it, they would be 22."""
     times = []
     with one_session(Wish(1, 1, "", replace(SCENE, cells=8), Pace(speed=1e-6), frame_seconds=apart)) as session:
         while clock.now < 103.0:

@@ -4,9 +4,6 @@ Costs are counted in a unit that is measured beside them, the lengths of as many
 many is taken, in the processor's own time: both a slow and a busy machine then come out as a fast one does.
 """
 
-from __future__ import annotations
-
-from contextlib import contextmanager
 from multiprocessing.shared_memory import SharedMemory
 from time import thread_time
 from types import SimpleNamespace
@@ -14,7 +11,6 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from app.frame.layout import Seat
 from app.frame.scale import ColourScale
 from app.problems.ring.stage import RingStage
 from app.renderers.viewer import Lettering, Sheet
@@ -22,7 +18,6 @@ from solvers.engine import frames as memory
 from solvers.engine.frames import FrameOptions
 from solvers.problems.ring.scene import RingScene
 from solvers.problems.ring.solver import RingSolver
-from tests import drawn
 from tests.drawn import Scene
 
 SCENE = RingScene(cells=72, ppc=6, periods=1)  # 20,736 particles, within reach of the sliders
@@ -30,24 +25,16 @@ SCENE = RingScene(cells=72, ppc=6, periods=1)  # 20,736 particles, within reach 
 GUI = SimpleNamespace(add_html=lambda content: SimpleNamespace())
 
 
-@contextmanager
-def block_for(scene):
-    block = SharedMemory(create=True, size=memory.block_bytes(scene))
-    try:
-        yield block
-    finally:
-        block.close()
-        block.unlink()
-
-
 @pytest.fixture(scope="module")
 def frame():
     """A solver under way and the arrays of its frame."""
     solver = RingSolver(SCENE)
     solver.advance(50)
-    with block_for(SCENE) as block:
-        memory.write(block, SCENE, solver.snapshot(plotted="sigma"))
-        yield solver, memory.read(block, SCENE, SCENE.particles, FrameOptions(plotted="sigma"))
+    block = SharedMemory(create=True, size=memory.block_bytes(SCENE))
+    memory.write(block, SCENE, solver.snapshot(plotted="sigma"))
+    yield solver, memory.read(block, SCENE, SCENE.particles, FrameOptions(plotted="sigma"))
+    block.close()
+    block.unlink()
 
 
 def units(work):
@@ -68,8 +55,7 @@ def test_a_snapshot_is_cheap(frame):
     """33 units, 0.85 ms, and a tenth more for the field of a plot. With exact fields worked out anew and products of
     small matrices it was 280 and more.
 
-    Three times the present cost: other processors weigh the operations differently, but not by so much.
-    """
+    Three times the present cost: other processors weigh the operations differently, but not by so much."""
     assert units(lambda: frame[0].snapshot(plotted="sigma")) < 100
 
 
@@ -87,17 +73,3 @@ def test_a_redraw_is_cheap(frame):
         stage.draw(SCENE, arrays, estimated, true, 0.0, 0.004)
 
     assert units(draw) < 40
-
-
-def test_images_are_mirrored(frame):
-    """The truth's half is the quarter and its image below, the estimate's the same mirrored at the middle."""
-    _, arrays = frame
-    kept = drawn.Sheet()
-    stage = RingStage(kept, ColourScale())
-    stage.draw(SCENE, arrays, None, arrays.error[:, 0], 0.0, 0.004)
-    truth, estimate = (kept.marks[half].points.reshape(2, -1, 3) for half in ("truth", "estimate"))
-    middle = [*stage.places(kept.room.settled(), Seat.ALONE).middle, 0]
-    place = stage._place(arrays.position) - middle
-    for points, x in ((truth, 1), (estimate, -1)):
-        for image, y in zip(points, (1, -1), strict=True):
-            np.testing.assert_allclose(image - middle, place * [x, y, 1], atol=1e-6)  # single precision near 1

@@ -1,7 +1,5 @@
 """Nobody waits for a compiler: an engine has a fork of itself compile, goes on, and then hands everything over."""
 
-from __future__ import annotations
-
 import logging
 import os
 import signal

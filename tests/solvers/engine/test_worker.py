@@ -1,7 +1,5 @@
 """The sessions of one engine, and what it does for all of them: no pipe, no page and no other process."""
 
-from __future__ import annotations
-
 import gc
 from dataclasses import replace
 from types import SimpleNamespace
@@ -28,10 +26,6 @@ class Pipe:
 
     def send(self, message):
         self.sent.append(message)
-
-
-class Solver(SimpleNamespace):
-    """Of a scene, and made by nobody."""
 
 
 def wish(session, number=1):
@@ -94,12 +88,12 @@ def test_a_successor_has_solvers_in_place_for_what_it_will_get(monkeypatch):
 
     def build(scene):
         assert scene != bad
-        return Solver(scene=scene)
+        return SimpleNamespace(scene=scene)
 
     monkeypatch.setattr(worker, "build", build)
-    engine, kept = Worker(Pipe()), Solver(scene=SCENE)
+    engine, kept = Worker(Pipe()), SimpleNamespace(scene=SCENE)
     engine._steppers = {session: SimpleNamespace(solver=solver, close=lambda: closed.append(1))
-                        for session, solver in ((1, kept), (2, Solver(scene=SCENE)), (3, kept))}
+                        for session, solver in ((1, kept), (2, SimpleNamespace(scene=SCENE)), (3, kept))}
     engine._prepare({1: SCENE, 2: other, 4: bad})
     assert engine._prepared[1] is kept and engine._prepared[2].scene == other and engine._prepared.keys() == {1, 2}
     assert not engine._steppers and len(closed) == 3

@@ -1,8 +1,6 @@
 """The companion estimator: its own accuracy, and its limits. How near it comes to the exact solutions is in
 test_accuracy.py, to other programs' in test_unsolved.py."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 
 import numpy as np
@@ -14,7 +12,6 @@ from solvers.estimators.spectral import Elements, unresolved
 from solvers.problems.bar import exact as bar_exact
 from solvers.problems.bar.estimators import companion as companion_bar
 from solvers.problems.bar.scene import BarScene
-from solvers.problems.ring.estimators import companion_mesh as ring_mesh
 from solvers.problems.ring.scene import RingScene
 from solvers.problems.vortex import exact as vortex_exact
 from solvers.problems.vortex.estimators import companion as companion_vortex
@@ -100,26 +97,11 @@ def test_its_error_in_time_is_of_fourth_order(monkeypatch):
     assert np.abs(coarse - middle).max() > 1e-9  # and not rounding
 
 
-def test_nystroms_method_is_stable_up_to_its_limit():
-    """omega H of the amplification matrix, from the formulas as they stand; slightly damping below the limit."""
-    def largest(s):
-        z = -s * s
-        columns = []
-        for u, v in ((1.0, 0.0), (0.0, 1.0)):
-            k1 = z * u
-            k2 = z * (u + v / 2 + k1 / 8)
-            k3 = z * (u + v + k2 / 2)
-            columns.append([u + v + (k1 + 2 * k2) / 6, v + (k1 + 4 * k2 + k3) / 6])
-        return np.abs(np.linalg.eigvals(np.array(columns).T)).max()
-    assert all(largest(s) < 1 for s in np.linspace(0.05, companion.STABLE, 100)) and largest(2.6) > 1
-
-
 def test_the_vortexs_marches_to_the_exact_solution_without_knowing_it(monkeypatch):
     """A = 1 at t = 0.5, when its own middle circle has turned by 57 degrees.
 
     With order p the error of u falls with the elements as p + 1 or faster, once these resolve the quartic angle; with
-    those in use it is 3e-7 m. An independent program of the same equations, in numpy, had the same errors.
-    """
+    those in use it is 3e-7 m. An independent program of the same equations, in numpy, had the same errors."""
     scene, errors = replace(VORTEX, cells=12, t_end=0.5), []
     for elements in (Elements(0.75, 1.25, 8, 4), Elements(0.75, 1.25, 16, 4), vortex_mesh.mesh()):
         monkeypatch.setattr(vortex_mesh, "mesh", lambda elements=elements: elements)
@@ -127,25 +109,6 @@ def test_the_vortexs_marches_to_the_exact_solution_without_knowing_it(monkeypatc
         errors.append(np.abs(u - vortex_exact.displacement(scene, on_axis, scene.steps * scene.time_step)).max())
     assert np.degrees(np.arctan2(u[:, 1], elements.nodes + u[:, 0]).max()) == pytest.approx(180 / np.pi, abs=0.01)
     assert errors[0] / errors[1] > 2**5 and errors[2] < 4e-7
-
-
-@pytest.mark.parametrize("cells", [12, 48])
-def test_the_highest_frequency_of_the_ring_is_found(cells, monkeypatch):
-    """The power method, against numpy's eigenvalues of the assembled operator: from below, within 2 per cent."""
-    radial, angular = ring_mesh.mesh(cells)
-    found = ring_mesh.unit_frequency(radial, angular)
-    held, columns = ring_mesh.free(radial, angular).ravel() > 0, []
-    keep = {}
-
-    def catch(accelerations, inverse_mass):
-        keep["A"], keep["shape"] = accelerations, inverse_mass.shape
-        return 0.0
-    monkeypatch.setattr(ring_mesh, "highest_frequency", catch)
-    ring_mesh.unit_frequency.__wrapped__(radial, angular)
-    for unit in np.eye(held.size)[held]:
-        columns.append(keep["A"](unit.reshape(keep["shape"])).ravel()[held])
-    true = np.sqrt(np.linalg.eigvals(np.array(columns).T).real.max())
-    assert 0.98 * true < found < 1.0001 * true
 
 
 def test_the_highest_frequency_of_the_vortex_is_found():

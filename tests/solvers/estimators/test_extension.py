@@ -5,8 +5,6 @@ pictures and claims; the page is in ``tests/browser/problems/test_extension_page
 this one has compiled its solvers without them.
 """
 
-from __future__ import annotations
-
 import csv
 import json
 import os

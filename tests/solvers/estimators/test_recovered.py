@@ -1,8 +1,6 @@
 """The recovered estimator: what it reproduces, what it sees, and where it finds out that it does not hold. How near it
 comes to the exact solutions is in test_accuracy.py, to other programs' in test_unsolved.py."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 
 import numpy as np

@@ -1,8 +1,6 @@
 """Where an estimator keeps silent before anything has run, and where not: each rule in words. Of what it finds out in a
 run tells the file of its name; that what it says is right, test_accuracy.py."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 
 import numpy as np

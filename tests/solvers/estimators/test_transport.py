@@ -1,8 +1,6 @@
 """The transport estimator (the paper's) and the measures that judge any estimator. How near it comes to the exact
 solutions is in test_accuracy.py."""
 
-from __future__ import annotations
-
 import math
 from dataclasses import replace
 
@@ -14,7 +12,7 @@ from solvers.problems.bar.scene import BarScene
 from solvers.problems.bar.solver import BarSolver
 from solvers.problems.bar.state import HOOKS
 from solvers.problems.vortex.scene import VortexScene
-from solvers.running.run import build, run
+from solvers.running.run import build
 from solvers.solver import norms, samples
 from tests.reference import NUMBERS
 
@@ -24,9 +22,7 @@ TABLE_SCENE = BarScene(linearity_preserving=True, body_force="node", dt=2.5e-5, 
 
 
 def test_error_index_is_a_ratio_of_sums():
-    """Eq 35: sum over time of the estimated norms over that of the true ones; none where there is no
-    truth.
-    """
+    """Eq 35: sum over time of the estimated norms over that of the true ones; none where there is no truth."""
     assert norms.error_index(np.array([0.0, 1.0, 2.0]), np.array([0.0, 2.0, 4.0])) == 0.5
     assert norms.error_index(np.array([1.0, 3.0]), np.array([2.0, 2.0])) == 1.0  # not the mean of the ratios
     assert norms.error_index(np.ones(3), np.zeros(3)) is None
@@ -61,31 +57,6 @@ def test_a_rigid_motion_has_no_error(method, linear):
     assert solver.time * 0.3 > solver.scene.spacing
     # second differences of rounding, 1e-16/h^2, over 100 steps; a real estimate would be 1e-3 and more
     assert np.abs(solver._arrays.estimate).max() < 1e-10
-
-
-@pytest.mark.parametrize("off", [{"estimators": ()}, {"effects": ("truth",)}],
-                         ids=["no estimator", "no effect"])
-def test_switched_off_it_reports_nulls_and_allocates_nothing(off, simulate):
-    """Nulls in the report, arrays of length one in memory."""
-    scene = replace(TABLE_SCENE, cells=20, t_end=0.05, linearity_preserving=False, **off)
-    report = simulate(scene).to_dict()
-    assert report["index"] == report["distance"] == dict.fromkeys(("x", "v", "sigma", "a"))
-    assert all(value is None for each in report["estimate"].values() for value in each.values())
-    assert report["seconds"]["estimate"] is None and report["scene"]["dt"] == 2.5e-5
-    arrays = BarSolver(scene)._arrays
-    arrays = {**arrays.members(), **memory_parts(HOOKS, arrays.memory)}
-    for name in ("estimate", "transport_nodes", "transport_errors", "transport_slope",
-                 "node_moments", "node_volume"):
-        assert len(arrays[name]) == 1, name
-
-
-def test_its_cost_is_reported():
-    """A part of the run's time, against steps of a solver that has no estimator; it cannot be more than the run.
-
-    The turns alone are a per cent or more of it (measured: 0.02 to 0.1), which turns that alternate tell from nothing.
-    """
-    seconds = run(replace(TABLE_SCENE, cells=160), prices=True).seconds
-    assert 0 < seconds.estimate < seconds.run
 
 
 def test_it_begins_with_nothing_though_a_vortexs_acceleration_does_not():

@@ -1,8 +1,6 @@
 """Estimates of motions that the program has no solution of, against other programs that solve them: the modes of the
 linear bar, the radial equation of the ring, and Lagrange's equations of the vortex's circles."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from dataclasses import replace
 
@@ -127,8 +125,7 @@ def polar_solution(scene: VortexScene, steps: int, t: float, order: int = 20) ->
     """R and, there, r, alpha, r', alpha', r_t, alpha_t at time t, from Lagrange's equations in r and alpha.
 
     W = mu/2 (F:F - 2 - 2 ln J) + lambda/2 ln^2 J with F:F = r'^2 + r^2 alpha'^2 + r^2/R^2 and J = r' r/R: nothing in
-    common with the companion but Gauss-Lobatto points.
-    """
+    common with the companion but Gauss-Lobatto points."""
     points, V, D = lobatto(order)
     D, R = D / 0.25, 1 + 0.25 * points
     m = 0.25 * 2 / (order * (order + 1) * V[:, -1]**2) * R

@@ -1,8 +1,6 @@
 """The check of particles of any run: a smooth motion in one to three dimensions, each thing that may be wrong, and runs
 of ours drawn at random, of which ``assets/check.md`` says what it finds of several hundred."""
 
-from __future__ import annotations
-
 from itertools import islice
 
 import numpy as np

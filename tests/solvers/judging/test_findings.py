@@ -1,7 +1,5 @@
 """What is compared beside errors: what each finding finds, from the start on, and what it leaves alone."""
 
-from __future__ import annotations
-
 import functools
 import json
 from dataclasses import replace
@@ -14,7 +12,7 @@ from solvers.judging import handout
 from solvers.judging.findings.alone import NAMES
 from solvers.judging.findings.evidence import DOUBLE, SINGLE, kept
 from solvers.judging.findings.finding import HOLDS, OFF, UNKNOWN
-from solvers.judging.findings.neighbours import Nearby, outliers, surroundings
+from solvers.judging.findings.neighbours import outliers, surroundings
 from solvers.judging.findings.over_time import fitted, rate, shifted
 from solvers.judging.measure import summarised
 from solvers.judging.verdict import judge
@@ -170,19 +168,6 @@ def test_figures_are_found_from_the_numbers():
         assert (np.abs(cut - values) <= found.rounding(cut) * (1 + 1e-9)).all()
     fixed = np.round(values, 5)
     assert (np.abs(fixed - values) <= kept(fixed).rounding(fixed) * (1 + 1e-9)).all()
-
-
-@pytest.mark.parametrize("D", [1, 2])
-def test_the_nearest_are_the_nearest(D):
-    points = np.random.default_rng(3).uniform(size=(400, D))
-    near = Nearby(points)
-    far, who = near.nearest(points, 3, skip_itself=True)
-    every = np.linalg.norm(points[:, None] - points, axis=2)
-    np.fill_diagonal(every, np.inf)
-    right = np.sort(every, axis=1)[:, :3]
-    within = right <= near.width  # farther ones may be in bins beyond
-    np.testing.assert_allclose(far[within], right[within], rtol=1e-12)
-    assert (every[np.arange(400)[:, None], who][within] == far[within]).all()
 
 
 def test_one_that_is_off_blames_none_of_its_neighbours():

@@ -1,7 +1,5 @@
 """Files that mean harm end in one sentence, at once and in little memory; of none is more believed than can be."""
 
-from __future__ import annotations
-
 import base64
 import os
 import re
@@ -95,30 +93,20 @@ def test_a_hostile_name_is_reported_as_it_is_and_draws_nothing(tmp_path, monkeyp
 
 POINTS = np.array([[0.5, 0, 0], [0.25, 0.1, 0], [1 / 3, 0, -1]])
 DATA = {"id": np.arange(3), "velocity": POINTS[::-1].copy(), "stress": np.arange(27.0).reshape(3, 9) / 7}
+MESH = meshio.Mesh(POINTS, [("vertex", np.arange(3)[:, None])], point_data=DATA)
 
 
-def same(raw) -> None:
-    """To the 11 digits that the other library writes as text."""
+@pytest.mark.parametrize("kind, options", [
+    ("vtu", {"binary": False}), *(("vtu", {"binary": True, **how}) for how in (
+        {"compression": None}, {"compression": "zlib"}, {"compression": "lzma"}, {"header_type": "UInt64"})),
+    *(("vtk", {"fmt_version": version, "binary": binary}) for version in ("4.2", "5.1") for binary in (False, True))],
+    ids=str)
+def test_vtk_and_vtu_are_read_in_every_form_that_others_write(kind, options, tmp_path):
+    getattr(meshio, kind).write(str(tmp_path / f"a.{kind}"), MESH, **options)
+    raw = read(str(tmp_path / f"a.{kind}"))
     assert (raw.columns["id"] == DATA["id"]).all()
     for mine, theirs in (("x", POINTS), ("v", DATA["velocity"]), ("sigma", DATA["stress"])):
-        assert raw.columns[mine].reshape(3, -1) == pytest.approx(theirs, rel=1e-10, abs=0)
-
-
-@pytest.mark.parametrize("options", [{"binary": False}, {"binary": True, "compression": None},
-                                     {"binary": True, "compression": "zlib"}, {"binary": True, "compression": "lzma"},
-                                     {"binary": True, "header_type": "UInt64"}], ids=str)
-def test_vtu_is_read_in_every_form_that_others_write(options, tmp_path):
-    mesh = meshio.Mesh(POINTS, [("vertex", np.arange(3)[:, None])], point_data=DATA)
-    meshio.vtu.write(str(tmp_path / "a.vtu"), mesh, **options)
-    same(read(str(tmp_path / "a.vtu")))
-
-
-@pytest.mark.parametrize("version", ["4.2", "5.1"])
-@pytest.mark.parametrize("binary", [False, True])
-def test_vtk_is_read_in_every_form_that_others_write(version, binary, tmp_path):
-    mesh = meshio.Mesh(POINTS, [("vertex", np.arange(3)[:, None])], point_data=DATA)
-    meshio.vtk.write(str(tmp_path / "a.vtk"), mesh, fmt_version=version, binary=binary)
-    same(read(str(tmp_path / "a.vtk")))
+        assert raw.columns[mine].reshape(3, -1) == pytest.approx(theirs, rel=1e-10, abs=0)  # of 11 digits as text
 
 
 def test_vtk_with_attributes_and_fields_as_paraview_writes_them(tmp_path):
@@ -221,8 +209,7 @@ def honest(kind: str, folder: Path) -> bytes:
     elif kind == ".vtp":
         Path(path).write_bytes(appended("raw", True))
     else:
-        mesh = meshio.Mesh(POINTS, [("vertex", np.arange(3)[:, None])], point_data=DATA)
-        (meshio.vtu if kind == ".vtu" else meshio.vtk).write(path, mesh, binary=True)
+        getattr(meshio, kind[1:]).write(path, MESH, binary=True)
     return Path(path).read_bytes()
 
 

@@ -1,7 +1,5 @@
 """Files of particles: what is written is read again to the bit, in each form, whatever the numbers are."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 from hypothesis import HealthCheck, given, settings

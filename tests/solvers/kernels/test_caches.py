@@ -1,7 +1,5 @@
 """A home that takes nothing costs the time to compile, and no run."""
 
-from __future__ import annotations
-
 import json
 import os
 import subprocess

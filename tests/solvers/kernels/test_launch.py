@@ -1,7 +1,5 @@
 """A kept launch does what Taichi's own does, on arrays as they are then, and lets go before Taichi ends."""
 
-from __future__ import annotations
-
 import subprocess
 import sys
 from dataclasses import replace

@@ -1,7 +1,5 @@
 """Rebuilding a scene is what a slider does: it must neither grow memory nor compile."""
 
-from __future__ import annotations
-
 import gc
 import time
 from dataclasses import replace
@@ -51,9 +49,7 @@ def test_600_rebuilds_leave_memory_flat_and_compile_nothing():
 
 
 def test_a_new_switch_compiles_once():
-    """The counter above does count: another choice of effects adds a kernel, the same choice again does
-    not.
-    """
+    """The counter above does count: another choice of effects adds a kernel, the same choice again does not."""
     kernel = advance._primal
     scene = BarScene(effects=("energy", "crossings"), body_force="none", velocity="particle")
     counts = [len(kernel.compiled_kernels)]

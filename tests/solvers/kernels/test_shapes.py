@@ -50,15 +50,8 @@ def test_weights_sum_to_one_and_gradients_to_zero(case):
     assert np.all(np.abs(dS.sum(1)) <= 4 * EPS / half)
 
 
-def test_weights_are_not_negative(case):
-    """A negative weight could make a node's mass negative; rounding may leave a few eps."""
-    assert case[4].min() >= -16 * EPS
-
-
 def test_linear_functions_are_reproduced(case):
-    """sum S x_i = x and sum dS x_i = 1: a uniform motion or strain is seen exactly (rounding of x up to
-    10).
-    """
+    """sum S x_i = x and sum dS x_i = 1: a uniform motion or strain is seen exactly (rounding of x up to 10)."""
     _, x, half, first, S, dS = case
     nodes = first[:, None] + np.arange(3)
     assert np.abs((S * nodes).sum(1) - x).max() <= 10 * 16 * EPS
@@ -69,8 +62,7 @@ def test_weights_follow_their_definitions(case):
     """Hat, three-branch GIMP and B-spline, at every node from 3 left to 3 right of the particle.
 
     That covers locality too: the definition is zero at every node that the stencil leaves out. The GIMP
-    weights divide by the domain's length, so rounding grows as 1/half; positions carry 10 eps.
-    """
+    weights divide by the domain's length, so rounding grows as 1/half; positions carry 10 eps."""
     method, x, half, first, S, dS = case
     nodes = np.floor(x)[:, None] + np.arange(-3, 4)
     full, slopes = np.zeros_like(nodes), np.zeros_like(nodes)
@@ -84,25 +76,3 @@ def test_weights_follow_their_definitions(case):
     bound = 10 * 16 * EPS / half[:, None]
     assert np.all(np.abs(full - true) <= bound)
     assert np.all((np.abs(slopes - true_slopes) <= bound / half[:, None])[smooth])
-
-
-@pytest.mark.parametrize("method", METHODS)
-def test_gradient_is_the_derivative_of_the_weight(method):
-    """Central differences over 2d; the kinks of S' (at most 1/half) cost d/half, rounding 10 eps/(half d)."""
-    rng, d = np.random.default_rng(2), 1e-6
-    half = rng.uniform(0.1, 0.5, COUNT)
-    x = rng.integers(1, 9, COUNT) + rng.uniform(0.01, 0.99, COUNT)  # the hat has no derivative at a node
-    three = (stencils(method, x + shift, half) for shift in (-d, 0, d))
-    (before, left, _), (first, _, dS), (after, right, _) = three
-    same = (before == first) & (after == first)
-    assert same.mean() > 0.99
-    slope = (right - left) / (2 * d)
-    bound = (d + 10 * EPS / d) / half[:, None]
-    assert np.all((np.abs(slope - dS) <= bound)[same])
-
-
-def test_convected_domain_of_a_cell_is_the_bspline():
-    """GIMP with a domain one cell wide is the quadratic B-spline: two routes to one function."""
-    x, half = np.random.default_rng(3).uniform(0, 10, COUNT), np.full(COUNT, 0.5)
-    for one, other in zip(stencils("cpgimp", x, half), stencils("bspline", x, half), strict=True):
-        assert np.abs(one - other).max() <= 10 * 8 * EPS

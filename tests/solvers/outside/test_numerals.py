@@ -1,7 +1,5 @@
 """Numbers are read in one way, wherever they are typed."""
 
-from __future__ import annotations
-
 import math
 
 import pytest

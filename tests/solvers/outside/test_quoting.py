@@ -1,7 +1,5 @@
 """What is quoted from outside does nothing to a terminal, a page, a report or a spreadsheet, and is short."""
 
-from __future__ import annotations
-
 import csv
 import html
 import io

@@ -1,21 +1,15 @@
 """What exact solutions and first layouts are, beside kinematics and balance of momentum, which ``tests/solvers/scene/
 test_exact_solutions.py`` has of all problems."""
 
-from __future__ import annotations
-
-import math
 from dataclasses import replace
-from types import SimpleNamespace
 
 import numpy as np
 import pytest
 
 from solvers.problems import PROBLEMS
-from solvers.problems.bar import exact as bar
 from solvers.problems.bar.scene import BarScene
 from solvers.problems.planar.layout import particle_layout
 from solvers.problems.ring.scene import RingScene
-from solvers.problems.vortex import exact as vortex
 from solvers.problems.vortex.scene import VortexScene
 from solvers.running.run import build
 
@@ -57,41 +51,6 @@ def test_rims_carry_no_traction(scene):
         resting = np.abs(scene.EXACT.displacement(scene, radius * e, t)).max() < 1e-14
         assert resting == (scene.problem == "vortex")  # whose rims do not turn
         assert resting or np.abs(xx + yy).max() > 1e-3 * scene.modulus
-
-
-def test_bar_inverts_exactly_at_the_amplitude_limit():
-    """F = 1 + 2 pi A cos sin: its minimum over X and t is 1 - 2 pi A."""
-    scene = SCENES["bar"]
-    F = bar.deformation_gradient(scene, np.array([0.5]), scene.period / 4)
-    assert F[0] == pytest.approx(1 - 2 * math.pi * 0.05, abs=1e-15)
-
-
-def test_a_vortex_by_hand():
-    """For A = B = 1, E = 1000, nu = 0.3, rho = 1000 at t = 1/2, when g = 1 and g' = 0.
-
-    At R = 1: h = 1, h' = 0, h'' = -64, so alpha_tt = -pi^2 and b_t = -pi^2 + 64 mu/rho, b_r = 0. At R = 0.875:
-    h = 1 - 1/2 + 1/16 = 9/16, h' = 64/8 - 1024/512 = 6, sigma_tt = mu (0.875 * 6)^2. mu = 5000/13, lambda = 7500/13.
-    """
-    scene = SimpleNamespace(amplitude=1.0, angular_frequency=np.pi, modulus=1000.0, poisson_ratio=0.3, density=1000.0)
-    lam, mu = vortex.lame(scene)
-    assert (lam, mu) == (pytest.approx(7500 / 13), pytest.approx(5000 / 13))
-    R = np.array([1.0, 0.875])
-    along, across = vortex.polar_force(scene, R, 0.5)
-    assert across[0] == pytest.approx(-np.pi**2 + 64 * mu / 1000) and along[0] == pytest.approx(0, abs=1e-12)
-    assert vortex.turn(scene, R, 0.5).angle[1] == pytest.approx(9 / 16)
-    assert vortex.polar_stress(scene, R, 0.5)[2][1] == pytest.approx(mu * 5.25**2)
-    assert vortex.shape(R)[0][0] == 1 and vortex.shape(R)[1][1] == pytest.approx(6)
-
-
-def test_lambda_drops_out_of_the_vortex():
-    """J = 1; and with another Poisson's ratio and the same mu the same force."""
-    scene, t = SCENES["vortex"], 0.55
-    X, (lam, mu) = particle_layout(scene).position, vortex.lame(scene)
-    np.testing.assert_allclose(np.linalg.det(vortex.deformation_gradient(scene, X, t)), 1, rtol=0, atol=1e-12)
-    other = replace(scene, poisson_ratio=0.1, modulus=2 * 1.1 * mu)
-    assert vortex.lame(other)[0] != pytest.approx(lam)
-    np.testing.assert_allclose(vortex.body_force(other, X, t), vortex.body_force(scene, X, t), rtol=0,
-                               atol=1e-12 * np.abs(vortex.body_force(scene, X, t)).max())
 
 
 # ---- layouts ------------------------------------------------------------------------------------------------------
@@ -137,15 +96,3 @@ def test_layouts_fill_the_ring(scene):
     assert np.abs((a * b).sum(1)).max() < 1e-15
     if polar:
         assert np.abs((a * made.position).sum(1)).max() < 1e-14
-
-
-@pytest.mark.parametrize("scene", PLANE.values(), ids=PLANE)
-def test_edges_meet_their_neighbours(scene):
-    """Across the ring a domain's outer end is the next one's inner end; the lattice runs radius first."""
-    made = particle_layout(scene)
-    across = len(made.radii)
-    ends = made.position[:across] + 0.5 * made.edges[:across, 2:]
-    starts = made.position[:across] - 0.5 * made.edges[:across, 2:]
-    assert np.abs(ends[:-1] - starts[1:]).max() < 1e-15
-    assert np.linalg.norm(ends[-1]) == pytest.approx(scene.OUTER, abs=1e-14)
-    assert np.linalg.norm(starts[0]) == pytest.approx(scene.INNER, abs=1e-14)

@@ -1,7 +1,5 @@
 """What a run makes of its inputs: each reaches the kernels, some only scale, and what goes bad ends with a reason."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 
 import numpy as np

@@ -68,12 +68,6 @@ def test_table_on_a_fine_grid(row):
     check(row)
 
 
-def test_cpdi_is_second_order(simulate):
-    """Order of x at A = 0.25 at least 1.8, which the issue sets."""
-    coarse, fine = (simulate(replace(BARE, method="cpdi", amplitude=0.25, cells=n)).error for n in (24, 48))
-    assert math.log2(coarse["x"]["max"] / fine["x"]["max"]) >= 1.8
-
-
 @pytest.mark.parametrize("method, cells, ppc", [("mpm", 24, 2), ("ugimp", 48, 2), ("cpgimp", 48, 2)])
 def test_what_breaks_has_a_verdict(method, cells, ppc, simulate):
     """Runs that broke in the other program break here, with a sentence; where it has begun with v(0) not at the same

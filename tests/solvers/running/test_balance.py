@@ -1,7 +1,5 @@
 """The motion that the balance of momentum makes is the exact one where that is known, and runs are held against it."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 
 import numpy as np

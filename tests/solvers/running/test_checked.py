@@ -1,7 +1,5 @@
 """Quantities as wrong as they are large are named, and so is what was held against nothing."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 
 import numpy as np

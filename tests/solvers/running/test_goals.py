@@ -1,7 +1,5 @@
 """Numbers that somebody wants of a run, with the error that the truth and the estimators say they have."""
 
-from __future__ import annotations
-
 import json
 
 import numpy as np

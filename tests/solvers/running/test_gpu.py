@@ -29,7 +29,6 @@ from solvers.scene.scene import MOST_ON_GPU, Scene
 from solvers.solver import devices, samples
 from solvers.solver.base import Solver
 from solvers.solver.snapshot import Snapshot
-from solvers.study.tables import plan
 from tests.gpus import ARCH, require_gpu
 
 RING = RingScene(cells=16, estimators=("companion",), arch=ARCH, sample_every=20)
@@ -253,27 +252,6 @@ def test_a_run_that_is_lost_before_it_breaks_is_lost_from_the_same_time_on():
     mine, theirs = run(scene, prices=False), run(on_processor(scene), prices=False)
     assert theirs.status == "unstable" and theirs.broken_at < 0.5 * theirs.time
     assert (mine.status, mine.broken_at, mine.steps) == (theirs.status, theirs.broken_at, theirs.steps)
-
-
-def row_scenes(cells: tuple[int, ...], end: float) -> list[Scene]:
-    """The scenes of the rows of Table 2, with the companion alone."""
-    table = plan.table_2({"ring": ("companion",)}, cells=cells, end=end)
-    return [row.scenes["errors"] for row in table.rows]
-
-
-def assert_same_row(scene: Scene) -> None:
-    """Errors at the end and over time, to six digits."""
-    mine, theirs = run(replace(scene, arch=ARCH), prices=False), run(scene, prices=False)
-    for quantity, sizes in theirs.error.items():
-        for name, value in sizes.items():
-            assert mine.error[quantity][name] == pytest.approx(value, rel=1e-6), (quantity, name)
-
-
-@pytest.mark.slow
-@pytest.mark.parametrize("scene", row_scenes((12, 24, 48), 0.02), ids=lambda s: f"{s.method}-{s.cells}-{s.amplitude}")
-def test_the_rings_table_has_the_processors_digits_to_its_end(scene):
-    require_gpu()
-    assert_same_row(scene)
 
 
 @pytest.mark.slow

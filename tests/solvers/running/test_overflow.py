@@ -1,14 +1,11 @@
 """What a run gone bad leaves: numbers up to the largest there are, and beyond. It is a result like any other."""
 
-from __future__ import annotations
-
 import json
 from dataclasses import replace
 
 import numpy as np
 import pytest
 
-from app.cli import main
 from app.commands.run.text import run_table
 from app.pictures.run import png_bytes, run_figure
 from solvers.study import fit
@@ -43,16 +40,6 @@ def test_object_table_and_picture_survive_what_a_run_leaves(scene, left, simulat
     json.dumps(values, allow_nan=False)
     assert run_table(values)
     assert png_bytes(run_figure(gone))
-
-
-def test_a_run_far_beyond_any_stable_step_is_unstable(tmp_path, capsys):
-    flags = ["--method", "mpm", "--cells", "80", "--ppc", "8", "--amplitude", "0.05", "--cfl", "5",
-             "--estimator", "none"]
-    assert main(["run", "bar", *flags, "--json", str(tmp_path / "a.json"), "--plot", str(tmp_path / "a.png")]) == 3
-    values = json.loads((tmp_path / "a.json").read_text())
-    assert values["status"] == "unstable" and values["grid_crossings"] is None
-    assert (tmp_path / "a.png").read_bytes().startswith(b"\x89PNG")
-    assert "mpm-lab: the run went unstable at t =" in capsys.readouterr().err
 
 
 def test_fits_of_errors_at_the_ends_of_numbers_are_fits_or_nothing():

@@ -10,7 +10,6 @@ import pytest
 from solvers.problems import PROBLEMS
 from solvers.problems.planar.budget.on_demand import BudgetRun
 from solvers.problems.planar.budget.pieces import Lattice, Pieces
-from solvers.problems.planar.budget.reference import Material
 from solvers.problems.planar.budget.weights import Grid
 from solvers.problems.ring.scene import RingScene
 from solvers.problems.vortex.scene import VortexScene
@@ -61,44 +60,6 @@ def test_the_causes_add_up_to_the_error(scene):
 def test_the_causes_add_up_in_many_scenes(kind):
     for method in kind.choices("method"):
         assert not [scene for scene in islice(drawn(2, kind, method), 40) if max(gaps(scene).values()) > 1e-6]
-
-
-@pytest.mark.parametrize("at_rest", [False, True])
-def test_stresses_of_parts_add_up_however_large(at_rest):
-    chance = np.random.default_rng(3)
-    F0, parts = np.eye(2) + 0.2 * chance.normal(size=(50, 2, 2)), 0.15 * chance.normal(size=(3, 50, 2, 2))
-    F = F0 + parts.sum(axis=0)
-    right = (np.linalg.det(F0) > 0.1) & (np.linalg.det(F) > 0.1)
-    F0, F, parts = F0[right], F[right], parts[:, right]
-    material = Material(2.0, 3.0, at_rest)
-    np.testing.assert_allclose(material.difference(F, F0, parts).sum(axis=0), material.stress(F) - material.stress(F0),
-                               rtol=0, atol=1e-12)  # of numbers up to some tens
-    np.testing.assert_allclose(material.difference(F, F, parts).sum(axis=0), _slope(material, F, parts.sum(axis=0)),
-                               rtol=0, atol=1e-6)  # of central differences over 1e-5
-
-
-def _slope(material: Material, F: np.ndarray, along: np.ndarray) -> np.ndarray:
-    return (material.stress(F + 1e-5 * along) - material.stress(F - 1e-5 * along)) / 2e-5
-
-
-@pytest.mark.parametrize("scene", [RING, VORTEX], ids=lambda scene: scene.problem)
-def test_the_exact_solution_moves_as_it_says(scene):
-    """Rates by central differences over T/1e4, whose own error is 1e-6 of the size; and F is what the solver's is."""
-    problem = PROBLEMS[scene.problem]
-    moment, solver = problem.budget.moment, problem.solver(scene)
-    X, t, d = solver._arrays.material_position, 0.37 * scene.period, 1e-4 * scene.period
-    before, now, after = (moment(scene, X, time) for time in (t - d, t, t + d))
-    w = scene.angular_frequency
-    for values, rate, size in (
-            ((before.displacement, after.displacement), now.velocity, w), ((before.velocity, after.velocity),
-                                                                          now.acceleration, w * w),
-            ((before.deformation_gradient, after.deformation_gradient), now.rate, w),
-            ((before.rate, after.rate), now.second_rate, w * w)):
-        np.testing.assert_allclose((values[1] - values[0]) / (2 * d), rate, rtol=0, atol=1e-5 * size)
-    force = solver.PARTS.snapshot.body_force
-    solver.advance(3)  # whose last step began after two
-    np.testing.assert_allclose(force(solver._arrays, np.arange(len(X))) / solver._arrays.mass[:, None],
-                               moment(scene, X, 2 * scene.time_step).body_force, rtol=1e-9, atol=1e-9 * w * w)
 
 
 @pytest.mark.parametrize("scene", SCENES, ids=lambda scene: f"{scene.problem}, {scene.layout}")

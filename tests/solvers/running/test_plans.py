@@ -1,7 +1,5 @@
 """How a step in the plane is spread over threads changes no more than the order of its sums: a rounding a step."""
 
-from __future__ import annotations
-
 import functools
 from dataclasses import replace
 

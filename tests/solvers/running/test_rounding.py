@@ -1,7 +1,5 @@
 """An error that is nothing but rounding has no index, anywhere."""
 
-from __future__ import annotations
-
 import json
 from dataclasses import replace
 

@@ -1,7 +1,5 @@
 """Looking at a run changes no bit of it, and neither does how its steps are asked for; and a run repeats to the bit."""
 
-from __future__ import annotations
-
 import functools
 from dataclasses import replace
 from typing import NamedTuple

@@ -41,9 +41,12 @@ def test_the_judge_reads_a_saved_result_and_a_file_of_particles_is_one(tmp_path)
     assert all(loaded[name] == told[name] for name in told.keys() - {"seconds", "rate"})
 
 
-def file_with(tmp_path, **changes) -> str:
-    """A small saved result with other arrays: None takes one away; a dict is for what the text says."""
-    run(BarScene(cells=10, periods=0.1, estimators=("companion",))).save(tmp_path / "run.npz")
+SMALL = BarScene(cells=10, periods=0.1, estimators=("companion",))
+
+
+def file_with(tmp_path, result: Result, changes: dict) -> str:
+    """A saved result with other arrays: None takes one away; a dict is for what the text says."""
+    result.save(tmp_path / "run.npz")
     arrays = dict(np.load(tmp_path / "run.npz"))
     for name, value in changes.items():
         name = name.replace("__", "/")
@@ -81,19 +84,18 @@ def file_with(tmp_path, **changes) -> str:
     ({"final__position": None}, "(it has no particles (final))"),
     ({"final__last_crossing": np.zeros(40)}, "(final/last_crossing is float64"),
 ], ids=str)
-def test_what_is_no_result_is_refused_in_a_sentence(changes, sentence, tmp_path):
-    file = file_with(tmp_path, **changes)
+def test_what_is_no_result_is_refused_in_a_sentence(changes, sentence, tmp_path, simulate):
+    file = file_with(tmp_path, simulate(SMALL), changes)
     with pytest.raises(FileError) as error:
         Result.load(file)
     assert sentence in str(error.value) and "\n" not in str(error.value) and error.value.__cause__ is None
 
 
-def test_a_file_that_is_none_and_a_name_that_will_not_do(tmp_path):
+def test_a_file_that_is_none_and_a_name_that_will_not_do(tmp_path, simulate):
     (tmp_path / "text.npz").write_text("no zip")
     for file, sentence in ((tmp_path / "none.npz", "cannot be read"), (tmp_path / "text.npz", "is no .npz of plain"),
                            (tmp_path, "cannot be read")):
         with pytest.raises(FileError, match=sentence):
             Result.load(file)
-    result = run(BarScene(cells=10, periods=0.1, estimators=()))
     with pytest.raises(FileError, match="is no name for a saved result"):
-        result.save(tmp_path / "run.json")
+        simulate(SMALL).save(tmp_path / "run.json")

@@ -1,7 +1,5 @@
 """What a step adds up over its particles: the work of the body force, the impulse of its torque, and crossings."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 

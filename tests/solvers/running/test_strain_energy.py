@@ -17,29 +17,27 @@ from solvers.problems.vortex.scene import VortexScene
 from solvers.problems.vortex.solver import VortexSolver
 from solvers.solver.arrays import aligned
 
-RingState, VortexState = RingSolver.KERNELS.state, VortexSolver.KERNELS.state
 BARE = {"effects": (), "estimators": ()}
 SOLVERS = {"ring": (RingSolver, RingScene(cells=12, modulus=3e6, density=1300.0, **BARE)),
            "vortex": (VortexSolver, VortexScene(cells=12, density=700.0, **BARE))}
 
 
-@ti.kernel
-def of_ring(ring: RingState, energy: reals, stress: quads):
-    for p in range(ring.particles):
-        energy[p] = ring_samples.strain_energy(ring, p)
-        tau = ring_material.kirchhoff_stress(ring, p)
-        stress[p] = ti.Vector([tau[0], tau[1], tau[1], tau[2]])
+def kernel(Solver, samples, material):
+    """Strain energy and Kirchhoff stress of the particles, as a problem has them."""
+    State = Solver.KERNELS.state
+
+    @ti.kernel
+    def measure(body: State, energy: reals, stress: quads):
+        for p in range(body.particles):
+            energy[p] = samples.strain_energy(body, p)
+            tau = material.kirchhoff_stress(body, p)
+            stress[p] = ti.Vector([tau[0], tau[1], tau[1], tau[2]])
+
+    return measure
 
 
-@ti.kernel
-def of_vortex(vortex: VortexState, energy: reals, stress: quads):
-    for p in range(vortex.particles):
-        energy[p] = vortex_samples.strain_energy(vortex, p)
-        tau = vortex_material.kirchhoff_stress(vortex, p)
-        stress[p] = ti.Vector([tau[0], tau[1], tau[1], tau[2]])
-
-
-KERNELS = {"ring": of_ring, "vortex": of_vortex}
+KERNELS = {"ring": kernel(RingSolver, ring_samples, ring_material),
+           "vortex": kernel(VortexSolver, vortex_samples, vortex_material)}
 
 
 def measured(problem: str, solver, F: np.ndarray) -> tuple[np.ndarray, np.ndarray]:

@@ -1,7 +1,5 @@
 """No run is called ok that is off by more than half its motion, and no fine one lost: random scenes."""
 
-from __future__ import annotations
-
 import random
 
 import pytest

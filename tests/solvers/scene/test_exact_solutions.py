@@ -3,8 +3,6 @@
 Derivatives by central differences: over 1e-5 m and 1e-4 of a period they miss at most 1e-5 of the largest term.
 """
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 from hypothesis import given

@@ -1,7 +1,5 @@
 """Random scenes: each is refused in one sentence or ends as ok, unstable or lost, and no ok is far from the truth."""
 
-from __future__ import annotations
-
 import json
 
 import numpy as np

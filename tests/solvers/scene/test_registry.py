@@ -1,7 +1,5 @@
 """What a problem and an estimator are where their authors say no more than they must."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass, replace
 
 import numpy as np

@@ -230,20 +230,3 @@ def test_beyond_reach_is_exit_1(capsys):
     assert main(["advise", "bar", "--tolerance", "1e-9", "--budget", "0.01", *QUICK]) == 1
     told = capsys.readouterr()
     assert "the best within reach is" in told.err and told.out.startswith("closest")
-
-
-@pytest.mark.parametrize(("words", "sentence"), [
-    ([], "--tolerance (no value): give the error that is allowed"),
-    (["--tolerance", "0"], "--tolerance 0: give a number above 0"),
-    (["--tolerance", "small"], "--tolerance small: give a number above 0"),
-    (["--tolerance", "1e-3", "--budget", "-1"], "--budget -1: give a number above 0"),
-    (["--tolerance", "1e-3", "--quantity", "y"], "--quantity y: give one of x, v, sigma, a"),
-    (["--tolerance", "1e-3", "--method", "cpdi"], "--method cpdi: is not known (did you mean cpgimp?); give"),
-    (["--tolerance", "1e-3", "--ppc", "0"], "--ppc 0: give a whole number from 1 to 64"),
-    (["--tolerance", "1e-3", "--cfl", "fast"], "--cfl fast: give a number above 0"),
-    (["--tolerance", "1e-3", "--amplitude", "1"], "--amplitude 1: the exact bar inverts"),
-    (["--tolerance", "1e-3", "--cells", "40"], "--cells: is not a flag")])
-def test_bad_input_is_one_sentence_and_exit_2(words, sentence, capsys):
-    assert main(["advise", "bar", *words]) == 2
-    told = capsys.readouterr()
-    assert sentence in told.err and told.err.count("\n") == 1 and not told.out

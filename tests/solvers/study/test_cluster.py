@@ -1,7 +1,5 @@
 """Rows on a real Dask cluster: a scheduler and two workers on this machine, one of them killed half way."""
 
-from __future__ import annotations
-
 import os
 import signal
 import subprocess

@@ -1,9 +1,6 @@
 """Runs drawn at random, the bars around their numbers, and how often what is said of them was so."""
 
-from __future__ import annotations
-
 import json
-import math
 from dataclasses import replace
 
 import numpy as np
@@ -17,7 +14,7 @@ from solvers.solver.soundness import OK
 from solvers.study.coverage import tally as bars
 from solvers.study.coverage import track_record
 from solvers.study.coverage.draws import BEFORE, COARSEST, IDENTITY, IMPOSSIBLE, MEASURED, REACH, Draw, coarser, measure
-from solvers.study.coverage.tally import MIDDLE, NORMAL, REGIMES, STAY, TWO_GRIDS, interval, regime, tally
+from solvers.study.coverage.tally import MIDDLE, NORMAL, STAY, TWO_GRIDS, interval, regime, tally
 from solvers.study.coverage.text import summary
 from solvers.study.coverage.track_record import JUDGES, bets, by_its_word, by_the_record
 from solvers.study.row import fault
@@ -192,16 +189,3 @@ def test_bets_on_a_run():
     assert said["x"]["two-grid"] is None and said["x"]["GCI"] is not None
     low, high = said["x"]["companion"]
     assert low == pytest.approx(high, rel=1e-3) and low == pytest.approx(result.error["x"]["final"], rel=0.01)
-
-
-@pytest.mark.slow
-@pytest.mark.parametrize("problem", PROBLEMS)
-def test_the_thousand_runs_again(problem, tmp_path):
-    """The command as assets/coverage.md gives it finds the counts that stand there."""
-    out = tmp_path / "coverage"
-    assert dispatch(["coverage", problem, "--runs", "1000", "--workers", "2", "--quiet", "--out", str(out)]) == 0
-    again, kept = json.loads((out / "coverage.json").read_text()), track_record.counted(problem)
-    assert again["status"] == kept["status"] and math.isclose(again["runs"], 1000)
-    assert {name: split["all"]["x"] for name, split in again["estimators"].items()} \
-        == {name: split["all"]["x"] for name, split in kept["estimators"].items()}
-    assert [*again["goals"][ENERGY]["regime"]] == list(REGIMES)

@@ -1,7 +1,5 @@
 """Rows kept by a study, spoilt in every way; closed streams."""
 
-from __future__ import annotations
-
 import json
 import os
 import subprocess
@@ -9,7 +7,6 @@ import sys
 
 import pytest
 
-from app.cli import main
 from solvers.study.row import fault
 from solvers.study.store import Store, StoreError
 from solvers.study.tables.document import MEASURED
@@ -61,13 +58,6 @@ def test_a_line_that_is_no_row_is_named_and_nothing_is_lost(name, tmp_path):
     assert "line 2 is not a whole row" in str(caught.value) and says in str(caught.value)
     assert "take that line out" in str(caught.value)
     assert (tmp_path / "rows.jsonl").read_bytes() == content
-
-
-def test_a_spoilt_line_is_one_sentence_on_the_command_line(tmp_path, capsys):
-    (tmp_path / "rows.jsonl").write_bytes(line(without("status")) + b"\n")
-    assert main(["sweep", "bar", "--out", str(tmp_path), "--resume"]) == 2
-    said = capsys.readouterr().err
-    assert said.startswith("mpm-lab: --out ") and said.count("\n") == 1 and "line 1" in said
 
 
 def test_a_last_row_that_lacks_only_its_end_of_line_is_kept(tmp_path):

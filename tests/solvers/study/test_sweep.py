@@ -1,7 +1,5 @@
 """Sweeps: tasks, rows, their safety on disk and lost workers."""
 
-from __future__ import annotations
-
 import json
 import os
 from concurrent.futures import Future
@@ -9,7 +7,7 @@ from concurrent.futures import Future
 import numpy as np
 import pytest
 
-from solvers import SceneError, sweep
+from solvers import SceneError
 from solvers.problems.bar.scene import BarScene
 from solvers.study import row
 from solvers.study.grid import Task, combinations, plan
@@ -217,10 +215,3 @@ def test_it_is_still_a_list_of_rows():
 def test_a_column_that_there_is_not(rows, name, says):
     with pytest.raises(SceneError, match=says):
         rows[name]
-
-
-def test_a_sweep_has_columns():
-    rows = sweep("bar", cells=[5, 10], method=["mpm", "bspline"], periods=0.1, estimators=(), repeats=0)
-    second_order = rows["error.x.max"][rows["scene.method"] == "bspline"]
-    assert rows["scene.cells"].tolist() == [5, 5, 10, 10] and second_order[1] < second_order[0] / 3
-    assert np.isnan(rows["seconds.min"]).sum() == 0 and set(rows["status"]) == {"ok"}

@@ -1,7 +1,5 @@
 """The pool of worker processes: one queue, futures, what is heard on the way, and every way to end."""
 
-from __future__ import annotations
-
 import os
 import signal
 import time
@@ -100,15 +98,6 @@ def test_a_process_helps_with_another_kind_rather_than_rest():
     assert len(kinds([("a", 0.3), ("a", 0.3)], 2)) == 2
     assert len(kinds([("a", 0.3), ("a", 0.0)], 2, several=3)) == 1  # the one who knows how is done with it sooner
     assert len(kinds([("a", 0.3)] * 6, 2, several=3)) == 2
-
-
-def test_a_process_alone_takes_questions_in_their_order():
-    order: list[str] = []
-    with closing(WorkerPool(WORK)) as pool:
-        asked = [pool.submit({}, lambda _, kind=kind: order.append(kind), kind=kind) for kind in "abab"]
-        for one in asked:
-            one.result()
-    assert order == ["a", "b", "a", "b"]
 
 
 def test_one_of_each_kind_is_put_first():
