@@ -2,6 +2,9 @@
 
 import math
 import sys
+from typing import Any
+
+import numpy as np
 
 from solvers.outside import numerals, quoting
 
@@ -42,6 +45,32 @@ def require_choice(field: str, value: object, allowed: tuple[str, ...], also: st
         names = ", ".join((*allowed, also) if also else allowed)
         near = quoting.meant(value, allowed) if isinstance(value, str) else ""
         raise SceneError(field, value, f"is not known{near}; give {'one of ' if ',' in names else ''}{names}")
+
+
+def require_names_of_inputs(kind: Any, problem: object) -> None:
+    """:class:`SceneError` for a scene whose first input came without a name: it would be its ``problem``."""
+    if problem != kind.problem:
+        raise SceneError("problem", problem, f"is not {kind.problem}; give the inputs of a scene by name, as in "
+                                             f"{kind.__name__}(cells=40)")
+
+
+def normalized(scene: Any, lists: tuple[str, ...]) -> dict[str, Any]:
+    """Inputs of a scene as they are meant: it must be hashable, numbers of NumPy are numbers, and in its ``lists`` one
+    text holds several names, and names that begin with + are added to the default."""
+    given = {name: getattr(scene, name) for name in scene.__dataclass_fields__}
+    return {name: value.item() for name, value in given.items() if isinstance(value, np.generic)} | {
+        name: _names_of(name, given[name], scene.__dataclass_fields__[name].default) for name in lists}
+
+
+def _names_of(field: str, given: Any, default: tuple[str, ...]) -> Any:
+    if not isinstance(given, (str, list, tuple)):
+        return given
+    names = tuple(given.replace(",", " ").split() if isinstance(given, str) else given)
+    added = [item for item in names if str(item).startswith("+")]
+    if added and len(added) < len(names):
+        raise SceneError(field, " ".join(map(str, names)), "mixes names with a +, which are added to the default, with "
+                                                           "others; give all names with a +, or none")
+    return (*default, *(item[1:] for item in added if item[1:] not in default)) if added else names
 
 
 def require_names(field: str, chosen: object, allowed: tuple[str, ...]) -> None:

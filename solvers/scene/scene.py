@@ -14,9 +14,7 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass, fields
 from typing import Any, ClassVar
 
-import numpy as np
-
-from solvers.scene import effects, registry
+from solvers.scene import effects, registry, rules
 from solvers.scene.defaults import SceneDefaults
 from solvers.scene.effects import ALL, EFFECTS, effects_of
 from solvers.scene.option import option
@@ -35,7 +33,6 @@ LEAST_SAMPLES_A_PERIOD = 20  # however long the steps
 MOST_MARGINS = 200  # looks at the margin of the step in a run, about
 SAMPLES_A_RUN = 100_000  # that a long run takes unless it is told how many
 LISTS = ("estimators", "effects", "remedies")
-ALTERNATIVES = {"dt": "cfl", "cfl": "dt", "t_end": "periods", "periods": "t_end"}  # of which one may be given
 AUTO = "auto"
 ASKED = "Error estimators, one or several"
 LEAST_CFL = 1e-9
@@ -123,9 +120,7 @@ class Scene(SceneDefaults, ABC):
         return _known, (type(self), *(getattr(self, name) for name in self.__match_args__))
 
     def __post_init__(self) -> None:
-        if self.problem != type(self).problem:
-            raise SceneError("problem", self.problem, f"is not {type(self).problem}; give the inputs of a scene by "
-                                                      f"name, as in {type(self).__name__}(cells=40)")
+        rules.require_names_of_inputs(type(self), self.problem)
         for name, value in self._normalized().items():  # the one place where a scene is written to
             object.__setattr__(self, name, value)
         self._check_choices()
@@ -263,24 +258,8 @@ class Scene(SceneDefaults, ABC):
         return {**values, **filled, **{field_key(name): list(getattr(self, name)) for name in LISTS}}
 
     def _normalized(self) -> dict[str, Any]:
-        """Inputs that are meant otherwise than given: a scene must be hashable, numbers of NumPy are numbers, and one
-        name is a list of one. Names that begin with + are added to the default."""
-        given = {name: getattr(self, name) for name in self.__dataclass_fields__}
-        return {name: value.item() for name, value in given.items() if isinstance(value, np.generic)} | {
-            name: self._names(name, value) for name, value in given.items() if name in LISTS}
-
-    def _names(self, name: str, given: Any) -> Any:
-        """The names that a list of them stands for."""
-        given = tuple(given.replace(",", " ").split()) if isinstance(given, str) else given
-        given = tuple(given) if isinstance(given, list) else given
-        added = isinstance(given, tuple) and any(isinstance(item, str) and item.startswith("+") for item in given)
-        if not added:
-            return given
-        if plain := [item for item in given if not (isinstance(item, str) and item.startswith("+"))]:
-            raise SceneError(name, plain[0], "stands beside names with a +, which are added to the default; give all "
-                                             "names with a +, or none")
-        default: Any = self.__dataclass_fields__[name].default
-        return (*default, *(item[1:] for item in given if item[1:] not in default))
+        """Inputs that are meant otherwise than given."""
+        return rules.normalized(self, LISTS)
 
     def _check_choices(self) -> None:
         registry.require_offered(self.estimators, type(self).problem, self.choices("estimators"))

@@ -15,7 +15,7 @@ from solvers.outside import quoting
 from solvers.problems import PROBLEMS
 from solvers.running.run import scene_of
 from solvers.scene.rules import SceneError, field_key, key_field, require_choice, require_whole
-from solvers.scene.scene import ALTERNATIVES, LISTS, Scene
+from solvers.scene.scene import LISTS, Scene
 from solvers.study.grid import MOST_ROWS, plan
 from solvers.study.places import Here, execute
 from solvers.study.summary import columns
@@ -119,6 +119,10 @@ def sweep(problem: str | Scene | type[Scene], *, repeats: int = 3, workers: int 
     with contextlib.closing(Here(workers)) as place:
         execute(tasks, place, keep)
     return Rows(columns([measured[task.key] for task in tasks]))
+
+
+#: Two ways to say one input, of which one may be given.
+ALTERNATIVES = {"dt": "cfl", "cfl": "dt", "t_end": "periods", "periods": "t_end"}
 
 
 def _beside(given: dict[str, Any], inputs: dict[str, Any]) -> dict[str, Any]:
