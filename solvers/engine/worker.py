@@ -91,8 +91,10 @@ class Worker:
             if self._successor and self._handed_over(self._successor):
                 return
             inherited = successor.POSSIBLE and self._compile_aside()
-            if not (any(busy) or inherited or self._wishes):
-                self._wait()
+            if not (any(busy) or inherited or self._wishes):  # sleep until a message comes or a frame or step is due
+                due = min((s.next_due for s in self._steppers.values()), default=float("inf"))
+                pipes = [self._pipe, *([self._successor.pipe] if self._successor else [])]
+                connection.wait(pipes, min(IDLE_SECONDS, max(0.001, due - perf_counter())))
 
     def _serve_one(self, stepper: Stepper) -> bool:
         """One turn of one session; says whether there was anything to do."""
@@ -118,12 +120,6 @@ class Worker:
         if self._frames:
             self._pipe.send(Frames(tuple(self._frames)))
             self._frames.clear()
-
-    def _wait(self) -> None:
-        """Sleep until a message comes or the next frame or step is due."""
-        due = min((s.next_due for s in self._steppers.values()), default=float("inf"))
-        pipes = [self._pipe, *([self._successor.pipe] if self._successor else [])]
-        connection.wait(pipes, min(IDLE_SECONDS, max(0.001, due - perf_counter())))
 
     def _read_messages(self) -> None:
         """Take all messages; of a session's wishes only the last counts, in the place of the first."""
@@ -165,13 +161,10 @@ class Worker:
         else:
             self._steppers[wish.session] = Stepper(wish)
             anew = True
-        if anew and (partner := self._partner(wish)):
+        partner = next((stepper for session, stepper in self._steppers.items()
+                        if session == wish.partner or stepper.wish.partner == wish.session), None)
+        if anew and partner:
             self._contain(partner.wish, partner.rebuild)
-
-    def _partner(self, wish: Wish) -> Stepper | None:
-        """The session that a wish names as its partner, or that names it."""
-        return next((stepper for session, stepper in self._steppers.items()
-                     if session == wish.partner or stepper.wish.partner == wish.session), None)
 
     def _pair(self) -> None:
         """Let sessions know how many of them move, and partners each other: anyone may have come, left or failed. And

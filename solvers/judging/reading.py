@@ -1,11 +1,11 @@
-"""Files of particles, as any code may write them: CSV, NPZ, and VTK, VTU and VTP."""
+"""Files of particles, as any code may write them: CSV, NPZ, and VTK, VTU and VTP; or the same in arrays."""
 
 import itertools
 import os
 import re
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
-from typing import TextIO
+from typing import Any, TextIO
 
 import numpy as np
 
@@ -19,6 +19,7 @@ from solvers.outside.file_error import FileError
 from solvers.outside.limits import LIMITS, LONGEST_LINE, Limits, check_name
 from solvers.outside.npz import arrays
 from solvers.outside.quoting import quoted
+from solvers.scene.rules import SceneError
 
 KINDS = (".csv", ".npz", ".vtk", ".vtu", ".vtp")
 COMMENT = re.compile(r"#\s*([A-Za-z]\w*)\s*[=:]\s*(\S+)\s*$")
@@ -27,6 +28,36 @@ MOST_REMARKS = 100_000  # lines that are no rows
 LARGEST = 250_000_000  # bytes of such a file: its text is in memory once, and what it says
 OF_KIND = {".vtu": "UnstructuredGrid", ".vtp": "PolyData"}
 TIMES = ("TimeValue", "TIME", "Time", "time", "t")
+
+Particles = str | os.PathLike | Mapping[str, Any] | Raw  # what they may be given as
+
+
+def listed(files: Particles | Sequence[Particles]) -> list[Particles]:
+    """One or several, as a list; :class:`SceneError` for none."""
+    sources = [files] if isinstance(files, (str, os.PathLike, Mapping, Raw)) else list(files)
+    if not sources:
+        raise SceneError("files", "none", "give one or several files of particles, or their arrays")
+    return sources
+
+
+def read_all(files: Particles | Sequence[Particles]) -> list[Raw]:
+    """What the files hold, all of them together within the limits."""
+    left, found = LIMITS, list[Raw]()
+    for k, source in enumerate(listed(files)):
+        found.append(_raw(source, k, left))
+        left = left.less(found[-1].columns)
+    return found
+
+
+def _raw(source: Particles, k: int, limits: Limits) -> Raw:
+    """What number ``k`` of the files holds."""
+    if isinstance(source, Mapping):
+        name = f"arrays {k + 1}"
+        try:
+            return from_arrays(name, {key: np.asarray(array) for key, array in source.items()}, limits)
+        except ValueError as error:
+            raise error if isinstance(error, FileError) else FileError(name, f"are no arrays: {error}") from None
+    return source if isinstance(source, Raw) else read(os.fspath(source), limits)
 
 
 def read(path: str, limits: Limits = LIMITS) -> Raw:

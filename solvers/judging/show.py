@@ -104,7 +104,10 @@ def _show(asked: ShowRequest, tell: Callable[[dict], None]) -> None:
     scene, [grid] = placed([raw], own_scene(raw, Task(**asked.task).scene()), [], [])
     del raw
     own = replace(scene, cells=grid.cells)
-    _check_watched(own, grid, asked)
+    most = max(own.particles, *(len(frame.number) for frame in grid.frames))
+    if most > asked.most:
+        raise FileError(asked.name, f"belongs to {most:,} particles, too many to watch; give at most {asked.most:,} at "
+                                    "a time, or judge it with `mpm-lab judge`")
     judged = GridJudgement(own, grid, Companions(own, tuple(grid.times.tolist())))
     judged.check()  # where no truth is known only the companion can tell whether the origin is right
     true = judged.true
@@ -121,14 +124,6 @@ def _show(asked: ShowRequest, tell: Callable[[dict], None]) -> None:
     table.put("estimate", judged.estimated)
     tell({"estimate": listed(series(judged.estimated))})
     tell({"verdict": judged.to_dict()})
-
-
-def _check_watched(scene: Scene, grid: Grid, asked: ShowRequest) -> None:
-    """What is drawn must be so little that a browser shows it: particles, and with them cells."""
-    most = max(scene.particles, *(len(frame.number) for frame in grid.frames))
-    if most > asked.most:
-        raise FileError(asked.name, f"belongs to {most:,} particles, too many to watch; give at most {asked.most:,} at "
-                                    "a time, or judge it with `mpm-lab judge`")
 
 
 def _shown(scene: Scene) -> Scene:

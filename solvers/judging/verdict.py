@@ -18,7 +18,7 @@ from solvers.judging.findings.listed import of_a_run
 from solvers.judging.frames import Grid
 from solvers.judging.measure import QUANTITIES, Companions, Errors, WorstParticle
 from solvers.judging.placing import SAME, check_origin, placed
-from solvers.judging.sources import Particles, listed, read_all
+from solvers.judging.reading import Particles, listed, read_all
 from solvers.scene.rules import SceneError
 from solvers.scene.scene import Scene
 from solvers.solver.norms import finite
