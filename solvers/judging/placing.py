@@ -151,8 +151,12 @@ def _frames(raw: Raw, scene: Scene, reference: ProblemReference, given: float | 
         frame = Frame(raw.file, float(times[at][0]), who, X[at], moved[at], part.get("v"), part.get("F"),
                       part.get("sigma"), part.get("mass"), part.get("volume"))
         _check_once(frame)
-        if "X" not in columns:
-            _check_beginning(frame, scene)
+        if "X" not in columns and frame.time == 0:
+            off = np.sum((frame.position - frame.material_position) ** 2, axis=1)
+            if (far := float(np.sqrt(np.mean(off)))) > SURE * scene.spacing:
+                raise Misfit(frame.file, f"has particles at t = 0 that are not where those of the {scene.problem} "
+                                         f"begin, by {far:.3g} m", "give ids in the order of `mpm-lab problem`, the "
+                                                                   "right --cells and --ppc, or material positions")
         found.append(frame)
     return found, notes
 
@@ -262,15 +266,6 @@ def _check_once(frame: Frame) -> None:
         place = ", ".join(f"{c:.6g}" for c in frame.material_position[first[np.argmax(counts)]])
         raise FileError(frame.file, f"has {counts.max()} particles with the material position {place} at t = "
                                     f"{frame.time:g} s; give each its own")
-
-
-def _check_beginning(frame: Frame, scene: Scene) -> None:
-    """Refuse particles that are not where the problem's begin."""
-    off = frame.position - frame.material_position
-    if frame.time == 0 and (far := float(np.sqrt(np.mean(np.sum(off**2, axis=1))))) > SURE * scene.spacing:
-        raise Misfit(frame.file, f"has particles at t = 0 that are not where those of the {scene.problem} begin, by "
-                                 f"{far:.3g} m", "give ids in the order of `mpm-lab problem`, the right --cells and "
-                                 "--ppc, or material positions")
 
 
 def _in_order(frames: list[Frame], scene: Scene) -> tuple[Frame, ...]:
