@@ -44,20 +44,17 @@ def read_all(files: Particles | Sequence[Particles]) -> list[Raw]:
     """What the files hold, all of them together within the limits."""
     left, found = LIMITS, list[Raw]()
     for k, source in enumerate(listed(files)):
-        found.append(_raw(source, k, left))
+        if isinstance(source, Mapping):
+            name = f"arrays {k + 1}"
+            try:
+                raw = from_arrays(name, {key: np.asarray(array) for key, array in source.items()}, left)
+            except ValueError as error:
+                raise error if isinstance(error, FileError) else FileError(name, f"are no arrays: {error}") from None
+        else:
+            raw = source if isinstance(source, Raw) else read(os.fspath(source), left)
+        found.append(raw)
         left = left.less(found[-1].columns)
     return found
-
-
-def _raw(source: Particles, k: int, limits: Limits) -> Raw:
-    """What number ``k`` of the files holds."""
-    if isinstance(source, Mapping):
-        name = f"arrays {k + 1}"
-        try:
-            return from_arrays(name, {key: np.asarray(array) for key, array in source.items()}, limits)
-        except ValueError as error:
-            raise error if isinstance(error, FileError) else FileError(name, f"are no arrays: {error}") from None
-    return source if isinstance(source, Raw) else read(os.fspath(source), limits)
 
 
 def read(path: str, limits: Limits = LIMITS) -> Raw:
