@@ -11,9 +11,9 @@ import numpy as np
 
 from solvers.judging.columns import from_arrays, gathered, wanted, whole, with_scene
 from solvers.judging.frames import Raw
-from solvers.judging.vtk_legacy import read_legacy
+from solvers.judging.vtk_legacy import LegacyReader
 from solvers.judging.vtk_parts import NotVTK, Points
-from solvers.judging.vtk_xml import read_xml
+from solvers.judging.vtk_xml import XmlReader
 from solvers.outside import numerals
 from solvers.outside.file_error import FileError
 from solvers.outside.limits import LIMITS, LONGEST_LINE, Limits, check_name
@@ -184,7 +184,7 @@ def read_vtk(path: str, limits: Limits = LIMITS) -> Raw:
         file.seek(0)
         found = Points(path, limits)
         try:
-            read_legacy(file, found) if kind == ".vtk" else read_xml(file, OF_KIND[kind], kind, found)
+            (LegacyReader(file, found) if kind == ".vtk" else XmlReader(file, OF_KIND[kind], kind, found)).read()
         except (FileError, OSError):
             raise
         except Exception as error:  # what a broken file makes of a parser

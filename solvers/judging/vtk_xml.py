@@ -37,16 +37,13 @@ PACKINGS: dict[str, Any] = {
     "vtkLZMADataCompressor": lambda: lzma.LZMADecompressor(memlimit=MOST_MEMORY)}
 
 
-def read_xml(file: IO[bytes], kind: str, ending: str, found: Points) -> None:
-    """Put what a file of a ``kind``, as VTK calls it, holds into ``found``."""
-    _Reader(file, kind, ending, found).read()
-
-
 class _Appended(Exception):
     """There is no more XML, but data."""
 
 
-class _Reader:
+class XmlReader:
+    """Puts what a file of a ``kind``, as VTK calls it, holds into ``found``."""
+
     def __init__(self, file: IO[bytes], kind: str, ending: str, found: Points):
         self._file, self._kind, self._ending, self._found = file, kind, ending, found
         self._parser = expat.ParserCreate("UTF-8")  # whatever the file says of itself
