@@ -9,7 +9,6 @@ from functools import partial
 from typing import Any
 
 from solvers.bench import measure
-from solvers.bench.example import example
 from solvers.bench.gpu import gpu
 from solvers.bench.limit import ratios
 from solvers.bench.start import start_times
@@ -24,7 +23,7 @@ def bench(quick: bool, command: Sequence[str], on_progress: Callable[[float], No
     """Measure everything. ``command`` is what a person starts, and ends at once; ``on_progress`` gets 0 to 1."""
     begun, effort = time.perf_counter(), measure.QUICK if quick else measure.FULL
     tasks: list[tuple[str, Callable[[], Any]]] = [
-        ("start", partial(start_times, command, tuple(PROBLEMS))), ("example", example), ("gpu", partial(gpu, quick)),
+        ("start", partial(start_times, command, tuple(PROBLEMS))), ("gpu", partial(gpu, quick)),
         *(("rates", partial(measure.rates, name, method, effort))
           for name, problem in PROBLEMS.items() for method in problem.scene.choices("method")),
         *(("estimators", partial(measure.estimator_prices, name, effort)) for name in PROBLEMS),
@@ -40,7 +39,7 @@ def bench(quick: bool, command: Sequence[str], on_progress: Callable[[float], No
     return {"schema": SCHEMA, "quick": quick, "machine": machine(), "precision": "double", "threads": 1,
             "arch": runtime.running_arch(), "unit": "million particle-steps per second of processor time",
             **flat, "off": found["off"], "limit": found["limit"], "start": found["start"][0],
-            "example": found["example"][0], "gpu": found["gpu"][0], "seconds": time.perf_counter() - begun}
+            "gpu": found["gpu"][0], "seconds": time.perf_counter() - begun}
 
 
 def machine() -> dict[str, Any]:

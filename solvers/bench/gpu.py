@@ -94,7 +94,7 @@ def bandwidth(vectors: int) -> float:
     """Bytes a second that the GPU reads and writes when it copies so many vectors of four numbers."""
     one, other = (ti.ndarray(quads.dtype, vectors) for _ in range(2))
     copy(one, other)
-    took = [_seconds(partial(_copied, one, other)) for _ in range(TURNS)]
+    took = [_seconds(lambda: (copy(one, other), ti.sync())) for _ in range(TURNS)]
     return 2 * 32 * vectors / float(np.min(took))
 
 
@@ -102,11 +102,6 @@ def bandwidth(vectors: int) -> float:
 def copy(one: quads, other: quads):
     for k in range(one.shape[0]):
         other[k] = one[k]
-
-
-def _copied(one: ti.Ndarray, other: ti.Ndarray) -> None:
-    copy(one, other)
-    ti.sync()
 
 
 def _seconds(work: Callable[[], object]) -> float:

@@ -65,20 +65,16 @@ def rates(problem: str, method: str, effort: Effort) -> list[dict]:
 
 def estimator_prices(problem: str, effort: Effort) -> list[dict]:
     """A step with each estimator, all four quantities, over a bare one; null with a reason where it is not valid."""
-    with_it = {name: _scene_for(problem, name, effort) for name in PROBLEMS[problem].estimators}
+    kind, with_it = PROBLEMS[problem].scene, dict[str, Scene]()
+    for name in PROBLEMS[problem].estimators:  # of the default method, or the first for which the estimator is valid
+        scenes = [_priced_scene(problem, effort, method=method, effects=("estimate", "acceleration"),
+                                estimators=(name,)) for method in (kind.method, *kind.choices("method"))]
+        with_it[name] = next((scene for scene in scenes if not scene.not_valid), scenes[0])
     without = {name: replace(scene, effects=(), estimators=()) for name, scene in with_it.items()}
     valid = [name for name, scene in with_it.items() if not scene.not_valid]
     ratios = _ratios({name: (with_it[name], without[name]) for name in valid}, effort.price_turns)
     return [{**_identity(scene), "name": name, "ratio": finite(ratios.get(name, math.nan)),
              "not_valid": scene.not_valid.get(name)} for name, scene in with_it.items()]
-
-
-def _scene_for(problem: str, estimator: str, effort: Effort) -> Scene:
-    """A scene with the estimator: of the default method, or the first for which the estimator is valid."""
-    kind = PROBLEMS[problem].scene
-    scenes = [_priced_scene(problem, effort, method=method, effects=("estimate", "acceleration"),
-                            estimators=(estimator,)) for method in (kind.method, *kind.choices("method"))]
-    return next((scene for scene in scenes if not scene.not_valid), scenes[0])
 
 
 def effect_prices(problem: str, effort: Effort) -> list[dict]:

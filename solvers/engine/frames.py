@@ -117,13 +117,10 @@ def read(block: SharedMemory, scene: Scene, particles: int, holds: FrameOptions 
                        parts.get("plotted", np.zeros((particles, 0), np.float32)))
 
 
+@lru_cache(64)
 def _widths(scene: Scene, differences: bool, plotted: bool) -> dict[str, int]:
     """What a frame holds, in order, and how many numbers of each a particle has."""
-    return _widths_of(scene.DIMENSIONS, scene.active_estimators, differences, plotted)
-
-
-@lru_cache(64)
-def _widths_of(D: int, active: tuple[str, ...], differences: bool, plotted: bool) -> dict[str, int]:
+    D, active = scene.DIMENSIONS, scene.active_estimators
     compared = map(DIFFERENCE.format, active) if differences else ()
     return {"position": D, "displacement": D, "deformation_gradient": D * D, "steps_since_crossing": 1, "error": WIDTH,
             **dict.fromkeys((*active, *compared), WIDTH), **({"plotted": 2} if plotted else {})}

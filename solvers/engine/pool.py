@@ -127,8 +127,10 @@ class SessionLink:
             last = 0 if self.wish is None else self.wish.number
             if self._closed:
                 return last
-            number = last + 1
-            self.wish = Wish(self.session, number, self._fitting_block(scene).name, scene, pace, frame, self._partner,
+            number, need = last + 1, frames.block_bytes(scene)
+            if not self._blocks or self._blocks[-1].size < need:
+                self._blocks.append(SharedMemory(create=True, size=2 * need))
+            self.wish = Wish(self.session, number, self._blocks[-1].name, scene, pace, frame, self._partner,
                              self._frame_seconds)
             self._deaths = 0
             self.engine.send(self.wish)
@@ -173,13 +175,6 @@ class SessionLink:
             if self.wish and not self._closed:
                 self.wish = replace(self.wish, number=self.wish.number + 1)
                 self.engine.send(self.wish)
-
-    def _fitting_block(self, scene: Scene) -> SharedMemory:
-        """The block, replaced by a larger one where the scene's frames would not fit."""
-        need = frames.block_bytes(scene)
-        if not self._blocks or self._blocks[-1].size < need:
-            self._blocks.append(SharedMemory(create=True, size=2 * need))
-        return self._blocks[-1]
 
     def _free_all_but(self, last: int) -> None:
         while len(self._blocks) > last:

@@ -15,19 +15,9 @@ from multiprocessing.connection import Connection
 from time import monotonic, sleep
 from typing import Protocol
 
+from solvers.engine import messages
 from solvers.engine.frames import FrameArrays
-from solvers.engine.messages import (
-    Compiling,
-    Forked,
-    FrameReport,
-    Frames,
-    Goodbye,
-    Moved,
-    Prewarm,
-    Ready,
-    Trouble,
-    Wish,
-)
+from solvers.engine.messages import FrameReport, Goodbye, Wish
 from solvers.scene.scene import Scene
 from solvers.workers import processes
 
@@ -82,7 +72,7 @@ class EngineProcess:
         self._usual: tuple[Scene, ...] = ()
         self._closing = False
         self._news = threading.Condition()
-        self._outbox: deque[Goodbye | Prewarm] = deque()
+        self._outbox: deque[Goodbye | messages.Prewarm] = deque()
         self._wishes: dict[int, Wish] = {}
         self._start()
         for work in (self._read, self._write):
@@ -92,7 +82,7 @@ class EngineProcess:
         """Have the process, and any that takes its place, compile what is ``usual`` beside its work."""
         with self._news:
             self._usual = tuple(usual)
-            self._outbox.append(Prewarm(self._usual))
+            self._outbox.append(messages.Prewarm(self._usual))
             self._news.notify_all()
 
     def send(self, message: Wish | Goodbye) -> None:
@@ -147,12 +137,12 @@ class EngineProcess:
         while True:
             with self._news:
                 self._news.wait_for(lambda: self._closing or self._outbox or self._wishes)
-                messages = [None] if self._closing else [*self._outbox, *self._wishes.values()]
+                queued = [None] if self._closing else [*self._outbox, *self._wishes.values()]
                 self._outbox.clear()
                 self._wishes.clear()
                 pipe = self._pipe
             with suppress(OSError):  # the process died; the reader notices, restarts it and sends the wishes again
-                for message in messages:
+                for message in queued:
                     pipe.send(message)
             if self._closing:
                 return
@@ -216,24 +206,25 @@ class EngineProcess:
         self._leaving = [process_id for process_id in self._leaving if here(process_id)]
         return self._leaving
 
-    def _dispatch(self, message: Frames | Compiling | Forked | Moved | Trouble | Ready) -> None:
+    def _dispatch(self, message: messages.Frames | messages.Compiling | messages.Forked | messages.Moved
+                  | messages.Trouble | messages.Ready) -> None:
         if self._leaving:
             self._unburied()
-        if isinstance(message, Frames):
+        if isinstance(message, messages.Frames):
             with self.together():
                 for report in message.reports:
                     if link := self.links.get(report.session):
                         _tell(link.receive, report)
-        elif isinstance(message, Ready):
+        elif isinstance(message, messages.Ready):
             self._failures = 0
             self.ready.set()
-        elif isinstance(message, Moved):
+        elif isinstance(message, messages.Moved):
             self._leaving.append(self.process_id)
             self.process_id, self._successor = message.process_id, 0
-        elif isinstance(message, Forked):
+        elif isinstance(message, messages.Forked):
             self._successor = message.process_id
         elif link := self.links.get(message.session):
-            if isinstance(message, Compiling):
+            if isinstance(message, messages.Compiling):
                 link.listener.on_compiling(message.number)
             else:
                 link.listener.on_trouble(message.sentence)

@@ -121,7 +121,12 @@ class Stepper:
         """Whether it is time to step: a frame is due, or there is a whole slice of work to catch up with."""
         if not self.running or (self._frame_due() and self._unseen):
             return False
-        return self._steps_wanted() >= (1 if self._frame_due() else self._enough)
+        if self._frame_due():
+            return self._steps_wanted() >= 1
+        enough = self._slice
+        if self.partner is not None:  # half of what a partner that waits is ahead
+            enough = max(1, min(enough, int(0.5 * self._lead / self.solver.scene.time_step)))
+        return self._steps_wanted() >= enough
 
     @property
     def ready(self) -> bool:
@@ -228,13 +233,6 @@ class Stepper:
         """How long a turn takes at most, as far as is known."""
         return self._slice * self._seconds_a_step
 
-    @property
-    def _enough(self) -> int:
-        """Steps that are worth a turn between two frames: a slice, or half of what a partner that waits is ahead."""
-        if self.partner is None:
-            return self._slice
-        return max(1, min(self._slice, int(0.5 * self._lead / self.solver.scene.time_step)))
-
     def _frame_due(self) -> bool:
         return perf_counter() >= self._due
 
@@ -242,19 +240,13 @@ class Stepper:
         """Whole steps from here to the time that the clock shows. The clock waits for a partner that cannot keep up:
         what it has lost is not made good later, when the partner stops or leaves."""
         now, (wall, simulated) = perf_counter(), self._anchor
-        target, bound = simulated + (now - wall) * self._speed, self._bound()
-        if bound < target:
-            target = bound
-            self._anchor = (now, bound)
+        target, partner = simulated + (now - wall) * self._speed, self.partner
+        if partner is not None and partner.running:  # no farther than ``_lead`` beyond its number of periods
+            bound = partner.solver.time / partner.solver.scene.period * self.solver.scene.period + self._lead
+            if bound < target:
+                target = bound
+                self._anchor = (now, bound)
         return min(int((target - self.solver.time) / self.solver.scene.time_step), self._last_step - self.solver.step)
-
-    def _bound(self) -> float:
-        """How far this session may go until its partner follows, in s: to the number of periods that this has come to,
-        and ``_lead`` further."""
-        partner, scene = self.partner, self.solver.scene
-        if partner is None or not partner.running:
-            return float("inf")
-        return partner.solver.time / partner.solver.scene.period * scene.period + self._lead
 
     @property
     def _lead(self) -> float:

@@ -19,19 +19,8 @@ from multiprocessing import connection
 from multiprocessing.connection import Connection
 from time import perf_counter
 
-from solvers.engine import successor
-from solvers.engine.messages import (
-    Compiling,
-    Forked,
-    FrameReport,
-    Frames,
-    Goodbye,
-    Moved,
-    Prewarm,
-    Ready,
-    Trouble,
-    Wish,
-)
+from solvers.engine import messages, successor
+from solvers.engine.messages import FrameReport, Wish
 from solvers.engine.stepper import BlockGone, Stepper
 from solvers.engine.successor import Successor
 from solvers.kernels import runtime
@@ -59,7 +48,7 @@ def main(pipe: Connection, warm_up: Scene, usual: Sequence[Scene]) -> None:
     first = os.getpid()
     # Until the page is gone, and so is the reason to be here.
     with suppress(EOFError, BrokenPipeError, ConnectionResetError):
-        pipe.send(Ready())
+        pipe.send(messages.Ready())
         Worker(pipe, {combination(warm_up)}, usual).serve()
     if os.getpid() != first:
         runtime.leave()
@@ -91,8 +80,10 @@ class Worker:
             if self._successor and self._handed_over(self._successor):
                 return
             inherited = successor.POSSIBLE and self._compile_aside()
-            if not (any(busy) or inherited or self._wishes):
-                self._wait()
+            if not (any(busy) or inherited or self._wishes):  # sleep until a message comes or a frame or step is due
+                due = min((s.next_due for s in self._steppers.values()), default=float("inf"))
+                pipes = [self._pipe, *([self._successor.pipe] if self._successor else [])]
+                connection.wait(pipes, min(IDLE_SECONDS, max(0.001, due - perf_counter())))
 
     def _serve_one(self, stepper: Stepper) -> bool:
         """One turn of one session; says whether there was anything to do."""
@@ -116,14 +107,8 @@ class Worker:
 
     def _send_frames(self) -> None:
         if self._frames:
-            self._pipe.send(Frames(tuple(self._frames)))
+            self._pipe.send(messages.Frames(tuple(self._frames)))
             self._frames.clear()
-
-    def _wait(self) -> None:
-        """Sleep until a message comes or the next frame or step is due."""
-        due = min((s.next_due for s in self._steppers.values()), default=float("inf"))
-        pipes = [self._pipe, *([self._successor.pipe] if self._successor else [])]
-        connection.wait(pipes, min(IDLE_SECONDS, max(0.001, due - perf_counter())))
 
     def _read_messages(self) -> None:
         """Take all messages; of a session's wishes only the last counts, in the place of the first."""
@@ -134,9 +119,9 @@ class Worker:
                     self._wishes[message.session] = message
                 case None:
                     raise EOFError  # the pool closes
-                case Prewarm():
+                case messages.Prewarm():
                     self._usual = list(message.scenes)
-                case Goodbye():
+                case messages.Goodbye():
                     self._wishes.pop(message.session, None)
                     self._drop(message.session)
 
@@ -154,7 +139,7 @@ class Worker:
         anew = False
         if successor.POSSIBLE and combination(wish.scene) not in self._compiled:
             self._waiting[wish.session] = wish
-            self._pipe.send(Compiling(wish.session, wish.number))
+            self._pipe.send(messages.Compiling(wish.session, wish.number))
             if stepper:
                 now = stepper.wish
                 stepper.accept(replace(
@@ -165,13 +150,10 @@ class Worker:
         else:
             self._steppers[wish.session] = Stepper(wish)
             anew = True
-        if anew and (partner := self._partner(wish)):
+        partner = next((stepper for session, stepper in self._steppers.items()
+                        if session == wish.partner or stepper.wish.partner == wish.session), None)
+        if anew and partner:
             self._contain(partner.wish, partner.rebuild)
-
-    def _partner(self, wish: Wish) -> Stepper | None:
-        """The session that a wish names as its partner, or that names it."""
-        return next((stepper for session, stepper in self._steppers.items()
-                     if session == wish.partner or stepper.wish.partner == wish.session), None)
 
     def _pair(self) -> None:
         """Let sessions know how many of them move, and partners each other: anyone may have come, left or failed. And
@@ -207,7 +189,7 @@ class Worker:
                 self._take_state(*answer)
                 return True
             self._successor = answer
-            self._pipe.send(Forked(answer.process_id))
+            self._pipe.send(messages.Forked(answer.process_id))
         return False
 
     def _handed_over(self, replacement: Successor) -> bool:
@@ -233,7 +215,7 @@ class Worker:
         self._usual = [scene for scene in self._usual if combination(scene) != failed]
         for wish in [wish for wish in self._waiting.values() if combination(wish.scene) == failed]:
             del self._waiting[wish.session]
-            self._pipe.send(Trouble(wish.session, wish.number, sentence))
+            self._pipe.send(messages.Trouble(wish.session, wish.number, sentence))
 
     def _prepare(self, announced: dict[int, Scene]) -> None:
         """Have solvers in place for the sessions that this successor will get, while they go on elsewhere; those that
@@ -256,7 +238,7 @@ class Worker:
         those that waited for the compiler."""
         self._wishes, self._waiting, self._successor = wishes, {}, None
         self._compiled, self._usual = compiled, usual
-        self._pipe.send(Moved(os.getpid()))
+        self._pipe.send(messages.Moved(os.getpid()))
         for wish, state in states.values():
             self._contain(wish, partial(self._resume, state))
         self._prepared.clear()
@@ -279,7 +261,7 @@ class Worker:
             sentence = FAILED
         self._drop(wish.session)  # only now: the exception's frames may have held views of the block
         if sentence:
-            self._pipe.send(Trouble(wish.session, wish.number, sentence))
+            self._pipe.send(messages.Trouble(wish.session, wish.number, sentence))
         return None
 
     def _drop(self, session: int) -> None:

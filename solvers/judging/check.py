@@ -11,7 +11,7 @@ import numpy as np
 from solvers.judging.findings.finding import BROKEN, SUSPICIOUS, UNKNOWN, Finding
 from solvers.judging.findings.listed import INSIDE_OUT, OF_A_MOTION
 from solvers.judging.findings.motion import Motion, followed
-from solvers.judging.sources import Particles, read_all
+from solvers.judging.reading import Particles, read_all
 from solvers.outside.file_error import FileError
 
 SCHEMA = "mpm-lab/check/1"

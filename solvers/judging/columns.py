@@ -204,7 +204,8 @@ def _unstacked(path: str, many: dict[str, np.ndarray], times: np.ndarray, limits
                               "(times, particles, dimensions)")
     limits.check_times(path, T)
     limits.check_rows(path, T * P)
-    limits.check_numbers(path, T * P, sum(_width(array, T, P) for array in many.values()))
+    shapes = (array.shape[2 if array.shape[:2] == (T, P) else 1:] for array in many.values())  # in a row
+    limits.check_numbers(path, T * P, sum(int(np.prod(shape, dtype=object)) for shape in shapes))
     rows: dict[str, np.ndarray] = {}
     for name, array in many.items():
         if _key(name) == "t":
@@ -221,11 +222,6 @@ def _unstacked(path: str, many: dict[str, np.ndarray], times: np.ndarray, limits
 
 def _key(name: str) -> str:
     return (meaning(name) or ("",))[0]
-
-
-def _width(array: np.ndarray, T: int, P: int) -> int:
-    """Numbers that an array of T times and P particles, or of P, has for each row."""
-    return int(np.prod(array.shape[2 if array.shape[:2] == (T, P) else 1:], dtype=object))
 
 
 def whole(path: str, value: float | None) -> int | None:

@@ -26,6 +26,7 @@ SURE = 0.5  # of a cell: at the time 0 particles that are farther from where the
 MOST_STEPS = {1: 400_000, 2: 60_000}  # of the companion, by directions: a minute or two; 680 periods of the bar
 LARGEST, LARGEST_ID = 1e100, 2.0**53  # of what a particle may have; beyond, squares are no numbers, and ids not exact
 MOST_TRIED = 400  # cells of a grid that is looked for
+COUNTS = ("no", "one", "two", "three")
 RIGID = 10.0  # times the rest of the error: from there on a shift is that of an origin, and no error of a method
 
 
@@ -109,20 +110,16 @@ def grids(files: Sequence[Raw], scene: Scene, cells: Sequence[int], times: Seque
             raise FileError(raw.file, f"says that it has {raw.cells} cells, and --cells says {asked}; give what was "
                                       "run, or nothing of it")
         count = asked if raw.cells is None else raw.cells
-        own = _scene_of(raw.file, scene, count)
+        try:
+            own = replace(scene, cells=count)
+        except SceneError as error:
+            raise FileError(raw.file, f"belongs to a grid of {quoted(count)} cells, which cannot be: {error}") from None
         found, said = _frames(raw, own, reference, times[k] if times else None)
         frames.setdefault(count, []).extend(found)
         notes.setdefault(count, []).extend(said)
         steps[count] = raw.step if raw.step is not None else steps.get(count)
     return [Grid(count, _in_order(frames[count], scene), tuple(dict.fromkeys(notes[count])), steps[count])
             for count in sorted(frames)]
-
-
-def _scene_of(file: str, scene: Scene, cells: int) -> Scene:
-    try:
-        return replace(scene, cells=cells)
-    except SceneError as error:
-        raise FileError(file, f"belongs to a grid of {quoted(cells)} cells, which cannot be: {error}") from None
 
 
 def _frames(raw: Raw, scene: Scene, reference: ProblemReference, given: float | None) -> tuple[list[Frame], list[str]]:
@@ -154,8 +151,12 @@ def _frames(raw: Raw, scene: Scene, reference: ProblemReference, given: float | 
         frame = Frame(raw.file, float(times[at][0]), who, X[at], moved[at], part.get("v"), part.get("F"),
                       part.get("sigma"), part.get("mass"), part.get("volume"))
         _check_once(frame)
-        if "X" not in columns:
-            _check_beginning(frame, scene)
+        if "X" not in columns and frame.time == 0:
+            off = np.sum((frame.position - frame.material_position) ** 2, axis=1)
+            if (far := float(np.sqrt(np.mean(off)))) > SURE * scene.spacing:
+                raise Misfit(frame.file, f"has particles at t = 0 that are not where those of the {scene.problem} "
+                                         f"begin, by {far:.3g} m", "give ids in the order of `mpm-lab problem`, the "
+                                                                   "right --cells and --ppc, or material positions")
         found.append(frame)
     return found, notes
 
@@ -175,7 +176,7 @@ def _in_plane(raw: Raw, key: str, scene: Scene, D: int) -> np.ndarray:
     values = raw.columns[key]
     size = values.shape[1]
     if size < D:
-        raise Misfit(raw.file, f"has {key} in {_directions(size)}, and the {scene.problem} has {_count(D)}",
+        raise Misfit(raw.file, f"has {key} in {_directions(size)}, and the {scene.problem} has {COUNTS[D]}",
                      f"give {spelled(key, D)}")
     return values[:, :D] if values.ndim == 2 else values[:, :D, :D]
 
@@ -184,7 +185,7 @@ def _check_directions(raw: Raw, scene: Scene, D: int) -> None:
     """Refuse positions that reach in more directions than the problem has, or in fewer."""
     found = directions(raw)
     if found is not None and found != D and (found > D or len(raw.columns["x"]) > D):
-        more = f"{_directions(found)}, and the {scene.problem} has {_count(D)}"
+        more = f"{_directions(found)}, and the {scene.problem} has {COUNTS[D]}"
         raise Misfit(raw.file, f"has positions in {more}", f"give {spelled('x', D)} and nothing beyond"
                      if found > D else f"give {spelled('x', D)} of particles that are not all on one line")
 
@@ -197,11 +198,7 @@ def directions(raw: Raw) -> int | None:
 
 
 def _directions(count: int) -> str:
-    return f"{_count(count)} direction{'s' * (count != 1)}"
-
-
-def _count(number: int) -> str:
-    return ("no", "one", "two", "three")[number]
+    return f"{COUNTS[count]} direction{'s' * (count != 1)}"
 
 
 def _check_finite(raw: Raw, key: str, values: np.ndarray, times: np.ndarray) -> None:
@@ -225,8 +222,12 @@ def _material(raw: Raw, scene: Scene, reference: ProblemReference,
         if (wrong := reference.misplaced(scene, X)).any():
             low, high = X.min(axis=0), X.max(axis=0)
             reach = ", ".join(f"{a:.4g} to {b:.4g} m" for a, b in zip(low, high, strict=True))
+            points = reference.start(scene).material_position
+            begin = " and ".join(f"{axis.upper()} from {a:.3g} to {b:.3g} m" for axis, a, b in zip(
+                reference.axes, points.min(axis=0), points.max(axis=0), strict=True))
             raise Misfit(raw.file, f"has {int(wrong.sum()):,} of {n:,} material positions outside the {scene.problem} "
-                                   f"(they reach from {reach}): its origin may be shifted", _where(scene, reference))
+                                   f"(they reach from {reach}): its origin may be shifted",
+                         f"particles begin at {begin}")
         return X, np.arange(n) if ids is None else ids.astype(int)
     assert ids is not None
     start, number = reference.start(scene), ids.astype(int)
@@ -255,13 +256,6 @@ def _fitting_cells(scene: Scene, number: np.ndarray) -> int:
     return 0
 
 
-def _where(scene: Scene, reference: ProblemReference) -> str:
-    points = reference.start(scene).material_position
-    reach = " and ".join(f"{axis.upper()} from {a:.3g} to {b:.3g} m" for axis, a, b in zip(
-        reference.axes, points.min(axis=0), points.max(axis=0), strict=True))
-    return f"particles begin at {reach}"
-
-
 def _check_once(frame: Frame) -> None:
     number, counts = np.unique(frame.number, return_counts=True)
     if counts.max() > 1:
@@ -272,15 +266,6 @@ def _check_once(frame: Frame) -> None:
         place = ", ".join(f"{c:.6g}" for c in frame.material_position[first[np.argmax(counts)]])
         raise FileError(frame.file, f"has {counts.max()} particles with the material position {place} at t = "
                                     f"{frame.time:g} s; give each its own")
-
-
-def _check_beginning(frame: Frame, scene: Scene) -> None:
-    """Refuse particles that are not where the problem's begin."""
-    off = frame.position - frame.material_position
-    if frame.time == 0 and (far := float(np.sqrt(np.mean(np.sum(off**2, axis=1))))) > SURE * scene.spacing:
-        raise Misfit(frame.file, f"has particles at t = 0 that are not where those of the {scene.problem} begin, by "
-                                 f"{far:.3g} m", "give ids in the order of `mpm-lab problem`, the right --cells and "
-                                 "--ppc, or material positions")
 
 
 def _in_order(frames: list[Frame], scene: Scene) -> tuple[Frame, ...]:

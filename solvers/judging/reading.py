@@ -1,24 +1,25 @@
-"""Files of particles, as any code may write them: CSV, NPZ, and VTK, VTU and VTP."""
+"""Files of particles, as any code may write them: CSV, NPZ, and VTK, VTU and VTP; or the same in arrays."""
 
 import itertools
 import os
 import re
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
-from typing import TextIO
+from typing import Any, TextIO
 
 import numpy as np
 
 from solvers.judging.columns import from_arrays, gathered, wanted, whole, with_scene
 from solvers.judging.frames import Raw
-from solvers.judging.vtk_legacy import read_legacy
+from solvers.judging.vtk_legacy import LegacyReader
 from solvers.judging.vtk_parts import NotVTK, Points
-from solvers.judging.vtk_xml import read_xml
+from solvers.judging.vtk_xml import XmlReader
 from solvers.outside import numerals
 from solvers.outside.file_error import FileError
 from solvers.outside.limits import LIMITS, LONGEST_LINE, Limits, check_name
 from solvers.outside.npz import arrays
 from solvers.outside.quoting import quoted
+from solvers.scene.rules import SceneError
 
 KINDS = (".csv", ".npz", ".vtk", ".vtu", ".vtp")
 COMMENT = re.compile(r"#\s*([A-Za-z]\w*)\s*[=:]\s*(\S+)\s*$")
@@ -27,6 +28,33 @@ MOST_REMARKS = 100_000  # lines that are no rows
 LARGEST = 250_000_000  # bytes of such a file: its text is in memory once, and what it says
 OF_KIND = {".vtu": "UnstructuredGrid", ".vtp": "PolyData"}
 TIMES = ("TimeValue", "TIME", "Time", "time", "t")
+
+Particles = str | os.PathLike | Mapping[str, Any] | Raw  # what they may be given as
+
+
+def listed(files: Particles | Sequence[Particles]) -> list[Particles]:
+    """One or several, as a list; :class:`SceneError` for none."""
+    sources = [files] if isinstance(files, (str, os.PathLike, Mapping, Raw)) else list(files)
+    if not sources:
+        raise SceneError("files", "none", "give one or several files of particles, or their arrays")
+    return sources
+
+
+def read_all(files: Particles | Sequence[Particles]) -> list[Raw]:
+    """What the files hold, all of them together within the limits."""
+    left, found = LIMITS, list[Raw]()
+    for k, source in enumerate(listed(files)):
+        if isinstance(source, Mapping):
+            name = f"arrays {k + 1}"
+            try:
+                raw = from_arrays(name, {key: np.asarray(array) for key, array in source.items()}, left)
+            except ValueError as error:
+                raise error if isinstance(error, FileError) else FileError(name, f"are no arrays: {error}") from None
+        else:
+            raw = source if isinstance(source, Raw) else read(os.fspath(source), left)
+        found.append(raw)
+        left = left.less(found[-1].columns)
+    return found
 
 
 def read(path: str, limits: Limits = LIMITS) -> Raw:
@@ -156,7 +184,7 @@ def read_vtk(path: str, limits: Limits = LIMITS) -> Raw:
         file.seek(0)
         found = Points(path, limits)
         try:
-            read_legacy(file, found) if kind == ".vtk" else read_xml(file, OF_KIND[kind], kind, found)
+            (LegacyReader(file, found) if kind == ".vtk" else XmlReader(file, OF_KIND[kind], kind, found)).read()
         except (FileError, OSError):
             raise
         except Exception as error:  # what a broken file makes of a parser

@@ -6,7 +6,6 @@ It is believed in nothing: whatever is not a scene is refused, and a scene that 
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from dataclasses import fields, replace
 from typing import Any
 
@@ -16,7 +15,7 @@ from solvers.outside.quoting import quoted
 from solvers.problems import PROBLEMS
 from solvers.problems.reference import OF_METHODS
 from solvers.running.scene_text import FAMILY, HINT, parsed, scene_of
-from solvers.scene.rules import SceneError, field_key, field_label, key_field
+from solvers.scene.rules import SceneError, field_flag, field_label, key_field
 from solvers.scene.scene import Scene
 
 NOT_OF_THE_PROBLEM = OF_METHODS | {"t_end", "periods"}  # what does not matter to a judge
@@ -27,20 +26,16 @@ def read_line(file: str, text: object, cells: int | None) -> Said | None:
     if not isinstance(text, str) or FAMILY not in text[:100]:
         return None
     problem, inputs = parsed(file, text)
-    said = Said(problem, {key_field(key): value for key, value in inputs.items()
-                          if key_field(key) not in NOT_OF_THE_PROBLEM}, _step(problem, inputs))
+    given = {key_field(key): value for key, value in inputs.items()}
+    try:
+        step = PROBLEMS[problem].scene(**given).time_step
+    except (SceneError, TypeError, ValueError, OverflowError):
+        step = None
+    said = Said(problem, {name: value for name, value in given.items() if name not in NOT_OF_THE_PROBLEM}, step)
     own = scene_said(file, said)
     if "cells" in said.inputs and cells is not None and cells != own.cells:
         raise FileError(file, f"says that it has {cells} cells, and {own.cells} in its scene; {HINT}")
     return said
-
-
-def _step(problem: str, inputs: Mapping[str, Any]) -> float | None:
-    """The time step in s of the run that is said; None where that is none."""
-    try:
-        return PROBLEMS[problem].scene(**{key_field(key): value for key, value in inputs.items()}).time_step
-    except (SceneError, TypeError, ValueError, OverflowError):
-        return None
 
 
 def scene_said(file: str, said: Said) -> Scene:
@@ -70,27 +65,19 @@ def settled(files: list[Raw], asked: Scene) -> tuple[Scene, list[str]]:
             if name == "cells" or value == now:
                 continue
             if name in by or now != getattr(default, name):
-                says = f"{by[name]} says" if name in by else f"{_flag(name)} says"
+                says = f"{by[name]} says" if name in by else f"--{field_flag(name)} says"
                 raise FileError(raw.file, f"says {field_label(name)} {_plain(value)}, and {says} {_plain(now)}; give "
                                           "what was run, or nothing of it")
             taken[name] = value
         by |= dict.fromkeys(names, raw.file)
         if taken:
-            settled_scene = _with(raw.file, settled_scene, taken)
+            try:
+                settled_scene = replace(settled_scene, **taken)
+            except SceneError as error:
+                raise FileError(raw.file, f"says a scene that cannot be with the rest: {error}; {HINT}") from None
             told = ", ".join(f"{field_label(name)} {_plain(value)}" for name, value in taken.items())
             notes.append(f"judged with what {quoted(raw.file)} says of its scene: {told}")
     return settled_scene, notes
-
-
-def _with(file: str, asked: Scene, taken: Mapping[str, Any]) -> Scene:
-    try:
-        return replace(asked, **taken)
-    except SceneError as error:
-        raise FileError(file, f"says a scene that cannot be with the rest: {error}; {HINT}") from None
-
-
-def _flag(name: str) -> str:
-    return f"--{field_key(name).replace('_', '-')}"
 
 
 def _plain(value: object) -> str:

@@ -11,6 +11,7 @@ The process says, one after the other::
 The table lies in a file, so that it takes nobody's memory but while a frame is looked at.
 """
 
+import contextlib
 import itertools
 import sys
 from collections.abc import Callable, Sequence
@@ -104,7 +105,10 @@ def _show(asked: ShowRequest, tell: Callable[[dict], None]) -> None:
     scene, [grid] = placed([raw], own_scene(raw, Task(**asked.task).scene()), [], [])
     del raw
     own = replace(scene, cells=grid.cells)
-    _check_watched(own, grid, asked)
+    most = max(own.particles, *(len(frame.number) for frame in grid.frames))
+    if most > asked.most:
+        raise FileError(asked.name, f"belongs to {most:,} particles, too many to watch; give at most {asked.most:,} at "
+                                    "a time, or judge it with `mpm-lab judge`")
     judged = GridJudgement(own, grid, Companions(own, tuple(grid.times.tolist())))
     judged.check()  # where no truth is known only the companion can tell whether the origin is right
     true = judged.true
@@ -114,32 +118,17 @@ def _show(asked: ShowRequest, tell: Callable[[dict], None]) -> None:
     counts = [len(frame.number) for frame in grid.frames]
     missing = [q for q in ("v", "sigma") if any(
         (frame.velocity if q == "v" else stress(own, frame)) is None for frame in grid.frames)]
-    tell({"frames": asdict(Shown(task_of(_shown(own)).to_dict(), grid.times.tolist(), counts, table.crossed,
+    shown = replace(own, estimators=("companion",), effects=("truth", "estimate", "crossings"), remedies=(), dt=None,
+                    cfl=None, sample_every=None)
+    with contextlib.suppress(SceneError):  # to its usual end, or where that is too many steps to its own
+        shown = replace(shown, t_end=None, periods=None)
+    tell({"frames": asdict(Shown(task_of(shown).to_dict(), grid.times.tolist(), counts, table.crossed,
                                  listed(series(true)) if true else None, missing))})
     if true:
         table.put("difference", differences(judged.estimated, true))
     table.put("estimate", judged.estimated)
     tell({"estimate": listed(series(judged.estimated))})
     tell({"verdict": judged.to_dict()})
-
-
-def _check_watched(scene: Scene, grid: Grid, asked: ShowRequest) -> None:
-    """What is drawn must be so little that a browser shows it: particles, and with them cells."""
-    most = max(scene.particles, *(len(frame.number) for frame in grid.frames))
-    if most > asked.most:
-        raise FileError(asked.name, f"belongs to {most:,} particles, too many to watch; give at most {asked.most:,} at "
-                                    "a time, or judge it with `mpm-lab judge`")
-
-
-def _shown(scene: Scene) -> Scene:
-    """The scene as it is shown: judged by the companion, to its usual end, or where that is too many steps to the one
-    that it has."""
-    shown = replace(scene, estimators=("companion",), effects=("truth", "estimate", "crossings"), remedies=(),
-                    dt=None, cfl=None, sample_every=None)
-    try:
-        return replace(shown, t_end=None, periods=None)
-    except SceneError:
-        return shown
 
 
 class _Table:

@@ -18,7 +18,7 @@ from solvers.judging.findings.listed import of_a_run
 from solvers.judging.frames import Grid
 from solvers.judging.measure import QUANTITIES, Companions, Errors, WorstParticle
 from solvers.judging.placing import SAME, check_origin, placed
-from solvers.judging.sources import Particles, listed, read_all
+from solvers.judging.reading import Particles, listed, read_all
 from solvers.scene.rules import SceneError
 from solvers.scene.scene import Scene
 from solvers.solver.norms import finite
@@ -99,8 +99,7 @@ class GridJudgement:
                          "index": None if true is None else measure.index(estimates, true, self.scene),
                          "distance": None if true is None else measure.distances(self.estimated, self.true)},
             "worst": {q: None if (found := self.worst(q)) is None else found.to_dict() for q in QUANTITIES},
-            **dict.fromkeys(("neighbour_gap", "apart"),  # the second is the former name, kept for a version
-                            None if self.apart is None else self.apart.to_dict(self.scene)),
+            "neighbour_gap": None if self.apart is None else self.apart.to_dict(self.scene),
             "crossings_at_least": measure.crossings(self.scene, frames), "ours": [run.to_dict() for run in self.ours]}
 
     def notes(self) -> list[str]:

@@ -24,12 +24,9 @@ WIDTHS = {"VECTORS": 3, "NORMALS": 3, "TENSORS": 9, "TENSORS6": 6, "GLOBAL_IDS":
 CELLS = ("CELLS", "VERTICES", "LINES", "POLYGONS", "TRIANGLE_STRIPS")
 
 
-def read_legacy(file: IO[bytes], found: Points) -> None:
-    """Put what a file holds into ``found``."""
-    _Reader(file, found).read()
+class LegacyReader:
+    """Puts what a file holds into ``found``."""
 
-
-class _Reader:
     def __init__(self, file: IO[bytes], found: Points):
         self._file, self._found = file, found
         self._size = file.seek(0, 2)

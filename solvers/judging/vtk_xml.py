@@ -37,16 +37,13 @@ PACKINGS: dict[str, Any] = {
     "vtkLZMADataCompressor": lambda: lzma.LZMADecompressor(memlimit=MOST_MEMORY)}
 
 
-def read_xml(file: IO[bytes], kind: str, ending: str, found: Points) -> None:
-    """Put what a file of a ``kind``, as VTK calls it, holds into ``found``."""
-    _Reader(file, kind, ending, found).read()
-
-
 class _Appended(Exception):
     """There is no more XML, but data."""
 
 
-class _Reader:
+class XmlReader:
+    """Puts what a file of a ``kind``, as VTK calls it, holds into ``found``."""
+
     def __init__(self, file: IO[bytes], kind: str, ending: str, found: Points):
         self._file, self._kind, self._ending, self._found = file, kind, ending, found
         self._parser = expat.ParserCreate("UTF-8")  # whatever the file says of itself
@@ -87,7 +84,13 @@ class _Reader:
         if self._elements > MOST_ELEMENTS:
             raise NotVTK(f"more than {MOST_ELEMENTS:,} elements")
         if not self._inside:
-            self._begin(tag, said)
+            if tag != "VTKFile":
+                raise NotVTK("no VTKFile")
+            if said.get("type") != self._kind:
+                raise FileError(self._found.path, f"is no {self._kind}, as a {self._ending} file is; give it the "
+                                                  "ending of what it is")
+            self._encoding = Encoding.of(said.get("byte_order"), TYPES.get(said.get("header_type", "UInt32")),
+                                         said.get("compressor"))
         self._inside.append(tag)
         if tag == "AppendedData":
             self._appended = self._parser.CurrentByteIndex, said.get("encoding") != "raw"
@@ -97,15 +100,6 @@ class _Reader:
             self._found.begin_piece(self._rows)
         elif tag == "DataArray":
             self._begin_array(said)
-
-    def _begin(self, tag: str, said: dict[str, str]) -> None:
-        if tag != "VTKFile":
-            raise NotVTK("no VTKFile")
-        if said.get("type") != self._kind:
-            raise FileError(self._found.path, f"is no {self._kind}, as a {self._ending} file is; give it the ending of "
-                                              "what it is")
-        self._encoding = Encoding.of(said.get("byte_order"), TYPES.get(said.get("header_type", "UInt32")),
-                                     said.get("compressor"))
 
     def _begin_array(self, said: dict[str, str]) -> None:
         """Ask whether an array is wanted, and remember where its data are."""
@@ -203,7 +197,10 @@ class Source:
             part = self.read(place + begin, min(AT_ONCE, length - begin))
             if len(part) < min(AT_ONCE, length - begin):
                 raise NotVTK("data that end too early")
-            content += _decoded(part) if self.in_letters else part
+            try:
+                content += base64.b64decode(part) if self.in_letters else part
+            except ValueError:
+                raise NotVTK("letters that are no base64") from None
         del content[size:]
         if len(content) < size:
             raise NotVTK("data that end too early")
@@ -238,7 +235,7 @@ class Encoding:
         said = self._sizes(head)[0]
         if said != size:
             raise NotVTK(f"{said:,} bytes where {size:,} are announced")
-        if not source.in_letters or _ends(source, after):  # the size stands by itself
+        if not source.in_letters or source.read(after - 1, 1) == b"=":  # padded: the size stands by itself
             return source.unit(after, size)[0]
         return source.unit(place, self.size.itemsize + size)[0][self.size.itemsize:]
 
@@ -269,15 +266,3 @@ class Encoding:
 
     def _sizes(self, content: bytes | bytearray) -> list[int]:
         return np.frombuffer(content, self.size).tolist()
-
-
-def _decoded(letters: bytes) -> bytes:
-    try:
-        return base64.b64decode(letters)
-    except ValueError:
-        raise NotVTK("letters that are no base64") from None
-
-
-def _ends(source: Source, place: int) -> bool:
-    """Whether letters before a place are padded: there something ends."""
-    return source.read(place - 1, 1) == b"="

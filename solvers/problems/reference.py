@@ -5,6 +5,7 @@ A problem's descriptor has its :class:`ProblemReference`.
 
 from __future__ import annotations
 
+import string
 from abc import ABC, abstractmethod
 from collections.abc import Mapping
 from dataclasses import dataclass, field, fields
@@ -14,7 +15,6 @@ from typing import Any
 import numpy as np
 
 from solvers.estimators.standalone import ElasticBody
-from solvers.scene import passages
 
 #: Fields of a scene that say how we would solve it, and nothing of the problem.
 OF_METHODS = frozenset({"method", "linearity_preserving", "velocity", "estimators", "effects", "remedies", "arch",
@@ -44,10 +44,26 @@ class Texts:
     table: str  # where the points of the table of the force are, and what holds elsewhere
 
 
+class Template(string.Template):
+    """Markdown with formulas, in which ``@name`` stands for something: dollars and braces are taken."""
+
+    delimiter = "@"
+
+
+def read_parts(path: Path, **values: float | str) -> dict[str, str]:
+    """The parts of a file of Markdown by their headings, ``## name``, each as one line. In a part ``@name`` stands for
+    a value, numbers to 15 digits, or for a part further up."""
+    parts = {name: value if isinstance(value, str) else f"{value:.15g}" for name, value in values.items()}
+    for part in path.read_text(encoding="utf-8").split("\n## ")[1:]:
+        head, _, text = part.partition("\n")
+        parts[head] = Template(" ".join(text.split())).substitute(parts)
+    return parts
+
+
 def read_texts(path: Path, case: str, **numbers: float) -> Texts:
-    """The texts in a file (``solvers.scene.passages``), headed by their names, or by ``name: case`` where a case has
+    """The texts in a file (:func:`read_parts`), headed by their names, or by ``name: case`` where a case has
     another one."""
-    parts = passages.read(path, **numbers)
+    parts = read_parts(path, **numbers)
     return Texts(*(parts.get(f"{text.name}: {case}", parts[text.name]) for text in fields(Texts)))
 
 

@@ -50,11 +50,11 @@ class Goal:
         """The number as a function of what the particles are."""
         if self.point:
             weights = weights_at(fields.material_position, np.array(self.point))
-            return lambda q: _length(weights @ q.displacement)
+            size: Callable = np.linalg.norm if len(self.point) > 1 else np.squeeze  # of one component with its sign
+            return lambda q: float(size(weights @ q.displacement))
         if self.name == ENERGY:
             return lambda q: 0.5 * float(fields.mass @ np.sum(q.velocity**2, axis=1))
         return lambda q: float(np.average(q.stress[:, [0, -1]].mean(axis=1), weights=fields.volume))
-
 
     def rounding(self, scene: Scene, steps: int, value: float, mass: float) -> float:
         """The largest error that rounding alone may make of this ``value``; energy is m v^2/2, and dE = m v dv."""
@@ -136,7 +136,3 @@ def _monomials(away: np.ndarray, degree: int) -> np.ndarray:
     x, y = away.T
     return np.stack([x**i * y**j for total in range(degree + 1) for i in range(total, -1, -1) for j in [total - i]],
                     axis=1)
-
-
-def _length(vector: np.ndarray) -> float:
-    return float(vector[0]) if len(vector) == 1 else float(np.linalg.norm(vector))

@@ -35,7 +35,7 @@ class EstimatorHooks:
         or not that is a multiple of the interval. The acceleration is the one that the last step used, which belongs to
         the time one step earlier. Called only when somebody looks.
     standalone : scene -> body, or None
-        A body that the processor solves by itself where the particles are on a GPU (``solvers.estimators.beside_gpu``);
+        A body that the processor solves by itself where the particles are on a GPU (``solvers.problems.planar.plans``);
         None where the estimator needs a processor.
     report_at_once(state, base, step, on) : Taichi function or None
         On a GPU: fill the entries from that body's nodes, for all particles at once.

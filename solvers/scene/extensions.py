@@ -23,14 +23,10 @@ def load_extensions() -> None:
         try:
             importlib.import_module(module)
         except Exception as error:
+            missing = isinstance(error, ModuleNotFoundError) and error.name == module.partition(".")[0]
             raise ExtensionError(f"{EXTENSIONS} names {module}, which cannot be imported ({type(error).__name__}: "
-                                 f"{error}); correct it or leave it out{_where(module, error)}") from error
-
-
-def _where(module: str, error: Exception) -> str:
-    """What to do where the module itself is not found."""
-    found_none = isinstance(error, ModuleNotFoundError) and error.name == module.partition(".")[0]
-    return ", or name its folder in PYTHONPATH" if found_none else ""
+                                 f"{error}); correct it or leave it out"
+                                 f"{', or name its folder in PYTHONPATH' * missing}") from error
 
 
 def require_early(name: str, problems: Iterable[str]) -> None:

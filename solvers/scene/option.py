@@ -55,10 +55,6 @@ def _words(kind: type[Any], field: Any) -> str:
     several = "Any of" if isinstance(field.default, tuple) else "One of"
     parts = [f"{what}{f', in {unit}' * bool(unit)}{semicolon}{rest}.",
              f"{several} {', '.join(names)}." if names else "", f"Default: {default}."]
-    text = re.sub(r"--([a-z]+)-?([a-z]*)", _as_field, " ".join(filter(None, parts)))
+    text = re.sub(r"--([a-z]+)-?([a-z]*)", lambda flag: "_".join(filter(None, flag.groups())),  # a flag is a field here
+                  " ".join(filter(None, parts)))
     return "\n".join(textwrap.wrap(text, WIDTH, break_on_hyphens=False))
-
-
-def _as_field(flag: re.Match[str]) -> str:
-    """A flag that a help text names is a field here."""
-    return "_".join(filter(None, flag.groups()))

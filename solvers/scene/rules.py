@@ -16,7 +16,9 @@ class SceneError(ValueError):
 
     def __init__(self, field: str, value: object, sentence: str):
         self.field, self.value, self.sentence = field, value, quoting.sentence(sentence)
-        super().__init__(quoting.sentence(f"{field_label(field)} {quoting.quoted(_in_quotes(value))}: {sentence}"))
+        # A number that came as text stands in its quotes, without which it would look like the number.
+        shown = repr(value) if isinstance(value, str) and numerals.is_number(value) else value
+        super().__init__(quoting.sentence(f"{field_label(field)} {quoting.quoted(shown)}: {sentence}"))
 
 
 def field_key(field: str) -> str:
@@ -96,8 +98,3 @@ def require_number(field: str, value: object, above: float, most: float, allowed
             or not above < value <= most:  # also NaN, infinity, and integers beyond all floats
         upper = "" if math.isinf(most) else f" and up to {most:g}"
         raise SceneError(field, value, allowed or f"give a number above {above:g}{upper}")
-
-
-def _in_quotes(value: object) -> object:
-    """A number that came as text in its quotes, without which it would look like the number."""
-    return repr(value) if isinstance(value, str) and numerals.is_number(value) else value

@@ -54,8 +54,6 @@ CONTRADICTIONS: dict[str, Contradiction] = {rule.name: rule for rule in (
                   "the particles do not stand where the balance of momentum brings them (off by {size} of the "
                   "amplitude)"),
 )}
-#: What three of them were called in JSON objects up to version 0.1.0; both names are written.
-FORMER_NAMES = {"neighbour_gap": "apart", "mean_drift": "adrift", "displacement_mismatch": "torn"}
 
 
 @dataclass(frozen=True)
@@ -131,5 +129,4 @@ def evidence(scene: Scene, series: Mapping[str, np.ndarray]) -> dict[str, float 
     """The largest share of the motion's amplitude that each kind of evidence reached, None where it was not looked
     for; for the JSON object."""
     A, series = scene.motion_amplitude, {**series, "balance_gap": balance_gap(scene, series)}
-    found = {name: largest(series[name] / A) for name in CONTRADICTIONS}
-    return found | {former: found[name] for name, former in FORMER_NAMES.items()}
+    return {name: largest(series[name] / A) for name in CONTRADICTIONS}

@@ -161,7 +161,10 @@ class _Search:
             spent = time.process_time() - begun
             best = _settled(ranking, met, spent)
             if best.measured and met and spent <= PATIENCE + best.seconds:
-                best = _hopeful(self._choices, best, goal) or best
+                # If families converged at full order from now on: coarse grids often show less.
+                hopes = (_cheapest(family, goal, HIGHEST_ORDER) for family in self._choices)
+                best = min((c for c in hopes if c and not c.measured and CLOSE_ENOUGH * c.seconds < best.seconds),
+                           key=lambda c: c.seconds, default=best)
             if best.measured or self.looks >= coarse + MOST_LOOKS:
                 return best
             if not met and self._dear(best):
@@ -209,14 +212,6 @@ def _settled(ranking: list[Candidate], met: bool, spent: float) -> Candidate:
     price = "seconds" if met else "error"
     near = getattr(measured, price) <= CLOSE_ENOUGH * getattr(ranking[0], price)
     return measured if near or (met and spent > PATIENCE + measured.seconds) else ranking[0]
-
-
-def _hopeful(choices: list[Family], best: Candidate, goal: Goal) -> Candidate | None:
-    """The cheapest member that has not been run and would be clearly cheaper than the best that has, if its family
-    converged at full order from now on: coarse grids often show less."""
-    hopes = (_cheapest(family, goal, HIGHEST_ORDER) for family in choices)
-    return min((c for c in hopes if c and not c.measured and CLOSE_ENOUGH * c.seconds < best.seconds),
-               key=lambda c: c.seconds, default=None)
 
 
 def _next_cells(candidate: Candidate) -> int:

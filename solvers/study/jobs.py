@@ -71,7 +71,10 @@ def search(fields: dict, tell: Callable[[dict], None]) -> None:
         if key not in job.known:
             return None
         recalled.add(key)
-        return point_of(cells, job.known[key])
+        found = job.known[key]
+        rate = found.get("rate", math.nan)  # it is yet to be timed
+        return Point(cells, math.inf if found["error"] is None else found["error"],
+                     math.inf if rate is None else rate, found["status"], found["reason"])
 
     def look(looks: int, certain: int, scene: Scene) -> None:
         tell({"look": looks, "certain": certain, "task": task_of(scene).to_dict()})
@@ -79,8 +82,11 @@ def search(fields: dict, tell: Callable[[dict], None]) -> None:
     def keep(family: Family, point: Point) -> None:
         row = point_row(family, point)
         known = row["key"] in recalled
-        measured = not known or "rate" not in job.known[row["key"]]
-        tell({"row": row, "known": known, **({"point": told(point)} if measured else {})})
+        message: dict = {"row": row, "known": known}
+        if not known or "rate" not in job.known[row["key"]]:  # None for what went bad
+            message["point"] = {"error": finite(point.error), "rate": finite(point.seconds_per_particle_step),
+                                "status": point.status, "reason": point.reason}
+        tell(message)
 
     advice = advise(choices, Goal(job.quantity, job.tolerance, job.budget), look, keep, recall)
     chosen = advice.chosen
@@ -105,17 +111,3 @@ def point_row(family: Family, point: Point) -> dict:
 def to_watch(scene: Scene) -> Task:
     """The task of a scene with the estimator that a search goes by, and with every effect."""
     return task_of(replace(scene, estimators=(ESTIMATOR,), effects=tuple(EFFECTS)))
-
-
-def told(point: Point) -> dict:
-    """A point as JSON: ``error`` (None where it went bad), ``rate`` (seconds of a particle-step, None likewise),
-    ``status`` and ``reason``."""
-    return {"error": finite(point.error), "rate": finite(point.seconds_per_particle_step), "status": point.status,
-            "reason": point.reason}
-
-
-def point_of(cells: int, known: dict) -> Point:
-    """The point that was told of; without a ``rate`` it is yet to be timed."""
-    rate = known.get("rate", math.nan)
-    return Point(cells, math.inf if known["error"] is None else known["error"], math.inf if rate is None else rate,
-                 known["status"], known["reason"])

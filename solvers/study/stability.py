@@ -138,20 +138,15 @@ def as_dict(problem: str, rows: Sequence[dict], prices: Mapping[tuple[str, str],
         line["lives"].append({"amplitude": scene["amplitude"], "cfl": scene["cfl"], "periods": survived(row),
                               "held": held(row), "status": row["status"], "first_period": row["life"]["first_period"],
                               "margin": row["step"]["margin"] if "step" in row else None})
-        at, asked = f"{scene['amplitude']:g}", _asked(kind, row)
-        if asked is not None and at not in line["automatic_cfl"]:
+        at = f"{scene['amplitude']:g}"
+        if key[1] in TREATMENTS and at not in line["automatic_cfl"]:
+            asked = replace(scene_of(kind, row, key[1]), amplitude=scene["amplitude"])
             line["automatic_cfl"][at] = SAFE * asked.step_bound * asked.wave_speed / asked.spacing
             line["predicted"][at] = PROBLEMS[problem].predicted_life(asked)
     order = {name: place for place, name in enumerate(TREATMENTS)}
     found = sorted(lines.values(), key=lambda line: (kind.choices("method").index(line["method"]),
                                                      order.get(line["treatment"], len(order))))
     return {"schema": SCHEMA, "problem": problem, "lines": found, "rows": list(rows)}
-
-
-def _asked(kind: type[Scene], row: Mapping) -> Scene | None:
-    """The scene of a row, without its length."""
-    treated = scene_of(kind, row, treatment_of(row)) if treatment_of(row) in TREATMENTS else None
-    return treated and replace(treated, amplitude=row["scene"]["amplitude"])
 
 
 def as_markdown(values: dict) -> str:
@@ -182,14 +177,9 @@ def _line(line: dict, amplitudes: Sequence[float], steps: Sequence[float]) -> li
     for A in amplitudes:
         found = [lives.get((A, cfl)) for cfl in steps]
         auto = line["automatic_cfl"].get(f"{A:g}")
-        cells.append(" / ".join(map(_life, found)) + (f" (auto {auto:.2f})" if auto else ""))
+        cells.append(" / ".join(" " if life is None else NOTHING if life["held"] else f"{life['periods']:.3g}"
+                                for life in found) + (f" (auto {auto:.2f})" if auto else ""))
     first = lives.get((amplitudes[0], steps[0]), {}).get("first_period")
     predicted = " / ".join(f"{value:.0f}" for value in line["predicted"].values() if value is not None)
     return [line["method"], line["treatment"], NOTHING if line["price"] is None else f"{line['price']:.2f}", *cells,
             NOTHING if first is None else f"{first:.2g}", predicted or NOTHING]
-
-
-def _life(life: dict | None) -> str:
-    if life is None:
-        return " "
-    return NOTHING if life["held"] else f"{life['periods']:.3g}"

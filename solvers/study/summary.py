@@ -73,7 +73,9 @@ def _rows(rows: Sequence[dict], names: Sequence[str]) -> str:
         index, budget = row.get("index") or {}, row.get("budget") or {}
         if budget.get("not_valid"):
             budget = {}  # shares say nothing there
-        lines.append([*(_cell(values.get(name)) for name in names), _status(row),
+        large = row["status"] == OK and row.get("as_large_as_itself")  # for these the status does not hold
+        status = row["status"] + (f" for x, not for {', '.join(large)}" if large else "")
+        lines.append([*(_cell(values.get(name)) for name in names), status,
                       *(_number(error_of(row, q), ".3e") for q in SHOWN),
                       *(_number((index.get(e) or {}).get(q), ".3f") for e in estimators for q in SHOWN),
                       *(_number((budget.get(field) or {}).get(cause), ".3f") for field, cause in shares),
@@ -82,12 +84,6 @@ def _rows(rows: Sequence[dict], names: Sequence[str]) -> str:
     beside = f", taken while up to {most} rows ran side by side" * (most > 1)
     return f"Errors are the largest RMS over particles; seconds the shortest of the bare runs{beside}.\n\n" \
         + grid(heads, lines)
-
-
-def _status(row: dict) -> str:
-    """The status, and for which quantities it does not hold."""
-    large = row.get("as_large_as_itself") or {}
-    return row["status"] + f" for x, not for {', '.join(large)}" * (row["status"] == OK and bool(large))
 
 
 def _slopes(rows: Sequence[dict]) -> str:

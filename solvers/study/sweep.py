@@ -20,6 +20,9 @@ from solvers.study.grid import MOST_ROWS, plan
 from solvers.study.places import Here, execute
 from solvers.study.summary import columns
 
+#: Two ways to say one input, of which one may be given.
+ALTERNATIVES = {"dt": "cfl", "cfl": "dt", "t_end": "periods", "periods": "t_end"}
+
 
 class Rows(list[dict]):
     """Rows with the same keys. A name gives the column: ``rows["error.x.max"]``, as an array over the rows."""
@@ -101,8 +104,11 @@ def sweep(problem: str | Scene | type[Scene], *, repeats: int = 3, workers: int 
     """
     if not isinstance(problem, str):
         scene = scene_of(problem)
-        given = {f.name: getattr(scene, f.name) for f in fields(scene) if getattr(scene, f.name) != f.default}
-        problem, inputs = scene.problem, _beside(given, {key_field(name): value for name, value in inputs.items()})
+        inputs = {key_field(name): value for name, value in inputs.items()}
+        said = {same for name in inputs for same in (name, ALTERNATIVES.get(name))}
+        given = {f.name: value for f in fields(scene) if (value := getattr(scene, f.name)) != f.default}
+        inputs = {name: value for name, value in given.items() if name not in said} | inputs
+        problem = scene.problem
     require_choice("problem", problem, tuple(PROBLEMS))
     require_whole("repeats", repeats, 0, 1000)
     require_whole("workers", workers, 1, 1024)
@@ -119,16 +125,6 @@ def sweep(problem: str | Scene | type[Scene], *, repeats: int = 3, workers: int 
     with contextlib.closing(Here(workers)) as place:
         execute(tasks, place, keep)
     return Rows(columns([measured[task.key] for task in tasks]))
-
-
-#: Two ways to say one input, of which one may be given.
-ALTERNATIVES = {"dt": "cfl", "cfl": "dt", "t_end": "periods", "periods": "t_end"}
-
-
-def _beside(given: dict[str, Any], inputs: dict[str, Any]) -> dict[str, Any]:
-    """What was given and, in its place where both say the same thing, the inputs."""
-    said = {same for name in inputs for same in (name, ALTERNATIVES.get(name))}
-    return {name: value for name, value in given.items() if name not in said} | inputs
 
 
 def _values(problem: str, name: str, given: Any) -> list:

@@ -131,7 +131,10 @@ class WorkerProcess:
         self._closed = True
         if self._lock.acquire(blocking=False):
             try:
-                self._let_go()
+                if process := self._process:  # there will be no more questions
+                    with contextlib.suppress(OSError, subprocess.TimeoutExpired):
+                        cast(IO[str], process.stdin).close()
+                        process.wait(GOODBYE)
                 self._end()
             finally:
                 self._lock.release()
@@ -139,13 +142,6 @@ class WorkerProcess:
         self.kill()
         with self._lock:
             self._end()
-
-    def _let_go(self) -> None:
-        """Tell a process that rests that there will be no more questions, and give it time to end by itself."""
-        if process := self._process:
-            with contextlib.suppress(OSError, subprocess.TimeoutExpired):
-                cast(IO[str], process.stdin).close()
-                process.wait(GOODBYE)
 
     def _end(self) -> str:
         """Make sure that the process has ended; says how it ended."""

@@ -19,8 +19,7 @@ class Bench:
     """Measure how fast this machine is, and what estimators and effects cost on it.
 
     One thread of the processor, in its own time; takes about a minute. Beside them stand rates of C++ that is compiled
-    here, and that of Taichi's own example mpm99. With --class, have so many visitors use the page on a server of this
-    machine instead.
+    here. With --class, have so many visitors use the page on a server of this machine instead.
     Exit status: 0 ok, 1 could not run or write, 2 bad input.
     """
 

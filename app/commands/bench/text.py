@@ -4,9 +4,9 @@ from app.commands.run.text import NOTHING, formatted
 
 
 def bench_table(values: dict, /) -> str:
-    """Rates, prices, what is paid for effects that are off, start-up, and the example."""
+    """Rates, prices, what is paid for effects that are off, and start-up."""
     return "\n\n".join([
-        _heading(values), _rates(values["rates"], values["example"]), _gpu(values["gpu"]),
+        _heading(values), _rates(values["rates"]), _gpu(values["gpu"]),
         _prices("price of an estimator: time of a step with it over a bare one", values["estimators"]),
         _prices("price of an effect: time of a step with it over one without", values["effects"]),
         _off(values["off"]), _limit(values["limit"]), _start(values["start"])])
@@ -21,7 +21,7 @@ def _heading(values: dict) -> str:
             f"{' (quick: few turns, more noise)' if values['quick'] else ''}; {values['seconds']:.0f} s in all")
 
 
-def _rates(rates: list[dict], example: dict) -> str:
+def _rates(rates: list[dict]) -> str:
     lines = ["rate, million particle-steps per second, nothing but the method"]
     for problem in dict.fromkeys(row["problem"] for row in rates):
         rows = [row for row in rates if row["problem"] == problem]
@@ -31,10 +31,6 @@ def _rates(rates: list[dict], example: dict) -> str:
         lines.append(_line("  particles", *(f"{n:,}" for n in sizes.values())))
         lines += [_line(f"  {method}", *(_rate(cells[method, n]) for n in sizes))
                   for method in dict.fromkeys(row["method"] for row in rows)]
-    name = f"Taichi's own example {example['name']}"
-    lines += [f"{name}: {example['missing']}"] if example["missing"] else [
-        f"{name}, {example['particles']:,} particles: {_rate(example['rate'])}",
-        f"  a yardstick, not a rival: {example['precision']} precision, another method ({example['method']})"]
     return "\n".join(lines)
 
 

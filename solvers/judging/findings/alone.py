@@ -176,7 +176,10 @@ def beside_others(motion: Motion, key: str) -> Finding:
             limit = min(limit, max(A_PLACE * size, NOISE * float(np.quantile(far, USUAL))))
         scores.append(far / limit)
         limits.append(limit)
-    score = np.array(scores) / np.where(_rim(near, motion.reference), ON_A_RIM, 1.0)
+    away = np.where(near.there[:, :, None], motion.reference[near.who] - motion.reference[:, None], 0.0)
+    # Where all neighbours are on one side the plane goes on beyond them.
+    rim = np.linalg.norm(away.mean(axis=1), axis=1) > ONE_SIDED * np.linalg.norm(away, axis=2).mean(axis=1)
+    score = np.array(scores) / np.where(rim, ON_A_RIM, 1.0)
     at, beyond, _ = _lasting(score, 0 if key == "x" else len(scores) // LASTS, SOON_PASSES)  # places do not pass
     p, count = int(np.argmax(beyond)), int(np.sum(beyond > 1))
     k = int(at[p])
@@ -186,12 +189,6 @@ def beside_others(motion: Motion, key: str) -> Finding:
     return Finding(name, SUSPICIOUS, far_off, limit, UNITS[key],
                    f"the {WORDS[key]} of {count:,} particle{'s' * (count != 1)} is not as the neighbours', "
                    f"by up to {far_off:.3g} {UNITS[key]} at t = {motion.times[moment]:.4g} s", **motion.at(moment, p))
-
-
-def _rim(near: Surroundings, reference: np.ndarray) -> np.ndarray:
-    """Which particles (P,) have their neighbours on one side, so that the plane goes on beyond them."""
-    away = np.where(near.there[:, :, None], reference[near.who] - reference[:, None], 0.0)
-    return np.linalg.norm(away.mean(axis=1), axis=1) > ONE_SIDED * np.linalg.norm(away, axis=2).mean(axis=1)
 
 
 def rough(motion: Motion, key: str) -> Finding:

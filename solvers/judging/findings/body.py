@@ -120,7 +120,8 @@ def _by_holes(scene: Scene, reference: ProblemReference, X: np.ndarray) -> Share
     side, apart = float(np.median(far[:, 0])), float(np.median(far[:, -1]))
     if not np.isfinite(apart):
         return None
-    points = _spread_over(scene, reference)
+    cells = max(type(scene).FEWEST_CELLS, min(scene.cells, round(0.5 * POINTS ** (1 / scene.DIMENSIONS))))
+    points = reference.start(replace(scene, cells=cells, ppc=2)).material_position
     distance = Nearby(X, max(around.width, AT_A_HOLE * apart)).nearest(points, 1)[0][:, 0]
     bare = float(np.mean(distance > AT_A_HOLE * apart))
     vacant = 0.0
@@ -132,9 +133,3 @@ def _by_holes(scene: Scene, reference: ProblemReference, X: np.ndarray) -> Share
         if inside.any():
             vacant = float(np.mean(around.nearest(place[inside], 1)[0] > VACANT * side))
     return Share(1 - max(bare, vacant), 1 - LEAST, "by the holes between them")
-
-
-def _spread_over(scene: Scene, reference: ProblemReference) -> np.ndarray:
-    """Points all over the body."""
-    cells = max(type(scene).FEWEST_CELLS, min(scene.cells, round(0.5 * POINTS ** (1 / scene.DIMENSIONS))))
-    return reference.start(replace(scene, cells=cells, ppc=2)).material_position

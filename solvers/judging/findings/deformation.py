@@ -114,25 +114,24 @@ def of_f(motion: Motion) -> list[Finding]:
     if not motion.amplitude > 0:
         return [unknown(name, "nothing moves") for name in NAMES_OF_F]
     every = [(moment, misses(motion, moment, F[moment])) for moment in motion.moments]
-    other = _otherwise(motion, F, every)
-    return [_gap(motion, F, every), other or _follows(motion, every), _torn(motion, every)]
+    follows = _otherwise(motion, F, every)
+    if follows is None:
+        moment, worst = max(every, key=lambda pair: pair[1].of_length)
+        follows = _told(FOLLOWS, worst.of_length, MOST_OFF, NO_F, "of F",
+                        f"what parts neighbours differs from what F says by {{share}} of what parted them, RMS, at t = "
+                        f"{motion.times[moment]:.4g} s", motion.at(moment, worst.worst))
+    return [_gap(motion, F, every), follows, _torn(motion, every)]
 
 
 def _gap(motion: Motion, F: np.ndarray, every: list[tuple[int, Misses]]) -> Finding:
     """By the largest RMS over the pairs, beside the motion's amplitude."""
     moment, worst = max(every, key=lambda pair: pair[1].rms)
-    excuse = TRAPEZOID * _rough(motion, F[moment]) * motion.spacing / motion.amplitude
+    assert motion.near is not None
+    rough = float(np.sqrt(np.mean(departures(motion.near, F[moment].reshape(len(F[moment]), -1)) ** 2)))
+    excuse = TRAPEZOID * rough * motion.spacing / motion.amplitude
     return _told(GAP, worst.rms / motion.amplitude, MOST_GAP + excuse, NO_GAP + excuse, "of the motion",
                  f"neighbours are not where their F says, by {worst.rms:.3g} m (RMS), {{share}} of the motion, "
                  f"at t = {motion.times[moment]:.4g} s", motion.at(moment, worst.worst))
-
-
-def _follows(motion: Motion, every: list[tuple[int, Misses]]) -> Finding:
-    """By what F would have to be off."""
-    moment, worst = max(every, key=lambda pair: pair[1].of_length)
-    return _told(FOLLOWS, worst.of_length, MOST_OFF, NO_F, "of F",
-                 f"what parts neighbours differs from what F says by {{share}} of what parted them, RMS, at t = "
-                 f"{motion.times[moment]:.4g} s", motion.at(moment, worst.worst))
 
 
 def _torn(motion: Motion, every: list[tuple[int, Misses]]) -> Finding:
@@ -146,11 +145,6 @@ def _torn(motion: Motion, every: list[tuple[int, Misses]]) -> Finding:
     return _told(TORN, size / motion.amplitude, MOST_TORN, NO_SUM, "of the motion",
                  f"the displacements are not the sum of what F says, by {size:.3g} m (RMS), {{share}} of the motion, "
                  f"at t = {motion.times[moment]:.4g} s", motion.at(moment, p))
-
-
-def _rough(motion: Motion, F: np.ndarray) -> float:
-    assert motion.near is not None
-    return float(np.sqrt(np.mean(departures(motion.near, F.reshape(len(F), -1)) ** 2)))
 
 
 def _told(name: str, measured: float, most: float, nothing_left: float, unit: str, says: str, at: dict) -> Finding:

@@ -98,19 +98,13 @@ def kept(values: np.ndarray) -> Figures:
     with np.errstate(over="ignore"):
         if np.array_equal(known, known.astype(np.float32)):
             return Figures(SINGLE, 0.0, "single precision")
-    figures, decimals = _decimal(known)
+    figures = decimals = -300  # the most that any of them needs
+    for value in known.tolist():
+        mantissa, _, power = np.format_float_scientific(abs(value), unique=True, trim="-").partition("e")
+        count = len(mantissa.replace(".", ""))
+        figures, decimals = max(figures, count), max(decimals, count - 1 - int(power))
     if figures >= ALL_FIGURES:
         return EXACT
     relative = 0.5 * 10.0 ** (1 - figures)  # of a number whose first figure is 1
     return Figures(max(relative, SINGLE) if figures <= FIGURES_OF_SINGLE else relative, 0.5 * 10.0**-decimals,
                    f"{figures} figures")
-
-
-def _decimal(values: np.ndarray) -> tuple[int, int]:
-    """The most figures and the most decimals that any of the values needs."""
-    figures = decimals = -300
-    for value in values.tolist():
-        mantissa, _, power = np.format_float_scientific(abs(value), unique=True, trim="-").partition("e")
-        count = len(mantissa.replace(".", ""))
-        figures, decimals = max(figures, count), max(decimals, count - 1 - int(power))
-    return figures, decimals

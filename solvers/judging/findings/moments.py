@@ -137,24 +137,12 @@ def of_v(motion: Motion) -> list[Finding]:
     v, interval = motion.fields["v"], np.diff(motion.times)[:, None, None]
     moved = np.diff(motion.x, axis=0)
     told = 0.5 * interval * (v[1:] + v[:-1])
-    gap, bend = told - moved, _bend(v, interval)
-    return [_speed(motion, gap, bend, interval, told, moved), _moment_of_v(motion, gap, moved, np.diff(v, axis=0)),
-            _centre(motion, moved)]
-
-
-def _bend(v: np.ndarray, interval: np.ndarray) -> np.ndarray:
-    """The error of the trapezoid rule over each interval, by the second differences of v."""
-    second = np.empty_like(v)
+    second = np.empty_like(v)  # differences, by which the trapezoid rule errs
     second[1:-1] = v[2:] - 2 * v[1:-1] + v[:-2]
     second[0], second[-1] = second[1], second[-2]
-    return interval / 12 * np.maximum(np.abs(second[1:]), np.abs(second[:-1]))
-
-
-def _around(values: np.ndarray) -> np.ndarray:
-    """The largest of some values (n,) around each, and of the middle one of all."""
-    wide = np.pad(values, AROUND, mode="edge")
-    near = np.max([wide[k:k + len(values)] for k in range(2 * AROUND + 1)], axis=0)
-    return np.maximum(near, float(np.median(values)))
+    gap, bend = told - moved, interval / 12 * np.maximum(np.abs(second[1:]), np.abs(second[:-1]))
+    return [_speed(motion, gap, bend, interval, told, moved), _moment_of_v(motion, gap, moved, np.diff(v, axis=0)),
+            _centre(motion, moved)]
 
 
 def _sizes(values: np.ndarray, interval: np.ndarray) -> np.ndarray:
@@ -165,7 +153,9 @@ def _sizes(values: np.ndarray, interval: np.ndarray) -> np.ndarray:
 def _speed(motion: Motion, gap: np.ndarray, bend: np.ndarray, interval: np.ndarray, told: np.ndarray,
            moved: np.ndarray) -> Finding:
     doubt = RULE * _sizes(bend, interval) / motion.speed
-    sure = _around(doubt) <= TOLD  # others look smooth here and there
+    wide = np.pad(doubt, AROUND, mode="edge")
+    near = np.max([wide[k:k + len(doubt)] for k in range(2 * AROUND + 1)], axis=0)
+    sure = np.maximum(near, float(np.median(doubt))) <= TOLD  # others look smooth here and there
     if not sure.any():
         return unknown(SPEED, f"the moments are too far apart: between two of them v itself changes so that its mean "
                               f"is unknown by {doubt.min():.2g} of it")

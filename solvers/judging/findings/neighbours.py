@@ -25,7 +25,11 @@ class Nearby:
     def __init__(self, points: np.ndarray, width: float | None = None):
         self._points, D = points, points.shape[1]
         self._corner = points.min(axis=0)
-        self.width = width or self._usual_width()
+        if not width:  # ``IN_A_BIN`` points are in a bin where there are any at all: a ring is empty in the middle
+            width = (float(np.ptp(points, axis=0).max()) or 1.0) / max(1.0, len(points) ** (1 / D))
+            used = len(np.unique(((points - self._corner) / width).astype(int), axis=0))
+            width *= (IN_A_BIN * used / len(points)) ** (1 / D)
+        self.width = width
         own = self._bin(points)
         self._shape = own.max(axis=0) + 3  # an empty bin on every side
         number = self._number(own)
@@ -63,14 +67,6 @@ class Nearby:
             who = np.pad(who, ((0, 0), (0, count - who.shape[1])))
         chosen = np.argsort(far, axis=1, kind="stable")[:, :count]
         return np.take_along_axis(far, chosen, 1), np.take_along_axis(who, chosen, 1)
-
-    def _usual_width(self) -> float:
-        """A bin that holds ``IN_A_BIN`` points where there are any at all: a ring is empty in the middle."""
-        P, D = self._points.shape
-        reach = float(np.ptp(self._points, axis=0).max()) or 1.0
-        width = reach / max(1.0, P ** (1 / D))
-        used = len(np.unique(((self._points - self._corner) / width).astype(int), axis=0))
-        return width * (IN_A_BIN * used / P) ** (1 / D)
 
     def _bin(self, points: np.ndarray) -> np.ndarray:
         place = np.floor((points - self._corner) / self.width)

@@ -45,10 +45,12 @@ def places(evidence: Evidence) -> Finding:
     size, tolerance = rms(error) * error.shape[1] ** 0.5, FROM_START * evidence.scene.spacing
     if size <= tolerance:
         return Finding(PLACES, HOLDS, size, tolerance, "m")
-    told = _fitting(error, _readings_of_start(evidence.scene, frame, error))
+    readings = _readings_of_start(evidence.scene, frame, error)
+    left, words = min((left() / rms(error), words) for words, left in readings)
+    told = words if left < FITS else "they are others, or X or ids are"
     return Finding(PLACES, OFF, size, tolerance, "m",
                    f"at t = 0 the particles are not where those of the {evidence.scene.problem} begin, by {size:.3g} "
-                   f"m: {told or 'they are others, or X or ids are'}")
+                   f"m: {told}")
 
 
 def speeds(evidence: Evidence) -> Finding:
@@ -98,11 +100,6 @@ def _readings_of_start(scene: Scene, frame: Frame, error: np.ndarray) -> Iterato
         if len(np.unique(who)) == len(x):
             yield ("each is where another one begins: ids, or the order of the rows, are permuted",
                    lambda: float(np.sqrt(np.mean(np.minimum(far, rms(error)) ** 2))))
-
-
-def _fitting(error: np.ndarray, readings: Iterator[tuple[str, Callable[[], float]]]) -> str | None:
-    left, words = min((left() / rms(error), words) for words, left in readings)
-    return words if left < FITS else None
 
 
 def order(evidence: Evidence) -> Finding:

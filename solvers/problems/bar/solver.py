@@ -64,7 +64,14 @@ class BarSolver(Solver):
                         last_crossing=a.last_crossing.copy() if self._switches.crossings else None)
 
     def plotted(self, quantity: str) -> np.ndarray:
-        return plotted_field(self.scene, self._arrays, quantity, self.time)
+        scene, a, X, t = self.scene, self._arrays, self._arrays.material_position, self.time
+        with np.errstate(over="ignore", invalid="ignore"):  # a run gone bad holds anything
+            moved = exact.displacement(scene, X, t) if scene.is_patch else 0.0
+            values = {"x": a.position - X - moved, "v": a.velocity,
+                      "sigma": a.modulus * (a.deformation_gradient - a.unstretched),
+                      "a": a.acceleration if scene.has("acceleration") else np.nan}[quantity]
+            deviation = values - exact.field(scene, quantity, X, t) if scene.solution_known else np.nan
+        return np.stack(np.broadcast_arrays(values, deviation, X)[:2], axis=1)
 
     def fields(self) -> Fields:
         a, shot = self._arrays, self.snapshot()
@@ -107,18 +114,6 @@ class BarSolver(Solver):
         if not scene.remedies:
             return f"call for the remedies {FILTER},{COUPLED}, best with linearity preservation, or for {FROZEN}"
         return "choose a smaller amplitude or fewer periods"
-
-
-def plotted_field(scene: BarScene, a: WatchedBar, quantity: str, t: float) -> np.ndarray:
-    """The quantity and its deviation from ``exact.field`` (P, 2), NaN where one is not known."""
-    X = a.material_position
-    with np.errstate(over="ignore", invalid="ignore"):  # a run gone bad holds anything
-        moved = exact.displacement(scene, X, t) if scene.is_patch else 0.0
-        values = {"x": a.position - X - moved, "v": a.velocity,
-                  "sigma": a.modulus * (a.deformation_gradient - a.unstretched),
-                  "a": a.acceleration if scene.has("acceleration") else np.nan}[quantity]
-        deviation = values - exact.field(scene, quantity, X, t) if scene.solution_known else np.nan
-    return np.stack(np.broadcast_arrays(values, deviation, X)[:2], axis=1)
 
 
 def _columns(values: np.ndarray) -> Values:

@@ -44,7 +44,8 @@ def critical_time_step(scene: Scene, stretch: float, velocity: float) -> StepBou
     cells = max(8, min(scene.cells, MOST_PARTICLES // ppc))
     X = (np.arange(cells * ppc) + 0.5) / (cells * ppc)
     sizes = scene.motion_amplitude * np.sin(np.pi * (moments(scene) - 0.5))
-    found = [_at(scene, cells, X, size) for size in sizes]
+    found = [moment(scene, cells, X if scene.frozen else X + size * np.sin(2 * np.pi * X),
+                    1 + 2 * np.pi * size * np.cos(2 * np.pi * X)) for size in sizes]
     each = limits(side_by_side(found))
     seconds = 0.5 * scene.period * scene.cells / cells  # as many steps as on the cells that the scene has
     bound = bounded(scene, each, seconds, 1 + 2 * np.pi * scene.motion_amplitude, found[int(np.argmin(each))].circles())
@@ -62,12 +63,6 @@ def _of_patch(scene: Scene, stretch: float, velocity: float) -> StepBound:
     each = limits(side_by_side(found))
     least = float(each.min())
     return StepBound(least, least, found[int(np.argmin(each))].circles()).on_cells(cells / scene.cells)
-
-
-def _at(scene: Scene, cells: int, X: np.ndarray, size: float) -> Moment:
-    """The bar where the displacement is ``size`` sin 2 pi X."""
-    x = X if scene.frozen else X + size * np.sin(2 * np.pi * X)
-    return moment(scene, cells, x, 1 + 2 * np.pi * size * np.cos(2 * np.pi * X))
 
 
 def moment(scene: Scene, cells: int, x: np.ndarray, F: np.ndarray, stretch: float = 1.0) -> Moment:

@@ -6,23 +6,25 @@ from typing import Any, ClassVar, cast
 
 import numpy as np
 
-from solvers.estimators.beside_gpu import BesideGpu
 from solvers.kernels import runtime
-from solvers.problems.planar.errors import columns, difference, estimated_fields, field, sizes, true_fields
 from solvers.problems.planar.method.body import WatchedBody, watched
-from solvers.problems.planar.parts import PlanarParts
-from solvers.problems.planar.plans.on_device import OnDevice
+from solvers.problems.planar.parts import PlanarParts, SnapshotMeasures
+from solvers.problems.planar.plans.on_device import BesideGpu, OnDevice
 from solvers.problems.planar.plans.step import Kernels, OnProcessor
+from solvers.problems.planar.scene import PlanarScene
 from solvers.problems.planar.step_breakdown import breakdown, carried
 from solvers.scene.rules import SceneError
 from solvers.scene.scene import MOST_PARTICLES
 from solvers.scene.switches import switches
 from solvers.solver import devices
 from solvers.solver.base import MEASURE, REPORT, Solver
-from solvers.solver.snapshot import TRUTH, Fields, Snapshot
+from solvers.solver.snapshot import TRUTH, Fields, Snapshot, Values
 from solvers.solver.step_breakdown import Carried, StepBreakdown
 
 PARALLEL_FROM = 300_000  # particles from which on two threads beat one: a parallel step has a launch to pay for
+#: Components of an error: (x, y) of a vector, (xx, xy, yy) of a tensor, None where it is unknown.
+Parts = tuple[np.ndarray, ...] | None
+Errors = list[Parts]  # of x, v, sigma and a
 
 
 class PlanarSolver(Solver):
@@ -56,8 +58,10 @@ class PlanarSolver(Solver):
         self._arrays = parts.arrays(
             **own, **watched(scene, on, own["particles"], parts.farthest(scene), parts.hooks))
         if self.plan == "gpu":
+            makers = [make for name in on.estimators if (make := self.HOOKS[name].standalone)]
+            beside = BesideGpu(makers[0](scene), self._memory, scene.time_step) if makers else None
             self._stepping: OnProcessor | OnDevice = OnDevice(
-                self.KERNELS.at_once, self.KERNELS.state, scene, self._arrays, self._switches, self._beside())
+                self.KERNELS.at_once, self.KERNELS.state, scene, self._arrays, self._switches, beside)
         else:
             self._stepping = OnProcessor(self.KERNELS, scene, self._arrays, self._switches, self.plan == "parallel",
                                          self.threads)
@@ -68,11 +72,6 @@ class PlanarSolver(Solver):
     def _pack(self) -> Any:
         """The state, as the kernels' argument."""
         return self._stepping.pack
-
-    def _beside(self) -> BesideGpu | None:
-        """The estimator that the processor carries on while a GPU steps the particles."""
-        makers = [make for name in self._switches.estimators if (make := self.HOOKS[name].standalone)]
-        return BesideGpu(makers[0](self.scene), self._memory, self.scene.time_step) if makers else None
 
     def snapshot(self, differences: bool = False, plotted: str | None = None) -> Snapshot:
         a, on, measures = self._arrays, self._switches, self.PARTS.snapshot
@@ -140,3 +139,59 @@ class PlanarSolver(Solver):
         self._stepping.fetch()
         return breakdown(self.scene, self._arrays, particle, self.step, before, self.PARTS.snapshot,
                          self.PARTS.traits.first)
+
+
+# The page asks for errors with every frame, so they cost as little as can be: what is known of a particle's circle is
+# looked up, and tensors are written out in components, since numpy's products of many small matrices are slow.
+
+@np.errstate(all="ignore")  # a run gone bad holds anything
+def true_fields(scene: PlanarScene, a: WatchedBody, step: int, measures: SnapshotMeasures) -> Errors:
+    """The true errors of x, v, sigma and, with the effect, a after ``step`` steps."""
+    time = step * scene.time_step
+    used = measures.acceleration_error(scene, a, time - scene.time_step) if step and scene.has("acceleration") else None
+    return [*measures.vector_errors(scene, a, time), measures.stress_error(scene, a, time), used]
+
+
+@np.errstate(all="ignore")
+def field(scene: PlanarScene, a: WatchedBody, quantity: str, time: float, measures: SnapshotMeasures) -> np.ndarray:
+    """The component that a plot shows of a quantity by its key (``samples.QUANTITIES``), u for x, and its deviation
+    from the exact one (P, 2), NaN where one is not known."""
+    values = deviation = np.full(len(a.position_velocity), np.nan)
+    if quantity != "a" or scene.has("acceleration"):
+        values = measures.component(a, quantity)
+    if scene.solution_known:
+        deviation = values - measures.exact_component(scene, quantity, a.radii[:, 0], time)[a.radius]
+    return np.stack([values, deviation], axis=1)
+
+
+def estimated_fields(a: WatchedBody, estimator: int) -> Errors:
+    """What the estimator of this number reports of the same errors."""
+    part = slice(estimator * len(a.position_velocity), (estimator + 1) * len(a.position_velocity))
+    motion = a.estimate[part].T
+    return [(motion[0], motion[1]), (motion[2], motion[3]), tuple(a.estimate_stress[part].T[:3]),
+            tuple(a.estimate_acceleration[part].T)]
+
+
+def columns(parts: Errors) -> Values:
+    """Those of x, v and sigma, which are known, with a column for each component."""
+    return Values(*(np.stack(one, axis=1) for one in parts if one is not None))
+
+
+def sizes(errors: Errors) -> np.ndarray:
+    """Lengths of the vectors and Frobenius norms of the tensors (P, 4); 0 where an error is None."""
+    out = np.zeros((next(len(parts[0]) for parts in errors if parts), len(errors)))
+    with np.errstate(over="ignore", invalid="ignore"):
+        for column, parts in enumerate(errors):
+            if parts is not None:  # numpy's norm along so short an axis takes four times as long
+                first, last = parts[0], parts[-1]
+                square = first * first + last * last
+                out[:, column] = np.sqrt(square if len(parts) == 2 else square + 2 * parts[1] * parts[1])
+    return out
+
+
+def difference(one: Errors, other: Errors) -> np.ndarray:
+    """Sizes (P, 4) of ``one`` minus ``other``, direction and all. What is None counts as 0."""
+    with np.errstate(over="ignore", invalid="ignore"):
+        return sizes([mine if mine is None or theirs is None else
+                      tuple(a - b for a, b in zip(mine, theirs, strict=True))
+                      for mine, theirs in zip(one, other, strict=True)])

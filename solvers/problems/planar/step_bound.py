@@ -120,7 +120,11 @@ def _by_circles(look: Look, moment: int) -> float:
     stiffness, metric = body.stiff(look.F[moment])
     number = body.images(one.i, one.j).number
     mass = np.bincount(number.ravel(), (look.scene.density * body.volume[:, None] * one.S).ravel())
-    return circles(number, _sizes(one.x, one.y, metric), stiffness, mass)
+    lengths = np.hypot(one.x, one.y)
+    if metric is not None:
+        xx, xy, yy = metric.T[:, :, None]
+        lengths = np.sqrt(np.maximum(xx * one.x * one.x + 2 * xy * one.x * one.y + yy * one.y * one.y, 0.0))
+    return circles(number, lengths, stiffness, mass)
 
 
 def _side_by_side(scene: PlanarScene, body: Body, found: Sequence[Weights], F: np.ndarray) -> Configurations:
@@ -205,11 +209,3 @@ def corners(scene: Scene, x: np.ndarray, F: np.ndarray, edges: np.ndarray) -> We
     lines, square = start[:, :, None] + np.arange(W), np.zeros((1, W, W), int)
     return Weights(*(part.reshape(P, -1) for part in (lines[:, 0, :, None] + square, lines[:, 1, None, :] + square, S,
                                                       gradients[..., 0], gradients[..., 1])))
-
-
-def _sizes(x: np.ndarray, y: np.ndarray, metric: np.ndarray | None) -> np.ndarray:
-    """Lengths of gradients (P, M), or with a ``metric`` (P, 3), as xx, xy, yy, the root of g . metric g."""
-    if metric is None:
-        return np.hypot(x, y)
-    xx, xy, yy = metric.T[:, :, None]
-    return np.sqrt(np.maximum(xx * x * x + 2 * xy * x * y + yy * y * y, 0.0))

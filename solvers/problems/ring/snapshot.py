@@ -1,4 +1,4 @@
-"""What the ring knows of itself, for snapshots (see ``solvers.problems.planar.errors``): all is radial."""
+"""What the ring knows of itself, for snapshots (see ``solvers.problems.planar.solver``): all is radial."""
 
 import numpy as np
 

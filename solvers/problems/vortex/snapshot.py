@@ -1,4 +1,4 @@
-"""What the vortex knows of itself, for snapshots (see ``solvers.problems.planar.errors``)."""
+"""What the vortex knows of itself, for snapshots (see ``solvers.problems.planar.solver``)."""
 
 import numpy as np
 

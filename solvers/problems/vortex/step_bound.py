@@ -32,7 +32,7 @@ def critical_time_step(scene: Any) -> StepBound:
 def body_of(scene: Any) -> Body:
     """What of the vortex its bound is made of: a quarter of it."""
     layout, (lam, mu) = particle_layout(scene), exact.lame(scene)
-    kept = a_quarter(layout.position)
+    kept = (layout.position > 0).all(axis=1)  # at rest in the first quadrant; none is on an axis
     X, volume = layout.position[kept], layout.volume[kept]
     middle = 0.5 * (scene.cells % 2) * scene.spacing  # nodes are numbered from there, or from half a cell beside it
 
@@ -51,11 +51,6 @@ def body_of(scene: Any) -> Body:
     return Body(volume, layout.edges[kept], deformed, (lam, mu), 0.25 * scene.period, stretch,
                 lambda i, j: images_in_a_quarter(i, j, scene.cells), lambda number: (np.zeros(len(number), bool),) * 2,
                 stiff)
-
-
-def a_quarter(X: np.ndarray) -> np.ndarray:
-    """Which of the particles (P, 2) are at rest in the first quadrant; none is on an axis."""
-    return (X[:, 0] > 0) & (X[:, 1] > 0)
 
 
 def images_in_a_quarter(i: np.ndarray, j: np.ndarray, cells: int) -> Images:

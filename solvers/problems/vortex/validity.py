@@ -38,12 +38,6 @@ def crossing_rate(scene: Any) -> float:
     return float(np.sqrt(square.max()))
 
 
-def turn_per_cell(scene: Any) -> float:
-    """By how many radians circles one cell apart turn against each other at most."""
-    R = np.linspace(INNER, OUTER, LOOKED_AT)
-    return float(scene.amplitude * scene.spacing * np.abs(shape(R)[1]).max())
-
-
 def recovered(scene: Any) -> str | None:
     """The fits need a polar lattice with enough particles, and its steps cannot be shorter than the run's."""
     if reason := off_lattice(scene) or too_few_across(scene):
@@ -56,7 +50,8 @@ def recovered(scene: Any) -> str | None:
             return (f"recovered's fits over four cells are wider than the ring, and waves, which go {reach:.2g} m in a "
                     f"period, do not spread the error until they see it; give {FEWEST_CELLS} cells or more, or a "
                     f"frequency of {scene.wave_speed * scene.period * scene.frequency / FAR_ENOUGH:.2g}/s or less")
-    turn = turn_per_cell(scene)
+    R = np.linspace(INNER, OUTER, LOOKED_AT)
+    turn = float(scene.amplitude * scene.spacing * np.abs(shape(R)[1]).max())
     if turn > MOST_TURN:
         return (f"circles one cell apart turn by {turn:.2g} radians against each other, and recovered's fits over four "
                 f"cells can follow {MOST_TURN:g}; give {math.ceil(scene.cells * turn / MOST_TURN)} cells or a smaller "

@@ -89,14 +89,10 @@ def _right(rows: Iterable[dict], name: str) -> dict:
     for q in QUANTITIES:
         indices = [one["index"][q] for one in said if one["index"][q] is not None]
         ends = [one["end"][q] for one in said if one["end"][q] is not None]
+        middle = np.quantile(ends, [(1 - MIDDLE) / 2, (1 + MIDDLE) / 2]).tolist() if ends else None
         found[q] = {"runs": len(indices), "within": _within(indices), "median": _median(indices),
-                    "at the end": {"runs": len(ends), "within": _within(ends), "middle": _middle(ends)}}
+                    "at the end": {"runs": len(ends), "within": _within(ends), "middle": middle}}
     return found
-
-
-def _middle(ends: Sequence[float]) -> list[float] | None:
-    """Between which two ratios the middle of all lies."""
-    return [float(end) for end in np.quantile(ends, [(1 - MIDDLE) / 2, (1 + MIDDLE) / 2])] if ends else None
 
 
 def _within(indices: Sequence[float]) -> dict[str, int]:
@@ -113,38 +109,28 @@ def _refusals(rows: Sequence[dict], name: str) -> dict:
     found: dict[str, Any] = {"runs": len(rows)}
     for kind in (BEFORE, AFTER, IMPOSSIBLE):
         refused = [row["estimators"][name]["index"] for row in rows if row["estimators"][name]["refused"] == kind]
-        told = [index for index in refused if any(value is not None for value in index.values())]
-        found[kind] = {"runs": len(refused), "told": len(told), "needless": sum(map(_needless, told))}
+        told = [known for index in refused if (known := [value for value in index.values() if value is not None])]
+        found[kind] = {"runs": len(refused), "told": len(told),
+                       "needless": sum(all(within(value, NEEDLESS) for value in known) for known in told)}
     return found
-
-
-def _needless(index: Mapping[str, float | None]) -> bool:
-    return all(within(value, NEEDLESS) for value in index.values() if value is not None)
 
 
 def _held(rows: Sequence[dict], kind: str, names: Sequence[str]) -> dict:
     """Of a goal, how often bars around the value held the truth: of so many times the estimated error, and of grid
     convergence. ``width`` is the median of the bar over the true error: what holds by being wide costs that."""
     found: dict[str, Any] = {}
-    known = [row["goals"][kind] for row in rows if _known(row["goals"][kind])]
+    known = [goal for row in rows if (goal := row["goals"][kind])["true_error"] is not None
+             and abs(goal["true_error"]) > (goal["rounding"] or 0.0)]
     for name in names:
         errors = [(abs(goal["estimated_error"][name]), abs(goal["true_error"])) for goal in known
                   if goal["estimated_error"].get(name) is not None]
         for times in SAFETIES:
             found[f"{times:g} x {name}"] = _bars([(times * said, true) for said, true in errors], len(known))
     for name, bar in INTERVALS.items():
-        bars = [(bar(goal["grids"]), abs(goal["true_error"])) for goal in known if _three(goal["grids"])]
+        bars = [(bar(goal["grids"]), abs(goal["true_error"])) for goal in known
+                if len(goal["grids"]) == 3 and None not in goal["grids"]]
         found[name] = _bars([(said, true) for said, true in bars if said is not None], len(known))
     return found
-
-
-def _known(goal: Mapping) -> bool:
-    """Whether a goal has a true error that is more than rounding."""
-    return goal["true_error"] is not None and abs(goal["true_error"]) > (goal["rounding"] or 0.0)
-
-
-def _three(values: Sequence[float | None]) -> bool:
-    return len(values) == 3 and None not in values
 
 
 def _bars(bars: Sequence[tuple[float, float]], of: int) -> dict:

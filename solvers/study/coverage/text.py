@@ -57,9 +57,10 @@ def middles(counted: Mapping) -> str:
 def regimes(counted: Mapping) -> str:
     """The same for x and the smallest factor, by how far particles move."""
     least = f"{FACTORS[0]:g}"
-    lines = [[name, *(_of(split["regime"][one]["x"], least) for one in REGIMES),
-              *(_of(split["method"][method]["x"], least) for method in split["method"])]
-             for name, split in counted["estimators"].items()]
+    lines = []
+    for name, split in counted["estimators"].items():
+        found = [*(split["regime"][one]["x"] for one in REGIMES), *(each["x"] for each in split["method"].values())]
+        lines.append([name, *(f"{one['within'][least]} of {one['runs']}" if one["runs"] else NOTHING for one in found)])
     methods = list(next(iter(counted["estimators"].values()))["method"])
     return (f"## Where: x within a factor of {least}\n\nBy how far particles move at most, and by method: runs in "
             "which it was so, of those in which the estimator speaks.\n\n"
@@ -118,10 +119,6 @@ def share(held: int, of: int, bounds: bool = False) -> str:
 
 def _bar(name: str) -> str:
     return name.replace(" x ", " × ")
-
-
-def _of(found: Mapping, factor: str) -> str:
-    return f"{found['within'][factor]} of {found['runs']}" if found["runs"] else NOTHING
 
 
 def _middle(ratios: Sequence[float] | None) -> str:

@@ -14,8 +14,8 @@ from itertools import product
 from pathlib import Path
 
 from solvers.problems.bar.scene import BarScene
+from solvers.problems.reference import read_parts
 from solvers.problems.ring.scene import RingScene
-from solvers.scene import passages
 from solvers.scene.scene import Scene
 
 NUMBERS = ("1", "2", "3")
@@ -120,7 +120,7 @@ def table_1(estimators: Mapping[str, Iterable[str]], cells: Iterable[int] = BAR_
         part = f"E = {modulus:g} Pa, A = {short(amplitude)} m, {BAR_FORCES[force]}"
         rows.append(Row(f"bar-{case}-{force}-{n}", part, {**_errors_and_cost(scene), "crossings": crossings},
                         printed_bar(modulus, n)))
-    notes = passages.read(NOTES, end=f"{end:g}", long=f"{long:g}")
+    notes = read_parts(NOTES, end=f"{end:g}", long=f"{long:g}")
     setup = tuple(notes[name] for name in ("bar: taken", "bar: chosen", "bar: force", "bar: index", "index", "cost"))
     caption = f"linearity-preserving uGIMP, 4 particles per cell, dt = 2.5e-5 s, T = {end:g} s"
     return Table("1", "Table 1. Vibrating bar: errors, grid crossings and error indices", caption, setup, tuple(rows))
@@ -137,7 +137,7 @@ def _ring_table(number: str, title: str, names: tuple[str, ...], printed: Callab
                           estimators=tuple(estimators["ring"]))
         part = f"A = {amplitude:g} m, E = {short(modulus)} Pa, {ppc} × {ppc} particles per cell ({what})"
         rows.append(Row(f"ring-{name}-{method}-{n}", part, _errors_and_cost(scene), printed(method, n)))
-    notes = passages.read(NOTES, end=f"{end:g}", long="")
+    notes = read_parts(NOTES, end=f"{end:g}", long="")
     setup = tuple(notes[name] for name in ("ring: taken", "ring: chosen", *names))
     return Table(number, title, RING_CAPTION.format(end=end), setup, tuple(rows))
 

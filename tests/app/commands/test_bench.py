@@ -13,7 +13,7 @@ import pytest
 
 from app.cli import main
 from app.commands.bench.text import bench_table
-from solvers.bench import bench, example, limit, measure, start
+from solvers.bench import bench, limit, measure, start
 from solvers.bench.measure import QUICK, bare, priced
 from solvers.kernels import runtime
 from solvers.problems import PROBLEMS
@@ -44,8 +44,6 @@ def printed(monkeypatch, capsys) -> dict:
     monkeypatch.setattr(bench, "start_times", lambda command, problems: {
         "command": 0.4, "import": 1.0, "taichi": 0.3, "failed": None,
         "cold": dict.fromkeys(problems, 2.0), "warm": dict.fromkeys(problems, 0.5)})
-    monkeypatch.setattr(bench, "example", lambda: {"name": example.NAME, "method": example.METHOD, "rate": 9.0,
-                                                   "precision": "single", "particles": 9000, "missing": None})
     monkeypatch.setattr(bench, "gpu", lambda quick: {"missing": "no GPU was found"})
     monkeypatch.setattr(bench, "ratios", lambda problem, quick: {"problem": problem, "missing": None, "cases": [CASE]})
     monkeypatch.setattr(measure, "build", lambda scene: scene)
@@ -61,7 +59,7 @@ def printed(monkeypatch, capsys) -> dict:
 def test_json_says_what_it_is(printed):
     assert printed["schema"] == "mpm-lab/bench/1" and printed["quick"] is True
     assert {"machine", "arch", "precision", "threads", "unit", "rates", "estimators", "effects", "off", "limit", "gpu",
-            "start", "example", "seconds"} < set(printed)
+            "start", "seconds"} < set(printed)
     assert {"system", "processor", "cores", "load", "python", "taichi"} == set(printed["machine"])
     assert (printed["precision"], printed["threads"]) == ("double", 1)
 
@@ -83,8 +81,7 @@ def test_every_problem_method_and_size_has_a_rate_and_all_that_is_optional_a_pri
 def test_table_has_every_part(printed):
     table = bench_table(printed)
     for words in ("million particle-steps per second", "price of an estimator", "price of an effect",
-                  "an effect that is off", "hand-written C++", "0.840", "start, seconds", "cold", "single precision",
-                  "not a rival"):
+                  "an effect that is off", "hand-written C++", "0.840", "start, seconds", "cold"):
         assert words in table
     assert max(len(line) for line in table.splitlines() if "not valid" not in line) <= 120
 
@@ -95,10 +92,9 @@ def test_table_says_in_words_what_is_missing(printed):
     refused = [{**printed["estimators"][0], "ratio": None, "not_valid": "not valid here: a reason"}]
     table = bench_table({**printed, "start": nothing, "rates": unstable, "estimators": refused,
                          "machine": {**printed["machine"], "load": None},
-                         "limit": [{"problem": "bar", "missing": "there is no C++ compiler", "cases": []}],
-                         "example": {**printed["example"], "missing": "comes without it"}})
+                         "limit": [{"problem": "bar", "missing": "there is no C++ compiler", "cases": []}]})
     for words in ("could not be measured: ended with status 1", "unstable", "not valid here: a reason",
-                  "bar: there is no C++ compiler", "mpm99: comes without it"):
+                  "bar: there is no C++ compiler"):
         assert words in table
 
 
@@ -117,9 +113,6 @@ def test_what_is_measured_makes_sense(monkeypatch, capsys):
     times = found["start"]
     assert times["failed"] is None and all(times[name] > 0 for name in ("command", "import", "taichi"))
     assert 0 < times["warm"]["bar"] < times["cold"]["bar"]
-    row = found["example"]
-    assert (row["name"], row["precision"], row["missing"]) == ("mpm99", "single", None)
-    assert row["particles"] == 9000 and row["rate"] > 0 and "MLS-MPM" in row["method"]
 
 
 @pytest.fixture(scope="module")
@@ -152,13 +145,6 @@ def test_what_is_missing_or_fails_is_said(monkeypatch):
     monkeypatch.setenv("CXX", "no-such-compiler")
     found = limit.ratios("bar", quick=True)
     assert found["cases"] == [] and "no C++ compiler (no-such-compiler)" in found["missing"]
-    monkeypatch.setattr(example, "WORK", "solvers.no_such_module:measure")
-    row = example.example()
-    assert row["rate"] is None and "could not be run" in row["missing"] and "no_such_module" in row["missing"]
-    monkeypatch.undo()
-    monkeypatch.setattr(example, "NAME", "no_such_example")
-    row = example.example()
-    assert row["rate"] is None and "without this example" in row["missing"]
 
 
 def test_a_process_that_fails_or_hangs_is_one_line(monkeypatch):

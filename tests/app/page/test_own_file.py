@@ -87,7 +87,7 @@ def test_a_run_of_ours_is_shown_with_its_own_errors(problem, process, tmp_path):
         assert np.isfinite(arrays.plotted).all()
         assert (np.abs(arrays.plotted[:, 1]) <= drawn * (1 + 1e-5) + 1e-6 * np.abs(arrays.plotted[:, 0]).max()).all() \
             or problem == "vortex"  # whose component is along another direction at another place
-    assert answers["verdict"]["apart"] is None and answers["verdict"]["files"] == ["run.npz"]
+    assert answers["verdict"]["neighbour_gap"] is None and answers["verdict"]["files"] == ["run.npz"]
 
 
 def test_a_file_of_another_problem_is_asked_about_and_one_that_says_its_scene_is_judged_with_it(process, tmp_path):

@@ -35,7 +35,7 @@ def test_a_drift_that_agrees_with_itself_is_lost(scene, simulate):
     result = simulate(scene)
     assert result.status == "lost" and "balance of momentum" in result.reason
     other = {name: share for name, share in result.to_dict()["soundness"].items()
-             if share is not None and name not in ("balance_gap", "mean_drift", "adrift")}
+             if share is not None and name not in ("balance_gap", "mean_drift")}
     assert max(other.values()) < 0.4  # which no other rule condemns
 
 

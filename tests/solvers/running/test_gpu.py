@@ -363,7 +363,7 @@ def test_the_bench_of_a_gpu():
     for row in found["rows"]:
         assert all(row["rates"][name] > 0 for name in ("gpu", "serial", "parallel")) and 0 < row["share"]
     empty = {"rates": [], "estimators": [], "effects": [], "off": [], "limit": [],
-             "example": {"name": "mpm99", "missing": "not here"}, "start": {"failed": "not here"}, "arch": "x64",
+             "start": {"failed": "not here"}, "arch": "x64",
              "precision": "double", "quick": True, "seconds": 1.0,
              "machine": {"load": 0.0, "system": "", "processor": "", "cores": 2, "python": "", "taichi": ""}}
     text = bench_table({**empty, "gpu": found})

@@ -20,7 +20,11 @@ class Lattice:
 
     def __init__(self, scene: PlanarScene):
         X = particle_layout(scene).position
-        cell, place = _polar(scene, X) if scene.layout == "polar" else _cartesian(scene, X)
+        if scene.layout == "polar":
+            cell, place = _polar(scene, X)
+        else:
+            side = scene.spacing / scene.ppc
+            cell, place = np.floor(X / side).astype(np.int64), lambda corner: side * corner
         keys = cell[:, None, :] + np.array(AROUND)
         corner_place = place(keys.astype(float))
         if scene.layout == "polar" and scene.ANGLE >= 2 * np.pi:  # the last row of corners is the first one again
@@ -108,9 +112,3 @@ def _polar(scene: PlanarScene, X: np.ndarray):
         return np.stack([R * np.cos(corner[..., 1] * angle), R * np.sin(corner[..., 1] * angle)], axis=-1)
 
     return cell.astype(np.int64), place
-
-
-def _cartesian(scene: PlanarScene, X: np.ndarray):
-    """The same in x and y."""
-    side = scene.spacing / scene.ppc
-    return np.floor(X / side).astype(np.int64), lambda corner: side * corner

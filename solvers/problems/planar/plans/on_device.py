@@ -1,11 +1,16 @@
-"""The plan of a plane body on a GPU: its arrays stay there, and steps are queued without waiting for any."""
+"""The plan of a plane body on a GPU: its arrays stay there, and steps are queued without waiting for any. A companion
+is solved by the processor beside them, and read at their samples."""
 
+import contextlib
+import copy
+from collections.abc import Mapping
 from typing import Any
 
 import numpy as np
 import taichi as ti
 
-from solvers.estimators.beside_gpu import BesideGpu
+from solvers.estimators.companion import MOST_INTERVAL, NOW
+from solvers.estimators.standalone import ElasticBody, Lost, NystromIntegrator
 from solvers.kernels import runtime
 from solvers.kernels.launch import Launch
 from solvers.problems.planar.method import remedies
@@ -17,8 +22,40 @@ from solvers.scene.switches import Switches
 from solvers.solver.base import MEASURE, REPORT
 from solvers.solver.loop import CHECK_EVERY
 
+KEPT = 8  # instants to which the companion can go back, as for timings, which take some steps again; and the start
 NODES = "companion_nodes"  # what the processor brings to each sample
 WATCHED = ("verdict", "samples", "step_margin", "memory_reals")  # what is fetched whenever steps have been taken
+
+
+class BesideGpu:
+    """A ``body`` whose nodes are those of the ``memory`` of a companion, and steps of ``dt`` seconds."""
+
+    def __init__(self, body: ElasticBody, memory: Mapping[str, np.ndarray], dt: float):
+        self._body, self._nodes, self._dt = body, memory["companion_nodes"], dt
+        self._kept = [NystromIntegrator(body, MOST_INTERVAL * dt)]
+
+    def bring_to(self, step: int) -> None:
+        """Fill the layer ``NOW`` of ``companion_nodes``: u and v after so many steps, and a one step before; not a
+        number where the companion itself is lost."""
+        integrator = self._at(max(0, step - 1))
+        a = integrator.a
+        if step:
+            integrator = self._at(step)
+        N = len(integrator.u)
+        self._nodes[NOW * N:(NOW + 1) * N, :6] = np.concatenate([integrator.u, integrator.v, a], axis=1)
+
+    def _at(self, step: int) -> NystromIntegrator:
+        """The body after so many steps, from the last instant before that it knows."""
+        time = step * self._dt
+        while self._kept[-1].time > time:
+            self._kept.pop()
+        integrator = copy.copy(self._kept[-1])
+        with np.errstate(all="ignore"), contextlib.suppress(Lost):
+            integrator.to(time)
+        self._kept.append(integrator)
+        if len(self._kept) > KEPT:
+            del self._kept[1]
+        return integrator
 
 
 class DeviceArrays:
@@ -54,9 +91,9 @@ class DeviceArrays:
         if self.copies:
             ti.sync()  # what is queued may use them
             program = ti.lang.impl.get_runtime().prog
-            for copy in self.copies.values():
-                program.delete_ndarray(copy.arr)
-                copy.arr = None
+            for device_copy in self.copies.values():
+                program.delete_ndarray(device_copy.arr)
+                device_copy.arr = None
             self.copies = {}
 
 
@@ -105,7 +142,10 @@ class OnDevice:
         for step in range(before + 1, before + steps + 1):
             kernels.to_nodes(step - 1)
             if (self._on.filtered or self._on.coupled) and step % self._arrays.remedy_interval == 0:
-                self._mend()
+                kernels.begin_remedies()
+                for pass_number in range(remedies.PASSES if self._on.coupled else 1):
+                    kernels.sharpen(pass_number)
+                kernels.end_remedies()
             kernels.to_particles(step)
             if step % CHECK_EVERY == 0:
                 kernels.check(step)
@@ -135,12 +175,6 @@ class OnDevice:
     def upload(self) -> None:
         """Have the GPU go on from the arrays as they are here."""
         self._own.upload(*self._names)
-
-    def _mend(self) -> None:
-        self._kernels.begin_remedies()
-        for pass_number in range(remedies.PASSES if self._on.coupled else 1):
-            self._kernels.sharpen(pass_number)
-        self._kernels.end_remedies()
 
     def _sample(self, step: int, line: int, looks: bool) -> None:
         self._report(step)
