@@ -50,6 +50,12 @@ def scene(page):
     return json.loads(page.locator(".lab-scene").get_attribute("data-scene"))
 
 
+def summary(page):
+    """The sentence, without what keeps "0.25–0.30" and "25 mm" in one line."""
+    return page.locator("#lab-summary[role=status]").inner_text().replace("\N{WORD JOINER}", "") \
+        .replace("\N{NO-BREAK SPACE}", " ").replace("\n", " ")
+
+
 def time(page):
     return number(page, r"time\s+(\S+) s")
 

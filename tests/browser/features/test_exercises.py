@@ -12,11 +12,9 @@ from tests.browser.following import follow
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("core", [True, False], ids=["core", "all"])
 @pytest.mark.parametrize("name", shelf.names())
-def test_a_lesson_done_as_it_is_written(name, core, server, chromium):
-    """And its core alone, where no act or reading may count on what a deeper step has left on the page."""
+def test_a_lesson_done_as_it_is_written(name, server, chromium):
     with visit(chromium, server[0], query=f"#lesson={name}") as page:
         until(page.locator(".lab-lesson-head").is_visible, "the lesson")
-        assert follow(page, shelf.lesson(name), core) == []
+        assert follow(page, shelf.lesson(name)) == []
         assert "the end" in page.locator(".lab-lesson-head").inner_text()

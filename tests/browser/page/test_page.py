@@ -87,6 +87,7 @@ def pause_step_play_and_reset_do_so(page):
     until(lambda: all((points, last) == (2, 1) for points, last in plotted(page)), "empty plots")
 
 
+@pytest.mark.short
 def test_a_first_look(page):
     """One visitor for all three: a page of their own would cost each more than what is looked at."""
     the_bar_moves_and_is_coloured(page)
@@ -116,6 +117,7 @@ def a_refused_value_is_wished_no_longer(page):
     assert scene(page)["amplitude"] == amplitude
 
 
+@pytest.mark.short
 def test_what_is_refused(page):
     beyond_the_exact_solution_is_refused_in_words(page)
     a_refused_value_is_wished_no_longer(page)

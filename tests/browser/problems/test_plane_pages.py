@@ -1,4 +1,4 @@
-"""The ring on the page: estimate on one half, truth on the other, domains, the probe, and what cannot be."""
+"""Ring and vortex on the page: estimate on one half, truth on the other, domains, the probe, and what cannot be."""
 
 from __future__ import annotations
 
@@ -12,8 +12,10 @@ from tests.browser.driving import (
     press,
     readout,
     row,
+    scene,
     stage,
     stage_box,
+    time,
     to_the_ring,
     until,
 )
@@ -34,17 +36,17 @@ def drag(page, start, end):
     page.mouse.up()
 
 
-def both_halves_move_and_are_coloured(ring):
+def both_halves_move_and_are_coloured(page):
     """Left and right of the middle carry the map's colours, and the picture changes."""
     def halves():
-        box = stage_box(ring)  # the body is as wide as high, the plot right of it
-        picture = stage(ring)[int(box["y"]) + 40:int(box["y"] + box["height"]), :int(box["height"])]
+        box = stage_box(page)  # the body is as wide as high, the plot right of it
+        picture = stage(page)[int(box["y"]) + 40:int(box["y"] + box["height"]), :int(box["height"])]
         middle = picture.shape[1] // 2
         return coloured(picture[:, :middle]), coloured(picture[:, middle:])
 
-    until(lambda: min(halves()) > 0.03, "two coloured halves")
-    first = stage(ring)
-    until(lambda: np.any(np.abs(stage(ring) - first) > 30, axis=2).mean() > 0.005, "another picture")
+    until(lambda: min(halves()) > 0.02, "two coloured halves")
+    first = stage(page)
+    until(lambda: np.any(np.abs(stage(page) - first) > 30, axis=2).mean() > 0.005, "another picture")
 
 
 def the_probe_reads_a_region(ring):
@@ -85,3 +87,12 @@ def test_a_visit_to_the_ring(ring):
     for part in (both_halves_move_and_are_coloured, the_probe_reads_a_region,
                  resonance_is_warned_of_and_inversion_refused, the_bar_comes_back):
         part(ring)
+
+
+def test_the_vortex_moves_and_its_numbers_are_said(page):
+    """Angular momentum is among them."""
+    choose(page, "Problem", "generalized vortex")
+    page.get_by_text("Cells, h = 3/48").wait_for()
+    until(lambda: "layout" in scene(page) and time(page) > 1e-3, "the vortex running")
+    both_halves_move_and_are_coloured(page)
+    assert "turning" in readout(page) and "energy" in readout(page)
