@@ -139,6 +139,21 @@ def click(page, button):
     page.get_by_role("button", name=button, exact=True).click()
 
 
+def tab_to(page, name, most=80):
+    """Go on by Tab alone until a button of this name has the focus, if it has not got it, and see that it shows."""
+    passed = []
+    for _ in range(most):
+        kind, said, outline = page.evaluate(
+            "(e => [e.tagName, e.getAttribute('aria-label') || e.textContent, getComputedStyle(e).outlineStyle])"
+            "(document.activeElement)")
+        if kind == "BUTTON" and name in said:
+            assert outline != "none"
+            return
+        passed.append(said[:30])
+        page.keyboard.press("Tab")
+    raise AssertionError(f"no way to {name}: {passed}")
+
+
 def stage(page):
     """The stage between the panels and what is above and below it, as an array of colours."""
     box = stage_box(page)

@@ -13,13 +13,6 @@ from tests.browser.conftest import visit
 from tests.browser.driving import choose, scene, summary, until
 from tests.browser.page.test_axe import nothing_serious
 
-HELD = """
-    addEventListener("lab-tell", event => {
-        if (event.detail.budget !== true || event.detail.late) return;
-        event.stopImmediatePropagation();
-        setTimeout(() => dispatchEvent(new CustomEvent("lab-tell", {detail: {budget: true, late: true}})), 5000);
-    });
-"""
 LONG = 90.0  # seconds of patience for what is compiled, and takes a period
 HATS = "bar;method=mpm;cells=20;ppc=2;estimators=recovered;periods=1;stops;speed=0.5;error-of=v"
 
@@ -61,13 +54,3 @@ def test_who_made_it_and_what_is_left_without_it(server, chromium, simulate):
         page.get_by_role("button", name="Put it back").click()
         until(lambda: scene(page)["take_away"] == "nothing", "the scene as it is")
         until(lambda: chart.count() == 1 and not page.locator(".lab-outcome").count(), "one chart", LONG)
-
-
-def test_who_asks_has_the_chart_before_him(server, chromium):
-    """One that comes late too: the press is held back, as by a kernel that has to be compiled, longer than the fold is
-    waited for."""
-    with visit(chromium, server[0], f"#{HATS}", HELD) as page:
-        page.locator(".lab-who").click()
-        shares = page.locator(".lab-causes")  # below the chart
-        until(shares.count, "the chart", LONG)
-        until(lambda: (box := shares.bounding_box()) and box["y"] + box["height"] < 720, "all of it in the window")

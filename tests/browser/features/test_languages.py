@@ -155,24 +155,14 @@ def test_nothing_in_a_file_is_said_outside_the_catalogue(chromium, tmp_path, mon
         found.update({words_of("\n".join(drawn)): (state, "drawn")} if words_of("\n".join(drawn)) else {})
 
     look("introduction")
-    page.locator("button.next").click()
-    page.locator(".options + button").click()
-    look("no answer")
-    page.locator(".options input").first.click()
-    page.locator(".options + button").click()
-    look("predicted")
-    page.locator("button.next").click()
-    page.locator("button.stage").click()
-    until(page.locator("#facts tr").count, "the run")
-    look("on the stage")
-    page.locator("button.next").click()
-    for _ in range(TOLD_AFTER):
-        page.locator(".answer input").fill("1e9")
-        page.locator(".answer + button").click()
-        look("answered")
-    page.locator("button.next").click()
-    look("explained")
-    page.locator("button.next").click()
-    look("the end")
+    onward, chosen, answer = "button.next", ".options + button", ".answer + button"
+    for press in (onward, chosen, ".options input", chosen, onward, "button.stage", onward, *[answer] * TOLD_AFTER,
+                  onward, onward):
+        if press == answer:
+            page.locator(".answer input").fill("1e9")
+        page.locator(press).first.click()
+        if press == "button.stage":
+            until(page.locator("#facts tr").count, "the run")
+        look(press)
     page.close()
     assert found == {}

@@ -13,7 +13,7 @@ from app.lessons.lesson import OBSERVE, PREDICT, TEXT
 from app.lessons.progress import Progress
 from tests.browser.conftest import PHONE, serving, visit
 from tests.browser.driving import again_until, click, scene, shown, until
-from tests.browser.following import answer, go_on
+from tests.browser.following import answer, follow, go_on
 
 NAME = "05-who-is-to-blame"  # one question of each kind that a browser may get wrong: choices, numbers and free text
 STAGED = 3  # steps at first that are put on the stage, too: each starts its run, which no answer waits for
@@ -167,3 +167,13 @@ def test_a_link_can_be_copied_and_shown_as_a_code(own_page):
     click(page, "QR code")
     until(page.locator(".lab-code svg").is_visible, "the code")
     shown(page, "mpm-lab run --scene")
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("name", shelf.names())
+def test_a_lesson_done_as_it_is_written(name, server, chromium):
+    """By a machine that reads nothing but its text: what it reads on the page is what the lesson expects."""
+    with visit(chromium, server[0], query=f"#lesson={name}") as page:
+        until(page.locator(".lab-lesson-head").is_visible, "the lesson")
+        assert follow(page, shelf.lesson(name)) == []
+        assert "the end" in page.locator(".lab-lesson-head").inner_text()

@@ -7,7 +7,7 @@ import re
 from contextlib import closing
 
 from tests.browser.conftest import SIZE, visit
-from tests.browser.driving import PATIENCE, coloured, scene, stage, summary, until
+from tests.browser.driving import PATIENCE, coloured, scene, stage, summary, tab_to, until
 from tests.processes import STARVED
 
 LONG = 60.0  # seconds of patience for what takes a period
@@ -43,16 +43,6 @@ def test_nothing_half_made_is_ever_seen(server, chromium):
 def sparks(page):
     """What stands under the headline."""
     return page.locator("#lab-sparks").inner_text()
-
-
-def tab_to(page, name):
-    """Go on by Tab alone until a button of this name has the focus, if it has not got it, and see that it shows."""
-    for _ in range(40):
-        if page.evaluate("document.activeElement.textContent").startswith(name):
-            assert page.evaluate("getComputedStyle(document.activeElement).outlineStyle") == "solid"
-            return
-        page.keyboard.press("Tab")
-    raise AssertionError(f"no way to {name}")
 
 
 def test_three_sparks_by_keyboard_alone(server, chromium):

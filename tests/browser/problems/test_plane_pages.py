@@ -1,32 +1,10 @@
-"""Ring and vortex on the page: estimate on one half, truth on the other, domains, the probe, and what cannot be."""
+"""Ring and vortex on the page: estimate on one half, truth on the other, and the probe."""
 
 from __future__ import annotations
 
 import numpy as np
-import pytest
 
-from tests.browser.driving import (
-    choose,
-    coloured,
-    number,
-    press,
-    readout,
-    row,
-    scene,
-    stage,
-    stage_box,
-    time,
-    to_the_ring,
-    until,
-)
-
-
-@pytest.fixture
-def ring(page):
-    """The page with the ring running."""
-    to_the_ring(page)
-    until(lambda: "of 25 µs" in readout(page) and number(page, r"time\s+(\S+) s") > 1e-4, "the ring running")
-    return page
+from tests.browser.driving import choose, coloured, number, readout, scene, stage, stage_box, time, to_the_ring, until
 
 
 def drag(page, start, end):
@@ -58,35 +36,11 @@ def the_probe_reads_a_region(ring):
     until(lambda: "drag a rectangle" in readout(ring), "no region")
 
 
-def resonance_is_warned_of_and_inversion_refused(ring):
-    """From 0.115 on the page warns and runs on; from 0.386 it refuses, and goes back to what was when the hand has come
-    to rest; back below, both are gone."""
-    slider = row(ring, "Amplitude A").get_by_role("slider")
-    before = slider.get_attribute("aria-valuenow")
-    press(ring, "Amplitude A", "End")
-    ring.locator(".lab-refused").wait_for()
-    assert "0.386" in ring.locator(".lab-refused").inner_text()
-    until(lambda: slider.get_attribute("aria-valuenow") == before, "the amplitude before")
-    press(ring, "Amplitude A", "ArrowRight", 25)
-    ring.locator(".lab-refused").wait_for()
-    until(lambda: "parametric resonance" in ring.locator(".lab-refused").inner_text(), "the warning")
-    press(ring, "Amplitude A", "ArrowLeft", 120)
-    ring.locator(".lab-refused").wait_for(state="detached")
-
-
-def the_bar_comes_back(ring):
-    """The bar comes back with its own controls."""
-    choose(ring, "Problem", "vibrating bar")
-    ring.get_by_text("Cells, h = 1/40").wait_for()
-    until(lambda: number(ring, r"time\s+(\S+) s") > 0.05, "the bar running")
-    assert ring.get_by_text("Show domains").count() == 0
-
-
-def test_a_visit_to_the_ring(ring):
-    """One visitor for all: a page of their own would cost each more than what is looked at."""
-    for part in (both_halves_move_and_are_coloured, the_probe_reads_a_region,
-                 resonance_is_warned_of_and_inversion_refused, the_bar_comes_back):
-        part(ring)
+def test_the_ring_moves_and_is_probed(page):
+    to_the_ring(page)
+    until(lambda: "of 25 µs" in readout(page) and time(page) > 1e-4, "the ring running")
+    both_halves_move_and_are_coloured(page)
+    the_probe_reads_a_region(page)
 
 
 def test_the_vortex_moves_and_its_numbers_are_said(page):
