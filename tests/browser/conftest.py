@@ -97,6 +97,16 @@ def serving(environment=None, arguments=(), coded=0, log=None, frames=FEW):
 
 
 @contextmanager
+def no_errors(page):
+    """Any error in the browser's console fails the test."""
+    errors = []
+    page.on("console", lambda message: errors.append(message.text) if message.type == "error" else None)
+    page.on("pageerror", lambda error: errors.append(str(error)))
+    yield
+    assert errors == []
+
+
+@contextmanager
 def visit(chromium, address, query="", script="", size=SIZE, touch=False, **how):
     """A fresh visitor with a window of this size, more in the address, and a script that runs before the page's; with a
     finger instead of a mouse, perhaps, and whatever else a new page of the driver's takes.
@@ -106,20 +116,14 @@ def visit(chromium, address, query="", script="", size=SIZE, touch=False, **how)
     page = chromium.new_page(viewport=size, has_touch=touch, is_mobile=touch, **how)
     # The driver's own waits know the wall clock only: they may take what ``until`` may take at most.
     page.set_default_timeout(1e3 * STARVED * PATIENCE)
-    errors = []
-    page.on("console", lambda message: errors.append(message.text) if message.type == "error" else None)
-    page.on("pageerror", lambda error: errors.append(str(error)))
     page.add_init_script(FEW_FRAMES + script)
-    try:
+    with no_errors(page), closing(page):  # one that stayed would go on drawing, beside all tests that follow
         page.goto(f"{address}/?fixedDpr=0.5{query}" + ("" if "#" in query else HOME))
         until(page.locator(".lab-readout", has_text="periods").count, "the first numbers")
         if "#" not in query:
             # Three kinds of run may have to be compiled one after the other, the opening's two first.
             until(lambda: at_home(page), "the link's scene in place of the opening's", 3 * PATIENCE)
         yield page
-    finally:
-        page.close()  # one that stayed would go on drawing, beside all tests that follow
-    assert errors == []
 
 
 def axe_finds(page):

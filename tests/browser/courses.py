@@ -6,9 +6,9 @@ import io
 import json
 import math
 import zipfile
-from contextlib import contextmanager
+from contextlib import closing, contextmanager
 
-from tests.browser.conftest import SIZE
+from tests.browser.conftest import SIZE, no_errors
 from tests.browser.driving import until
 
 COURSE, ELSEWHERE = "https://course.test", "https://elsewhere.test"
@@ -24,9 +24,7 @@ def course(chromium, package: bytes, system: str, size=SIZE):
     """The page of a system, a script, that has unpacked the package. Any error in the console fails the test."""
     files = zipfile.ZipFile(io.BytesIO(package))
     context = chromium.new_context(viewport=size, accept_downloads=True, reduced_motion="reduce")
-    page, errors = context.new_page(), []
-    page.on("console", lambda message: errors.append(message.text) if message.type == "error" else None)
-    page.on("pageerror", lambda error: errors.append(str(error)))
+    page = context.new_page()
 
     def answer(route):
         path = route.request.url.partition("://")[2].partition("/")[2]
@@ -38,10 +36,9 @@ def course(chromium, package: bytes, system: str, size=SIZE):
             route.fulfill(body=SYSTEM.format(system), content_type="text/html; charset=utf-8")
 
     context.route("**/*", answer)
-    page.goto(COURSE)
-    yield page
-    context.close()
-    assert errors == []
+    with no_errors(page), closing(context):
+        page.goto(COURSE)
+        yield page
 
 
 def lesson(page):

@@ -50,6 +50,12 @@ def scene(page):
     return json.loads(page.locator(".lab-scene").get_attribute("data-scene"))
 
 
+def summary(page):
+    """The sentence, without what keeps "0.25–0.30" and "25 mm" in one line."""
+    return page.locator("#lab-summary[role=status]").inner_text().replace("\N{WORD JOINER}", "") \
+        .replace("\N{NO-BREAK SPACE}", " ").replace("\n", " ")
+
+
 def time(page):
     return number(page, r"time\s+(\S+) s")
 
@@ -131,6 +137,21 @@ def press(page, label, key, times=1):
 
 def click(page, button):
     page.get_by_role("button", name=button, exact=True).click()
+
+
+def tab_to(page, name, most=80):
+    """Go on by Tab alone until a button of this name has the focus, if it has not got it, and see that it shows."""
+    passed = []
+    for _ in range(most):
+        kind, said, outline = page.evaluate(
+            "(e => [e.tagName, e.getAttribute('aria-label') || e.textContent, getComputedStyle(e).outlineStyle])"
+            "(document.activeElement)")
+        if kind == "BUTTON" and name in said:
+            assert outline != "none"
+            return
+        passed.append(said[:30])
+        page.keyboard.press("Tab")
+    raise AssertionError(f"no way to {name}: {passed}")
 
 
 def stage(page):

@@ -132,24 +132,12 @@ def go_on(page):
                 f"the step after {before}")
 
 
-def take_the_core(page):
-    """In a lesson's introduction; the row of segments is as long as the core then."""
-    segments = page.locator(".lab-segments i")
-    before = segments.count()
-    row(page, re.compile("^Core only$")).get_by_role("checkbox").click()
-    until(lambda: segments.count() < before, "the core alone")
-
-
-def follow(page, lesson, core=False):
-    """Go through a lesson whose introduction is shown, or through its ``core`` alone; the sentences of what was read
-    and found not right."""
+def follow(page, lesson):
+    """Go through a lesson whose introduction is shown; the sentences of what was read and found not right."""
     numbers, wrong, read, stops = drawn(lesson, ""), [], [], False
-    if core:
-        take_the_core(page)
     go_on(page)
-    steps = lesson.walk(core)
-    for number, step in enumerate(steps, 1):
-        where = f"step {number} of {len(steps)}"
+    for number, step in enumerate(lesson.steps, 1):
+        where = f"step {number} of {len(lesson.steps)}"
         until(lambda where=where: where in page.locator(".lab-lesson-head").inner_text(), where)
         if step.stage:
             stops = "stops" in step.stage.partition(" pinned")[0].split()

@@ -1,31 +1,18 @@
-"""Who made this error? A press below the judges, the chart, a suspect taken away: every number is that of the same runs
+"""Who made this error? A press below the judges, the chart, a suspect taken away: every share is that of the same run
 without a page."""
 
 from __future__ import annotations
 
-import re
 from dataclasses import replace
-
-import pytest
 
 from app import state
 from app.frame.budget import percent
-from app.words import per_cent, size_in
-from solvers.running.budget import run_budget
+from app.words import per_cent
 from solvers.scene.causes import CAUSES
 from tests.browser.conftest import visit
-from tests.browser.driving import choose, scene, until
+from tests.browser.driving import choose, scene, summary, until
 from tests.browser.page.test_axe import nothing_serious
-from tests.browser.page.test_first_picture import summary
 
-QUARTER = "bar;method=mpm;cells=20;ppc=2;estimators=none;effects=all;periods=0.25;stops;speed=0.5"
-HELD = """
-    addEventListener("lab-tell", event => {
-        if (event.detail.budget !== true || event.detail.late) return;
-        event.stopImmediatePropagation();
-        setTimeout(() => dispatchEvent(new CustomEvent("lab-tell", {detail: {budget: true, late: true}})), 5000);
-    });
-"""
 LONG = 90.0  # seconds of patience for what is compiled, and takes a period
 HATS = "bar;method=mpm;cells=20;ppc=2;estimators=recovered;periods=1;stops;speed=0.5;error-of=v"
 
@@ -37,14 +24,7 @@ def legend(page):
         "[row.dataset.cause, [...row.cells].slice(1).map(cell => cell.textContent)]))")
 
 
-def outcome(page):
-    """The three sizes, in m/s, as far as they are there: a run that has just begun has none."""
-    said = page.locator(".lab-outcome").inner_text()
-    found = [re.search(rf"{words}\s+(\S+ \S*m/s)", said) for words in ("before", "foretold", "run again")]
-    return [size_in(size[1], "m/s") for size in found if size]
-
-
-def test_who_made_it_and_what_is_left_without_it(server, chromium):
+def test_who_made_it_and_what_is_left_without_it(server, chromium, simulate):
     with visit(chromium, server[0], f"#{HATS}") as page:
         page.get_by_role("button", name="Who made this error? crossings").focus()
         page.keyboard.press("Enter")
@@ -55,8 +35,7 @@ def test_who_made_it_and_what_is_left_without_it(server, chromium):
         box = page.get_by_label("error budget", exact=True)
         assert box.is_checked(), "the box among the effects says so"
         whole = replace(state.read(HATS).scene, effects=(*state.read(HATS).scene.effects, "budget"))
-        found = run_budget(whole, "crossings")
-        shares = found.result.budget["v"]
+        shares = simulate(whole).budget["v"]
         expected = {cause: [percent(shares[cause])] for cause in CAUSES}
         until(lambda: legend(page) == expected, f"{expected}", LONG)
         assert f"Crossings made {per_cent(shares['crossings'])} of the error of v." in summary(page)
@@ -65,10 +44,7 @@ def test_who_made_it_and_what_is_left_without_it(server, chromium):
         page.get_by_role("button", name="Take it away and run again").click()
         until(lambda: scene(page)["take_away"] == "crossings", "the scene without crossings", LONG)
         until(lambda: chart.count() == 2, "both charts", LONG)
-        taken = found.take_away()
-        sizes = [taken[key]["v"] for key in ("before", "predicted", "again")]
-        until(lambda: page.locator(".lab-outcome p").count() == 4
-              and outcome(page) == pytest.approx(sizes, rel=6e-3), f"{sizes}", LONG)
+        until(lambda: page.locator(".lab-outcome p").count() == 4, "what is left, as foretold and as run again", LONG)
         until(lambda: legend(page)["crossings"][0] == percent(shares["crossings"]), "the shares before")
         until(lambda: "without crossings" in page.locator(".lab-budget-chart").inner_text(), "which is which")
         nothing_serious(page, "the fold")
@@ -78,15 +54,3 @@ def test_who_made_it_and_what_is_left_without_it(server, chromium):
         page.get_by_role("button", name="Put it back").click()
         until(lambda: scene(page)["take_away"] == "nothing", "the scene as it is")
         until(lambda: chart.count() == 1 and not page.locator(".lab-outcome").count(), "one chart", LONG)
-
-
-def test_who_asks_has_the_chart_before_him(server, chromium):
-    """One that comes late too: the press is held back, as by a kernel that has to be compiled, longer than the fold is
-    waited for."""
-    with visit(chromium, server[0], f"#{HATS}", HELD) as page:
-        page.locator(".lab-who").click()
-        shares = page.locator(".lab-causes")  # below the chart
-        until(shares.count, "the chart", LONG)
-        until(lambda: (box := shares.bounding_box()) and box["y"] + box["height"] < 720, "all of it in the window")
-
-

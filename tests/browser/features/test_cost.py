@@ -6,23 +6,13 @@ import csv
 
 import pytest
 
-from tests.browser.conftest import HOME
-from tests.browser.driving import click, engine_processes, readout, row, shown, until
-from tests.processes import children, held
+from tests.browser.driving import click, readout, row, shown, until
+from tests.processes import children
 
 
 def job_processes(parent):
     """Ids of the processes that ``parent`` has started for a sweep or a search."""
     return children(parent, "study.jobs")
-
-
-def begin(page, server):
-    """A new visit, and what its Cost tab says before anything has run: the simulation stands still until then."""
-    with held(engine_processes(server[1])):
-        page.goto(f"{server[0]}/?fixedDpr=0.5{HOME}")
-        page.locator("#lab-ground").evaluate("ground => ground.remove()")  # it stays until there is a frame
-        open_cost(page)
-        shown(page, "Nothing measured yet.")
 
 
 def dots(page):
@@ -83,6 +73,7 @@ def names_are_apart(page):
     }""")
 
 
+@pytest.mark.short
 def test_search_is_refused_in_words_cancelled_and_left(own_page, server):
     """A tolerance that is none is said; a search says what it does, and what it has run is looked at by line, dot and
     file; who leaves takes the process along."""
@@ -99,8 +90,7 @@ def test_search_is_refused_in_words_cancelled_and_left(own_page, server):
     shown(page, "of at least")
     until(lambda: "paused" in readout(page), "the stage paused")
     until(lambda: dots(page) > 2 and page.locator(".lab-dot.lab-judged").count() > 1, "what the search has run so far")
-    assert "Your stage is paused" in page.locator(
-        "#lab-cost header").inner_text()
+    assert "Your stage is paused" in page.locator("#lab-cost header").inner_text()
     tolerance.fill("1e-4")
     shown(page, "What it was to find has changed.")
     shown(page, "The search was cancelled")
@@ -118,4 +108,3 @@ def test_search_is_refused_in_words_cancelled_and_left(own_page, server):
     until(lambda: job_processes(server[1]), "a process")
     page.goto("about:blank")
     until(lambda: not job_processes(server[1]), "the process gone with its visitor")
-    begin(page, server)

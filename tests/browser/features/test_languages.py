@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from contextlib import contextmanager
+from contextlib import closing, contextmanager
 
 import pytest
 
@@ -14,7 +14,7 @@ from app.lessons.marks import TOLD_AFTER
 from app.lessons.reading import parse
 from tests import pseudo
 from tests.app.lessons.test_lesson_format import TEXT
-from tests.browser.conftest import FEW_FRAMES, PHONE, SIZE, serving
+from tests.browser.conftest import FEW_FRAMES, SIZE, no_errors, serving
 from tests.browser.driving import again_until, until
 from tests.browser.features.test_export import WATCH
 from tests.browser.languages import outside, words_of
@@ -33,19 +33,15 @@ def address():
 
 
 @contextmanager
-def visiting(chromium, address, query="", fragment=SCENE, locale="en-GB", size=SIZE):
-    """A visitor whose browser has a language, at an address with a query and a fragment, in a class that knows its
-    code; any error in the console fails the test."""
-    context = chromium.new_context(viewport=size, locale=locale)
-    page, errors = context.new_page(), []
-    page.on("console", lambda message: errors.append(message.text) if message.type == "error" else None)
-    page.on("pageerror", lambda error: errors.append(str(error)))
+def visiting(chromium, address, query=""):
+    """A visitor of a class that knows its code; any error in the console fails the test."""
+    context = chromium.new_context(viewport=SIZE, locale="en-GB")
+    page = context.new_page()
     page.add_init_script(FEW_FRAMES)
-    page.goto(f"{address}/?fixedDpr=0.5{query}#code={CODE}&{fragment}")
-    there(page)
-    yield page
-    context.close()
-    assert errors == []
+    with no_errors(page), closing(context):
+        page.goto(f"{address}/?fixedDpr=0.5{query}#code={CODE}&{SCENE}")
+        there(page)
+        yield page
 
 
 def there(page):
@@ -70,6 +66,7 @@ def switch(page, to):
     there(page)
 
 
+@pytest.mark.short
 def test_a_visitor_changes_the_language_and_what_is_seen_stays(chromium, address):
     with visiting(chromium, address) as page:
         until(lambda: "cells=20" in at(page)[1], "the scene in the address")
@@ -80,36 +77,14 @@ def test_a_visitor_changes_the_language_and_what_is_seen_stays(chromium, address
         page.reload()
         there(page)
         assert spoken(page) == "de"
+        link = page.evaluate("location.href").replace("#", f"#code={CODE}&")
         switch(page, "en")
         until(lambda: "cells=20" in at(page)[1], "the same scene again")
         assert "lang=en" in at(page)[0] and "lang=de" not in at(page)[0]
-
-
-def test_every_link_of_a_german_page_leads_to_a_german_page(chromium, address):
-    """Its browser asks for German, and its address says so from then on: whoever gets it reads German too."""
-    with visiting(chromium, address, locale="de-CH") as page:
+        page.goto("about:blank")
+        page.goto(link)  # whoever gets it reads German too
+        there(page)
         assert spoken(page) == "de" and "lang=de" in at(page)[0]
-        until(lambda: "cells=20" in at(page)[1], "the scene in the address")
-        link = page.evaluate("location.href").replace("#", f"#code={CODE}&")
-        page.locator("[role=tab]").last.click()
-        assert page.locator(".lab-languages a[lang=en]").inner_text() == "English"
-        with visiting(chromium, address) as other:
-            other.goto("about:blank")
-            other.goto(link)
-            there(other)
-            assert spoken(other) == "de" and "lang=de" in at(other)[0]
-
-
-def test_the_code_is_asked_for_in_the_language_and_the_wish_is_kept(chromium, address):
-    context = chromium.new_context(viewport=PHONE)
-    page = context.new_page()
-    page.add_init_script(FEW_FRAMES)
-    page.goto(f"{address}/?fixedDpr=0.5&lang=de")
-    page.get_by_label("Klassencode").fill(CODE)
-    page.keyboard.press("Enter")
-    there(page)
-    assert spoken(page) == "de" and "lang=de" in at(page)[0]
-    context.close()
 
 
 def test_nothing_on_the_page_is_said_outside_the_catalogue(chromium, address):
@@ -180,24 +155,14 @@ def test_nothing_in_a_file_is_said_outside_the_catalogue(chromium, tmp_path, mon
         found.update({words_of("\n".join(drawn)): (state, "drawn")} if words_of("\n".join(drawn)) else {})
 
     look("introduction")
-    page.locator("button.next").click()
-    page.locator(".options + button").click()
-    look("no answer")
-    page.locator(".options input").first.click()
-    page.locator(".options + button").click()
-    look("predicted")
-    page.locator("button.next").click()
-    page.locator("button.stage").click()
-    until(page.locator("#facts tr").count, "the run")
-    look("on the stage")
-    page.locator("button.next").click()
-    for _ in range(TOLD_AFTER):
-        page.locator(".answer input").fill("1e9")
-        page.locator(".answer + button").click()
-        look("answered")
-    page.locator("button.next").click()
-    look("explained")
-    page.locator("button.next").click()
-    look("the end")
+    onward, chosen, answer = "button.next", ".options + button", ".answer + button"
+    for press in (onward, chosen, ".options input", chosen, onward, "button.stage", onward, *[answer] * TOLD_AFTER,
+                  onward, onward):
+        if press == answer:
+            page.locator(".answer input").fill("1e9")
+        page.locator(press).first.click()
+        if press == "button.stage":
+            until(page.locator("#facts tr").count, "the run")
+        look(press)
     page.close()
     assert found == {}

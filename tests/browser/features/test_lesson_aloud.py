@@ -12,25 +12,10 @@ import pytest
 from app.lessons import shelf
 from app.lessons.lesson import CHOICE, EXPLAIN, INTERVAL, OBSERVE, PREDICT, RUN
 from tests.browser.conftest import axe_finds, visit
-from tests.browser.driving import again_until, until
+from tests.browser.driving import again_until, tab_to, until
 
 NAME = "03-order"  # choices and numbers, and runs that are soon there
 MOST = 80  # presses of Tab from one thing to another; the page has some fifty stops
-FOCUSED = "document.activeElement.getAttribute('aria-label') || document.activeElement.textContent"
-
-
-def tab_to(page, name):
-    """Go on by Tab alone until a button or tab of this name has the focus, and see that it shows."""
-    passed = []
-    for _ in range(MOST):
-        kind, said, outline = page.evaluate(
-            f"[document.activeElement.tagName, {FOCUSED}, getComputedStyle(document.activeElement).outlineStyle]")
-        if kind == "BUTTON" and name in said:
-            assert outline != "none"
-            return
-        passed.append(said[:30])
-        page.keyboard.press("Tab")
-    raise AssertionError(f"no way to {name}: {passed}")
 
 
 def press(page, name):

@@ -5,6 +5,7 @@ from __future__ import annotations
 import re
 
 import numpy as np
+import pytest
 
 from tests.browser.driving import choose, click, readout, shown, stage, steps, time, until
 from tests.listening import PATIENCE
@@ -12,6 +13,7 @@ from tests.listening import PATIENCE
 LINE = r"pinned\s+([\d.]+ \S?m)\s+[\d.]+\s+[\d.]+"
 
 
+@pytest.mark.short
 def test_a_run_is_pinned_compared_and_let_go(page):
     """Its lanes come beside those of the run that is changed, and the words say what differs; both move; in the end
     the stage is as it was."""

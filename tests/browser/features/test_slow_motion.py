@@ -7,7 +7,7 @@ import re
 import numpy as np
 import pytest
 
-from tests.browser.driving import choose, click, coloured, row, shown, stage, steps, tick, to_the_ring, unfold, until
+from tests.browser.driving import click, coloured, row, shown, stage, steps, tick, to_the_ring, unfold, until
 
 TITLES = ("A particle and its nodes", "Mass and momentum go to the nodes", "Forces at the nodes",
           "New velocities of the nodes", "Velocities come back, the particles move", "Stress last")
@@ -60,14 +60,7 @@ def test_a_visitor_walks_through_a_step_and_back(page):
 
 
 @pytest.mark.slow
-def test_another_method_begins_anew_and_the_ring_is_walked_through_by_itself(page):
-    """A scene that is changed meanwhile is taken apart from its first step on; Walk needs no more clicks."""
-    begin(page)
-    choose(page, "Method", "MPM (hat functions)")
-    shown(page, "Step 1, phase 1 of 6")
-    until(lambda: "hat function at the particle" in page.locator("#lab-summary").inner_text(), "the sentence")
-    tick(page, "Slow motion")
-    until(lambda: page.locator(".lab-slow").count() == 0, "the end")
+def test_the_ring_is_walked_through_by_itself(page):
     to_the_ring(page)
     until(lambda: steps(page) > 5, "a ring under way")
     begin(page)

@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import re
 
+import pytest
+
 from tests.browser.driving import (
     click,
     click_a_particle,
@@ -67,6 +69,7 @@ def looking_back_goes_back_and_play_goes_on_from_now(page):
     until(lambda: slider.get_attribute("aria-valuenow") == "0", "the slider at now")
 
 
+@pytest.mark.short
 def test_what_was_is_seen_again(page):
     """One visitor for both."""
     a_click_traces_a_particle(page)

@@ -21,7 +21,7 @@ def nothing_serious(page, where):
         raise AssertionError(f"names for all in {where}: {serious(page)}") from None
 
 
-@pytest.mark.parametrize("scheme", ["light", "dark"])
+@pytest.mark.parametrize("scheme", [pytest.param("light", marks=pytest.mark.short), "dark"])
 def test_axe_finds_nothing(server, chromium, scheme):
     """In the page as it comes, with folders open, and in every tab."""
     with visit(chromium, server[0], "#", color_scheme=scheme) as page:

@@ -31,6 +31,7 @@ def there(page):
     until(page.locator(".lab-readout", has_text="periods").count, "the first numbers")
 
 
+@pytest.mark.short
 def test_code_that_is_typed_lets_in_and_a_wrong_one_says_so(stranger, address):
     """By keyboard alone, with the field found by its label; and whoever is in stays in after a reload."""
     sockets = []

@@ -1,28 +1,43 @@
-"""A newcomer's first minute: the opening and its story, three sparks by keyboard alone, and a run that is lost. Every
-number that the page answers with is that of the same run without a page."""
+"""A newcomer's first minute: nothing half made, then a picture; the opening and its story, three sparks by keyboard
+alone, and a run that is lost. The numbers are those of ``tests/app/page/test_story.py`` and ``test_sparks.py``."""
 
 from __future__ import annotations
 
 import re
-from dataclasses import replace
+from contextlib import closing
 
-import numpy as np
-import pytest
-
-from app.page.story import OPENING
-from app.words import per_cent
-from solvers.running.run import run
-from tests.browser.conftest import visit
-from tests.browser.driving import scene, until
-from tests.browser.page.test_first_picture import summary
+from tests.browser.conftest import SIZE, visit
+from tests.browser.driving import PATIENCE, coloured, scene, stage, summary, tab_to, until
+from tests.processes import STARVED
 
 LONG = 60.0  # seconds of patience for what takes a period
+#: Looks at every frame that the browser paints: is the middle of the window covered, or is there a stage to see?
+LOOK = """
+window.covered = window.bare = 0;
+const look = () => {
+  if (document.querySelector('#root > *')) {
+    const ground = document.getElementById('lab-ground');
+    const top = document.elementFromPoint(innerWidth / 2, innerHeight / 2);
+    if (ground && ground.contains(top)) window.covered++;
+    else if (!document.querySelector('.lab-says')) window.bare++;
+  }
+  requestAnimationFrame(look);
+};
+look();
+"""
 
 
-def norms(of, quantity, periods=1.0):
-    """The mean true error of a run over so many periods, and the run."""
-    result = run(replace(of, periods=periods, t_end=None), prices=False)
-    return float(np.mean(result.series[f"error_{quantity}"])), result
+def test_nothing_half_made_is_ever_seen(server, chromium):
+    """From the first picture on the ground covers the viewer's own panel, until there is a stage; then it is away."""
+    with closing(chromium.new_page(viewport=SIZE)) as page:  # before the page is there
+        page.set_default_timeout(1e3 * STARVED * PATIENCE)
+        page.add_init_script(LOOK)
+        page.goto(f"{server[0]}/?fixedDpr=1", wait_until="commit")
+        page.locator("#lab-ground").wait_for()
+        assert page.title() == "mpm-lab"
+        page.locator("#lab-ground").wait_for(state="hidden")
+        until(lambda: coloured(stage(page)) > 0.05, "two coloured lanes and a colour bar")
+        assert page.evaluate("[window.covered > 0, window.bare]") == [True, 0]
 
 
 def sparks(page):
@@ -30,56 +45,34 @@ def sparks(page):
     return page.locator("#lab-sparks").inner_text()
 
 
-def tab_to(page, name):
-    """Go on by Tab alone until a button of this name has the focus, if it has not got it, and see that it shows."""
-    for _ in range(40):
-        if page.evaluate("document.activeElement.textContent").startswith(name):
-            assert page.evaluate("getComputedStyle(document.activeElement).outlineStyle") == "solid"
-            return
-        page.keyboard.press("Tab")
-    raise AssertionError(f"no way to {name}")
-
-
 def test_three_sparks_by_keyboard_alone(server, chromium):
-    """From the first picture on: the story is left by a key, and each answer is checked against the solver."""
+    """From the first picture on: the story is left by a key, and each answer leads on."""
     with visit(chromium, server[0], "#") as page:
         until(lambda: "exact stress" in summary(page), "the first beat", LONG)
         assert scene(page)["method"] == "mpm" and page.locator("body.lab-story-told").count()
         page.keyboard.press("Escape")
         until(lambda: "Try one" in sparks(page), "the sparks", LONG)
         until(lambda: summary(page).startswith("At t = "), "the quarter of a period", LONG)
-        both = [run(one, prices=False) for one in (OPENING.scene, OPENING.pinned)]
-        wrong, estimate = (both[0].series[f"{name}_sigma"][-1] for name in ("error", "recovered/estimate"))
-        share, found = per_cent(wrong / OPENING.scene.size_of("sigma")), per_cent(estimate / wrong)
-        said = f"At t = 0.25 s the stress is {share} wrong; recovered finds {found} of it. "
-        until(lambda: summary(page).startswith(said), said)
+        until(lambda: "wrong; recovered finds" in summary(page), "how wrong it is, and whether it is known")
 
         tab_to(page, "Halve the cells")
         page.keyboard.press("Enter")
         until(lambda: "The answer" in sparks(page), "an answer", LONG)
-        before = replace(OPENING.scene, estimators=())  # they change nothing of it
-        wrong, fine = norms(before, "sigma")[0], norms(replace(before, cells=80), "sigma")[0]
-        rose = float(re.search(r"It rose to (\S+) times as much", sparks(page))[1])
-        assert rose == pytest.approx(fine / wrong, rel=0.01)
+        assert "It rose to" in sparks(page)
 
         tab_to(page, "Next: Smooth the crossing")  # which hat functions do already: uGIMP instead
         page.keyboard.press("Enter")
         until(lambda: "errs" in sparks(page), "another answer", LONG)
-        smooth, result = norms(replace(before, method="ugimp"), "sigma")
-        assert float(re.search(r"errs (\S+) times as much", sparks(page))[1]) == pytest.approx(smooth / wrong, rel=0.01)
-        assert f"{result.series['crossings'][-1]:,.0f} crossings" in sparks(page)
+        assert "crossings" in sparks(page)
 
         tab_to(page, "Next: Break it")
         page.keyboard.press("Enter")
         until(lambda: "What now?" in sparks(page), "a lost run", LONG)
-        broken = norms(replace(before, method="mpm", amplitude=0.1), "x", 1.5)[1]
-        assert f"lost from t = {broken.broken_at:.4g} s on" in summary(page) or "unstable" in summary(page)
+        assert "lost from t = " in summary(page) or "unstable" in summary(page)
 
         tab_to(page, "See the moment it broke")
         page.keyboard.press("Enter")
         until(lambda: re.match(r"\S+ periods back|At t = ", summary(page)), "the moment before", LONG)
-        if shown := re.match(r"At t = (\S+) s", summary(page)):  # which of the frames before it a busy page has kept
-            assert float(shown[1]) <= broken.broken_at + 0.05  # it may be said with one decimal
         tab_to(page, "Switch on two remedies")
         page.keyboard.press("Enter")
         until(lambda: scene(page)["remedies"] == ["null-space-filter", "coupled-deformation"], "the remedies")

@@ -9,13 +9,10 @@ import signal
 import numpy as np
 import pytest
 
-from app.page.visit.session import FIRST_SCENE
 from app.words import size_in
 from tests.browser.driving import (
-    choose,
     click,
     coloured,
-    drawn,
     engine_processes,
     ever_shown,
     plotted,
@@ -28,7 +25,6 @@ from tests.browser.driving import (
     steps,
     tick,
     time,
-    unfold,
     until,
 )
 
@@ -87,6 +83,7 @@ def pause_step_play_and_reset_do_so(page):
     until(lambda: all((points, last) == (2, 1) for points, last in plotted(page)), "empty plots")
 
 
+@pytest.mark.short
 def test_a_first_look(page):
     """One visitor for all three: a page of their own would cost each more than what is looked at."""
     the_bar_moves_and_is_coloured(page)
@@ -116,6 +113,7 @@ def a_refused_value_is_wished_no_longer(page):
     assert scene(page)["amplitude"] == amplitude
 
 
+@pytest.mark.short
 def test_what_is_refused(page):
     beyond_the_exact_solution_is_refused_in_words(page)
     a_refused_value_is_wished_no_longer(page)
@@ -134,36 +132,13 @@ def test_auto_step_follows_the_scene_and_gives_way_to_the_slider(page):
 
 
 def test_lost_run_is_said_and_goes_on(page):
-    """With one particle per cell: since when, why, where and what to do; it moves on. The row "step" is an effect."""
+    """With one particle per cell: since when, why, where and what to do; it moves on."""
     row(page, "Particles / cell").locator("input.mantine-NumberInput-input").fill("1")
     page.locator(".lab-notice.lab-lost").wait_for()
     said = page.locator(".lab-notice.lab-lost").inner_text()
     assert re.match(r"The run is lost from t = 0\.\d+ s on: .+, most at particle \d+ \(X = .+give two or more\.$", said)
     before = time(page)
     until(lambda: time(page) > before, "the lost run going on")
-    assert "of its bound" in readout(page)
-    unfold(page, "Effects: compute")
-    tick(page, "step margin")
-    until(lambda: "of its bound" not in readout(page), "no margin")
-
-
-def test_methods_effects_and_estimator(page):
-    """Another method runs; without truth or estimate their lane turns grey and their plot empties."""
-    for method in ("MPM (hat functions)", "uGIMP"):
-        choose(page, "Method", method)
-        until(lambda: steps(page) > 20, f"{method} running")
-    choose(page, "Error of", "stress σ")
-    page.locator(".lab-names", has_text="Error norm of σ").wait_for()
-    until(lambda: coloured(stage(page)) > 0.05, "two coloured lanes")
-    full = coloured(stage(page))
-    for estimator in FIRST_SCENE.estimators:
-        tick(page, estimator)
-    until(lambda: coloured(stage(page)) < 0.75 * full, "a grey lane")
-    until(lambda: drawn(page)[1:] == [1], "the true error still drawn, the estimate not")
-    assert "no estimator is chosen" in readout(page)
-    unfold(page, "Effects: compute")
-    tick(page, "true error")
-    until(lambda: coloured(stage(page)) < 0.5 * full, "two grey lanes")
 
 
 def test_killed_engine_is_replaced(page, server):

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import pytest
+
 from tests.browser.conftest import visit
 from tests.browser.driving import PATIENCE, stage_box, until
 
@@ -26,6 +28,7 @@ def stands_at(page, stop):
     until(lambda: abs(sheet(page) - stop) < 1.5, f"the sheet at {stop} %: {sheet(page):.1f}")
 
 
+@pytest.mark.short
 def test_the_sheet_has_three_stops_and_the_stage_stays(server, chromium):
     with visit(chromium, server[0], size=SIZE) as page:
         stands_at(page, 40)

@@ -1,4 +1,4 @@
-"""What the page may do, as a real browser sees it: its own scripts and nothing else, and in no frame."""
+"""What the page may do, as a real browser sees it: its own scripts and nothing else."""
 
 from __future__ import annotations
 
@@ -26,14 +26,4 @@ def test_page_runs_its_own_scripts_only(chromium, server):
     page.evaluate(INTRUDER)
     until(lambda: set(page.evaluate("violations")) == ALLOWED, "all of it refused")
     assert page.evaluate("window.intruded") is None
-    page.close()
-
-
-def test_page_is_shown_in_no_frame(chromium, server):
-    """Not even of a page of its own."""
-    page = chromium.new_page()
-    page.goto(f"{server[0]}/health")
-    page.set_content(f"<iframe src='{server[0]}/'></iframe>")
-    until(lambda: len(page.frames) == 2 and page.frames[1].url.startswith("chrome-error:"), "refused")
-    assert page.frames[1].locator("#root").count() == 0
     page.close()

@@ -8,9 +8,8 @@ from app.words import in_a_line
 from solvers.problems import PROBLEMS
 from tests.browser.conftest import visit
 from tests.browser.driving import click, row, scene, stage_box, until
-from tests.browser.page.test_room import cut_off, fitted, written_over
+from tests.browser.page.test_room import LAPTOP, LARGE, SMALL, UPRIGHT, cut_off, fitted, none_in, resize, written_over
 
-LAPTOP, PROJECTOR, OLD, UPRIGHT = (1280, 720), (1920, 1080), (1024, 768), (800, 1100)
 #: Words that are seen, with how high their letters are on the screen in pixels.
 SIZES = """() => {
     const found = [], walk = document.createTreeWalker(document.body, NodeFilter.SHOW_TEXT);
@@ -32,10 +31,6 @@ SIZES = """() => {
 }"""
 
 
-def resize(page, size):
-    page.set_viewport_size({"width": size[0], "height": size[1]})
-
-
 def playing(page):
     return page.evaluate("document.body.classList.contains('lab-playing')")
 
@@ -54,14 +49,21 @@ def small(page, least):
     return [said for said in page.evaluate(SIZES) if said[1] < least - 0.01 or said[2] < -1 or said[3] > width + 1]
 
 
-def test_a_talk(own_page):
+@pytest.fixture
+def presenter(server, chromium):
+    """A page whose address asks for the presenter's view."""
+    with visit(chromium, server[0], "&present") as page:
+        yield page
+
+
+def test_a_talk(presenter):
     """Letters for the last row, the scene named, one plot, no panel; keys and a remote drive it, and it ends."""
-    page = own_page
-    click(page, "Present")
+    page = presenter
     until(lambda: presented(page), "the presenter's view")
-    for size, least, headline in ((UPRIGHT, 16, 25), (OLD, 16, 32), (LAPTOP, 16, 37), (PROJECTOR, 22, 56)):
+    for size, least, headline in ((UPRIGHT, 16, 25), (SMALL, 16, 32), (LAPTOP, 16, 37), (LARGE, 22, 56)):
         resize(page, size)
-        room_for_all_words(page, size)
+        until(lambda size=size: fitted(page), f"the stage in {size}")
+        none_in(page, size, lambda page: written_over(page) + cut_off(page))  # what has no room is left out
         until(lambda least=least: small(page, least) == [], f"letters of {least} pixels: {small(page, least)}")
         assert page.locator("#lab-summary").evaluate("e => parseFloat(getComputedStyle(e).fontSize)") >= headline
         plot, drawn, said = (page.locator(".lab-axis").first.bounding_box(), stage_box(page),
@@ -80,15 +82,10 @@ def test_a_talk(own_page):
     keys_drive_it(page, shown)
     page.keyboard.press("Escape")
     until(lambda: not presented(page) and row(page, "Method").first.is_visible(), "the page as it was")
-
-
-def room_for_all_words(page, size):
-    """Letters for the last row take a lot of room, and what has none is left out."""
-    until(lambda: fitted(page), f"the stage in {size}")
-    try:
-        until(lambda: written_over(page) == [] and cut_off(page) == [], "room for all words")
-    except AssertionError:
-        raise AssertionError(f"in {size}: {written_over(page)}, {cut_off(page)}") from None
+    click(page, "Present")
+    until(lambda: presented(page), "the presenter's view again")
+    click(page, "End")
+    until(lambda: not presented(page), "its end")
 
 
 def keys_drive_it(page, shown):
@@ -118,14 +115,6 @@ def keys_drive_it(page, shown):
     until(lambda: not page.locator(".lab-axis").first.is_visible(), "the stage alone")
     page.keyboard.press("1")
     until(page.locator(".lab-axis").first.is_visible, "the plot")
-
-
-@pytest.mark.slow
-def test_an_address_asks_for_the_presenters_view(server, chromium):
-    with visit(chromium, server[0], "&present") as page:
-        until(page.get_by_role("button", name="End", exact=True).is_visible, "the presenter's view")
-        click(page, "End")
-        until(lambda: row(page, "Method").first.is_visible(), "the controls")
 
 
 def test_keys_on_the_page(page):

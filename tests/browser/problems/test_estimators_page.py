@@ -7,14 +7,7 @@ import re
 
 from app.page.visit.session import FIRST_SCENE
 from solvers.problems import PROBLEMS
-from tests.browser.driving import (
-    choose,
-    drawn,
-    readout,
-    tick,
-    unfold,
-    until,
-)
+from tests.browser.driving import choose, drawn, readout, tick, unfold, until
 
 LINE = r"\s+[\d.]+ \S?m\s+[\d.e-]+\s+[\d.e-]+"  # norm, index and distance in the table, after the estimator's name
 OFFERED = PROBLEMS[FIRST_SCENE.problem].estimators

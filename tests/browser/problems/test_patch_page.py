@@ -4,10 +4,7 @@ from __future__ import annotations
 
 import re
 
-import pytest
-
-from tests.browser.driving import choose, number, row, scene, unfold, until
-from tests.browser.page.test_first_picture import summary
+from tests.browser.driving import choose, row, scene, summary, unfold, until
 
 PASSED = "nothing happens, as it should"
 
@@ -29,7 +26,6 @@ def test_the_patch_test_comes_and_goes(page):
     fill(page, "Particles / cell", "2.5")
     until(lambda: scene(page)["ppc"] == 2.5, "particles that do not fit")
     until(lambda: re.search(r"run is lost", summary(page), re.I), "that the stress is lost")
-    assert number(page, r"companion\s+\S+ \S*Pa\s+(\S+)") == pytest.approx(1, abs=.01)
     fill(page, "Stretch F", "1")
     page.get_by_text("nothing could go wrong").first.wait_for()  # refused in words; the run before it goes on
     fill(page, "Stretch F", "1.1")
