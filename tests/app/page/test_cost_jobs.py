@@ -18,9 +18,8 @@ from app.page.features.cost.runs import Runs, cheapest, question
 from app.page.features.cost.searches import HOLDS, MOST_POINTS, MOST_QUESTIONS, KeptPoints, Ready
 from solvers.problems.bar.scene import BarScene
 from solvers.problems.ring.scene import RingScene
-from solvers.study.family import Point
 from solvers.study.grid import task_of
-from solvers.study.jobs import READY, told
+from solvers.study.jobs import READY
 from solvers.workers.pool import Slots
 from solvers.workers.processes import ProcessDied
 from tests.app.page.panel import Gui
@@ -164,7 +163,8 @@ def test_a_search_is_told_what_is_known_and_times_only_as_they_were_taken(jobs, 
         jobs.search(few(tolerance), quiet)
         known = pools[-1].question["known"]
         assert [point.get("rate") for point in known.values()] == ([rate] if pools[1:] else [])
-        pools[-1].hear({"row": made_up(), "known": bool(known), "point": told(Point(20, 1e-3, 2e-9))})
+        point = {"error": 1e-3, "rate": 2e-9, "status": "ok", "reason": None}
+        pools[-1].hear({"row": made_up(), "known": bool(known), "point": point})
         assert jobs.status.known == len(known) and jobs.status.done == 1
         pools[-1].end()
     jobs.search(replace(few(1e-2), base=task_of(replace(SCENE, amplitude=0.01)).to_dict()))
