@@ -1,7 +1,5 @@
 """A lab without engines, whose doors are real: what tests of them share."""
 
-from __future__ import annotations
-
 import socket
 from contextlib import contextmanager
 

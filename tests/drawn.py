@@ -1,7 +1,5 @@
 """What is drawn on when nobody looks: a sheet that keeps its marks, and a scene of the viewer's that sends nothing."""
 
-from __future__ import annotations
-
 from types import SimpleNamespace
 
 import numpy as np

@@ -1,7 +1,5 @@
 """What a session hears from its engine, kept for a test to look at."""
 
-from __future__ import annotations
-
 import threading
 
 from solvers.problems.bar.scene import BarScene

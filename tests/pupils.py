@@ -1,8 +1,6 @@
 """Pupils of a class without browsers: they come by the class code, go through a paced lesson, and keep all that they
 are told, so that a test can look through it."""
 
-from __future__ import annotations
-
 import json
 import re
 

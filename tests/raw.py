@@ -1,7 +1,5 @@
 """A visitor without a browser: it speaks the viewer's own language over a bare websocket, and may say anything."""
 
-from __future__ import annotations
-
 import json
 import threading
 import uuid

@@ -1,7 +1,5 @@
 """Other systems than Linux, as far as Linux can tell: what they have not is hidden, or looked for in the text."""
 
-from __future__ import annotations
-
 import ast
 import os
 import shlex

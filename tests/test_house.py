@@ -3,8 +3,6 @@
 The rooms themselves are contracts of import-linter in ``pyproject.toml``; here is what a contract cannot say.
 """
 
-from __future__ import annotations
-
 import ast
 import graphlib
 import re

@@ -1,8 +1,6 @@
 """Words about a scene come from the scene: what does not swing is not the patch test of the bar; sizes with units; and
 sentences as the page has them."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass, replace
 
 import pytest

@@ -1,7 +1,5 @@
 """How a test drives the page: by the words a visitor reads."""
 
-from __future__ import annotations
-
 import io
 import json
 import re

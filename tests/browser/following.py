@@ -1,7 +1,5 @@
 """Doing what a lesson's text says, and nothing else: acts are found in it by their words, readings by what is bold."""
 
-from __future__ import annotations
-
 import re
 from contextlib import suppress
 

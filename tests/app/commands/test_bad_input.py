@@ -1,8 +1,6 @@
 """Bad input is one sentence that names it and what is allowed, exit status 2, and nothing is run, written or loaded for
 it: one table for all commands. What of hostile text is quoted is in ``test_refusals``."""
 
-from __future__ import annotations
-
 import os
 import shlex
 import subprocess

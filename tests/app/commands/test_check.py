@@ -1,7 +1,5 @@
 """``mpm-lab check``: verdict, exit status, report in all forms, and claims."""
 
-from __future__ import annotations
-
 import json
 
 import numpy as np

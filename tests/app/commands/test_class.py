@@ -1,7 +1,5 @@
 """A class at work, in short: visitors without a browser on a real server, and what the bench says of them."""
 
-from __future__ import annotations
-
 import json
 
 import pytest

@@ -1,7 +1,5 @@
 """``mpm-lab judge --expect``: a judgement as a test in somebody's own CI."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 

@@ -1,7 +1,5 @@
 """``mpm-lab problem``: files that set the problem up, true to the equations, and one line for every mistake."""
 
-from __future__ import annotations
-
 import json
 from dataclasses import replace
 

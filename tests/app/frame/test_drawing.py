@@ -1,7 +1,5 @@
 """What is written on the viewer's stage: labels that the page gets as data, in parts of the stage's box."""
 
-from __future__ import annotations
-
 import gc
 import json
 import re

@@ -1,7 +1,5 @@
 """The field plot: what a frame brings for it, and an axis that holds what is there. No web server, no engine."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 from types import SimpleNamespace
 

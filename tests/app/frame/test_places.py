@@ -1,7 +1,5 @@
 """Where things stand on the stages, in windows of all shapes; and what counts as a crossing now."""
 
-from __future__ import annotations
-
 from itertools import product
 
 import numpy as np

@@ -1,7 +1,5 @@
 """One step in slow motion: what is shown of a step is the step's own, and adds up."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 from types import SimpleNamespace
 

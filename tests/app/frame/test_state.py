@@ -1,7 +1,5 @@
 """The text of what is on the stage: it means the same scene wherever it is read."""
 
-from __future__ import annotations
-
 import json
 
 import pytest

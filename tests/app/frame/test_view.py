@@ -1,7 +1,5 @@
 """What the stage shows of a frame, in words and numbers: halves, silences, regions. No web server, no engine."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 from itertools import pairwise
 from types import SimpleNamespace

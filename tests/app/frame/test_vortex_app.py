@@ -1,7 +1,5 @@
 """The vortex in what shows problems: state, page, recording, slow motion."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 

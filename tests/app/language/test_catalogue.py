@@ -1,7 +1,5 @@
 """Every text of the code is in the catalogue, and has a translation that goes with it."""
 
-from __future__ import annotations
-
 import ast
 import re
 

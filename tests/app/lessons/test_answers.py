@@ -1,7 +1,5 @@
 """A question's widgets: what the stage has is the answer to where a control was left, and sizes may have any prefix."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 
 import pytest

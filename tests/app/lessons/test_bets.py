@@ -1,7 +1,5 @@
 """Intervals as bets: what they cost, that honesty costs least, whose are laid side by side, and lesson 10's runs."""
 
-from __future__ import annotations
-
 import itertools
 from concurrent.futures import Future
 from contextlib import closing

@@ -1,7 +1,5 @@
 """Claims of lessons: what they mean, and what means nothing."""
 
-from __future__ import annotations
-
 import pytest
 
 from app.lessons.claims import ClaimError, Outcome, Scope, check_claim, decide, needed, value

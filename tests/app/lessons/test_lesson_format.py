@@ -1,7 +1,5 @@
 """A lesson's file: what it says, and every mistake with its line and what was expected; and what our own show."""
 
-from __future__ import annotations
-
 import re
 
 import pytest

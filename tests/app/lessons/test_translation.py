@@ -1,7 +1,5 @@
 """Lessons in other languages: other words, and nothing else."""
 
-from __future__ import annotations
-
 from contextlib import closing
 from dataclasses import replace
 

@@ -1,7 +1,5 @@
 """The notebooks of lessons/notebooks, each run as a reader runs it: every cell, in a kernel of its own."""
 
-from __future__ import annotations
-
 import re
 
 import pytest

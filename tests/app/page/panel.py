@@ -1,7 +1,5 @@
 """A panel of widgets that nobody sees: a test sets and clicks them by their labels, and reads what they show."""
 
-from __future__ import annotations
-
 from types import SimpleNamespace
 
 

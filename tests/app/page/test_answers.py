@@ -1,7 +1,5 @@
 """What is said under the control that was changed last: that its wish is compiled, or why it cannot be met."""
 
-from __future__ import annotations
-
 import re
 from types import SimpleNamespace
 

@@ -1,7 +1,5 @@
 """A board without a page: what a press does, what seats are told, what is shown when, what is saved, and its tally."""
 
-from __future__ import annotations
-
 import json
 import re
 import threading

@@ -1,7 +1,5 @@
 """What a class has said, drawn: bars, dots and lines stand where they should, and nothing of it needs colours."""
 
-from __future__ import annotations
-
 import re
 
 import pytest

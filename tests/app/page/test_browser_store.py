@@ -1,7 +1,5 @@
 """What the browser keeps, and what it says before the page can hear it."""
 
-from __future__ import annotations
-
 import asyncio
 import inspect
 import json

@@ -1,8 +1,6 @@
 """Who made this error? The chart on the page, the sentence above the stage, and a cause that is taken away, of series
 made by hand: that the numbers are those of runs, ``tests/browser/features/test_budget.py`` sees."""
 
-from __future__ import annotations
-
 import json
 import re
 from dataclasses import replace

@@ -1,7 +1,5 @@
 """The camera shows its rectangle and nothing else: the canvas has the rectangle's shape."""
 
-from __future__ import annotations
-
 import math
 from contextlib import nullcontext
 from types import SimpleNamespace

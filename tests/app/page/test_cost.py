@@ -1,7 +1,5 @@
 """The Cost tab without a browser: rows of live runs, the table and the picture."""
 
-from __future__ import annotations
-
 import csv
 import io
 from dataclasses import replace

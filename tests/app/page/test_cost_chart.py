@@ -1,7 +1,5 @@
 """The chart of the Cost tab: what is drawn where, what can be compared, and the answer above it."""
 
-from __future__ import annotations
-
 import re
 from dataclasses import replace
 from html.parser import HTMLParser

@@ -2,8 +2,6 @@
 once: on those of widgets, of the refresh, of a typed number that waits, of a file's way, of jobs, of engines, and at
 the end."""
 
-from __future__ import annotations
-
 import re
 import threading
 from concurrent.futures import Future

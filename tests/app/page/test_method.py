@@ -1,7 +1,5 @@
 """The pictures of the methods are of the weights that the solvers have."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 

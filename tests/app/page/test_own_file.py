@@ -1,7 +1,5 @@
 """A visitor's own file: read and judged in a process of its own, and taken in at the doors part by part."""
 
-from __future__ import annotations
-
 import io
 import json
 import os

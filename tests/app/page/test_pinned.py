@@ -1,7 +1,5 @@
 """Two runs side by side: an engine keeps partners together in periods, whatever each costs and whatever happens."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 from types import SimpleNamespace
 

@@ -1,7 +1,5 @@
 """What is compiled before anybody asks for it: what is likely, and in that order."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 
 import pytest

@@ -1,7 +1,5 @@
 """Looking back: the last frames, how many there are, and the numbers that go with an earlier one. No web server."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 from types import SimpleNamespace
 

@@ -1,7 +1,5 @@
 """Sparks: what each puts on the stage, and answers that are made of what both runs have come to."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 from types import SimpleNamespace
 

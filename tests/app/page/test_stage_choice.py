@@ -1,7 +1,5 @@
 """Whose errors the stage shows: each problem's as it was left, and one that says something of the quantity."""
 
-from __future__ import annotations
-
 from types import SimpleNamespace
 
 import numpy as np

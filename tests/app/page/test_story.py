@@ -1,7 +1,5 @@
 """The opening: what its story says is true of its scene, in numbers of the runs themselves; it ends as it should."""
 
-from __future__ import annotations
-
 import math
 from dataclasses import replace
 from types import SimpleNamespace

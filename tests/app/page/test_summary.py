@@ -1,7 +1,5 @@
 """The sentence that says what is seen: from the numbers of a frame, whatever is on the stage and whatever is not."""
 
-from __future__ import annotations
-
 import re
 from dataclasses import replace
 from itertools import product

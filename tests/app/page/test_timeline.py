@@ -1,7 +1,5 @@
 """The error over time: its axes, what is said round the curves, and finding a frame by its time. No web server."""
 
-from __future__ import annotations
-
 import json
 import re
 from html import unescape

@@ -1,7 +1,5 @@
 """The traced particle: its numbers are the frames', and a click finds it; and what the probe reads in a rectangle."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 from types import SimpleNamespace
 

@@ -1,7 +1,5 @@
 """Widgets that are made anew while callbacks of the old ones still run, which the viewer calls side by side."""
 
-from __future__ import annotations
-
 import json
 from types import SimpleNamespace
 from typing import get_type_hints

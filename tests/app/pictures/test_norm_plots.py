@@ -1,7 +1,5 @@
 """What the plots over time draw of an estimate that has lost its way."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 

@@ -1,7 +1,5 @@
 """What the rows of a sweep say: orders, fronts and balances, in tables, a summary and pictures."""
 
-from __future__ import annotations
-
 import csv
 import io
 

@@ -1,7 +1,5 @@
 """A server and those who look at it: what nobody sees rests, who watches the server is told, the end is said."""
 
-from __future__ import annotations
-
 import json
 import os
 import re

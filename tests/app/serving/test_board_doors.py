@@ -1,8 +1,6 @@
 """The board's doors: only its own code opens it, nobody else opens steps or is counted twice, and no visitor is ever
 told what another has said."""
 
-from __future__ import annotations
-
 import json
 from contextlib import ExitStack
 

@@ -1,7 +1,5 @@
 """The class code: without it no page, no frame and no scene; with it a cookie, and all of them."""
 
-from __future__ import annotations
-
 import hmac
 import json
 import re

@@ -1,7 +1,5 @@
 """The doors: who is let in, by addresses, origins and names."""
 
-from __future__ import annotations
-
 import socket
 
 import pytest

@@ -1,7 +1,5 @@
 """The html that a browser loads first, what it may do, and that no path leads to a file."""
 
-from __future__ import annotations
-
 import base64
 import hashlib
 import re

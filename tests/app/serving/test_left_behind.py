@@ -1,8 +1,6 @@
 """What goes wrong for one visitor is one line of log. Nothing of one who has gone stays, or is done for one who takes
 nothing."""
 
-from __future__ import annotations
-
 import gc
 import logging
 import re

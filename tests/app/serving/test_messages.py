@@ -1,7 +1,5 @@
 """What may be said to a page. A visitor without a browser says all that must not be said."""
 
-from __future__ import annotations
-
 import copy
 import time
 from dataclasses import replace

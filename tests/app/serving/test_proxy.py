@@ -1,8 +1,6 @@
 """The lab behind nginx with TLS, set up as ``assets/nginx.conf.example`` says: page, code and websocket come through.
 """
 
-from __future__ import annotations
-
 import http.client
 import os
 import re

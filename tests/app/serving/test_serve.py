@@ -1,7 +1,5 @@
 """What must not end the service: early leavers, pages, sessions and engines that fail. No web server."""
 
-from __future__ import annotations
-
 import operator
 import os
 import threading

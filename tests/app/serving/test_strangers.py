@@ -1,7 +1,5 @@
 """Strangers who say nothing, or come again and again: they take no place that others want."""
 
-from __future__ import annotations
-
 import socket
 from contextlib import ExitStack, closing, suppress
 from time import monotonic

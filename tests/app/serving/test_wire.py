@@ -1,7 +1,5 @@
 """The wire: what many threads say to a browser leaves in order and together, once, by its loop. No web server."""
 
-from __future__ import annotations
-
 import asyncio
 import threading
 from time import sleep

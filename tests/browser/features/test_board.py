@@ -1,8 +1,6 @@
 """A class on the board: pupils who predict, reload, come late and cheat, and a lecturer whose page, in a real
 browser, is driven by keyboard. The counts are right, and nobody is told what another has said."""
 
-from __future__ import annotations
-
 import json
 import re
 from contextlib import ExitStack, closing, contextmanager

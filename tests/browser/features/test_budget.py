@@ -1,8 +1,6 @@
 """Who made this error? A press below the judges, the chart, a suspect taken away: every share is that of the same run
 without a page."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 
 from app import state

@@ -1,7 +1,5 @@
 """The Cost tab: a search goes on behind a paused stage, its runs become dots, and what is clicked is loaded."""
 
-from __future__ import annotations
-
 import csv
 
 import pytest

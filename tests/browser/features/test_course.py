@@ -1,7 +1,5 @@
 """Lessons in a course's own system, in a real browser: SCORM 1.2 by a system that takes it to the letter."""
 
-from __future__ import annotations
-
 import io
 import re
 import zipfile

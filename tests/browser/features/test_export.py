@@ -1,7 +1,5 @@
 """Exported files in a real browser, from disk and without a network: sliders, a lesson to its hand-in, and names."""
 
-from __future__ import annotations
-
 import re
 from contextlib import ExitStack, closing, contextmanager
 

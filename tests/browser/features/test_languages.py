@@ -1,7 +1,5 @@
 """The page in several languages: chosen, kept by every link, each visitor his own; no text is outside the catalogue."""
 
-from __future__ import annotations
-
 from contextlib import closing, contextmanager
 
 import pytest

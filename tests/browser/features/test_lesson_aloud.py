@@ -1,8 +1,6 @@
 """A whole lesson by Tab, arrows, Enter and Space alone, and what a screen reader is told in each kind of its steps: one
 visitor walks through it once."""
 
-from __future__ import annotations
-
 import itertools
 import json
 import re

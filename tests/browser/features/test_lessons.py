@@ -1,7 +1,5 @@
 """Lessons and links in the real page: played from start to hand-in, kept over a reload, marked again by the command."""
 
-from __future__ import annotations
-
 import csv
 import json
 

@@ -1,7 +1,5 @@
 """A file of one's own code in a real browser: chosen, dropped, judged, played, and gone again."""
 
-from __future__ import annotations
-
 import re
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Two runs side by side: one is pinned, the other is changed, and both go on."""
 
-from __future__ import annotations
-
 import re
 
 import numpy as np

@@ -1,8 +1,6 @@
 """What the player's pictures, numbers and bets mean, by its own scripts in a browser: which half and which lane show
 which error, that a colour at a tick is that of its number, and that all is read and written as in Python."""
 
-from __future__ import annotations
-
 import json
 import math
 

@@ -1,7 +1,5 @@
 """One step in slow motion, as a visitor sees it."""
 
-from __future__ import annotations
-
 import re
 
 import numpy as np

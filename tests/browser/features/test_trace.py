@@ -1,7 +1,5 @@
 """A particle is traced by a click, and earlier frames are looked back at."""
 
-from __future__ import annotations
-
 import re
 
 import pytest

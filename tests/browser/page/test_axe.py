@@ -1,7 +1,5 @@
 """What axe, the checker of accessibility, finds wrong with the page in every state: nothing."""
 
-from __future__ import annotations
-
 import pytest
 
 from tests.browser.conftest import axe_finds, visit

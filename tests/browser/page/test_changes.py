@@ -1,7 +1,5 @@
 """What the browser has to do while a run plays: the picture moves, the page around it stands."""
 
-from __future__ import annotations
-
 from tests.browser.conftest import HOME, serving
 from tests.browser.driving import steps, until
 

@@ -1,7 +1,5 @@
 """The class code in a real browser: typed, wrong, and brought by a link."""
 
-from __future__ import annotations
-
 import pytest
 
 from tests.browser.conftest import FEW_FRAMES, axe_finds, serving

@@ -1,8 +1,6 @@
 """A newcomer's first minute: nothing half made, then a picture; the opening and its story, three sparks by keyboard
 alone, and a run that is lost. The numbers are those of ``tests/app/page/test_story.py`` and ``test_sparks.py``."""
 
-from __future__ import annotations
-
 import re
 from contextlib import closing
 

@@ -1,7 +1,5 @@
 """The page as a visitor meets it: it moves, it answers every control, and it says in words what goes wrong."""
 
-from __future__ import annotations
-
 import os
 import re
 import signal

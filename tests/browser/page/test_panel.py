@@ -1,7 +1,5 @@
 """The side panel in a browser: folds by keys, cards and pictures by a click, typed numbers, hints beside it."""
 
-from __future__ import annotations
-
 from tests.browser.driving import row, scene, tick, until
 
 

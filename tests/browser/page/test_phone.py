@@ -1,7 +1,5 @@
 """A phone: the stage stays, the panel is a sheet with three stops, and fingers find what they press."""
 
-from __future__ import annotations
-
 import pytest
 
 from tests.browser.conftest import visit

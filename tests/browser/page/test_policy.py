@@ -1,7 +1,5 @@
 """What the page may do, as a real browser sees it: its own scripts and nothing else."""
 
-from __future__ import annotations
-
 from tests.browser.driving import until
 
 HEARD = """window.violations = [];

@@ -1,7 +1,5 @@
 """A talk: large text, one plot, keys and a presenter's remote; and keys on the page as it is."""
 
-from __future__ import annotations
-
 import pytest
 
 from app.words import in_a_line

@@ -1,7 +1,5 @@
 """Room: in every window all has a place of its own, and what is written stays with what it names."""
 
-from __future__ import annotations
-
 import os
 import signal
 

@@ -1,7 +1,5 @@
 """Whatever is switched, the stage goes on: what must be compiled first is compiled beside it."""
 
-from __future__ import annotations
-
 from tests.browser.driving import choose, engine_processes, steps, tick, until
 from tests.listening import PATIENCE
 from tests.processes import children, held

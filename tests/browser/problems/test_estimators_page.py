@@ -1,8 +1,6 @@
 """Estimators on the page: several at once, and what they say of themselves. What is not estimated, not valid or has no
 truth is in ``tests/app/frame/test_view.py``, without a browser."""
 
-from __future__ import annotations
-
 import re
 
 from app.page.visit.session import FIRST_SCENE

@@ -1,7 +1,5 @@
 """A fifth estimator, added from outside (``tests/outside.py``), on a page of its own."""
 
-from __future__ import annotations
-
 import re
 
 import pytest

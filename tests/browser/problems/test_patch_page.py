@@ -1,7 +1,5 @@
 """The patch test on the page: its controls come and go, and the page says what happens, or that nothing does."""
 
-from __future__ import annotations
-
 import re
 
 from tests.browser.driving import choose, row, scene, summary, unfold, until

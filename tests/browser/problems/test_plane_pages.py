@@ -1,7 +1,5 @@
 """Ring and vortex on the page: estimate on one half, truth on the other, and the probe."""
 
-from __future__ import annotations
-
 import numpy as np
 
 from tests.browser.driving import choose, coloured, number, readout, scene, stage, stage_box, time, to_the_ring, until
