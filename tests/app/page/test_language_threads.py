@@ -20,7 +20,7 @@ from app.viewer.upload import TOO_LARGE
 from solvers.workers.pool import Slots
 from solvers.workers.processes import ProcessDied
 from tests import doors
-from tests.app.page.test_own_file import Sender
+from tests.app.page.features.test_own_file import Sender
 from tests.processes import until
 from tests.raw import Raw
 

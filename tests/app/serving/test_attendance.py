@@ -12,7 +12,7 @@ from app.page.visit import links
 from app.page.visit import session as page
 from app.page.visit.links import Tally
 from app.viewer import upload
-from tests.app.page.test_own_file import Sender
+from tests.app.page.features.test_own_file import Sender
 from tests.browser.conftest import serving
 from tests.doors import get
 from tests.listening import PATIENCE, SCENE

@@ -9,7 +9,7 @@ from websockets.exceptions import ConnectionClosed, InvalidStatus
 
 from app.doors.network import Anteroom, Bucket, Buckets, network_of
 from app.viewer import line, server, upload
-from tests.app.page.test_own_file import Sender
+from tests.app.page.features.test_own_file import Sender
 from tests.doors import lab
 from tests.processes import starving, until
 from tests.raw import Raw

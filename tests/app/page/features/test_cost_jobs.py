@@ -23,7 +23,7 @@ from solvers.study.jobs import READY
 from solvers.workers.pool import Slots
 from solvers.workers.processes import ProcessDied
 from tests.app.page.panel import Gui
-from tests.app.page.test_cost import SCENE
+from tests.app.page.features.test_cost import SCENE
 from tests.processes import until
 from tests.rows import made_up
 
