@@ -66,9 +66,9 @@ def test_it_does_so_at_once_and_in_little_memory(name, problem, tmp_path):
 
 
 def test_several_files_have_no_more_together_than_one(tmp_path, capsys, monkeypatch):
-    from solvers.judging import sources
+    from solvers.judging import reading
     from solvers.outside import limits
-    monkeypatch.setattr(sources, "LIMITS", limits.Limits(10**6, 10, 10, 1000, 100))
+    monkeypatch.setattr(reading, "LIMITS", limits.Limits(10**6, 10, 10, 1000, 100))
     files = []
     for k in range(3):
         (tmp_path / f"{k}.csv").write_bytes(b"id,x,t\n" + b"".join(b"%d,0,%d\n" % (p, k) for p in range(4)))

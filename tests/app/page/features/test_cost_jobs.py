@@ -22,8 +22,8 @@ from solvers.study.grid import task_of
 from solvers.study.jobs import READY
 from solvers.workers.pool import Slots
 from solvers.workers.processes import ProcessDied
-from tests.app.page.panel import Gui
 from tests.app.page.features.test_cost import SCENE
+from tests.app.page.panel import Gui
 from tests.processes import until
 from tests.rows import made_up
 
