@@ -53,7 +53,6 @@ def play(page, lesson, first, last):
         go_on(page)
 
 
-@pytest.mark.short
 def test_a_lesson_from_start_to_hand_in(class_room, chromium, tmp_path, capfd):
     lesson = shelf.lesson(NAME)
     half = len(lesson.steps) // 2
