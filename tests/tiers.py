@@ -97,10 +97,10 @@ def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item
         raise pytest.UsageError(f"tests/{LIST.name} names tests that are gone: {', '.join(sorted(gone))}")
     left_out = {"slow"} if not config.getoption("--slow") else set()
     left_out |= {"long"} if not runs_long_tests(config) else set()
-    deselected = [item for item in items if any(item.get_closest_marker(mark) for mark in left_out)]
+    deselected = {item for item in items if any(item.get_closest_marker(mark) for mark in left_out)}
     if deselected:
-        config.hook.pytest_deselected(items=deselected)
-        items[:] = [item for item in items if item not in set(deselected)]
+        config.hook.pytest_deselected(items=list(deselected))
+        items[:] = [item for item in items if item not in deselected]
 
 
 #: Files with tests in the browser, shared out to so many processes: each starts a server and a browser once. Three of
