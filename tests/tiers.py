@@ -114,6 +114,11 @@ def pytest_xdist_auto_num_workers(config: pytest.Config) -> int:
     return 4 if runs_long_tests(config) else 2
 
 
+#: Files whose tests run the same scenes of the plane: one process compiles these once, in tens of seconds.
+SAME_KERNELS = {f"tests/solvers/{name}.py" for name in ("estimators/test_accuracy", "running/test_same_bits",
+                                                        "estimators/test_recovered", "estimators/test_two_grid")}
+
+
 class FileByFile(LoadScopeScheduling):
     """Tests of a file share what it prepares, so one process runs them; and of those in the browser each part: by the
     alphabet, which divides the time that they take better than taking turns does. What takes longest is begun first:
@@ -124,7 +129,8 @@ class FileByFile(LoadScopeScheduling):
     def _assign_work_unit(self, node: WorkerController) -> None:
         if not self.is_sorted:
             self.is_sorted, seconds = True, seconds_by_file()
-            rows = sorted(self.workqueue.items(), key=lambda row: (not row[0].startswith("browser"), -seconds[row[0]]))
+            rows = sorted(self.workqueue.items(), key=lambda row: (not row[0].startswith("browser"),
+                                                                   row[0] != "same kernels", -seconds[row[0]]))
             self.workqueue.clear()
             self.workqueue.update(rows)
         super()._assign_work_unit(node)
@@ -132,7 +138,7 @@ class FileByFile(LoadScopeScheduling):
     def _split_scope(self, nodeid: str) -> str:
         path = Path(nodeid.partition("::")[0])
         if not nodeid.startswith(BROWSER):
-            return str(path)
+            return "same kernels" if str(path) in SAME_KERNELS else str(path)
         return f"browser {BROWSERS * BROWSER_FILES.index(path.name) // len(BROWSER_FILES)}"
 
 

@@ -78,7 +78,7 @@ def execute(tasks: Iterable[Any], place: "Here | Cluster", on_row: Callable[[dic
     waiting = {place.submit(task): task for task in tasks}
     while waiting:
         done, _ = wait(waiting, LOOK_SECONDS, FIRST_COMPLETED)
-        for future in done:
+        for future in [future for future in waiting if future in done]:  # in the order of the tasks
             task = waiting.pop(future)
             if row := _outcome(task, future, lost, give_up):
                 on_row(row)

@@ -45,7 +45,7 @@ def test_a_sweep_leaves_rows_tables_and_pictures(whole):
     assert orders == pytest.approx([2, 2], abs=0.2)
 
 
-@pytest.mark.parametrize("left", [4, 2])
+@pytest.mark.parametrize("left", [pytest.param(4, marks=pytest.mark.slow), 2])
 def test_resumed_it_is_the_same_table_and_runs_what_is_missing(left, whole, tmp_path, monkeypatch, capsys):
     """Whether it had finished, or was killed while it wrote its third row."""
     lines = (whole / "rows.jsonl").read_bytes().splitlines(keepends=True)

@@ -69,7 +69,8 @@ def test_a_refusal_is_heard_as_a_whole(kind: type[Scene], inputs: dict):
     assert heard(str(refused.value)) == str(refused.value)
 
 
-@pytest.mark.parametrize("problem", PROBLEMS)
+@pytest.mark.parametrize("problem", [pytest.param(name, marks=pytest.mark.slow) if name == "vortex" else name
+                                     for name in PROBLEMS])
 def test_of_any_scene_warnings_and_estimators_that_do_not_hold_are_heard(problem):
     found = {sentence for seed in range(150) for sentence in said_of(problem, random.Random(seed))}
     assert len(found) > 10

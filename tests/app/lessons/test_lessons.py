@@ -85,8 +85,8 @@ CHOSEN: dict[str, dict[str, str]] = {
         "a-free-rim": "It grows with the number of cells", "a-bar-that-is-left-alone": "lost",
         "who-saw-it": "recovered and companion"},
     "10-how-sure-are-you": {"the-judges-bet": "Bet 3, the force at the nodes"}}
-#: Lessons that run what tests of the Cost tab, of each estimator and of bets run, for half a minute each.
-LONG = ("07", "09", "10")
+#: Lessons that run what tests of the Cost tab, of budgets, of each estimator and of bets run, up to half a minute each.
+LONG = ("05", "07", "08", "09", "10")
 
 
 @pytest.fixture(scope="module")
@@ -114,7 +114,8 @@ def test_every_claim_of_a_lesson_holds(name, outcomes):
             if step.question.kind == CHOICE} == CHOSEN[name]
 
 
-@pytest.mark.parametrize("name", classes.names())
+@pytest.mark.parametrize("name", [pytest.param(name, marks=pytest.mark.slow) if name == "three-sessions" else name
+                                  for name in classes.names()])
 def test_every_claim_of_a_page_for_a_class_holds(name, outcomes):
     """Most of its runs are those of lessons."""
     found = list(classes.checks(classes.page(name), lessons(), outcomes))

@@ -27,7 +27,8 @@ def test_every_notebook_is_run():
     assert {path.stem for path in NOTEBOOKS.iterdir()} == set(CLAIMS)
 
 
-@pytest.mark.parametrize("name", CLAIMS)
+@pytest.mark.parametrize("name", [name if name == "judged" else pytest.param(name, marks=pytest.mark.slow)
+                                  for name in CLAIMS])  # the others compile for ten seconds each
 def test_a_notebook_runs_and_keeps_its_word(name, tmp_path):
     require_group("notebook")
     import jupytext

@@ -122,7 +122,8 @@ def test_who_comes_and_goes_keeps_only_its_own_network_out(address, monkeypatch)
     assert refused > 3 and comes_in(address) < WITHIN
 
 
-@pytest.mark.parametrize(("source", "what"), [("127.0.0.99", "values"), ("127.0.7.7", "parts of a file")])
+@pytest.mark.parametrize(("source", "what"), [
+    ("127.0.0.99", "values"), pytest.param("127.0.7.7", "parts of a file", marks=pytest.mark.slow)])
 def test_who_sends_far_too_much_is_sent_away_and_must_wait(address, source, what):
     """Others stay; from its address no websocket opens for some seconds."""
     with Raw(address, source_address=OTHER) as other:

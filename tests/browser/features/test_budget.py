@@ -3,6 +3,8 @@ without a page."""
 
 from dataclasses import replace
 
+import pytest
+
 from app import state
 from app.frame.budget import percent
 from app.words import per_cent
@@ -22,6 +24,7 @@ def legend(page):
         "[row.dataset.cause, [...row.cells].slice(1).map(cell => cell.textContent)]))")
 
 
+@pytest.mark.slow
 def test_who_made_it_and_what_is_left_without_it(server, chromium, simulate):
     with visit(chromium, server[0], f"#{HATS}") as page:
         page.get_by_role("button", name="Who made this error? crossings").focus()

@@ -85,6 +85,7 @@ def test_a_visitor_changes_the_language_and_what_is_seen_stays(chromium, address
         assert spoken(page) == "de" and "lang=de" in at(page)[0]
 
 
+@pytest.mark.slow
 def test_nothing_on_the_page_is_said_outside_the_catalogue(chromium, address):
     with visiting(chromium, address, f"&lang={pseudo.CODE}") as page:
         found = {}
@@ -137,6 +138,7 @@ def test_nothing_on_the_page_is_said_outside_the_catalogue(chromium, address):
         assert found == {}
 
 
+@pytest.mark.slow
 def test_nothing_in_a_file_is_said_outside_the_catalogue(chromium, tmp_path, monkeypatch):
     """A lesson, which is in English: each step, and what is said of answers."""
     monkeypatch.setattr("app.export.page.recordings", lambda wanted, *others: [recording(one) for one in wanted])

@@ -12,6 +12,8 @@ from app.lessons.lesson import CHOICE, EXPLAIN, INTERVAL, OBSERVE, PREDICT, RUN
 from tests.browser.conftest import axe_finds, visit
 from tests.browser.driving import again_until, tab_to, until
 
+pytestmark = pytest.mark.slow
+
 NAME = "03-order"  # choices and numbers, and runs that are soon there
 MOST = 80  # presses of Tab from one thing to another; the page has some fifty stops
 

@@ -70,6 +70,7 @@ def plays_to_its_end(frame) -> None:
     assert frame.locator("#stage").evaluate(drawn) > 50  # values of colours: a stage that is drawn, not an empty one
 
 
+@pytest.mark.slow
 def test_a_run_plays_below_its_cell_in_jupyterlab(chromium, jupyter):
     with closing(chromium.new_context(viewport={"width": 1280, "height": 900})) as context:
         page = context.new_page()

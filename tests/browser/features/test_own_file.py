@@ -31,6 +31,7 @@ def ring(tmp_path_factory):
     return file
 
 
+@pytest.mark.slow
 def test_a_file_is_chosen_judged_and_left(page, ring):
     """It is played to its end and back; the run rests meanwhile, and goes on when one comes back."""
     to_the_ring(page)

@@ -19,7 +19,8 @@ def nothing_serious(page, where):
         raise AssertionError(f"names for all in {where}: {serious(page)}") from None
 
 
-@pytest.mark.parametrize("scheme", [pytest.param("light", marks=pytest.mark.short), "dark"])
+@pytest.mark.parametrize("scheme", [pytest.param("light", marks=pytest.mark.short),
+                                    pytest.param("dark", marks=pytest.mark.slow)])
 def test_axe_finds_nothing(server, chromium, scheme):
     """In the page as it comes, with folders open, and in every tab."""
     with visit(chromium, server[0], "#", color_scheme=scheme) as page:
@@ -32,6 +33,7 @@ def test_axe_finds_nothing(server, chromium, scheme):
             nothing_serious(page, tab)
 
 
+@pytest.mark.slow
 def test_signs_are_seen_in_the_browsers_own_colours(server, chromium):
     """Forced colours take away the grounds by which signs are drawn: these keep one, and what is chosen has a rim."""
     with visit(chromium, server[0], forced_colors="active") as page:

@@ -1,5 +1,7 @@
 """What the browser has to do while a run plays: the picture moves, the page around it stands."""
 
+import pytest
+
 from tests.browser.conftest import HOME, serving
 from tests.browser.driving import steps, until
 
@@ -17,6 +19,7 @@ CHANGES = """() => {
     }).observe(document.documentElement, {subtree: true, childList: true, attributes: true, characterData: true}); }"""
 
 
+@pytest.mark.slow
 def test_no_part_of_the_page_changes_with_every_frame(server, chromium):
     """What is drawn moves; words, widgets and curves follow a few times a second, and the clock is the quickest."""
     with serving(frames=30) as (address, _):

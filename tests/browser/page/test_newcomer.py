@@ -4,6 +4,8 @@ alone, and a run that is lost. The numbers are those of ``tests/app/page/test_st
 import re
 from contextlib import closing
 
+import pytest
+
 from tests.browser.conftest import SIZE, visit
 from tests.browser.driving import PATIENCE, coloured, scene, stage, summary, tab_to, until
 from tests.processes import STARVED
@@ -25,6 +27,7 @@ look();
 """
 
 
+@pytest.mark.slow
 def test_nothing_half_made_is_ever_seen(server, chromium):
     """From the first picture on the ground covers the viewer's own panel, until there is a stage; then it is away."""
     with closing(chromium.new_page(viewport=SIZE)) as page:  # before the page is there
@@ -43,6 +46,7 @@ def sparks(page):
     return page.locator("#lab-sparks").inner_text()
 
 
+@pytest.mark.slow
 def test_three_sparks_by_keyboard_alone(server, chromium):
     """From the first picture on: the story is left by a key, and each answer leads on."""
     with visit(chromium, server[0], "#") as page:

@@ -1,5 +1,7 @@
 """The side panel in a browser: folds by keys, cards and pictures by a click, typed numbers, hints beside it."""
 
+import pytest
+
 from tests.browser.driving import row, scene, tick, until
 
 #: Left and right of what is seen of elements, in one look: a hint goes when the panel moves below the pointer.
@@ -94,6 +96,7 @@ def a_hint_stands_beside_the_panel(page):
     page.mouse.up()
 
 
+@pytest.mark.slow
 def test_the_side_panel(page):
     """One visitor for all: a page of their own would cost each more than what is looked at."""
     until(lambda: scene(page)["problem"] == "bar", "a scene")

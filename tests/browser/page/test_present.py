@@ -54,6 +54,7 @@ def presenter(server, chromium):
         yield page
 
 
+@pytest.mark.slow
 def test_a_talk(presenter):
     """Letters for the last row, the scene named, one plot, no panel; keys and a remote drive it, and it ends."""
     page = presenter

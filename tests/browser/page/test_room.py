@@ -125,7 +125,7 @@ STATES = {"a run gone bad": "bar;method=mpm;amplitude=0.1;estimators=companion,t
           "a pinned run": "bar;method=mpm;estimators=recovered;error-of=sigma;pinned;method=bspline"}
 
 
-@pytest.mark.parametrize("state", STATES)
+@pytest.mark.parametrize("state", ["a run gone bad", pytest.param("a pinned run", marks=pytest.mark.slow)])
 def test_words_in_every_state(server, chromium, state):
     """Whatever there is to be said has room in windows of all sizes."""
     with visit(chromium, server[0], f"#{STATES[state]}") as page:
@@ -167,6 +167,7 @@ def the_run_goes_on_when_the_window_changes(page):
     assert "paused" in readout(page) and steps(page) == at
 
 
+@pytest.mark.slow
 def test_places(page):
     """One visitor for both shapes of stage: a page of their own would cost each more than what is looked at. So
     below. The bar has every size, the ring the highest, the widest and the narrowest."""
@@ -178,11 +179,13 @@ def test_places(page):
     everything_has_a_place_of_its_own(page, (LAPTOP, LARGE, SMALL, UPRIGHT, PHONE, *ENLARGED))
 
 
+@pytest.mark.slow
 def test_windows_that_change(page):
     the_run_goes_on_when_the_window_changes(page)
     the_open_tab_stays_open_when_the_window_changes(page)
 
 
+@pytest.mark.slow
 def test_the_stage_follows_a_window_without_the_server(server, chromium):
     """Its process stands still meanwhile: what is written stays where it was on the picture."""
     with visit(chromium, server[0]) as page:

@@ -1,5 +1,7 @@
 """Whatever is switched, the stage goes on: what must be compiled first is compiled beside it."""
 
+import pytest
+
 from tests.browser.driving import choose, engine_processes, steps, tick, until
 from tests.listening import PATIENCE
 from tests.processes import children, held
@@ -17,6 +19,7 @@ def ticks(page, *names):
     return [lambda name=name: tick(page, name) for name in names]
 
 
+@pytest.mark.slow
 def test_the_stage_goes_on_beside_the_compiler(page, server):
     """A compiler that is held still takes as long as the test likes: a word stands beside what was switched, the run
     before goes on, and when the compiler is done, the word goes. One may be too quick to be held: then the next.

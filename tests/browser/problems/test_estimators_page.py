@@ -3,6 +3,8 @@ truth is in ``tests/app/frame/test_view.py``, without a browser."""
 
 import re
 
+import pytest
+
 from app.page.visit.session import FIRST_SCENE
 from solvers.problems import PROBLEMS
 from tests.browser.driving import choose, drawn, readout, tick, unfold, until
@@ -11,6 +13,7 @@ LINE = r"\s+[\d.]+ \S?m\s+[\d.e-]+\s+[\d.e-]+"  # norm, index and distance in th
 OFFERED = PROBLEMS[FIRST_SCENE.problem].estimators
 
 
+@pytest.mark.slow
 def test_several_at_once(page):
     """Every estimator ticked has a line of its own in table and plot, and any of them can be on the stage."""
     unfold(page, "Method details")

@@ -2,6 +2,8 @@
 
 import re
 
+import pytest
+
 from tests.browser.driving import choose, row, scene, summary, unfold, until
 
 PASSED = "nothing happens, as it should"
@@ -11,6 +13,7 @@ def fill(page, label, value):
     row(page, label).locator("input.mantine-NumberInput-input").fill(value)
 
 
+@pytest.mark.slow
 def test_the_patch_test_comes_and_goes(page):
     assert not page.get_by_text("Stretch F").count()
     unfold(page, "Motion and material")

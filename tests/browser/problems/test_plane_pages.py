@@ -1,6 +1,7 @@
 """Ring and vortex on the page: estimate on one half, truth on the other, and the probe."""
 
 import numpy as np
+import pytest
 
 from tests.browser.driving import choose, coloured, number, readout, scene, stage, stage_box, time, to_the_ring, until
 
@@ -41,6 +42,7 @@ def test_the_ring_moves_and_is_probed(page):
     the_probe_reads_a_region(page)
 
 
+@pytest.mark.slow
 def test_the_vortex_moves_and_its_numbers_are_said(page):
     """Angular momentum is among them."""
     choose(page, "Problem", "generalized vortex")

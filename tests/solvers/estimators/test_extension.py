@@ -2,7 +2,8 @@
 
 Everything that knows estimators and effects must take them as its own: command line, JSON, text, readout, rows, tables,
 pictures and claims; the page is in ``tests/browser/problems/test_extension_page.py``. In a process of its own, because
-this one has compiled its solvers without them.
+this one has compiled its solvers without them; ``tests/app/lessons/test_scripts.py`` has the one of a lesson, which
+takes less.
 """
 
 import csv
@@ -98,6 +99,7 @@ def found(tmp_path_factory) -> tuple[Path, dict]:
     return folder, json.loads((folder / "found.json").read_text())
 
 
+@pytest.mark.slow
 def test_only_the_problem_that_it_is_for_has_it(found):
     """A problem that has it not says so in one sentence with the names of those that it has."""
     _, said = found
@@ -112,6 +114,7 @@ def test_only_the_problem_that_it_is_for_has_it(found):
     assert all(name in err for name in RingScene.ESTIMATORS) and err.count("zero") == 1
 
 
+@pytest.mark.slow
 def test_a_run_has_it_beside_others(found):
     """Index 0 and distance 1: no error is said where there is one."""
     status, out, err = found[1]["run"]
@@ -126,6 +129,7 @@ def test_a_run_has_it_beside_others(found):
     assert (status, err) == (0, "") and "estimate: transport" in out and "estimate: zero" in out
 
 
+@pytest.mark.slow
 def test_a_naive_estimator_loses_no_run(found):
     """It puts the error of x at many amplitudes, and the truth knows better."""
     status, out, _ = found[1]["loud"]
@@ -134,6 +138,7 @@ def test_a_naive_estimator_loses_no_run(found):
     assert ring["estimate"]["x"]["max"] == 1.0 and ring["index"]["x"] > 1e3 and ring["strain"] is None
 
 
+@pytest.mark.slow
 def test_a_sweep_measures_it_in_processes_of_its_own(found):
     folder, said = found
     assert said["sweep"][0] == 0, said["sweep"]
@@ -144,6 +149,7 @@ def test_a_sweep_measures_it_in_processes_of_its_own(found):
     assert "zero: index x" in (folder / "out" / "summary.md").read_text()
 
 
+@pytest.mark.slow
 def test_a_number_declared_once_is_told_everywhere(found):
     """JSON, a result, text, the page's readout and claims of lessons."""
     strain = json.loads(found[1]["run"][1])["strain"]
@@ -153,6 +159,7 @@ def test_a_number_declared_once_is_told_everywhere(found):
     assert found[1]["readout"] == f"largest {largest:.3g}, samples {samples}" and found[1]["claims"] == [True, False]
 
 
+@pytest.mark.slow
 def test_tables_and_pictures_show_it(found):
     folder, said = found
     assert {label for label, _, _ in said["table"]} >= {"transport", "zero"}

@@ -172,7 +172,7 @@ def motion_of_vortex(scene: VortexScene, a, t: float) -> tuple[np.ndarray, np.nd
 
 
 @pytest.mark.parametrize(("scene", "steps", "motion", "recovered"), [
-    (RING, 600, motion_of_ring, ((0.25, 0.2), (0.25, 0.2), None)),
+    pytest.param(RING, 600, motion_of_ring, ((0.25, 0.2), (0.25, 0.2), None), marks=pytest.mark.slow),
     (replace(VORTEX, estimators=("companion",)), 0, motion_of_vortex, ()),
     pytest.param(VORTEX, 0, motion_of_vortex, ((0.15, 1.0), (0.15, 1.0), (0.15, 1.0)), marks=pytest.mark.slow),
     *(pytest.param(replace(scene, body_force="none", estimators=("companion",), **changes), steps, motion, (),

@@ -86,7 +86,8 @@ def test_a_row_of_the_tables_has_what_is_read_of_it():
 
 
 @pytest.mark.skipif(os.name == "nt", reason="POSIX shells")
-@pytest.mark.parametrize("closed", [">&-", "2>&-", "<&- >&- 2>&-"])
+@pytest.mark.parametrize("closed", [*(pytest.param(one, marks=pytest.mark.slow) for one in (">&-", "2>&-")),
+                                    "<&- >&- 2>&-"])
 @pytest.mark.parametrize(("words", "status"), [
     ("run bar --cells 8 --periods 0.1 --quiet --json -", 0), ("sweep bar --cells 2 --out d", 2),
     *(pytest.param(words, 2, marks=pytest.mark.slow)  # refused where the sweep is, before a command is asked

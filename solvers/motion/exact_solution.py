@@ -1,0 +1,105 @@
+"""The exact solution that a displacement and a material law make: motion, stress and the body force that holds it.
+
+The method of manufactured solutions: of u(X, Y, t) follow v = u_t, a = u_tt, F = I + Grad u, the stress P(F), and the
+body force per mass b = a - Div P/rho that makes u the solution. Source: Roache, J. Fluids Eng. 124 (2002) 4-10.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from solvers.motion.jets import Jet, variables
+from solvers.motion.neo_hookean import cauchy_stress, first_piola_stress
+
+X_AXIS, Y_AXIS, TIME = range(3)
+#: (scene, X, Y, t) -> (u_x, u_y), of any kind of number: arrays, or jets with the functions of ``solvers.motion.jets``.
+Displacement = Callable[[Any, Any, Any, Any], tuple[Any, Any]]
+
+
+class MotionJets(NamedTuple):
+    """The displacement at material points, with its first and second derivatives."""
+
+    x: Jet
+    y: Jet
+
+    @property
+    def velocity(self) -> tuple[Any, Any]:
+        return self.x.derivative(TIME), self.y.derivative(TIME)
+
+    @property
+    def acceleration(self) -> tuple[Any, Any]:
+        return self.x.derivative(TIME, TIME), self.y.derivative(TIME, TIME)
+
+    @property
+    def deformation_gradient(self) -> tuple[Any, Any, Any, Any]:
+        """F_xx, F_xy, F_yx, F_yy."""
+        return (1.0 + self.x.derivative(X_AXIS), self.x.derivative(Y_AXIS),
+                self.y.derivative(X_AXIS), 1.0 + self.y.derivative(Y_AXIS))
+
+    @property
+    def deformation_gradient_rate(self) -> tuple[Any, Any, Any, Any]:
+        """F_t, component by component, in 1/s."""
+        return tuple(one.derivative(axis, TIME)
+                     for one in self for axis in (X_AXIS, Y_AXIS))  # type: ignore[return-value]
+
+    def body_force(self, lame: tuple[float, float], density: float) -> tuple[Any, Any]:
+        """b = a - Div P/rho per mass, in m/s^2: P of F as jets of first order along X and Y."""
+        F = [Jet(value, (one.derivative(axis, X_AXIS), one.derivative(axis, Y_AXIS), None), ())
+             for value, (one, axis) in zip(self.deformation_gradient,
+                                           ((one, axis) for one in self for axis in (X_AXIS, Y_AXIS)), strict=True)]
+        P = first_piola_stress(F, *lame)
+        divergence = (P[0].derivative(X_AXIS) + P[1].derivative(Y_AXIS),
+                      P[2].derivative(X_AXIS) + P[3].derivative(Y_AXIS))
+        a = self.acceleration
+        return a[0] - divergence[0] / density, a[1] - divergence[1] / density
+
+
+class ExactSolution:
+    """Functions of (scene, X (P, 2) in m, t in s) that follow from a displacement.
+
+    ``scene`` gives ``lame_moduli`` in Pa and ``density`` in kg/m^3, and whatever the displacement asks of it.
+    """
+
+    def __init__(self, displacement: Displacement):
+        self._displacement = displacement
+
+    def jets(self, scene: Any, X: np.ndarray, t: Any) -> MotionJets:
+        """The displacement with its derivatives at points X and a time, or a time each (P,)."""
+        u = self._displacement(scene, *variables(X[:, 0], X[:, 1], t))
+        return MotionJets(*(one if isinstance(one, Jet) else Jet(one) for one in u))
+
+    def displacement(self, scene: Any, X: np.ndarray, t: Any) -> np.ndarray:
+        """u (P, 2) in m."""
+        return columns(self._displacement(scene, X[:, 0], X[:, 1], t), len(X))
+
+    def position(self, scene: Any, X: np.ndarray, t: Any) -> np.ndarray:
+        """x = X + u (P, 2) in m."""
+        return X + self.displacement(scene, X, t)
+
+    def velocity(self, scene: Any, X: np.ndarray, t: Any) -> np.ndarray:
+        """v (P, 2) in m/s."""
+        return columns(self.jets(scene, X, t).velocity, len(X))
+
+    def acceleration(self, scene: Any, X: np.ndarray, t: Any) -> np.ndarray:
+        """a (P, 2) in m/s^2."""
+        return columns(self.jets(scene, X, t).acceleration, len(X))
+
+    def deformation_gradient(self, scene: Any, X: np.ndarray, t: Any) -> np.ndarray:
+        """F (P, 2, 2)."""
+        return columns(self.jets(scene, X, t).deformation_gradient, len(X)).reshape(-1, 2, 2)
+
+    def stress(self, scene: Any, X: np.ndarray, t: Any) -> np.ndarray:
+        """Cauchy stress xx, xy, yy (P, 3) in Pa."""
+        return columns(cauchy_stress(self.jets(scene, X, t).deformation_gradient, *scene.lame_moduli), len(X))
+
+    def body_force(self, scene: Any, X: np.ndarray, t: Any) -> np.ndarray:
+        """b (P, 2) per mass in m/s^2, the force that makes the displacement the solution."""
+        return columns(self.jets(scene, X, t).body_force(scene.lame_moduli, scene.density), len(X))
+
+
+def columns(components: Any, points: int) -> np.ndarray:
+    """Components (C of them), arrays (P,) or numbers, as an array (P, C)."""
+    return np.stack([np.broadcast_to(one, points) for one in components], axis=1)

@@ -1,0 +1,143 @@
+"""A field of time and place as data: sum_k T_k(t) M_k(X), so that no formula is compiled into a kernel.
+
+A smooth field with a period is a trigonometric polynomial in time to rounding, for its Fourier coefficients fall
+geometrically; and few of its values at different places are independent. So values at some hundred places and 16, 32,
+64, ... times, until the spectrum ends in rounding, have the T_k as their singular vectors; the M_k of all places follow
+from about twice as many times as there are T_k.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+
+#: (X (n, 2), t (n,)) -> (n, C) components.
+Field = Callable[[np.ndarray, np.ndarray], np.ndarray]
+
+SAMPLE_PLACES = 300  # from which the functions of time are found
+FEWEST_TIMES, MOST_TIMES = 16, 512  # of a period
+SPECTRUM_END = 3e-15  # of the largest Fourier coefficient: rounding
+NOISY_FROM, NOISE = 128, 1e-12  # times from which on so much passes for rounding, too: of a formula that cancels
+RANK_TOLERANCE = 2e-16  # of the largest singular value, times the root of the number of values
+LEAST_COEFFICIENT = 1e-16  # of a harmonic that is kept
+
+
+class NotPeriodic(ArithmeticError):
+    """The field is no smooth function of time with that period."""
+
+
+@dataclass(frozen=True)
+class SeparableField:
+    """sum_k T_k(t) M_k(X) at P places.
+
+    Parameters
+    ----------
+    modes
+        M_k (P, r, C).
+    series
+        (r, 1 + 2 H): of T_k the mean, then cos and sin of the harmonics 1 to H.
+    angular_frequency
+        Of the first harmonic, in 1/s.
+    """
+
+    modes: np.ndarray
+    series: np.ndarray
+    angular_frequency: float
+
+    @property
+    def rank(self) -> int:
+        return len(self.series)
+
+    @property
+    def harmonics(self) -> int:
+        return self.series.shape[1] // 2
+
+    def time_functions(self, t: float, derivative: int = 0) -> np.ndarray:
+        """T_k (r,) at a time, or their first or second derivatives."""
+        w = np.arange(1, self.harmonics + 1) * self.angular_frequency
+        turn = w * t + 0.5 * np.pi * derivative
+        waves = np.stack([np.cos(turn), np.sin(turn)], axis=1) * (w**derivative)[:, None]
+        return self.series[:, 1:] @ waves.ravel() + self.series[:, 0] * (derivative == 0)
+
+    def __call__(self, t: float, derivative: int = 0) -> np.ndarray:
+        """The field (P, C) at a time, or its first or second derivative with respect to time."""
+        return np.einsum("k,pkc->pc", self.time_functions(t, derivative), self.modes)
+
+
+def separate(field: Field, places: np.ndarray, period: float) -> SeparableField:
+    """The field at ``places`` (P, 2), to rounding.
+
+    Raises
+    ------
+    NotPeriodic
+        Where it is not finite, or its spectrum does not end.
+    """
+    some = places[np.unique(np.linspace(0, len(places) - 1, min(SAMPLE_PLACES, len(places))).astype(int))]
+    values, times = _resolved(field, some, period)
+    T = _independent(values)
+    chosen = _telling_times(T, min(len(times), 2 * len(T)))
+    modes = _at(field, places, times[chosen]) @ np.linalg.pinv(T[:, chosen])  # (P C, r)
+    return SeparableField(modes.reshape(len(places), -1, len(T)).swapaxes(1, 2).copy(), _fourier_series(T),
+                          2 * np.pi / period)
+
+
+def _resolved(field: Field, places: np.ndarray, period: float) -> tuple[np.ndarray, np.ndarray]:
+    """Values (n C, M) at M times of a period, as many as the spectrum needs to end; and the times."""
+    M = FEWEST_TIMES
+    while True:
+        times = period * np.arange(M) / M
+        values = _at(field, places, times)
+        spectrum = np.abs(np.fft.rfft(values, axis=1)).max(axis=0)
+        if not np.isfinite(spectrum).all():
+            raise NotPeriodic("it is not finite at some time")
+        largest, end = spectrum.max(), spectrum[-max(2, M // 8):].max()
+        if end <= SPECTRUM_END * largest or (M >= NOISY_FROM and end <= NOISE * largest):
+            return values, times
+        if M >= MOST_TIMES:
+            raise NotPeriodic(f"{period:g} s is not its period, or it changes too fast")
+        M *= 2
+
+
+def _at(field: Field, places: np.ndarray, times: np.ndarray) -> np.ndarray:
+    """The field (n C, M) at places and times."""
+    found = [field(places, np.full(len(places), t)) for t in times]
+    return np.stack(found, axis=-1).reshape(-1, len(times))
+
+
+def _independent(values: np.ndarray) -> np.ndarray:
+    """Orthonormal functions of time (r, M) that span the values (n C, M) to rounding, the largest first."""
+    _, size, V = np.linalg.svd(np.linalg.qr(values, mode="r"))
+    return V[:max(1, int(np.count_nonzero(size > RANK_TOLERANCE * np.sqrt(values.size) * size[0])))]
+
+
+def _telling_times(T: np.ndarray, count: int) -> np.ndarray:
+    """Numbers of the ``count`` times by which functions (r, M) are told apart best: pivoted elimination, and once more
+    among the times that are left."""
+    chosen: list[int] = []
+    while len(chosen) < count:
+        left = T.copy()
+        left[:, chosen] = 0.0
+        for _ in range(min(len(T), count - len(chosen))):
+            pivot = int(np.argmax((left**2).sum(axis=0)))
+            if not left[:, pivot].any():
+                return np.array(sorted(chosen))
+            chosen.append(pivot)
+            direction = left[:, pivot] / np.linalg.norm(left[:, pivot])
+            left -= np.outer(direction, direction @ left)
+            left[:, chosen] = 0.0
+    return np.array(sorted(chosen))
+
+
+def _fourier_series(T: np.ndarray) -> np.ndarray:
+    """Mean, cos and sin coefficients (r, 1 + 2 H) of functions (r, M) sampled over a period."""
+    M = T.shape[1]
+    coefficients = np.fft.rfft(T, axis=1) / M
+    H = M // 2 - 1
+    while H > 1 and np.abs(coefficients[:, H]).max() < LEAST_COEFFICIENT:
+        H -= 1
+    series = np.empty((len(T), 1 + 2 * H))
+    series[:, 0] = coefficients[:, 0].real
+    series[:, 1::2], series[:, 2::2] = 2 * coefficients[:, 1:H + 1].real, -2 * coefficients[:, 1:H + 1].imag
+    return series

@@ -1,0 +1,149 @@
+"""What follows from a displacement: the closed forms of ring and vortex as they are printed, and the momentum balance."""
+
+import math
+
+import numpy as np
+import pytest
+
+from solvers.motion.exact_solution import ExactSolution
+from solvers.motion.jets import Jet, cos, exp, log, sin, sqrt, variables
+from solvers.motion.neo_hookean import cauchy_stress, first_piola_stress, strain_energy
+from solvers.motion.separable_field import NotPeriodic, separate
+from solvers.problems.planar.layout import particle_layout
+from solvers.problems.ring import exact as ring
+from solvers.problems.ring.scene import RingScene
+from solvers.problems.vortex import exact as vortex
+from solvers.problems.vortex.scene import VortexScene
+
+RADIAL = (ring.C1, ring.C2, ring.C3)
+TIMES = (0.0, 0.13, 0.31, 0.77)  # of a period
+
+
+def ring_displacement(scene, X, Y, t):
+    R = sqrt(X * X + Y * Y)
+    share = scene.amplitude * sin(scene.angular_frequency * t) * ((ring.C3 * R + ring.C2) * R + ring.C1)
+    return share * X, share * Y
+
+
+def vortex_displacement(scene, X, Y, t):
+    s = sqrt(X * X + Y * Y) - vortex.MIDDLE
+    half = 0.5 * scene.amplitude * sin(scene.angular_frequency * t) * (1 + (vortex.BEND + vortex.RISE * s * s) * s * s)
+    shrink, turn = -2 * sin(half) ** 2, sin(2 * half)  # cos(alpha) - 1, without cancellation, and sin(alpha)
+    return shrink * X - turn * Y, turn * X + shrink * Y
+
+
+SCENES = {"ring": (RingScene(cells=12), ring_displacement, ring),
+          "vortex": (VortexScene(cells=16, amplitude=0.7), vortex_displacement, vortex)}
+
+
+@pytest.fixture(params=SCENES)
+def problem(request):
+    scene, displacement, closed = SCENES[request.param]
+    return scene, ExactSolution(displacement), closed, particle_layout(scene).position
+
+
+@pytest.mark.parametrize("part", TIMES)
+def test_closed_forms_are_met(problem, part):
+    """To rounding of the largest value of each field over the body and a period."""
+    scene, solution, closed, X = problem
+    t = part * scene.period
+    body_force = closed.body_force if scene.problem == "vortex" else \
+        lambda scene, X, t: X / np.linalg.norm(X, axis=1)[:, None] * ring.body_force(
+            scene, np.linalg.norm(X, axis=1), t)[:, None]
+    fields = {name: (getattr(solution, name), getattr(closed, name))
+              for name in ("displacement", "velocity", "acceleration", "deformation_gradient", "stress")}
+    for name, (derived, printed) in (fields | {"body_force": (solution.body_force, body_force)}).items():
+        size = max(np.abs(printed(scene, X, one * scene.period)).max() for one in TIMES)
+        np.testing.assert_allclose(derived(scene, X, t), printed(scene, X, t), rtol=0, atol=5e-15 * size, err_msg=name)
+
+
+@pytest.mark.parametrize("part", TIMES[1:])
+def test_momentum_balances_by_finite_differences(problem, part):
+    """rho a = Div P + rho b, with Div P and a by central differences of fourth order: independent of all derivatives
+    that the solution itself takes."""
+    scene, solution, _, X = problem
+    X, t, step = X[::7], part * scene.period, 2e-3
+
+    def piola(X):
+        F = solution.deformation_gradient(scene, X, t).reshape(-1, 4).T
+        return np.stack(first_piola_stress(F, *scene.lame_moduli), axis=1).reshape(-1, 2, 2)
+
+    def slope(f, h):
+        return (8 * (f(h) - f(-h)) - (f(2 * h) - f(-2 * h))) / (12 * h)
+
+    divergence = sum(slope(lambda h, axis=axis: piola(X + h * np.eye(2)[axis])[:, :, axis], step) for axis in range(2))
+    acceleration = slope(lambda h: solution.velocity(scene, X, t + h), 1e-4 * scene.period)
+    force = solution.body_force(scene, X, t)
+    size = np.abs(scene.density * force).max()
+    np.testing.assert_allclose(scene.density * acceleration, divergence + scene.density * force, atol=1e-6 * size)
+
+
+def test_a_law_is_the_slope_of_its_energy():
+    """P = dW/dF, and sigma = P F^T/J."""
+    chance, moduli = np.random.default_rng(4), (3.0, 2.0)
+    F = np.eye(2).ravel()[:, None] + 0.3 * chance.uniform(-1, 1, (4, 50))
+    P, h = first_piola_stress(F, *moduli), 1e-6
+    for k in range(4):
+        ends = [strain_energy(F + sign * h * np.eye(4)[k][:, None], *moduli) for sign in (1, -1)]
+        np.testing.assert_allclose(P[k], (ends[0] - ends[1]) / (2 * h), rtol=0, atol=1e-8)
+    xx, xy, yy = cauchy_stress(F, *moduli)
+    J, P, F = F[0] * F[3] - F[1] * F[2], np.stack(P).T.reshape(-1, 2, 2), F.T.reshape(-1, 2, 2)
+    sigma = P @ F.transpose(0, 2, 1) / J[:, None, None]
+    np.testing.assert_allclose(np.stack([xx, xy, xy, yy], axis=1).reshape(-1, 2, 2), sigma, rtol=0, atol=1e-13)
+
+
+@pytest.mark.parametrize("function", [
+    lambda X, Y, t: sin(X * Y) / (1 + t * t) - exp(-X) * cos(3 * t), lambda X, Y, t: sqrt(2 + X) ** 3 * log(2 + Y * t),
+    lambda X, Y, t: (X - Y) ** 2 * (X - Y) ** 0 + 2 / (3 + X * t) - X ** 1 / 4], ids=["waves", "roots", "powers"])
+def test_derivatives_are_those_of_differences(function):
+    """First ones by central differences of values, second ones by those of first ones."""
+    at, h = np.array([0.3, 0.7, 0.2]), 1e-6
+    jet = function(*variables(*at))
+
+    def shifted(k, sign):
+        return function(*variables(*(at + sign * h * np.eye(3)[k])))
+
+    for k in range(3):
+        ahead, behind = shifted(k, 1), shifted(k, -1)
+        assert jet.derivative(k) == pytest.approx((ahead.value - behind.value) / (2 * h), abs=1e-8)
+        for m in range(3):
+            assert jet.derivative(k, m) == pytest.approx((ahead.derivative(m) - behind.derivative(m)) / (2 * h), abs=1e-8)
+
+
+def test_what_is_zero_by_structure_costs_nothing():
+    X, Y, t = variables(np.ones(3), np.ones(3), 0.5)
+    product = sin(2 * X) * t
+    assert product.first[1] is product.second[1] is product.second[3] is None and product.derivative(1) == 0.0
+    assert isinstance(np.ones(3) * X, Jet) and (3.0 - X).value.tolist() == [2.0, 2.0, 2.0]
+
+
+# ---- as data ------------------------------------------------------------------------------------------------------
+
+
+def test_a_field_is_few_functions_of_time(problem):
+    """Values at any time, and both derivatives, to 1e-13 of the largest; ring and vortex have small ranks."""
+    scene, solution, _, X = problem
+    found = separate(lambda X, t: solution.displacement(scene, X, t), X, scene.period)
+    forced = separate(lambda X, t: solution.body_force(scene, X, t), X, scene.period)
+    assert found.rank <= 14 and forced.rank <= 16
+    for table, fields in ((found, (solution.displacement, solution.velocity, solution.acceleration)),
+                          (forced, (solution.body_force,))):
+        for derivative, field in enumerate(fields):
+            for part in TIMES:
+                exact = field(scene, X, part * scene.period)
+                size = max(np.abs(field(scene, X, one * scene.period)).max() for one in TIMES)
+                np.testing.assert_allclose(table(part * scene.period, derivative), exact, rtol=0, atol=2e-13 * size)
+
+
+@pytest.mark.parametrize(("field", "why"), [
+    (lambda X, t: np.stack([X[:, 0] * np.exp(t)], axis=1), "not its period"),
+    (lambda X, t: np.stack([X[:, 0] * np.sign(np.sin(2 * math.pi * t))], axis=1), "not its period"),
+    (lambda X, t: np.stack([X[:, 0] / (t - 0.5)], axis=1), "not finite")], ids=["grows", "jumps", "has a pole"])
+def test_what_does_not_come_back_is_refused(field, why):
+    with np.errstate(divide="ignore"), pytest.raises(NotPeriodic, match=why):
+        separate(field, np.random.default_rng(1).uniform(size=(40, 2)), 1.0)
+
+
+def test_a_field_that_rests_is_one_function():
+    found = separate(lambda X, t: X + 0.0 * t[:, None], np.random.default_rng(1).uniform(size=(40, 2)), 1.0)
+    assert found.rank == 1 and found.harmonics == 1
