@@ -39,12 +39,6 @@ class MotionJets(NamedTuple):
         return (1.0 + self.x.derivative(X_AXIS), self.x.derivative(Y_AXIS),
                 self.y.derivative(X_AXIS), 1.0 + self.y.derivative(Y_AXIS))
 
-    @property
-    def deformation_gradient_rate(self) -> tuple[Any, Any, Any, Any]:
-        """F_t, component by component, in 1/s."""
-        return tuple(one.derivative(axis, TIME)
-                     for one in self for axis in (X_AXIS, Y_AXIS))  # type: ignore[return-value]
-
     def body_force(self, lame: tuple[float, float], density: float) -> tuple[Any, Any]:
         """b = a - Div P/rho per mass, in m/s^2: P of F as jets of first order along X and Y."""
         F = [Jet(value, (one.derivative(axis, X_AXIS), one.derivative(axis, Y_AXIS), None), ())

@@ -1,7 +1,8 @@
 """The compressible neo-Hookean law in plane strain, of any kind of number.
 
-Strain energy per reference volume W = mu/2 (F:F - 2 - 2 ln J) + lambda/2 (ln J)^2, so that P = mu F + (lambda ln J - mu)
-F^-T and J sigma = mu (F F^T - I) + lambda ln J I. F is given as (F_xx, F_xy, F_yx, F_yy): arrays (P,), or jets.
+Strain energy per reference volume W = mu/2 (F:F - 2 - 2 ln J) + lambda/2 (ln J)^2, so that P = mu F +
+(lambda ln J - mu) F^-T and J sigma = mu (F F^T - I) + lambda ln J I. F is given as (F_xx, F_xy, F_yx, F_yy): arrays
+(P,), or jets.
 Source: Bonet & Wood, Nonlinear Continuum Mechanics, 2nd ed., Cambridge 2008, section 6.4.3.
 """
 

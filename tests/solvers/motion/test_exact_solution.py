@@ -1,4 +1,4 @@
-"""What follows from a displacement: the closed forms of ring and vortex as they are printed, and the momentum balance."""
+"""What follows from a displacement: the printed closed forms of ring and vortex, and the balance of momentum."""
 
 import math
 
@@ -107,11 +107,12 @@ def test_derivatives_are_those_of_differences(function):
         ahead, behind = shifted(k, 1), shifted(k, -1)
         assert jet.derivative(k) == pytest.approx((ahead.value - behind.value) / (2 * h), abs=1e-8)
         for m in range(3):
-            assert jet.derivative(k, m) == pytest.approx((ahead.derivative(m) - behind.derivative(m)) / (2 * h), abs=1e-8)
+            slope = (ahead.derivative(m) - behind.derivative(m)) / (2 * h)
+            assert jet.derivative(k, m) == pytest.approx(slope, abs=1e-8)
 
 
 def test_what_is_zero_by_structure_costs_nothing():
-    X, Y, t = variables(np.ones(3), np.ones(3), 0.5)
+    X, _, t = variables(np.ones(3), np.ones(3), 0.5)
     product = sin(2 * X) * t
     assert product.first[1] is product.second[1] is product.second[3] is None and product.derivative(1) == 0.0
     assert isinstance(np.ones(3) * X, Jet) and (3.0 - X).value.tolist() == [2.0, 2.0, 2.0]
