@@ -181,14 +181,14 @@ class Page:
     def _follow_link(self, link: str) -> None:
         """Show what the address says; what it cannot mean is refused in words."""
         lesson, text = parts(link)
-        if lesson:
-            self._player.open(lesson)
-        if not text:
-            return
-        try:
-            self._controls.show(state.read(text))
-        except state.StateError as error:
-            self._session.refuse(tr("The link cannot be followed: {reason}", reason=heard(str(error))))
+        with self._store.keep_after():
+            if lesson:
+                self._player.open(lesson)
+            try:
+                if text:
+                    self._controls.show(state.read(text))
+            except state.StateError as error:
+                self._session.refuse(tr("The link cannot be followed: {reason}", reason=heard(str(error))))
 
     def _keep(self) -> None:
         """Have the browser keep what is seen: in its address, and the answers to a lesson."""

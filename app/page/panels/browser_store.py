@@ -3,8 +3,8 @@
 import json
 import threading
 from collections import deque
-from collections.abc import Callable
-from contextlib import suppress
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager, suppress
 from html import escape
 from typing import Any
 
@@ -25,6 +25,8 @@ class BrowserStore:
         self.here = ""  # the address under which this browser has found the lab
         self._listening = False
         self._kept = ""  # the state that the address has
+        self._held: tuple[str, str, str] | None = None  # what is to be kept when a change is complete
+        self._changing = False
         self.heard: dict[str, Callable[[Any], None]] = {}  # what is done with further things that the browser says
         self._early: dict[str, Any] = {}  # said before anybody listened, the latest of each kind
         gui.add_html(MARK)
@@ -42,8 +44,23 @@ class BrowserStore:
         self._on_link, self._on_answers, self._listening = on_link, on_answers, True
         self._act(self._early)
 
+    @contextmanager
+    def keep_after(self) -> Iterator[None]:
+        """Around a change of several parts: the browser keeps nothing of what is there in between, for who then reloads
+        the page or goes to another language would lose the rest."""
+        self._changing = True
+        try:
+            yield
+        finally:
+            self._changing, held, self._held = False, self._held, None
+            if held:
+                self.keep(*held)
+
     def keep(self, link: str, lesson: str = "", answers: str = "") -> None:
         """Have the browser keep a state, and the answers to a lesson; without answers it tells those that it has."""
+        if self._changing:
+            self._held = link, lesson, answers
+            return
         content = f"<i class='lab-kept' data-link='{escape(link)}' data-lesson='{escape(lesson)}' " \
                   f"data-answers='{escape(answers)}'></i>"
         if self._mark.content != content:

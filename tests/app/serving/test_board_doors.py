@@ -67,8 +67,8 @@ def test_a_pupil_opens_no_step(room):
               "answers": {STEPS[0].key: {"first": 1, "last": 1, "attempts": 1, "seconds": 1}}}
     pupil.tell(lesson=LESSON.name, answers=json.dumps(forged))
     pupil.tell(link=f"lesson={LESSON.name};bar;cells=24")
-    pupil.set(pupil.find("Close the lesson"), True)
-    until(lambda: pupil.at is None, "the shelf")
+    # A click is lost where the link, or the answers, make the panel anew under it: who clicks does so again.
+    until(lambda: pupil.at is None or pupil.set(pupil.find("Close the lesson"), True), "the shelf", pause=1.0)
     pupil.tell(open=LESSON.name)
     pupil.find("Next")
     assert board.place.turn == board.opened == pupil.at == 0 and pupil.kinds["FileTransferStartDownload"] == 0

@@ -79,7 +79,7 @@ def test_momentum_balance(problem):
         force = scene.density * reference.body_force(scene, X, t)
         divergence = np.einsum("pijj->pi", gradients)
         largest = scene.density * scene.size_of("x") / scene.period**2
-        rounding = 1e-15 * scene.modulus / STEP / NEAR  # of P, whose differences are taken
+        rounding = 1e-15 * scene.density * scene.wave_speed**2 / STEP / NEAR  # of P, whose differences are taken
         assert near(inertia, divergence + force, divergence, force, gradients, np.array([largest + rounding]))
 
     hold()

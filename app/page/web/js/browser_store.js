@@ -34,8 +34,10 @@
   // What is to be seen, for a link elsewhere: what was asked for, until the page has another one than at first.
   const root = document.documentElement;
   let asking = "", first = null;
+  const writeAddress = () => history.replaceState(null, "", location.pathname + search + (link && "#" + link));
   const tellLink = () => {
     [asking, first, root.dataset.link] = [link, null, link || root.dataset.link || ""];
+    writeAddress();
     tell({link, here});
   };
 
@@ -62,14 +64,14 @@
       if (lesson) tell({lesson, answers: stored(store => store.getItem(STORE + lesson), "") || ""});
     }
     if (lesson && kept.answers) stored(store => store.setItem(STORE + lesson, kept.answers));
-    if (kept.link) first ??= kept.link;
-    if (kept.link && (!asking || kept.link !== first)) {
-      asking = "";
-      if (root.dataset.link !== kept.link) root.dataset.link = kept.link;  // to say it again is a change, too
-    }
-    if (kept.link && kept.link !== shown) {
+    if (!kept.link) return;
+    first ??= kept.link;
+    if (asking && kept.link === first) return;  // it has what it shows everybody at first, and not yet what was asked for
+    asking = "";
+    if (root.dataset.link !== kept.link) root.dataset.link = kept.link;  // to say it again is a change, too
+    if (kept.link !== shown) {
       link = shown = kept.link;
-      history.replaceState(null, "", `${location.pathname}${location.search}#${link}`);
+      writeAddress();
     }
   }
 
