@@ -34,7 +34,6 @@ CHOSEN = 2.2  # omega H of the interval at rest: strain may stiffen the body by 
 MOST_INTERVAL = 20  # particle steps: beyond, there is nothing left to save
 MOST_SUBSTEPS = 64  # a body strained beyond what these allow is no elastic body any more
 BAD_SHARE = 0.2  # of the estimate that the companion's own error may be
-POWER_TURNS = 200
 
 #: Places in ``companion_counts``: order p, elements (across the body and around it), nodes (in a row and in all), radii
 #: of nodes, and particle steps to an interval.
@@ -164,18 +163,6 @@ def start(sizes: Sequence[int], frequency: float, dt: float, velocity: np.ndarra
 def interval(frequency: float, dt: float) -> int:
     """Particle steps dt to a step of a companion whose highest frequency at rest is ``frequency``."""
     return max(1, min(MOST_INTERVAL, int(CHOSEN / (frequency * dt))))
-
-
-def highest_frequency(accelerations: Callable[[np.ndarray], np.ndarray], inverse_mass: np.ndarray) -> float:
-    """omega of the fastest mode of u_tt = -A u by the power method; ``accelerations(u)`` is A u, u as ``inverse_mass``.
-
-    From below, and within a per cent after so many turns; the stability limit leaves more.
-    """
-    u = np.random.default_rng(0).normal(size=inverse_mass.shape) * (inverse_mass > 0)
-    for _ in range(POWER_TURNS):
-        u /= np.linalg.norm(u)
-        u = accelerations(u)
-    return float(np.sqrt(np.linalg.norm(u)))
 
 
 def doubt(elements: np.ndarray, axes: tuple[int, ...], square: float, known: float = 0.0) -> str | None:

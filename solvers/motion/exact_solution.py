@@ -34,6 +34,11 @@ class MotionJets(NamedTuple):
         return self.x.derivative(TIME, TIME), self.y.derivative(TIME, TIME)
 
     @property
+    def displacement_and_gradient(self) -> tuple[Any, ...]:
+        """u_x, u_y, and Grad u = F - I as xX, xY, yX, yY."""
+        return (self.x.value, self.y.value, *(one.derivative(axis) for one in self for axis in (X_AXIS, Y_AXIS)))
+
+    @property
     def deformation_gradient(self) -> tuple[Any, Any, Any, Any]:
         """F_xx, F_xy, F_yx, F_yy."""
         return (1.0 + self.x.derivative(X_AXIS), self.x.derivative(Y_AXIS),

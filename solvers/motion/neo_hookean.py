@@ -8,13 +8,13 @@ Source: Bonet & Wood, Nonlinear Continuum Mechanics, 2nd ed., Cambridge 2008, se
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterable
 from typing import Any
 
 from solvers.motion.jets import log
 
 
-def first_piola_stress(F: Sequence[Any], lame_lambda: float, mu: float) -> tuple[Any, Any, Any, Any]:
+def first_piola_stress(F: Iterable[Any], lame_lambda: float, mu: float) -> tuple[Any, Any, Any, Any]:
     """P_xx, P_xy, P_yx, P_yy in the unit of the moduli."""
     xx, xy, yx, yy = F
     J = xx * yy - xy * yx
@@ -22,7 +22,7 @@ def first_piola_stress(F: Sequence[Any], lame_lambda: float, mu: float) -> tuple
     return mu * xx + across * yy, mu * xy - across * yx, mu * yx - across * xy, mu * yy + across * xx
 
 
-def cauchy_stress(F: Sequence[Any], lame_lambda: float, mu: float) -> tuple[Any, Any, Any]:
+def cauchy_stress(F: Iterable[Any], lame_lambda: float, mu: float) -> tuple[Any, Any, Any]:
     """sigma_xx, sigma_xy, sigma_yy in the unit of the moduli."""
     xx, xy, yx, yy = F
     J = xx * yy - xy * yx
@@ -31,7 +31,7 @@ def cauchy_stress(F: Sequence[Any], lame_lambda: float, mu: float) -> tuple[Any,
             scale * (yx * yx + yy * yy - 1) + pressure)
 
 
-def strain_energy(F: Sequence[Any], lame_lambda: float, mu: float) -> Any:
+def strain_energy(F: Iterable[Any], lame_lambda: float, mu: float) -> Any:
     """W per reference volume in J/m^3, where the moduli are in Pa."""
     xx, xy, yx, yy = F
     growth = log(xx * yy - xy * yx)

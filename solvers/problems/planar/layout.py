@@ -30,6 +30,8 @@ class Layout:
 
 def particle_layout(scene: PlanarScene) -> Layout:
     """The scene's layout: "polar" lattices fill the ring exactly, "cartesian" ones leave staircases at its rims."""
+    if scene.layout == "box":
+        return box(scene.cells * scene.ppc, scene.SIDE)
     if scene.layout == "polar":
         return polar(scene.INNER, scene.OUTER, scene.ANGLE, *scene.polar_counts(scene.cells, scene.ppc))
     least = -scene.OUTER if scene.ANGLE >= 2 * np.pi else 0.0
@@ -85,6 +87,16 @@ def polar(inner: float, outer: float, angle: float, around: int, across: int) ->
     edges = np.stack([R * d_angle * s, -R * d_angle * c, d_radius * c, d_radius * s], axis=1)
     return Layout(np.stack([R * c, R * s], axis=1), R * d_radius * d_angle, edges, radii, radius.astype(np.int32),
                   next_on_lattice(np.arange(around * across).reshape(around, across), angle >= 2 * np.pi))
+
+
+def box(across: int, side: float) -> Layout:
+    """Particles that tile a square: there is one circle of no meaning."""
+    width = side / across
+    line = (np.arange(across) + 0.5) * width
+    y, x = (g.ravel() for g in np.meshgrid(line, line, indexing="ij"))
+    P = across * across
+    return Layout(np.stack([x, y], axis=1), np.full(P, width**2), np.tile([width, 0.0, 0.0, width], (P, 1)), np.ones(1),
+                  np.zeros(P, np.int32), next_on_lattice(np.arange(P).reshape(across, across)))
 
 
 def cartesian(inner: float, outer: float, side: float, least: float) -> Layout:

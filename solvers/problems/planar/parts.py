@@ -19,7 +19,7 @@ class Traits(NamedTuple):
     tangent: Callable
     first: int  # the first row and column of nodes that are no ghosts
     fold: Callable  # (body, fold_pair): add what fell on ghosts to their mirror images
-    pin: Callable  # (i, j, record): the record without what would move node (i, j) across a plane
+    pin: Callable  # (body, i, j, record): the record without what would move node (i, j) across a plane
     mirror: Callable  # (body, values): copy the records of nodes to their ghosts
     image: Callable  # (body, node): the node that a ghost is the mirror image of; any other is its own
 
@@ -46,7 +46,7 @@ class SnapshotMeasures(NamedTuple):
     stress: Callable  # (a): Cauchy's
     stress_error: Callable  # (scene, a, time)
     component: Callable  # (a, quantity): what a plot shows of it (P,)
-    exact_component: Callable  # (scene, quantity, R, time): the same of the exact solution at the radii R (K,)
+    exact_component: Callable  # (scene, a, quantity, time): the same of the exact solution (P,)
     body_force: Callable  # (a, some): on some particles (c,), in N (c, 2)
 
 

@@ -2,7 +2,7 @@
 
 import math
 from abc import abstractmethod
-from typing import ClassVar
+from typing import Any, ClassVar
 
 from solvers.scene.rules import SceneError, require_whole
 from solvers.scene.scene import Scene
@@ -23,6 +23,8 @@ class PlanarScene(Scene):
     INNER: ClassVar[float]  # radii of the rims, m
     OUTER: ClassVar[float]
     ANGLE: ClassVar[float]  # that the body fills from the x axis on, in radians
+    EXACT: ClassVar[Any]  # the exact motion with the built-in force: functions of (scene, X, t)
+    PLANES: ClassVar[tuple[bool, bool]]  # whether symmetry planes are at the lower and at the upper ends of x and y
     NOT_LINEARITY_PRESERVING: ClassVar[str]  # why, as the end of a sentence
     MENDS: ClassVar[str]  # what of the other remedies frozen weights have no need of
 
@@ -40,6 +42,11 @@ class PlanarScene(Scene):
     def spacing(self) -> float:
         """Cell size h."""
         return self.SIDE / self.cells
+
+    @property
+    def row(self) -> int:
+        """Nodes in a row of the grid, those beyond symmetry planes among them."""
+        return self.cells + 1
 
     @property
     def particles(self) -> int:

@@ -160,7 +160,7 @@ def field(scene: PlanarScene, a: WatchedBody, quantity: str, time: float, measur
     if quantity != "a" or scene.has("acceleration"):
         values = measures.component(a, quantity)
     if scene.solution_known:
-        deviation = values - measures.exact_component(scene, quantity, a.radii[:, 0], time)[a.radius]
+        deviation = values - measures.exact_component(scene, a, quantity, time)
     return np.stack([values, deviation], axis=1)
 
 

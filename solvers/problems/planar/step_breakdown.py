@@ -7,6 +7,7 @@ from solvers.problems.planar.method.body import WatchedBody
 from solvers.problems.planar.method.cpdi import NODES
 from solvers.problems.planar.method.kept import by_particle
 from solvers.problems.planar.parts import SnapshotMeasures
+from solvers.problems.planar.scene import PlanarScene
 from solvers.scene.scene import Scene
 from solvers.solver.step_breakdown import Carried, Image, StepBreakdown, flipped, link
 
@@ -19,16 +20,18 @@ def carried(a: WatchedBody, measures: SnapshotMeasures) -> Carried:
                    np.stack([xx, xy, xy, yy], axis=1).reshape(-1, 2, 2))
 
 
-def breakdown(scene: Scene, a: WatchedBody, particle: int, step: int, before: Carried, measures: SnapshotMeasures,
+def breakdown(scene: PlanarScene, a: WatchedBody, particle: int, step: int, before: Carried, measures: SnapshotMeasures,
               ghosts: int) -> StepBreakdown:
     """Of the step number ``step``, just taken, around a particle; ``before`` is what was carried then. The first
     ``ghosts`` rows of nodes either way lie beyond a symmetry plane."""
     edges, row = half_edges(scene, before.deformation_gradient, a.edges), a.row
+    last = row - 1 - ghosts if scene.PLANES[1] else 2 * row  # the planes at the upper ends
     links = link(particle, nodes_of(scene, a), lambda some: weights_of(scene, a, edges, some),
-                 lambda node: _images(node, row, ghosts))
+                 lambda node: _images(node, row, ghosts, last))
     seen, k, ij = before.seen(links), links.members, np.stack([links.nodes % row, links.nodes // row], axis=1)
-    signs = np.where(ij < ghosts, -1.0, 1.0)  # a node beyond a plane has what its mirror image has
+    signs = np.where((ij < ghosts) | (ij > last), -1.0, 1.0)  # a node beyond a plane has what its mirror image has
     home = np.abs(ij - ghosts) + ghosts
+    home = np.where(home > last, 2 * last - home, home)
     sums, motion = a.node_sums[home[:, 1] * row + home[:, 0]], a.node_motion[links.nodes]
     body = links.weight.T @ (links.signs * measures.body_force(a, k))
     F, place = seen.deformation_gradient, a.material_position if scene.frozen else before.position
@@ -43,10 +46,11 @@ def breakdown(scene: Scene, a: WatchedBody, particle: int, step: int, before: Ca
         signs * sums[:, :2], signs * sums[:, 2:4] - body, body, motion[:, 2:].copy(), motion[:, :2].copy())
 
 
-def _images(node: int, row: int, ghosts: int) -> list[Image]:
+def _images(node: int, row: int, ghosts: int, last: int) -> list[Image]:
     """The mirror images of nodes in the rows next to a plane, on either side; the plane's own have none."""
     def along(index: int) -> list[int]:
-        return [index, 2 * ghosts - index] if index <= 2 * ghosts and index != ghosts else [index]
+        found = [index, 2 * ghosts - index] if index <= 2 * ghosts and index != ghosts else [index]
+        return [*found, 2 * last - index] if index >= last - ghosts and index != last else found
 
     i, j = node % row, node // row
     return [Image(jj * row + ii, (1.0 if ii == i else -1.0, 1.0 if jj == j else -1.0), (0.0, 0.0))

@@ -61,6 +61,7 @@ class RingScene(CircularScene):
     GENTLE_AMPLITUDE = 1e-2
     HARD_AMPLITUDES = (0.05, 0.1, 0.15)
     SIDE, INNER, OUTER, ANGLE = 1.2, exact.INNER, exact.OUTER, 0.5 * math.pi
+    PLANES = (True, False)
     FEWEST_CELLS = 8
     DEFAULT_PERIODS = 1.0
     SAMPLES_A_PERIOD = 50  # a sample of a ring costs more than a step

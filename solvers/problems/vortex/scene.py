@@ -72,6 +72,7 @@ class VortexScene(CircularScene):
     GENTLE_AMPLITUDE = 0.05
     HARD_AMPLITUDES = (0.25, 0.5, 1.0)
     SIDE, INNER, OUTER, ANGLE = SIDE, INNER, OUTER, 2 * math.pi
+    PLANES = (False, False)
     FEWEST_CELLS = 12
     DEFAULT_PERIODS = 0.5
     SAMPLES_A_PERIOD = 100  # of which an ordinary run lasts half a one

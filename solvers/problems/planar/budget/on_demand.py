@@ -68,7 +68,7 @@ class BudgetRun:
         self._budget, self._scene, self._arrays = budget, scene, solver._arrays
         a = solver._arrays
         self._X, self._volume = a.material_position, a.mass / a.density
-        self._grid = Grid(a.row, solver.PARTS.traits.first)
+        self._grid = Grid(a.row, solver.PARTS.traits.first, scene.PLANES[1])
         self._lattice = Lattice(scene)
         bulk, shear = scene.lame_moduli
         self._material = Material(bulk, shear, at_rest=scene.frozen)

@@ -38,8 +38,10 @@ class Lattice:
         self.ends, edge = np.unique(np.sort(ends, axis=1), axis=0, return_inverse=True)
         self.edge = edge.reshape(-1, 4)
         self.along = np.where(ends[:, 0] < ends[:, 1], 1.0, -1.0).reshape(-1, 4)  # or against the edge's direction
-        # A quarter's corners on a symmetry plane stay there.
-        self.free = np.where((np.abs(self.place) < 1e-9 * scene.OUTER) & (scene.ANGLE < np.pi), 0.0, 1.0)
+        # Corners on a symmetry plane stay there.
+        planes = [end for end, there in zip((0.0, scene.SIDE), scene.PLANES, strict=True) if there]
+        on_plane = [np.abs(self.place - end) < 1e-9 * scene.SIDE for end in planes]
+        self.free = np.where(np.any(on_plane, axis=0), 0.0, 1.0) if planes else np.ones_like(self.place)
 
     def corners(self, moved: np.ndarray, F: np.ndarray) -> np.ndarray:
         """Where the corners are (K, 2): with the particles' displacements (P, 2), seen from each with F (P, 2, 2)."""

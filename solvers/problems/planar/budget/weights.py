@@ -17,9 +17,11 @@ from solvers.scene.scene import Scene
 class Grid:
     """Nodes row by row, the first ``ghosts`` rows and columns beyond symmetry planes."""
 
-    def __init__(self, row: int, ghosts: int):
+    def __init__(self, row: int, ghosts: int, far: bool = False):
+        """``far``: there are planes at the upper ends, too."""
         self.row, self.ghosts, self.nodes = row, ghosts, row * row
-        on_plane = np.arange(row) == ghosts if ghosts else np.zeros(row, bool)
+        self.last = row - 1 - ghosts if far else 2 * row
+        on_plane = (np.arange(row) == ghosts) | (np.arange(row) == self.last) if ghosts else np.zeros(row, bool)
         free = np.ones((row, row, 2))
         free[:, on_plane, 0] = 0.0
         free[on_plane, :, 1] = 0.0
@@ -29,7 +31,8 @@ class Grid:
         """Of nodes (...): those that they stand for, and the signs (..., 2) with which they do."""
         ij = np.stack([nodes % self.row, nodes // self.row], axis=-1)
         home = np.abs(ij - self.ghosts) + self.ghosts
-        return home[..., 1] * self.row + home[..., 0], np.where(ij < self.ghosts, -1.0, 1.0)
+        home = np.where(home > self.last, 2 * self.last - home, home)
+        return home[..., 1] * self.row + home[..., 0], np.where((ij < self.ghosts) | (ij > self.last), -1.0, 1.0)
 
     def sums(self, home: np.ndarray, values: np.ndarray) -> np.ndarray:
         """What falls on the nodes (C, N, 2) of ``values`` (C, P, M, 2), with ``home`` (P, M)."""

@@ -127,7 +127,7 @@ def node_errors(body: ti.template(), traits: ti.template()):
                 # f over the nodal density: (sum V S sigma / V_i)/(m_i/V_i) = sum V S sigma / m_i.
                 error[0] = moments[0] / sums[2] * sums[0] / mass + (moments[2] / sums[2] - 1) * a[0]  # eq 46
                 error[1] = moments[1] / sums[2] * sums[1] / mass + (moments[3] / sums[2] - 1) * a[1]  # eq 47
-                error = traits.pin(i, j, error)
+                error = traits.pin(body, i, j, error)
             body.transport_error[node] = error
     traits.mirror(body, body.transport_error)
 
@@ -186,6 +186,6 @@ def verdict(scene, memory):
 
 def allocate(scene):
     """Nodal arrays."""
-    nodes = (scene.cells + 1) ** 2
+    nodes = scene.row**2
     return {"transport_dt": interval(scene) * scene.time_step, "transport_stress": np.zeros((nodes, 4)),
             "transport_moments": np.zeros((nodes, 4)), "transport_error": np.zeros((nodes, 4))}

@@ -11,6 +11,7 @@ from solvers.kernels.kinds import Blocks, Integer, Integers, Octets, Pairs, Quad
 from solvers.problems.planar.layout import Layout
 from solvers.problems.planar.method.kept import room
 from solvers.problems.planar.method.phases import TOTALS
+from solvers.problems.planar.scene import PlanarScene
 from solvers.scene.estimator_hooks import EstimatorHooks
 from solvers.scene.scene import Scene
 from solvers.scene.switches import Switches
@@ -71,13 +72,13 @@ class WatchedBody(Watch, PlanarBody):
     estimate_stress: Quads  # estimated error of sigma, as xx, xy, yy and nothing (E*P, 4)
 
 
-def common(scene: Scene, on: Switches, layout: Layout, slabs: int, origin: float, active: int, shear_modulus: float,
-           velocity: np.ndarray, shape: tuple[np.ndarray, ...]) -> dict:
+def common(scene: PlanarScene, on: Switches, layout: Layout, slabs: int, origin: float, active: int,
+           shear_modulus: float, velocity: np.ndarray, shape: tuple[np.ndarray, ...]) -> dict:
     """The members of a :class:`PlanarBody` at the start: the layout with F = I and a ``velocity`` (P, 2).
 
     ``shape`` are the exact solution's function of R and two derivatives (K,) at the layout's radii.
     """
-    row, cpdi, mended = scene.cells + 1, on.method == "cpdi", on.filtered or on.coupled
+    row, cpdi, mended = scene.row, on.method == "cpdi", on.filtered or on.coupled
     P, K, N, X = len(layout.volume), len(layout.radii), row * row, layout.position
     return {
         "particles": P, "nodes": N, "row": row, "active": active, "slabs": slabs, "radius_count": K,

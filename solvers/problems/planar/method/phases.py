@@ -178,5 +178,5 @@ def update_node(body: ti.template(), i, j, least, traits: ti.template(), on: ti.
     motion = ti.Vector([0.0, 0.0, 0.0, 0.0])
     if mass > least:
         q = ti.Vector([sums[0], sums[1], sums[2], sums[3]]) / mass
-        motion = traits.pin(i, j, ti.Vector([q[0] + body.dt * q[2], q[1] + body.dt * q[3], q[2], q[3]]))
+        motion = traits.pin(body, i, j, ti.Vector([q[0] + body.dt * q[2], q[1] + body.dt * q[3], q[2], q[3]]))
     body.node_motion[node] = motion

@@ -96,7 +96,7 @@ def scratch_to_nodes(body: ti.template(), traits: ti.template(), on: ti.template
             mass, sums = body.node_mass[node], body.node_scratch[node]
             values = ti.Vector([0.0] * 4)
             if mass > 0:
-                values = traits.pin(i, j, sums / mass)
+                values = traits.pin(body, i, j, sums / mass)
             body.node_scratch[node] = values
     traits.mirror(body, body.node_scratch)
 

@@ -5,8 +5,8 @@ import math
 
 import numpy as np
 
-from solvers.estimators.companion import LAYERS, highest_frequency
-from solvers.estimators.spectral import Elements
+from solvers.estimators.companion import LAYERS
+from solvers.estimators.spectral import Elements, highest_frequency
 from solvers.estimators.standalone import PolarBody
 from solvers.problems.planar.layout import particle_layout
 from solvers.problems.ring import exact

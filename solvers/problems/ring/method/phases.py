@@ -24,7 +24,7 @@ def fold(ring: ti.template(), fold_pair: ti.template()):
 
 
 @ti.func
-def pin(i, j, record):
+def pin(ring: ti.template(), i, j, record):
     """Nothing moves across a symmetry plane: the record of node (i, j) without the components that would."""
     pinned = record
     if i == GHOSTS:

@@ -30,9 +30,10 @@ from solvers.estimators import companion as shared
 from solvers.kernels.elementary import log
 from solvers.kernels.kinds import integers, octets, pairs, quads
 from solvers.problems.planar.layout import particle_layout
+from solvers.problems.planar.method.neo_hookean import cauchy_stress
 from solvers.problems.vortex import exact
 from solvers.problems.vortex.estimators import companion_mesh
-from solvers.problems.vortex.method.material import cauchy_stress, force_at
+from solvers.problems.vortex.method.material import force_at
 
 
 @ti.func

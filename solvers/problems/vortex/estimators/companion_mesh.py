@@ -4,8 +4,7 @@ import functools
 
 import numpy as np
 
-from solvers.estimators.companion import highest_frequency
-from solvers.estimators.spectral import Elements
+from solvers.estimators.spectral import Elements, highest_frequency
 from solvers.estimators.standalone import ElasticBody
 from solvers.problems.vortex import exact
 from solvers.problems.vortex.exact import combined, force_at_rest, on_axis, right

@@ -10,8 +10,9 @@ import numpy as np
 import taichi as ti
 
 from solvers.problems.planar.estimators import recovered
+from solvers.problems.planar.method.neo_hookean import cauchy_stress
 from solvers.problems.vortex import exact, validity
-from solvers.problems.vortex.method.material import cauchy_stress, force_at
+from solvers.problems.vortex.method.material import force_at
 
 
 @ti.func

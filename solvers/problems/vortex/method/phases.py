@@ -2,8 +2,9 @@
 
 import taichi as ti
 
+from solvers.problems.planar.method.neo_hookean import prepare, stress, tangent
 from solvers.problems.planar.parts import Traits
-from solvers.problems.vortex.method.material import body_force_on, forces, prepare, stress, tangent
+from solvers.problems.vortex.method.material import body_force_on, forces
 
 
 @ti.func
@@ -12,7 +13,7 @@ def no_ghosts(vortex: ti.template(), what: ti.template()):
 
 
 @ti.func
-def free(i, j, record):
+def free(vortex: ti.template(), i, j, record):
     """No node is held."""
     return record
 

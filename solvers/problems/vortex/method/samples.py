@@ -7,12 +7,12 @@ step before, whose acceleration was used. See ``solvers.problems.vortex.exact``.
 
 import taichi as ti
 
-from solvers.kernels.elementary import cos, log, sin
+from solvers.kernels.elementary import cos, sin
+from solvers.problems.planar.method.neo_hookean import cauchy_stress, strain_energy
 from solvers.problems.planar.method.phases import TOTALS
 from solvers.problems.planar.method.soundness import contradictions
 from solvers.problems.planar.parts import Measures
 from solvers.problems.vortex.exact import BEND, INNER, MIDDLE, OUTER, RISE
-from solvers.problems.vortex.method.material import cauchy_stress, determinant
 from solvers.scene.effects import samplers
 from solvers.solver.samples import column
 
@@ -80,15 +80,6 @@ def node_acceleration_error(vortex: ti.template(), now, on: ti.template()):
             total += miss_x * miss_x + miss_y * miss_y
             count += 1
     return total / ti.max(count, 1)
-
-
-@ti.func
-def strain_energy(vortex: ti.template(), p):
-    """mu/2 (F:F - 2 - 2 ln J) + lambda/2 ln^2 J per reference volume."""
-    F = vortex.deformation_gradient[p]
-    growth = log(ti.max(determinant(F), 1e-300))
-    return 0.5 * vortex.mass[p] / vortex.density * (vortex.shear_modulus * (
-        F[0] * F[0] + F[1] * F[1] + F[2] * F[2] + F[3] * F[3] - 2 - 2 * growth) + vortex.lame_modulus * growth * growth)
 
 
 @ti.func

@@ -1,0 +1,1 @@
+"""What kernels know of manufactured problems."""

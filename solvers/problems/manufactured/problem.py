@@ -1,0 +1,47 @@
+"""A manufactured problem as one object, from the class of its scene."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from solvers.problems.descriptor import OnDemand, Problem
+from solvers.problems.manufactured.scene import ManufacturedScene
+
+if TYPE_CHECKING:
+    from solvers.problems.manufactured.solver import ManufacturedSolver
+    from solvers.problems.reference import ProblemReference
+    from solvers.solver.base import Solver
+
+
+class ManufacturedProblem(Problem):
+    """What there is of a problem beside its scene, imported when it is first asked for."""
+
+    scene: type[ManufacturedScene]
+
+    def __init__(self, scene: type[ManufacturedScene]):
+        self.scene = scene
+
+    @property
+    def solver(self) -> type[ManufacturedSolver]:
+        from solvers.problems.manufactured.solver import solver_of
+
+        return solver_of(self.scene)
+
+    @property
+    def baseline(self) -> type[Solver]:
+        from solvers.problems.planar.baseline import baseline
+
+        return baseline(self.solver, "lame_modulus", "volumetric", "particle_force", "table_sizes", "tables")
+
+    @property
+    def reference(self) -> ProblemReference:
+        from solvers.problems.manufactured.reference import ManufacturedReference
+
+        return ManufacturedReference(self.scene)
+
+    @property
+    def budget(self) -> OnDemand:
+        from solvers.problems.manufactured.budget import moment
+        from solvers.problems.planar.budget.on_demand import PlanarBudget
+
+        return PlanarBudget(self.solver, moment)

@@ -1,0 +1,212 @@
+"""ManufacturedScene: a run of a plane problem that is no more than a displacement, between symmetry planes."""
+
+from __future__ import annotations
+
+import functools
+import math
+from abc import abstractmethod
+from dataclasses import dataclass
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from solvers.estimators.spectral import Elements
+from solvers.motion.exact_solution import ExactSolution, columns
+from solvers.motion.separable_field import SeparableField, separate
+from solvers.problems.manufactured import step_bound
+from solvers.problems.planar.estimators.patch import CARTESIAN, Patch
+from solvers.problems.planar.layout import particle_layout
+from solvers.problems.planar.scene import PlanarScene
+from solvers.problems.planar.validity import transport
+from solvers.scene.balance import MODES, Moments
+from solvers.scene.option import option
+from solvers.scene.remedies import COUPLED, FILTER, FROZEN
+from solvers.scene.rules import SceneError, require_number
+from solvers.scene.step_bound import StepBound
+
+LINE, INSTANTS = 24, 16  # points a side and times of a period at which the motion is looked at
+NEWTON_STEPS, NEWTON_END = 20, 1e-9  # of the material point that has come to a node, in m: it converges quadratically
+#: Of the companion, up to so many cells: elements a side, and their order.
+MESHES = ((24, (3, 5)), (64, (4, 5)), (math.inf, (4, 6)))
+RULES = {"transport": transport}
+GHOSTS = 2  # rows of nodes beyond a symmetry plane
+
+
+class Sizes(NamedTuple):
+    """Over the body and a period: the largest values, and the RMS, of x, v, sigma and a, by quantity."""
+
+    largest: dict[str, float]
+    rms: dict[str, float]
+
+
+@dataclass(frozen=True)
+class ManufacturedScene(PlanarScene):
+    """Fields that every manufactured problem has. Its own file gives ``displacement`` and what else it says.
+
+    The displacement is a formula with the functions of ``solvers.motion.jets``: of u itself, never of x = X + u, in
+    whose difference a small motion cancels.
+    """
+
+    method: str = option("cpdi", "Shape functions of the particles", choices=("ugimp", "cpgimp", "cpdi", "mpm"))
+    cells: int = option(32, "Cells of the grid along a side; h = 1 m / cells")
+    ppc: int = option(2, "Particles per cell and direction")
+    modulus: float = option(1e7, "Young's modulus E", "Pa")
+    poisson_ratio: float = option(0.3, "Poisson's ratio")
+    density: float = option(1000.0, "Density", "kg/m3")
+    body_force: str = option("material", "Body force: at material points, or none; only the first has a built-in "
+                             "solution", choices=("material", "none"))
+    linearity_preserving: bool = option(False, "Not offered here: only off is accepted")
+    plan: str = option("auto", "How the step is spread over the threads; auto takes the faster one for the number of "
+                       "particles", choices=("auto", "serial", "parallel"))
+
+    layout = "box"
+    SIDE, INNER, OUTER, ANGLE = 1.0, 0.0, 1.0, 0.5 * math.pi
+    PLANES = (True, True)
+    ESTIMATORS = ("companion", "transport")
+    VALIDITY = RULES
+    REMEDIES = (FILTER, COUPLED, FROZEN)
+    FEWEST_CELLS = 8
+    DEFAULT_PERIODS = 1.0
+    SAMPLES_A_PERIOD = 50
+    NOT_LINEARITY_PRESERVING = "is not offered here; leave it off"
+    MENDS = "the others mend"
+    MOST_AMPLITUDE = math.inf
+
+    @abstractmethod
+    def displacement(self, X: Any, Y: Any, t: Any) -> tuple[Any, Any]:
+        """u_x and u_y in m at material points and a time, of any kind of number."""
+
+    def __init_subclass__(cls, **kwargs: Any) -> None:
+        super().__init_subclass__(**kwargs)
+        if "displacement" in vars(cls):
+            cls.EXACT = ExactSolution(cls.displacement)
+
+    @property
+    @abstractmethod
+    def angular_frequency(self) -> float:
+        """Of the motion as a whole, in 1/s: it comes back after the period 2 pi/w."""
+
+    @staticmethod
+    def polar_counts(cells: int, ppc: int) -> tuple[int, int]:
+        return cells * ppc, cells * ppc
+
+    @property
+    def row(self) -> int:
+        return self.cells + 1 + GHOSTS * sum(self.PLANES)
+
+    @property
+    def origin(self) -> float:
+        """Number of the node at x = 0."""
+        return float(GHOSTS) if self.PLANES[0] else 0.5 * self.cells
+
+    @property
+    def farthest(self) -> float:
+        """The largest coordinate that a particle of a sound run may have, in m."""
+        return self.SIDE + self.spacing
+
+    @property
+    def lame_moduli(self) -> tuple[float, float]:
+        mu = 0.5 * self.modulus / (1 + self.poisson_ratio)
+        return 2 * mu * self.poisson_ratio / (1 - 2 * self.poisson_ratio), mu
+
+    @property
+    def wave_speed(self) -> float:
+        """Of pressure waves in the material at rest, in m/s."""
+        bulk, mu = self.lame_moduli
+        return math.sqrt((bulk + 2 * mu) / self.density)
+
+    def critical_time_step(self) -> StepBound:
+        return step_bound.critical_time_step(self)
+
+    @functools.cached_property
+    def _sizes(self) -> Sizes:
+        line = np.linspace(0, self.SIDE, LINE + 1)
+        X = np.stack(np.meshgrid(line, line), axis=-1).reshape(-1, 2)
+        fields = {"x": (self.EXACT.displacement, (1, 1)), "v": (self.EXACT.velocity, (1, 1)),
+                  "sigma": (self.EXACT.stress, (1, 2, 1)), "a": (self.EXACT.acceleration, (1, 1))}
+        times = (np.arange(INSTANTS) + 0.5) / INSTANTS * self.period
+        squares = {name: np.stack([field(self, X, t)**2 @ np.array(weights) for t in times])
+                   for name, (field, weights) in fields.items()}
+        return Sizes({name: float(np.sqrt(values.max())) for name, values in squares.items()},
+                     {name: float(np.sqrt(values.mean())) for name, values in squares.items()})
+
+    @property
+    def motion_amplitude(self) -> float:
+        """Largest displacement of the exact solution, in m."""
+        return self._sizes.largest["x"]
+
+    def size_of(self, quantity: str) -> float:
+        return self._sizes.largest[quantity]
+
+    def rms_of(self, quantity: str) -> float:
+        return self._sizes.rms[quantity]
+
+    def force_table(self) -> SeparableField:
+        """The body force per mass at the particles, in m/s^2."""
+        return separate(lambda X, t: self.EXACT.body_force(self, X, t), particle_layout(self).position, self.period)
+
+    def motion_table(self) -> SeparableField:
+        """u_x, u_y, and Grad u as xX, xY, yX, yY, at the particles."""
+        def field(X: np.ndarray, t: np.ndarray) -> np.ndarray:
+            return columns(self.EXACT.jets(self, X, t).displacement_and_gradient, len(X))
+
+        return separate(field, particle_layout(self).position, self.period)
+
+    def grid_table(self) -> SeparableField:
+        """The acceleration in m/s^2 at the places of the nodes, of the material that has come there."""
+        line = (np.arange(self.row) - self.origin) * self.spacing
+
+        def field(x: np.ndarray, t: np.ndarray) -> np.ndarray:
+            return self.EXACT.acceleration(self, x if self.frozen else self._came_from(x, t), t)
+
+        return separate(field, np.stack(np.meshgrid(line, line), axis=-1).reshape(-1, 2), self.period)
+
+    def _came_from(self, x: np.ndarray, t: np.ndarray) -> np.ndarray:
+        """The material points (n, 2) that are at the places x (n, 2) at the times t (n,), by Newton's method."""
+        X = x.copy()
+        for _ in range(NEWTON_STEPS):
+            F = self.EXACT.deformation_gradient(self, X, t)
+            step = np.linalg.solve(F, (self.EXACT.position(self, X, t) - x)[..., None])[..., 0]
+            X -= step
+            if np.abs(step).max() < NEWTON_END:
+                break
+        return X
+
+    def companion_patch(self, order: int | None = None) -> Patch:
+        """What the companion is solved on: 3 x 3 elements of order 5 on few cells, more and higher on many, or of the
+        ``order`` that is asked for."""
+        count, usual = next(mesh for most, mesh in MESHES if self.cells <= most)
+        line = Elements(0.0, self.SIDE, count, order or usual)
+        ends = [end for end, there in zip((0.0, self.SIDE), self.PLANES, strict=True) if there]
+        return Patch(self, (line, line), CARTESIAN,
+                     lambda X: np.any([np.abs(X - end) < 1e-12 * self.SIDE for end in ends], axis=0))
+
+    def balanced_motion(self, times: np.ndarray) -> Moments:
+        """With the modes of the exact motion for functions of place."""
+        if not self.solution_known:
+            return Moments(np.zeros((len(times), MODES)), np.zeros(len(times)), np.eye(MODES), self.particles,
+                           np.zeros(len(times), bool))
+        motion, gram = modes_and_products(self)
+        T = np.stack([motion.time_functions(float(t)) for t in times])
+        few = min(MODES, motion.rank)
+        sums, inverse = np.zeros((len(times), MODES)), np.zeros((MODES, MODES))
+        sums[:, :few] = T @ gram[:, :few]
+        inverse[:few, :few] = np.linalg.pinv(gram[:few, :few], hermitian=True)
+        return Moments(sums, np.einsum("tk,kl,tl->t", T, gram, T), inverse, self.particles, np.ones(len(times), bool))
+
+    def _check_amplitude(self) -> None:
+        require_number("amplitude", self.amplitude, 1e-12, self.MOST_AMPLITUDE)
+        require_number("poisson_ratio", self.poisson_ratio, -0.9, 0.49)
+
+    def _check_remedies(self) -> None:
+        if COUPLED in self.remedies and self.method == "cpdi":
+            raise SceneError("remedies", " ".join(self.remedies), "coupled-deformation makes CPDI worse, whose domains "
+                             "follow the deformation; give null-space-filter or frozen-weights")
+
+
+@functools.lru_cache(maxsize=4)
+def modes_and_products(scene: Any) -> tuple[SeparableField, np.ndarray]:
+    """The motion's table, and sum_p u_k . u_l (r, r) of the displacements of its modes."""
+    motion = scene.motion_table()
+    u = motion.modes[:, :, :2]
+    return motion, np.einsum("pkc,plc->kl", u, u)

@@ -1,0 +1,232 @@
+"""The companion in the plane (see ``solvers.estimators.companion``): its space, and what it says of each particle.
+
+Elements are products of intervals in two coordinates xi and eta under a map X(xi, eta), a patch of the body. With
+grad u = u_xi grad xi + u_eta grad eta, F = I + grad u and P(F),
+
+    m_i a_i = m_i b_i - sum_q w_q j_q P [grad xi phi_i,xi + grad eta phi_i,eta],  m_i = rho w_i j_i,
+
+j = det dX/d(xi, eta), which leaves sides that nothing holds free of traction. Mesh, map, force and material are
+numbers and arrays, so that one compilation serves all bodies. Source: Patera, J. Comput. Phys. 54 (1984) 468-488.
+"""
+
+from typing import NamedTuple
+
+import numpy as np
+import taichi as ti
+
+from solvers.estimators import companion as shared
+from solvers.kernels.elementary import log
+from solvers.kernels.kinds import integer_quads, integers, pairs, quads
+from solvers.problems.planar.estimators.patch import Patch
+from solvers.problems.planar.layout import particle_layout
+from solvers.problems.planar.method.field_tables import find_pair_functions, of_pairs, pack, pair_sum
+from solvers.problems.planar.method.neo_hookean import FLATTEST, cauchy_stress
+
+
+@ti.func
+def accelerate(body: ti.template(), t, on: ti.template()):
+    """Accelerations of the nodes at the trial displacement and time t, where they are zero at first."""
+    row = body.companion_counts[shared.ROW]
+    stiffest = 1.0
+    for across in range(body.companion_counts[shared.ACROSS]):
+        for along in range(body.companion_counts[shared.AROUND]):
+            corner = body.companion_counts[shared.ORDER] * (across * row + along)
+            stiffest = ti.max(stiffest, element_stresses(body, corner))
+            element_forces(body, corner)
+    body.companion_numbers[shared.STIFFEST] = stiffest
+    find_pair_functions(body.companion_force, body.companion_force_sizes, 0, body.angular_frequency * t)
+    first = shared.WORK * body.companion_counts[shared.NODES]
+    for node in range(body.companion_counts[shared.NODES]):
+        force, work = pair_sum(body.companion_force, body.companion_force_sizes, 0, node), first + node
+        for c in ti.static(range(2)):
+            per_mass = body.companion_nodes[work][6 + c]
+            a = body.companion_nodes[work][2 + c] * per_mass
+            body.companion_nodes[work][2 + c] = a + force[c] if per_mass > 0 else 0.0
+
+
+@ti.func
+def element_stresses(body: ti.template(), corner):
+    """Keep w j P grad xi and w j P grad eta at the points of the element from node ``corner`` on.
+
+    Returns its stiffest tangent over lambda + 2 mu: at most mu + (lambda + mu - lambda ln J)/s^2, s the least stretch.
+    """
+    n, row = body.companion_counts[shared.ORDER] + 1, body.companion_counts[shared.ROW]
+    trial, mu, lam = shared.WORK * body.companion_counts[shared.NODES] + corner, body.shear_modulus, body.lame_modulus
+    for i in range(n):
+        for j in range(n):
+            node = trial + i * row + j
+            body.companion_trial[i * n + j] = ti.Vector([body.companion_nodes[node][0], body.companion_nodes[node][1]])
+    stiffest = 1.0
+    for i in range(n):
+        for j in range(n):
+            u_xi, u_eta = ti.Vector([0.0, 0.0]), ti.Vector([0.0, 0.0])
+            for k in range(n):
+                u_xi += body.companion_matrices[i * n + k][0] * body.companion_trial[k * n + j]
+                u_eta += body.companion_matrices[j * n + k][1] * body.companion_trial[i * n + k]
+            g = body.companion_geometry[corner + i * row + j]  # j grad xi, j grad eta, whose determinant is j
+            per_j = 1 / (g[0] * g[3] - g[1] * g[2])
+            xx, xy = 1 + per_j * (u_xi[0] * g[0] + u_eta[0] * g[2]), per_j * (u_xi[0] * g[1] + u_eta[0] * g[3])
+            yx, yy = per_j * (u_xi[1] * g[0] + u_eta[1] * g[2]), 1 + per_j * (u_xi[1] * g[1] + u_eta[1] * g[3])
+            J = xx * yy - xy * yx
+            per_J, growth = 1 / J, lam * log(ti.max(J, FLATTEST))
+            # 1/s^2 is the larger root of z^2 - (F:F/J^2) z + 1/J^2 = 0.
+            half = 0.5 * (xx * xx + xy * xy + yx * yx + yy * yy) * per_J * per_J
+            stretched = half + ti.sqrt(ti.max(half * half - per_J * per_J, 0.0))
+            stiffest = ti.max(stiffest, (mu + (lam + mu - growth) * stretched) / (lam + 2 * mu))
+            back, w = (growth - mu) * per_J, body.companion_matrices[i * n + j][2]
+            P = ti.Vector([mu * xx + back * yy, mu * xy - back * yx, mu * yx - back * xy, mu * yy + back * xx])
+            body.companion_stresses[i * n + j] = w * ti.Vector([
+                P[0] * g[0] + P[1] * g[1], P[2] * g[0] + P[3] * g[1],
+                P[0] * g[2] + P[1] * g[3], P[2] * g[2] + P[3] * g[3]])
+    return stiffest
+
+
+@ti.func
+def element_forces(body: ti.template(), corner):
+    """Take the element's internal forces from its nodes."""
+    n, row = body.companion_counts[shared.ORDER] + 1, body.companion_counts[shared.ROW]
+    trial = shared.WORK * body.companion_counts[shared.NODES] + corner
+    for i in range(n):
+        for j in range(n):
+            xi, eta = ti.Vector([0.0] * 4), ti.Vector([0.0] * 4)
+            for k in range(n):
+                xi += body.companion_matrices[k * n + i][0] * body.companion_stresses[k * n + j]
+                eta += body.companion_matrices[k * n + j][1] * body.companion_stresses[i * n + k]
+            node = trial + i * row + j
+            for c in ti.static(range(2)):
+                body.companion_nodes[node][2 + c] = body.companion_nodes[node][2 + c] - (xi[c] + eta[2 + c])
+
+
+@ti.func
+def report(body: ti.template(), base, step, on: ti.template()):
+    """Every particle's error at ``step``: computed minus the companion's, at its material point. For particles of the
+    same xi that is first reduced to one line of nodes, then read there at each particle's eta."""
+    shared.read_nodes(body, step)
+    squares = 0.0
+    for k in range(body.companion_counts[shared.RADII]):
+        reduce_to_line(body, k)
+        for place in range(body.companion_places[k][0], body.companion_places[k + 1][0]):
+            squares += particle_error(body, base, body.companion_places[place], step, on)
+    body.companion_numbers[shared.SQUARE] = squares / body.particles
+
+
+@ti.func
+def reduce_to_line(body: ti.template(), k):
+    """u, v, a and u_xi on the line of the k-th xi of particles, at the nodes' eta."""
+    n, row = body.companion_counts[shared.ORDER] + 1, body.companion_counts[shared.ROW]
+    line = shared.LAYERS * body.companion_counts[shared.NODES]
+    start = shared.NOW * body.companion_counts[shared.NODES] + body.companion_places[k][1]
+    for j in range(row):
+        total, slope = ti.Vector([0.0] * 8), ti.Vector([0.0, 0.0])
+        for i in range(n):
+            now, basis = body.companion_nodes[start + i * row + j], body.companion_basis[k * n + i]
+            total += basis[0] * now
+            slope += basis[1] * ti.Vector([now[0], now[1]])
+        total[6], total[7] = slope[0], slope[1]
+        body.companion_nodes[line + j] = total
+
+
+@ti.func
+def particle_error(body: ti.template(), base, place, step, on: ti.template()):
+    """Errors of x and v, of the Cauchy stress and of a at a particle, whose ``place`` is (p, first node of its line,
+    first of its polynomials). Returns the square of that of x."""
+    p = place[0]
+    f = ti.Vector([0.0] * 8)  # u, v, a, u_xi
+    u_eta = ti.Vector([0.0, 0.0])
+    for j in range(body.companion_counts[shared.ORDER] + 1):
+        value, basis = body.companion_nodes[place[1] + j], body.companion_basis[place[2] + j]
+        f += basis[0] * value
+        u_eta += basis[1] * ti.Vector([value[0], value[1]])
+    q, X, g = body.position_velocity[p], body.material_position[p], body.companion_slopes[p]  # grad xi, grad eta
+    xx, xy = 1 + f[6] * g[0] + u_eta[0] * g[2], f[6] * g[1] + u_eta[0] * g[3]
+    yx, yy = f[7] * g[0] + u_eta[1] * g[2], 1 + f[7] * g[1] + u_eta[1] * g[3]
+    J = xx * yy - xy * yx
+    mu, bulk = body.shear_modulus / J, body.lame_modulus * log(ti.max(J, FLATTEST)) / J
+    sigma = cauchy_stress(body, p)
+    error = ti.Vector([q[0] - X[0] - f[0], q[1] - X[1] - f[1], q[2] - f[2], q[3] - f[3]])
+    body.estimate[base + p] = error
+    body.estimate_stress[base + p] = ti.Vector([sigma[0] - mu * (xx * xx + xy * xy - 1) - bulk,
+                                                sigma[1] - mu * (xx * yx + xy * yy),
+                                                sigma[2] - mu * (yx * yx + yy * yy - 1) - bulk, 0.0])
+    a = ti.Vector([ti.math.nan, ti.math.nan])
+    if ti.static(on.acceleration):  # before the first step none has been computed, and so none can be wrong
+        a = body.acceleration[p] - ti.Vector([f[4], f[5]]) if step > 0 else ti.Vector([0.0, 0.0])
+    body.estimate_acceleration[base + p] = a
+    return error[0] * error[0] + error[1] * error[1]
+
+
+class ParticleBasis(NamedTuple):
+    """How the companion's kernels read it at particles, those of the same xi one after the other.
+
+    ``basis`` are values and derivatives of the p + 1 polynomials at every xi of ``columns``, then at every eta.
+    ``places`` begin with a line for each xi and one more, (where its particles begin, first node of its element, 0, 0),
+    and then have the particles: (particle, first node of its element on a line of nodes, its basis, 0). ``slopes`` are
+    grad xi and grad eta (P, 4).
+    """
+
+    basis: np.ndarray
+    places: np.ndarray
+    slopes: np.ndarray
+    columns: int
+
+
+def particle_basis(patch: Patch, X: np.ndarray) -> ParticleBasis:
+    """For particles at material points X (P, 2)."""
+    first, second = patch.lines
+    (across, column), (along, line) = (np.unique(one.round(12), return_inverse=True)
+                                       for one in patch.map.coordinates(X))
+    (at_xi, *xi_basis), (at_eta, *eta_basis) = first.locate(across), second.locate(along)
+    K, order, row = len(across), np.argsort(column, kind="stable"), len(second.nodes)
+    places = np.zeros((K + 1 + len(order), 4), np.int32)
+    places[:K + 1, 0] = K + 1 + np.searchsorted(column[order], np.arange(K + 1))
+    places[:K, 1] = at_xi * first.order * row
+    places[K + 1:, 0] = order
+    places[K + 1:, 1] = shared.LAYERS * len(patch.places) + at_eta[line[order]] * second.order
+    places[K + 1:, 2] = (K + line[order]) * (first.order + 1)
+    basis = np.concatenate([np.stack(one, axis=2).reshape(-1, 2) for one in (xi_basis, eta_basis)])
+    return ParticleBasis(basis, places, patch.slopes(X), K)
+
+
+def allocate(scene) -> dict[str, np.ndarray]:
+    """The companion at rest in shape on the scene's patch, moving with the initial velocity."""
+    patch = scene.companion_patch()
+    (first, second), seen = patch.lines, particle_basis(patch, particle_layout(scene).position)
+    n = first.order + 1
+    matrices = np.stack([first.derivative, second.derivative, np.outer(first.weights, second.weights),
+                         np.zeros((n, n))], axis=-1)
+    sizes, force = pack(of_pairs(patch.force))
+    return {
+        **shared.start((first.order, first.count, second.count, len(second.nodes), len(patch.places), seen.columns),
+                       patch.frequency, scene.time_step, patch.velocity, patch.inverse_mass, len(second.nodes)),
+        "companion_geometry": patch.geometry, "companion_slopes": seen.slopes,
+        "companion_matrices": matrices.reshape(-1, 4), "companion_trial": np.zeros((n * n, 2)),
+        "companion_stresses": np.zeros((n * n, 4)), "companion_basis": seen.basis, "companion_places": seen.places,
+        "companion_force": force, "companion_force_sizes": sizes}
+
+
+def verdict(scene, memory) -> str | None:
+    """Why not to trust what was reported last."""
+    counts = memory["companion_counts"]
+    order, shape = counts[shared.ORDER], (counts[shared.NODES] // counts[shared.ROW], counts[shared.ROW])
+    u = memory["companion_nodes"][shared.NOW * counts[shared.NODES]:, :2][:counts[shared.NODES]].reshape(*shape, 2)
+    of_xi, of_eta = (np.arange(counts[one])[:, None] * order + np.arange(order + 1)
+                     for one in (shared.ACROSS, shared.AROUND))
+    return shared.doubt(u[of_xi[:, None, :, None], of_eta[None, :, None, :]], (2, 3),
+                        memory["companion_numbers"][shared.SQUARE])
+
+
+MEMORY = {
+    # Behind the layers of nodes is one line of u, v, a, u_xi for a report: (4 N + row, 8).
+    "companion_geometry": quads,  # j grad xi and j grad eta at the nodes
+    "companion_slopes": quads,  # grad xi and grad eta at the particles
+    "companion_matrices": quads,  # d/dxi and d/deta in an element, row by row, and the weights of its points
+    "companion_trial": pairs,  # u at the points of the element at work
+    "companion_stresses": quads,  # w j P grad xi and w j P grad eta at the points of the element at work
+    "companion_basis": pairs,  # see ParticleBasis
+    "companion_places": integer_quads,
+    "companion_force": quads,  # the table of the body force at the nodes
+    "companion_force_sizes": integers,
+}
+
+
+HOOKS = shared.hooks(accelerate, MEMORY, allocate=allocate, report=report, verdict=verdict)

@@ -1,0 +1,130 @@
+"""A patch of a body, meshed by spectral elements in two coordinates xi and eta: what the companion is solved on."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from solvers.estimators.spectral import Elements, highest_frequency
+from solvers.estimators.standalone import ElasticBody
+from solvers.motion.neo_hookean import first_piola_stress
+from solvers.motion.separable_field import SeparableField, separate
+
+INSTANTS = 8  # of a period, at which the stiffest deformation is looked for
+
+
+class PatchMap(NamedTuple):
+    """X(xi, eta): ``place`` of coordinates (N,) each is (N, 2) in m, ``tangents`` are dX/dxi and dX/deta (N, 2) each,
+    and ``coordinates`` of material points (P, 2) are xi and eta (P,)."""
+
+    place: Callable[[np.ndarray, np.ndarray], np.ndarray]
+    tangents: Callable[[np.ndarray, np.ndarray], tuple[np.ndarray, np.ndarray]]
+    coordinates: Callable[[np.ndarray], tuple[np.ndarray, np.ndarray]]
+
+
+#: A rectangle along the axes.
+CARTESIAN = PatchMap(lambda xi, eta: np.stack([xi, eta], axis=1),
+                     lambda xi, eta: (np.tile([1.0, 0.0], (len(xi), 1)), np.tile([0.0, 1.0], (len(xi), 1))),
+                     lambda X: (X[:, 0], X[:, 1]))
+
+
+def contravariant(tangents: tuple[np.ndarray, np.ndarray]) -> np.ndarray:
+    """j grad xi and j grad eta (N, 4) from the tangents, j = det dX/d(xi, eta)."""
+    (a, b), (c, d) = (one.T for one in tangents)
+    return np.stack([d, -c, -b, a], axis=1)
+
+
+class Patch(ElasticBody):
+    """The companion of a scene with a manufactured solution on one patch, and in numpy its solve by itself.
+
+    Parameters
+    ----------
+    scene
+        It gives ``EXACT``, ``lame_moduli``, ``density``, ``body_force`` and ``period``.
+    lines
+        Elements along xi and along eta, of one order.
+    patch_map
+        From the coordinates to material points.
+    held
+        Which components (N, 2) of the nodes at material points (N, 2) a symmetry plane holds.
+    """
+
+    def __init__(self, scene: Any, lines: tuple[Elements, Elements], patch_map: PatchMap,
+                 held: Callable[[np.ndarray], np.ndarray]):
+        first, second = self.lines = lines
+        self.map, self._lame, self._shape = patch_map, scene.lame_moduli, (len(first.nodes), len(second.nodes))
+        xi, eta = (line.ravel() for line in np.meshgrid(first.nodes, second.nodes, indexing="ij"))
+        self.places = patch_map.place(xi, eta)
+        self.geometry = contravariant(patch_map.tangents(xi, eta))
+        self._area = self.geometry[:, 0] * self.geometry[:, 3] - self.geometry[:, 1] * self.geometry[:, 2]
+        mass = scene.density * np.outer(first.assembled_weights, second.assembled_weights).ravel() * self._area
+        self.inverse_mass = ~held(self.places) / mass[:, None]
+        self._free = (self.inverse_mass > 0).astype(float)
+        self.velocity = scene.EXACT.velocity(scene, self.places, 0.0) * self._free
+        self.force: SeparableField | None = None if scene.body_force == "none" else \
+            separate(lambda X, t: scene.EXACT.body_force(scene, X, t), self.places, scene.period)
+        self._node = np.add(*np.broadcast_arrays(first.of_node[:, None, :, None] * self._shape[1],
+                                                 second.of_node[None, :, None, :]))
+        self._weight = np.outer(first.weights, second.weights)[..., None]
+        self.frequency = highest_frequency(lambda u: self.inverse_mass * self._pull(u, self._linear_stress),
+                                           self.inverse_mass)
+        self._stiffest = self._stiffening(scene)
+
+    @property
+    def strained_frequency(self) -> float:
+        """The highest frequency along the exact motion, in 1/s."""
+        return self.frequency * float(np.sqrt(max(1.0, self._stiffest)))
+
+    def _stiffening(self, scene: Any) -> float:
+        """How many times stiffer than at rest the material becomes at most, along the exact motion."""
+        (bulk, mu), times = self._lame, np.arange(INSTANTS) / INSTANTS * scene.period
+        F = np.concatenate([scene.EXACT.deformation_gradient(scene, self.places, t) for t in times])
+        J, least = np.linalg.det(F), np.linalg.svd(F, compute_uv=False)[:, -1]
+        return float((mu + (bulk + mu - bulk * np.log(J)) / least**2).max() / (bulk + 2 * mu))
+
+    def _linear_stress(self, xx: Any, xy: Any, yx: Any, yy: Any) -> tuple[Any, Any, Any, Any]:
+        """Of Grad u, by Hooke's law."""
+        (bulk, mu), shear = self._lame, self._lame[1] * (xy + yx)
+        return bulk * (xx + yy) + 2 * mu * xx, shear, shear, bulk * (xx + yy) + 2 * mu * yy
+
+    def _stress(self, xx: Any, xy: Any, yx: Any, yy: Any) -> tuple[Any, Any, Any, Any]:
+        """Of Grad u = F - I, by the law of the material."""
+        return first_piola_stress((1 + xx, xy, yx, 1 + yy), *self._lame)
+
+    def _pull(self, u: np.ndarray, law: Callable[..., Any]) -> np.ndarray:
+        """The internal forces (N, 2) of displacements, in N: what draws the nodes back."""
+        (first, second), local = self.lines, u[self._node]  # (a, b, i, k, 2)
+        by_xi = np.einsum("ik,abkjc->abijc", first.derivative, local, optimize=True)
+        by_eta = np.einsum("jk,abikc->abijc", second.derivative, local, optimize=True)
+        g, j = self.geometry[self._node], self._area[self._node][..., None]
+        by_x = (by_xi * g[..., 0:1] + by_eta * g[..., 2:3]) / j
+        by_y = (by_xi * g[..., 1:2] + by_eta * g[..., 3:4]) / j
+        xx, xy, yx, yy = law(by_x[..., 0], by_y[..., 0], by_x[..., 1], by_y[..., 1])
+        P_xi, P_eta = (self._weight * np.stack([xx * a + xy * b, yx * a + yy * b], axis=-1)
+                       for a, b in ((g[..., 0], g[..., 1]), (g[..., 2], g[..., 3])))
+        pull = np.einsum("ki,abkjc->abijc", first.derivative, P_xi, optimize=True) \
+            + np.einsum("kj,abikc->abijc", second.derivative, P_eta, optimize=True)
+        total = np.zeros_like(u)
+        np.add.at(total, self._node, pull)
+        return total
+
+    def accelerations(self, u: np.ndarray, t: float) -> np.ndarray:
+        internal = -self.inverse_mass * self._pull(u, self._stress)
+        return internal if self.force is None else internal + self._free * self.force(t)
+
+    def read(self, u: np.ndarray, X: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        xi, eta = self.map.coordinates(X)
+        (first, second), slopes = self.lines, self.slopes(X)
+        a, along_xi, slope_xi = first.locate(xi)
+        b, along_eta, slope_eta = second.locate(eta)
+        local = u[first.of_node[a][:, :, None] * self._shape[1] + second.of_node[b][:, None]]
+        values, by_xi, by_eta = (np.einsum("pi,pj,pijc->pc", one, two, local) for one, two in (
+            (along_xi, along_eta), (slope_xi, along_eta), (along_xi, slope_eta)))
+        return values, by_xi[:, :, None] * slopes[:, None, :2] + by_eta[:, :, None] * slopes[:, None, 2:]
+
+    def slopes(self, X: np.ndarray) -> np.ndarray:
+        """grad xi and grad eta (P, 4) at material points."""
+        g = contravariant(self.map.tangents(*self.map.coordinates(X)))
+        return g / (g[:, 0] * g[:, 3] - g[:, 1] * g[:, 2])[:, None]

@@ -1,0 +1,111 @@
+"""Tables of ``solvers.motion.separable_field`` for kernels: several fields of time and place in one array of quads.
+
+Of each table ``sizes`` has five facts (:data:`RANK` and the following). A series is (cos, sin, 0, 0) of each function
+of time, harmonic by harmonic, the mean first; then come the modes, and room for the functions' present values.
+"""
+
+import numpy as np
+import taichi as ti
+
+from solvers.kernels.elementary import cos, sin
+from solvers.motion.separable_field import SeparableField
+
+#: How many functions of time and harmonics a table has, and at which entries series, modes and present values begin.
+RANK, HARMONICS, SERIES, MODES, PRESENT = range(5)
+FACTS = 5
+
+
+def pack(*tables: tuple[SeparableField | None, np.ndarray | None]) -> tuple[np.ndarray, np.ndarray]:
+    """Sizes (5 n,) and entries (N, 4) of n tables, each with its modes as entries; one that is not there has rank 0.
+    The first entry is not used."""
+    sizes, parts, entries = [], [np.zeros((1, 4))], 1
+    for table, modes in tables:
+        if table is None or modes is None:
+            sizes += [0] * FACTS
+            continue
+        waves = np.zeros((1 + table.harmonics, table.rank, 4))
+        waves[0, :, 0] = table.series[:, 0]
+        waves[1:, :, 0], waves[1:, :, 1] = table.series[:, 1::2].T, table.series[:, 2::2].T
+        at = entries + (1 + table.harmonics) * table.rank
+        sizes += [table.rank, table.harmonics, entries, at, at + len(modes)]
+        parts += [waves.reshape(-1, 4), modes, np.zeros((table.rank, 4))]
+        entries = at + len(modes) + table.rank
+    return np.array(sizes, np.int32), np.concatenate(parts)
+
+
+def of_pairs(table: SeparableField | None) -> tuple[SeparableField | None, np.ndarray | None]:
+    """A field of vectors whose modes lie two to an entry, of an even number of them."""
+    if table is None:
+        return None, None
+    modes, series = table.modes, table.series
+    if table.rank % 2:
+        series = np.vstack([series, np.zeros((1, series.shape[1]))])
+        modes = np.concatenate([modes, np.zeros_like(modes[:, :1])], axis=1)
+    return SeparableField(modes, series, table.angular_frequency), modes.reshape(-1, 4)
+
+
+def of_vectors(table: SeparableField | None) -> tuple[SeparableField | None, np.ndarray | None]:
+    """A field of vectors, a mode to an entry: (x, y, 0, 0)."""
+    if table is None:
+        return None, None
+    return table, np.pad(table.modes.reshape(-1, 2), ((0, 0), (0, 2)))
+
+
+def of_motions(table: SeparableField | None) -> tuple[SeparableField | None, np.ndarray | None]:
+    """A field of u and Grad u (P, r, 6), a mode to two entries: (u_x, u_y, 0, 0) and Grad u."""
+    if table is None:
+        return None, None
+    return table, np.insert(table.modes.reshape(-1, 6), [2, 2], 0.0, axis=1).reshape(-1, 4)
+
+
+@ti.func
+def find_pair_functions(tables: ti.template(), sizes: ti.template(), number: ti.template(), angle):
+    """T_k at an angle of the first harmonic, of a table of pairs: (T_2k, T_2k, T_2k+1, T_2k+1) an entry."""
+    base = ti.static(FACTS * number)
+    rank, at, out = sizes[base + RANK], sizes[base + SERIES], sizes[base + PRESENT]
+    for k in range(rank // 2):
+        a, b = tables[at + 2 * k][0], tables[at + 2 * k + 1][0]
+        tables[out + k] = ti.Vector([a, a, b, b])
+    c1, s1 = cos(angle), sin(angle)
+    c, s = c1, s1  # of the harmonic, by recurrence
+    for _ in range(sizes[base + HARMONICS]):
+        at += rank
+        for k in range(rank // 2):
+            one, two = tables[at + 2 * k], tables[at + 2 * k + 1]
+            a, b = one[0] * c + one[1] * s, two[0] * c + two[1] * s
+            tables[out + k] = tables[out + k] + ti.Vector([a, a, b, b])
+        c, s = c * c1 - s * s1, s * c1 + c * s1
+
+
+@ti.func
+def pair_sum(tables: ti.template(), sizes: ti.template(), number: ti.template(), place):
+    """The vector of a field of pairs at a place, with the functions that were found last."""
+    base = ti.static(FACTS * number)
+    pairs, modes, now = sizes[base + RANK] // 2, sizes[base + MODES], sizes[base + PRESENT]
+    total = ti.Vector([0.0, 0.0, 0.0, 0.0])
+    for k in range(pairs):
+        total += tables[now + k] * tables[modes + place * pairs + k]
+    return ti.Vector([total[0] + total[2], total[1] + total[3]])
+
+
+@ti.func
+def find_functions(tables: ti.template(), sizes: ti.template(), number: ti.template(), frequency, now, before):
+    """(T_k, T_k', T_k'' at the angle ``before``, T_k there) of a table at the angle ``now``, of harmonics of a
+    ``frequency`` in 1/s: the acceleration that a method has is that of its last step."""
+    base = ti.static(FACTS * number)
+    rank, at, out = sizes[base + RANK], sizes[base + SERIES], sizes[base + PRESENT]
+    for k in range(rank):
+        mean = tables[at + k][0]
+        tables[out + k] = ti.Vector([mean, 0.0, 0.0, mean])
+    c1, s1, d1, e1 = cos(now), sin(now), cos(before), sin(before)
+    c, s, d, e = c1, s1, d1, e1
+    for n in range(1, sizes[base + HARMONICS] + 1):
+        w = n * frequency
+        at += rank
+        for k in range(rank):
+            f = tables[at + k]
+            earlier = f[0] * d + f[1] * e
+            tables[out + k] = tables[out + k] + ti.Vector([
+                f[0] * c + f[1] * s, w * (f[1] * c - f[0] * s), -w * w * earlier, earlier])
+        c, s = c * c1 - s * s1, s * c1 + c * s1
+        d, e = d * d1 - e * e1, e * d1 + d * e1

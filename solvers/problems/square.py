@@ -1,0 +1,44 @@
+"""The axis-aligned displacement in a unit square: nothing moves across its sides, and particles tile it.
+
+Source: Wallstedt & Guilkey, An evaluation of explicit time integration schemes for use with the generalized
+interpolation material point method, J. Comput. Phys. 227 (2008) 9628-9642.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import Any
+
+from solvers.motion.jets import sin
+from solvers.problems.manufactured.problem import ManufacturedProblem
+from solvers.problems.manufactured.scene import ManufacturedScene
+from solvers.scene.option import described, option
+
+
+@described
+@dataclass(frozen=True)
+class SquareScene(ManufacturedScene):
+    """One run of the square: h = 1 m/``cells``, ``ppc`` counts per direction."""
+
+    problem: str = option("square", choices=("square",))
+    amplitude: float = option(0.02, "Amplitude A of the displacement", "m")
+
+    TITLE = "axis-aligned displacement in a square"
+    SETTING = "A square, 1 m wide, between four planes of symmetry."
+    EQUATIONS = "x = X + A sin(2 pi X) sin(w t), y = Y + A sin(2 pi Y) sin(w t + pi)"
+    STRAIN_PER_AMPLITUDE = 2 * math.pi
+    MOST_AMPLITUDE = 0.15  # at 1/(2 pi) it turns inside out
+    GENTLE_AMPLITUDE, HARD_AMPLITUDES = 0.01, (0.02, 0.05, 0.1)
+
+    @property
+    def angular_frequency(self) -> float:
+        """pi times the time in which a bar's sound crosses the square, in 1/s."""
+        return math.pi * math.sqrt(self.modulus / self.density)
+
+    def displacement(self, X: Any, Y: Any, t: Any) -> tuple[Any, Any]:
+        A, w = self.amplitude, self.angular_frequency
+        return A * sin(2 * math.pi * X) * sin(w * t), A * sin(2 * math.pi * Y) * sin(w * t + math.pi)
+
+
+SQUARE = ManufacturedProblem(SquareScene)
