@@ -40,6 +40,9 @@ SWITCHES: dict[str, tuple[dict[str, Any], ...]] = {
     "vortex": ({"method": "mpm"}, {"method": "ugimp"}, {"method": "cpgimp-v"}, {"method": "cpdi"},
                {"method": "cpgimp", "remedies": (FILTER,)}, {"method": "mpm", "remedies": (FROZEN,)},
                {"method": "cpdi", "layout": "cartesian"}, {"method": "cpdi", "poisson_ratio": 0.47}),
+    "square": ({"method": "mpm"}, {"method": "ugimp"}, {"method": "cpgimp"}, {"method": "cpdi"},
+               {"method": "ugimp", "remedies": (FILTER, COUPLED)}, {"method": "mpm", "velocity": "particle"},
+               {"method": "cpdi", "remedies": (FROZEN,)}),
 }
 #: Of each number the range it is drawn from, by its logarithm.
 RANGES: dict[str, dict[str, tuple[float, float]]] = {
@@ -47,6 +50,7 @@ RANGES: dict[str, dict[str, tuple[float, float]]] = {
     "ring": {"cells": (8, 40), "ppc": (1, 4), "amplitude": (1e-3, 0.384), "cfl": (0.03, 0.5), "periods": (0.05, 3)},
     "vortex": {"cells": (12, 40), "ppc": (1, 4), "amplitude": (1e-3, 1.57), "cfl": (0.03, 0.5), "periods": (0.05, 2),
                "frequency": (0.03, 6.0)},
+    "square": {"cells": (8, 40), "ppc": (1, 4), "amplitude": (1e-3, 0.149), "cfl": (0.03, 0.5), "periods": (0.05, 3)},
 }
 #: From which part on of the logarithm of a range, and up to which, a number is drawn: all of it, what is to break a run
 #: and what is to spare it.

@@ -43,6 +43,7 @@ OFTEN: tuple[Inputs, ...] = (
     {"problem": "vortex", "method": "cpgimp-v", "velocity": "particle", "remedies": (FILTER,),
      "body_force": "two-tone", "estimators": ("companion",)},
     {"problem": "vortex", "method": "mpm", "estimators": (), "remedies": (FROZEN,), "effects": ("truth", "spin")},
+    {"problem": "square", "method": "cpgimp", "estimators": ("companion", "transport"), "remedies": (FILTER,)},
 )
 RARE: tuple[Inputs, ...] = (
     {"problem": "bar", "linearity_preserving": True, "remedies": (FILTER, COUPLED, CENTRED), "body_force": "node",
@@ -56,9 +57,11 @@ RARE: tuple[Inputs, ...] = (
     {"problem": "vortex"},
     {"problem": "vortex", "method": "ugimp", "body_force": "none", "estimators": (), "effects": ("spin", "soundness"),
      "plan": "parallel", "threads": 2},
+    {"problem": "square", "method": "mpm", "estimators": (), "remedies": (FROZEN,), "velocity": "particle"},
+    {"problem": "square", "body_force": "none", "plan": "parallel", "threads": 2, "effects": ("soundness", "energy")},
 )
 SETS = OFTEN + RARE
-LARGEST = {"bar": 0.159, "ring": 0.385, "vortex": 1.57}  # amplitudes
+LARGEST = {"bar": 0.159, "ring": 0.385, "vortex": 1.57, "square": 0.15}  # amplitudes
 #: What no input may be, or none of most kinds.
 ODD = (math.nan, math.inf, -math.inf, -1, 0, -0.0, 5e-324, 1e308, 10**400, 2**31, True, None, "", "auto", "10", "\n",
        "Ω", (), ("",), ("auto", "auto"), [1], {}, b"x", 1j)
@@ -110,7 +113,7 @@ def inputs(draw: st.DrawFn, switches: Mapping[str, Any]) -> Inputs:
     if switches.get("motion") == "patch":
         drawn |= draw(_patch(drawn["cells"]))
         del drawn["amplitude"]
-    if not bar:
+    if "layout" in kind.__dataclass_fields__:
         drawn["layout"] = draw(st.sampled_from(kind.choices("layout")))
     short = {"periods": 1e-9}  # a whole period of a stiff vortex could have more steps than are allowed
     probe = kind(**drawn, **short, **draw(_step(kind(**drawn, **short))))  # says how long a step is

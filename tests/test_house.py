@@ -42,6 +42,8 @@ def test_no_module_imports_itself_through_others(graph):
 @pytest.mark.parametrize("room", ["solvers.problems", "app.problems"])
 @pytest.mark.parametrize("one, other", list(permutations(PROBLEMS, 2)))
 def test_problems_do_not_know_each_other(graph, room, one, other):
+    if not {f"{room}.{one}", f"{room}.{other}"} <= graph.modules:
+        return  # one that is a file of its own in solvers has nothing in app
     chain = graph.find_shortest_chain(f"{room}.{one}", f"{room}.{other}", as_packages=True)
     assert chain is None, " -> ".join(chain)
 

@@ -18,7 +18,8 @@ from solvers.problems.planar.scene import PlanarScene
 FARTHEST = 2.0  # metres from the middle, out of view: where particles of a run gone bad are drawn at most
 MOST_DOMAINS = 5000  # particles whose domains are drawn: more would be a grey mass
 #: The shape of a particle, and its size over that at rest: so large that those of a body tile it.
-FILLED: dict[str, tuple[Literal["circle", "square"], float]] = {"polar": ("circle", 1.5), "cartesian": ("square", 1.06)}
+FILLED: dict[str, tuple[Literal["circle", "square"], float]] = {"polar": ("circle", 1.5), "cartesian": ("square", 1.06),
+                                                              "box": ("square", 1.06)}
 CROSSED, HALO = 5.5, 8.0  # pixels across: a particle that crossed a cell boundary, and around it
 BELOW = np.array([0, 0, 0.002], np.float32)
 ROOMY = 130.0  # radius in pixels of a body on which these are as large

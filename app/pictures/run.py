@@ -73,7 +73,7 @@ def save_png(result: Result, path: str) -> None:
 def _title(result: Result) -> str:
     scene = result.scene
     lp = ", linearity preserving" if scene.linearity_preserving else ""
-    layout = f" ({scene.layout} layout)" if hasattr(scene, "layout") else ""
+    layout = f" ({scene.to_dict()['layout']} layout)" if "layout" in scene.to_dict() else ""
     swing = f"A = {scene.amplitude:g} {unit_of(type(scene), 'amplitude')}" if "amplitude" in scene.moved_by \
         else moving(scene)
     first = (f"{scene.problem.capitalize()}, {method_name(scene.method)}{lp} · {scene.cells} cells "

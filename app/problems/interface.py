@@ -97,6 +97,6 @@ class ProblemView:
 
     @property
     def about(self) -> str:
-        """Html on what moves: the folder's ``about.html``, if it has one."""
-        path = localised(Path(__file__).parent / self.problem / "about.html")
+        """Html on what moves: ``about/PROBLEM.html``, if there is one."""
+        path = localised(Path(__file__).parent / "about" / f"{self.problem}.html")
         return path.read_text(encoding="utf-8") if path.exists() else ""

@@ -1,7 +1,8 @@
 """A plane problem's panels in a run's picture: particles, estimate on the left half and truth on the right, and the
-profile of the error over R."""
+profile of the error over a coordinate."""
 
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable
+from typing import NamedTuple
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -22,10 +23,24 @@ UNKNOWN_COLOUR = "0.7"  # of particles whose error nobody has computed
 MOST_BINS = 60  # of the profile over R; finer ones hold too few particles to average
 
 
-def draw_profile(axes: Axes, result: Result, stage: type[PlanarStage]) -> None:
-    """Where between the inner and the outer radius the error is: each particle, and the RMS over a thin shell."""
+class Profile(NamedTuple):
+    """What a profile of the error is over: the ``coordinate`` (P,) of material positions (P, 2), and words."""
+
+    coordinate: Callable[[np.ndarray], np.ndarray]
+    across: str
+    symbol: str
+    label: str
+
+
+OVER_RADIUS = Profile(lambda X: np.linalg.norm(X, axis=1), "the thickness", "R",
+                      "material radius R, from the inner surface to the outer")
+OVER_WIDTH = Profile(lambda X: X[:, 0], "the width", "X", "material coordinate X, from the left side to the right")
+
+
+def draw_profile(axes: Axes, result: Result, stage: type[PlanarStage], over: Profile = OVER_RADIUS) -> None:
+    """Where between the ends of a coordinate the error is: each particle, and the RMS over a thin shell."""
     at, inner, outer = result.shown, stage.PLOT.start, stage.PLOT.end
-    radius = np.linalg.norm(at.material_position, axis=1)
+    radius = over.coordinate(at.material_position)
     lines = [] if at.error is None else [("true", at.error[:, 0], TRUTH, "-")]
     lines += [(name, at.estimate[name][:, 0], *look) for name, *look in picture.styled(result)]
     few, drawn, ends = picture.thinned(len(radius)), [], []
@@ -40,8 +55,8 @@ def draw_profile(axes: Axes, result: Result, stage: type[PlanarStage]) -> None:
                   linewidth=TRUTH_WIDTH if name == "true" else ESTIMATE_WIDTH)
         drawn.append(shown)
         ends.append((name, in_shell, colour))
-    axes.set_title(f"Error of x over the thickness {picture.when_text(result)}: particles, and RMS at R")
-    axes.set(xlabel="material radius R, from the inner surface to the outer", xlim=(inner, outer))
+    axes.set_title(f"Error of x over {over.across} {picture.when_text(result)}: particles, and RMS at {over.symbol}")
+    axes.set(xlabel=over.label, xlim=(inner, outer))
     in_sizes(axes.xaxis, "m", few=False)
     if not drawn:
         axes.set_yticks([])

@@ -3,6 +3,8 @@
 from solvers.problems.bar.problem import BarProblem
 from solvers.problems.descriptor import Problem
 from solvers.problems.ring.problem import RingProblem
+from solvers.problems.square import SQUARE
 from solvers.problems.vortex.problem import VortexProblem
 
-PROBLEMS: dict[str, Problem] = {"bar": BarProblem(), "ring": RingProblem(), "vortex": VortexProblem()}
+PROBLEMS: dict[str, Problem] = {"bar": BarProblem(), "ring": RingProblem(), "vortex": VortexProblem(),
+                                "square": SQUARE}

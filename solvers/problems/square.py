@@ -11,7 +11,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from solvers.motion.jets import sin
-from solvers.problems.manufactured.problem import ManufacturedProblem
+from solvers.problems.manufactured.problem import ManufacturedProblem, Showing
 from solvers.problems.manufactured.scene import ManufacturedScene
 from solvers.scene.option import described, option
 
@@ -24,9 +24,8 @@ class SquareScene(ManufacturedScene):
     problem: str = option("square", choices=("square",))
     amplitude: float = option(0.02, "Amplitude A of the displacement", "m")
 
-    TITLE = "axis-aligned displacement in a square"
+    TITLE = "axis-aligned square"
     SETTING = "A square, 1 m wide, between four planes of symmetry."
-    EQUATIONS = "x = X + A sin(2 pi X) sin(w t), y = Y + A sin(2 pi Y) sin(w t + pi)"
     STRAIN_PER_AMPLITUDE = 2 * math.pi
     MOST_AMPLITUDE = 0.15  # at 1/(2 pi) it turns inside out
     GENTLE_AMPLITUDE, HARD_AMPLITUDES = 0.01, (0.02, 0.05, 0.1)
@@ -41,4 +40,7 @@ class SquareScene(ManufacturedScene):
         return A * sin(2 * math.pi * X) * sin(w * t), A * sin(2 * math.pi * Y) * sin(w * t + math.pi)
 
 
-SQUARE = ManufacturedProblem(SquareScene)
+SQUARE = ManufacturedProblem(SquareScene, Showing(
+    cells=(8, 64, 4), ppc=(1, 3), amplitude=(1e-4, 0.15), modulus=(1e5, 1e8),
+    amplitude_hint="largest displacement along x and along y; from 0.159 m on the exact square turns inside out",
+    prices={"companion": 0.06, "transport": 0.06}))

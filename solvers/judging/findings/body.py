@@ -98,7 +98,7 @@ def _by_lattice(scene: Scene, reference: ProblemReference, X: np.ndarray) -> Sha
 
 def _lattices(scene: Scene) -> list[Scene]:
     tried = [scene]
-    layouts = type(scene).choices("layout") if hasattr(scene, "layout") else (None,)
+    layouts = type(scene).choices("layout") if "layout" in type(scene).__dataclass_fields__ else (None,)
     for ppc in dict.fromkeys((scene.ppc, *range(1, MOST_EACH_WAY + 1))):
         for layout in layouts:
             try:

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from collections.abc import Mapping
+from typing import TYPE_CHECKING, NamedTuple
 
 from solvers.problems.descriptor import OnDemand, Problem
 from solvers.problems.manufactured.scene import ManufacturedScene
@@ -13,13 +14,25 @@ if TYPE_CHECKING:
     from solvers.solver.base import Solver
 
 
+class Showing(NamedTuple):
+    """How a problem is shown: the ends of its sliders (low, high, step) and (low, high), what to say of the amplitude,
+    and the share of the running time that each estimator takes in the usual scene, alone on one thread."""
+
+    cells: tuple[int, int, int]
+    ppc: tuple[int, int]
+    amplitude: tuple[float, float]
+    modulus: tuple[float, float]
+    amplitude_hint: str
+    prices: Mapping[str, float]
+
+
 class ManufacturedProblem(Problem):
     """What there is of a problem beside its scene, imported when it is first asked for."""
 
     scene: type[ManufacturedScene]
 
-    def __init__(self, scene: type[ManufacturedScene]):
-        self.scene = scene
+    def __init__(self, scene: type[ManufacturedScene], showing: Showing):
+        self.scene, self.showing = scene, showing
 
     @property
     def solver(self) -> type[ManufacturedSolver]:

@@ -62,7 +62,7 @@ class ManufacturedScene(PlanarScene):
     layout = "box"
     SIDE, INNER, OUTER, ANGLE = 1.0, 0.0, 1.0, 0.5 * math.pi
     PLANES = (True, True)
-    ESTIMATORS = ("companion", "transport")
+    ESTIMATORS = ("transport", "companion")
     VALIDITY = RULES
     REMEDIES = (FILTER, COUPLED, FROZEN)
     FEWEST_CELLS = 8
@@ -89,6 +89,10 @@ class ManufacturedScene(PlanarScene):
     @staticmethod
     def polar_counts(cells: int, ppc: int) -> tuple[int, int]:
         return cells * ppc, cells * ppc
+
+    @classmethod
+    def draw_point(cls, chance: np.random.Generator) -> tuple[float, float]:
+        return chance.uniform(0, cls.SIDE), chance.uniform(0, cls.SIDE)
 
     @property
     def row(self) -> int:
@@ -140,6 +144,14 @@ class ManufacturedScene(PlanarScene):
 
     def rms_of(self, quantity: str) -> float:
         return self._sizes.rms[quantity]
+
+    def exact_along_x(self, quantity: str, X: np.ndarray, t: float) -> np.ndarray:
+        """The x component (P,) of the exact solution at material points X (P, 2), as a method has it after the time t:
+        its acceleration is the one that its last step used, which began a step before."""
+        exact = self.EXACT
+        if quantity == "a":
+            return exact.acceleration(self, X, max(0.0, t - self.time_step))[:, 0]
+        return {"x": exact.displacement, "v": exact.velocity, "sigma": exact.stress}[quantity](self, X, t)[:, 0]
 
     def force_table(self) -> SeparableField:
         """The body force per mass at the particles, in m/s^2."""

@@ -43,16 +43,7 @@ def component(a: ManufacturedBody, quantity: str) -> np.ndarray:
 
 
 def exact_component(scene: ManufacturedScene, a: ManufacturedBody, quantity: str, time: float) -> np.ndarray:
-    return exact_along_x(scene, quantity, a.material_position, time)
-
-
-def exact_along_x(scene: ManufacturedScene, quantity: str, X: np.ndarray, t: float) -> np.ndarray:
-    """The x component (P,) at material points X (P, 2), as a method has it after the time t: its acceleration is the
-    one that its last step used, which began a step before."""
-    exact = scene.EXACT
-    if quantity == "a":
-        return exact.acceleration(scene, X, max(0.0, t - scene.time_step))[:, 0]
-    return {"x": exact.displacement, "v": exact.velocity, "sigma": exact.stress}[quantity](scene, X, t)[:, 0]
+    return scene.exact_along_x(quantity, a.material_position, time)
 
 
 def body_force(a: ManufacturedBody, some: np.ndarray) -> np.ndarray:

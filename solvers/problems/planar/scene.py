@@ -4,6 +4,8 @@ import math
 from abc import abstractmethod
 from typing import Any, ClassVar
 
+import numpy as np
+
 from solvers.scene.rules import SceneError, require_whole
 from solvers.scene.scene import Scene
 
@@ -32,6 +34,12 @@ class PlanarScene(Scene):
     @abstractmethod
     def polar_counts(cells: int, ppc: int) -> tuple[int, int]:
         """Particles around and across the ring: as many as make their domains about h/ppc wide."""
+
+    @classmethod
+    def draw_point(cls, chance: np.random.Generator) -> tuple[float, float]:
+        """A material point somewhere in the body, in m."""
+        R, angle = chance.uniform(cls.INNER, cls.OUTER), chance.uniform(0, cls.ANGLE)
+        return R * math.cos(angle), R * math.sin(angle)
 
     @property
     def solution_known(self) -> bool:

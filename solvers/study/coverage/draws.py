@@ -71,12 +71,14 @@ class Reach:
 
 REACH = {"bar": Reach((16, 128), (1, 6), (1e-4, 0.12)),
          "ring": Reach((32, 64), (1, 3), (1e-3, 0.15), periods=(0.1, 2.0)),
-         "vortex": Reach((32, 64), (1, 3), (1e-2, 1.0), periods=(0.02, 1.0))}
+         "vortex": Reach((32, 64), (1, 3), (1e-2, 1.0), periods=(0.02, 1.0)),
+         "square": Reach((32, 64), (1, 3), (1e-3, 0.08), periods=(0.1, 1.5))}
 #: How likely a choice is that is not as likely as the others of its field.
 SHARES: Mapping[str, Mapping[Any, float]] = {
     "velocity": {"grid": 0.8}, "linearity_preserving": {False: 0.75}, "body_force": {"material": 0.7},
     "layout": {"polar": 0.75}}
-FORCES = {"bar": ("material", "node"), "ring": ("material",), "vortex": ("material",)}  # with exact solutions
+FORCES = {"bar": ("material", "node"), "ring": ("material",), "vortex": ("material",),
+          "square": ("material",)}  # with exact solutions
 
 
 @dataclass(frozen=True)
@@ -106,9 +108,8 @@ class Draw:
         kind, chance = PROBLEMS[self.problem].scene, self._chance(POINTS)
         if kind.DIMENSIONS == 1:
             return f"{DISPLACEMENT}@{chance.uniform():.6f}"
-        body: Any = kind
-        R, angle = chance.uniform(body.INNER, body.OUTER), chance.uniform(0, body.ANGLE)
-        return f"{DISPLACEMENT}@{R * math.cos(angle):.6f},{R * math.sin(angle):.6f}"
+        plane: Any = kind
+        return f"{DISPLACEMENT}@" + ",".join(f"{coordinate:.6f}" for coordinate in plane.draw_point(chance))
 
     @property
     def kind(self) -> Hashable:

@@ -34,8 +34,9 @@ def outside(text: str) -> str:
 def scenes(kind: type[Scene]) -> list[Scene]:
     """What is otherwise about a scene of a kind, one by one."""
     usual = kind()
-    found = [replace(usual, body_force="two-tone"), replace(usual, effects=()), replace(usual, estimators=()),
-             replace(usual, dt="auto"), replace(usual, cells=12), replace(usual, velocity="particle"),
+    found = [replace(usual, body_force=kind.choices("body_force")[-1]), replace(usual, effects=()),
+             replace(usual, estimators=()), replace(usual, dt="auto"), replace(usual, cells=12),
+             replace(usual, velocity="particle"),
              *(replace(usual, method=method) for method in kind.choices("method")),
              *(replace(usual, remedies=(remedy,)) for remedy in kind.REMEDIES if remedy != "coupled-deformation")]
     if "motion" in kind.__dataclass_fields__:

@@ -12,8 +12,8 @@ from solvers.kernels import runtime
 from solvers.kernels.kinds import reals
 from solvers.problems.planar import step_bound as planar_bound
 from solvers.problems.planar.layout import CORNERS, box_stretch, particle_layout
+from solvers.problems.planar.method.neo_hookean import FAR, logarithms
 from solvers.problems.vortex import exact, step_bound
-from solvers.problems.vortex.method.material import FAR, logarithms
 from solvers.problems.vortex.scene import VortexScene
 from solvers.running.result import Result
 from solvers.running.run import build, run

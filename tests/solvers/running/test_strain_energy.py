@@ -7,11 +7,11 @@ import pytest
 import taichi as ti
 
 from solvers.kernels.kinds import quads, reals
+from solvers.problems.planar.method import neo_hookean
 from solvers.problems.ring.method import material as ring_material
 from solvers.problems.ring.method import samples as ring_samples
 from solvers.problems.ring.scene import RingScene
 from solvers.problems.ring.solver import RingSolver
-from solvers.problems.vortex.method import material as vortex_material
 from solvers.problems.vortex.method import samples as vortex_samples
 from solvers.problems.vortex.scene import VortexScene
 from solvers.problems.vortex.solver import VortexSolver
@@ -37,7 +37,7 @@ def kernel(Solver, samples, material):
 
 
 KERNELS = {"ring": kernel(RingSolver, ring_samples, ring_material),
-           "vortex": kernel(VortexSolver, vortex_samples, vortex_material)}
+           "vortex": kernel(VortexSolver, vortex_samples, neo_hookean)}
 
 
 def measured(problem: str, solver, F: np.ndarray) -> tuple[np.ndarray, np.ndarray]:

@@ -86,8 +86,11 @@ class Judging:
 
 def sentence(name: str, reason: str, problems: tuple[str, ...]) -> str:
     """What is asked: why the file is not judged yet, and of what it could be."""
-    titles = functools.reduce(lambda before, last: tr("{before} or the {last}", before=before, last=last),
-                              (tr(PROBLEMS[problem].scene.TITLE) for problem in problems))
+    *others, last = (tr(PROBLEMS[problem].scene.TITLE) for problem in problems)
+    titles = last
+    if others:
+        before = functools.reduce(lambda before, next: tr("{before}, the {next}", before=before, next=next), others)
+        titles = tr("{before} or the {last}", before=before, last=last)
     return tr("The file {file} {reason}. Is it of the {problems}?", file=name, reason=on_page(reason), problems=titles)
 
 

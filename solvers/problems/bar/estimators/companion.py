@@ -16,7 +16,7 @@ import numpy as np
 import taichi as ti
 
 from solvers.estimators import companion as shared
-from solvers.estimators.spectral import Elements
+from solvers.estimators.spectral import Elements, highest_frequency
 from solvers.kernels.kinds import integers, pairs, quads, reals
 from solvers.problems.bar import exact
 from solvers.problems.bar.method.forces import force_at, tones
@@ -130,7 +130,7 @@ def unit_frequency(elements: Elements) -> float:
         pull[0] = pull[-1] = pull[0] + pull[-1]
         return inverse_mass * pull
 
-    return shared.highest_frequency(accelerations, inverse_mass)
+    return highest_frequency(accelerations, inverse_mass)
 
 
 def verdict(scene, memory) -> str | None:
