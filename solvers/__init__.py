@@ -19,6 +19,7 @@ if TYPE_CHECKING:
     from solvers.outside.file_error import FileError
     from solvers.problems.bar.scene import BarScene
     from solvers.problems.ring.scene import RingScene
+    from solvers.problems.square import SquareScene
     from solvers.problems.vortex.scene import VortexScene
     from solvers.running.result import Result
     from solvers.running.run import run
@@ -26,7 +27,8 @@ if TYPE_CHECKING:
     from solvers.study.sweep import sweep
 else:
     _HOMES = {"BarScene": "problems.bar.scene", "RingScene": "problems.ring.scene",
-              "VortexScene": "problems.vortex.scene", "run": "running.run", "sweep": "study.sweep",
+              "VortexScene": "problems.vortex.scene", "SquareScene": "problems.square", "run": "running.run",
+              "sweep": "study.sweep",
               "judge": "judging.verdict", "check": "judging.check", "Result": "running.result",
               "SceneError": "scene.rules", "FileError": "outside.file_error"}
 
@@ -35,8 +37,8 @@ else:
             raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
         return getattr(importlib.import_module(f"{__name__}.{_HOMES[name]}"), name)
 
-__all__ = ["BarScene", "RingScene", "VortexScene", "run", "sweep", "judge", "check", "Result", "SceneError",
-           "FileError"]
+__all__ = ["BarScene", "RingScene", "VortexScene", "SquareScene", "run", "sweep", "judge", "check", "Result",
+           "SceneError", "FileError"]
 
 
 def __dir__() -> list[str]:

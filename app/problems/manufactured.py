@@ -50,6 +50,10 @@ class ManufacturedStage(PlanarStage[ManufacturedScene]):
     def note(scene: ManufacturedScene) -> str:
         return tr("side {side}, h = {h}", side=f"{scene.SIDE:g}{NO_BREAK}m", h=f"{scene.spacing:.3g}{NO_BREAK}m")
 
+    @staticmethod
+    def stretched(scene: ManufacturedScene) -> float:
+        return 1 + 0.5 * scene.STRAIN_PER_AMPLITUDE * scene.amplitude
+
     def _still(self, scene: ManufacturedScene, particles: int, at_rest: np.ndarray | None) -> Iterator[Mark]:
         yield from super()._still(scene, particles, at_rest)
         X = particle_layout(scene).position if at_rest is None else at_rest

@@ -90,7 +90,7 @@ def plan(problem: str, axes: Mapping[str, Sequence], **options) -> list[Task]:
 
     Parameters
     ----------
-    problem : "bar", "ring" or "vortex"
+    problem : "bar", "ring", "vortex" or "square"
     axes
         The values of each input by the name of its flag; those of the last vary fastest.
     options

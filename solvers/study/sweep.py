@@ -76,7 +76,7 @@ def sweep(problem: str | Scene | type[Scene], *, repeats: int = 3, workers: int 
     Parameters
     ----------
     problem
-        "bar", "ring" or "vortex"; or a scene, which gives the values that ``inputs`` do not.
+        "bar", "ring", "vortex" or "square"; or a scene, which gives the values that ``inputs`` do not.
     repeats
         Timed runs of each row, of which the shortest counts; 0 times only the run that gives the errors.
     workers

@@ -1,7 +1,7 @@
 // The buttons under the headline (page/panels/sparks.py): real ones, in their order, and an answer. All of it is text.
 (() => {
   const ICONS = {
-    halve: "M3 6h18v12H3zM12 6v12M7.5 6v12M16.5 6v12", cross: "M12 3v3m0 3v3m0 3v3m0 3v0M4 12h14M14 8l4 4-4 4",
+    halve: "M3 6h18v12H3zM12 6v12M7.5 6v12M16.5 6v12", tile: "M3 4h7v7H3zM13 4h8v7h-8zM3 14h7v6H3zM13 14h8v6h-8z", cross: "M12 3v3m0 3v3m0 3v3m0 3v0M4 12h14M14 8l4 4-4 4",
     break: "M3 16c3-8 5-8 7-3M21 8c-3 9-5 8-6 4M13 5l-2 5 3 2-2 6", back: "M5 12h14M11 6l-6 6 6 6",
     filter: "M4 5h16l-6 8v6l-4-2v-4z", judge: "M12 4v16M5 8h14M5 8l-3 6h6zM19 8l-3 6h6zM8 20h8",
     stairs: "M3 19h4v-4h4v-4h4V7h6", done: "M5 12.5l4.5 4.5L19 7.5"};
