@@ -5,7 +5,7 @@ from typing import Annotated, Any, ClassVar
 
 import tyro
 
-from app.commands.flags import BadInput, NumberFlag, RealFlag, one_of, several_of
+from app.commands.flags import BadInput, NumberFlag, RealFlag, TextFlag, one_of, several_of
 from solvers.scene.rules import field_key, key_field
 from solvers.scene.scene import Scene
 
@@ -67,6 +67,8 @@ def _kind(scene: type[Scene], f: Field) -> Any:
         return Annotated[Any, several_of((*choices, *SPECIAL[f.name]))]
     if choices:
         return Annotated[Any, one_of(choices)]
+    if f.type == "str":
+        return TextFlag
     return bool if f.type == "bool" else NumberFlag if "int" in str(f.type) else RealFlag
 
 

@@ -6,14 +6,18 @@ interpolation material point method, J. Comput. Phys. 227 (2008) 9628-9642.
 
 from __future__ import annotations
 
+import functools
 import math
 from dataclasses import dataclass
 from typing import Any
 
+from solvers.motion.formula import FormulaError
 from solvers.motion.jets import sin
+from solvers.motion.typed_motion import find_period, read_motion
 from solvers.problems.manufactured.problem import ManufacturedProblem, Showing
 from solvers.problems.manufactured.scene import ManufacturedScene
 from solvers.scene.option import described, option
+from solvers.scene.rules import SceneError, require_number
 
 
 @described
@@ -23,6 +27,8 @@ class SquareScene(ManufacturedScene):
 
     problem: str = option("square", choices=("square",))
     amplitude: float = option(0.02, "Amplitude A of the displacement", "m")
+    displacement: str = option("", "Displacement u_x, u_y in m, formulas of X, Y, t, A and w with a comma between, in "
+                               "place of the built-in one", hint="A*sin(2*pi*X)*sin(w*t), -A*sin(2*pi*Y)*sin(w*t)")
 
     TITLE = "axis-aligned square"
     SETTING = "A square, 1 m wide, between four planes of symmetry."
@@ -31,13 +37,55 @@ class SquareScene(ManufacturedScene):
     GENTLE_AMPLITUDE, HARD_AMPLITUDES = 0.01, (0.02, 0.05, 0.1)
 
     @property
-    def angular_frequency(self) -> float:
-        """pi times the time in which a bar's sound crosses the square, in 1/s."""
-        return math.pi * math.sqrt(self.modulus / self.density)
+    def base_frequency(self) -> float:
+        """w in 1/s: pi over the time in which a bar's sound crosses the square."""
+        return math.pi * math.sqrt(self.modulus / self.density) / self.SIDE
 
-    def displacement(self, X: Any, Y: Any, t: Any) -> tuple[Any, Any]:
-        A, w = self.amplitude, self.angular_frequency
-        return A * sin(2 * math.pi * X) * sin(w * t), A * sin(2 * math.pi * Y) * sin(w * t + math.pi)
+    @functools.cached_property
+    def angular_frequency(self) -> float:
+        if not self.displacement:
+            return self.base_frequency
+        return 2 * math.pi / find_period(read_motion(self.displacement), self, 2 * math.pi / self.base_frequency)
+
+    def displacement_at(self, X: Any, Y: Any, t: Any) -> tuple[Any, Any]:
+        if self.displacement:
+            return read_motion(self.displacement).displacement(self, X, Y, t)
+        A, w = self.amplitude, self.base_frequency
+        return A * sin(2 * math.pi * X) * sin(w * t), -A * sin(2 * math.pi * Y) * sin(w * t)
+
+    @property
+    def title(self) -> str:
+        return "square that moves as typed" if self.displacement else self.TITLE
+
+    @property
+    def moved_by(self) -> tuple[str, ...]:
+        return () if self.displacement and "A" not in self.displacement else super().moved_by
+
+    def _normalized(self) -> dict[str, Any]:
+        given = super()._normalized()
+        return {**given, "displacement": self._formula()} if self.displacement else given
+
+    def _formula(self) -> str:
+        """The typed displacement as it is written into links."""
+        if not isinstance(self.displacement, str):
+            raise SceneError("displacement", self.displacement, "is no text; give formulas such as "
+                                                                "0.02*sin(2*pi*X)*sin(w*t)")
+        try:
+            return read_motion(self.displacement).text
+        except FormulaError as error:
+            raise SceneError("displacement", self.displacement, str(error)) from None
+
+    def _check_amplitude(self) -> None:
+        if not self.displacement:
+            return super()._check_amplitude()
+        require_number("amplitude", self.amplitude, 1e-12, math.inf)
+        require_number("modulus", self.modulus, 1e-6, 1e12)
+        require_number("density", self.density, 1e-6, 1e12)
+        self._check_material()
+        try:
+            assert self.angular_frequency > 0
+        except FormulaError as error:
+            raise SceneError("displacement", self.displacement, str(error)) from None
 
 
 SQUARE = ManufacturedProblem(SquareScene, Showing(

@@ -53,6 +53,8 @@ def _heading(result: dict) -> str:
     per = particles_per_cell(scene["problem"], scene["ppc"])
     if scene["amplitude"] is None:
         moving = f"patch test with stretch {scene['stretch']:g} at {scene['initial_velocity']:g} m/s"
+    elif scene.get("displacement"):
+        moving = f"displacement {scene['displacement']}"
     else:
         moving = f"amplitude {scene['amplitude']:g} {unit_of(PROBLEMS[scene['problem']].scene, 'amplitude')}"
     # Which quantities the word ok does not hold for.

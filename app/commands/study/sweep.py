@@ -1,7 +1,7 @@
 """``mpm-lab sweep PROBLEM``: every combination of values, one row each."""
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
 from typing import Annotated, Any, ClassVar, get_args, get_type_hints
 
 from app import __version__
@@ -51,8 +51,9 @@ class Sweep(StudyFlags, SceneFlags):
     def axes(self) -> dict[str, list]:
         """The values of each input of a scene, by the name of its flag."""
         hints = get_type_hints(type(self), include_extras=True)
-        axes = {name: [value] if name in self.LISTS else _values(value, hints[name])
-                for name, value in self.inputs().items()}
+        formulas = {f.name for f in fields(self.SCENE) if f.type == "str" and not self.SCENE.choices(f.name)}
+        axes = {name: [value] if name in self.LISTS else value.split(";") if name in formulas
+                else _values(value, hints[name]) for name, value in self.inputs().items()}
         on = axes["linearity_preserving"][0]
         return axes | {"linearity_preserving": [True] * on + [False] * (self.no_linearity_preserving or not on)}
 

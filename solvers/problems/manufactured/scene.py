@@ -26,8 +26,10 @@ from solvers.scene.step_bound import StepBound
 
 LINE, INSTANTS = 24, 16  # points a side and times of a period at which the motion is looked at
 NEWTON_STEPS, NEWTON_END = 20, 1e-9  # of the material point that has come to a node, in m: it converges quadratically
-#: Of the companion, up to so many cells: elements a side, and their order.
-MESHES = ((24, (3, 5)), (64, (4, 5)), (math.inf, (4, 6)))
+#: Of the companion: from how many cells on, elements a side, and their order; the last are for motions of short waves.
+MESHES = ((0, 3, 5), (25, 4, 5), (65, 4, 6), (math.inf, 6, 6), (math.inf, 8, 6), (math.inf, 10, 6))
+POINTS_BETWEEN = 7  # an element, at which a mesh is held against the displacement
+RESOLVED = 3e-4  # of the displacement: RMS that a mesh may leave out
 RULES = {"transport": transport}
 GHOSTS = 2  # rows of nodes beyond a symmetry plane
 
@@ -41,7 +43,7 @@ class Sizes(NamedTuple):
 
 @dataclass(frozen=True)
 class ManufacturedScene(PlanarScene):
-    """Fields that every manufactured problem has. Its own file gives ``displacement`` and what else it says.
+    """Fields that every manufactured problem has. Its own file gives ``displacement_at`` and what else it says.
 
     The displacement is a formula with the functions of ``solvers.motion.jets``: of u itself, never of x = X + u, in
     whose difference a small motion cancels.
@@ -73,13 +75,13 @@ class ManufacturedScene(PlanarScene):
     MOST_AMPLITUDE = math.inf
 
     @abstractmethod
-    def displacement(self, X: Any, Y: Any, t: Any) -> tuple[Any, Any]:
+    def displacement_at(self, X: Any, Y: Any, t: Any) -> tuple[Any, Any]:
         """u_x and u_y in m at material points and a time, of any kind of number."""
 
     def __init_subclass__(cls, **kwargs: Any) -> None:
         super().__init_subclass__(**kwargs)
-        if "displacement" in vars(cls):
-            cls.EXACT = ExactSolution(cls.displacement)
+        if "displacement_at" in vars(cls):
+            cls.EXACT = ExactSolution(cls.displacement_at)
 
     @property
     @abstractmethod
@@ -185,13 +187,33 @@ class ManufacturedScene(PlanarScene):
         return X
 
     def companion_patch(self, order: int | None = None) -> Patch:
-        """What the companion is solved on: 3 x 3 elements of order 5 on few cells, more and higher on many, or of the
-        ``order`` that is asked for."""
-        count, usual = next(mesh for most, mesh in MESHES if self.cells <= most)
-        line = Elements(0.0, self.SIDE, count, order or usual)
+        """What the companion is solved on: few elements on few cells, as many as the motion needs, and of another order
+        where one is asked for."""
+        usual = max(k for k, (fewest_cells, *_) in enumerate(MESHES) if fewest_cells <= self.cells)
+        for _, count, own_order in MESHES[usual:]:
+            line = Elements(0.0, self.SIDE, count, order or own_order)
+            if self._left_out(line) <= RESOLVED:
+                break
         ends = [end for end, there in zip((0.0, self.SIDE), self.PLANES, strict=True) if there]
         return Patch(self, (line, line), CARTESIAN,
                      lambda X: np.any([np.abs(X - end) < 1e-12 * self.SIDE for end in ends], axis=0))
+
+    def _left_out(self, line: Elements) -> float:
+        """RMS over the body and a period of what polynomials on the elements leave out of the displacement, over that
+        of the displacement."""
+        between = (np.arange(POINTS_BETWEEN * line.count) + 0.5) / (POINTS_BETWEEN * line.count) * self.SIDE
+        element, values, _ = line.locate(between)
+        basis = np.zeros((len(between), len(line.nodes)))
+        np.put_along_axis(basis, line.of_node[element], values, axis=1)
+        at_nodes, there = (np.stack(np.meshgrid(x, x, indexing="ij"), axis=-1).reshape(-1, 2)
+                           for x in (line.nodes, between))
+        missed = squares = 0.0
+        for t in (np.arange(INSTANTS) + 0.5) / INSTANTS * self.period:
+            u = self.EXACT.displacement(self, at_nodes, t).reshape(len(line.nodes), len(line.nodes), 2)
+            exact = self.EXACT.displacement(self, there, t)
+            missed += float(((np.einsum("ai,bj,ijc->abc", basis, basis, u).reshape(-1, 2) - exact) ** 2).sum())
+            squares += float((exact**2).sum())
+        return math.sqrt(missed / squares)
 
     def balanced_motion(self, times: np.ndarray) -> Moments:
         """With the modes of the exact motion for functions of place."""
@@ -208,6 +230,9 @@ class ManufacturedScene(PlanarScene):
 
     def _check_amplitude(self) -> None:
         require_number("amplitude", self.amplitude, 1e-12, self.MOST_AMPLITUDE)
+        self._check_material()
+
+    def _check_material(self) -> None:
         require_number("poisson_ratio", self.poisson_ratio, -0.9, 0.49)
 
     def _check_remedies(self) -> None:

@@ -12,6 +12,7 @@ from solvers.estimators.standalone import ElasticBody
 from solvers.motion.neo_hookean import first_piola_stress
 from solvers.motion.separable_field import SeparableField, separate
 
+_frequencies: dict[tuple, float] = {}  # of bodies at rest by mesh, moduli and mass: sliders ask for the same again
 INSTANTS = 8  # of a period, at which the stiffest deformation is looked for
 
 
@@ -68,8 +69,11 @@ class Patch(ElasticBody):
         self._node = np.add(*np.broadcast_arrays(first.of_node[:, None, :, None] * self._shape[1],
                                                  second.of_node[None, :, None, :]))
         self._weight = np.outer(first.weights, second.weights)[..., None]
-        self.frequency = highest_frequency(lambda u: self.inverse_mass * self._pull(u, self._linear_stress),
-                                           self.inverse_mass)
+        key = (*lines, *self._lame, self.inverse_mass.tobytes())
+        if key not in _frequencies:
+            _frequencies[key] = highest_frequency(lambda u: self.inverse_mass * self._pull(u, self._linear_stress),
+                                                  self.inverse_mass)
+        self.frequency = _frequencies[key]
         self._stiffest = self._stiffening(scene)
 
     @property

@@ -1,0 +1,106 @@
+"""Formulas that people type: arithmetic, five functions and a few names, read without evaluating any Python.
+
+A formula becomes a function of any kind of number, of arrays or of jets (``solvers.motion.jets``), so that all its
+derivatives follow. What is no formula is refused in one sentence.
+"""
+
+from __future__ import annotations
+
+import ast
+import math
+from collections.abc import Callable, Mapping, Sequence
+from typing import Any
+
+from solvers.motion import jets
+
+MOST_CHARACTERS, MOST_NODES, MOST_POWER = 400, 200, 12
+FUNCTIONS: Mapping[str, Callable[[Any], Any]] = {
+    "sin": jets.sin, "cos": jets.cos, "exp": jets.exp, "log": jets.log, "sqrt": jets.sqrt}
+OPERATORS: Mapping[type, Callable[[Any, Any], Any]] = {
+    ast.Add: lambda a, b: a + b, ast.Sub: lambda a, b: a - b, ast.Mult: lambda a, b: a * b,
+    ast.Div: lambda a, b: a / b}
+Formula = Callable[[Mapping[str, Any]], Any]  # of the values of its names
+
+
+class FormulaError(ValueError):
+    """Why a text is no formula: the end of a sentence that begins with the text."""
+
+
+def parse(text: str, names: Sequence[str]) -> tuple[str, Formula]:
+    """The formula of a text in which only these ``names`` stand for numbers, besides ``pi``; and the text without
+    spaces, as it is written into links.
+
+    Raises
+    ------
+    FormulaError
+    """
+    if len(text) > MOST_CHARACTERS:
+        raise FormulaError(f"has {len(text):,} characters; at most {MOST_CHARACTERS} are allowed")
+    try:
+        tree = ast.parse(text.strip(), mode="eval")
+    except (SyntaxError, ValueError, RecursionError, MemoryError):
+        raise FormulaError("is no formula; give one such as 0.02*sin(2*pi*X)*sin(w*t)") from None
+    if sum(1 for _ in ast.walk(tree)) > 3 * MOST_NODES:
+        raise FormulaError(f"has too many parts; at most {MOST_NODES} are allowed")
+    return "".join(ast.unparse(tree).split()), _read(tree.body, frozenset(names))
+
+
+def _read(node: ast.AST, names: frozenset[str]) -> Formula:
+    """The function of a part of a formula."""
+    if isinstance(node, ast.Constant):
+        return _constant(node.value)
+    if isinstance(node, ast.Name):
+        return _name(node.id, names)
+    if isinstance(node, ast.UnaryOp) and isinstance(node.op, (ast.UAdd, ast.USub)):
+        inner, sign = _read(node.operand, names), -1.0 if isinstance(node.op, ast.USub) else 1.0
+        return lambda values: sign * inner(values)
+    if isinstance(node, ast.BinOp) and isinstance(node.op, ast.Pow):
+        base, power = _read(node.left, names), _power(node.right)
+        return lambda values: base(values) ** power
+    if isinstance(node, ast.BinOp) and type(node.op) in OPERATORS:
+        operate, left, right = OPERATORS[type(node.op)], _read(node.left, names), _read(node.right, names)
+        return lambda values: operate(left(values), right(values))
+    if isinstance(node, ast.Call):
+        return _call(node, names)
+    raise FormulaError("has more than numbers, names, + - * / ** and functions; give a formula such as "
+                       "0.02*sin(2*pi*X)*sin(w*t)")
+
+
+def _constant(value: object) -> Formula:
+    if isinstance(value, bool) or not isinstance(value, (int, float)):
+        raise FormulaError("has something that is no real number")
+    try:
+        number = float(value)
+    except OverflowError:
+        number = math.inf
+    if not math.isfinite(number):
+        raise FormulaError("has a number that is too large")
+    return lambda values: number
+
+
+def _name(name: str, names: frozenset[str]) -> Formula:
+    if name == "pi":
+        return lambda values: math.pi
+    if name not in names:
+        raise FormulaError(f"has the name {name}, which is not known; give {', '.join(sorted(names))} or pi, and the "
+                           f"functions {', '.join(FUNCTIONS)}")
+    return lambda values: values[name]
+
+
+def _power(node: ast.AST) -> int:
+    """A whole number, written out: another power of a negative number would be no real one."""
+    negative = isinstance(node, ast.UnaryOp) and isinstance(node.op, ast.USub)
+    value = getattr(node.operand if isinstance(node, ast.UnaryOp) and negative else node, "value", None)
+    if isinstance(value, bool) or not isinstance(value, int) or value > MOST_POWER:
+        raise FormulaError(f"has a power that is not a whole number up to {MOST_POWER}; for a root write sqrt(...)")
+    return -value if negative else value
+
+
+def _call(node: ast.Call, names: frozenset[str]) -> Formula:
+    if not isinstance(node.func, ast.Name) or node.func.id not in FUNCTIONS:
+        called = node.func.id if isinstance(node.func, ast.Name) else "..."
+        raise FormulaError(f"calls {called}, which is no function here; give {', '.join(FUNCTIONS)}")
+    if len(node.args) != 1 or node.keywords or isinstance(node.args[0], ast.Starred):
+        raise FormulaError(f"gives {node.func.id} something else than one number")
+    function, argument = FUNCTIONS[node.func.id], _read(node.args[0], names)
+    return lambda values: function(argument(values))

@@ -1,0 +1,160 @@
+"""Formulas that people type, and motions made of them: what they mean, and how each that cannot be is refused."""
+
+import math
+
+import numpy as np
+import pytest
+import taichi as ti
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from solvers import run
+from solvers.motion import typed_motion
+from solvers.motion.formula import FormulaError, parse
+from solvers.motion.neo_hookean import first_piola_stress
+from solvers.problems.planar.layout import particle_layout
+from solvers.problems.square import SquareScene
+from solvers.scene.rules import SceneError
+
+VALUES = {"X": 0.3, "Y": -0.7, "t": 1.2}
+
+
+@pytest.mark.parametrize(("text", "value"), [
+    ("1", 1.0), (" -X + 2*Y ", -0.3 - 1.4), ("X**3/Y - t", 0.3**3 / -0.7 - 1.2), ("sin(pi*X)*cos(t)**2",
+     math.sin(0.3 * math.pi) * math.cos(1.2)**2), ("exp(-t)*sqrt(X)+log(t)", math.exp(-1.2) * 0.3**0.5 + math.log(1.2)),
+    ("2e-3*X**-2", 2e-3 / 0.09), ("-X**2", -0.09), ("+(+X)", 0.3), ("1_0*X", 3.0)])
+def test_a_formula_means_what_it_says(text, value):
+    plain, formula = parse(text, tuple(VALUES))
+    assert formula(VALUES) == pytest.approx(value, rel=1e-15)
+    assert " " not in plain and parse(plain, tuple(VALUES))[1](VALUES) == formula(VALUES)
+
+
+#: Texts that are no formula, and a word of the sentence that says so. None of them may be evaluated.
+WRONG = {
+    "": "no formula", "X +": "no formula", "sin(": "no formula", "X = 2": "no formula", "import os": "no formula",
+    "2 X": "no formula", "X; Y": "no formula", "X\nY": "no formula", "\x00": "no formula", "$": "no formula",
+    "x": "the name x", "e": "the name e", "theta*X": "the name theta", "__name__": "the name __name__",
+    "π*X": "the name π",
+    "tan(X)": "calls tan", "abs(X)": "calls abs", "__import__('os').system('id')": "calls ...",
+    "eval('1')": "calls eval",
+    "open('/etc/passwd')": "calls open", "sin(X).real": "more than numbers", "X.__class__": "more than numbers",
+    "[X for X in (1,)]": "more than numbers", "(lambda: X)()": "calls ...", "X if Y else t": "more than numbers",
+    "X and Y": "more than numbers", "X < Y": "more than numbers", "X // 2": "more than numbers",
+    "X % 2": "more than numbers", "X @ Y": "more than numbers", "X | Y": "more than numbers", "~X": "more than numbers",
+    "f'{X}'": "more than numbers", "(X, Y)": "more than numbers", "X[0]": "more than numbers",
+    "'X'": "no real number", "True": "no real number", "None": "no real number", "2j*X": "no real number",
+    "...": "no real number", "1e999": "too large", "9" * 390: "too large", "X**0.5": "whole number",
+    "X**Y": "whole number",
+    "X**99": "whole number", "2**X": "whole number", "(-8)**(1/3)": "whole number", "X**True": "whole number",
+    "sin(X, Y)": "something else than one", "sin()": "something else than one", "sin(X=1)": "something else than one",
+    "sin(*X)": "something else than one", "X" + "+X" * 150: "too many parts", "X" * 1000: "at most",
+    "-" * 390 + "X": "too many parts", "9**9**9**9": "whole number",
+}
+
+
+@pytest.mark.parametrize("text", WRONG, ids=lambda text: ascii(text)[:30])
+def test_what_is_no_formula_is_refused_in_a_sentence(text, monkeypatch):
+    for name in ("eval", "exec"):
+        monkeypatch.setattr(f"builtins.{name}", lambda *given, name=name: pytest.fail(f"{name} was called"))
+    with pytest.raises(FormulaError) as refused:
+        parse(text, tuple(VALUES))
+    assert WRONG[text] in str(refused.value) and str(refused.value).isprintable()
+
+
+# ---- motions ------------------------------------------------------------------------------------------------------
+
+#: Formulas that are no motion of a body between planes.
+NO_MOTION = {
+    "0": "does not move", "0*X*t": "does not move", "0.02*sin(2*pi*X)*cos(w*t)": "not zero at t = 0",
+    "0.02*sin(2*pi*X)": "not zero at t = 0", "0.01*X*sin(w*t)": "moves across the sides X",
+    "0, 0.01*sin(w*t)": "moves across the sides Y", "0.01*sin(pi*X)*sin(pi*Y)*sin(w*t)": "shears the sides Y",
+    "0,0.01*sin(pi*X)*sin(pi*Y)*sin(w*t)": "shears the sides X", "0.2*sin(2*pi*X)*sin(w*t)": "folds the body over",
+    "0.02*sin(2*pi*X)*t": "no period", "0.02*sin(2*pi*X)*sin(t*sqrt(2))*sin(w*t)": "no period",
+    "0.02*sin(2*pi*X)*sin(w*t)/X": "not finite", "log(X)*sin(w*t)": "not finite", "sqrt(X-2)*sin(w*t)": "not finite",
+    "exp(999*X)*sin(w*t)": "not finite", "X, Y, t": "more than two components", "1, 2, 3": "more than two components",
+    "0.02*sin(2*pi*X)*sin(w*t),": "no formula", "," : "no formula", "q*t": "the name q"}
+
+
+@pytest.mark.parametrize("text", NO_MOTION)
+def test_what_is_no_motion_of_the_square_is_refused(text):
+    with pytest.raises(SceneError) as refused:
+        SquareScene(displacement=text)
+    assert refused.value.field == "displacement" and NO_MOTION[text] in refused.value.sentence
+    assert not refused.value.sentence.endswith(".") and "\n" not in str(refused.value)
+
+
+@pytest.mark.parametrize("value", [0.02, True, ("X",), b"X", math.nan])
+def test_what_is_no_text_is_refused(value):
+    with pytest.raises(SceneError, match="is no text"):
+        SquareScene(displacement=value)
+
+
+def test_the_built_in_motion_can_be_typed():
+    """And is the same to rounding, with A for a slider."""
+    typed = SquareScene(cells=12, cfl=0.3, displacement="A * sin(2*pi*X) * sin(w*t), -A*sin(2*pi*Y)*sin(w*t)",
+                        estimators=())
+    assert typed.displacement == "A*sin(2*pi*X)*sin(w*t),-A*sin(2*pi*Y)*sin(w*t)"
+    own = SquareScene(cells=12, cfl=0.3, estimators=())
+    assert typed.period == pytest.approx(own.period) and typed.steps == own.steps
+    results = [run(scene, prices=False) for scene in (own, typed)]
+    assert results[1].error["x"]["max"] == pytest.approx(results[0].error["x"]["max"], rel=1e-9)
+
+
+#: Time and space of products that are motions: zero at t = 0, and of the wave numbers that planes allow.
+WAVES = st.tuples(st.integers(1, 3), st.integers(0, 2), st.integers(1, 3),
+                  st.floats(-0.008, 0.008).filter(lambda a: abs(a) > 1e-4))
+
+
+@settings(max_examples=12)
+@given(st.lists(WAVES, min_size=1, max_size=3), st.lists(WAVES, max_size=2))
+def test_any_such_motion_balances_momentum(along_x, along_y):
+    """rho a = Div P + rho b, P and its divergence by differences; and its table is its motion."""
+    def text(waves, along, across):
+        return "+".join(f"({a!r})*sin({k}*pi*{along})*cos({m}*pi*{across})*sin({n}*w*t)" for k, m, n, a in waves) or "0"
+
+    scene = SquareScene(displacement=f"{text(along_x, 'X', 'Y')}, {text(along_y, 'Y', 'X')}", cells=8, modulus=1e3)
+    X, t, step = np.random.default_rng(3).uniform(0.05, 0.95, (40, 2)), 0.37 * scene.period, 1e-4
+    exact, moduli = scene.EXACT, scene.lame_moduli
+
+    def piola(X):
+        return np.stack(first_piola_stress(exact.deformation_gradient(scene, X, t).reshape(-1, 4).T, *moduli), axis=1)
+
+    divergence = 0.0
+    for axis in range(2):
+        shift = step * np.eye(2)[axis]
+        divergence = divergence + ((piola(X + shift) - piola(X - shift)) / (2 * step)).reshape(-1, 2, 2)[:, :, axis]
+    brief = 1e-4 * scene.period
+    a = (exact.velocity(scene, X, t + brief) - exact.velocity(scene, X, t - brief)) / (2 * brief)
+    force = scene.density * exact.body_force(scene, X, t)
+    size = np.abs(force).max() + np.abs(divergence).max() + scene.density * np.abs(a).max()
+    np.testing.assert_allclose(scene.density * a, divergence + force, atol=1e-5 * size)
+    table = scene.motion_table()(t)[:, :2]
+    u = exact.displacement(scene, particle_layout(scene).position, t)
+    np.testing.assert_allclose(table, u, atol=1e-11 * max(1e-6, np.abs(u).max()))
+
+
+def test_the_period_is_the_shortest():
+    for text, periods in (("0.01*sin(2*pi*X)*sin(w*t)", 1), ("0.01*sin(2*pi*X)*sin(2*w*t)", 0.5),
+                          ("0.01*sin(2*pi*X)*sin(w*t/3)", 3), ("0.01*sin(2*pi*X)*(1-cos(w*t))", 1)):
+        scene = SquareScene(displacement=text)
+        assert scene.period == pytest.approx(periods * 2 * math.pi / scene.base_frequency), text
+
+
+def test_another_motion_compiles_nothing():
+    """What a formula says is in tables, which kernels take as they come."""
+    def motion(text):
+        scene = SquareScene(cells=10, cfl=0.3, periods=0.1, displacement=text, estimators=("companion",))
+        return run(scene, prices=False)
+
+    motion("0.01*sin(2*pi*X)*sin(w*t)")
+    program = ti.lang.impl.get_runtime()
+    before = [len(kernel.compiled_kernels) for kernel in program.kernels if hasattr(kernel, "compiled_kernels")]
+    result = motion("0.004*sin(3*pi*X)*cos(pi*Y)*sin(2*w*t), 0.003*sin(pi*Y)*sin(w*t)")
+    after = [len(kernel.compiled_kernels) for kernel in program.kernels if hasattr(kernel, "compiled_kernels")]
+    assert before and before == after
+    assert result.index["companion"]["x"] == pytest.approx(1, abs=0.02)
+
+
+def test_a_long_text_is_refused():
+    with pytest.raises(FormulaError, match="at most"):
+        typed_motion.read_motion("0.02*" + "1*" * 300 + "sin(w*t)")
