@@ -152,7 +152,7 @@ def _value(kind: type[Scene], f: Any, key: str, text: str) -> Any:
         return () if names == ("none",) else kind.choices(f.name) if names == ("all",) else names
     if f.type == "bool":
         return _yes_or_no(key, text)
-    return text if kind.choices(f.name) else _number(text)
+    return text if kind.choices(f.name) or f.type == "str" else _number(text)
 
 
 def _take(word: str, view: dict[str, Any]) -> bool:

@@ -18,7 +18,8 @@ from solvers.solver.soundness import NOUNS
 from tests.paths import ROOT
 
 #: Where they stand.
-FILES = ("scene/rules.py", "scene/scene.py", "scene/step_bound.py", "scene/registry.py", "scene/effects.py",
+FILES = ("motion/formula.py", "motion/typed_motion.py",
+         "scene/rules.py", "scene/scene.py", "scene/step_bound.py", "scene/registry.py", "scene/effects.py",
          "problems/*.py", "problems/*/scene.py", "problems/*/validity.py", "problems/bar/patch.py",
          "problems/*/solver.py",
          "problems/*/estimators/recovered_tables.py", "problems/planar/budget/on_demand.py",

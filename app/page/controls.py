@@ -234,6 +234,8 @@ class Controls:
                 with self._fold("motion", tr("Motion and material"), "motion", "modulus"):
                     with self._part("motion"):
                         self._bound.motions(self._move)
+                        if view.formula:
+                            self._bound.formula(*view.formula)
                     with self._part("modulus"):
                         self._bound.sliders(view.material)
             with self._part("slow-motion"):

@@ -70,7 +70,8 @@ class ProblemView:
     rest (P, D), and ``division`` says how in words: "the bar into 20 lengths". ``picture`` is the height of a run's
     picture in inches, and that of its lower row over the upper one. ``speed`` is what the page begins with, in periods
     a second. ``details`` are the fields of the scene among the "Method details", each with its hint. ``motion`` is
-    there where the scene has several motions, ``material`` are fields of the material beside the modulus.
+    there where the scene has several motions, ``material`` are fields of the material beside the modulus;
+    ``formula`` is a field that is typed, with a label and a hint.
     ``estimators`` are those that the page begins with, the first of them drawn, where they are not the scene's own.
     ``sparks`` are the questions that go with a state (:mod:`app.problems.spark`).
     ``prices`` are the shares of the running time that estimators take in the problem's usual scene, each alone on one
@@ -89,6 +90,7 @@ class ProblemView:
     speed: float
     details: Mapping[str, str]
     motion: Motion | None = None
+    formula: tuple[str, str, str] | None = None
     modulus_hint: str = later("Young's modulus: what is stiffer vibrates faster")
     material: Mapping[str, LinearSlider] = field(default_factory=dict)
     estimators: tuple[str, ...] = ()

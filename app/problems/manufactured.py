@@ -19,6 +19,8 @@ from solvers.problems.manufactured.problem import ManufacturedProblem
 from solvers.problems.manufactured.scene import ManufacturedScene
 from solvers.problems.planar.layout import particle_layout
 
+FORMULA = ("displacement", later("Displacement u_x, u_y"),
+           later("formulas of X, Y, t, w and A in metres, with a comma between; empty for the built-in one"))
 MIRRORS = ((1, 1), (1, -1), (-1, 1), (-1, -1))  # signs of x and y; the first two are the truth's half
 REGIONS = 4  # a side
 HEIGHT = 0.3  # of the row of particles that is plotted, over that of the square
@@ -109,4 +111,4 @@ def view_of(problem: ManufacturedProblem) -> ProblemView:
                  "velocity": later("the velocity that moves the particles")},
         material={"poisson_ratio": (later("Poisson's ratio ν"), -0.5, 0.49, 0.01,
                                     later("resistance to a change of volume"))},
-        prices=showing.prices, estimators=("companion",), sparks=lambda _: questions)
+        prices=showing.prices, formula=FORMULA, estimators=("companion",), sparks=lambda _: questions)

@@ -62,8 +62,7 @@ class SquareScene(ManufacturedScene):
         return () if self.displacement and "A" not in self.displacement else super().moved_by
 
     def _normalized(self) -> dict[str, Any]:
-        given = super()._normalized()
-        return {**given, "displacement": self._formula()} if self.displacement else given
+        return {**super()._normalized(), "displacement": self._formula()}
 
     def _formula(self) -> str:
         """The typed displacement as it is written into links."""
@@ -71,7 +70,7 @@ class SquareScene(ManufacturedScene):
             raise SceneError("displacement", self.displacement, "is no text; give formulas such as "
                                                                 "0.02*sin(2*pi*X)*sin(w*t)")
         try:
-            return read_motion(self.displacement).text
+            return read_motion(self.displacement).text if self.displacement.strip() else ""
         except FormulaError as error:
             raise SceneError("displacement", self.displacement, str(error)) from None
 

@@ -3,20 +3,25 @@
 import functools
 import threading
 from collections.abc import Callable, Mapping
+from dataclasses import replace
+from html import escape
 from typing import Any
 
 import viser
 
 from app import words
+from app.language.heard import heard
 from app.language.spoken import tr
 from app.page.panels.answers import Answers
+from app.page.panels.head import mark
 from app.page.visit.session import Session, first_scene
 from app.problems.interface import LinearSlider
 from app.problems.views import VIEWS
-from app.viewer.widgets import identity
+from app.viewer.widgets import allow, identity
+from solvers.motion.formula import MOST_CHARACTERS
 from solvers.scene.effects import Effect
 from solvers.scene.remedies import Remedy
-from solvers.scene.rules import field_label
+from solvers.scene.rules import SceneError, field_label
 from solvers.scene.scene import Scene
 
 
@@ -108,6 +113,29 @@ class BoundWidgets:
         widget = self._gui.add_dropdown(label, tuple(codes), hint=hint, initial_value=names[value]) if names \
             else self._gui.add_checkbox(label, value, hint=hint)
         self.follow(widget, lambda shown: self._session.set(**{field: codes.get(shown, shown)}))
+
+    def formula(self, field: str, label: str, hint: str) -> None:
+        """A text for a formula of the scene. While it is typed what is wrong with it is said below; it counts when the
+        visitor is done with it, and stays where it is refused."""
+        mark(self._gui, "lab-formula")
+        text = self._gui.add_text(tr(label), getattr(self._session.scene, field), hint=tr(hint))
+        allow(text, MOST_CHARACTERS)
+        said = self._gui.add_html("")
+
+        def check(typed: str) -> None:
+            said.content = ""
+            try:
+                replace(self._session.scene, **dict[str, Any]({field: typed}))
+            except SceneError as error:
+                sentence = heard(error.sentence)
+                said.content = f"<p class='lab-formula-says'>{escape(sentence[:1].upper() + sentence[1:])}.</p>"
+
+        self.heed(text, check)
+
+        def wish() -> None:
+            self.ask(text, lambda: self._session.set(**{field: text.value}), lambda: None)
+
+        self.on_enter(text, wish)
 
     def sliders(self, sliders: Mapping[str, LinearSlider]) -> None:
         """A slider for each of the scene's fields."""

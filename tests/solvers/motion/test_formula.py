@@ -83,7 +83,7 @@ def test_what_is_no_motion_of_the_square_is_refused(text):
     assert not refused.value.sentence.endswith(".") and "\n" not in str(refused.value)
 
 
-@pytest.mark.parametrize("value", [0.02, True, ("X",), b"X", math.nan])
+@pytest.mark.parametrize("value", [0.02, 0, None, True, (), ("X",), b"X", math.nan])
 def test_what_is_no_text_is_refused(value):
     with pytest.raises(SceneError, match="is no text"):
         SquareScene(displacement=value)

@@ -42,8 +42,9 @@
     setTimeout(() => { waiting = false; say(); }, 60);
   }).observe(root, {childList: true, subtree: true});
 
+  const TYPED = "[data-lab~=lab-typed] + div, [data-lab~=lab-formula] + div";
   const done = event => {
-    const typed = event.target.closest?.("[data-lab~=lab-typed] + div input");
+    const typed = event.target.closest?.(`:is(${TYPED}) input`);
     const name = typed?.closest(".mantine-Flex-root").querySelector("label");
     if (typed && typed.dataset.typed === "yes") {
       typed.dataset.typed = "";
@@ -51,7 +52,7 @@
     }
   };
   root.addEventListener("input", event => {
-    if (event.target.closest("[data-lab~=lab-typed] + div")) event.target.dataset.typed = "yes";
+    if (event.target.closest(TYPED)) event.target.dataset.typed = "yes";
   });
   root.addEventListener("keydown", event => event.key === "Enter" && done(event));
   root.addEventListener("focusout", done);
