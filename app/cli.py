@@ -3,14 +3,19 @@
 import os
 import sys
 
-INTERRUPTED = 130
+BAD_INPUT, INTERRUPTED = 2, 130
 
 
 def main(arguments: list[str] | None = None) -> int:
     """Run the command line (default: what the process was given) and return its exit status."""
     _fill_closed_streams()
     try:
-        from app.commands.dispatch import dispatch
+        from solvers.scene.extensions import ExtensionError
+        try:
+            from app.commands.dispatch import dispatch
+        except ExtensionError as error:  # problems from outside are asked for before there are commands
+            print(f"mpm-lab: {error}", file=sys.stderr, flush=True)
+            return BAD_INPUT
         return dispatch(sys.argv[1:] if arguments is None else list(arguments))
     except KeyboardInterrupt:
         print("mpm-lab: interrupted", file=sys.stderr, flush=True)

@@ -5,6 +5,25 @@ from solvers.problems.descriptor import Problem
 from solvers.problems.ring.problem import RingProblem
 from solvers.problems.square import SQUARE
 from solvers.problems.vortex.problem import VortexProblem
+from solvers.scene.extensions import load_extensions
 
 PROBLEMS: dict[str, Problem] = {"bar": BarProblem(), "ring": RingProblem(), "vortex": VortexProblem(),
                                 "square": SQUARE}
+
+
+def register(problem: Problem) -> None:
+    """Make a problem from outside known to commands, page and studies: in a module that ``MPM_LAB_EXTENSIONS`` names,
+    or before anything runs.
+
+    Raises
+    ------
+    ValueError
+        Where its name is that of another one.
+    """
+    name = problem.scene.problem
+    if name in PROBLEMS:
+        raise ValueError(f"there is a problem called {name}; give yours another name")
+    PROBLEMS[name] = problem
+
+
+load_extensions()

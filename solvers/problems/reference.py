@@ -60,10 +60,10 @@ def read_parts(path: Path, **values: float | str) -> dict[str, str]:
     return parts
 
 
-def read_texts(path: Path, case: str, **numbers: float) -> Texts:
+def read_texts(path: Path, case: str, **values: float | str) -> Texts:
     """The texts in a file (:func:`read_parts`), headed by their names, or by ``name: case`` where a case has
     another one."""
-    parts = read_parts(path, **numbers)
+    parts = read_parts(path, **values)
     return Texts(*(parts.get(f"{text.name}: {case}", parts[text.name]) for text in fields(Texts)))
 
 

@@ -15,6 +15,7 @@ from solvers.problems.planar.layout import particle_layout
 from solvers.problems.planar.reference import EDGES, SLACK
 from solvers.problems.reference import ProblemReference, Start, Texts, read_texts
 
+GENERAL = Path(__file__).with_name("problem.md")  # texts of a problem that has none of its own
 FINE = 7  # order of the companion's elements
 
 
@@ -25,6 +26,8 @@ class ManufacturedReference(ProblemReference):
 
     def __init__(self, kind: type[ManufacturedScene]):
         self.EXACT, self._texts = kind.EXACT, Path(inspect.getfile(kind)).with_suffix(".md")
+        if not self._texts.exists():
+            self._texts = GENERAL
 
     def start(self, scene: Any) -> Start:
         layout = particle_layout(scene)
@@ -32,8 +35,10 @@ class ManufacturedReference(ProblemReference):
 
     def texts(self, scene: Any) -> Texts:
         bulk, mu = scene.lame_moduli
-        return read_texts(self._texts, scene.body_force, A=scene.amplitude, w=scene.angular_frequency, bulk=bulk, mu=mu,
-                          E=scene.modulus, nu=scene.poisson_ratio, density=scene.density)
+        formula = getattr(scene, "displacement", "")
+        return read_texts(GENERAL if formula else self._texts, scene.body_force, formula=formula or "as in its code",
+                          A=scene.amplitude, w=scene.angular_frequency, bulk=bulk, mu=mu, E=scene.modulus,
+                          nu=scene.poisson_ratio, density=scene.density)
 
     def table_points(self, scene: Any, count: int) -> np.ndarray:
         a_side = max(2, round(count**0.5))

@@ -81,6 +81,12 @@ FORCES = {"bar": ("material", "node"), "ring": ("material",), "vortex": ("materi
           "square": ("material",)}  # with exact solutions
 
 
+def reach_of(problem: str) -> Reach:
+    """Of a problem from outside the square's, with amplitudes up to the hardest of its stability map."""
+    amplitudes = PROBLEMS[problem].scene.HARD_AMPLITUDES
+    return REACH.get(problem) or replace(REACH["square"], amplitude=(0.01 * amplitudes[-1], amplitudes[-1]))
+
+
 @dataclass(frozen=True)
 class Draw:
     """Number ``number`` of the ``seed`` for a problem; a task for ``solvers.study.places``."""
@@ -99,7 +105,7 @@ class Draw:
         chance = self._chance(SCENES)
         for _ in range(MOST_TRIES):
             scene = _drawn(self.problem, chance)
-            if scene is not None and scene.particles * scene.steps <= REACH[self.problem].work:
+            if scene is not None and scene.particles * scene.steps <= reach_of(self.problem).work:
                 return scene
         raise AssertionError(f"no scene of the {self.problem} is cheap enough")
 
@@ -134,12 +140,13 @@ def coarser(scene: Scene, times: int) -> Scene:
 
 def _drawn(problem: str, chance: np.random.Generator) -> Scene | None:
     """A scene, or None where these choices do not go together, or give no coarser grids."""
-    kind, reach = PROBLEMS[problem].scene, REACH[problem]
+    kind, reach = PROBLEMS[problem].scene, reach_of(problem)
     inputs: dict[str, Any] = {
         "cells": COARSEST * round(_between(chance, *(n / COARSEST for n in reach.cells))),
         "ppc": int(chance.integers(reach.ppc[0], reach.ppc[1] + 1)), "amplitude": _between(chance, *reach.amplitude),
         "periods": _between(chance, *reach.periods),
-        "method": _choice(chance, kind.choices("method")), "body_force": _choice(chance, FORCES[problem], "body_force"),
+        "method": _choice(chance, kind.choices("method")),
+        "body_force": _choice(chance, FORCES.get(problem, ("material",)), "body_force"),
         "velocity": _choice(chance, kind.choices("velocity"), "velocity"),
         "linearity_preserving": _choice(chance, (False, True), "linearity_preserving"),
         "estimators": kind.choices("estimators"), "effects": EFFECTS}

@@ -4,7 +4,7 @@ import math
 from collections.abc import Iterable, Mapping, Sequence
 
 from solvers.running.goals import DISPLACEMENT, ENERGY, SAFETY, STRESS
-from solvers.study.coverage.draws import AFTER, BEFORE, IMPOSSIBLE, QUANTITIES, REACH
+from solvers.study.coverage.draws import AFTER, BEFORE, IMPOSSIBLE, QUANTITIES, reach_of
 from solvers.study.coverage.tally import FACTORS, INTERVALS, MIDDLE, NEEDLESS, REGIMES, interval
 from solvers.study.markdown import grid
 
@@ -17,7 +17,7 @@ PARTS = {"x": "x", "v": "v", "sigma": "σ"}
 def summary(counted: Mapping, picture: str = "") -> str:
     """A problem's counts: estimators, regimes, refusals, and bars around numbers."""
     statuses = ", ".join(f"{count} {status}" for status, count in counted["status"].items())
-    reach = REACH[counted["problem"]]
+    reach = reach_of(counted["problem"])
     parts = [f"# How often estimates are right: {counted['problem']}",
              f"{counted['runs']:,} runs of seed {counted['seed']}: {statuses}. Drawn from {reach.cells[0]} to "
              f"{reach.cells[1]} cells, {reach.ppc[0]} to {reach.ppc[1]} particles per cell, amplitudes of "

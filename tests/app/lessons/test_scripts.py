@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 import math
 import os
 import re
@@ -58,6 +59,37 @@ def test_own_estimator_is_right_in_order(tmp_path):
     index = [numbers(line)[-1] for line in done.stdout.splitlines() if "index of bend" in line]
     assert len(index) == 3, done.stderr
     assert max(index) < 1.05 * min(index) and 1 < min(index) < max(index) < 3
+
+
+#: What commands make of the problem from outside, in one process that is told of it.
+COMMANDS = """
+from app.cli import main
+from app.problems.views import VIEWS
+assert main(["sweep", "breathing", "--cells", "8", "--cfl", "0.2", "--repeats", "1", "--out", "sweep"]) == 0
+assert main(["problem", "breathing", "--cells", "8", "--out", "files"]) == 0
+assert main(["judge", "breathing", "files/exact.csv", "--cells", "8", "--out", "judged", "--quiet"]) in (0, 3)
+assert VIEWS["breathing"].sparks(None) and len(VIEWS["breathing"].prices) == 0
+"""
+
+
+def test_own_problem_is_of_second_order_and_known_everywhere(tmp_path):
+    """By itself as a script; and where it is named as an extension to every command and to the page."""
+    path = SCRIPTS / "own_problem.py"
+    assert len(path.read_text().splitlines()) <= 60
+    done = subprocess.run([sys.executable, path], cwd=tmp_path, capture_output=True, text=True, timeout=HANG,
+                          env=os.environ | {"PYTHONPATH": str(ROOT)})
+    rows = [numbers(line) for line in done.stdout.splitlines()]
+    assert len(rows) == 3, done.stderr
+    errors, indices = [row[1] for row in rows], [row[2] for row in rows]
+    assert indices == pytest.approx([1, 1, 1], abs=0.01)
+    assert [math.log2(coarse / fine) for coarse, fine in itertools.pairwise(errors)] == pytest.approx(
+        [2, 2], abs=0.15)
+    told = {"PYTHONPATH": os.pathsep.join((str(ROOT), str(SCRIPTS))), "MPM_LAB_EXTENSIONS": "own_problem"}
+    done = subprocess.run([sys.executable, "-c", COMMANDS], cwd=tmp_path, capture_output=True, text=True, timeout=HANG,
+                          env=os.environ | told)
+    assert done.returncode == 0, done.stderr
+    assert (tmp_path / "sweep" / "table.csv").exists()
+    assert (tmp_path / "judged" / "report.md").exists()
 
 
 def test_sweep_shows_what_crossings_cost(printed, tmp_path):
