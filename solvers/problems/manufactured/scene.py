@@ -58,6 +58,8 @@ class ManufacturedScene(PlanarScene):
     body_force: str = option("material", "Body force: at material points, or none; only the first has a built-in "
                              "solution", choices=("material", "none"))
     linearity_preserving: bool = option(False, "Not offered here: only off is accepted")
+    # On a GPU the tables' present values would be written side by side.
+    arch: str = option("cpu", "Where to run: on the processor alone", choices=("cpu",))
     plan: str = option("auto", "How the step is spread over the threads; auto takes the faster one for the number of "
                        "particles", choices=("auto", "serial", "parallel"))
 
