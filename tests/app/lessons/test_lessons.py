@@ -34,7 +34,7 @@ RIGHT: dict[str, dict[str, float]] = {
         "the-share-of-crossings": 96.9, "what-came": 71.2, "who-made-the-error-of-v": 87.2,
         "the-error-on-160-cells": 354, "the-error-on-160-cells-force-at-the-particles": 3.28,
         "your-own-amplitude": 55.5},
-    "06-ring": {"the-acceleration-of-cpdi": 66.1},
+    "06-ring": {"the-acceleration-of-cpdi": 66.1, "what-crossings-did-to-the-hats": 1.640},
     "07-what-accuracy-costs": {
         "twice-the-cells": 3.99, "how-many-steps": 533, "your-best-w": 9652, "bet-1-a-finer-grid": 31.7,
         "bet-2-hat-functions": 1372, "bet-3-a-ring": 356},
@@ -71,7 +71,8 @@ CHOSEN: dict[str, dict[str, str]] = {
     "06-ring": {
         "ugimp-on-a-finer-grid": "No smaller", "which-method-would-you-have-bought": "uGIMP on 24, CPDI on 48",
         "the-acceleration-at-48-cells": "It doubles", "a-judge-at-the-rim": "It grows beyond 5",
-        "where-does-transport-see-its-errors": "At the two rims"},
+        "where-does-transport-see-its-errors": "At the two rims",
+        "two-suspects-kept-apart": "cpGIMP to about a quarter, uGIMP to about a half"},
     "07-what-accuracy-costs": {
         "a-step-ten-times-longer": "It stays nearly the same", "which-error": "The grid",
         "the-cheapest-run": "To about a quarter"},
