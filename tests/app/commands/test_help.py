@@ -102,7 +102,8 @@ def test_help_on_a_terminal(given, wanted):
     assert process.wait(HANG) == 0 and b"--variants" in shown and (b"\x1b[" in shown) is wanted
 
 
-@pytest.mark.parametrize("shell", SHELLS)
+@pytest.mark.parametrize("shell", [shell if shell == "bash" else pytest.param(shell, marks=pytest.mark.slow)
+                                   for shell in SHELLS])
 def test_a_shell_gets_its_script(shell, capsys):
     assert main(["--completion", shell]) == 0 and main([f"--completion={shell}"]) == 0
     seen = capsys.readouterr()

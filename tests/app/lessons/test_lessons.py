@@ -115,8 +115,8 @@ def test_every_claim_of_a_lesson_holds(name, outcomes):
             if step.question.kind == CHOICE} == CHOSEN[name]
 
 
-@pytest.mark.parametrize("name", [pytest.param(name, marks=pytest.mark.slow) if name == "three-sessions" else name
-                                  for name in classes.names()])
+@pytest.mark.slow
+@pytest.mark.parametrize("name", classes.names())
 def test_every_claim_of_a_page_for_a_class_holds(name, outcomes):
     """Most of its runs are those of lessons."""
     found = list(classes.checks(classes.page(name), lessons(), outcomes))

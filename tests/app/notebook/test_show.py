@@ -30,7 +30,8 @@ def frame_of(player) -> dict[str, str]:
     return {name: html.unescape(value) for name, value in re.findall(r"([a-z]+)=\"([^\"]*)\"", text)}
 
 
-@pytest.mark.parametrize(("beside", "error_of"), [(None, "x"), (replace(SMALL, method="mpm"), "sigma")])
+@pytest.mark.parametrize(("beside", "error_of"), [
+    (None, "x"), pytest.param(replace(SMALL, method="mpm"), "sigma", marks=pytest.mark.slow)])
 def test_the_player_is_the_exported_page_of_the_run(beside, error_of):
     """The same bytes as the export's, whose numbers are tested: recorded by this process, with no runs around it."""
     player = show(SMALL, beside=beside, error_of=error_of)

@@ -21,6 +21,7 @@ def table(page):
     return page.locator(".lab-slow").inner_text()
 
 
+@pytest.mark.slow
 def test_a_visitor_walks_through_a_step_and_back(page):
     """Each phase says what it is, in the panel and above the stage; then comes the next step, and Play ends it."""
     until(lambda: steps(page) > 20, "a run under way")

@@ -32,6 +32,7 @@ def test_several_at_once(page):
     assert page.get_by_label("On the stage", exact=True).input_value() != others[-1]
 
 
+@pytest.mark.slow
 def test_explanations_are_set_as_mathematics(page):
     """Each estimator's explanation opens in the About tab, and its fractions and sums have the height of such."""
     page.get_by_role("tab", name="About").click()

@@ -166,6 +166,7 @@ def test_remedies_layouts_and_forces_are_the_processors(scene):
     assert_same_samples(mine.series, theirs.series, scene)
 
 
+@pytest.mark.slow
 def test_a_run_can_be_put_back_taken_apart_and_taken_in_pieces():
     """To the bit what it was when it was bookmarked; a step taken apart is the processor's; pieces are the whole."""
     require_gpu()

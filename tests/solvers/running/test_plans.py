@@ -22,8 +22,9 @@ PLANS = {"serial": {"plan": "serial"}, "parallel": {"plan": "parallel", "threads
 SCENES = {
     "cpdi": RING, "ugimp": replace(RING, method="ugimp"), "vortex": VORTEX,
     "remedies": replace(RING, method="ugimp", remedies=BOTH, estimators=()),
-    "companion and recovered": replace(RING, method="ugimp", estimators=("companion", "recovered"))}
+    "companion": replace(RING, method="ugimp", estimators=("companion",))}
 SLOW = {
+    "recovered": replace(RING, method="ugimp", estimators=("recovered",)),
     "cpgimp": replace(RING, method="cpgimp"), "mpm": replace(RING, method="mpm"),
     "vortex of boxes": replace(VORTEX, method="ugimp"), "two-grid": replace(RING, estimators=("two-grid",)),
     "companion of the vortex": replace(VORTEX, cells=24, method="ugimp", estimators=("companion",))}

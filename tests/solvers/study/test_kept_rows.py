@@ -101,6 +101,7 @@ def test_a_closed_stream_is_one_that_nobody_reads(words, status, closed):
 
 
 @pytest.mark.skipif(os.name == "nt", reason="POSIX shells")
+@pytest.mark.slow
 def test_a_sweep_with_closed_streams_keeps_its_rows(tmp_path):
     words = f"sweep bar --cells 8 --periods 0.1 --repeats 1 --out {tmp_path / 'out'}"
     done = subprocess.run(f"{sys.executable} -m app {words} <&- >&- 2>&-", shell=True, cwd=ROOT, timeout=HANG)
