@@ -80,6 +80,14 @@ def again_until(act, condition, what):
     raise AssertionError(f"clicked {AGAIN} times in vain: {what}")
 
 
+def downloaded(page, act):
+    """The file that a click brings."""
+    files = []
+    page.on("download", lambda file: files.append(file))
+    again_until(act, lambda: files, "a file")
+    return files[0]
+
+
 def choose(page, label, option):
     """Choose an option, or one whose name begins so, of a dropdown; problems are buttons where there is room."""
     if label == "Problem" and (button := page.get_by_role("radio", name=option)).is_visible():

@@ -8,7 +8,7 @@ from contextlib import ExitStack, closing, contextmanager
 from app.lessons import shelf
 from tests.app.serving.test_class_code import enter
 from tests.browser.conftest import FEW_FRAMES, SIZE, axe_finds, no_errors, serving
-from tests.browser.driving import until
+from tests.browser.driving import downloaded, until
 from tests.browser.page.test_present import SIZES
 from tests.pupils import Pupil, cookie_of
 
@@ -180,10 +180,9 @@ def the_stage_and_back(lecturer):
 
 def saved(lecturer, expected, folder):
     """A file without names, and nothing else is kept."""
-    with lecturer.page.expect_download() as download:
-        lecturer.board.get_by_role("button", name="Save").click()
-    assert download.value.suggested_filename == f"{LESSON.name}-class.json"
-    download.value.save_as(folder / "class.json")
+    file = downloaded(lecturer.page, lecturer.board.get_by_role("button", name="Save").click)
+    assert file.suggested_filename == f"{LESSON.name}-class.json"
+    file.save_as(folder / "class.json")
     first = json.loads((folder / "class.json").read_text(encoding="utf-8"))["questions"][0]
     assert first["answers"] == [option for option, count in enumerate(expected, 1) for _ in range(count)]
     assert (first["count"], first["late"], first["right"]) == (sum(expected), 1, expected[0])

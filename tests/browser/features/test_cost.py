@@ -4,7 +4,7 @@ import csv
 
 import pytest
 
-from tests.browser.driving import click, readout, row, shown, until
+from tests.browser.driving import click, downloaded, readout, row, shown, until
 from tests.processes import children
 
 
@@ -98,9 +98,7 @@ def test_search_is_refused_in_words_cancelled_and_left(own_page, server):
     until(lambda: names_are_apart(page), "names that can be read")
     page.locator(".lab-dot.lab-judged").first.click()
     shown(page, "is on the stage")
-    with page.expect_download() as download:
-        click(page, "Download CSV")
-    with open(download.value.path(), newline="") as file:
+    with open(downloaded(page, lambda: click(page, "Download CSV")).path(), newline="") as file:
         assert len(list(csv.DictReader(file))) == dots(page)
     click(page, "Small sweep")
     until(lambda: job_processes(server[1]), "a process")

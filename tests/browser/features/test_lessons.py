@@ -10,7 +10,7 @@ from app.lessons import shelf
 from app.lessons.lesson import OBSERVE, PREDICT, TEXT
 from app.lessons.progress import Progress
 from tests.browser.conftest import PHONE, serving, visit
-from tests.browser.driving import again_until, click, scene, shown, until
+from tests.browser.driving import again_until, click, downloaded, scene, shown, until
 from tests.browser.following import answer, follow, go_on
 
 NAME = "05-who-is-to-blame"  # one question of each kind that a browser may get wrong: choices, numbers and free text
@@ -80,10 +80,9 @@ def test_a_lesson_from_start_to_hand_in(lesson_page, chromium, tmp_path, capfd):
         asked = any(step.question.kind == TEXT for step in lesson.questions.values())
         assert (HOSTILE in page.locator(".lab-compared").last.inner_text()) == asked
         assert page.title() == "mpm-lab" and page.locator("img[src=x]").count() == 0
-        with page.expect_download() as download:
-            click(page, "Hand in")
-        download.value.save_as(tmp_path / "ada.json")
-    assert download.value.suggested_filename == f"{lesson.name}-Ada-b.json"
+        file = downloaded(page, lambda: click(page, "Hand in"))
+        file.save_as(tmp_path / "ada.json")
+        assert file.suggested_filename == f"{lesson.name}-Ada-b.json"
     saved = json.loads((tmp_path / "ada.json").read_text(encoding="utf-8"))
     assert saved["name"] == "Ada <b>" and saved["answers"].keys() == lesson.questions.keys()
     assert main(["lesson", "grade", str(tmp_path / "ada.json")]) == 0
