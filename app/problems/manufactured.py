@@ -97,7 +97,7 @@ def _untiled(ran: Ran) -> Answer:
 
 def view_of(problem: ManufacturedProblem) -> ProblemView:
     """The view of a problem."""
-    showing = problem.showing
+    showing, typed = problem.showing, FORMULA[0] in problem.scene.__dataclass_fields__
 
     questions = (halving(showing.cells[1]), Spark("tile", "tile", later("Boxes that do not tile"), _untile, _untiled),
                  breaking(later("Break it"), later("hat functions"), {"method": "mpm"}, 1.0))
@@ -111,4 +111,5 @@ def view_of(problem: ManufacturedProblem) -> ProblemView:
                  "velocity": later("the velocity that moves the particles")},
         material={"poisson_ratio": (later("Poisson's ratio ν"), -0.5, 0.49, 0.01,
                                     later("resistance to a change of volume"))},
-        prices=showing.prices, formula=FORMULA, estimators=("companion",), sparks=lambda _: questions)
+        prices=showing.prices, formula=FORMULA if typed else None, estimators=("companion",),
+        sparks=lambda _: questions)
