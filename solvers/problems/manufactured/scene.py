@@ -16,7 +16,7 @@ from solvers.motion.separable_field import SeparableField, separate
 from solvers.problems.manufactured import step_bound
 from solvers.problems.planar.estimators.patch import CARTESIAN, Patch
 from solvers.problems.planar.layout import particle_layout
-from solvers.problems.planar.scene import PlanarScene
+from solvers.problems.planar.scene import GHOSTS, PlanarScene
 from solvers.problems.planar.validity import transport
 from solvers.scene.balance import MODES, Moments
 from solvers.scene.option import option
@@ -31,7 +31,6 @@ MESHES = ((0, 3, 5), (25, 4, 5), (65, 4, 6), (math.inf, 6, 6), (math.inf, 8, 6),
 POINTS_BETWEEN = 7  # an element, at which a mesh is held against the displacement
 RESOLVED = 3e-4  # of the displacement: RMS that a mesh may leave out
 RULES = {"transport": transport}
-GHOSTS = 2  # rows of nodes beyond a symmetry plane
 
 
 class Sizes(NamedTuple):

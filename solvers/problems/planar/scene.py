@@ -10,6 +10,7 @@ from solvers.scene.rules import SceneError, require_whole
 from solvers.scene.scene import Scene
 
 MOST_CELLS = 10_000
+GHOSTS = 2  # rows of nodes beyond a symmetry plane
 
 
 class PlanarScene(Scene):

@@ -14,8 +14,8 @@ from solvers.problems.planar.layout import half_edges
 from solvers.problems.planar.method import phases
 from solvers.problems.planar.method.cpdi import NODES
 from solvers.problems.planar.method.kept import by_particle
+from solvers.problems.planar.scene import GHOSTS
 from solvers.problems.planar.solver import PlanarSolver
-from solvers.problems.ring.method.phases import GHOSTS
 from solvers.problems.ring.scene import RingScene
 from solvers.problems.vortex.scene import VortexScene
 from solvers.running.run import build

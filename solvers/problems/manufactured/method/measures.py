@@ -6,7 +6,6 @@ import taichi as ti
 
 from solvers.kernels.elementary import log
 from solvers.problems.manufactured.method.body import FORCE, GRID, MOTION
-from solvers.problems.manufactured.method.symmetry_planes import symmetry_planes
 from solvers.problems.planar.method import neo_hookean
 from solvers.problems.planar.method.field_tables import (
     FACTS,
@@ -19,6 +18,7 @@ from solvers.problems.planar.method.field_tables import (
 )
 from solvers.problems.planar.method.neo_hookean import cauchy_stress, determinant, strain_energy, stress, tangent
 from solvers.problems.planar.method.soundness import look_at_neighbours
+from solvers.problems.planar.method.symmetry_planes import symmetry_planes
 from solvers.problems.planar.parts import Measures, Traits
 from solvers.scene import balance
 from solvers.scene.effects import samplers
@@ -152,8 +152,7 @@ def kernels_between(problem: str, low: bool, high: bool) -> Kernels:
         return total / ti.max(count, 1)
 
     traits = Traits(forces=find_forces, prepare=prepare, body_force_on=body_force_on, stress=stress,
-                    tangent=tangent, first=planes.first, fold=planes.fold, pin=planes.pin, mirror=planes.mirror,
-                    image=planes.image)
+                    tangent=tangent, **planes._asdict())
     measures = Measures(exact_at_step, vector_errors, stress_error, node_acceleration_error, strain_energy, look,
                         samplers(problem, {}))
     return Kernels(traits, measures, has_escaped)

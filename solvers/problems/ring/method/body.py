@@ -9,8 +9,8 @@ from dataclasses import dataclass
 from solvers.kernels.kinds import Real, Reals
 from solvers.problems.planar.layout import particle_layout
 from solvers.problems.planar.method.body import PlanarBody, common
+from solvers.problems.planar.scene import GHOSTS
 from solvers.problems.ring import exact
-from solvers.problems.ring.method.phases import GHOSTS
 from solvers.problems.ring.scene import RingScene
 from solvers.scene.switches import Switches
 from solvers.solver.arrays import zeros

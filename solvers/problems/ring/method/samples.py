@@ -5,9 +5,9 @@ import taichi as ti
 from solvers.kernels.elementary import cos, log, sin
 from solvers.problems.planar.method.soundness import contradictions
 from solvers.problems.planar.parts import Measures
+from solvers.problems.planar.scene import GHOSTS
 from solvers.problems.ring.exact import C1, C2, C3, INNER, OUTER
 from solvers.problems.ring.method.material import kirchhoff_stress
-from solvers.problems.ring.method.phases import GHOSTS
 from solvers.scene.effects import samplers
 
 NEWTON_STEPS = 8  # of the radius that has come to a node; the map is nearly linear and converges in four or five

@@ -4,7 +4,7 @@ from typing import Any, NamedTuple
 
 import taichi as ti
 
-from solvers.problems.manufactured.scene import GHOSTS
+from solvers.problems.planar.scene import GHOSTS
 
 
 class SymmetryPlanes(NamedTuple):
@@ -18,12 +18,16 @@ class SymmetryPlanes(NamedTuple):
 
 
 def symmetry_planes(low: bool, high: bool) -> SymmetryPlanes:
-    """With planes at the lower ends, and at the upper ends where there are lower ones, too."""
+    """With planes at the lower ends, and at the upper ends too where there are lower ones; or with no plane at all."""
     G = GHOSTS if low else 0
 
     @ti.func
     def fold(body: ti.template(), fold_pair: ti.template()):
-        """Add what fell beyond a plane to its mirror image, the component across the plane with odd sign."""
+        """Add what fell beyond a plane to its mirror image, the component across the plane with odd sign.
+
+        Setting it to zero instead costs up to a factor 2.5 in accuracy. ``fold_pair(body, ghost, image, in_x, in_y)``
+        adds a node's values, with these signs, to those of its image.
+        """
         end = body.row - 1
         if ti.static(low):
             for j in range(body.active):
@@ -50,7 +54,7 @@ def symmetry_planes(low: bool, high: bool) -> SymmetryPlanes:
 
     @ti.func
     def mirror(body: ti.template(), values: ti.template()):
-        """Copy the nodes' values to their images beyond the planes: odd in what points across one."""
+        """Copy the nodes' values, two vectors each, to their images beyond the planes: odd in what points across."""
         end = body.row - 1
         if ti.static(low):
             for j in range(G, body.active):
@@ -69,11 +73,13 @@ def symmetry_planes(low: bool, high: bool) -> SymmetryPlanes:
     @ti.func
     def image(body: ti.template(), node):
         """The node that a ghost is the mirror image of; any other is its own."""
-        i, j, last = node % body.row, node // body.row, body.row - 1 - G
+        own = node
         if ti.static(low):
+            i, j, last = node % body.row, node // body.row, body.row - 1 - G
             i, j = ti.select(i < G, 2 * G - i, i), ti.select(j < G, 2 * G - j, j)
-        if ti.static(high):
-            i, j = ti.select(i > last, 2 * last - i, i), ti.select(j > last, 2 * last - j, j)
-        return j * body.row + i
+            if ti.static(high):
+                i, j = ti.select(i > last, 2 * last - i, i), ti.select(j > last, 2 * last - j, j)
+            own = j * body.row + i
+        return own
 
     return SymmetryPlanes(G, fold, pin, mirror, image)
