@@ -2,6 +2,7 @@
 
 import numpy as np
 
+from solvers.motion.neo_hookean import cauchy_stress
 from solvers.problems.planar.parts import SnapshotMeasures
 from solvers.problems.vortex import exact
 from solvers.problems.vortex.method.body import VortexBody
@@ -31,12 +32,7 @@ def _turned(a: VortexBody, angle: np.ndarray) -> Vector:
 
 
 def stress(a: VortexBody) -> Tensor:
-    """lambda ln J/J I + mu/J (F F^T - I)."""
-    F = np.ascontiguousarray(a.deformation_gradient.T)
-    J = F[0] * F[3] - F[1] * F[2]
-    mu, bulk = a.shear_modulus / J, a.lame_modulus * np.log(J) / J
-    return (mu * (F[0] * F[0] + F[1] * F[1] - 1) + bulk, mu * (F[0] * F[2] + F[1] * F[3]),
-            mu * (F[2] * F[2] + F[3] * F[3] - 1) + bulk)
+    return cauchy_stress(np.ascontiguousarray(a.deformation_gradient.T), a.lame_modulus, a.shear_modulus)
 
 
 def stress_error(scene: VortexScene, a: VortexBody, time: float) -> Tensor:

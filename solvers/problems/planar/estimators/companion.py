@@ -20,7 +20,7 @@ from solvers.kernels.kinds import integer_quads, integers, pairs, quads
 from solvers.problems.planar.estimators.patch import Patch
 from solvers.problems.planar.layout import particle_layout
 from solvers.problems.planar.method.field_tables import find_pair_functions, of_pairs, pack, pair_sum
-from solvers.problems.planar.method.neo_hookean import FLATTEST, cauchy_stress
+from solvers.problems.planar.method.neo_hookean import FLATTEST, cauchy_stress, cauchy_stress_of
 
 
 @ti.func
@@ -113,17 +113,24 @@ def report(body: ti.template(), base, step, on: ti.template()):
 @ti.func
 def reduce_to_line(body: ti.template(), k):
     """u, v, a and u_xi on the line of the k-th xi of particles, at the nodes' eta."""
-    n, row = body.companion_counts[shared.ORDER] + 1, body.companion_counts[shared.ROW]
     line = shared.LAYERS * body.companion_counts[shared.NODES]
-    start = shared.NOW * body.companion_counts[shared.NODES] + body.companion_places[k][1]
-    for j in range(row):
-        total, slope = ti.Vector([0.0] * 8), ti.Vector([0.0, 0.0])
-        for i in range(n):
-            now, basis = body.companion_nodes[start + i * row + j], body.companion_basis[k * n + i]
-            total += basis[0] * now
-            slope += basis[1] * ti.Vector([now[0], now[1]])
-        total[6], total[7] = slope[0], slope[1]
+    for j in range(body.companion_counts[shared.ROW]):
+        total = line_node(body, k, j)
         body.companion_nodes[line + j] = total
+
+
+@ti.func
+def line_node(body: ti.template(), k, j):
+    """The same of node j of that line."""
+    n, row = body.companion_counts[shared.ORDER] + 1, body.companion_counts[shared.ROW]
+    start = shared.NOW * body.companion_counts[shared.NODES] + body.companion_places[k][1]
+    total, slope = ti.Vector([0.0] * 8), ti.Vector([0.0, 0.0])
+    for i in range(n):
+        now, basis = body.companion_nodes[start + i * row + j], body.companion_basis[k * n + i]
+        total += basis[0] * now
+        slope += basis[1] * ti.Vector([now[0], now[1]])
+    total[6], total[7] = slope[0], slope[1]
+    return total
 
 
 @ti.func
@@ -140,14 +147,10 @@ def particle_error(body: ti.template(), base, place, step, on: ti.template()):
     q, X, g = body.position_velocity[p], body.material_position[p], body.companion_slopes[p]  # grad xi, grad eta
     xx, xy = 1 + f[6] * g[0] + u_eta[0] * g[2], f[6] * g[1] + u_eta[0] * g[3]
     yx, yy = f[7] * g[0] + u_eta[1] * g[2], 1 + f[7] * g[1] + u_eta[1] * g[3]
-    J = xx * yy - xy * yx
-    mu, bulk = body.shear_modulus / J, body.lame_modulus * log(ti.max(J, FLATTEST)) / J
-    sigma = cauchy_stress(body, p)
+    miss = cauchy_stress(body, p) - cauchy_stress_of(body, ti.Vector([xx, xy, yx, yy]))
     error = ti.Vector([q[0] - X[0] - f[0], q[1] - X[1] - f[1], q[2] - f[2], q[3] - f[3]])
     body.estimate[base + p] = error
-    body.estimate_stress[base + p] = ti.Vector([sigma[0] - mu * (xx * xx + xy * xy - 1) - bulk,
-                                                sigma[1] - mu * (xx * yx + xy * yy),
-                                                sigma[2] - mu * (yx * yx + yy * yy - 1) - bulk, 0.0])
+    body.estimate_stress[base + p] = ti.Vector([miss[0], miss[1], miss[2], 0.0])
     a = ti.Vector([ti.math.nan, ti.math.nan])
     if ti.static(on.acceleration):  # before the first step none has been computed, and so none can be wrong
         a = body.acceleration[p] - ti.Vector([f[4], f[5]]) if step > 0 else ti.Vector([0.0, 0.0])

@@ -17,18 +17,18 @@ def determinant(F):
 
 
 @ti.func
-def kirchhoff_stress(body: ti.template(), p):
-    """J sigma = lambda ln J I + mu (F F^T - I) as (xx, xy, yy): neo-Hookean."""
-    F = body.deformation_gradient[p]
-    mu, bulk = body.shear_modulus, body.lame_modulus * log(ti.max(determinant(F), FLATTEST))
+def cauchy_stress_of(body: ti.template(), F):
+    """sigma = [lambda ln J I + mu (F F^T - I)]/J as (xx, xy, yy), of F as (xx, xy, yx, yy) in the body's material."""
+    J = determinant(F)
+    mu, bulk = body.shear_modulus, body.lame_modulus * log(ti.max(J, FLATTEST))
     return ti.Vector([mu * (F[0] * F[0] + F[1] * F[1] - 1) + bulk, mu * (F[0] * F[2] + F[1] * F[3]),
-                      mu * (F[2] * F[2] + F[3] * F[3] - 1) + bulk])
+                      mu * (F[2] * F[2] + F[3] * F[3] - 1) + bulk]) / J
 
 
 @ti.func
 def cauchy_stress(body: ti.template(), p):
-    """sigma as (xx, xy, yy)."""
-    return kirchhoff_stress(body, p) / determinant(body.deformation_gradient[p])
+    """The same of particle p."""
+    return cauchy_stress_of(body, body.deformation_gradient[p])
 
 
 @ti.func

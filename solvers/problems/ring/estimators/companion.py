@@ -15,6 +15,7 @@ import taichi as ti
 from solvers.estimators import companion as shared
 from solvers.kernels import runtime
 from solvers.kernels.kinds import integer_quads, pairs, quads
+from solvers.problems.planar.estimators.companion import element_forces, line_node, reduce_to_line
 from solvers.problems.ring import exact
 from solvers.problems.ring.estimators import companion_mesh
 from solvers.problems.ring.method.material import kirchhoff_stress, radial_force_at
@@ -78,29 +79,13 @@ def element_stresses(ring: ti.template(), corner):
 
 
 @ti.func
-def element_forces(ring: ti.template(), corner):
-    """Take the element's internal forces from its nodes."""
-    n, row = ring.companion_counts[shared.ORDER] + 1, ring.companion_counts[shared.ROW]
-    trial = shared.WORK * ring.companion_counts[shared.NODES] + corner
-    for i in range(n):
-        for j in range(n):
-            across, around = ti.Vector([0.0] * 4), ti.Vector([0.0] * 4)
-            for k in range(n):
-                across += ring.companion_matrices[k * n + i][0] * ring.companion_stresses[k * n + j]
-                around += ring.companion_matrices[k * n + j][1] * ring.companion_stresses[i * n + k]
-            node = trial + i * row + j
-            for c in ti.static(range(2)):
-                ring.companion_nodes[node][2 + c] = ring.companion_nodes[node][2 + c] - (across[c] + around[2 + c])
-
-
-@ti.func
 def report(ring: ti.template(), base, step, on: ti.template()):
     """Every particle's error at ``step``: computed minus the companion's, at its material point. Along each radius of
     particles that is first reduced to one arc of nodes, then read there at each particle's angle."""
     shared.read_nodes(ring, step)
     squares = 0.0
     for k in range(ring.radius_count):
-        reduce_to_arc(ring, k)
+        reduce_to_line(ring, k)
         for place in range(ring.companion_places[k][0], ring.companion_places[k + 1][0]):
             squares += particle_error(ring, base, ring.companion_places[place], step, on)
     ring.companion_numbers[shared.SQUARE] = squares / ring.particles
@@ -113,29 +98,6 @@ def report_at_once(ring: ti.template(), base, step, on: ti.template()):
     for n in range(ring.particles):
         squares += particle_error(ring, base, ring.companion_places[ring.radius_count + 1 + n], step, on)
     ring.companion_numbers[shared.SQUARE] = squares / ring.particles
-
-
-@ti.func
-def reduce_to_arc(ring: ti.template(), k):
-    """u, v, a and u_R on the arc of the k-th particle radius, at the nodes' angles."""
-    arc = shared.LAYERS * ring.companion_counts[shared.NODES]
-    for j in range(ring.companion_counts[shared.ROW]):
-        total = arc_node(ring, k, j)
-        ring.companion_nodes[arc + j] = total
-
-
-@ti.func
-def arc_node(ring: ti.template(), k, j):
-    """The same of node j of that arc."""
-    n, row = ring.companion_counts[shared.ORDER] + 1, ring.companion_counts[shared.ROW]
-    start = shared.NOW * ring.companion_counts[shared.NODES] + ring.companion_places[k][1]
-    total, slope = ti.Vector([0.0] * 8), ti.Vector([0.0, 0.0])
-    for i in range(n):
-        now, basis = ring.companion_nodes[start + i * row + j], ring.companion_basis[k * n + i]
-        total += basis[0] * now
-        slope += basis[1] * ti.Vector([now[0], now[1]])
-    total[6], total[7] = slope[0], slope[1]
-    return total
 
 
 @ti.func
@@ -152,7 +114,7 @@ def particle_error(ring: ti.template(), base, place, step, on: ti.template()):
             f += basis[0] * value
             turn += basis[1] * ti.Vector([value[0], value[1]])
         else:  # particles of many radii are at work, and there is room for one arc
-            value = arc_node(ring, ring.radius[p], arc - shared.LAYERS * ring.companion_counts[shared.NODES])
+            value = line_node(ring, ring.radius[p], arc - shared.LAYERS * ring.companion_counts[shared.NODES])
             f += basis[0] * value
             turn += basis[1] * ti.Vector([value[0], value[1]])
     turn /= ring.radii[ring.radius[p]][0]
