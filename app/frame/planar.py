@@ -164,6 +164,17 @@ class PlanarStage(Stage[PlaneScene]):
         return out.reshape(-1, 3)
 
 
+class MirroredStage(PlanarStage[PlaneScene]):
+    """Makes marks of frames of a body between the planes x = 0 and y = 0: estimate left, truth right."""
+
+    MIRRORS: ClassVar[Mirrors] = ((1, 1), (1, -1), (-1, 1), (-1, -1))  # the first two are the truth's half
+    OUTLINED: ClassVar[Mirrors] = MIRRORS[::2]
+
+    def _halves(self, x: np.ndarray, estimated: np.ndarray, true: np.ndarray) -> Iterator[Mark]:
+        for half, mirrors, shades in (("truth", self.MIRRORS[:2], true), ("estimate", self.MIRRORS[2:], estimated)):
+            yield Dots(half, self._images(x, mirrors), np.tile(shades, (2, 1)), self._width, self._shape)
+
+
 def in_view(x: np.ndarray) -> np.ndarray:
     """Positions (n, 2) in metres; what is not a number becomes FARTHEST."""
     return np.fmax(np.fmin(x, FARTHEST), -FARTHEST)

@@ -73,11 +73,12 @@ def save_png(result: Result, path: str) -> None:
 def _title(result: Result) -> str:
     scene = result.scene
     lp = ", linearity preserving" if scene.linearity_preserving else ""
-    layout = f" ({scene.to_dict()['layout']} layout)" if "layout" in scene.to_dict() else ""
+    layout = scene.to_dict().get("layout")
     swing = f"A = {scene.amplitude:g} {unit_of(type(scene), 'amplitude')}" if "amplitude" in scene.moved_by \
         else moving(scene)
     first = (f"{scene.problem.capitalize()}, {method_name(scene.method)}{lp} · {scene.cells} cells "
-             f"(h = {scene.spacing:.3g} m) · {particles_per_cell(scene.problem, scene.ppc)}{layout}"
+             f"(h = {scene.spacing:.3g} m) · {particles_per_cell(scene.problem, scene.ppc)}"
+             f"{f' ({layout} layout)' if layout else ''}"
              f" · {swing}")
     second = (f"E = {scene.modulus:g} Pa · density {scene.density:g} kg/m³ · cfl {scene.courant_number:.3g} · body "
               f"force {scene.body_force} · {result.steps:,} step{'s' * (result.steps != 1)} to t = {result.time:.4g} s")

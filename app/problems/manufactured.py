@@ -7,8 +7,8 @@ from typing import Any
 import numpy as np
 
 from app.frame.field import Plotted
-from app.frame.marks import Dots, Mark
-from app.frame.planar import PlanarStage
+from app.frame.marks import Mark
+from app.frame.planar import MirroredStage
 from app.frame.slow.planar import PlanarSlowStage
 from app.language.spoken import later, tr
 from app.problems.interface import ProblemView, Reach, Regions
@@ -21,7 +21,6 @@ from solvers.problems.planar.layout import particle_layout
 
 FORMULA = ("displacement", later("Displacement u_x, u_y"),
            later("formulas of X, Y, t, w and A in metres, with a comma between; empty for the built-in one"))
-MIRRORS = ((1, 1), (1, -1), (-1, 1), (-1, -1))  # signs of x and y; the first two are the truth's half
 REGIONS = 4  # a side
 HEIGHT = 0.3  # of the row of particles that is plotted, over that of the square
 NO_BREAK = "\N{NO-BREAK SPACE}"
@@ -38,11 +37,10 @@ def _exact(scene: ManufacturedScene, quantity: str, X: np.ndarray, t: float) -> 
     return scene.exact_along_x(quantity, np.stack([X, np.full_like(X, plotted_row(scene))], axis=1), t)
 
 
-class ManufacturedStage(PlanarStage[ManufacturedScene]):
+class ManufacturedStage(MirroredStage[ManufacturedScene]):
     """Makes marks of frames of the square."""
 
     PLOT = Plotted(0.0, 1.0, ("X = 0", "1 m"), _exact)
-    MIRRORS, OUTLINED = MIRRORS, MIRRORS[::2]
 
     @staticmethod
     def outermost(scene: ManufacturedScene) -> float:
@@ -61,10 +59,6 @@ class ManufacturedStage(PlanarStage[ManufacturedScene]):
         X = particle_layout(scene).position if at_rest is None else at_rest
         half = 0.5 * scene.spacing / scene.ppc
         self._radii = np.where(np.abs(X[:, 1] - plotted_row(scene)) < half, X[:, 0], np.nan)
-
-    def _halves(self, x: np.ndarray, estimated: np.ndarray, true: np.ndarray) -> Iterator[Mark]:
-        for half, mirrors, shades in (("truth", MIRRORS[:2], true), ("estimate", MIRRORS[2:], estimated)):
-            yield Dots(half, self._images(x, mirrors), np.tile(shades, (2, 1)), self._width, self._shape)
 
 
 def regions(X: np.ndarray) -> Regions:

@@ -1,27 +1,20 @@
 """The ring, made to fit the stage: a quarter and its mirror images, estimate on the left half, truth on the right, and
 the field plot below."""
 
-from collections.abc import Iterator
-
-import numpy as np
-
 from app.frame.field import Plotted
-from app.frame.marks import Dots, Mark
-from app.frame.planar import PlanarStage
+from app.frame.planar import MirroredStage
 from app.language.spoken import tr
 from solvers.problems.ring import exact
 from solvers.problems.ring.exact import INNER, OUTER
 from solvers.problems.ring.scene import RingScene
 
 NO_BREAK = "\N{NO-BREAK SPACE}"
-MIRRORS = ((1, 1), (1, -1), (-1, 1), (-1, -1))  # signs of x and y; the first two are the truth's half
 
 
-class RingStage(PlanarStage[RingScene]):
+class RingStage(MirroredStage[RingScene]):
     """Makes marks of frames of the ring."""
 
     PLOT = Plotted(INNER, OUTER, (f"R = {INNER} m", f"{OUTER} m"), exact.field, "radial")
-    MIRRORS, OUTLINED = MIRRORS, MIRRORS[::2]
 
     @staticmethod
     def outermost(scene: RingScene) -> float:
@@ -35,7 +28,3 @@ class RingStage(PlanarStage[RingScene]):
     @staticmethod
     def stretched(scene: RingScene) -> float:
         return 1 + 0.5 * scene.amplitude / OUTER
-
-    def _halves(self, x: np.ndarray, estimated: np.ndarray, true: np.ndarray) -> Iterator[Mark]:
-        for half, mirrors, shades in (("truth", MIRRORS[:2], true), ("estimate", MIRRORS[2:], estimated)):
-            yield Dots(half, self._images(x, mirrors), np.tile(shades, (2, 1)), self._width, self._shape)
