@@ -160,13 +160,6 @@ class ManufacturedScene(PlanarScene):
         """The body force per mass at the particles, in m/s^2."""
         return separate(lambda X, t: self.EXACT.body_force(self, X, t), particle_layout(self).position, self.period)
 
-    def motion_table(self) -> SeparableField:
-        """u_x, u_y, and Grad u as xX, xY, yX, yY, at the particles."""
-        def field(X: np.ndarray, t: np.ndarray) -> np.ndarray:
-            return columns(self.EXACT.jets(self, X, t).displacement_and_gradient, len(X))
-
-        return separate(field, particle_layout(self).position, self.period)
-
     def grid_table(self) -> SeparableField:
         """The acceleration in m/s^2 at the places of the nodes, of the material that has come there."""
         line = (np.arange(self.row) - self.origin) * self.spacing
@@ -221,7 +214,7 @@ class ManufacturedScene(PlanarScene):
         if not self.solution_known:
             return Moments(np.zeros((len(times), MODES)), np.zeros(len(times)), np.eye(MODES), self.particles,
                            np.zeros(len(times), bool))
-        motion, gram = modes_and_products(self)
+        motion, gram = motion_table(self), products_of_modes(self)
         T = np.stack([motion.time_functions(float(t)) for t in times])
         few = min(MODES, motion.rank)
         sums, inverse = np.zeros((len(times), MODES)), np.zeros((MODES, MODES))
@@ -242,9 +235,17 @@ class ManufacturedScene(PlanarScene):
                              "follow the deformation; give null-space-filter or frozen-weights")
 
 
-@functools.lru_cache(maxsize=4)
-def modes_and_products(scene: Any) -> tuple[SeparableField, np.ndarray]:
-    """The motion's table, and sum_p u_k . u_l (r, r) of the displacements of its modes."""
-    motion = scene.motion_table()
-    u = motion.modes[:, :, :2]
-    return motion, np.einsum("pkc,plc->kl", u, u)
+@functools.lru_cache(maxsize=2)
+def motion_table(scene: ManufacturedScene) -> SeparableField:
+    """u_x, u_y, and Grad u as xX, xY, yX, yY, at the particles."""
+    def field(X: np.ndarray, t: np.ndarray) -> np.ndarray:
+        return columns(scene.EXACT.jets(scene, X, t).displacement_and_gradient, len(X))
+
+    return separate(field, particle_layout(scene).position, scene.period)
+
+
+@functools.lru_cache(maxsize=2)
+def products_of_modes(scene: ManufacturedScene) -> np.ndarray:
+    """sum_p u_k . u_l (r, r) of the displacements of the motion's modes."""
+    u = motion_table(scene).modes[:, :, :2]
+    return np.einsum("pkc,plc->kl", u, u)

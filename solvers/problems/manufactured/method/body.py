@@ -5,7 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from solvers.kernels.kinds import Integers, Pairs, Quads, Real, Reals
-from solvers.problems.manufactured.scene import ManufacturedScene
+from solvers.problems.manufactured.scene import ManufacturedScene, motion_table
 from solvers.problems.planar.layout import particle_layout
 from solvers.problems.planar.method.body import PlanarBody, common
 from solvers.problems.planar.method.field_tables import of_motions, of_pairs, of_vectors, pack
@@ -39,7 +39,7 @@ def body(scene: ManufacturedScene, on: Switches, slabs: int) -> dict:
     known = on.truth or bool(on.estimators) or on.soundness
     nothing = (np.zeros(len(layout.radii)),) * 3
     sizes, tables = pack(of_pairs(scene.force_table() if on.body_force != "none" else None),
-                         of_motions(scene.motion_table() if known else None),
+                         of_motions(motion_table(scene) if known else None),
                          of_vectors(scene.grid_table() if known and on.acceleration else None))
     return {**common(scene, on, layout, slabs, scene.origin, scene.row, shear_modulus,
                      exact.velocity(scene, layout.position, -0.5 * scene.time_step), nothing),
