@@ -13,7 +13,7 @@ from app.page.visit.history import LAST_PERIODS, MOST_ROWS
 from app.page.visit.recent import Recent
 from app.page.visit.trace import Trace
 from app.problems.bar.stage import BarStage
-from app.problems.ring.stage import MIRRORS, RingStage
+from app.problems.ring.stage import RingStage
 from app.renderers import viewer
 from app.renderers.viewer import Lettering
 from solvers.problems.bar.scene import BarScene
@@ -126,7 +126,7 @@ def test_every_image_is_found_by_a_click(run, stage):
     """The bar's in both lanes, the ring's mirror images, and the dots of the bar's field plot; beside them nothing."""
     arrays = run[-1][1]
     images = stage.images(arrays, slice(None))
-    halves = 2 if isinstance(stage, BarStage) else len(MIRRORS)
+    halves = 2 if isinstance(stage, BarStage) else len(RingStage.MIRRORS)
     assert images.shape == (halves + 1, len(arrays.position), 3)
     assert (np.ptp(images[:halves, :, :2], axis=0) > 0).any()
     for image in images[:halves + isinstance(stage, BarStage)]:
