@@ -18,16 +18,16 @@ if TYPE_CHECKING:
     from solvers.judging.verdict import judge
     from solvers.outside.file_error import FileError
     from solvers.problems.bar.scene import BarScene
-    from solvers.problems.ring.scene import RingScene
+    from solvers.problems.ring import RingScene
     from solvers.problems.square import SquareScene
-    from solvers.problems.vortex.scene import VortexScene
+    from solvers.problems.vortex import VortexScene
     from solvers.running.result import Result
     from solvers.running.run import run
     from solvers.scene.rules import SceneError
     from solvers.study.sweep import sweep
 else:
-    _HOMES = {"BarScene": "problems.bar.scene", "RingScene": "problems.ring.scene",
-              "VortexScene": "problems.vortex.scene", "SquareScene": "problems.square", "run": "running.run",
+    _HOMES = {"BarScene": "problems.bar.scene", "RingScene": "problems.ring",
+              "VortexScene": "problems.vortex", "SquareScene": "problems.square", "run": "running.run",
               "sweep": "study.sweep",
               "judge": "judging.verdict", "check": "judging.check", "Result": "running.result",
               "SceneError": "scene.rules", "FileError": "outside.file_error"}

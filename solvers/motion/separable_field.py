@@ -21,6 +21,7 @@ FEWEST_TIMES, MOST_TIMES = 16, 512  # of a period
 SPECTRUM_END = 3e-15  # of the largest Fourier coefficient: rounding
 NOISY_FROM, NOISE = 128, 1e-12  # times from which on so much passes for rounding, too: of a formula that cancels
 RANK_TOLERANCE = 2e-16  # of the largest singular value, times the root of the number of values
+AT_ONCE = 100_000  # places and times of one call
 LEAST_COEFFICIENT = 1e-16  # of a harmonic that is kept
 
 
@@ -101,9 +102,11 @@ def _resolved(field: Field, places: np.ndarray, period: float) -> tuple[np.ndarr
 
 
 def _at(field: Field, places: np.ndarray, times: np.ndarray) -> np.ndarray:
-    """The field (n C, M) at places and times."""
-    found = [field(places, np.full(len(places), t)) for t in times]
-    return np.stack(found, axis=-1).reshape(-1, len(times))
+    """The field (n C, M) at places and times, of many points at once."""
+    together = max(1, AT_ONCE // len(places))
+    found = [field(np.tile(places, (len(some), 1)), np.repeat(some, len(places))).reshape(len(some), -1)
+             for some in np.split(times, range(together, len(times), together))]
+    return np.concatenate(found).T
 
 
 def _independent(values: np.ndarray) -> np.ndarray:

@@ -2,13 +2,12 @@
 
 from solvers.problems.bar.problem import BarProblem
 from solvers.problems.descriptor import Problem
-from solvers.problems.ring.problem import RingProblem
+from solvers.problems.ring import RING
 from solvers.problems.square import SQUARE
-from solvers.problems.vortex.problem import VortexProblem
+from solvers.problems.vortex import VORTEX
 from solvers.scene.extensions import load_extensions
 
-PROBLEMS: dict[str, Problem] = {"bar": BarProblem(), "ring": RingProblem(), "vortex": VortexProblem(),
-                                "square": SQUARE}
+PROBLEMS: dict[str, Problem] = {"bar": BarProblem(), "ring": RING, "vortex": VORTEX, "square": SQUARE}
 
 
 def register(problem: Problem) -> None:

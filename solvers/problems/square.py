@@ -14,15 +14,15 @@ from typing import Any
 from solvers.motion.formula import FormulaError
 from solvers.motion.jets import sin
 from solvers.motion.typed_motion import find_period, read_motion
-from solvers.problems.manufactured.problem import ManufacturedProblem, Showing
-from solvers.problems.manufactured.scene import ManufacturedScene
+from solvers.problems.planar.box import BoxScene
+from solvers.problems.planar.problem import PlanarProblem, Showing
 from solvers.scene.option import described, option
 from solvers.scene.rules import SceneError, require_number
 
 
 @described
 @dataclass(frozen=True)
-class SquareScene(ManufacturedScene):
+class SquareScene(BoxScene):
     """One run of the square: h = 1 m/``cells``, ``ppc`` counts per direction."""
 
     problem: str = option("square", choices=("square",))
@@ -88,7 +88,7 @@ class SquareScene(ManufacturedScene):
         super()._check_time()
 
 
-SQUARE = ManufacturedProblem(SquareScene, Showing(
+SQUARE = PlanarProblem(SquareScene, Showing(
     cells=(8, 64, 4), ppc=(1, 3), amplitude=(1e-4, 0.15), modulus=(1e5, 1e8),
     amplitude_hint="largest displacement along x and along y; from 0.159 m on the exact square turns inside out",
     prices={"companion": 0.06, "transport": 0.06}))

@@ -6,6 +6,7 @@ from typing import Any
 import taichi as ti
 
 from solvers.problems.planar.method import phases
+from solvers.problems.planar.method.body import WatchedBody
 from solvers.problems.planar.solver import PlanarSolver
 from solvers.scene.scene import Scene
 from solvers.scene.switches import bare
@@ -13,18 +14,18 @@ from solvers.solver.arrays import part_of, part_types
 from solvers.solver.base import SOUND
 from solvers.solver.loop import CHECK_EVERY, check
 
-MEMBERS = ("particles", "nodes", "row", "active", "slabs", "radius_count", "spacing", "origin", "cells_per_length",
-           "dt", "shear_modulus", "density", "farthest", "amplitude", "angular_frequency", "position_velocity",
-           "deformation_gradient", "mass", "direction", "radius", "edges", "weights", "radii", "node_sums",
-           "node_motion", "totals", "verdict")
+MEMBERS = ("particles", "nodes", "row", "active", "slabs", "orbits", "spacing", "origin", "cells_per_length", "dt",
+           "lame_modulus", "shear_modulus", "density", "farthest", "farthest_move", "angular_frequency",
+           "material_position", "position_velocity", "deformation_gradient", "mass", "direction", "orbit",
+           "orbit_force", "volumetric", "table_sizes", "tables", "edges", "weights", "node_sums", "node_motion",
+           "totals", "verdict")
 
 
 @functools.cache
-def baseline(Own: type[PlanarSolver], *members: str) -> type[PlanarSolver]:
-    """The problem's own solver with the baseline step; its rows of samples hold nothing. Its part of the step asks for
-    ``members`` of the state beside :data:`MEMBERS`."""
+def baseline(Own: type[PlanarSolver]) -> type[PlanarSolver]:
+    """The problem's own solver with the baseline step; its rows of samples hold nothing."""
     TRAITS, has_escaped = Own.PARTS.traits, Own.PARTS.has_escaped
-    State = part_types(Own.PARTS.arrays, (*MEMBERS, *members))
+    State = part_types(WatchedBody, MEMBERS)
 
     @ti.kernel
     def advance(start: ti.i32, steps: ti.i32, body: State, on: ti.template()):

@@ -1,46 +1,116 @@
-"""CircularScene: a plane body whose circles stay circles, which ring and vortex are."""
+"""CircularScene: a run of a plane body between two radii whose motion is the same all around.
+
+Start, loads and material are the same seen from every angle, so that each circle of material stays one, widens and
+turns as a whole: what is known of the motion follows from its points on the x axis, where e_R and e_Theta are the axes.
+"""
+
+from __future__ import annotations
 
 import functools
-from abc import abstractmethod
-from types import ModuleType
-from typing import ClassVar
+import math
+from dataclasses import dataclass
 
 import numpy as np
+from numpy.polynomial import chebyshev
 
-from solvers.problems.planar.circles import of_scene
-from solvers.problems.planar.scene import PlanarScene
+from solvers.motion.separable_field import SeparableField, separate
+from solvers.problems.planar import circles
+from solvers.problems.planar.body_force import body_force_at
+from solvers.problems.planar.estimators.circular_body import CircularBody
+from solvers.problems.planar.layout import on_axis
+from solvers.problems.planar.limits import NO_LATTICE
+from solvers.problems.planar.scene import GHOSTS, PlanarScene
 from solvers.scene.balance import Moments
+from solvers.scene.option import option
 
-CIRCLES, INSTANTS = 32, 32  # of the means over the ring and over a period
+CIRCLES, INSTANTS = 32, 32  # of the means over the body and over a period
+FINE, COARSE = (8, 6), (6, 5)  # of the companion beside another code: elements across the body, their order
+MOST_TERMS, LEAST_TERM = 32, 1e-13  # of a displacement's expansion along the radius; the last, over the largest
 
 
+@dataclass(frozen=True)
 class CircularScene(PlanarScene):
-    """Start, loads and material are the same all around: what is known of the motion without a run follows from one
-    radius."""
+    """Fields that every such problem has. Its own file gives ``displacement_at`` and what else it says."""
 
-    EXACT: ClassVar[ModuleType]  # the exact motion with the built-in force
+    method: str = option("cpdi", "Shape functions of the particles", choices=("ugimp", "cpgimp", "cpdi", "mpm"))
+    ppc: int = option(2, "Particles per cell and direction")
+    density: float = option(1000.0, "Density", "kg/m3")
+    body_force: str = option(
+        "material", "Body force: at material points, none, or two tones; only the first has a built-in solution",
+        choices=("material", "none", "two-tone"))
+    layout: str = option("polar", "Lattice on which the particles begin", choices=("polar", "cartesian"))
+    plan: str = option("auto", "How the step is spread over the threads; auto takes the faster one for the number of "
+                       "particles", choices=("auto", "serial", "parallel"))
+
+    CIRCULAR = True
+    IMPOSSIBLE = NO_LATTICE
+
+    @classmethod
+    def draw_point(cls, chance: np.random.Generator) -> tuple[float, float]:
+        R, angle = chance.uniform(cls.INNER, cls.OUTER), chance.uniform(0, cls.ANGLE)
+        return R * math.cos(angle), R * math.sin(angle)
 
     @property
-    @abstractmethod
-    def lame_moduli(self) -> tuple[float, float]:
-        """lambda and mu in Pa."""
+    def active_rows(self) -> int:
+        return min(self.row, int(self.farthest / self.spacing) + GHOSTS + 3) if self.PLANES[0] else self.row
 
-    @abstractmethod
+    @property
+    def farthest(self) -> float:
+        """Half as far again as the body should go, in a quarter; half a cell from the edge of a grid around it."""
+        return self.OUTER + 1.5 * self.amplitude + self.spacing if self.PLANES[0] else 0.5 * (self.SIDE - self.spacing)
+
+    @property
+    def crossing_rate(self) -> float:
+        """How many radians a wave on the fastest circle runs while one runs a metre at rest."""
+        return 1 / self.INNER
+
+    def companion_body(self, fine: bool | None) -> CircularBody:
+        """On the mesh that runs beside the particles where that is None."""
+        count, order = next(sizes for most, *sizes in self.COMPANION_MESHES if self.cells <= most) if fine is None \
+            else FINE if fine else COARSE
+        return CircularBody(self, count, order)
+
+    def grid_field(self) -> SeparableField:
+        """The displacement in m on the x axis, as coefficients of Chebyshev polynomials of the radius between the rims,
+        in rising order, as many as it needs."""
+        middle, half = 0.5 * (self.OUTER + self.INNER), 0.5 * (self.OUTER - self.INNER)
+        there = chebyshev.chebpts1(MOST_TERMS)
+        field = separate(lambda X, t: self.EXACT.displacement(self, X, t), on_axis(middle + half * there), self.period)
+        modes = np.einsum("mk,krc->mrc", np.linalg.inv(chebyshev.chebvander(there, MOST_TERMS - 1)), field.modes)
+        sizes = np.abs(modes).max(axis=(1, 2))
+        terms = 1 + int(np.flatnonzero(sizes > LEAST_TERM * sizes.max())[-1])
+        return SeparableField(modes[:terms], field.series, field.angular_frequency)
+
     def circle_velocity(self, R: np.ndarray) -> np.ndarray:
         """The initial velocity (K,) at the radii R in m/s, complex: along e_R, and as imaginary part along e_Theta."""
+        v = self.EXACT.velocity(self, on_axis(R), 0.0)
+        return v[:, 0] + 1j * v[:, 1]
 
-    @abstractmethod
     def circle_force(self, R: np.ndarray, t: np.ndarray) -> np.ndarray:
         """The body force per mass (T, K) at the radii R and the times t (T, 1), in m/s^2: along e_R of the particle at
-        rest, and as imaginary part, if any, along e_Theta."""
+        rest, and as imaginary part along e_Theta."""
+        force = body_force_at(self, on_axis(np.tile(R, len(t))), np.repeat(t, len(R)))
+        return (force[:, 0] + 1j * force[:, 1]).reshape(len(t), len(R))
+
+    def exact_along(self, quantity: str, X: np.ndarray, t: float) -> np.ndarray:
+        """Along e_R or e_Theta, at radii (P,) or at material points (P, 2): see :func:`plotted_frame`."""
+        points, exact = on_axis(X if X.ndim == 1 else np.linalg.norm(X, axis=1)), self.EXACT
+        now = max(0.0, t - self.time_step) if quantity == "a" else t
+        x = points + exact.displacement(self, points, now)
+        c, s = plotted_frame(self, quantity, points, x).T
+        if quantity == "sigma":
+            xx, xy, yy = exact.stress(self, points, now).T
+            return along_frame(self.PLOTTED, c, s, xx, xy, yy)
+        field = {"x": exact.displacement, "v": exact.velocity, "a": exact.acceleration}[quantity]
+        return along_frame(self.PLOTTED, c, s, *field(self, points, now).T)
 
     @functools.cached_property
     def _own_sizes(self) -> dict[str, float]:
-        """RMS over the ring and over a period of x (its displacement), v, sigma and a in the exact motion, as vectors
+        """RMS over the body and over a period of x (its displacement), v, sigma and a in the exact motion, as vectors
         and Frobenius norms: errors may be as large."""
         edges, exact = np.linspace(self.INNER, self.OUTER, CIRCLES + 1), self.EXACT
         R = 0.5 * (edges[1:] + edges[:-1])
-        X = np.stack([R, np.zeros_like(R)], axis=1)
+        X = on_axis(R)
         parts = {"x": (exact.displacement, (1, 1)), "v": (exact.velocity, (1, 1)), "sigma": (exact.stress, (1, 2, 1)),
                  "a": (exact.acceleration, (1, 1))}
         times = (np.arange(INSTANTS) + 0.5) / INSTANTS * self.period
@@ -51,4 +121,22 @@ class CircularScene(PlanarScene):
         return self._own_sizes[quantity]
 
     def balanced_motion(self, times: np.ndarray) -> Moments:
-        return of_scene(self).moments(times)
+        return circles.of_scene(self).moments(times)
+
+
+def plotted_frame(scene: PlanarScene, quantity: str, X: np.ndarray, x: np.ndarray) -> np.ndarray:
+    """e_r (P, 2) of the frame whose component a plot shows of a quantity by its key, of particles at the places x that
+    were at X (P, 2): that of rest, but of bodies whose circles turn, but for their displacement, that of now."""
+    place = X if scene.PLOTTED == "radial" or quantity == "x" else x
+    return place / np.linalg.norm(place, axis=1)[:, None]
+
+
+def along_frame(component: str, c: np.ndarray, s: np.ndarray, *parts: np.ndarray) -> np.ndarray:
+    """Of a vector (x, y) or a tensor (xx, xy, yy), each (P,), the component "radial", along e_r = (c, s), or "angular",
+    along e_theta; of a tensor rr or r theta."""
+    if len(parts) == 2:
+        x, y = parts
+        return x * c + y * s if component == "radial" else y * c - x * s
+    xx, xy, yy = parts
+    return xx * c * c + 2 * xy * c * s + yy * s * s if component == "radial" else \
+        (yy - xx) * c * s + xy * (c * c - s * s)

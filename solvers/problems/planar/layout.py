@@ -1,10 +1,10 @@
 """Where the particles of a plane body begin, what they weigh and which domain they stand for."""
 
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 
-from solvers.problems.planar.scene import PlanarScene
 from solvers.scene.scene import Scene
 
 CORNERS = ((-0.5, -0.5), (0.5, -0.5), (0.5, 0.5), (-0.5, 0.5))  # of a CPDI domain, in its edges from its middle
@@ -16,19 +16,21 @@ MOST_HALF_WIDTH = 0.5  # of a box, in cells: it meets at most two cells, so that
 class Layout:
     """P particles. ``edges`` are the domain's two edge vectors r1 and r2, as (r1x, r1y, r2x, r2y).
 
-    ``radius[p]`` is the index of the particle's material radius in ``radii``: what depends on R alone is computed
-    once a radius and not once a particle.
+    Particles that a symmetry of the motion maps onto each other form an orbit: what is known of the motion is found
+    once an orbit, at a material point that stands for it, and turned to each particle. Of a body whose motion is the
+    same all around an orbit is a circle; on the square each particle is its own.
     """
 
     position: np.ndarray  # (P, 2)
     volume: np.ndarray  # (P,), per unit thickness
     edges: np.ndarray  # (P, 4)
-    radii: np.ndarray  # (K,)
-    radius: np.ndarray  # (P,) int32
+    orbits: np.ndarray  # the points that stand for them (K, 2); circles have theirs on the x axis
+    orbit: np.ndarray  # number of each particle's orbit (P,) int32
+    direction: np.ndarray  # what the x axis at the orbit's point becomes at the particle (P, 2): e_R on a circle
     neighbours: np.ndarray  # the next particles on the lattice in its two directions, -1 for none (P, 2)
 
 
-def particle_layout(scene: PlanarScene) -> Layout:
+def particle_layout(scene: Any) -> Layout:
     """The scene's layout: "polar" lattices fill the ring exactly, "cartesian" ones leave staircases at its rims."""
     if scene.layout == "box":
         return box(scene.cells * scene.ppc, scene.SIDE)
@@ -38,13 +40,13 @@ def particle_layout(scene: PlanarScene) -> Layout:
     return cartesian(scene.INNER, scene.OUTER, scene.spacing / scene.ppc, least)
 
 
-def circles(scene: PlanarScene) -> tuple[np.ndarray, np.ndarray]:
+def circles(scene: Any) -> tuple[np.ndarray, np.ndarray]:
     """The radii (K,) of the scene's layout and how many particles each has (K,)."""
     if scene.layout == "polar":
         around, across = scene.polar_counts(scene.cells, scene.ppc)
         return polar_radii(scene.INNER, scene.OUTER, across), np.full(across, around)
     layout = particle_layout(scene)
-    return layout.radii, np.bincount(layout.radius)
+    return layout.orbits[:, 0], np.bincount(layout.orbit)
 
 
 def polar_radii(inner: float, outer: float, across: int) -> np.ndarray:
@@ -85,18 +87,20 @@ def polar(inner: float, outer: float, angle: float, around: int, across: int) ->
                                                     indexing="ij"))
     R, c, s = radii[radius], np.cos(theta), np.sin(theta)
     edges = np.stack([R * d_angle * s, -R * d_angle * c, d_radius * c, d_radius * s], axis=1)
-    return Layout(np.stack([R * c, R * s], axis=1), R * d_radius * d_angle, edges, radii, radius.astype(np.int32),
+    e = np.stack([c, s], axis=1)
+    return Layout(R[:, None] * e, R * d_radius * d_angle, edges, on_axis(radii), radius.astype(np.int32), e,
                   next_on_lattice(np.arange(around * across).reshape(around, across), angle >= 2 * np.pi))
 
 
 def box(across: int, side: float) -> Layout:
-    """Particles that tile a square: there is one circle of no meaning."""
+    """Particles that tile a square."""
     width = side / across
     line = (np.arange(across) + 0.5) * width
     y, x = (g.ravel() for g in np.meshgrid(line, line, indexing="ij"))
-    P = across * across
-    return Layout(np.stack([x, y], axis=1), np.full(P, width**2), np.tile([width, 0.0, 0.0, width], (P, 1)), np.ones(1),
-                  np.zeros(P, np.int32), next_on_lattice(np.arange(P).reshape(across, across)))
+    P, position = across * across, np.stack([x, y], axis=1)
+    number = np.arange(P, dtype=np.int32)
+    return Layout(position, np.full(P, width**2), np.tile([width, 0.0, 0.0, width], (P, 1)), position, number,
+                  np.tile([1.0, 0.0], (P, 1)), next_on_lattice(number.reshape(across, across)))
 
 
 def cartesian(inner: float, outer: float, side: float, least: float) -> Layout:
@@ -108,10 +112,15 @@ def cartesian(inner: float, outer: float, side: float, least: float) -> Layout:
     kept = (R >= inner) & (R <= outer)
     x, y = x[kept], y[kept]
     radii, radius = np.unique(R[kept].round(12), return_inverse=True)
-    edges = np.tile([side, 0.0, 0.0, side], (len(x), 1))
+    edges, position = np.tile([side, 0.0, 0.0, side], (len(x), 1)), np.stack([x, y], axis=1)
     number = np.where(kept, np.cumsum(kept) - 1, -1).reshape(len(line), len(line))
-    return Layout(np.stack([x, y], axis=1), np.full(len(x), side**2), edges, radii, radius.astype(np.int32),
-                  next_on_lattice(number))
+    return Layout(position, np.full(len(x), side**2), edges, on_axis(radii), radius.astype(np.int32),
+                  position / R[kept][:, None], next_on_lattice(number))
+
+
+def on_axis(radii: np.ndarray) -> np.ndarray:
+    """Points (K, 2) of these radii on the x axis, where e_R and e_Theta are the axes."""
+    return np.stack([radii, np.zeros_like(radii)], axis=1)
 
 
 def next_on_lattice(number: np.ndarray, closed: bool = False) -> np.ndarray:

@@ -1,35 +1,75 @@
-"""What a round body in the plane is for other codes, whatever moves it."""
+"""A plane problem as another code sees it."""
 
 from __future__ import annotations
 
+import inspect
+from pathlib import Path
 from typing import Any
 
 import numpy as np
 
-from solvers.problems.planar.layout import particle_layout
-from solvers.problems.reference import ProblemReference, Start
+from solvers.estimators.standalone import ElasticBody
+from solvers.motion.neo_hookean import cauchy_stress
+from solvers.problems.planar.body_force import body_force_at
+from solvers.problems.planar.circular import along_frame, plotted_frame
+from solvers.problems.planar.layout import on_axis, particle_layout
+from solvers.problems.planar.scene import PlanarScene
+from solvers.problems.reference import ProblemReference, Start, Texts, read_texts
 
-SLACK = 1e-6  # m, by which a material point may lie beyond a rim: single precision rounds
+GENERAL = Path(__file__).with_name("problem.md")  # texts of a problem that has none of its own
+SLACK = 1e-6  # m, by which a material point may lie beyond a side or a rim: single precision rounds
 EDGES = ("edge1_x", "edge1_y", "edge2_x", "edge2_y")
 
 
 class PlanarReference(ProblemReference):
-    """A ring around the origin; ``EXACT`` has the radii of its rims."""
+    """Of a problem by the class of its scene, whose texts are in the file of the problem's name beside it."""
 
     axes = ("x", "y")
+
+    def __init__(self, kind: type[PlanarScene]):
+        self.EXACT, self._kind, self._texts = kind.EXACT, kind, Path(inspect.getfile(kind)).with_suffix(".md")
+        if not self._texts.exists():
+            self._texts = GENERAL
 
     def start(self, scene: Any) -> Start:
         layout = particle_layout(scene)
         return Start(layout.position, layout.volume, dict(zip(EDGES, layout.edges.T, strict=True)))
 
-    def table_points(self, scene: Any, count: int) -> np.ndarray:
-        R = np.linspace(self.EXACT.INNER, self.EXACT.OUTER, count)
-        return np.stack([R, np.zeros_like(R)], axis=1)
+    def texts(self, scene: Any) -> Texts:
+        (bulk, mu), A, w = scene.lame_moduli, scene.amplitude, scene.angular_frequency
+        formula = getattr(scene, "displacement", "")
+        return read_texts(GENERAL if formula else self._texts, scene.body_force, formula=formula or "as in its code",
+                          A=A, w=w, speed=A * w, bulk=bulk, mu=mu, E=scene.modulus, nu=scene.poisson_ratio,
+                          density=scene.density, corner=self.grid_corner(scene))
 
-    def exact_stress(self, scene: Any, X: np.ndarray, t: float) -> np.ndarray:
-        xx, xy, yy = self.EXACT.stress(scene, X, t).T
+    def table_points(self, scene: Any, count: int) -> np.ndarray:
+        if scene.CIRCULAR:
+            return on_axis(np.linspace(scene.INNER, scene.OUTER, count))
+        a_side = max(2, round(count**0.5))
+        line = (np.arange(a_side) + 0.5) / a_side * scene.SIDE
+        return np.stack(np.meshgrid(line, line), axis=-1).reshape(-1, 2)
+
+    def stress(self, scene: Any, F: np.ndarray) -> np.ndarray:
+        xx, xy, yy = cauchy_stress(F.reshape(-1, 4).T, *scene.lame_moduli)
         return np.stack([xx, xy, xy, yy], axis=1).reshape(-1, 2, 2)
 
+    def body_force(self, scene: Any, X: np.ndarray, t: float) -> np.ndarray:
+        return body_force_at(scene, X, t)
+
+    def along(self, quantity: str, X: np.ndarray, x: np.ndarray, values: np.ndarray) -> np.ndarray:
+        """Along x; of a body whose motion is the same all around, along the radius or around the centre."""
+        parts = values.T if values.ndim == 2 else (values[:, 0, 0], values[:, 0, 1], values[:, 1, 1])
+        if not self._kind.CIRCULAR:
+            return parts[0]
+        return along_frame(self._kind.PLOTTED, *plotted_frame(self._kind, quantity, X, x).T, *parts)
+
     def misplaced(self, scene: Any, X: np.ndarray) -> np.ndarray:
-        R = np.linalg.norm(X, axis=1)
-        return (R < self.EXACT.INNER - SLACK) | (R > self.EXACT.OUTER + SLACK)
+        outside = (X < -SLACK).any(axis=1) & scene.PLANES[0]
+        R = np.linalg.norm(X, axis=1) if scene.CIRCULAR else X.max(axis=1)
+        return outside | (R < scene.INNER - SLACK) | (R > scene.OUTER + SLACK)
+
+    def grid_corner(self, scene: Any) -> float:
+        return 0.0 if scene.PLANES[0] else -0.5 * scene.SIDE
+
+    def companion(self, scene: Any, fine: bool) -> ElasticBody:
+        return scene.companion_body(fine)

@@ -1,46 +1,106 @@
-"""What the scenes of plane problems have in common: rings around the origin, whole or a part, on a square grid."""
+"""PlanarScene: a run of a body in the plane that is no more than a displacement; all else is derived from that.
 
+The displacement is a formula with the functions of ``solvers.motion.jets``: of u itself, never of x = X + u, in whose
+difference a small motion cancels.
+"""
+
+import functools
 import math
 from abc import abstractmethod
 from typing import Any, ClassVar
 
 import numpy as np
 
-from solvers.scene.rules import SceneError, require_whole
+from solvers.estimators.standalone import ElasticBody
+from solvers.motion.exact_solution import ExactSolution, columns
+from solvers.motion.separable_field import SeparableField, separate
+from solvers.problems.planar import step_bound
+from solvers.problems.planar.layout import particle_layout
+from solvers.scene.remedies import COUPLED
+from solvers.scene.rules import SceneError, require_number, require_whole
 from solvers.scene.scene import Scene
+from solvers.scene.step_bound import StepBound
 
 MOST_CELLS = 10_000
 GHOSTS = 2  # rows of nodes beyond a symmetry plane
 
 
 class PlanarScene(Scene):
-    """A run of a ring; no dataclass itself, for the fields are the problem's own, in the order of its flags."""
+    """A run of a plane body; no dataclass itself, for a dataclass would take its class variables for fields."""
 
-    layout: str  # "polar" or "cartesian": the lattice on which particles begin
+    layout: str  # the lattice on which particles begin: "polar", "cartesian" or "box"
     ppc: int  # per direction
     plan: str  # how the step is spread over the threads
+    poisson_ratio: float
 
     DIMENSIONS = 2
     EXTRA_ERROR = "a_nodes"
+    EXACT: ClassVar[ExactSolution]  # with the built-in force
     SIDE: ClassVar[float]  # of the grid, m
     INNER: ClassVar[float]  # radii of the rims, m
     OUTER: ClassVar[float]
     ANGLE: ClassVar[float]  # that the body fills from the x axis on, in radians
-    EXACT: ClassVar[Any]  # the exact motion with the built-in force: functions of (scene, X, t)
     PLANES: ClassVar[tuple[bool, bool]]  # whether symmetry planes are at the lower and at the upper ends of x and y
+    CIRCULAR: ClassVar[bool] = False  # whether the motion is the same all around
+    PLOTTED: ClassVar[str] = ""  # the component of it that a plot shows: "radial" or "angular"
+    VOLUMETRIC: ClassVar[bool] = True  # whether lambda may be other than 0, which costs a logarithm a particle and step
+    EARLIER: ClassVar[float] = 0.5  # time steps before t = 0 to which the initial velocity belongs, as in leapfrog
+    EXTREMES: ClassVar[tuple[float, float]] = (0.0, 1.0)  # periods between which the motion takes on all its shapes
+    FARTHEST_MOVE: ClassVar[float] = math.inf  # amplitudes that a particle of a sound run may be from where it began
+    BEYOND_RIMS: ClassVar[bool] = False  # whether the displacement's formula is of use there, to grid nodes
+    #: Of the companion of a body whose motion is the same all around: up to so many cells, elements across, their order.
+    COMPANION_MESHES: ClassVar[tuple[tuple[float, int, int], ...]]
+    ESCAPED: ClassVar[str]  # what a particle did that is farther than it may be, as the end of a sentence
     NOT_LINEARITY_PRESERVING: ClassVar[str]  # why, as the end of a sentence
     MENDS: ClassVar[str]  # what of the other remedies frozen weights have no need of
+
+    @abstractmethod
+    def displacement_at(self, X: Any, Y: Any, t: Any) -> tuple[Any, Any]:
+        """u_x and u_y in m at material points and a time, of any kind of number."""
+
+    def __init_subclass__(cls, **kwargs: Any) -> None:
+        super().__init_subclass__(**kwargs)
+        if "displacement_at" in vars(cls):
+            cls.EXACT = ExactSolution(cls.displacement_at)
 
     @staticmethod
     @abstractmethod
     def polar_counts(cells: int, ppc: int) -> tuple[int, int]:
-        """Particles around and across the ring: as many as make their domains about h/ppc wide."""
+        """Particles around and across the body: as many as make their domains about h/ppc wide."""
 
     @classmethod
+    @abstractmethod
     def draw_point(cls, chance: np.random.Generator) -> tuple[float, float]:
         """A material point somewhere in the body, in m."""
-        R, angle = chance.uniform(cls.INNER, cls.OUTER), chance.uniform(0, cls.ANGLE)
-        return R * math.cos(angle), R * math.sin(angle)
+
+    @property
+    @abstractmethod
+    def farthest(self) -> float:
+        """The largest size of a coordinate that a particle of a sound run may have, in m."""
+
+    @abstractmethod
+    def grid_field(self) -> SeparableField:
+        """What the acceleration at the nodes is held against: see ``solvers.problems.planar.method.node_errors``."""
+
+    @abstractmethod
+    def exact_along(self, quantity: str, X: np.ndarray, t: float) -> np.ndarray:
+        """The component (P,) of the exact solution that a plot shows of a quantity by its key (``samples.QUANTITIES``),
+        u for x, as a method has it after the time t: its acceleration is the one that its last step used, which began
+        a step before."""
+
+    @abstractmethod
+    def companion_body(self, fine: bool) -> ElasticBody:
+        """What can be solved beside the particles of another code, on a fine or a coarser mesh."""
+
+    def second_tone(self, X: np.ndarray, t: Any) -> np.ndarray:
+        """The shape (P, 2) in m of the force's second tone at material points and a time, where it has one."""
+        return np.zeros_like(X)
+
+    def other_advice(self) -> str:
+        """What else to do about a run that went bad, as an imperative."""
+        if self.method == "mpm":
+            return "hat functions do not hold such a motion: choose CPDI"
+        return "choose more particles per cell, a smaller amplitude or fewer periods"
 
     @property
     def solution_known(self) -> bool:
@@ -58,9 +118,41 @@ class PlanarScene(Scene):
         return self.cells + 1
 
     @property
+    def origin(self) -> float:
+        """Number of the node at x = 0, or between which two it lies."""
+        return float(GHOSTS) if self.PLANES[0] else 0.5 * self.cells
+
+    @property
+    def active_rows(self) -> int:
+        """Rows in which a sound run can have mass."""
+        return self.row
+
+    @property
     def particles(self) -> int:
         """Number of particles in the polar layout; close to it in the Cartesian one."""
         return math.prod(self.polar_counts(self.cells, self.ppc))
+
+    @property
+    def lame_moduli(self) -> tuple[float, float]:
+        """lambda and mu in Pa, from E and Poisson's ratio in plane strain."""
+        mu = 0.5 * self.modulus / (1 + self.poisson_ratio)
+        return 2 * mu * self.poisson_ratio / (1 - 2 * self.poisson_ratio), mu
+
+    @property
+    def wave_speed(self) -> float:
+        """Of pressure waves in the material at rest, in m/s."""
+        bulk, mu = self.lame_moduli
+        return math.sqrt((bulk + 2 * mu) / self.density)
+
+    @property
+    def velocity_time(self) -> float:
+        """The time in s of the exact velocity with which a run begins. Symplectic Euler is the leapfrog scheme, whose
+        velocities belong to the middle of the steps: where a(0) is not zero, a run that begins with v(0) is only
+        first-order in the step."""
+        return -self.EARLIER * self.time_step
+
+    def critical_time_step(self) -> StepBound:
+        return step_bound.critical_time_step(self)
 
     @property
     def uneven(self) -> bool:
@@ -105,3 +197,18 @@ class PlanarScene(Scene):
 
     def _check_remedies(self) -> None:
         """Refuse a remedy that does harm to the method; without one that does, there is nothing to refuse."""
+        if COUPLED in self.remedies and self.method == "cpdi":
+            raise SceneError("remedies", " ".join(self.remedies), "coupled-deformation makes CPDI worse, whose domains "
+                             "follow the deformation; give null-space-filter or frozen-weights")
+
+    def _check_material(self) -> None:
+        require_number("poisson_ratio", self.poisson_ratio, -0.9, 0.49)
+
+
+@functools.lru_cache(maxsize=2)
+def motion_table(scene: PlanarScene) -> SeparableField:
+    """u_x, u_y, and Grad u as xX, xY, yX, yY, at the points that stand for the orbits of particles."""
+    def field(X: np.ndarray, t: np.ndarray) -> np.ndarray:
+        return columns(scene.EXACT.jets(scene, X, t).displacement_and_gradient, len(X))
+
+    return separate(field, particle_layout(scene).orbits, scene.period)

@@ -1,5 +1,6 @@
 """PlanarSolver: one plane body in memory, ready to be stepped, sampled and looked at."""
 
+import functools
 import time
 from collections.abc import Mapping
 from typing import Any, ClassVar, cast
@@ -7,12 +8,17 @@ from typing import Any, ClassVar, cast
 import numpy as np
 
 from solvers.kernels import runtime
-from solvers.problems.planar.method.body import WatchedBody, watched
-from solvers.problems.planar.parts import PlanarParts, SnapshotMeasures
+from solvers.problems.planar.estimators import circular_companion, companion, recovered, transport, two_grid
+from solvers.problems.planar.method.body import WatchedBody, initial_body, watched
+from solvers.problems.planar.method.measures import measures_of
+from solvers.problems.planar.method.traits import escape_of, traits_of
+from solvers.problems.planar.parts import PlanarParts
 from solvers.problems.planar.plans.on_device import BesideGpu, OnDevice
-from solvers.problems.planar.plans.step import Kernels, OnProcessor
+from solvers.problems.planar.plans.step import Kernels, OnProcessor, kernels
 from solvers.problems.planar.scene import PlanarScene
+from solvers.problems.planar.snapshot import Errors, cauchy_stress_of, plotted_field, true_fields
 from solvers.problems.planar.step_breakdown import breakdown, carried
+from solvers.scene import registry
 from solvers.scene.rules import SceneError
 from solvers.scene.scene import MOST_PARTICLES
 from solvers.scene.switches import switches
@@ -22,16 +28,13 @@ from solvers.solver.snapshot import TRUTH, Fields, Snapshot, Values
 from solvers.solver.step_breakdown import Carried, StepBreakdown
 
 PARALLEL_FROM = 300_000  # particles from which on two threads beat one: a parallel step has a launch to pay for
-#: Components of an error: (x, y) of a vector, (xx, xy, yy) of a tensor, None where it is unknown.
-Parts = tuple[np.ndarray, ...] | None
-Errors = list[Parts]  # of x, v, sigma and a
 
 
 class PlanarSolver(Solver):
     """Owns the arrays of one body. Three plans: one serial kernel for many steps, slabs side by side, or, on a GPU, all
     particles at once.
 
-    A problem names what it is made of, and its kernels.
+    :func:`solver_of` makes the class of a problem.
     """
 
     PARTS: ClassVar[PlanarParts]
@@ -54,9 +57,8 @@ class PlanarSolver(Solver):
         begun = time.perf_counter()
         self._switches = switches(scene)
         parts, on = self.PARTS, self._switches
-        own = parts.body(scene, on, self.threads)  # with a slab of particles for each thread
-        self._arrays = parts.arrays(
-            **own, **watched(scene, on, own["particles"], parts.farthest(scene), parts.hooks))
+        own = initial_body(scene, on, self.threads)  # with a slab of particles for each thread
+        self._arrays = WatchedBody(**own, **watched(scene, on, own["particles"], scene.farthest, parts.hooks))
         if self.plan == "gpu":
             makers = [make for name in on.estimators if (make := self.HOOKS[name].standalone)]
             beside = BesideGpu(makers[0](scene), self._memory, scene.time_step) if makers else None
@@ -74,11 +76,11 @@ class PlanarSolver(Solver):
         return self._stepping.pack
 
     def snapshot(self, differences: bool = False, plotted: str | None = None) -> Snapshot:
-        a, on, measures = self._arrays, self._switches, self.PARTS.snapshot
+        a, on = self._arrays, self._switches
         self._stepping.look(self.step, REPORT)
         self._stepping.fetch()
         F = a.deformation_gradient.reshape(-1, 2, 2)
-        true = true_fields(self.scene, a, self.step, measures) if on.truth else None
+        true = true_fields(self.scene, a, self.step) if on.truth else None
         estimates = {name: estimated_fields(a, k) for k, name in enumerate(on.estimators)}
         missed = {name: difference(fields, true) for name, fields in estimates.items()} if true and differences else {}
         return Snapshot(step=self.step, time=self.time, material_position=a.material_position,
@@ -90,21 +92,27 @@ class PlanarSolver(Solver):
 
     def plotted(self, quantity: str) -> np.ndarray:
         self._stepping.fetch()
-        return field(self.scene, self._arrays, quantity, self.time, self.PARTS.snapshot)
+        return plotted_field(self.scene, self._arrays, quantity, self.time)
 
     def fields(self) -> Fields:
-        a, on, measures = self._arrays, self._switches, self.PARTS.snapshot
+        a, on = self._arrays, self._switches
         self._stepping.look(self.step, REPORT)
         self._stepping.fetch()
-        said = {TRUTH: true_fields(self.scene, a, self.step, measures)} if on.truth else {}
+        said = {TRUTH: true_fields(self.scene, a, self.step)} if on.truth else {}
         said |= {name: estimated_fields(a, k) for k, name in enumerate(on.estimators)}
         motion, X = a.position_velocity, a.material_position
         with np.errstate(all="ignore"):  # a run gone bad holds anything
-            stress = measures.stress(a)
+            stress = cauchy_stress_of(a)
         return Fields(X.copy(), a.mass.copy(), a.mass / self.scene.density,
                       columns([(motion[:, 0] - X[:, 0], motion[:, 1] - X[:, 1]), tuple(motion.T[2:]),
                                stress]),
                       {name: columns(parts[:3]) for name, parts in said.items()})
+
+    def _escape(self) -> str:
+        return self.scene.ESCAPED.format(farthest=self.scene.farthest)
+
+    def _other_advice(self) -> str:
+        return self.scene.other_advice()
 
     def compile(self) -> None:
         self._stepping.compile()
@@ -133,35 +141,11 @@ class PlanarSolver(Solver):
 
     def _carried(self) -> Carried:
         self._stepping.fetch()
-        return carried(self._arrays, self.PARTS.snapshot)
+        return carried(self._arrays)
 
     def _breakdown(self, particle: int, before: Carried) -> StepBreakdown:
         self._stepping.fetch()
-        return breakdown(self.scene, self._arrays, particle, self.step, before, self.PARTS.snapshot,
-                         self.PARTS.traits.first)
-
-
-# The page asks for errors with every frame, so they cost as little as can be: what is known of a particle's circle is
-# looked up, and tensors are written out in components, since numpy's products of many small matrices are slow.
-
-@np.errstate(all="ignore")  # a run gone bad holds anything
-def true_fields(scene: PlanarScene, a: WatchedBody, step: int, measures: SnapshotMeasures) -> Errors:
-    """The true errors of x, v, sigma and, with the effect, a after ``step`` steps."""
-    time = step * scene.time_step
-    used = measures.acceleration_error(scene, a, time - scene.time_step) if step and scene.has("acceleration") else None
-    return [*measures.vector_errors(scene, a, time), measures.stress_error(scene, a, time), used]
-
-
-@np.errstate(all="ignore")
-def field(scene: PlanarScene, a: WatchedBody, quantity: str, time: float, measures: SnapshotMeasures) -> np.ndarray:
-    """The component that a plot shows of a quantity by its key (``samples.QUANTITIES``), u for x, and its deviation
-    from the exact one (P, 2), NaN where one is not known."""
-    values = deviation = np.full(len(a.position_velocity), np.nan)
-    if quantity != "a" or scene.has("acceleration"):
-        values = measures.component(a, quantity)
-    if scene.solution_known:
-        deviation = values - measures.exact_component(scene, a, quantity, time)
-    return np.stack([values, deviation], axis=1)
+        return breakdown(self.scene, self._arrays, particle, self.step, before, self.PARTS.traits.first)
 
 
 def estimated_fields(a: WatchedBody, estimator: int) -> Errors:
@@ -195,3 +179,15 @@ def difference(one: Errors, other: Errors) -> np.ndarray:
         return sizes([mine if mine is None or theirs is None else
                       tuple(a - b for a, b in zip(mine, theirs, strict=True))
                       for mine, theirs in zip(one, other, strict=True)])
+
+
+@functools.cache
+def solver_of(kind: type[PlanarScene]) -> type[PlanarSolver]:
+    """The solver of a problem by the class of its scene."""
+    traits = traits_of(kind)
+    made = {"companion": lambda: circular_companion.HOOKS if kind.CIRCULAR else companion.HOOKS,
+            "recovered": lambda: recovered.hooks(closed=not kind.PLANES[0]),
+            "transport": lambda: transport.hooks(traits), "two-grid": lambda: two_grid.hooks(traits)}
+    hooks = registry.hooks_of(kind.problem, {name: made[name]() for name in kind.ESTIMATORS})
+    parts = PlanarParts(hooks, traits, measures_of(kind, traits.first), escape_of(kind))
+    return type("PlanarSolver", (PlanarSolver,), {"HOOKS": hooks, "PARTS": parts, "KERNELS": kernels(parts)})

@@ -1,4 +1,10 @@
-"""The longest step of a plane body along the motion ahead, from its weights and its tangent stiffness, in numpy.
+"""The longest step of a plane body along the motion ahead, from its weights and its tangent stiffness, in numpy (see
+``solvers.scene.step_bound``).
+
+For the circles: the stiffness between two nodes with gradients g and h of their weights is V0 [mu (g . b h) I + lambda
+g h^T + (mu - lambda ln J) h g^T], b = F F^T. Its norm is at most that of |g| |h| in the metric mu b + (lambda + mu -
+lambda ln J) I. A sheared material is stiff along one direction alone. In material form, for frozen weights, the metric
+is mu I + (lambda + mu - lambda ln J) C^-1.
 
 For P = mu F + (lambda ln J - mu) F^-T the rates L of the deformation change the force of a particle at a node whose
 weight has the gradient g by V0 (mu L b + lambda tr L I + (mu - lambda ln J) L^T) g, b = F F^T. Where weights stay those
@@ -7,12 +13,11 @@ at rest it is the same with F^-T times the gradient at rest for g.
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
-from solvers.problems.planar.layout import CORNERS, MOST_HALF_WIDTH, box_stretch
-from solvers.problems.planar.scene import PlanarScene
+from solvers.problems.planar.layout import CORNERS, MOST_HALF_WIDTH, box_stretch, particle_layout
 from solvers.scene.linear_stability import Configurations, Fields, Links, limits
 from solvers.scene.scene import Scene
 from solvers.scene.step_bound import StepBound, bounded, circles, moments, stencil
@@ -20,6 +25,9 @@ from solvers.scene.step_bound import StepBound, bounded, circles, moments, stenc
 #: Particles of a quarter of the body that are looked at: at every moment, and at a few.
 MOST_PARTICLES, MOST_AT_FEW_MOMENTS = 500, 6000
 REST = np.eye(2)
+MOMENTS = 9  # of the motion, for the largest stretch
+#: What becomes of v_x and v_y by quarters of a turn: a sign.
+SIGNS = np.array([[1.0, -1.0, -1.0, 1.0], [1.0, 1.0, -1.0, -1.0]])
 
 
 class Weights(NamedTuple):
@@ -50,7 +58,7 @@ class Body:
     ``deformed(part)`` gives positions (P, 2) in m and F (P, 2, 2) at a part of the way from one extreme to the other,
     which takes so many ``seconds``; ``lame`` are lambda and mu in Pa, ``stretch`` the largest of the motion, ``images``
     what the symmetry makes of nodes' places; ``held`` says of numbers of nodes (N,) which hold still in x and in y.
-    ``stiff`` gives k V (P,) and its metric (P, 3), or none, for the circles, from F.
+    ``metric`` (P, 3) for the circles comes from F.
     """
 
     volume: np.ndarray
@@ -61,21 +69,69 @@ class Body:
     stretch: float
     images: Callable[[np.ndarray, np.ndarray], Images]
     held: Callable[[np.ndarray], tuple[np.ndarray, np.ndarray]]
-    stiff: Callable[[np.ndarray], tuple[np.ndarray, np.ndarray | None]]
+    metric: Callable[[np.ndarray], np.ndarray]
+
+
+def body_of(scene: Any) -> Body:
+    """What of a scene's body its bound is made of: between symmetry planes all of it. Where there is no plane, lattice,
+    grid and motion look the same after a quarter of a turn, and a quarter of the particles is enough, if a node has
+    one number with the three where it then comes to lie, and velocities are turned with it."""
+    layout, (bulk, mu), n, row = particle_layout(scene), scene.lame_moduli, scene.cells, 2 * scene.cells
+    low, high = scene.PLANES
+    start, end = scene.EXTREMES
+    kept = np.full(len(layout.volume), True) if low else (layout.position > 0).all(axis=1)  # none is on an axis
+    middle = 0.0 if low else 0.5 * (n % 2) * scene.spacing  # nodes are numbered from there, or half a cell beside it
+    X = layout.position[kept]
+
+    def deformed(part: float) -> tuple[np.ndarray, np.ndarray]:
+        t = scene.period * (start + (end - start) * part)
+        return (X if scene.frozen else scene.EXACT.position(scene, X, t)) + middle, \
+            scene.EXACT.deformation_gradient(scene, X, t)
+
+    def images(i: np.ndarray, j: np.ndarray) -> Images:
+        if not low:
+            return images_in_a_quarter(i, j, n)
+        inside = [np.where(high & (k > n), 2 * n - k, np.abs(k)) for k in (i, j)]
+        sign_x, sign_y = (np.where((k < 0) | high & (k > n), -1.0, 1.0) for k in (i, j))
+        return Images(inside[0] + row * inside[1], sign_x, sign_y, np.zeros(i.shape, bool))
+
+    def held(number: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        i, j = number % row, number // row
+        return low & ((i == 0) | high & (i == n)), low & ((j == 0) | high & (j == n))
+
+    def metric(F: np.ndarray) -> np.ndarray:
+        rest = (bulk + mu - bulk * np.log(np.linalg.det(F)))[:, None, None]
+        full = mu * np.eye(2) + rest * np.linalg.inv(F.transpose(0, 2, 1) @ F) if scene.frozen \
+            else mu * F @ F.transpose(0, 2, 1) + rest * np.eye(2)
+        return full.reshape(-1, 4)[:, [0, 1, 3]]
+
+    stretch = max(float(np.linalg.norm(deformed(part)[1], 2, axis=(1, 2)).max()) for part in np.linspace(0, 1, MOMENTS))
+    return Body(layout.volume[kept], layout.edges[kept], deformed, (bulk, mu), (end - start) * scene.period, stretch,
+                images, held, metric)
+
+
+def images_in_a_quarter(i: np.ndarray, j: np.ndarray, cells: int) -> Images:
+    """The node that (i, j) falls on by quarters of a turn: the one with i > 0 and j >= 0, both counted in halves of a
+    cell from the middle of the grid, which is the middle of a cell where the number of cells is odd."""
+    a, b = 2 * i - cells % 2, 2 * j - cells % 2
+    turns = np.select([(a > 0) & (b >= 0), (a <= 0) & (b > 0), (a < 0) & (b <= 0)], [0, 1, 2], 3)
+    crossed = turns % 2 == 1
+    number = np.abs(np.where(crossed, b, a)) + 4 * cells * np.abs(np.where(crossed, a, b))
+    return Images(number, SIGNS[0][turns], SIGNS[1][turns], crossed)
 
 
 class Look(NamedTuple):
     """Moments of a body on some cells: the weights and F (n, P, 2, 2) at each, and the longest steps (n,) in s."""
 
-    scene: PlanarScene
+    scene: Any
     body: Body
     found: list[Weights]
     F: np.ndarray
     limits: np.ndarray
 
 
-def body_bound(fine: PlanarScene, body_of: Callable[[PlanarScene], Body]) -> StepBound:
-    """The bound of a scene, of whose kind ``body_of`` gives the bodies.
+def critical_time_step(fine: Any) -> StepBound:
+    """The bound of a scene.
 
     All moments are looked at on so few cells that it is quick: a finer grid meets the particles in the same ways, and
     its bound is as much shorter as its cells are. But which node at a rim is emptiest, and how empty it is, depends on
@@ -83,12 +139,12 @@ def body_bound(fine: PlanarScene, body_of: Callable[[PlanarScene], Body]) -> Ste
     and if they bear less there, all moments do.
     """
     parts = moments(fine)
-    few = _look(coarsened(fine, MOST_PARTICLES), body_of, parts)
+    few = _look(coarsened(fine, MOST_PARTICLES), parts)
     hardest = int(np.argmin(few.limits))
     whole, share = coarsened(fine, MOST_AT_FEW_MOMENTS), 1.0
     by_circles = _by_circles(few, hardest)
     if whole.cells > few.scene.cells:
-        again = _look(whole, body_of, parts[sorted({hardest, hardest if fine.frozen else len(parts) // 2})])
+        again = _look(whole, parts[sorted({hardest, hardest if fine.frozen else len(parts) // 2})])
         larger, least = few.scene.spacing / whole.spacing, int(np.argmin(again.limits))
         share = larger * float(again.limits[least] / few.limits[hardest])
         if share < 1:
@@ -99,14 +155,14 @@ def body_bound(fine: PlanarScene, body_of: Callable[[PlanarScene], Body]) -> Ste
                    crossed).on_cells(1 / finer)
 
 
-def coarsened(scene: PlanarScene, most: int) -> PlanarScene:
+def coarsened(scene: Any, most: int) -> Any:
     """The scene on so few cells that a quarter of its body has no more particles."""
     while scene.particles * 0.5 * np.pi / scene.ANGLE > most and scene.cells > scene.FEWEST_CELLS:
         scene = replace(scene, cells=max(scene.cells // 2, scene.FEWEST_CELLS))
     return scene
 
 
-def _look(scene: PlanarScene, body_of: Callable[[PlanarScene], Body], parts: np.ndarray) -> Look:
+def _look(scene: Any, parts: np.ndarray) -> Look:
     body = body_of(scene)
     deformed = [body.deformed(part) for part in parts]
     found = [weights(scene, *one, body.edges) for one in deformed]
@@ -117,17 +173,14 @@ def _look(scene: PlanarScene, body_of: Callable[[PlanarScene], Body], parts: np.
 def _by_circles(look: Look, moment: int) -> float:
     """What Gershgorin's circles say of a moment, in s."""
     body, one = look.body, look.found[moment]
-    stiffness, metric = body.stiff(look.F[moment])
     number = body.images(one.i, one.j).number
     mass = np.bincount(number.ravel(), (look.scene.density * body.volume[:, None] * one.S).ravel())
-    lengths = np.hypot(one.x, one.y)
-    if metric is not None:
-        xx, xy, yy = metric.T[:, :, None]
-        lengths = np.sqrt(np.maximum(xx * one.x * one.x + 2 * xy * one.x * one.y + yy * one.y * one.y, 0.0))
-    return circles(number, lengths, stiffness, mass)
+    xx, xy, yy = body.metric(look.F[moment]).T[:, :, None]
+    lengths = np.sqrt(np.maximum(xx * one.x * one.x + 2 * xy * one.x * one.y + yy * one.y * one.y, 0.0))
+    return circles(number, lengths, body.volume, mass)
 
 
-def _side_by_side(scene: PlanarScene, body: Body, found: Sequence[Weights], F: np.ndarray) -> Configurations:
+def _side_by_side(scene: Any, body: Body, found: Sequence[Weights], F: np.ndarray) -> Configurations:
     """Moments of a body: the components x and y of all nodes that are touched are the unknowns."""
     wide = max(one.S.shape[1] for one in found)
     i, j, S, x, y = (np.stack([_padded(part, wide) for part in parts]) for parts in zip(*found, strict=True))

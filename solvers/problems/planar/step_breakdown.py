@@ -6,21 +6,21 @@ from solvers.problems.planar.layout import CORNERS, half_edges
 from solvers.problems.planar.method.body import WatchedBody
 from solvers.problems.planar.method.cpdi import NODES
 from solvers.problems.planar.method.kept import by_particle
-from solvers.problems.planar.parts import SnapshotMeasures
 from solvers.problems.planar.scene import PlanarScene
+from solvers.problems.planar.snapshot import body_force, cauchy_stress_of
 from solvers.scene.scene import Scene
 from solvers.solver.step_breakdown import Carried, Image, StepBreakdown, flipped, link
 
 
 @np.errstate(all="ignore")  # a run gone bad holds anything
-def carried(a: WatchedBody, measures: SnapshotMeasures) -> Carried:
+def carried(a: WatchedBody) -> Carried:
     """What the particles carry now, copied."""
-    (xx, xy, yy), q = measures.stress(a), a.position_velocity
+    (xx, xy, yy), q = cauchy_stress_of(a), a.position_velocity
     return Carried(q[:, :2].copy(), q[:, 2:].copy(), a.deformation_gradient.reshape(-1, 2, 2).copy(),
                    np.stack([xx, xy, xy, yy], axis=1).reshape(-1, 2, 2))
 
 
-def breakdown(scene: PlanarScene, a: WatchedBody, particle: int, step: int, before: Carried, measures: SnapshotMeasures,
+def breakdown(scene: PlanarScene, a: WatchedBody, particle: int, step: int, before: Carried,
               ghosts: int) -> StepBreakdown:
     """Of the step number ``step``, just taken, around a particle; ``before`` is what was carried then. The first
     ``ghosts`` rows of nodes either way lie beyond a symmetry plane."""
@@ -33,7 +33,7 @@ def breakdown(scene: PlanarScene, a: WatchedBody, particle: int, step: int, befo
     home = np.abs(ij - ghosts) + ghosts
     home = np.where(home > last, 2 * last - home, home)
     sums, motion = a.node_sums[home[:, 1] * row + home[:, 0]], a.node_motion[links.nodes]
-    body = links.weight.T @ (links.signs * measures.body_force(a, k))
+    body = links.weight.T @ (links.signs * body_force(a, k))
     F, place = seen.deformation_gradient, a.material_position if scene.frozen else before.position
     with np.errstate(all="ignore"):
         force_moment = np.linalg.det(F)[:, None, None] * seen.stress  # Kirchhoff's, or P = J sigma F^-T
@@ -41,7 +41,7 @@ def breakdown(scene: PlanarScene, a: WatchedBody, particle: int, step: int, befo
             force_moment = force_moment @ np.linalg.inv(F).transpose(0, 2, 1)
     return StepBreakdown(
         step, (step - 1) * scene.time_step, scene.time_step, scene.spacing, links, seen,
-        carried(a, measures).seen(links), a.mass[k], links.signs * place[k], flipped(edges[k], links.signs),
+        carried(a).seen(links), a.mass[k], links.signs * place[k], flipped(edges[k], links.signs),
         (a.mass[k] / a.density)[:, None, None] * force_moment, (ij - a.origin) * scene.spacing, sums[:, 4].copy(),
         signs * sums[:, :2], signs * sums[:, 2:4] - body, body, motion[:, 2:].copy(), motion[:, :2].copy())
 

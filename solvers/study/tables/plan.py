@@ -15,7 +15,7 @@ from pathlib import Path
 
 from solvers.problems.bar.scene import BarScene
 from solvers.problems.reference import read_parts
-from solvers.problems.ring.scene import RingScene
+from solvers.problems.ring import RingScene
 from solvers.scene.scene import Scene
 
 NUMBERS = ("1", "2", "3")

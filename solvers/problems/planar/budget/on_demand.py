@@ -8,7 +8,8 @@ import numpy as np
 
 from solvers.problems.planar.budget.causes import MAKERS, TIME_STEP, CauseErrors, Sources, sources
 from solvers.problems.planar.budget.pieces import Lattice, Pieces
-from solvers.problems.planar.budget.reference import Material, Moment
+from solvers.problems.planar.budget.material import Material
+from solvers.problems.planar.budget.moment import Moment, moment_of
 from solvers.problems.planar.budget.weights import Grid, StepWeights
 from solvers.problems.planar.solver import PlanarSolver
 from solvers.scene.causes import CAUSES, FIELDS, NOTHING
@@ -21,10 +22,9 @@ from solvers.solver.samples import BUDGET
 
 @dataclass(frozen=True)
 class PlanarBudget:
-    """What a problem in the plane tells its budget: its solver, and the exact solution."""
+    """The budget of a problem by its solver."""
 
     solver: type[PlanarSolver]
-    moment: Callable[[Any, np.ndarray, float], Moment]  # (scene, X, t)
 
     def check(self, scene: Any, take_away: str = NOTHING) -> None:
         """:class:`SceneError` where there is no budget of a scene, or not without that cause."""
@@ -45,7 +45,7 @@ class PlanarBudget:
         """Its samples (``solvers.solver.samples.BUDGET``) after so many ``steps`` (T,), in rising order, NaN from where
         the run has gone bad; and the solver at the end."""
         bare = replace(scene, effects=(), estimators=(), plan="serial", threads=1)
-        run = BudgetRun(self, bare, take_away)
+        run = BudgetRun(self.solver(bare), take_away)
         out = {name: np.full(len(steps), np.nan) for name in BUDGET}
         for k, wanted in enumerate(steps):
             while run.solver.step < wanted:
@@ -63,16 +63,16 @@ class BudgetRun:
     """A scene's run at its start, and the errors that each cause has made in it; what one of ``CAUSES`` gives may be
     taken out of the run, exactly."""
 
-    def __init__(self, budget: PlanarBudget, scene: Any, take_away: str = NOTHING):
-        self.solver = solver = budget.solver(scene)
-        self._budget, self._scene, self._arrays = budget, scene, solver._arrays
+    def __init__(self, solver: PlanarSolver, take_away: str = NOTHING):
+        self.solver, self._scene, self._arrays = solver, solver.scene, solver._arrays
+        scene = solver.scene
         a = solver._arrays
         self._X, self._volume = a.material_position, a.mass / a.density
         self._grid = Grid(a.row, solver.PARTS.traits.first, scene.PLANES[1])
         self._lattice = Lattice(scene)
         bulk, shear = scene.lame_moduli
         self._material = Material(bulk, shear, at_rest=scene.frozen)
-        self._now: Moment = budget.moment(scene, self._X, 0.0)
+        self._now: Moment = moment_of(scene, a, 0.0)
         self._taken = MAKERS.index(take_away) if take_away in MAKERS else None
         self.causes = CauseErrors(len(self._X))
         # A run may begin with the velocity of half a step before, for the sake of how it steps.
@@ -98,7 +98,7 @@ class BudgetRun:
         self.solver.advance(1)
         if not (self.solver.sound and np.all((place > 0) & (place < a.row - 1)) and np.all(np.linalg.det(F) > 0)):
             return False
-        then = self._budget.moment(scene, self._X, self.solver.time)
+        then = moment_of(scene, a, self.solver.time)
         weights = StepWeights(scene, a, F, self._grid)
         pieces = Pieces(self._lattice, corners, self._grid, place)
         particle = scene.velocity == "particle"

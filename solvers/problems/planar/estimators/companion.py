@@ -19,7 +19,7 @@ from solvers.kernels.elementary import log
 from solvers.kernels.kinds import integer_quads, integers, pairs, quads
 from solvers.problems.planar.estimators.patch import Patch
 from solvers.problems.planar.layout import particle_layout
-from solvers.problems.planar.method.field_tables import find_pair_functions, of_pairs, pack, pair_sum
+from solvers.problems.planar.method.field_tables import find_force_functions, force_at, of_pairs, pack
 from solvers.problems.planar.method.neo_hookean import FLATTEST, cauchy_stress, cauchy_stress_of
 
 
@@ -34,10 +34,10 @@ def accelerate(body: ti.template(), t, on: ti.template()):
             stiffest = ti.max(stiffest, element_stresses(body, corner))
             element_forces(body, corner)
     body.companion_numbers[shared.STIFFEST] = stiffest
-    find_pair_functions(body.companion_force, body.companion_force_sizes, 0, body.angular_frequency * t)
+    find_force_functions(body.companion_force, body.companion_force_sizes, body.angular_frequency * t, on)
     first = shared.WORK * body.companion_counts[shared.NODES]
     for node in range(body.companion_counts[shared.NODES]):
-        force, work = pair_sum(body.companion_force, body.companion_force_sizes, 0, node), first + node
+        force, work = force_at(body.companion_force, body.companion_force_sizes, node, on), first + node
         for c in ti.static(range(2)):
             per_mass = body.companion_nodes[work][6 + c]
             a = body.companion_nodes[work][2 + c] * per_mass
@@ -197,7 +197,7 @@ def allocate(scene) -> dict[str, np.ndarray]:
     n = first.order + 1
     matrices = np.stack([first.derivative, second.derivative, np.outer(first.weights, second.weights),
                          np.zeros((n, n))], axis=-1)
-    sizes, force = pack(of_pairs(patch.force))
+    sizes, force = pack(*map(of_pairs, patch.force))
     return {
         **shared.start((first.order, first.count, second.count, len(second.nodes), len(patch.places), seen.columns),
                        patch.frequency, scene.time_step, patch.velocity, patch.inverse_mass, len(second.nodes)),

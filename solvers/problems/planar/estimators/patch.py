@@ -10,7 +10,7 @@ import numpy as np
 from solvers.estimators.spectral import Elements, highest_frequency
 from solvers.estimators.standalone import ElasticBody
 from solvers.motion.neo_hookean import first_piola_stress
-from solvers.motion.separable_field import SeparableField, separate
+from solvers.problems.planar.body_force import body_force_of
 
 _frequencies: dict[tuple, float] = {}  # of bodies at rest by mesh, moduli and mass: sliders ask for the same again
 INSTANTS = 8  # of a period, at which the stiffest deformation is looked for
@@ -64,8 +64,7 @@ class Patch(ElasticBody):
         self.inverse_mass = ~held(self.places) / mass[:, None]
         self._free = (self.inverse_mass > 0).astype(float)
         self.velocity = scene.EXACT.velocity(scene, self.places, 0.0) * self._free
-        self.force: SeparableField | None = None if scene.body_force == "none" else \
-            separate(lambda X, t: scene.EXACT.body_force(scene, X, t), self.places, scene.period)
+        self.force = body_force_of(scene, self.places)
         self._node = np.add(*np.broadcast_arrays(first.of_node[:, None, :, None] * self._shape[1],
                                                  second.of_node[None, :, None, :]))
         self._weight = np.outer(first.weights, second.weights)[..., None]
@@ -115,8 +114,7 @@ class Patch(ElasticBody):
         return total
 
     def accelerations(self, u: np.ndarray, t: float) -> np.ndarray:
-        internal = -self.inverse_mass * self._pull(u, self._stress)
-        return internal if self.force is None else internal + self._free * self.force(t)
+        return self._free * self.force(t) - self.inverse_mass * self._pull(u, self._stress)
 
     def read(self, u: np.ndarray, X: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         xi, eta = self.map.coordinates(X)

@@ -19,18 +19,18 @@ solution varies within a fit of four cells. Nothing is said of sigma and a where
 fit follows them: one particle per cell, or particles moved with their own velocity (eq 24 as printed).
 """
 
-from collections.abc import Callable
-from typing import NamedTuple
-
 import numpy as np
 import taichi as ti
 
 from solvers.estimators import recovery
 from solvers.estimators.lattice_lines import Line
 from solvers.estimators.recovery import BEGUN, MOVED, NEW, SHORT, TAU, TURNS, H
+from solvers.kernels.elementary import log
 from solvers.kernels.kinds import quads, reals
 from solvers.problems.planar.estimators import recovered_operators as op
 from solvers.problems.planar.estimators.recovered_tables import across_planes, gathered_directions, of_four, verdict
+from solvers.problems.planar.layout import on_axis
+from solvers.problems.planar.method.neo_hookean import cauchy_stress, cauchy_stress_of
 from solvers.problems.planar.method.phases import gather
 from solvers.scene.estimator_hooks import EstimatorHooks
 
@@ -48,24 +48,15 @@ MEMORY = {
 }
 
 
-class RecoveredTraits(NamedTuple):
-    """What a problem adds. F e_R = (a, c) and F e_angle = (b, d), in x and y."""
-
-    force: Callable  # (body, known, t, on): body force per mass along e_R and e_angle of a circle, at rest
-    stress: Callable  # (body, a, b, c, d): P e_R and P e_angle as (x, y, x, y)
-    stress_error: Callable  # (body, p, a, b, c, d): sigma of the particle less the gradient's: xx, xy, yy, nothing
-    closed: bool  # a whole turn; else a part of one between symmetry planes, on which only radial forces can act
-
-
 @ti.func
-def begin(body: ti.template(), nodes: ti.template(), t, problem: ti.template(), on: ti.template()):
+def begin(body: ti.template(), nodes: ti.template(), t, closed: ti.template(), on: ti.template()):
     """Unless it is done: start the reference with the acceleration at time t, when the ring was undeformed, a = M b."""
     if body.recovered_numbers[TURNS] == NEW:
-        op.gather_force(body, t, problem, on)
+        op.gather_force(body, t, on)
         B, step = body.recovered_across, body.recovered_numbers[H]
         for a in range(body.recovered_count // B):
             for b in range(B):
-                push_x, push_y = op.node_force(body, nodes, a, b, problem.closed)
+                push_x, push_y = op.node_force(body, nodes, a, b, closed)
                 at_r, at_rate = op.node_at(body, op.MOTION, a * B + b), op.node_at(body, op.RATE, a * B + b)
                 r = nodes[at_r]
                 x = recovery.with_start(ti.Vector([r[0], r[2], 0.0, 0.0]), push_x, step)
@@ -76,26 +67,26 @@ def begin(body: ti.template(), nodes: ti.template(), t, problem: ti.template(), 
 
 
 @ti.func
-def after_step(body: ti.template(), step, problem: ti.template(), on: ti.template()):
+def after_step(body: ti.template(), step, closed: ti.template(), on: ti.template()):
     """U += H w; the error's gradient corrects the recovered one; w += H (a + correction), a = M b - D P/rho."""
-    begin(body, body.recovered_nodes, step * body.dt - body.recovered_numbers[H], problem, on)
+    begin(body, body.recovered_nodes, step * body.dt - body.recovered_numbers[H], closed, on)
     for p in range(body.particles):
         q, X = body.position_velocity[p], body.material_position[p]
         body.recovered_particles[op.particle_at(body, op.FIELD, p)] = ti.Vector([q[0] - X[0], q[1] - X[1], q[2], q[3]])
     op.radial_gather(body, op.FIELD, op.VALUE)
-    damped_errors(body, body.recovered_nodes, step, problem)
-    op.angular_spread(body, problem.closed)
-    find_stress(body, problem)
-    op.gather_force(body, step * body.dt, problem, on)
+    damped_errors(body, body.recovered_nodes, step, closed)
+    op.angular_spread(body, closed)
+    find_stress(body, closed)
+    op.gather_force(body, step * body.dt, on)
     op.radial_gather(body, op.STRESS, op.SLOPE_AND_OVER_R)
-    move_reference(body, body.recovered_nodes, body.recovered_numbers[TURNS] == BEGUN, problem)
+    move_reference(body, body.recovered_nodes, body.recovered_numbers[TURNS] == BEGUN, closed)
     body.recovered_numbers[TURNS] = MOVED
 
 
 @ti.func
-def damped_errors(body: ti.template(), nodes: ti.template(), step, problem: ti.template()):
+def damped_errors(body: ti.template(), nodes: ti.template(), step, closed: ti.template()):
     """U += H w at the nodes, and e* = 2 e - C e + tau (1 - C)^2 e'."""
-    op.angular_gather(body, op.GATHERED, op.ANGULAR_VALUES, problem.closed)
+    op.angular_gather(body, op.GATHERED, op.ANGULAR_VALUES, closed)
     for i in range(body.recovered_count):
         r = nodes[op.node_at(body, op.MOTION, i)]
         r += body.recovered_numbers[H] * ti.Vector([r[2], r[3], 0.0, 0.0])
@@ -103,9 +94,9 @@ def damped_errors(body: ti.template(), nodes: ti.template(), step, problem: ti.t
         nodes[op.node_at(body, op.GATHERED, i)] = nodes[op.node_at(body, op.GATHERED, i)] - r  # not -=: atomic
     looked_at = recovery.looks(step, body.dt, body.recovered_numbers[H])
     if looked_at:
-        op.remember_sizes(body, nodes, problem.closed)
+        op.remember_sizes(body, nodes, closed)
     for turn in range(2):
-        op.smoothing(body, problem.closed)
+        op.smoothing(body, closed)
         square = 0.0
         for i in range(body.recovered_count):
             e = nodes[op.node_at(body, op.GATHERED, i)]
@@ -122,36 +113,51 @@ def damped_errors(body: ti.template(), nodes: ti.template(), step, problem: ti.t
 
 
 @ti.func
-def find_stress(body: ti.template(), problem: ti.template()):
+def find_stress(body: ti.template(), closed: ti.template()):
     """P e_R and P e_angle at the particles, from slopes along the lattice's own lines."""
-    op.angular_fit(body, op.FIELD, op.FITTED_SLOPES, op.ANGULAR_SLOPES, problem.closed)
+    op.angular_fit(body, op.FIELD, op.FITTED_SLOPES, op.ANGULAR_SLOPES, closed)
     op.radial_fit(body, op.HALF_SLOPES, op.SLOPE)
-    for line in range(body.particles // body.radius_count):
-        for j in range(body.radius_count):
-            p = line * body.radius_count + j
+    for line in range(body.particles // body.orbits):
+        for j in range(body.orbits):
+            p = line * body.orbits + j
             along = body.recovered_particles[op.particle_at(body, op.HALF_SLOPES, p)]
             around = body.recovered_particles[op.particle_at(body, op.FITTED_SLOPES, p)]
             slopes = ti.Vector([along[0], along[1], around[0], around[1]]) - op.radial_spread(body, line, j, op.SLOPES)
             a, b, c, d = polar_gradient(body, p, slopes)
-            body.recovered_particles[op.particle_at(body, op.STRESS, p)] = problem.stress(body, a, b, c, d)
+            body.recovered_particles[op.particle_at(body, op.STRESS, p)] = piola(body, a, b, c, d)
+
+
+@ti.func
+def piola(body: ti.template(), a, b, c, d):
+    """P e_R and P e_angle as (x, y, x, y), where F e_R = (a, c) and F e_angle = (b, d)."""
+    J = a * d - b * c
+    mu, back = body.shear_modulus, (body.lame_modulus * log(J) - body.shear_modulus) / J
+    return ti.Vector([mu * a + back * d, mu * c - back * b, mu * b - back * c, mu * d + back * a])
+
+
+@ti.func
+def stress_error(body: ti.template(), p, a, b, c, d):
+    """The Cauchy stress of a particle less that of such a gradient, as xx, xy, yy and nothing."""
+    miss = cauchy_stress(body, p) - cauchy_stress_of(body, ti.Vector([a, b, c, d]))
+    return ti.Vector([miss[0], miss[1], miss[2], 0.0])
 
 
 @ti.func
 def polar_gradient(body: ti.template(), p, slopes):
     """F e_R = (a, c) and F e_angle = (b, d) at particle p, from the displacement's slopes along the radius and around
     it."""
-    e, per_R = body.direction[p], 1 / body.radii[body.radius[p]][0]
+    e, per_R = body.direction[p], 1 / body.orbit_point[body.orbit[p]][0]
     return e[0] + slopes[0], per_R * slopes[2] - e[1], e[1] + slopes[1], per_R * slopes[3] + e[0]
 
 
 @ti.func
-def move_reference(body: ti.template(), nodes: ti.template(), first, problem: ti.template()):
+def move_reference(body: ti.template(), nodes: ti.template(), first, closed: ti.template()):
     """The acceleration of every node, and the rate that follows."""
     B, step = body.recovered_across, body.recovered_numbers[H]
-    op.angular_gather(body, op.GATHERED, op.EACH, problem.closed)
+    op.angular_gather(body, op.GATHERED, op.EACH, closed)
     for a in range(body.recovered_count // B):
         for b in range(B):
-            push_x, push_y = op.node_force(body, nodes, a, b, problem.closed)
+            push_x, push_y = op.node_force(body, nodes, a, b, closed)
             parts = nodes[op.node_at(body, op.GATHERED, a * B + b)]
             a_x = push_x - (parts[0] + parts[2]) / body.density
             a_y = push_y - (parts[1] + parts[3]) / body.density
@@ -165,11 +171,11 @@ def move_reference(body: ti.template(), nodes: ti.template(), first, problem: ti
 
 
 @ti.func
-def report(body: ti.template(), base, step, problem: ti.template(), on: ti.template()):
+def report(body: ti.template(), base, step, closed: ti.template(), on: ti.template()):
     """Estimated errors of x, v, sigma at the state's time and of a at the last step's, on the particles."""
     if step > 0:
         since = recovery.time_since(step, body.dt, body.recovered_numbers[H])
-        begin(body, body.recovered_nodes, step * body.dt - since, problem, on)
+        begin(body, body.recovered_nodes, step * body.dt - since, closed, on)
     # First x, v and sigma, then a, by the same code: it is compiled once.
     for of_acceleration in range(ti.static(2 if on.acceleration else 1)):
         for p in range(body.particles):
@@ -182,9 +188,9 @@ def report(body: ti.template(), base, step, problem: ti.template(), on: ti.templ
                 a_p = body.acceleration[p]
                 field = ti.Vector([a_p[0], a_p[1], 0.0, 0.0])
             body.recovered_particles[op.particle_at(body, op.FIELD, p)] = field
-        find_errors(body, body.recovered_nodes, step, of_acceleration, problem)
+        find_errors(body, body.recovered_nodes, step, of_acceleration, closed)
         for p in range(body.particles):
-            report_particle(body, base, p, of_acceleration, problem)
+            report_particle(body, base, p, of_acceleration, closed)
     silent = body.recovered_silent
     if step == 0 or silent > 0:
         nothing = 0.0 if step == 0 else ti.math.nan
@@ -197,9 +203,9 @@ def report(body: ti.template(), base, step, problem: ti.template(), on: ti.templ
 
 
 @ti.func
-def report_particle(body: ti.template(), base, p, of_acceleration, problem: ti.template()):
+def report_particle(body: ti.template(), base, p, of_acceleration, closed: ti.template()):
     """E of the fields at a particle: of x and v, and that of sigma; or of a, which is unknown until then."""
-    line, j = p // body.radius_count, p % body.radius_count
+    line, j = p // body.orbits, p % body.orbits
     field, q = body.recovered_particles[op.particle_at(body, op.FIELD, p)], body.position_velocity[p]
     fitted = body.recovered_particles[op.particle_at(body, op.FITTED, p)]
     E = op.radial_spread(body, line, j, op.VALUES) + field - fitted
@@ -209,16 +215,16 @@ def report_particle(body: ti.template(), base, p, of_acceleration, problem: ti.t
         a, b, c, d = polar_gradient(body, p, body.recovered_particles[op.particle_at(body, op.FITTED_SLOPES, p)]
                                     - op.radial_spread(body, line, j, op.SLOPES))
         body.estimate[base + p] = E + ti.Vector([0.0, 0.0, q[2] - field[2], q[3] - field[3]])
-        body.estimate_stress[base + p] = problem.stress_error(body, p, a, b, c, d)
+        body.estimate_stress[base + p] = stress_error(body, p, a, b, c, d)
         body.estimate_acceleration[base + p] = ti.Vector([ti.math.nan, ti.math.nan])
 
 
 @ti.func
-def find_errors(body: ti.template(), nodes: ti.template(), step, of_acceleration, problem: ti.template()):
+def find_errors(body: ti.template(), nodes: ti.template(), step, of_acceleration, closed: ti.template()):
     """Nodal errors of the fields, unsmoothed and spread along the angle; and the fields fitted, the first of x and v
     with its slopes."""
     op.radial_gather(body, op.FIELD, op.VALUE)
-    op.angular_gather(body, op.GATHERED, op.ANGULAR_VALUES, problem.closed)
+    op.angular_gather(body, op.GATHERED, op.ANGULAR_VALUES, closed)
     length = body.recovered_numbers[H]
     since = recovery.time_since(step, body.dt, length)
     for i in range(body.recovered_count):
@@ -234,13 +240,13 @@ def find_errors(body: ti.template(), nodes: ti.template(), step, of_acceleration
             if body.recovered_numbers[TURNS] == BEGUN:  # as on the bar
                 true_mean = nodes[op.node_at(body, op.GATHERED, i)]
         nodes[op.node_at(body, op.GATHERED, i)] = nodes[op.node_at(body, op.GATHERED, i)] - true_mean
-    op.smoothing(body, problem.closed)
+    op.smoothing(body, closed)
     for i in range(body.recovered_count):
         nodes[op.node_at(body, op.ERRORS, i)] = 2 * nodes[op.node_at(body, op.GATHERED, i)] \
             - nodes[op.node_at(body, op.SMOOTHED, i)]
-    op.angular_spread(body, problem.closed)
+    op.angular_spread(body, closed)
     op.radial_fit(body, op.HALF_FITTED, op.VALUE)
-    op.angular_fit(body, op.HALF_FITTED, op.FITTED, op.ANGULAR_VALUES, problem.closed)
+    op.angular_fit(body, op.HALF_FITTED, op.FITTED, op.ANGULAR_VALUES, closed)
     if not of_acceleration:
         op.radial_fit(body, op.HALF_SLOPES, op.SLOPE)
         for p in range(body.particles):
@@ -248,27 +254,31 @@ def find_errors(body: ti.template(), nodes: ti.template(), step, of_acceleration
             value = body.recovered_particles[op.particle_at(body, op.HALF_FITTED, p)]
             body.recovered_particles[op.particle_at(body, op.HALF_SLOPES, p)] = \
                 ti.Vector([slope[0], slope[1], value[0], value[1]])
-        op.angular_fit(body, op.HALF_SLOPES, op.FITTED_SLOPES, op.EACH, problem.closed)
+        op.angular_fit(body, op.HALF_SLOPES, op.FITTED_SLOPES, op.EACH, closed)
 
 
-def hooks(problem: RecoveredTraits, side: Callable, velocity: Callable) -> EstimatorHooks:
-    """The estimator of a problem. ``side(scene, angle)`` is the shortest way of a wave along an element of a circle, in
-    metres at rest; ``velocity(scene, R)`` the initial one along e_R and e_angle."""
+def hooks(closed: bool) -> EstimatorHooks:
+    """The estimator of problems on a whole turn, which closes on itself, or on a part of one between symmetry planes,
+    where only radial forces can act."""
     @ti.func
     def its_step(body: ti.template(), base, step, on: ti.template()):
-        after_step(body, step, problem, on)
+        after_step(body, step, closed, on)
 
     @ti.func
     def its_report(body: ti.template(), base, step, on: ti.template()):
-        report(body, base, step, problem, on)
+        report(body, base, step, closed, on)
 
-    def interval(scene):
-        angle, radius = lines(scene)
-        return recovery.steps_between(scene, WAVE_CFL * min(side(scene, angle), 1 / radius.per_element))
+    return EstimatorHooks(memory=MEMORY, allocate=allocate, interval=interval, after_step=its_step, report=its_report,
+                          verdict=verdict)
 
-    return EstimatorHooks(
-        memory=MEMORY, allocate=lambda scene: allocate(scene, velocity, interval(scene)), interval=interval,
-        after_step=its_step, report=its_report, verdict=verdict)
+
+def interval(scene):
+    """Steps of the run to one of the estimator's: its reference moves by an explicit method in the material frame, with
+    elements whose sides along the fastest circle a wave passes at the scene's ``crossing_rate``. Where that is sheared
+    much, steps are hardly longer than the run's, and then it costs more than the run."""
+    angle, radius = lines(scene)
+    side = 1 / angle.per_element / scene.crossing_rate
+    return recovery.steps_between(scene, WAVE_CFL * min(side, 1 / radius.per_element))
 
 
 def lines(scene):
@@ -285,11 +295,10 @@ def lines(scene):
     return Line(counts[0], max(3, around), turn, ends), Line(counts[1], max(1, radial), across, "free")
 
 
-def allocate(scene, initial_velocity, steps):
-    """Operators along both lines, and the reference in the initial configuration. ``steps`` are those of the run to one
-    of the estimator's."""
+def allocate(scene):
+    """Operators along both lines, and the reference in the initial configuration."""
     (angle, radius), inner = lines(scene), scene.INNER
-    velocity = initial_velocity(scene, inner + radius.particles() / radius.per_point)
+    velocity = scene.EXACT.velocity(scene, on_axis(inner + radius.particles() / radius.per_point), 0.0).T
     width, R = recovery.fit_width(scene), inner + radius.quadrature()[0] / radius.per_point
     angular = [angle.fit(width, 3), angle.spread(), angle.gather(4, 2), angle.smoothing()]
     radial = [radius.fit(width, 3), radius.spread(), radius.gather(4, 2, R), radius.smoothing(R)]
@@ -300,7 +309,7 @@ def allocate(scene, initial_velocity, steps):
     nodes = np.zeros((op.NODE_BLOCKS, angle.nodes * radius.nodes, 4))
     nodes[op.MOTION, :, 2:] = (direction[:, None] * speed + across[:, None] * turning).reshape(-1, 2)
     nodes[op.DIRECTION, :angle.nodes] = np.concatenate([direction, across], axis=1)
-    return {"recovered_numbers": recovery.numbers(scene, steps), **recovery.table_values(tables),
+    return {"recovered_numbers": recovery.numbers(scene, interval(scene)), **recovery.table_values(tables),
             "recovered_count": angle.nodes * radius.nodes, "recovered_across": radius.nodes,
             "recovered_silent": 2 if scene.uneven else int(scene.coarse), "recovered_nodes": nodes.reshape(-1, 4),
             "recovered_particles": np.zeros((fields, 4))}

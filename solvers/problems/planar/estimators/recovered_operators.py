@@ -1,6 +1,6 @@
 """The recovered estimator's operators on a polar lattice: each along the radius first, then along the angle, or back.
 
-Particle (i, j), the j-th along the i-th radius, is number i K + j, K = ``radius_count``; node (a, b) of the error grid
+Particle (i, j), the j-th along the i-th radius, is number i K + j, K = ``orbits``; node (a, b) of the error grid
 is number a B + b, B = ``across``. Fields are two vectors side by side, (x, y, x, y). Weights along the angle
 come for x and y, because a symmetry plane mirrors them differently: (value x, value y, slope x, slope y). Where the
 lattice is ``closed``, a whole turn, the last angle is followed by the first.
@@ -10,6 +10,7 @@ import taichi as ti
 
 from solvers.estimators.recovery import ROUGH, SIZE, first_of, fourth_factor, groups, put, row_of
 from solvers.kernels.packing import part
+from solvers.problems.planar.method.field_tables import find_force_functions, force_at
 
 # Tables. Along the radius their weights are (value, slope, value over R, nothing).
 TABLES = tuple(f"recovered_{way}_{what}_" for way in ("angular", "radial")
@@ -41,7 +42,7 @@ def node_at(body: ti.template(), block: ti.template(), i):
 
 @ti.func
 def line_at(body: ti.template(), block: ti.template(), line, b):
-    radii = body.particles // body.radius_count
+    radii = body.particles // body.orbits
     return PARTICLE_BLOCKS * body.particles + (block * radii + line) * body.recovered_across + b
 
 
@@ -102,7 +103,7 @@ def radial_gather(body: ti.template(), block: ti.template(), pick: ti.template()
 
     With ``VALUE`` those of N_b f R; with ``SLOPE_AND_OVER_R`` of N_b' R P e_R and of N_b P e_angle, side by side.
     """
-    radii, K, B = body.particles // body.radius_count, body.radius_count, body.recovered_across
+    radii, K, B = body.particles // body.orbits, body.orbits, body.recovered_across
     for group in range(groups(radii)):
         line = first_of(group, radii)
         for b in range(B):
@@ -115,7 +116,7 @@ def radial_gather(body: ti.template(), block: ti.template(), pick: ti.template()
 def angular_gather(body: ti.template(), into: ti.template(), pick: ti.template(), closed: ti.template()):
     """A block of the nodes from what the radii gathered: M f with ``ANGULAR_VALUES``; with ``EACH`` the two parts of
     D P, the first vector with N_a and the second with N_a'."""
-    radii, B = body.particles // body.radius_count, body.recovered_across
+    radii, B = body.particles // body.orbits, body.recovered_across
     for a in range(body.recovered_count // B):
         for group in range(groups(B)):
             b = first_of(group, B)
@@ -125,12 +126,13 @@ def angular_gather(body: ti.template(), into: ti.template(), pick: ti.template()
 
 
 @ti.func
-def gather_force(body: ti.template(), t, problem: ti.template(), on: ti.template()):
+def gather_force(body: ti.template(), t, on: ti.template()):
     """M b along the radius, of its parts along e_R and e_Theta; the force at the particles' radii waits where the radii
     will gather."""
     if ti.static(on.body_force != "none"):
-        for j in range(body.radius_count):
-            b_j = problem.force(body, body.radii[j], t, on)
+        find_force_functions(body.tables, body.table_sizes, body.angular_frequency * t, on)
+        for j in range(body.orbits):
+            b_j = force_at(body.tables, body.table_sizes, j, on)
             body.recovered_particles[particle_at(body, HALF_SLOPES, j)] = ti.Vector([b_j[0], b_j[1], b_j[0], b_j[1]])
         for b in range(body.recovered_across):
             body.recovered_nodes[node_at(body, FORCE, b)] = row_sum(
@@ -171,7 +173,7 @@ def angular_spread(body: ti.template(), closed: ti.template()):
     """The nodal errors interpolated along the angle, the angular half of sum N_i e_i; and of the first field once more,
     beside its slopes around."""
     B = body.recovered_across
-    for line in range(body.particles // body.radius_count):
+    for line in range(body.particles // body.orbits):
         a, begin, _ = row_of(body, ANGULAR_SPREAD, line, line)
         for b in range(B):
             value, slope = ti.Vector([0.0, 0.0, 0.0, 0.0]), ti.Vector([0.0, 0.0, 0.0, 0.0])
@@ -212,7 +214,7 @@ def radial_spread(body: ti.template(), i, j, block: ti.template()):
 @ti.func
 def radial_fit(body: ti.template(), into: ti.template(), pick: ti.template()):
     """The fields recovered along each radius with ``VALUE``, or with ``SLOPE`` their slopes."""
-    K = body.radius_count
+    K = body.orbits
     for group in range(groups(body.particles // K)):
         line = first_of(group, body.particles // K)
         for j in range(K):
@@ -226,7 +228,7 @@ def angular_fit(body: ti.template(), block: ti.template(), into: ti.template(), 
                closed: ti.template()):
     """A block of the particles' fields recovered along the angle: values with ``ANGULAR_VALUES``, slopes with
     ``ANGULAR_SLOPES``; with ``EACH`` values of the first field and slopes of the second."""
-    K = body.radius_count
+    K = body.orbits
     for line in range(body.particles // K):
         for group in range(groups(K)):
             j = first_of(group, K)

@@ -9,10 +9,12 @@ import taichi as ti
 
 from solvers.kernels.elementary import cos, sin
 from solvers.motion.separable_field import SeparableField
+from solvers.problems.planar.body_force import SECOND_FREQUENCY
 
 #: How many functions of time and harmonics a table has, and at which entries series, modes and present values begin.
 RANK, HARMONICS, SERIES, MODES, PRESENT = range(5)
 FACTS = 5
+FORCE, TONE, MOTION, GRID = range(4)  # tables of a body: its force, the second tone of it, its motion, nodes' a
 
 
 def pack(*tables: tuple[SeparableField | None, np.ndarray | None]) -> tuple[np.ndarray, np.ndarray]:
@@ -59,22 +61,48 @@ def of_motions(table: SeparableField | None) -> tuple[SeparableField | None, np.
 
 
 @ti.func
-def find_pair_functions(tables: ti.template(), sizes: ti.template(), number: ti.template(), angle):
-    """T_k at an angle of the first harmonic, of a table of pairs: (T_2k, T_2k, T_2k+1, T_2k+1) an entry."""
+def fact(body: ti.template(), number: ti.template(), which: ti.template()):
+    """Of the sizes of a body's table."""
+    return body.table_sizes[ti.static(FACTS * number + which)]
+
+
+@ti.func
+def find_force_functions(tables: ti.template(), sizes: ti.template(), angle, on: ti.template()):
+    """The functions of time of a body force at an angle w t, of the first two tables."""
+    if ti.static(on.body_force != "none"):
+        find_pair_functions(tables, sizes, FORCE, angle, 1.0)
+    if ti.static(on.body_force == "two-tone"):
+        find_pair_functions(tables, sizes, TONE, angle, sin(SECOND_FREQUENCY * angle))
+
+
+@ti.func
+def force_at(tables: ti.template(), sizes: ti.template(), place, on: ti.template()):
+    """The body force per mass at a place, at the time of the functions that were found last."""
+    force = ti.Vector([0.0, 0.0])
+    if ti.static(on.body_force != "none"):
+        force = pair_sum(tables, sizes, FORCE, place)
+    if ti.static(on.body_force == "two-tone"):
+        force += pair_sum(tables, sizes, TONE, place)
+    return force
+
+
+@ti.func
+def find_pair_functions(tables: ti.template(), sizes: ti.template(), number: ti.template(), angle, scale):
+    """``scale`` T_k at an angle of the first harmonic, of a table of pairs: (T_2k, T_2k, T_2k+1, T_2k+1) an entry.
+
+    Each for itself, harmonics by recurrence: on a GPU the outermost loop is spread over threads."""
     base = ti.static(FACTS * number)
     rank, at, out = sizes[base + RANK], sizes[base + SERIES], sizes[base + PRESENT]
     for k in range(rank // 2):
         a, b = tables[at + 2 * k][0], tables[at + 2 * k + 1][0]
-        tables[out + k] = ti.Vector([a, a, b, b])
-    c1, s1 = cos(angle), sin(angle)
-    c, s = c1, s1  # of the harmonic, by recurrence
-    for _ in range(sizes[base + HARMONICS]):
-        at += rank
-        for k in range(rank // 2):
-            one, two = tables[at + 2 * k], tables[at + 2 * k + 1]
-            a, b = one[0] * c + one[1] * s, two[0] * c + two[1] * s
-            tables[out + k] = tables[out + k] + ti.Vector([a, a, b, b])
-        c, s = c * c1 - s * s1, s * c1 + c * s1
+        c1, s1 = cos(angle), sin(angle)
+        c, s = c1, s1
+        for n in range(1, sizes[base + HARMONICS] + 1):
+            one, two = tables[at + n * rank + 2 * k], tables[at + n * rank + 2 * k + 1]
+            a += one[0] * c + one[1] * s
+            b += two[0] * c + two[1] * s
+            c, s = c * c1 - s * s1, s * c1 + c * s1
+        tables[out + k] = scale * ti.Vector([a, a, b, b])
 
 
 @ti.func
@@ -96,16 +124,13 @@ def find_functions(tables: ti.template(), sizes: ti.template(), number: ti.templ
     rank, at, out = sizes[base + RANK], sizes[base + SERIES], sizes[base + PRESENT]
     for k in range(rank):
         mean = tables[at + k][0]
-        tables[out + k] = ti.Vector([mean, 0.0, 0.0, mean])
-    c1, s1, d1, e1 = cos(now), sin(now), cos(before), sin(before)
-    c, s, d, e = c1, s1, d1, e1
-    for n in range(1, sizes[base + HARMONICS] + 1):
-        w = n * frequency
-        at += rank
-        for k in range(rank):
-            f = tables[at + k]
+        found = ti.Vector([mean, 0.0, 0.0, mean])
+        c1, s1, d1, e1 = cos(now), sin(now), cos(before), sin(before)
+        c, s, d, e = c1, s1, d1, e1
+        for n in range(1, sizes[base + HARMONICS] + 1):
+            w, f = n * frequency, tables[at + n * rank + k]
             earlier = f[0] * d + f[1] * e
-            tables[out + k] = tables[out + k] + ti.Vector([
-                f[0] * c + f[1] * s, w * (f[1] * c - f[0] * s), -w * w * earlier, earlier])
-        c, s = c * c1 - s * s1, s * c1 + c * s1
-        d, e = d * d1 - e * e1, e * d1 + d * e1
+            found += ti.Vector([f[0] * c + f[1] * s, w * (f[1] * c - f[0] * s), -w * w * earlier, earlier])
+            c, s = c * c1 - s * s1, s * c1 + c * s1
+            d, e = d * d1 - e * e1, e * d1 + d * e1
+        tables[out + k] = found

@@ -13,7 +13,7 @@ def step_margin(body: ti.template(), traits: ti.template(), on: ti.template()):
     A node's record: grad S of the present particle (two numbers), |grad S|/sqrt(m), Gershgorin's sum.
     """
     for node in range(body.nodes):
-        body.node_bound[node] = ti.Vector([0.0, 0.0, 0.0, 0.0])
+        body.node_scratch[node] = ti.Vector([0.0, 0.0, 0.0, 0.0])
     for p in range(body.particles):
         total = 0.0
         if ti.static(on.method == "cpdi"):
@@ -22,7 +22,7 @@ def step_margin(body: ti.template(), traits: ti.template(), on: ti.template()):
             for k in range(16):
                 node, a = corner_node(body, p, k, on), 2 * (k // 4 % 2)
                 gradient = corner_hat(body, p, k, on) * ti.Vector([g[a], g[a + 1], 0.0, 0.0])
-                body.node_bound[node] = body.node_bound[node] + gradient
+                body.node_scratch[node] = body.node_scratch[node] + gradient
             stiffness, metric = traits.tangent(body, p, on)
             for k in range(16):
                 total += take_gradient(body, traits, metric, corner_node(body, p, k, on))
@@ -35,8 +35,8 @@ def step_margin(body: ti.template(), traits: ti.template(), on: ti.template()):
             for j in ti.static(range(3)):
                 for i in ti.static(range(3)):
                     node = first + j * body.row + i
-                    circle = body.node_bound[node][3]
-                    body.node_bound[node] = ti.Vector([dS[i] * R[j], S[i] * dR[j], 0.0, circle])
+                    circle = body.node_scratch[node][3]
+                    body.node_scratch[node] = ti.Vector([dS[i] * R[j], S[i] * dR[j], 0.0, circle])
             stiffness, metric = traits.tangent(body, p, on)
             for place in range(9):
                 total += take_gradient(body, traits, metric, first + (place // 3) * body.row + place % 3)
@@ -45,7 +45,7 @@ def step_margin(body: ti.template(), traits: ti.template(), on: ti.template()):
                 add_circle(body, traits, first + (place // 3) * body.row + place % 3, stiffness)
     largest = 0.0
     for node in range(body.nodes):
-        largest = ti.max(largest, body.node_bound[node][3])
+        largest = ti.max(largest, body.node_scratch[node][3])
     body.step_margin[0] = 0.5 * body.dt * ti.sqrt(largest) if largest > 0 else ti.math.nan
 
 
@@ -53,10 +53,10 @@ def step_margin(body: ti.template(), traits: ti.template(), on: ti.template()):
 def take_gradient(body: ti.template(), traits: ti.template(), metric, node):
     """|grad S|/sqrt(m) of the present particle at a node, kept there in place of the gradient: corners of a domain that
     share the node ask again, and then find 0."""
-    record = body.node_bound[node]
+    record = body.node_scratch[node]
     scaled = scaled_size(body, traits, metric, ti.Vector([record[0], record[1]]), node)
     if scaled > 0:
-        body.node_bound[node] = ti.Vector([0.0, 0.0, scaled, record[3]])
+        body.node_scratch[node] = ti.Vector([0.0, 0.0, scaled, record[3]])
     return scaled
 
 
@@ -75,9 +75,9 @@ def scaled_size(body: ti.template(), traits: ti.template(), metric, gradient, no
 @ti.func
 def add_circle(body: ti.template(), traits: ti.template(), node, stiffness):
     """Add the present particle's part to the sum of a node, once."""
-    scaled = body.node_bound[node][2]
-    body.node_bound[node][2] = 0.0
-    body.node_bound[traits.image(body, node)][3] += stiffness * scaled
+    scaled = body.node_scratch[node][2]
+    body.node_scratch[node][2] = 0.0
+    body.node_scratch[traits.image(body, node)][3] += stiffness * scaled
 
 
 @ti.func
@@ -85,7 +85,7 @@ def step_margin_at_once(body: ti.template(), traits: ti.template(), on: ti.templ
     """The same where all particles are at work side by side and nodes cannot keep what belongs to one of them: it is
     worked out where it is needed. To be called from a kernel itself."""
     for node in range(body.nodes):
-        body.node_bound[node] = ti.Vector([0.0, 0.0, 0.0, 0.0])
+        body.node_scratch[node] = ti.Vector([0.0, 0.0, 0.0, 0.0])
     for p in range(body.particles):
         stiffness, metric = traits.tangent(body, p, on)
         total = 0.0
@@ -95,10 +95,10 @@ def step_margin_at_once(body: ti.template(), traits: ti.template(), on: ti.templ
         for k in range(ti.static(16 if on.method == "cpdi" else 9)):
             node, gradient = node_gradient(body, p, k, on)
             circle = stiffness * total * scaled_size(body, traits, metric, gradient, node)
-            ti.atomic_add(body.node_bound[traits.image(body, node)][3], circle)
+            ti.atomic_add(body.node_scratch[traits.image(body, node)][3], circle)
     largest = 0.0
     for node in range(body.nodes):
-        ti.atomic_max(largest, body.node_bound[node][3])
+        ti.atomic_max(largest, body.node_scratch[node][3])
     body.step_margin[0] = 0.5 * body.dt * ti.sqrt(largest) if largest > 0 else ti.math.nan
 
 

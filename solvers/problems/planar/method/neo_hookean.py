@@ -1,7 +1,10 @@
 """The neo-Hookean law for kernels, whose formulas ``solvers.motion.neo_hookean`` has for numpy.
 
-A body has ``shear_modulus`` mu, ``lame_modulus`` lambda and, found once a step, ``volumetric`` = lambda ln J (P,).
+A body has ``shear_modulus`` mu, ``lame_modulus`` lambda and, found once a step, ``volumetric`` = lambda ln J (P,); but
+where lambda is 0 by the problem, :func:`stress` is made without it.
 """
+
+from collections.abc import Callable
 
 import taichi as ti
 
@@ -32,7 +35,7 @@ def cauchy_stress(body: ti.template(), p):
 
 
 @ti.func
-def prepare(body: ti.template(), start, end):
+def find_volumetric(body: ti.template(), start, end):
     """Find lambda ln J of the particles from ``start`` to ``end``: in a loop of its own, for a call of the logarithm
     among the sums at the nodes would cost a third of the step. Of four particles at a time, for a processor does sums
     and products of so many at once; the last one is found again where there are not four.
@@ -60,17 +63,23 @@ def logarithms(J):
     return logarithm
 
 
-@ti.func
-def stress(body: ti.template(), p, on: ti.template()):
-    """J sigma as (xx, xy, yx, yy), or P = mu F + (lambda ln J - mu) F^-T where the weights stay those of rest."""
-    F, mu, volumetric = body.deformation_gradient[p], body.shear_modulus, body.volumetric[p]
-    shear = mu * (F[0] * F[2] + F[1] * F[3])
-    full = ti.Vector([mu * (F[0] * F[0] + F[1] * F[1] - 1) + volumetric, shear, shear,
-                      mu * (F[2] * F[2] + F[3] * F[3] - 1) + volumetric])
-    if ti.static(on.frozen):
-        back = (volumetric - mu) / determinant(F)
-        full = mu * F + back * ti.Vector([F[3], -F[2], -F[1], F[0]])
-    return full
+def stress_of(volumetric: bool) -> Callable:
+    """The stress of a step, as a function for kernels, of bodies whose lambda may be other than 0, or is 0."""
+    @ti.func
+    def stress(body: ti.template(), p, on: ti.template()):
+        """J sigma as (xx, xy, yx, yy), or P = mu F + (lambda ln J - mu) F^-T where the weights stay those of rest."""
+        F, mu = body.deformation_gradient[p], body.shear_modulus
+        shear = mu * (F[0] * F[2] + F[1] * F[3])
+        full = ti.Vector([mu * (F[0] * F[0] + F[1] * F[1] - 1), shear, shear, mu * (F[2] * F[2] + F[3] * F[3] - 1)])
+        back = -mu
+        if ti.static(volumetric):
+            bulk = body.volumetric[p]
+            full, back = full + ti.Vector([bulk, 0.0, 0.0, bulk]), bulk - mu
+        if ti.static(on.frozen):
+            full = mu * F + back / determinant(F) * ti.Vector([F[3], -F[2], -F[1], F[0]])
+        return full
+
+    return stress
 
 
 @ti.func

@@ -54,7 +54,7 @@ def map_to_nodes(body: ti.template(), start, end, grid, traits: ti.template(), o
     """The same of the particles from ``start`` to ``end``, for a grid that has been cleared."""
     if ti.static(not on.frozen):
         find_weights(body, start, end, on)
-    traits.prepare(body, start, end)
+    traits.prepare(body, start, end, on)
     if ti.static(on.method == "cpdi"):
         cpdi.particles_to_nodes(body, start, end, grid, traits, on)
     else:

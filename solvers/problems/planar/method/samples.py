@@ -46,6 +46,7 @@ def sample_sums(body: ti.template(), row, step, measures: ti.template(), on: ti.
     body.samples[row, ti.static(column("work"))] = work
     body.samples[row, ti.static(column("crossings"))] = crossings
     if ti.static(on.truth):
+        measures.find_exact(body, step, on)
         sample_truth(body, row, step, measures, on)
     if ti.static(len(on.estimators) > 0):
         sample_estimates(body, row, step, measures, on)
@@ -59,16 +60,15 @@ def sample_sums(body: ti.template(), row, step, measures: ti.template(), on: ti.
 @ti.func
 def sample_truth(body: ti.template(), row, step, measures: ti.template(), on: ti.template()):
     """Sums of squares of the true errors of x, v, sigma and, with the effect, a at particles and nodes."""
-    exact_at_step = measures.exact_at_step(body, step)
     squares = ti.Vector([0.0, 0.0, 0.0, 0.0])
     for p in range(body.particles):
-        motion, a = measures.vector_errors(body, p, exact_at_step, on)
-        squares += squared_parts(motion, measures.stress_error(body, p, exact_at_step), a)
+        motion, a = measures.vector_errors(body, p, on)
+        squares += squared_parts(motion, measures.stress_error(body, p), a)
     for q in ti.static(range(3)):
         body.samples[row, ti.static(column("error_x")) + q] = squares[q]
     if ti.static(on.acceleration):
         # Before the first step no acceleration has been computed, and so none can be wrong.
-        nodes = measures.node_acceleration_error(body, exact_at_step, on)
+        nodes = measures.node_acceleration_error(body, on)
         body.samples[row, ti.static(column("error_a"))] = squares[3] if step > 0 else 0.0
         body.samples[row, ti.static(column("error_extra"))] = nodes * body.particles if step > 0 else 0.0
 
@@ -76,17 +76,16 @@ def sample_truth(body: ti.template(), row, step, measures: ti.template(), on: ti
 @ti.func
 def sample_estimates(body: ti.template(), row, step, measures: ti.template(), on: ti.template()):
     """Sums of squares of each estimate and of its distance from the truth."""
-    exact_at_step = measures.exact_at_step(body, step)
     if ti.static(runtime.on_processor()):
         for e in range(ti.static(len(on.estimators))):
-            sample_estimate(body, row, step, e, exact_at_step, measures, on)
+            sample_estimate(body, row, step, e, measures, on)
     else:
         for e in ti.static(range(len(on.estimators))):
-            sample_estimate(body, row, step, e, exact_at_step, measures, on)
+            sample_estimate(body, row, step, e, measures, on)
 
 
 @ti.func
-def sample_estimate(body: ti.template(), row, step, e, exact_at_step, measures: ti.template(), on: ti.template()):
+def sample_estimate(body: ti.template(), row, step, e, measures: ti.template(), on: ti.template()):
     """The same of estimator number e."""
     squares, missed = ti.Vector([0.0, 0.0, 0.0, 0.0]), ti.Vector([0.0, 0.0, 0.0, 0.0])
     for p in range(body.particles):
@@ -95,10 +94,10 @@ def sample_estimate(body: ti.template(), row, step, e, exact_at_step, measures: 
         a = body.estimate_acceleration[e * body.particles + p]
         squares += squared_parts(motion, sigma, a)
         if ti.static(on.truth):
-            true_motion, true_a = measures.vector_errors(body, p, exact_at_step, on)
+            true_motion, true_a = measures.vector_errors(body, p, on)
             if step == 0:  # none has been computed, and so none can be wrong
                 true_a = ti.Vector([0.0, 0.0])
-            true_sigma = measures.stress_error(body, p, exact_at_step)
+            true_sigma = measures.stress_error(body, p)
             missed += squared_parts(motion - true_motion, sigma - true_sigma, a - true_a)
     at = ti.static(len(BASE)) + ti.static(len(EACH)) * e
     for q in ti.static(range(4)):

@@ -10,6 +10,8 @@ from collections.abc import Callable
 import taichi as ti
 
 from solvers.kernels import runtime
+from solvers.problems.planar.method import field_tables
+from solvers.problems.planar.method.field_tables import MOTION, fact
 from solvers.problems.planar.method.records import scatter_add
 from solvers.scene.balance import MODES
 from solvers.solver.samples import column
@@ -17,7 +19,7 @@ from solvers.solver.samples import column
 SAME = 1e-12  # of itself, by which a distance may differ when it is found twice, in loops that are compiled otherwise
 
 
-def contradictions(inner: float, outer: float, turns: bool) -> Callable:
+def look_at_circles(inner: float, outer: float, turns: bool) -> Callable:
     """The look for contradictions within a body between these radii, in m. Its circles move along the radius alone, so
     that motion around the centre is an error too, unless each ``turns`` as a whole.
 
@@ -29,8 +31,8 @@ def contradictions(inner: float, outer: float, turns: bool) -> Callable:
         """Write how far neighbours are from where they should stand, and circles are out of shape, in metres."""
         look_at_neighbours(body, row)
         turning = 0.0
-        for k in range(body.radius_count):
-            body.circles[k] = ti.Vector([0.0, 0.0, 0.0, 0.0])
+        for k in range(body.orbits):
+            body.exact[3 * k] = ti.Vector([0.0, 0.0, 0.0, 0.0])  # room that the sample needs no more
         for p in range(body.particles):
             X, e, motion = body.material_position[p], body.direction[p], body.position_velocity[p]
             u = ti.Vector([motion[0] - X[0], motion[1] - X[1]])
@@ -40,10 +42,10 @@ def contradictions(inner: float, outer: float, turns: bool) -> Callable:
                 square = u[0] * u[0] + u[1] * u[1]
             else:
                 turning += around * around
-            scatter_add(body.circles, body.radius[p], ti.Vector([1.0, along, around, square]))
+            scatter_add(body.exact, 3 * body.orbit[p], ti.Vector([1.0, along, around, square]))
         scatter, squares, motion = 0.0, turning, ti.Vector([0.0] * MODES)
-        for k in range(body.radius_count):
-            sums = body.circles[k]
+        for k in range(body.orbits):
+            sums = body.exact[3 * k]
             mean = sums[1] * sums[1]
             if ti.static(turns):
                 mean += sums[2] * sums[2]
@@ -56,6 +58,27 @@ def contradictions(inner: float, outer: float, turns: bool) -> Callable:
         body.samples[row, ti.static(column("out_of_shape"))] = ti.sqrt((turning + scatter) / body.particles)
 
     return look
+
+
+@ti.func
+def look_at_modes(body: ti.template(), row):
+    """Write how far neighbours are from where they should stand, and the moments of the displacement with the modes of
+    the exact motion: see ``BoxScene.balanced_motion``. No symmetry within the body is known."""
+    look_at_neighbours(body, row)
+    squares, sums = 0.0, ti.Vector([0.0] * MODES)
+    rank, modes = fact(body, MOTION, field_tables.RANK), fact(body, MOTION, field_tables.MODES)
+    for p in range(body.particles):
+        X, q = body.material_position[p], body.position_velocity[p]
+        u = ti.Vector([q[0] - X[0], q[1] - X[1]])
+        squares += u[0] * u[0] + u[1] * u[1]
+        for k in ti.static(range(MODES)):
+            if k < rank:
+                m = body.tables[modes + 2 * (p * rank + k)]
+                sums[k] += u[0] * m[0] + u[1] * m[1]
+    body.samples[row, ti.static(column("motion_square"))] = squares
+    for k in ti.static(range(MODES)):
+        body.samples[row, ti.static(column("motion_0")) + k] = sums[k]
+    body.samples[row, ti.static(column("out_of_shape"))] = 0.0
 
 
 @ti.func
@@ -103,7 +126,7 @@ def moments(body: ti.template(), k, along, around, inner, outer):
     """What a circle adds to the sums that ``solvers.problems.planar.circles`` knows: its displacements ``along`` e_R
     and ``around``, summed over its particles, times the Legendre polynomials of the radius from rim to rim."""
     half = ti.static(MODES // 2)
-    s = (2 * body.radii[k][0] - inner - outer) / (outer - inner)
+    s = (2 * body.orbit_point[k][0] - inner - outer) / (outer - inner)
     sums = ti.Vector([0.0] * MODES)
     older, value = 0.0, 1.0
     for n in ti.static(range(half)):

@@ -40,7 +40,7 @@ class Kernels(NamedTuple):
 def kernels(parts: PlanarParts) -> Kernels:
     HOOKS, TRAITS, MEASURES, has_escaped = parts.hooks, parts.traits, parts.measures, parts.has_escaped
     # Numbers and arrays as one argument: nothing of a scene is baked into compiled code but its switches.
-    State = ti.types.argpack(**parts.arrays.types(), **packing(HOOKS).types)
+    State = ti.types.argpack(**WatchedBody.types(), **packing(HOOKS).types)
 
     @ti.func
     def one_step(body: ti.template(), step, on: ti.template()):

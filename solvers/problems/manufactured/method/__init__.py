@@ -1,1 +1,0 @@
-"""What kernels know of manufactured problems."""

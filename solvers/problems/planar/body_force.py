@@ -1,0 +1,49 @@
+"""The body force of a plane problem: the built-in one, which makes its displacement the solution, and a second tone of
+another frequency, for which no solution is built in: there an estimate has to stand alone."""
+
+from __future__ import annotations
+
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from solvers.motion.separable_field import SeparableField, separate
+
+SECOND_SIZE, SECOND_FREQUENCY = 0.5, 1.7  # of the second tone: in w^2 times its shape, and over w
+
+
+class BodyForce(NamedTuple):
+    """The force per mass at some points as data; of the second tone what sin(1.7 wt) is taken times."""
+
+    built_in: SeparableField | None
+    second_tone: SeparableField | None
+
+    def __call__(self, t: float) -> np.ndarray | float:
+        """(K, 2) in m/s^2; 0 where there is none."""
+        force: np.ndarray | float = self.built_in(t) if self.built_in else 0.0
+        if self.second_tone:
+            force += np.sin(SECOND_FREQUENCY * self.second_tone.angular_frequency * t) * self.second_tone(t)
+        return force
+
+
+def body_force_at(scene: Any, X: np.ndarray, t: Any) -> np.ndarray:
+    """The force per mass (P, 2) in m/s^2 on material points X (P, 2) at a time, or a time each (P,)."""
+    if scene.body_force == "none":
+        return np.zeros_like(X)
+    force = scene.EXACT.body_force(scene, X, t)
+    if scene.body_force == "two-tone":
+        force = force + _second_tone(scene, X, t) * np.sin(SECOND_FREQUENCY * scene.angular_frequency * t)[..., None]
+    return force
+
+
+def body_force_of(scene: Any, points: np.ndarray) -> BodyForce:
+    """The same at points (K, 2) as data."""
+    if scene.body_force == "none":
+        return BodyForce(None, None)
+    first = separate(lambda X, t: scene.EXACT.body_force(scene, X, t), points, scene.period)
+    return BodyForce(first, separate(lambda X, t: _second_tone(scene, X, t), points, scene.period)
+                     if scene.body_force == "two-tone" else None)
+
+
+def _second_tone(scene: Any, X: np.ndarray, t: Any) -> np.ndarray:
+    return SECOND_SIZE * scene.angular_frequency**2 * scene.second_tone(X, t)

@@ -1,0 +1,184 @@
+"""BoxScene: a run of a plane problem that is no more than a displacement of a square between symmetry planes."""
+
+from __future__ import annotations
+
+import functools
+import math
+from dataclasses import dataclass
+from typing import NamedTuple
+
+import numpy as np
+
+from solvers.estimators.spectral import Elements
+from solvers.motion.separable_field import SeparableField, separate
+from solvers.problems.planar.estimators.patch import CARTESIAN, Patch
+from solvers.problems.planar.limits import transport
+from solvers.problems.planar.scene import GHOSTS, PlanarScene, motion_table
+from solvers.scene.balance import MODES, Moments
+from solvers.scene.option import option
+from solvers.scene.remedies import COUPLED, FILTER, FROZEN
+from solvers.scene.rules import require_number
+
+LINE, INSTANTS = 24, 16  # points a side and times of a period at which the motion is looked at
+NEWTON_STEPS, NEWTON_END = 20, 1e-9  # of the material point that has come to a node, in m: it converges quadratically
+FINE = 7  # order of the companion's elements beside another code, on the finer of two meshes
+#: Of the companion: from how many cells on, elements a side, and their order; the last are for motions of short waves.
+MESHES = ((0, 3, 5), (25, 4, 5), (65, 4, 6), (math.inf, 6, 6), (math.inf, 8, 6), (math.inf, 10, 6))
+POINTS_BETWEEN = 7  # an element, at which a mesh is held against the displacement
+RESOLVED = 3e-4  # of the displacement: RMS that a mesh may leave out
+
+
+class Sizes(NamedTuple):
+    """Over the body and a period: the largest values, and the RMS, of x, v, sigma and a, by quantity."""
+
+    largest: dict[str, float]
+    rms: dict[str, float]
+
+
+@dataclass(frozen=True)
+class BoxScene(PlanarScene):
+    """Fields that every problem on a square has. Its own file gives ``displacement_at`` and what else it says."""
+
+    method: str = option("cpdi", "Shape functions of the particles", choices=("ugimp", "cpgimp", "cpdi", "mpm"))
+    cells: int = option(32, "Cells of the grid along a side; h = 1 m / cells")
+    ppc: int = option(2, "Particles per cell and direction")
+    modulus: float = option(1e7, "Young's modulus E", "Pa")
+    poisson_ratio: float = option(0.3, "Poisson's ratio")
+    density: float = option(1000.0, "Density", "kg/m3")
+    body_force: str = option("material", "Body force: at material points, or none; only the first has a built-in "
+                             "solution", choices=("material", "none"))
+    linearity_preserving: bool = option(False, "Not offered here: only off is accepted")
+    plan: str = option("auto", "How the step is spread over the threads; auto takes the faster one for the number of "
+                       "particles", choices=("auto", "serial", "parallel"))
+
+    layout = "box"
+    SIDE, INNER, OUTER, ANGLE = 1.0, 0.0, 1.0, 0.5 * math.pi
+    PLANES = (True, True)
+    ESCAPED = "left the square (it is a cell or more beyond a plane)"
+    ESTIMATORS = ("transport", "companion")
+    VALIDITY = {"transport": transport}
+    REMEDIES = (FILTER, COUPLED, FROZEN)
+    FEWEST_CELLS = 8
+    DEFAULT_PERIODS = 1.0
+    SAMPLES_A_PERIOD = 50
+    NOT_LINEARITY_PRESERVING = "is not offered here; leave it off"
+    MENDS = "the others mend"
+    MOST_AMPLITUDE = math.inf
+
+    @staticmethod
+    def polar_counts(cells: int, ppc: int) -> tuple[int, int]:
+        return cells * ppc, cells * ppc
+
+    @classmethod
+    def draw_point(cls, chance: np.random.Generator) -> tuple[float, float]:
+        return chance.uniform(0, cls.SIDE), chance.uniform(0, cls.SIDE)
+
+    @property
+    def row(self) -> int:
+        return self.cells + 1 + 2 * GHOSTS
+
+    @property
+    def farthest(self) -> float:
+        return self.SIDE + self.spacing
+
+    def grid_field(self) -> SeparableField:
+        """The acceleration in m/s^2 at the places of the nodes, of the material that has come there."""
+        line = (np.arange(self.row) - self.origin) * self.spacing
+        return separate(lambda x, t: self.EXACT.acceleration(self, x if self.frozen else self._came_from(x, t), t),
+                        np.stack(np.meshgrid(line, line), axis=-1).reshape(-1, 2), self.period)
+
+    def _came_from(self, x: np.ndarray, t: np.ndarray) -> np.ndarray:
+        """The material points (n, 2) that are at the places x (n, 2) at the times t (n,), by Newton's method."""
+        X = x.copy()
+        for _ in range(NEWTON_STEPS):
+            F = self.EXACT.deformation_gradient(self, X, t)
+            step = np.linalg.solve(F, (self.EXACT.position(self, X, t) - x)[..., None])[..., 0]
+            X -= step
+            if np.abs(step).max() < NEWTON_END:
+                break
+        return X
+
+    @functools.cached_property
+    def _sizes(self) -> Sizes:
+        line = np.linspace(0, self.SIDE, LINE + 1)
+        X = np.stack(np.meshgrid(line, line), axis=-1).reshape(-1, 2)
+        fields = {"x": (self.EXACT.displacement, (1, 1)), "v": (self.EXACT.velocity, (1, 1)),
+                  "sigma": (self.EXACT.stress, (1, 2, 1)), "a": (self.EXACT.acceleration, (1, 1))}
+        times = (np.arange(INSTANTS) + 0.5) / INSTANTS * self.period
+        squares = {name: np.stack([field(self, X, t)**2 @ np.array(weights) for t in times])
+                   for name, (field, weights) in fields.items()}
+        return Sizes({name: float(np.sqrt(values.max())) for name, values in squares.items()},
+                     {name: float(np.sqrt(values.mean())) for name, values in squares.items()})
+
+    @property
+    def motion_amplitude(self) -> float:
+        """Largest displacement of the exact solution, in m."""
+        return self._sizes.largest["x"]
+
+    def size_of(self, quantity: str) -> float:
+        return self._sizes.largest[quantity]
+
+    def rms_of(self, quantity: str) -> float:
+        return self._sizes.rms[quantity]
+
+    def exact_along(self, quantity: str, X: np.ndarray, t: float) -> np.ndarray:
+        """Along x."""
+        exact = self.EXACT
+        if quantity == "a":
+            return exact.acceleration(self, X, max(0.0, t - self.time_step))[:, 0]
+        return {"x": exact.displacement, "v": exact.velocity, "sigma": exact.stress}[quantity](self, X, t)[:, 0]
+
+    def companion_body(self, fine: bool) -> Patch:
+        return self.companion_patch(FINE if fine else None)
+
+    def companion_patch(self, order: int | None = None) -> Patch:
+        """What the companion is solved on: few elements on few cells, as many as the motion needs, and of another order
+        where one is asked for."""
+        usual = max(k for k, (fewest_cells, *_) in enumerate(MESHES) if fewest_cells <= self.cells)
+        for _, count, own_order in MESHES[usual:]:
+            line = Elements(0.0, self.SIDE, count, order or own_order)
+            if self._left_out(line) <= RESOLVED:
+                break
+        return Patch(self, (line, line), CARTESIAN,
+                     lambda X: np.any([np.abs(X - end) < 1e-12 * self.SIDE for end in (0.0, self.SIDE)], axis=0))
+
+    def _left_out(self, line: Elements) -> float:
+        """RMS over the body and a period of what polynomials on the elements leave out of the displacement, over that
+        of the displacement."""
+        between = (np.arange(POINTS_BETWEEN * line.count) + 0.5) / (POINTS_BETWEEN * line.count) * self.SIDE
+        element, values, _ = line.locate(between)
+        basis = np.zeros((len(between), len(line.nodes)))
+        np.put_along_axis(basis, line.of_node[element], values, axis=1)
+        at_nodes, there = (np.stack(np.meshgrid(x, x, indexing="ij"), axis=-1).reshape(-1, 2)
+                           for x in (line.nodes, between))
+        missed = squares = 0.0
+        for t in (np.arange(INSTANTS) + 0.5) / INSTANTS * self.period:
+            u = self.EXACT.displacement(self, at_nodes, t).reshape(len(line.nodes), len(line.nodes), 2)
+            exact = self.EXACT.displacement(self, there, t)
+            missed += float(((np.einsum("ai,bj,ijc->abc", basis, basis, u).reshape(-1, 2) - exact) ** 2).sum())
+            squares += float((exact**2).sum())
+        return math.sqrt(missed / squares)
+
+    def balanced_motion(self, times: np.ndarray) -> Moments:
+        """With the modes of the exact motion for functions of place."""
+        if not self.solution_known:
+            return Moments(np.zeros((len(times), MODES)), np.zeros(len(times)), np.eye(MODES), self.particles,
+                           np.zeros(len(times), bool))
+        motion, gram = motion_table(self), products_of_modes(self)
+        T = np.stack([motion.time_functions(float(t)) for t in times])
+        few = min(MODES, motion.rank)
+        sums, inverse = np.zeros((len(times), MODES)), np.zeros((MODES, MODES))
+        sums[:, :few] = T @ gram[:, :few]
+        inverse[:few, :few] = np.linalg.pinv(gram[:few, :few], hermitian=True)
+        return Moments(sums, np.einsum("tk,kl,tl->t", T, gram, T), inverse, self.particles, np.ones(len(times), bool))
+
+    def _check_amplitude(self) -> None:
+        require_number("amplitude", self.amplitude, 1e-12, self.MOST_AMPLITUDE)
+        self._check_material()
+
+
+@functools.lru_cache(maxsize=2)
+def products_of_modes(scene: BoxScene) -> np.ndarray:
+    """sum_p u_k . u_l (r, r) of the displacements of the motion's modes."""
+    u = motion_table(scene).modes[:, :, :2]
+    return np.einsum("pkc,plc->kl", u, u)

@@ -1,0 +1,36 @@
+"""The exact solution of a plane problem at one time, as its error budget needs it."""
+
+from __future__ import annotations
+
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from solvers.motion.exact_solution import TIME, X_AXIS, Y_AXIS, columns
+from solvers.problems.planar.method.body import PlanarBody
+from solvers.problems.planar.scene import motion_table
+
+
+class Moment(NamedTuple):
+    """The exact solution at one time, at the material positions of P particles, SI."""
+
+    displacement: np.ndarray  # u (P, 2)
+    velocity: np.ndarray  # v (P, 2)
+    acceleration: np.ndarray  # a (P, 2)
+    body_force: np.ndarray  # per mass (P, 2)
+    deformation_gradient: np.ndarray  # F (P, 2, 2)
+    rate: np.ndarray  # F_t, which is the gradient of v along X (P, 2, 2)
+    second_rate: np.ndarray  # F_tt, that of a (P, 2, 2)
+
+
+def moment_of(scene: Any, a: PlanarBody, t: float) -> Moment:
+    """Found at the orbits' points, F_tt from the table of the motion, and turned to the particles of the body ``a``."""
+    jets, K = scene.EXACT.jets(scene, a.orbit_point, t), len(a.orbit_point)
+    rate = [one.derivative(axis, TIME) for one in jets for axis in (X_AXIS, Y_AXIS)]
+    vectors = [columns(one, K) for one in ((jets.x.value, jets.y.value), jets.velocity, jets.acceleration,
+                                           jets.body_force(scene.lame_moduli, scene.density))]
+    tensors = [columns(jets.deformation_gradient, K), columns(rate, K), motion_table(scene)(t, 2)[:, 2:]]
+    c, s = a.direction.T
+    Q = np.stack([c, -s, s, c], axis=1).reshape(-1, 2, 2)
+    return Moment(*(np.einsum("pij,pj->pi", Q, one[a.orbit]) for one in vectors),
+                  *(Q @ one.reshape(-1, 2, 2)[a.orbit] @ Q.swapaxes(1, 2) for one in tensors))

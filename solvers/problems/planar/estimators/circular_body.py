@@ -1,0 +1,93 @@
+"""The companion of a body whose motion is the same all around: its mesh, and its solve by itself, all in numpy."""
+
+from __future__ import annotations
+
+import functools
+from typing import Any
+
+import numpy as np
+
+from solvers.estimators.spectral import Elements, highest_frequency
+from solvers.estimators.standalone import ElasticBody
+from solvers.problems.planar.body_force import body_force_of
+from solvers.problems.planar.layout import on_axis
+
+INSTANTS = 16  # of a period, at which the stiffest deformation is looked for
+
+
+def masses(elements: Elements) -> np.ndarray:
+    """w_i R_i of the nodes: their masses in a sector of one radian, for a density of 1."""
+    return elements.assembled_weights * elements.nodes
+
+
+@functools.cache
+def unit_frequency(elements: Elements) -> float:
+    """The highest frequency of the body at rest for a wave speed of 1 m/s, in 1/s: u_tt = u'' + u'/R - u/R^2."""
+    R, node, weights = elements.nodes, elements.of_node, elements.weights
+    inverse_mass = 1 / masses(elements)
+
+    def accelerations(u: np.ndarray) -> np.ndarray:
+        stretch = u[node] @ elements.derivative.T
+        pull = (stretch * weights * R[node]) @ elements.derivative + weights * u[node] / R[node]
+        return inverse_mass * np.bincount(node.ravel(), pull.ravel())
+
+    return highest_frequency(accelerations, inverse_mass)
+
+
+class CircularBody(ElasticBody):
+    """Two functions of the radius, on a line of elements: with every angle the same, they tell all (why, and the
+    equations, are in ``solvers.problems.planar.estimators.circular_companion``). The unknowns are the displacement of
+    the particles on the x axis, along it and across it."""
+
+    def __init__(self, scene: Any, count: int, order: int):
+        self.elements, self._lame = Elements(scene.INNER, scene.OUTER, count, order), scene.lame_moduli
+        self._R = self.elements.nodes
+        self.points = on_axis(self._R)
+        self.inverse_mass = np.repeat(1 / (scene.density * masses(self.elements))[:, None], 2, axis=1)
+        self.velocity = scene.EXACT.velocity(scene, self.points, 0.0)
+        self.force = body_force_of(scene, self.points)
+        self.frequency_at_rest = scene.wave_speed * unit_frequency(self.elements)
+        self.frequency = self.frequency_at_rest * self._stiffening(scene)
+
+    def _stiffening(self, scene: Any) -> float:
+        """How many times as high the frequency becomes at most along the exact motion: its square goes with the tangent
+        along the radius, mu + (lambda + mu - lambda ln J) |F e_Theta|^2/J^2."""
+        (lam, mu), times = self._lame, np.arange(INSTANTS) / INSTANTS * scene.period
+        F = np.concatenate([scene.EXACT.deformation_gradient(scene, self.points, t) for t in times])
+        J = np.linalg.det(F)
+        tangent = mu + (lam + mu - lam * np.log(J)) * (F[:, :, 1] ** 2).sum(axis=1) / J**2
+        return float(np.sqrt(max(1.0, tangent.max() / (lam + 2 * mu))))
+
+    def accelerations(self, u: np.ndarray, t: float) -> np.ndarray:
+        (lam, mu), node, D = self._lame, self.elements.of_node, self.elements.derivative
+        local, R, weight = u[node], self._R[node][..., None], self.elements.weights[:, None]
+        along = np.einsum("ki,eic->ekc", D, local) + np.array([1.0, 0.0])  # F e_R, then F e_Theta
+        around = right(-local) / R + np.array([0.0, 1.0])
+        J = along[..., :1] * around[..., 1:] - along[..., 1:] * around[..., :1]
+        with np.errstate(all="ignore"):  # a motion that is lost, which its end tells
+            back = (lam * np.log(J) - mu) / J
+        radial = mu * along + back * right(around)  # P e_R
+        hoop = mu * around - back * right(along)  # P e_Theta
+        pull = np.einsum("ki,ekc->eic", D, weight * R * radial) + weight * right(hoop)
+        total = np.zeros_like(u)
+        np.add.at(total, node, pull)
+        return self.force(t) - self.inverse_mass * total
+
+    def read(self, u: np.ndarray, X: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        R = np.linalg.norm(X, axis=1)
+        e = X / R[:, None]
+        element, values, slopes = self.elements.locate(R)
+        local = u[self.elements.of_node[element]]
+        there, slope = (np.einsum("pi,pic->pc", basis, local) for basis in (values, slopes))
+        outward, around = combined(e, slope), combined(e, right(-there) / R[:, None])
+        return combined(e, there), outward[:, :, None] * e[:, None] + around[:, :, None] * right(-e)[:, None]
+
+
+def right(vectors: np.ndarray) -> np.ndarray:
+    """Vectors (..., 2) turned by 90 degrees to the right."""
+    return np.stack([vectors[..., 1], -vectors[..., 0]], axis=-1)
+
+
+def combined(e: np.ndarray, parts: np.ndarray) -> np.ndarray:
+    """Vectors (P, 2) from their ``parts`` along directions e (P, 2) and along those turned by 90 degrees to the left."""
+    return parts[:, :1] * e - parts[:, 1:] * right(e)

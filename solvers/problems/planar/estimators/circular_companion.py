@@ -1,0 +1,198 @@
+"""The companion of a body whose motion is the same all around (see ``solvers.estimators.companion``).
+
+Body force and initial velocity are the same at every angle of the ring, seen from that angle, and so are its shape and
+its material. Turn a solution by any angle, and it solves the same problem; but a smooth solution is the only one; so it
+is its own image under every rotation,
+
+    x(R, Theta, t) = p(R, t) e_R(Theta) + q(R, t) e_Theta(Theta),
+
+and two functions of the radius tell all: p = r cos alpha and q = r sin alpha, where r(R, t) is the radius to which a
+circle has gone and alpha(R, t) by how much it has turned. Neither is taken from the exact solution: circles may widen,
+J may change, and lambda matters. In p and q, other than in r and alpha, masses are constant and nothing depends on
+velocities. With the columns of F in the frame (e_R, e_Theta) of the particle at rest,
+
+    F e_R = (p', q'),  F e_Theta = (-q, p)/R,  P = mu (F - F^-T) + lambda ln J F^-T,
+    m_i p_i'' = m_i b_R - sum_k w_k R_k P_RR phi_i' - w_i P_tt,  m_i = rho w_i R_i,
+    m_i q_i'' = m_i b_t - sum_k w_k R_k P_tR phi_i' + w_i P_Rt,
+
+the second index that of the column; both rims are free of traction. The unknowns kept are u = (p - R, q).
+
+It sees every error of the particles, those that depend on the angle too (the grid has no rotational symmetry, nor has a
+Cartesian layout), for they are errors against a solution that does not. It cannot see that a real ring, kicked, might
+leave this motion if that were unstable: nothing here depends on the angle. Nor, as everywhere, an error in b, in the
+initial velocity or in the law of the material.
+"""
+
+import numpy as np
+import taichi as ti
+
+from solvers.estimators import companion as shared
+from solvers.estimators.standalone import ElasticBody
+from solvers.kernels.elementary import log
+from solvers.kernels.kinds import integers, octets, pairs, quads, reals
+from solvers.problems.planar.layout import particle_layout
+from solvers.problems.planar.method.field_tables import find_force_functions, force_at, of_pairs, pack
+from solvers.problems.planar.method.frames import turned, turned_tensor
+from solvers.problems.planar.method.neo_hookean import cauchy_stress, cauchy_stress_of
+
+
+@ti.func
+def accelerate(body: ti.template(), t, on: ti.template()):
+    """Accelerations of the nodes at the trial displacement and time t, where they are zero at first."""
+    N, order = body.companion_counts[shared.NODES], body.companion_counts[shared.ORDER]
+    stiffest = 1.0
+    for e in range(body.companion_counts[shared.ACROSS]):
+        stiffest = ti.max(stiffest, element_forces(body, e * order))
+    body.companion_numbers[shared.STIFFEST] = stiffest
+    find_force_functions(body.companion_force, body.companion_force_sizes, body.angular_frequency * t, on)
+    for i in range(N):
+        work = shared.WORK * N + i
+        force = force_at(body.companion_force, body.companion_force_sizes, i, on)
+        for c in ti.static(range(2)):
+            a = body.companion_nodes[work][6 + c] * body.companion_nodes[work][2 + c]
+            body.companion_nodes[work][2 + c] = a + force[c]
+
+
+@ti.func
+def element_forces(body: ti.template(), first):
+    """Take the internal forces of the element from node ``first`` on from its nodes.
+
+    Returns its stiffest tangent over lambda + 2 mu. Waves run along the radius, and the largest eigenvalue of their
+    tangent is mu + (lambda + mu - lambda ln J) |F^-T e_R|^2, |F^-T e_R| = |F e_Theta|/J: 1 in any vortex with J = 1.
+    """
+    n = body.companion_counts[shared.ORDER] + 1
+    trial = shared.WORK * body.companion_counts[shared.NODES] + first
+    mu, lam = body.shear_modulus, body.lame_modulus
+    stiffest = 1.0
+    for k in range(n):
+        slope = ti.Vector([0.0, 0.0])
+        for i in range(n):
+            d = body.companion_matrices[k * n + i][0]
+            for c in ti.static(range(2)):
+                slope[c] += d * body.companion_nodes[trial + i][c]
+        R, w = body.companion_radii[first + k], body.companion_matrices[k * n][1]
+        u = ti.Vector([body.companion_nodes[trial + k][0], body.companion_nodes[trial + k][1]])
+        along, around = polar_gradient(slope, u, R)
+        J = along[0] * around[1] - along[1] * around[0]
+        volumetric = lam * ti.log(J)
+        stiffest = ti.max(stiffest, (mu + (lam + mu - volumetric) * around.dot(around) / (J * J)) / (lam + 2 * mu))
+        # F^-T e_R is F e_Theta turned by -90 degrees over J, F^-T e_Theta is F e_R turned by 90 degrees over J.
+        back = (volumetric - mu) / J
+        radial = w * R * ti.Vector([mu * along[0] + back * around[1], mu * along[1] - back * around[0]])  # P e_R
+        hoop = w * ti.Vector([mu * around[0] - back * along[1], mu * around[1] + back * along[0]])  # P e_Theta
+        body.companion_nodes[trial + k][2] = body.companion_nodes[trial + k][2] - hoop[1]
+        body.companion_nodes[trial + k][3] = body.companion_nodes[trial + k][3] + hoop[0]
+        for i in range(n):
+            d = body.companion_matrices[k * n + i][0]
+            for c in ti.static(range(2)):
+                body.companion_nodes[trial + i][2 + c] = body.companion_nodes[trial + i][2 + c] - d * radial[c]
+    return stiffest
+
+
+@ti.func
+def polar_gradient(slope, u, R):
+    """F e_R and F e_Theta in the frame (e_R, e_Theta) of the particle at rest, from u' and u."""
+    return ti.Vector([1 + slope[0], slope[1]]), ti.Vector([-u[1], R + u[0]]) / R
+
+
+@ti.func
+def report(body: ti.template(), base, step, on: ti.template()):
+    """Every particle's error at ``step``: computed minus the companion's, at its material point; the companion is read
+    once for all particles of a radius."""
+    shared.read_nodes(body, step)
+    report_at_once(body, base, step, on)
+
+
+@ti.func
+def report_at_once(body: ti.template(), base, step, on: ti.template()):
+    """The same with nodes that are at ``step`` already, as on a GPU."""
+    n = body.companion_counts[shared.ORDER] + 1
+    for k in range(body.orbits):
+        now = shared.NOW * body.companion_counts[shared.NODES] + body.companion_first[k]
+        circle = ti.Vector([0.0] * 8)  # u, v, a, u'
+        for i in range(n):
+            basis = body.companion_basis[k * n + i]
+            for c in ti.static(range(6)):
+                circle[c] += basis[0] * body.companion_nodes[now + i][c]
+            for c in ti.static(range(2)):
+                circle[6 + c] += basis[1] * body.companion_nodes[now + i][c]
+        body.companion_circles[k] = circle
+        sigma = circle_stress(body, circle, body.orbit_point[k][0])
+        body.companion_circle_stress[k] = ti.Vector([sigma[0], sigma[1], sigma[2], 0.0])
+    squares = 0.0
+    for p in range(body.particles):
+        squares += particle_error(body, base, p, step, on)
+    body.companion_numbers[shared.SQUARE] = squares / body.particles
+
+
+@ti.func
+def particle_error(body: ti.template(), base, p, step, on: ti.template()):
+    """Errors of x and v, of the Cauchy stress and of a at a particle. Returns the square of that of x."""
+    f, e = body.companion_circles[body.orbit[p]], body.direction[p]
+    X, q = body.material_position[p], body.position_velocity[p]
+    u, v = turned(e, f[0], f[1]), turned(e, f[2], f[3])
+    error = ti.Vector([q[0] - X[0] - u[0], q[1] - X[1] - u[1], q[2] - v[0], q[3] - v[1]])
+    body.estimate[base + p] = error
+    true = body.companion_circle_stress[body.orbit[p]]
+    miss = cauchy_stress(body, p) - turned_tensor(e, true[0], true[1], true[2])
+    body.estimate_stress[base + p] = ti.Vector([miss[0], miss[1], miss[2], 0.0])
+    a = ti.Vector([ti.math.nan, ti.math.nan])
+    if ti.static(on.acceleration):  # before the first step none has been computed, and so none can be wrong
+        a = body.acceleration[p] - turned(e, f[4], f[5]) if step > 0 else ti.Vector([0.0, 0.0])
+    body.estimate_acceleration[base + p] = a
+    return error[0] * error[0] + error[1] * error[1]
+
+
+@ti.func
+def circle_stress(body: ti.template(), f, R):
+    """Cauchy stress of a circle (u, v, a, u'), as RR, Rt, tt of the frame at rest."""
+    along, around = polar_gradient(ti.Vector([f[6], f[7]]), ti.Vector([f[0], f[1]]), R)
+    return cauchy_stress_of(body, ti.Vector([along[0], around[0], along[1], around[1]]))
+
+
+def allocate(scene) -> dict[str, np.ndarray]:
+    """The companion at rest, moving with the initial velocity."""
+    solved = scene.companion_body(fine=None)
+    elements, layout = solved.elements, particle_layout(scene)
+    n, R = elements.order + 1, elements.nodes
+    element, *basis = elements.locate(layout.orbits[:, 0])
+    sizes, force = pack(*map(of_pairs, solved.force))
+    return {
+        **shared.start((elements.order, elements.count, 1, len(R), len(R), len(R)), solved.frequency_at_rest,
+                       scene.time_step, solved.velocity, solved.inverse_mass),
+        "companion_radii": R,
+        "companion_matrices": np.stack([elements.derivative.ravel(), np.repeat(elements.weights, n)], axis=1),
+        "companion_first": (element * elements.order).astype(np.int32),
+        "companion_basis": np.stack(basis, axis=2).reshape(-1, 2),
+        "companion_circles": np.zeros((len(layout.orbits), 8)),
+        "companion_circle_stress": np.zeros((len(layout.orbits), 4)),
+        "companion_force": force, "companion_force_sizes": sizes}
+
+
+def standalone(scene) -> ElasticBody:
+    """The same solve by itself, on the same elements."""
+    return scene.companion_body(fine=None)
+
+
+def verdict(scene, memory) -> str | None:
+    """Why not to trust what was reported last."""
+    counts = memory["companion_counts"]
+    order = counts[shared.ORDER]
+    u = memory["companion_nodes"].reshape(-1, counts[shared.NODES], 8)[shared.NOW, :, :2]
+    of_node = np.arange(counts[shared.ACROSS])[:, None] * order + np.arange(order + 1)
+    return shared.doubt(u[of_node], (1,), memory["companion_numbers"][shared.SQUARE])
+
+
+HOOKS = shared.hooks(
+    accelerate, {
+        # The layers of nodes are (4 N, 8), along e_R and e_Theta.
+        "companion_radii": reals,  # of the nodes
+        "companion_matrices": pairs,  # d/dR in an element, row by row, and at each row's point the weight
+        "companion_first": integers,  # first node of the element of each circle of particles
+        "companion_basis": pairs,  # the element's p + 1 polynomials there: value and slope
+        "companion_circles": octets,  # u, v, a, u' at the particles' radii, for a report
+        "companion_circle_stress": quads,  # the Cauchy stress there, as RR, R Theta, Theta Theta and nothing
+        "companion_force": quads,  # the tables of the body force at the nodes
+        "companion_force_sizes": integers,
+    },
+    allocate=allocate, report=report, verdict=verdict, standalone=standalone, report_at_once=report_at_once)

@@ -1,0 +1,99 @@
+"""The paper's "Err A": the acceleration of nodes against that of the material that is where they are, in the exact
+motion. The acceleration is that of the last step, and so is the place."""
+
+from collections.abc import Callable
+
+import taichi as ti
+
+from solvers.problems.planar.method.field_tables import GRID, MODES, PRESENT, RANK, fact
+from solvers.problems.planar.method.frames import turned
+from solvers.problems.planar.scene import PlanarScene
+
+NEWTON_STEPS = 8  # of the radius that has come to a node; the map is nearly linear and converges in four or five
+NEWTON_END = 1e-14  # m
+NEAREST = 0.1  # of the inner radius: a node nearer to the centre, where no material comes, counts as there
+
+
+def node_error(ghosts: int) -> Callable:
+    """Of bodies whose table of the grid has the acceleration at each node, with so many ``ghosts`` at either end."""
+    @ti.func
+    def node_acceleration_error(body: ti.template(), on: ti.template()):
+        """Mean squared error of the acceleration of the nodes that carry mass."""
+        total, count, rank = 0.0, 0, fact(body, GRID, RANK)
+        modes, out, last = fact(body, GRID, MODES), fact(body, GRID, PRESENT), body.row - 1 - ghosts
+        for node in range(body.nodes):  # not one loop in another: Vulkan in software adds wrongly there
+            i, j = node % body.row, node // body.row
+            if i >= ghosts and j >= ghosts and i <= last and j <= last and body.node_mass[node] > 0:
+                motion = body.node_motion[node]
+                miss = ti.Vector([motion[2], motion[3]])
+                for k in range(rank):
+                    mode = body.tables[modes + node * rank + k]
+                    miss = miss - body.tables[out + k][3] * ti.Vector([mode[0], mode[1]])
+                total += miss[0] * miss[0] + miss[1] * miss[1]
+                count += 1
+        return total / ti.max(count, 1)
+
+    return node_acceleration_error
+
+
+def circular_node_error(kind: type[PlanarScene], first: int) -> Callable:
+    """Of bodies whose motion is the same all around, whose table of the grid has the displacement as polynomials of the
+    radius; nodes before ``first`` in a row lie beyond a symmetry plane."""
+    beyond, nearest = kind.BEYOND_RIMS, NEAREST * kind.INNER
+    middle, half, inner, outer = 0.5 * (kind.OUTER + kind.INNER), 0.5 * (kind.OUTER - kind.INNER), kind.INNER, kind.OUTER
+
+    @ti.func
+    def expansion(body: ti.template(), s):
+        """u and a at the radius s, from -1 to 1 between the rims, and the derivative of u by s: Clenshaw's recurrence
+        for sum c_m T_m(s), and for its derivative."""
+        b, older = ti.Vector([0.0] * 4), ti.Vector([0.0] * 4)
+        d, older_d = ti.Vector([0.0] * 4), ti.Vector([0.0] * 4)
+        start, terms = 3 * body.orbits, body.exact.shape[0]
+        for n in range(terms - start - 1):
+            c = body.exact[terms - 1 - n]
+            d, older_d = 2 * b + 2 * s * d - older_d, d
+            b, older = c + 2 * s * b - older, b
+        return body.exact[start] + s * b - older, b + s * d - older_d
+
+    @ti.func
+    def node_acceleration_error(body: ti.template(), on: ti.template()):
+        """Mean squared error of the acceleration of the nodes that carry mass."""
+        rank, modes, out = fact(body, GRID, RANK), fact(body, GRID, MODES), fact(body, GRID, PRESENT)
+        for m in range(body.exact.shape[0] - 3 * body.orbits):
+            now = ti.Vector([0.0] * 4)
+            for k in range(rank):
+                T, c = body.tables[out + k], body.tables[modes + m * rank + k]
+                now += ti.Vector([T[3] * c[0], T[3] * c[1], T[2] * c[0], T[2] * c[1]])
+            body.exact[3 * body.orbits + m] = now
+        total, count = 0.0, 0
+        for node in range(body.nodes):  # not one loop in another: Vulkan in software adds wrongly there
+            i, j = node % body.row, node // body.row
+            if i >= first and j >= first and body.node_mass[node] > 0:
+                x, y = (i - body.origin) * body.spacing, (j - body.origin) * body.spacing
+                r = ti.max(ti.sqrt(x * x + y * y), nearest)
+                e, R, step = ti.Vector([x, y]) / r, r, 1.0
+                if ti.static(not beyond):
+                    R = ti.min(ti.max(r, inner), outer)
+                value, slope = expansion(body, (R - middle) / half)
+                if ti.static(beyond and not on.frozen):  # the material radius that has come here
+                    for _ in range(NEWTON_STEPS):
+                        if ti.abs(step) > NEWTON_END:
+                            along, around = R + value[0], value[1]
+                            size = ti.sqrt(along * along + around * around)
+                            rate = ((1 + slope[0] / half) * along + slope[1] / half * around) / size
+                            step = (size - r) / rate
+                            R -= step
+                            value, slope = expansion(body, (R - middle) / half)
+                a = ti.Vector([value[2], value[3]])
+                if ti.static(not on.frozen):  # turned back from where the circle has come to
+                    along, around = R + value[0], value[1]
+                    size = ti.sqrt(along * along + around * around)
+                    a = ti.Vector([a[0] * along + a[1] * around, a[1] * along - a[0] * around]) / size
+                a = turned(e, a[0], a[1])
+                motion = body.node_motion[node]
+                miss_x, miss_y = motion[2] - a[0], motion[3] - a[1]
+                total += miss_x * miss_x + miss_y * miss_y
+                count += 1
+        return total / ti.max(count, 1)
+
+    return node_acceleration_error

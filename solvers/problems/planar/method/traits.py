@@ -1,0 +1,59 @@
+"""A problem's own part of the phases of a step: what pushes its particles, and where they may be."""
+
+from collections.abc import Callable
+
+import taichi as ti
+
+from solvers.problems.planar.method.field_tables import find_force_functions, force_at
+from solvers.problems.planar.method.frames import turned
+from solvers.problems.planar.method.neo_hookean import find_volumetric, stress_of, tangent
+from solvers.problems.planar.method.symmetry_planes import symmetry_planes
+from solvers.problems.planar.parts import Traits
+from solvers.problems.planar.scene import PlanarScene
+
+
+def traits_of(kind: type[PlanarScene]) -> Traits:
+    """Of a problem by the class of its scene."""
+    circular, volumetric = kind.CIRCULAR, kind.VOLUMETRIC
+
+    @ti.func
+    def forces(body: ti.template(), t, on: ti.template()):
+        """The body force per mass at time t: its functions of time, and at the circles itself, for there are few."""
+        find_force_functions(body.tables, body.table_sizes, body.angular_frequency * t, on)
+        if ti.static(circular and on.body_force != "none"):
+            for k in range(body.orbits):
+                body.orbit_force[k] = force_at(body.tables, body.table_sizes, k, on)
+
+    @ti.func
+    def prepare(body: ti.template(), start, end, on: ti.template()):
+        """lambda ln J, and where each particle is an orbit the force, of the particles from ``start`` to ``end``."""
+        if ti.static(volumetric):
+            find_volumetric(body, start, end)
+        if ti.static(not circular and on.body_force != "none"):
+            for p in range(start, end):
+                body.orbit_force[p] = force_at(body.tables, body.table_sizes, p, on)
+
+    @ti.func
+    def body_force_on(body: ti.template(), p):
+        """The body force on a particle, in N."""
+        f = body.orbit_force[body.orbit[p]]
+        if ti.static(circular):
+            f = turned(body.direction[p], f[0], f[1])
+        return body.mass[p] * f
+
+    return Traits(forces=forces, prepare=prepare, body_force_on=body_force_on, stress=stress_of(volumetric),
+                  tangent=tangent, **symmetry_planes(*kind.PLANES)._asdict())
+
+
+def escape_of(kind: type[PlanarScene]) -> Callable:
+    """Whether a particle is where none of a sound run can be, as a function (body, p, step) for kernels."""
+    low = kind.PLANES[0]
+
+    @ti.func
+    def has_escaped(body: ti.template(), p, step):
+        q, X = body.position_velocity[p], body.material_position[p]
+        least = -body.spacing if ti.static(low) else -body.farthest
+        inside = q[0] > least and q[1] > least and q[0] < body.farthest and q[1] < body.farthest
+        return not (inside and (q[0] - X[0]) ** 2 + (q[1] - X[1]) ** 2 < body.farthest_move ** 2)
+
+    return has_escaped

@@ -1,0 +1,59 @@
+"""A plane problem as one object, from the class of its scene."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import TYPE_CHECKING, NamedTuple
+
+from solvers.problems.descriptor import OnDemand, Problem
+from solvers.problems.planar.scene import PlanarScene
+
+if TYPE_CHECKING:
+    from solvers.problems.planar.solver import PlanarSolver
+    from solvers.problems.reference import ProblemReference
+    from solvers.solver.base import Solver
+
+
+class Showing(NamedTuple):
+    """How a problem is shown: the ends of its sliders (low, high, step) and (low, high), what to say of the amplitude,
+    and the share of the running time that each estimator takes in the usual scene, alone on one thread."""
+
+    cells: tuple[int, int, int]
+    ppc: tuple[int, int]
+    amplitude: tuple[float, float]
+    modulus: tuple[float, float]
+    amplitude_hint: str
+    prices: Mapping[str, float]
+
+
+class PlanarProblem(Problem):
+    """What there is of a problem beside its scene, imported when it is first asked for."""
+
+    scene: type[PlanarScene]
+
+    def __init__(self, scene: type[PlanarScene], showing: Showing):
+        self.scene, self.showing = scene, showing
+
+    @property
+    def solver(self) -> type[PlanarSolver]:
+        from solvers.problems.planar.solver import solver_of
+
+        return solver_of(self.scene)
+
+    @property
+    def baseline(self) -> type[Solver]:
+        from solvers.problems.planar.baseline import baseline
+
+        return baseline(self.solver)
+
+    @property
+    def reference(self) -> ProblemReference:
+        from solvers.problems.planar.reference import PlanarReference
+
+        return PlanarReference(self.scene)
+
+    @property
+    def budget(self) -> OnDemand:
+        from solvers.problems.planar.budget.on_demand import PlanarBudget
+
+        return PlanarBudget(self.solver)

@@ -1,0 +1,94 @@
+"""Errors of a plane body's arrays in numpy, as a snapshot has them: computed minus exact.
+
+The page asks for them with every frame, so they cost as little as can be: what is known of an orbit is found once and
+turned to its particles, and vectors (x, y) and tensors (xx, xy, yy), each (P,), are written out in components, since
+numpy's products of many small matrices are slow.
+"""
+
+from typing import Any
+
+import numpy as np
+
+from solvers.motion.neo_hookean import cauchy_stress
+from solvers.problems.planar.circular import along_frame, plotted_frame
+from solvers.problems.planar.method.body import PlanarBody
+
+Vector = tuple[np.ndarray, np.ndarray]
+Tensor = tuple[np.ndarray, np.ndarray, np.ndarray]
+#: Components of an error: (x, y) of a vector, (xx, xy, yy) of a tensor, None where it is unknown.
+Parts = tuple[np.ndarray, ...] | None
+Errors = list[Parts]  # of x, v, sigma and a
+
+
+@np.errstate(all="ignore")  # a run gone bad holds anything
+def true_fields(scene: Any, a: PlanarBody, step: int) -> Errors:
+    """The true errors of x, v, sigma and, with the effect, a after ``step`` steps."""
+    time = step * scene.time_step
+    used = acceleration_error(scene, a, time - scene.time_step) if step and scene.has("acceleration") else None
+    return [*vector_errors(scene, a, time), stress_error(scene, a, time), used]
+
+
+@np.errstate(all="ignore")
+def plotted_field(scene: Any, a: PlanarBody, quantity: str, time: float) -> np.ndarray:
+    """The component that a plot shows of a quantity by its key (``samples.QUANTITIES``), u for x, and its deviation
+    from the exact one (P, 2), NaN where one is not known."""
+    values = deviation = np.full(len(a.position_velocity), np.nan)
+    if quantity != "a" or scene.has("acceleration"):
+        values = plotted_component(scene, a, quantity)
+    if scene.solution_known:
+        deviation = values - scene.exact_along(quantity, a.orbit_point, time)[a.orbit]
+    return np.stack([values, deviation], axis=1)
+
+
+def vector_errors(scene: Any, a: PlanarBody, time: float) -> tuple[Vector, Vector]:
+    """Of x and of v."""
+    exact = scene.EXACT.jets(scene, a.orbit_point, time)
+    (x, y), (v_x, v_y) = _turned(a, exact.x.value, exact.y.value), _turned(a, *exact.velocity)
+    X, q = a.material_position, a.position_velocity
+    return (q[:, 0] - X[:, 0] - x, q[:, 1] - X[:, 1] - y), (q[:, 2] - v_x, q[:, 3] - v_y)
+
+
+def acceleration_error(scene: Any, a: PlanarBody, time: float) -> Vector:
+    """Of the one that a step from that time on has used."""
+    x, y = _turned(a, *scene.EXACT.jets(scene, a.orbit_point, time).acceleration)
+    return a.acceleration[:, 0] - x, a.acceleration[:, 1] - y
+
+
+def cauchy_stress_of(a: PlanarBody) -> Tensor:
+    """Of the particles."""
+    return cauchy_stress(np.ascontiguousarray(a.deformation_gradient.T), a.lame_modulus, a.shear_modulus)
+
+
+def stress_error(scene: Any, a: PlanarBody, time: float) -> Tensor:
+    """Of Cauchy's."""
+    xx, xy, yy = (one[a.orbit] for one in scene.EXACT.stress(scene, a.orbit_point, time).T)
+    c, s = np.ascontiguousarray(a.direction.T)
+    mean, half, double = 0.5 * (xx + yy), 0.5 * (xx - yy), 2 * c * s
+    cosine = c * c - s * s
+    along, across = half * cosine - xy * double, half * double + xy * cosine
+    mine = cauchy_stress_of(a)
+    return mine[0] - mean - along, mine[1] - across, mine[2] - mean + along
+
+
+def plotted_component(scene: Any, a: PlanarBody, quantity: str) -> np.ndarray:
+    """The component (P,) that a plot shows of a quantity by its key (``samples.QUANTITIES``), u for x."""
+    q, X = a.position_velocity, a.material_position
+    parts = cauchy_stress_of(a) if quantity == "sigma" else {
+        "x": q[:, :2] - X, "v": q[:, 2:], "a": a.acceleration}[quantity].T
+    if not scene.CIRCULAR:
+        return parts[0]
+    return along_frame(scene.PLOTTED, *plotted_frame(scene, quantity, X, q[:, :2]).T, *parts)
+
+
+def body_force(a: PlanarBody, some: np.ndarray) -> np.ndarray:
+    """On some particles (c,), in N (c, 2)."""
+    f, e = a.orbit_force[a.orbit[some]], a.direction[some]
+    return a.mass[some][:, None] * np.stack([f[:, 0] * e[:, 0] - f[:, 1] * e[:, 1],
+                                             f[:, 1] * e[:, 0] + f[:, 0] * e[:, 1]], axis=1)
+
+
+def _turned(a: PlanarBody, x: Any, y: Any) -> Vector:
+    """Vectors (K,) at the orbits' points, at their particles (P,)."""
+    x, y = (np.broadcast_to(one, len(a.orbit_point))[a.orbit] for one in (x, y))
+    c, s = np.ascontiguousarray(a.direction.T)
+    return x * c - y * s, y * c + x * s

@@ -1,1 +1,0 @@
-"""The expanding ring: two dimensions, plane strain, a quarter of it between two symmetry planes (paper, section 6)."""

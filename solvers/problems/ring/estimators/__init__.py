@@ -1,1 +1,0 @@
-"""The ring's estimators: one file each."""

@@ -1,1 +1,0 @@
-"""The generalized vortex: a full ring whose circles turn against each other, so that it shears and rotates."""

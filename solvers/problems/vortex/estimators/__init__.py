@@ -1,1 +1,0 @@
-"""The vortex's estimators: one file each."""

@@ -1,1 +1,0 @@
-"""What the vortex adds to the method in the plane: arrays, material and force, exact solution."""
