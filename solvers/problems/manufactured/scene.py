@@ -17,9 +17,9 @@ from solvers.problems.manufactured import step_bound
 from solvers.problems.planar.estimators.patch import CARTESIAN, Patch
 from solvers.problems.planar.layout import particle_layout
 from solvers.problems.planar.scene import GHOSTS, PlanarScene
-from solvers.problems.planar.validity import transport
 from solvers.scene.balance import MODES, Moments
 from solvers.scene.option import option
+from solvers.scene.registry import MOVING_WEIGHTS
 from solvers.scene.remedies import COUPLED, FILTER, FROZEN
 from solvers.scene.rules import SceneError, require_number
 from solvers.scene.step_bound import StepBound
@@ -30,7 +30,6 @@ NEWTON_STEPS, NEWTON_END = 20, 1e-9  # of the material point that has come to a 
 MESHES = ((0, 3, 5), (25, 4, 5), (65, 4, 6), (math.inf, 6, 6), (math.inf, 8, 6), (math.inf, 10, 6))
 POINTS_BETWEEN = 7  # an element, at which a mesh is held against the displacement
 RESOLVED = 3e-4  # of the displacement: RMS that a mesh may leave out
-RULES = {"transport": transport}
 
 
 class Sizes(NamedTuple):
@@ -66,7 +65,7 @@ class ManufacturedScene(PlanarScene):
     SIDE, INNER, OUTER, ANGLE = 1.0, 0.0, 1.0, 0.5 * math.pi
     PLANES = (True, True)
     ESTIMATORS = ("transport", "companion")
-    VALIDITY = RULES
+    LIMITS = (MOVING_WEIGHTS,)
     REMEDIES = (FILTER, COUPLED, FROZEN)
     FEWEST_CELLS = 8
     DEFAULT_PERIODS = 1.0

@@ -10,8 +10,8 @@ from typing import ClassVar
 import numpy as np
 
 from solvers.problems.planar.circular import CircularScene
-from solvers.problems.planar.validity import NO_LATTICE
-from solvers.problems.ring import exact, step_bound, validity
+from solvers.problems.ring import exact, step_bound
+from solvers.problems.ring_limits import LIMITS
 from solvers.scene.option import described, option
 from solvers.scene.remedies import COUPLED, FILTER, FROZEN
 from solvers.scene.rules import SceneError, require_number
@@ -54,8 +54,7 @@ class RingScene(CircularScene):
     TITLE = "expanding ring"
     SETTING = "A quarter of a ring with radii 0.4 m and 0.6 m on a square grid, 1.2 m wide."
     ESTIMATORS = ("transport", "recovered", "companion", "two-grid")
-    VALIDITY = validity.RULES
-    IMPOSSIBLE = NO_LATTICE
+    LIMITS = LIMITS
     REMEDIES = (FILTER, COUPLED, FROZEN)
     STRAIN_PER_AMPLITUDE = 1 / INVERSION
     GENTLE_AMPLITUDE = 1e-2

@@ -11,9 +11,9 @@ from typing import ClassVar
 import numpy as np
 
 from solvers.problems.planar.circular import CircularScene
-from solvers.problems.planar.validity import NO_LATTICE
-from solvers.problems.vortex import exact, step_bound, validity
+from solvers.problems.vortex import exact, step_bound
 from solvers.problems.vortex.exact import INNER, MIDDLE, OUTER, circle_force, lame, turn
+from solvers.problems.vortex_limits import LIMITS
 from solvers.scene.effects import EFFECTS
 from solvers.scene.option import described, option
 from solvers.scene.remedies import FILTER, FROZEN
@@ -63,8 +63,7 @@ class VortexScene(CircularScene):
     TITLE = "generalized vortex"
     SETTING = "A ring with radii 0.75 m and 1.25 m, whose circles turn against each other, on a square grid, 3 m wide."
     ESTIMATORS = ("transport", "recovered", "companion")
-    VALIDITY = validity.RULES
-    IMPOSSIBLE = NO_LATTICE
+    LIMITS = LIMITS
     # Not the coupling of F with the displacements: measured at A = 1 on 48 cells, every GIMP run that has it breaks.
     REMEDIES = (FILTER, FROZEN)
     OWN_EFFECTS = ("spin",)

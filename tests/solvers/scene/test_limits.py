@@ -1,9 +1,12 @@
-"""Rows that say where an estimator does not hold, each kind of limit for itself."""
+"""Rows that say where an estimator does not hold, each kind of limit for itself. What the rows of the problems refuse,
+tests/solvers/estimators/test_refusals.py has in words."""
 
 from types import SimpleNamespace
 
 import pytest
 
+from solvers.problems import PROBLEMS
+from solvers.problems.bar.scene import BarScene
 from solvers.scene.limits import Limit, reason
 
 SCENE = SimpleNamespace(cells=12, ppc=3, force="node", remedies=("a", "b"), end=6.0, period=2.0)
@@ -31,3 +34,17 @@ def test_a_row_refuses_what_is_beyond_its_limit(quantity, given, why, said):
 def test_the_first_row_that_is_broken_speaks():
     rows = [Limit("mine", "cells", most=most, why="above {most}") for most in (20, 11, 10)]
     assert reason(rows, "mine", SCENE) == "above 11"
+
+
+def test_an_estimator_from_outside_may_have_limits(monkeypatch):
+    monkeypatch.setattr(BarScene, "LIMITS", (*BarScene.LIMITS, Limit("recovered", "ppc", least=5, why="give {least}")))
+    assert BarScene(estimators=("recovered",)).not_valid == {"recovered": "not valid here: give 5"}
+
+
+@pytest.mark.parametrize("problem", PROBLEMS)
+def test_rows_are_of_estimators_and_quantities_that_a_scene_has(problem):
+    scene = PROBLEMS[problem].scene()
+    for row in scene.LIMITS:
+        quantities = (row.quantity, row.least, row.most, row.below, row.of, row.above[0], *row.where)
+        assert row.estimator in scene.choices("estimators")
+        assert all(hasattr(scene, name) for name in quantities if isinstance(name, str))

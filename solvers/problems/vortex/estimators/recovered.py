@@ -11,8 +11,9 @@ import taichi as ti
 
 from solvers.problems.planar.estimators import recovered
 from solvers.problems.planar.method.neo_hookean import cauchy_stress
-from solvers.problems.vortex import exact, validity
+from solvers.problems.vortex import exact
 from solvers.problems.vortex.method.material import force_at
+from solvers.problems.vortex_limits import crossing_rate
 
 
 @ti.func
@@ -34,7 +35,7 @@ def stress_error(vortex: ti.template(), p, a, b, c, d):
 
 def side(scene, angle):
     """Of an element, as a wave takes it along the circle where it is fastest."""
-    return 1 / angle.per_element / validity.crossing_rate(scene)
+    return 1 / angle.per_element / crossing_rate(scene)
 
 
 def velocity(scene, R):
