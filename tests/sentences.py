@@ -20,7 +20,7 @@ from tests.paths import ROOT
 #: Where they stand.
 FILES = ("motion/formula.py", "motion/typed_motion.py",
          "scene/rules.py", "scene/scene.py", "scene/step_bound.py", "scene/registry.py", "scene/effects.py",
-         "problems/[!_]*.py", "problems/*/scene.py", "problems/*/validity.py", "problems/bar/patch.py",
+         "problems/[!_]*.py", "problems/*/scene.py", "problems/*/limits.py", "problems/bar/patch.py",
          "problems/*/solver.py",
          "problems/*/estimators/recovered_tables.py", "problems/planar/budget/on_demand.py",
          "estimators/companion.py", "estimators/phase_lag.py",
@@ -38,7 +38,7 @@ NAMES = re.compile("[A-Z_]*(NAMES?[A-Z_]*|UNITS?|SETTING|PLACES|SPEEDS|CLOCK|VEL
 #: What else is for nobody's eyes, by how it begins.
 SILENT = ("%d ", "<", "of the ", "times ", "does not hold", "cannot be told", "double precision", "single precision")
 WORD = re.compile(r"[^\W\d_]{2,}")
-PLACE = re.compile(r"\{(\w+)\}")
+PLACE, FORMAT = re.compile(r"\{(\w+)\}"), re.compile(r"\{(?:scene\.)?(\w+)(?::[^{}]*)?\}")
 Text = tuple[str, str]  # a template, and the file where it stands
 
 
@@ -93,7 +93,7 @@ def _template(node: ast.expr) -> str:
     """A literal as a template: what stands between its words are places, named after what is put there; two side by
     side are one."""
     if isinstance(node, ast.Constant):
-        return str(node.value)
+        return FORMAT.sub(r"{\1}", str(node.value))
     assert isinstance(node, ast.JoinedStr)
     text, names, after = "", list[str](), False
     for part in node.values:

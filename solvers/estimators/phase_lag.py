@@ -14,28 +14,26 @@ Source: derived for this program.
 from __future__ import annotations
 
 import math
-from typing import TYPE_CHECKING
+from typing import Any
 
-if TYPE_CHECKING:
-    from solvers.scene.scene import Scene
+from solvers.scene.limits import Limit
 
 #: Radians that a wave of the coarse run may be behind at the end: the estimate is off by .45 of itself then, and by
 #: half of that in the mean. Measured on bars of one and two waves: distances of x up to .5 below, .2 to 1.5 beyond 1.2.
 MOST_LAG = 0.9
 
 
-def lag(scene: Scene, wavenumber: float) -> float:
+def lag(scene: Any, wavenumber: float) -> float:
     """Radians by which a wave, in 1/m, of the second run is behind the exact one at the end."""
     slowing = 1 / 4 if scene.method == "bspline" else 1 / 8 + 1 / (24 * scene.ppc**2)
     coarse = scene.spacing * scene.cells / (scene.cells // 2)
     return slowing * (wavenumber * coarse) ** 2 * wavenumber * scene.wave_speed * scene.end_time
 
 
-def out_of_step(scene: Scene, wavenumber: float) -> str | None:
-    """A sentence where waves of the second run end too far behind; the lag falls with the square of the cells."""
-    found = lag(scene, wavenumber)
-    if found <= MOST_LAG:
-        return None
-    cells = 2 * math.ceil(scene.cells / 2 * math.sqrt(found / MOST_LAG) + 1)
-    return (f"by the end, waves on the second run's cells would be {found:.2g} radians behind, too far to extrapolate "
-            f"(at most {MOST_LAG:g}); give {cells} cells or {scene.end_time * MOST_LAG / found:.3g} s")
+def in_step(wavenumber: float, **where: Any) -> Limit:
+    """The limit that waves of the second run end not too far behind; the lag falls with the square of the cells."""
+    return Limit("two-grid", lambda scene: lag(scene, wavenumber), most=MOST_LAG, where=where, give={
+        "cells": lambda scene, lag: 2 * math.ceil(scene.cells / 2 * math.sqrt(lag / MOST_LAG) + 1),
+        "end_time": lambda scene, lag: scene.end_time * MOST_LAG / lag},
+        why="by the end, waves on the second run's cells would be {value:.2g} radians behind, too far to extrapolate "
+            "(at most {most:g}); give {cells} cells or {end_time:.3g} s")

@@ -21,7 +21,7 @@ as coefficients it interpolates, with more it also smooths.
 
 Cannot see: errors that both grids share (a force put at the wrong place, a wrong material or time step), and errors
 longer than a few cells that do not fall like h^2. Where it is known that they do not, it is not run (see each problem's
-``validity``), above all where waves of the second run are out of step with the exact ones
+``LIMITS``), above all where waves of the second run are out of step with the exact ones
 (``solvers.estimators.phase_lag``).
 """
 

@@ -1,32 +1,73 @@
-"""Where an estimator of the vortex is known, before anything has run, not to hold.
-
-What only a run can show is the business of the estimator's own ``verdict``. A scene is a ``VortexScene``, whose file
-imports this one.
-"""
+"""Where an estimator of the vortex is known not to hold: a row for each limit (see ``solvers.scene.limits``)."""
 
 import math
-from collections.abc import Callable
 from typing import Any
 
 import numpy as np
 
+from solvers.problems.planar.limits import POLAR, THREE_ACROSS
+from solvers.scene.limits import Limit
+from solvers.scene.registry import MOVING_WEIGHTS
 from solvers.scene.remedies import FILTER
 
-from solvers.problems.planar.limits import off_lattice, too_few_across, transport
-INNER, OUTER = 0.75, 1.25
-def shape(R):
-    s = R - 1
-    square = s * s
-    return (1 + (-32 + 256 * square) * square, (-64 + 1024 * square) * s, -64 + 12 * 256 * square)
-
-#: Cells along a side on which the ring is four cells wide, as a fit is. On fewer, errors are resolved only where waves
-#: have spread them: measured, x and v .9 to 1.1 in 25 of 27 vortices in which a wave goes 3 m or more in a period, in 4
-#: of 28 others, where they are .6 to .9; with uneven particles, over which fits go farther, in 1 of 20 of all.
-FEWEST_CELLS = 24
 FAR_ENOUGH = 3.0  # metres in a period
 #: Radians from one cell to the next by which circles may turn against each other. Measured on 60 vortices of 16 to 80
 #: cells: sigma .9 to 1.1 below, 1.2 to 3 beyond, and x up to 1.5.
 MOST_TURN = 0.39
+ENOUGH = 3  # particles per cell and direction, with which GIMP keeps its rim up to A = 1
+
+
+def slopes(scene: Any) -> tuple[np.ndarray, np.ndarray]:
+    """Radii R across the ring in m, and h' there in 1/m, of h(R) = 1 - 32 (R-1)^2 + 256 (R-1)^4."""
+    R = np.linspace(scene.INNER, scene.OUTER, 101)
+    return R, (1024 * (R - 1) ** 2 - 64) * (R - 1)
+
+
+def crossing_rate(scene: Any) -> float:
+    """How many radians a wave on the fastest circle runs while one runs a metre at rest.
+
+    With F = [[1, 0], [g, 1]] the stiffest tangent along e_Theta, at rest, is mu + (lambda + mu) (1 + g^2), and there
+    g/R = A |h'|. Where the shear is largest, circles are wider than the inner rim.
+    """
+    ratio = 1 / (1 - 2 * scene.poisson_ratio)  # (lambda + mu)/mu
+    R, slope = slopes(scene)
+    return float(np.sqrt((1 / R**2 + ratio / (ratio + 1) * (scene.amplitude * slope) ** 2).max()))
+
+
+def turn(scene: Any) -> float:
+    """Radians by which circles one cell apart turn against each other, at most."""
+    return float(scene.amplitude * scene.spacing * np.abs(slopes(scene)[1]).max())
+
+
+LIMITS = (
+    # Recovered: the fits need a polar lattice with enough particles, and its steps cannot be shorter than the run's.
+    MOVING_WEIGHTS, POLAR, THREE_ACROSS,
+    # On 24 cells along a side the ring is four cells wide, as a fit is. On fewer, errors are resolved only where waves
+    # have spread them: measured, x and v .9 to 1.1 in 25 of 27 vortices in which a wave goes 3 m or more in a period,
+    # in 4 of 28 others, where they are .6 to .9; with uneven particles, over which fits go farther, in 1 of 20 of all.
+    Limit("recovered", "cells", least=24, where={"uneven": True}, why="particles that are one per cell or move with "
+          "their own velocity stand unevenly, and recovered's fits over six cells are wider than the ring; give "
+          "{least} cells or more"),
+    Limit("recovered", lambda scene: scene.wave_speed * scene.period, least=FAR_ENOUGH, where={"coarse": True},
+          give={"frequency": lambda scene, reach: reach * scene.frequency / FAR_ENOUGH},
+          why="recovered's fits over four cells are wider than the ring, and waves, which go {value:.2g} m in a "
+          "period, do not spread the error until they see it; give 24 cells or more, or a frequency of "
+          "{frequency:.2g}/s or less"),
+    Limit("recovered", turn, most=MOST_TURN,
+          give={"cells": lambda scene, turn: math.ceil(scene.cells * turn / MOST_TURN)},
+          why="circles one cell apart turn by {value:.2g} radians against each other, and recovered's fits over four "
+          "cells can follow {most:g}; give {cells} cells or a smaller amplitude"),
+    # As the way of a wave over an element, a cell wide at the inner rim. From 0.8 on its method may be unstable, which
+    # the run shows.
+    Limit("recovered", "courant_number", most=lambda scene: 0.9 / (scene.INNER * crossing_rate(scene)), why="recovered "
+          "has an equation of motion of its own, which such steps would make unstable in a material sheared so much; "
+          "give a cfl of {most:.2g} or less"))
+
+ENOUGH = 3.0  # metres in a period
+#: Radians from one cell to the next by which circles may turn against each other. Measured on 60 vortices of 16 to 80
+#: cells: sigma .9 to 1.1 below, 1.2 to 3 beyond, and x up to 1.5.
+MOST_TURN = 0.39
+ENOUGH = 3  # particles per cell and direction, with which GIMP keeps its rim up to A = 1
 #: Of recovered, as the way of a wave over an element. From 0.8 on its method may be unstable, which the run shows.
 LONGEST_STEP = 0.9
 LOOKED_AT = 101  # circles, for the fastest wave
@@ -70,9 +111,6 @@ def recovered(scene: Any) -> str | None:
 
 
 RULES: dict[str, Callable[[Any], str | None]] = {"recovered": recovered, "transport": transport}
-
-
-ENOUGH = 3  # particles per cell and direction
 
 
 def other_advice(scene: Any) -> str:

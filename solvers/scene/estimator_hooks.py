@@ -41,7 +41,7 @@ class EstimatorHooks:
         On a GPU: fill the entries from that body's nodes, for all particles at once.
     verdict : (scene, memory) -> str or None
         From the arrays of a run, why the estimate cannot be trusted: one sentence that begins with "not valid here: ".
-        What is known beforehand is said by the problem's ``validity``.
+        What is known beforehand is said by the scene's ``LIMITS``.
     """
 
     memory: Mapping[str, object]

@@ -13,14 +13,18 @@ from pathlib import Path
 
 from solvers.scene import extensions
 from solvers.scene.estimator_hooks import EstimatorHooks
+from solvers.scene.limits import Limit
 from solvers.scene.rules import SceneError
 
 EXPLANATIONS = Path(__file__).parents[1] / "estimators" / "explanations"
+#: Transport's defects are those of weights that follow the particles.
+MOVING_WEIGHTS = Limit("transport", "frozen", allowed=(False,), why="transport follows the errors of weights that are "
+                       "computed anew each step, and with frozen-weights reads 2 to 20,000 times the error; leave that "
+                       "remedy out, or take recovered or companion")
 #: Why an estimator is known not to hold, in sentences that several problems say.
-FROZEN_REASON = ("transport follows the errors of weights that are computed anew each step, and with frozen-weights "
-                 "reads 2 to 20,000 times the error; leave that remedy out, or take recovered or companion")
 PROCESSOR_REASON = ("{name} works on the particles in every step, which is not built for a GPU; take companion, which "
                     "the processor solves beside them, or --arch cpu")
+HALF_REASON = "the second run has half the cells, and half of {scene.cells} is too few; give {least} or more"
 REMEDIES_REASON = "the second run takes no remedies, so that it is a run of another method; leave {names} out"
 
 

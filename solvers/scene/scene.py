@@ -10,11 +10,11 @@ from __future__ import annotations
 import functools
 import math
 from abc import ABC, abstractmethod
-from collections.abc import Callable, Mapping
+from collections.abc import Callable
 from dataclasses import dataclass, fields
 from typing import Any, ClassVar
 
-from solvers.scene import effects, registry, rules
+from solvers.scene import effects, limits, registry, rules
 from solvers.scene.defaults import SceneDefaults
 from solvers.scene.effects import ALL, EFFECTS, effects_of
 from solvers.scene.option import option
@@ -78,10 +78,7 @@ class Scene(SceneDefaults, ABC):
 
     SETTING: ClassVar[str]  # where it is, in the words of its command's help
     EXTRA_ERROR: ClassVar[str]  # what its own error norm is called in the result (see ``solvers.solver.samples``)
-    #: Rules by which an estimator is known not to hold: a reason, or None (see the problem's ``validity``).
-    VALIDITY: ClassVar[Mapping[str, Callable[[Any], str | None]]] = {}
-    #: Those of them by which it is not wrong but cannot run at all.
-    IMPOSSIBLE: ClassVar[Mapping[str, Callable[[Any], str | None]]] = {}
+    LIMITS: ClassVar[tuple[limits.Limit, ...]] = ()  # beyond which an estimator is known not to hold
     DIMENSIONS: ClassVar[int] = 1
     GENTLE_AMPLITUDE: ClassVar[float]  # at which every method's run stays sound, for timings
     HARD_AMPLITUDES: ClassVar[tuple[float, ...]]  # of a stability map
@@ -222,7 +219,7 @@ class Scene(SceneDefaults, ABC):
     @functools.cached_property
     def not_valid(self) -> dict[str, str]:
         """Why an estimator asked for is not run: a sentence for each that is known not to hold here."""
-        reasons = {name: rule(self) for name in self.estimators if (rule := self.VALIDITY.get(name))}
+        reasons = {name: limits.reason(self.LIMITS, name, self) for name in self.estimators}
         if self.for_gpu:
             reasons |= {name: registry.PROCESSOR_REASON.format(name=name) for name in self.estimators
                         if not registry.ESTIMATORS[name].beside_gpu}

@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from solvers.problems.bar import exact, patch, step_bound, validity
+from solvers.problems.bar import exact, limits, patch, step_bound
 from solvers.problems.bar.patch import PATCH, VIBRATE
 from solvers.scene.balance import Moments
 from solvers.scene.causes import CAUSES, NOTHING
@@ -53,7 +53,7 @@ class BarScene(Scene):
     SETTING = "The bar is 1 m long."
     EXTRA_ERROR = "sigma_log"
     ESTIMATORS = ("transport", "recovered", "companion", "two-grid")
-    VALIDITY = validity.RULES
+    LIMITS = limits.LIMITS
     OWN_EFFECTS = ("budget",)
     REMEDIES = (FILTER, COUPLED, CENTRED, FROZEN, PIECES)
     RUN_ONLY = dict.fromkeys(("motion", "stretch", "initial_velocity"), patch.NOTHING_TO_SEARCH)
@@ -169,7 +169,7 @@ class BarScene(Scene):
 
     def warnings(self) -> list[str]:
         sentences = super().warnings()
-        if "two-grid" in self.active_estimators and validity.noisy(self):
+        if "two-grid" in self.active_estimators and limits.noisy(self):
             sentences.append("two-grid says nothing of a here: particles that cross cells fill it with noise, which "
                              "each of the two grids has in other places")
         if "budget" in self.effects and not self.has("budget"):

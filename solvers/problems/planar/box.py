@@ -12,10 +12,10 @@ import numpy as np
 from solvers.estimators.spectral import Elements
 from solvers.motion.separable_field import SeparableField, separate
 from solvers.problems.planar.estimators.patch import CARTESIAN, Patch
-from solvers.problems.planar.limits import transport
 from solvers.problems.planar.scene import GHOSTS, PlanarScene, motion_table
 from solvers.scene.balance import MODES, Moments
 from solvers.scene.option import option
+from solvers.scene.registry import MOVING_WEIGHTS
 from solvers.scene.remedies import COUPLED, FILTER, FROZEN
 from solvers.scene.rules import require_number
 
@@ -56,7 +56,7 @@ class BoxScene(PlanarScene):
     PLANES = (True, True)
     ESCAPED = "left the square (it is a cell or more beyond a plane)"
     ESTIMATORS = ("transport", "companion")
-    VALIDITY = {"transport": transport}
+    LIMITS = (MOVING_WEIGHTS,)
     REMEDIES = (FILTER, COUPLED, FROZEN)
     FEWEST_CELLS = 8
     DEFAULT_PERIODS = 1.0

@@ -18,7 +18,6 @@ from solvers.problems.planar import circles
 from solvers.problems.planar.body_force import body_force_at
 from solvers.problems.planar.estimators.circular_body import CircularBody
 from solvers.problems.planar.layout import on_axis
-from solvers.problems.planar.limits import NO_LATTICE
 from solvers.problems.planar.scene import GHOSTS, PlanarScene
 from solvers.scene.balance import Moments
 from solvers.scene.option import option
@@ -43,7 +42,6 @@ class CircularScene(PlanarScene):
                        "particles", choices=("auto", "serial", "parallel"))
 
     CIRCULAR = True
-    IMPOSSIBLE = NO_LATTICE
 
     @classmethod
     def draw_point(cls, chance: np.random.Generator) -> tuple[float, float]:
@@ -58,6 +56,13 @@ class CircularScene(PlanarScene):
     def farthest(self) -> float:
         """Half as far again as the body should go, in a quarter; half a cell from the edge of a grid around it."""
         return self.OUTER + 1.5 * self.amplitude + self.spacing if self.PLANES[0] else 0.5 * (self.SIDE - self.spacing)
+
+    @functools.cached_property
+    def motion_amplitude(self) -> float:
+        """Largest displacement of the exact solution, in m."""
+        X = on_axis(np.linspace(self.INNER, self.OUTER, 2 * CIRCLES + 1))
+        return max(float(np.linalg.norm(self.EXACT.displacement(self, X, part * self.period), axis=1).max())
+                   for part in self.EXTREMES)
 
     @property
     def crossing_rate(self) -> float:

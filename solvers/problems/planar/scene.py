@@ -47,6 +47,7 @@ class PlanarScene(Scene):
     EARLIER: ClassVar[float] = 0.5  # time steps before t = 0 to which the initial velocity belongs, as in leapfrog
     EXTREMES: ClassVar[tuple[float, float]] = (0.0, 1.0)  # periods between which the motion takes on all its shapes
     FARTHEST_MOVE: ClassVar[float] = math.inf  # amplitudes that a particle of a sound run may be from where it began
+    COARSE_BELOW: ClassVar[int] = 0  # cells, of which recovered's fits over four are too wide for the acceleration
     BEYOND_RIMS: ClassVar[bool] = False  # whether the displacement's formula is of use there, to grid nodes
     #: Of the companion of a body whose motion is the same all around: up to so many cells, elements across, their order.
     COMPANION_MESHES: ClassVar[tuple[tuple[float, int, int], ...]]
@@ -166,7 +167,7 @@ class PlanarScene(Scene):
     @property
     def coarse(self) -> bool:
         """Whether cells are so wide that recovered's fits lose the short waves of the acceleration."""
-        return False
+        return self.cells < self.COARSE_BELOW
 
     def warnings(self) -> list[str]:
         sentences = super().warnings()

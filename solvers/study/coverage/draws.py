@@ -30,6 +30,7 @@ import numpy as np
 from solvers.problems import PROBLEMS
 from solvers.running.goals import DISPLACEMENT, ENERGY, STRESS
 from solvers.running.result import Result
+from solvers.scene.limits import reason
 from solvers.scene.rules import SceneError
 from solvers.scene.scene import Scene
 from solvers.scene.switches import combination
@@ -239,8 +240,8 @@ def _hearing(kind: type[Scene]) -> type[Scene]:
     """A kind of scene whose estimators run although they are refused, if they can; that they are is known to it as
     before."""
     def active(scene: Scene) -> tuple[str, ...]:
-        reasons = {name: rule(scene) for name, rule in kind.IMPOSSIBLE.items()}
-        return tuple(name for name in scene.choices("estimators") if not reasons.get(name))
+        limits = [limit for limit in kind.LIMITS if limit.impossible]
+        return tuple(name for name in scene.choices("estimators") if not reason(limits, name, scene))
     return type(kind.__name__, (kind,), {"active_estimators": property(active)})
 
 

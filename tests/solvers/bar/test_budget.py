@@ -9,9 +9,9 @@ import pytest
 
 from solvers.problems.bar.scene import BarScene
 from solvers.problems.bar.solver import BarSolver
-from solvers.problems.bar.validity import RULES
 from solvers.running.budget import run_budget
 from solvers.scene.causes import CAUSES, FIELDS
+from solvers.scene.limits import reason
 from solvers.scene.remedies import CENTRED, COUPLED, FILTER, FROZEN
 from solvers.solver import budget
 from tests.budget import EFFECTS, GOOD, causal, drawn
@@ -170,7 +170,7 @@ def test_estimators_of_the_step_leave_a_run_without_a_cause_alone(simulate):
                     take_away="crossings")
     result = simulate(scene)
     assert set(result.not_valid) == {"transport"} and result.index["recovered"]["x"] == pytest.approx(1, abs=0.1)
-    assert all("taken out" in RULES[name](scene) for name in ("transport", "two-grid"))
+    assert all("taken out" in reason(scene.LIMITS, name, scene) for name in ("transport", "two-grid"))
 
 
 def test_without_the_force_at_the_nodes_it_is_the_force_at_material_points():

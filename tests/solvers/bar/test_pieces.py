@@ -14,6 +14,7 @@ from solvers.problems.bar.solver import BarSolver
 from solvers.problems.ring.scene import RingScene
 from solvers.running.run import run
 from solvers.scene.causes import CAUSES, FIELDS
+from solvers.scene.limits import reason
 from solvers.scene.rules import SceneError
 from solvers.scene.step_bound import SAFE
 
@@ -141,5 +142,5 @@ def test_what_does_not_go_with_them_is_refused():
     with pytest.raises(SceneError, match="remedies"):
         RingScene(remedies=PIECES)
     for name in ("transport", "two-grid"):
-        assert BAR.VALIDITY[name](BAR)
-    assert BAR.VALIDITY["recovered"](BAR) is None
+        assert reason(BAR.LIMITS, name, BAR)
+    assert reason(BAR.LIMITS, "recovered", BAR) is None

@@ -16,9 +16,9 @@ from solvers.engine.soundness_watch import SoundnessWatch
 from solvers.engine.stepper import Stepper
 from solvers.problems.bar.scene import BarScene
 from solvers.problems.bar.solver import BarSolver
-from solvers.problems.bar.validity import RULES
 from solvers.running.goals import ENERGY, STRESS
 from solvers.running.run import run
+from solvers.scene.limits import Limit
 from solvers.solver import samples
 
 SCENE = BarScene(cells=20, periods=1)
@@ -223,7 +223,7 @@ def test_frames_say_what_is_not_valid(monkeypatch):
         assert session.frame().not_valid == broken
         session._advance(int(0.04 * half))
         assert session.frame().not_valid == {}
-        monkeypatch.setitem(RULES, "transport", lambda scene: "it snows")
+        monkeypatch.setattr(BarScene, "LIMITS", (Limit("transport", "cells", least=17, why="it snows"),))
         session.accept(replace(session.wish, number=2, scene=replace(SCENE, cells=16)))
         assert session.frame().not_valid == {"transport": "not valid here: it snows"}
 

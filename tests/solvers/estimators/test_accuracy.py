@@ -313,7 +313,7 @@ def test_what_is_refused_is_wrong(changes, word, monkeypatch):
     """Whether that is known beforehand or found in the run; with all rules switched off."""
     scene = replace(VORTEX, t_end=None, **changes)
     reason = scene.not_valid.get("recovered")
-    monkeypatch.setattr(VortexScene, "VALIDITY", {})
+    monkeypatch.setattr(VortexScene, "LIMITS", ())
     with np.errstate(all="ignore"):
         result = run(replace(scene), prices=False)
     index = ratio_of(result, "index", "recovered")

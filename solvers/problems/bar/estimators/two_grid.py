@@ -14,9 +14,9 @@ import taichi as ti
 from solvers.estimators import two_grid
 from solvers.kernels.kinds import quads, real, reals
 from solvers.kernels.packing import part
+from solvers.problems.bar.limits import noisy
 from solvers.problems.bar.method.body import BarBody, body
 from solvers.problems.bar.method.phases import nodes_to_particles, update_grid
-from solvers.problems.bar.validity import noisy
 from solvers.scene.estimator_hooks import EstimatorHooks
 from solvers.scene.switches import switches
 

@@ -1,0 +1,66 @@
+"""Limits of estimators: where each is known, before anything has run, not to hold, as rows of a table.
+
+Rows are looked at in order, and the first that is broken speaks. What only a run can show is the business of an
+estimator's own ``verdict``.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Iterable, Mapping
+from dataclasses import KW_ONLY, dataclass, field
+from typing import Any
+
+Quantity = str | Callable[[Any], Any]  # an attribute of the scene, or a function of it
+
+
+@dataclass(frozen=True)
+class Limit:
+    """One row: an ``estimator`` holds only while a ``quantity`` of the scene keeps within the limits that are given.
+
+    A limit is a value, or a quantity as well: ``least`` and ``most`` may be reached, ``below`` may not, all in units
+    ``of`` another quantity. Where some are ``allowed``, the quantity is one of them, or all of it are. The row is for
+    scenes ``where`` quantities have a value, or one of several, and one is ``above`` a number. ``impossible`` says that
+    beyond the limit the estimator cannot run at all. ``why`` is the end of a sentence, in whose places stand what the
+    ``scene`` has, the ``value``, ``least``, ``most``, ``above``, the ``names`` that are not allowed, and what is to
+    ``give``: functions of the scene and the value.
+    """
+
+    estimator: str
+    quantity: Quantity
+    _: KW_ONLY
+    least: float | Quantity = -math.inf
+    most: float | Quantity = math.inf
+    below: float | Quantity = math.inf
+    of: float | Quantity = 1
+    allowed: tuple | Quantity = ()
+    where: Mapping[Any, Any] = field(default_factory=dict)
+    above: tuple[Quantity, float] = ("cells", -math.inf)
+    impossible: bool = False
+    give: Mapping[str, Callable[[Any, Any], Any]] = field(default_factory=dict)
+    why: str
+
+    def reason(self, scene: Any) -> str | None:
+        """Why the estimator does not hold in a scene; None where this limit is kept."""
+        def at(what: Any) -> Any:
+            return what(scene) if callable(what) else getattr(scene, what) if isinstance(what, str) else what
+
+        if any(at(quantity) not in _several(wanted) for quantity, wanted in self.where.items()) \
+                or not at(self.above[0]) > self.above[1]:
+            return None
+        value, least, most, unit, allowed = map(at, (self.quantity, self.least, self.most, self.of, self.allowed))
+        others = [name for name in _several(value) if name not in allowed] if allowed else []
+        if not others and (allowed or (least * unit <= value <= most * unit and value < at(self.below) * unit)):
+            return None
+        return self.why.format(scene=scene, value=value if self.of == 1 else value / unit, least=least, most=most,
+                               above=self.above[1], names=" and ".join(map(str, others)),
+                               **{name: enough(scene, value) for name, enough in self.give.items()})
+
+
+def reason(limits: Iterable[Limit], estimator: str, scene: Any) -> str | None:
+    """Why an estimator does not hold in a scene, by the first of the limits that is broken."""
+    return next(filter(None, (limit.reason(scene) for limit in limits if limit.estimator == estimator)), None)
+
+
+def _several(value: Any) -> tuple:
+    return value if isinstance(value, tuple) else (value,)
