@@ -3,7 +3,7 @@
 import functools
 from abc import abstractmethod
 from types import ModuleType
-from typing import ClassVar
+from typing import ClassVar, Literal
 
 import numpy as np
 
@@ -19,6 +19,7 @@ class CircularScene(PlanarScene):
     radius."""
 
     EXACT: ClassVar[ModuleType]  # the exact motion with the built-in force
+    PLOTTED: ClassVar[Literal["radial", "angular"]]  # the component in which it moves
 
     @property
     @abstractmethod
@@ -33,6 +34,10 @@ class CircularScene(PlanarScene):
     def circle_force(self, R: np.ndarray, t: np.ndarray) -> np.ndarray:
         """The body force per mass (T, K) at the radii R and the times t (T, 1), in m/s^2: along e_R of the particle at
         rest, and as imaginary part, if any, along e_Theta."""
+
+    def exact_along(self, quantity: str, R: np.ndarray, t: float) -> np.ndarray:
+        """The plotted component (K,) of the exact solution at the radii R, as a method has it after the time t."""
+        return self.EXACT.field(self, quantity, R, t)
 
     @functools.cached_property
     def _own_sizes(self) -> dict[str, float]:

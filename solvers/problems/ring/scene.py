@@ -51,6 +51,7 @@ class RingScene(CircularScene):
                        "particles", choices=("auto", "serial", "parallel"))
 
     EXACT: ClassVar[ModuleType] = exact
+    PLOTTED = "radial"
     TITLE = "expanding ring"
     SETTING = "A quarter of a ring with radii 0.4 m and 0.6 m on a square grid, 1.2 m wide."
     ESTIMATORS = ("transport", "recovered", "companion", "two-grid")

@@ -60,6 +60,7 @@ class VortexScene(CircularScene):
                        "particles", choices=("auto", "serial", "parallel"))
 
     EXACT: ClassVar[ModuleType] = exact
+    PLOTTED = "angular"
     TITLE = "generalized vortex"
     SETTING = "A ring with radii 0.75 m and 1.25 m, whose circles turn against each other, on a square grid, 3 m wide."
     ESTIMATORS = ("transport", "recovered", "companion")

@@ -12,7 +12,7 @@ import numpy as np
 import pytest
 
 from app.frame.scale import ColourScale
-from app.problems.ring.stage import RingStage
+from app.problems.views import VIEWS
 from app.renderers.viewer import Lettering, Sheet
 from solvers.engine import frames as memory
 from solvers.engine.frames import FrameOptions
@@ -64,7 +64,7 @@ def test_a_redraw_is_cheap(frame):
     nothing was plotted. Twice the present cost."""
     _, arrays = frame
     scale = ColourScale()
-    stage = RingStage(Sheet(SimpleNamespace(scene=Scene()), Lettering(GUI), "/ring"), scale)
+    stage = VIEWS["ring"].stage(Sheet(SimpleNamespace(scene=Scene()), Lettering(GUI), "/ring"), scale)
     stage.plotted = "sigma"
     true, estimated = arrays.error[:, 0], arrays.estimate["transport"][:, 0]
 
