@@ -20,8 +20,9 @@ from solvers.problems.bar.scene import BarScene
 from solvers.problems.bar.solver import BarSolver
 from solvers.problems.planar.budget.causes import MAKERS
 from solvers.problems.planar.budget.on_demand import BudgetRun
-from solvers.problems.ring.scene import RESONANCE, RingScene
-from solvers.problems.vortex.scene import VortexScene
+from solvers.problems.ring import RingScene
+from solvers.problems.ring_limits import RESONANCE
+from solvers.problems.vortex import VortexScene
 from solvers.running.budget import run_budget
 from solvers.scene.causes import CAUSES, FIELDS, NOTHING
 from solvers.scene.remedies import FROZEN, PIECES

@@ -12,8 +12,8 @@ from dataclasses import replace
 from typing import Any
 
 from solvers.problems.bar.scene import BarScene
-from solvers.problems.ring.scene import RingScene
-from solvers.problems.vortex.scene import VortexScene
+from solvers.problems.ring import RingScene
+from solvers.problems.vortex import VortexScene
 from solvers.scene.remedies import COUPLED, FILTER, FROZEN, PIECES
 from solvers.scene.scene import Scene
 from solvers.scene.switches import combination

@@ -20,8 +20,8 @@ from tests.paths import ROOT
 #: Where they stand.
 FILES = ("motion/formula.py", "motion/typed_motion.py",
          "scene/rules.py", "scene/scene.py", "scene/step_bound.py", "scene/registry.py", "scene/effects.py",
-         "problems/[!_]*.py", "problems/*/scene.py", "problems/*/limits.py", "problems/bar/patch.py",
-         "problems/*/solver.py",
+         "problems/[!_]*.py", "problems/*/problem.py", "problems/*/scene.py", "problems/planar/box.py",
+         "problems/*/limits.py", "problems/bar/patch.py", "problems/*/solver.py",
          "problems/*/estimators/recovered_tables.py", "problems/planar/budget/on_demand.py",
          "estimators/companion.py", "estimators/phase_lag.py",
          "estimators/recovery.py", "estimators/transport.py", "estimators/two_grid.py", "solver/base.py",

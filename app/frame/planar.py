@@ -25,13 +25,16 @@ BELOW = np.array([0, 0, 0.002], np.float32)
 ROOMY = 130.0  # radius in pixels of a body on which these are as large
 PlaneScene = TypeVar("PlaneScene", bound=PlanarScene)
 Mirrors = tuple[tuple[int, int], ...]
+QUARTERS: Mirrors = ((1, 1), (1, -1), (-1, 1), (-1, -1))  # the first two are the truth's half
+WHOLE: Mirrors = ((1, 1),)
 
 
 class PlanarStage(Stage[PlaneScene]):
-    """Makes marks of frames of a plane problem. Of a body with symmetry planes its mirror images are drawn too."""
+    """Makes marks of frames of a plane problem: estimate left, truth right. A quarter of a body is drawn with its
+    mirror images, two in each half; of a whole body each half has its own particles."""
 
-    MIRRORS: ClassVar[Mirrors] = ((1, 1),)
-    OUTLINED: ClassVar[Mirrors] = ((1, 1),)
+    MIRRORS: ClassVar[Mirrors] = QUARTERS
+    OUTLINED: ClassVar[Mirrors] = QUARTERS[::2]
     DOMAINS_HINT = later("outline what each particle stands for: a box for GIMP, a parallelogram for CPDI; up to 5,000 "
                          "particles")
     MOST_MARKED, HALVES = 24, later("Halves")
@@ -82,10 +85,14 @@ class PlanarStage(Stage[PlaneScene]):
         self._edges = None
         if at_rest is None:
             layout = particle_layout(scene)
-            self._radii = layout.radii[layout.radius]
+            self._radii = np.linalg.norm(layout.position, axis=1)
             self._edges = layout.edges if scene.particles <= MOST_DOMAINS else None
         else:
             self._radii = np.linalg.norm(at_rest, axis=1)
+
+    @staticmethod
+    def first_line(scene: Any) -> float:
+        return 0.0 if scene.PLANES[0] else 0.5 * scene.spacing * (scene.cells % 2)
 
     @classmethod
     def tile(cls, scene: Any) -> tuple[Literal["circle", "square"], float]:
@@ -119,7 +126,7 @@ class PlanarStage(Stage[PlaneScene]):
             at = in_view(arrays.position)[found.particles] if found and wanted else np.empty((0, 2))
             height = y
             if found and len(at):
-                upright = (1, 1) if len(self.MIRRORS) == 1 else (sign, 1)
+                upright = (1, 1) if self.MIRRORS == WHOLE else (sign, 1)
                 place = self._images(at.mean(axis=0, keepdims=True), (upright,), 0.02)
                 height = float(np.clip(place[0, 1], y + 3.2 * room.line, places.end - room.line))
                 bend = in_plane(np.array([edge - (8 * room.pixel if sign > 0 else 0), edge]), np.full(2, height), 0.02)
@@ -130,9 +137,14 @@ class PlanarStage(Stage[PlaneScene]):
                         "center-left" if sign > 0 else "center-right", "note", bold=True)
         yield Lines("worst", np.concatenate(segments), room.palette.dot, 1.5)
 
-    @abstractmethod
     def _halves(self, x: np.ndarray, estimated: np.ndarray, true: np.ndarray) -> Iterator[Mark]:
         """The particles at ``x`` (P, 2) in metres, in the colours (P, 3) of the two errors."""
+        if self.MIRRORS == WHOLE:
+            colours = np.where(x[:, :1] < 0, estimated, true)
+            yield Dots("particles", self._images(x, self.MIRRORS), colours, self._width, self._shape)
+            return
+        for half, mirrors, shades in (("truth", self.MIRRORS[:2], true), ("estimate", self.MIRRORS[2:], estimated)):
+            yield Dots(half, self._images(x, mirrors), np.tile(shades, (2, 1)), self._width, self._shape)
 
     def _domains(self, scene: PlaneScene, arrays: FrameArrays, x: np.ndarray) -> Lines:
         """Outlines of what each particle stands for: a box for GIMP, a parallelogram for CPDI."""
@@ -162,17 +174,6 @@ class PlanarStage(Stage[PlaneScene]):
             for image, mirror in zip(out, mirrors, strict=True):
                 image[:, axis] = sides[mirror[axis]]
         return out.reshape(-1, 3)
-
-
-class MirroredStage(PlanarStage[PlaneScene]):
-    """Makes marks of frames of a body between the planes x = 0 and y = 0: estimate left, truth right."""
-
-    MIRRORS: ClassVar[Mirrors] = ((1, 1), (1, -1), (-1, 1), (-1, -1))  # the first two are the truth's half
-    OUTLINED: ClassVar[Mirrors] = MIRRORS[::2]
-
-    def _halves(self, x: np.ndarray, estimated: np.ndarray, true: np.ndarray) -> Iterator[Mark]:
-        for half, mirrors, shades in (("truth", self.MIRRORS[:2], true), ("estimate", self.MIRRORS[2:], estimated)):
-            yield Dots(half, self._images(x, mirrors), np.tile(shades, (2, 1)), self._width, self._shape)
 
 
 def in_view(x: np.ndarray) -> np.ndarray:

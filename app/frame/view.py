@@ -14,8 +14,8 @@ from solvers.solver import samples
 
 @dataclass(frozen=True)
 class Half:
-    """One lane of the bar or half of the ring, and whose it is: ``sizes`` (P,) of errors, or None and the reason in
-    ``silence``."""
+    """One lane of the bar or half of a body in the plane, and whose it is: ``sizes`` (P,) of errors, or None and the
+    reason in ``silence``."""
 
     title: str
     by: str

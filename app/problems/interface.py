@@ -3,10 +3,11 @@
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
+from app.frame.planar import PlanarStage
 from app.frame.slow.stage import SlowStage
 from app.frame.stage import Stage
 from app.language.spoken import later, localised
@@ -58,6 +59,16 @@ class Motion:
     sliders: Mapping[str, LinearSlider]
     speed: float
     quantity: str
+
+
+class Body(NamedTuple):
+    """How all plane problems of one kind of body are shown; what each is says :class:`ProblemView`."""
+
+    stage: type[PlanarStage[Any]]
+    draw: Callable[..., None]
+    regions: Callable[[np.ndarray], Regions]
+    division: str
+    picture: tuple[float, float]
 
 
 @dataclass(frozen=True)

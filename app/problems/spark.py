@@ -119,8 +119,10 @@ def halving(most: int) -> Spark:
     return Spark("halve", "halve", later("Halve the cells"), offer, fell)
 
 
-def breaking(title: str, hint: str, changes: Mapping[str, Any], periods: float) -> Spark:
+def breaking(hint: str, changes: Mapping[str, Any], periods: float) -> Spark:
     """A run that will not last."""
+    title = later("Break it")
+
     def offer(state: State) -> Offer:
         wanted = changes if "companion" not in state.scene.choices("estimators") else {
             **changes, "estimators": ("companion",), "remedies": ()}

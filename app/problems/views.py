@@ -2,11 +2,9 @@
 
 from app.problems.bar.view import BAR
 from app.problems.interface import ProblemView
-from app.problems.manufactured import view_of
-from app.problems.ring.view import RING
-from app.problems.vortex.view import VORTEX
+from app.problems.plane import view_of
 from solvers.problems import PROBLEMS
-from solvers.problems.manufactured.problem import ManufacturedProblem
+from solvers.problems.planar.problem import PlanarProblem
 
 VIEWS: dict[str, ProblemView] = {view.problem: view for view in (
-    BAR, RING, VORTEX, *(view_of(one) for one in PROBLEMS.values() if isinstance(one, ManufacturedProblem)))}
+    BAR, *(view_of(one) for one in PROBLEMS.values() if isinstance(one, PlanarProblem)))}

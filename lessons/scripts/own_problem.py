@@ -15,13 +15,13 @@ from dataclasses import dataclass
 from solvers import run
 from solvers.motion.jets import cos, sin
 from solvers.problems import register
-from solvers.problems.manufactured.problem import ManufacturedProblem, Showing
-from solvers.problems.manufactured.scene import ManufacturedScene
+from solvers.problems.planar.box import BoxScene
+from solvers.problems.planar.problem import PlanarProblem, Showing
 from solvers.scene.option import option
 
 
 @dataclass(frozen=True)
-class BreathingScene(ManufacturedScene):
+class BreathingScene(BoxScene):
     """A square that grows in the middle and shrinks at its corners, and the other way round."""
 
     problem: str = option("breathing", choices=("breathing",))
@@ -42,7 +42,7 @@ class BreathingScene(ManufacturedScene):
         return swing * sin(math.pi * X) * cos(math.pi * Y), swing * cos(math.pi * X) * sin(math.pi * Y)
 
 
-register(ManufacturedProblem(BreathingScene, Showing(
+register(PlanarProblem(BreathingScene, Showing(
     cells=(8, 64, 4), ppc=(1, 3), amplitude=(1e-4, 0.15), modulus=(1e5, 1e8), prices={},
     amplitude_hint="largest displacement along x and along y")))
 

@@ -63,55 +63,6 @@ LIMITS = (
           "has an equation of motion of its own, which such steps would make unstable in a material sheared so much; "
           "give a cfl of {most:.2g} or less"))
 
-ENOUGH = 3.0  # metres in a period
-#: Radians from one cell to the next by which circles may turn against each other. Measured on 60 vortices of 16 to 80
-#: cells: sigma .9 to 1.1 below, 1.2 to 3 beyond, and x up to 1.5.
-MOST_TURN = 0.39
-ENOUGH = 3  # particles per cell and direction, with which GIMP keeps its rim up to A = 1
-#: Of recovered, as the way of a wave over an element. From 0.8 on its method may be unstable, which the run shows.
-LONGEST_STEP = 0.9
-LOOKED_AT = 101  # circles, for the fastest wave
-
-
-def crossing_rate(scene: Any) -> float:
-    """How many radians a wave on the fastest circle runs while one runs a metre at rest.
-
-    With F = [[1, 0], [g, 1]] the stiffest tangent along e_Theta, at rest, is mu + (lambda + mu) (1 + g^2), and there
-    g/R = A |h'|. Where the shear is largest, circles are wider than the inner rim.
-    """
-    ratio = 1 / (1 - 2 * scene.poisson_ratio)  # (lambda + mu)/mu
-    R = np.linspace(INNER, OUTER, LOOKED_AT)
-    square = 1 / R**2 + ratio / (ratio + 1) * (scene.amplitude * shape(R)[1]) ** 2
-    return float(np.sqrt(square.max()))
-
-
-def recovered(scene: Any) -> str | None:
-    """The fits need a polar lattice with enough particles, and its steps cannot be shorter than the run's."""
-    if reason := off_lattice(scene) or too_few_across(scene):
-        return reason
-    if scene.cells < FEWEST_CELLS:
-        if scene.uneven:
-            return ("particles that are one per cell or move with their own velocity stand unevenly, and recovered's "
-                    f"fits over six cells are wider than the ring; give {FEWEST_CELLS} cells or more")
-        if (reach := scene.wave_speed * scene.period) < FAR_ENOUGH:
-            return (f"recovered's fits over four cells are wider than the ring, and waves, which go {reach:.2g} m in a "
-                    f"period, do not spread the error until they see it; give {FEWEST_CELLS} cells or more, or a "
-                    f"frequency of {scene.wave_speed * scene.period * scene.frequency / FAR_ENOUGH:.2g}/s or less")
-    R = np.linspace(INNER, OUTER, LOOKED_AT)
-    turn = float(scene.amplitude * scene.spacing * np.abs(shape(R)[1]).max())
-    if turn > MOST_TURN:
-        return (f"circles one cell apart turn by {turn:.2g} radians against each other, and recovered's fits over four "
-                f"cells can follow {MOST_TURN:g}; give {math.ceil(scene.cells * turn / MOST_TURN)} cells or a smaller "
-                "amplitude")
-    bearable = LONGEST_STEP / (INNER * crossing_rate(scene))  # elements are a cell wide at the inner rim
-    if scene.courant_number > bearable:
-        return (f"recovered has an equation of motion of its own, which such steps would make unstable in a material "
-                f"sheared so much; give a cfl of {bearable:.2g} or less")
-    return None
-
-
-RULES: dict[str, Callable[[Any], str | None]] = {"recovered": recovered, "transport": transport}
-
 
 def other_advice(scene: Any) -> str:
     """What else to do about a run that went bad, as an imperative."""

@@ -42,8 +42,7 @@ def _crossed(ran: Ran) -> Answer:
 
 
 VIBRATING = (halving(MOST_CELLS), Spark("cross", "cross", later("Let particles cross"), _cross, _crossed),
-             breaking(later("Break it"), later("A = 100 mm: who notices first?"),
-                      {"method": "mpm", "amplitude": BREAKING}, 1.5))
+             breaking(later("A = 100 mm: who notices first?"), {"method": "mpm", "amplitude": BREAKING}, 1.5))
 
 
 def _misfit(title: str, hint: str, method: str) -> Spark:

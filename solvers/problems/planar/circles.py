@@ -7,8 +7,8 @@ z' and i z/R of F as complex numbers, J = Re(z' conj(z))/R and P = mu F + (lambd
     m_i z_i'' = m_i b_i - sum_k w_k R_k (mu z' + c z/(R J)) phi_i' - w_i (mu z/R + c z'/J),  c = lambda ln J - mu,
 
 m_i = rho w_i R_i, on the nodes of one spectral element from rim to rim, both free of traction; in time by leapfrog.
-These are the equations of the vortex's companion (``solvers.problems.vortex.estimators.companion``) for every ring,
-solved in numpy on a coarse mesh where a run looks for contradictions, 20 times a period.
+These are the equations of the companion (``solvers.problems.planar.estimators.circular_companion``), solved in numpy on
+a coarse mesh where a run looks for contradictions, 20 times a period.
 """
 
 from __future__ import annotations

@@ -102,7 +102,7 @@ class CircularScene(PlanarScene):
         points, exact = on_axis(X if X.ndim == 1 else np.linalg.norm(X, axis=1)), self.EXACT
         now = max(0.0, t - self.time_step) if quantity == "a" else t
         x = points + exact.displacement(self, points, now)
-        c, s = plotted_frame(self, quantity, points, x).T
+        c, s = plotted_frame(self.PLOTTED, quantity, points, x).T
         if quantity == "sigma":
             xx, xy, yy = exact.stress(self, points, now).T
             return along_frame(self.PLOTTED, c, s, xx, xy, yy)
@@ -129,10 +129,10 @@ class CircularScene(PlanarScene):
         return circles.of_scene(self).moments(times)
 
 
-def plotted_frame(scene: PlanarScene, quantity: str, X: np.ndarray, x: np.ndarray) -> np.ndarray:
-    """e_r (P, 2) of the frame whose component a plot shows of a quantity by its key, of particles at the places x that
-    were at X (P, 2): that of rest, but of bodies whose circles turn, but for their displacement, that of now."""
-    place = X if scene.PLOTTED == "radial" or quantity == "x" else x
+def plotted_frame(component: str, quantity: str, X: np.ndarray, x: np.ndarray) -> np.ndarray:
+    """e_r (P, 2) of the frame whose ``component`` a plot shows of a quantity by its key, of particles at the places x
+    that were at X (P, 2): that of rest for what is radial, and for displacements; for what is angular that of now."""
+    place = X if component == "radial" or quantity == "x" else x
     return place / np.linalg.norm(place, axis=1)[:, None]
 
 

@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from typing import TYPE_CHECKING, NamedTuple
+from types import MappingProxyType
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 from solvers.problems.descriptor import OnDemand, Problem
 from solvers.problems.planar.scene import PlanarScene
@@ -16,7 +17,13 @@ if TYPE_CHECKING:
 
 class Showing(NamedTuple):
     """How a problem is shown: the ends of its sliders (low, high, step) and (low, high), what to say of the amplitude,
-    and the share of the running time that each estimator takes in the usual scene, alone on one thread."""
+    and the share of the running time that each estimator takes in the usual scene, alone on one thread.
+
+    ``speed`` is the lowest, the first and the highest, in periods a second. ``estimators`` are those that the page
+    begins with, the first of them drawn. ``details`` are fields of the method, each with its hint. ``sparks`` are the
+    questions that the page asks, by name (``app/problems/questions.py``); ``breaking`` is the run that will not last: a
+    hint, what is otherwise in its scene, and for how many periods it may hold.
+    """
 
     cells: tuple[int, int, int]
     ppc: tuple[int, int]
@@ -24,6 +31,13 @@ class Showing(NamedTuple):
     modulus: tuple[float, float]
     amplitude_hint: str
     prices: Mapping[str, float]
+    speed: tuple[float, float, float] = (0.01, 0.2, 10.0)
+    estimators: tuple[str, ...] = ("companion",)
+    details: Mapping[str, str] = MappingProxyType({"body_force": "whether the force acts"})
+    modulus_hint: str = "Young's modulus: what is stiffer vibrates faster"
+    poisson_hint: str = "resistance to a change of volume"
+    sparks: tuple[str, ...] = ("halve", "tile", "break")
+    breaking: tuple[str, Mapping[str, Any], float] = ("hat functions", MappingProxyType({"method": "mpm"}), 1.0)
 
 
 class PlanarProblem(Problem):

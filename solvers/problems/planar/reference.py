@@ -27,9 +27,9 @@ class PlanarReference(ProblemReference):
     axes = ("x", "y")
 
     def __init__(self, kind: type[PlanarScene]):
-        self.EXACT, self._kind, self._texts = kind.EXACT, kind, Path(inspect.getfile(kind)).with_suffix(".md")
-        if not self._texts.exists():
-            self._texts = GENERAL
+        self.EXACT, self._component = kind.EXACT, kind.PLOTTED
+        own = Path(inspect.getfile(kind)).with_suffix(".md")
+        self._texts = own if own.exists() else GENERAL
 
     def start(self, scene: Any) -> Start:
         layout = particle_layout(scene)
@@ -59,9 +59,8 @@ class PlanarReference(ProblemReference):
     def along(self, quantity: str, X: np.ndarray, x: np.ndarray, values: np.ndarray) -> np.ndarray:
         """Along x; of a body whose motion is the same all around, along the radius or around the centre."""
         parts = values.T if values.ndim == 2 else (values[:, 0, 0], values[:, 0, 1], values[:, 1, 1])
-        if not self._kind.CIRCULAR:
-            return parts[0]
-        return along_frame(self._kind.PLOTTED, *plotted_frame(self._kind, quantity, X, x).T, *parts)
+        component = self._component
+        return along_frame(component, *plotted_frame(component, quantity, X, x).T, *parts) if component else parts[0]
 
     def misplaced(self, scene: Any, X: np.ndarray) -> np.ndarray:
         outside = (X < -SLACK).any(axis=1) & scene.PLANES[0]

@@ -49,7 +49,7 @@ class PlanarScene(Scene):
     FARTHEST_MOVE: ClassVar[float] = math.inf  # amplitudes that a particle of a sound run may be from where it began
     COARSE_BELOW: ClassVar[int] = 0  # cells, of which recovered's fits over four are too wide for the acceleration
     BEYOND_RIMS: ClassVar[bool] = False  # whether the displacement's formula is of use there, to grid nodes
-    #: Of the companion of a body whose motion is the same all around: up to so many cells, elements across, their order.
+    #: Of the companion of a body whose motion is the same all around: up to so many cells, elements across, order.
     COMPANION_MESHES: ClassVar[tuple[tuple[float, int, int], ...]]
     ESCAPED: ClassVar[str]  # what a particle did that is farther than it may be, as the end of a sentence
     NOT_LINEARITY_PRESERVING: ClassVar[str]  # why, as the end of a sentence

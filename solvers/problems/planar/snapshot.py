@@ -77,7 +77,7 @@ def plotted_component(scene: Any, a: PlanarBody, quantity: str) -> np.ndarray:
         "x": q[:, :2] - X, "v": q[:, 2:], "a": a.acceleration}[quantity].T
     if not scene.CIRCULAR:
         return parts[0]
-    return along_frame(scene.PLOTTED, *plotted_frame(scene, quantity, X, q[:, :2]).T, *parts)
+    return along_frame(scene.PLOTTED, *plotted_frame(scene.PLOTTED, quantity, X, q[:, :2]).T, *parts)
 
 
 def body_force(a: PlanarBody, some: np.ndarray) -> np.ndarray:

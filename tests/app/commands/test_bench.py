@@ -18,7 +18,7 @@ from solvers.bench.measure import QUICK, bare, priced
 from solvers.kernels import runtime
 from solvers.problems import PROBLEMS
 from solvers.problems.bar.scene import BarScene
-from solvers.problems.ring.scene import RingScene
+from solvers.problems.ring import RingScene
 from solvers.running.run import build
 from solvers.running.timing import Stretch, rate, take_turns
 from solvers.workers.processes import ProcessDied, ask_fresh

@@ -17,7 +17,7 @@ from app.commands.output import NotWritten, Target
 from app.commands.progress import noted_interrupts
 from solvers.problems import PROBLEMS
 from solvers.problems.bar.scene import BarScene
-from solvers.problems.ring.scene import RingScene
+from solvers.problems.ring import RingScene
 from solvers.scene.effects import EFFECTS
 from tests.paths import ROOT
 from tests.processes import HANG

@@ -13,8 +13,8 @@ from solvers.judging.handout import companion, exact
 from solvers.judging.reading import read
 from solvers.problems import PROBLEMS
 from solvers.problems.bar.scene import BarScene
-from solvers.problems.ring.scene import RingScene
-from solvers.problems.vortex.scene import VortexScene
+from solvers.problems.ring import RingScene
+from solvers.problems.vortex import VortexScene
 from solvers.running.run import build
 
 FILES = {"particles.csv", "particles.vtu", "body_force.csv", "exact.csv", "problem.json", "problem.md"}

@@ -10,14 +10,14 @@ from app.frame.field import ROOM, Axis, FieldPlot, seen
 from app.frame.layout import Seat
 from app.frame.marks import Room
 from app.problems.bar.stage import BarStage
-from app.problems.ring.stage import RingStage
+from app.problems.views import VIEWS
 from solvers.problems.bar.scene import BarScene
 from solvers.problems.planar.layout import particle_layout
-from solvers.problems.ring.scene import RingScene
+from solvers.problems.ring import RingScene
 from solvers.running.run import build
 from solvers.solver.samples import QUANTITIES
 
-BAR_FIELD, RING_FIELD = BarStage.PLOT, RingStage.PLOT
+BAR_FIELD, RING_FIELD = BarStage.PLOT, VIEWS["ring"].stage.PLOT
 BAR, RING = BarScene(cells=10, ppc=2, periods=1), RingScene(cells=12, periods=1)
 
 

@@ -14,8 +14,8 @@ from app.words import PREFIXES
 from solvers.engine.frames import FrameOptions
 from solvers.engine.messages import Pace, Wish
 from solvers.problems.bar.scene import BarScene
-from solvers.problems.ring.scene import RingScene
-from solvers.problems.vortex.scene import VortexScene
+from solvers.problems.ring import RingScene
+from solvers.problems.vortex import VortexScene
 from solvers.running.run import build
 from tests.drawn import Scene
 from tests.solvers.engine.test_stepper import one_session

@@ -11,7 +11,7 @@ from app.state import State, StateError, read, write
 from app.words import MAGNIFICATIONS, QUANTITIES
 from solvers.problems import PROBLEMS
 from solvers.problems.bar.scene import BarScene
-from solvers.problems.ring.scene import RingScene
+from solvers.problems.ring import RingScene
 from tests.random_scenes import ASKED, SETS, inputs
 
 BAR = BarScene(method="mpm", cells=20, amplitude=0.03, linearity_preserving=True, estimators=("recovered", "companion"))

@@ -17,7 +17,6 @@ from app.page.panels.readout import _percent, readout
 from app.page.stage.worst import SteadyMaximum, WorstRegions
 from app.problems.bar.view import BAR as BAR_VIEW
 from app.problems.bar.view import LENGTHS
-from app.problems.ring.view import ANGLES, RING
 from app.problems.views import VIEWS
 from app.words import with_unit
 from solvers.engine.frames import FrameArrays, FrameOptions
@@ -25,7 +24,7 @@ from solvers.engine.messages import FrameReport
 from solvers.problems import PROBLEMS
 from solvers.problems.bar.scene import BarScene
 from solvers.problems.planar.layout import particle_layout
-from solvers.problems.ring.scene import RingScene
+from solvers.problems.ring import RingScene
 from solvers.scene.registry import ESTIMATORS
 
 BAR = BarScene(cells=10, ppc=2, estimators=("transport",))
@@ -247,10 +246,10 @@ def test_regions_of_the_bar():
 def test_regions_of_the_ring():
     """Every particle has one, each holds its share, and a known place has the name it should."""
     position = particle_layout(RingScene(cells=36)).position
-    regions = RING.regions(position)
-    counts = np.bincount(regions.number, minlength=3 * ANGLES)
+    regions = VIEWS["ring"].regions(position)
+    counts = np.bincount(regions.number, minlength=len(regions.names))
     assert counts.min() > 0.8 * counts.max() and counts.sum() == len(position)
-    place = RING.regions(np.array([[0.42 * np.cos(0.6), 0.42 * np.sin(0.6)], [0.0, 0.6]]))
+    place = VIEWS["ring"].regions(np.array([[0.42 * np.cos(0.6), 0.42 * np.sin(0.6)], [0.0, 0.6]]))
     assert [place.names[k] for k in place.number] == ["inner third, 30–45°", "outer third, 75–90°"]
 
 

@@ -6,11 +6,11 @@ import pytest
 from app import state
 from app.export.record import Wanted, recording
 from app.page.visit.session import first_scene
-from app.problems.vortex.view import ANGLES, FIFTHS, VORTEX
+from app.problems.views import VIEWS
 from app.words import choices, unit_of
 from solvers.problems import PROBLEMS
 from solvers.problems.planar.layout import particle_layout
-from solvers.problems.vortex.scene import VortexScene
+from solvers.problems.vortex import VortexScene
 from solvers.running.run import build
 from solvers.study.stability import offered
 
@@ -30,15 +30,15 @@ def test_the_page_begins_with_half_a_period_and_an_estimate_that_holds():
 
 def test_regions_divide_the_whole_ring():
     scene = VortexScene(cells=24)
-    found = VORTEX.regions(particle_layout(scene).position)
+    found = VIEWS["vortex"].regions(particle_layout(scene).position)
     counts = np.bincount(found.number, minlength=len(found.names))
-    assert len(counts) == ANGLES * len(FIFTHS) and counts.min() > 0 and counts.sum() == scene.particles
+    assert len(counts) == 8 * 5 and counts.min() > 0 and counts.sum() == scene.particles
 
 
 def test_a_recording():
     head = recording(Wanted("vortex cells=12 ppc=2 t-end=0.1", 3, 1000, ("x",), domains=True))["head"]
     assert head["outermost"] == 1.25 and head["shown"] == VortexScene(cells=12, ppc=2).particles
-    assert VORTEX.stage.MIRRORS == ((1, 1),) and VORTEX.stage.PLOT.component == "angular"
+    assert VIEWS["vortex"].stage.MIRRORS == ((1, 1),) and VIEWS["vortex"].stage.PLOT.component == "angular"
 
 
 @pytest.mark.parametrize("changes", [{"method": "cpdi"}, {"method": "cpgimp-v"},

@@ -13,7 +13,7 @@ from app.lessons.marks import expressions, right
 from app.lessons.outcomes import Outcomes, scene_texts
 from app.lessons.shelf import lessons, names
 from solvers.problems.bar.scene import BarScene
-from solvers.problems.ring.scene import RingScene
+from solvers.problems.ring import RingScene
 from solvers.running.run import run
 from tests.paths import LESSONS
 

@@ -13,7 +13,7 @@ from solvers.engine import successor
 from solvers.engine.messages import FRAME_SECONDS, Pace
 from solvers.engine.stepper import MOST_APART
 from solvers.problems.bar.scene import BarScene
-from solvers.problems.ring.scene import RingScene
+from solvers.problems.ring import RingScene
 from solvers.running.run import build
 from tests.listening import PATIENCE, SCENE, Listener
 from tests.processes import until

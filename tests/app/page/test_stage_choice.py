@@ -7,7 +7,7 @@ import pytest
 
 from app.page.panels.stage_choice import StageChoice
 from solvers.problems.bar.scene import BarScene
-from solvers.problems.ring.scene import RingScene
+from solvers.problems.ring import RingScene
 from tests.app.page.panel import Gui
 
 BAR, RING = BarScene(estimators=("recovered", "transport")), RingScene(estimators=("transport", "companion"))

@@ -11,7 +11,7 @@ import pytest
 from app.page.panels.timeline import BINS, Now, Timeline
 from app.page.panels.window import Size, Window
 from solvers.problems.bar.scene import BarScene
-from solvers.problems.ring.scene import RingScene
+from solvers.problems.ring import RingScene
 from tests.app.page.panel import Gui
 from tests.app.page.test_recent import frame, recent_of, shown
 

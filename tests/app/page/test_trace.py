@@ -13,11 +13,11 @@ from app.page.visit.history import LAST_PERIODS, MOST_ROWS
 from app.page.visit.recent import Recent
 from app.page.visit.trace import Trace
 from app.problems.bar.stage import BarStage
-from app.problems.ring.stage import RingStage
+from app.problems.views import VIEWS
 from app.renderers import viewer
 from app.renderers.viewer import Lettering
 from solvers.problems.bar.scene import BarScene
-from solvers.problems.ring.scene import RingScene
+from solvers.problems.ring import RingScene
 from solvers.running.run import build
 from solvers.solver.samples import QUANTITIES
 from tests.app.frame.test_view import report_of
@@ -114,9 +114,8 @@ def frame_of(scene):
 
 @pytest.fixture
 def stage(run):
-    stages = {"bar": BarStage, "ring": RingStage}
     report, arrays = run[-1]
-    stage = stages[report.scene.problem](Sheet(), ColourScale())
+    stage = VIEWS[report.scene.problem].stage(Sheet(), ColourScale())
     stage.plotted = "x"
     stage.draw(report.scene, arrays, None, arrays.error[:, 0], report.time, 1.0)
     return stage
@@ -126,7 +125,7 @@ def test_every_image_is_found_by_a_click(run, stage):
     """The bar's in both lanes, the ring's mirror images, and the dots of the bar's field plot; beside them nothing."""
     arrays = run[-1][1]
     images = stage.images(arrays, slice(None))
-    halves = 2 if isinstance(stage, BarStage) else len(RingStage.MIRRORS)
+    halves = 2 if isinstance(stage, BarStage) else len(stage.MIRRORS)
     assert images.shape == (halves + 1, len(arrays.position), 3)
     assert (np.ptp(images[:halves, :, :2], axis=0) > 0).any()
     for image in images[:halves + isinstance(stage, BarStage)]:

@@ -7,7 +7,7 @@ from app.frame.scale import BEYOND
 from app.page.panels.plots import _bounded, _time_unit
 from app.words import power_of_ten
 from solvers.problems.bar.scene import BarScene
-from solvers.problems.ring.scene import RingScene
+from solvers.problems.ring import RingScene
 
 
 def test_a_lost_estimate_is_drawn_at_the_edge():

@@ -15,7 +15,7 @@ from app.colours import ESTIMATE, TRUTH
 from app.frame.budget import percent
 from app.pictures.run import png_bytes, run_figure
 from solvers.problems.bar.scene import BarScene
-from solvers.problems.ring.scene import RingScene
+from solvers.problems.ring import RingScene
 from solvers.running.result import Result
 from solvers.running.run import run, shown_step
 from solvers.scene.causes import CAUSES, FIELDS

@@ -11,7 +11,7 @@ import pytest
 from solvers.problems.bar import step_bound
 from solvers.problems.bar.scene import BarScene
 from solvers.problems.bar.solver import BarSolver
-from solvers.problems.ring.scene import RingScene
+from solvers.problems.ring import RingScene
 from solvers.running.run import run
 from solvers.scene.causes import CAUSES, FIELDS
 from solvers.scene.limits import reason

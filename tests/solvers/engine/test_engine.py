@@ -15,7 +15,7 @@ from solvers.engine.frames import FrameOptions
 from solvers.engine.messages import Pace, Wish
 from solvers.engine.worker import FAILED
 from solvers.problems.bar.scene import BarScene
-from solvers.problems.ring.scene import RingScene
+from solvers.problems.ring import RingScene
 from solvers.running.run import build
 from solvers.solver import samples
 from tests.listening import PATIENCE, SCENE, Listener

@@ -12,12 +12,12 @@ import numpy as np
 import pytest
 
 from app.frame.scale import ColourScale
-from app.problems.ring.stage import RingStage
+from app.problems.views import VIEWS
 from app.renderers.viewer import Lettering, Sheet
 from solvers.engine import frames as memory
 from solvers.engine.frames import FrameOptions
-from solvers.problems.ring.scene import RingScene
-from solvers.problems.ring.solver import RingSolver
+from solvers.problems.ring import RingScene
+from solvers.running.run import build
 from tests.drawn import Scene
 
 SCENE = RingScene(cells=72, ppc=6, periods=1)  # 20,736 particles, within reach of the sliders
@@ -28,7 +28,7 @@ GUI = SimpleNamespace(add_html=lambda content: SimpleNamespace())
 @pytest.fixture(scope="module")
 def frame():
     """A solver under way and the arrays of its frame."""
-    solver = RingSolver(SCENE)
+    solver = build(SCENE)
     solver.advance(50)
     block = SharedMemory(create=True, size=memory.block_bytes(SCENE))
     memory.write(block, SCENE, solver.snapshot(plotted="sigma"))
@@ -64,7 +64,7 @@ def test_a_redraw_is_cheap(frame):
     nothing was plotted. Twice the present cost."""
     _, arrays = frame
     scale = ColourScale()
-    stage = RingStage(Sheet(SimpleNamespace(scene=Scene()), Lettering(GUI), "/ring"), scale)
+    stage = VIEWS["ring"].stage(Sheet(SimpleNamespace(scene=Scene()), Lettering(GUI), "/ring"), scale)
     stage.plotted = "sigma"
     true, estimated = arrays.error[:, 0], arrays.estimate["transport"][:, 0]
 

@@ -13,7 +13,7 @@ from solvers.engine import successor
 from solvers.engine.messages import Pace
 from solvers.engine.pool import EnginePool
 from solvers.engine.worker import FAILED
-from solvers.problems.ring.scene import RingScene
+from solvers.problems.ring import RingScene
 from solvers.running.run import build
 from tests.listening import PATIENCE, SCENE, Listener
 from tests.processes import children, ended, held, state, until

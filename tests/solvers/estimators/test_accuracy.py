@@ -15,8 +15,8 @@ import numpy as np
 import pytest
 
 from solvers.problems.bar.scene import BarScene
-from solvers.problems.ring.scene import RingScene
-from solvers.problems.vortex.scene import VortexScene
+from solvers.problems.ring import RingScene
+from solvers.problems.vortex import VortexScene
 from solvers.running.result import Result
 from solvers.running.run import run
 from solvers.scene.scene import Scene

@@ -12,15 +12,14 @@ from solvers.estimators.spectral import Elements, unresolved
 from solvers.problems.bar import exact as bar_exact
 from solvers.problems.bar.estimators import companion as companion_bar
 from solvers.problems.bar.scene import BarScene
-from solvers.problems.ring.scene import RingScene
-from solvers.problems.vortex import exact as vortex_exact
-from solvers.problems.vortex.estimators import companion as companion_vortex
-from solvers.problems.vortex.estimators import companion_mesh as vortex_mesh
-from solvers.problems.vortex.scene import VortexScene
+from solvers.problems.planar.estimators import circular_body, circular_companion
+from solvers.problems.ring import RingScene
+from solvers.problems.vortex import VortexScene
 from solvers.running.run import build
 from solvers.running.timing import estimator_shares
 from solvers.scene.scene import Scene
 from solvers.solver.samples import QUANTITIES
+from tests.closed_forms import vortex as vortex_exact
 
 ONLY = ("companion",)
 BAR = BarScene(estimators=ONLY, linearity_preserving=True, dt=2.5e-5, t_end=1.0)
@@ -103,8 +102,9 @@ def test_the_vortexs_marches_to_the_exact_solution_without_knowing_it(monkeypatc
     With order p the error of u falls with the elements as p + 1 or faster, once these resolve the quartic angle; with
     those in use it is 3e-7 m. An independent program of the same equations, in numpy, had the same errors."""
     scene, errors = replace(VORTEX, cells=12, t_end=0.5), []
-    for elements in (Elements(0.75, 1.25, 8, 4), Elements(0.75, 1.25, 16, 4), vortex_mesh.mesh()):
-        monkeypatch.setattr(vortex_mesh, "mesh", lambda elements=elements: elements)
+    for mesh in ((8, 4), (16, 4), VortexScene.COMPANION_MESHES[0][1:]):
+        monkeypatch.setattr(VortexScene, "COMPANION_MESHES", ((np.inf, *mesh),))
+        elements = Elements(0.75, 1.25, *mesh)
         u, on_axis = own_nodes(scene)[:, :2], np.stack([elements.nodes, 0 * elements.nodes], axis=1)
         errors.append(np.abs(u - vortex_exact.displacement(scene, on_axis, scene.steps * scene.time_step)).max())
     assert np.degrees(np.arctan2(u[:, 1], elements.nodes + u[:, 0]).max()) == pytest.approx(180 / np.pi, abs=0.01)
@@ -112,14 +112,14 @@ def test_the_vortexs_marches_to_the_exact_solution_without_knowing_it(monkeypatc
 
 
 def test_the_highest_frequency_of_the_vortex_is_found():
-    elements = vortex_mesh.mesh()
+    elements = VORTEX.companion_body(None).elements
     N, D = len(elements.nodes), elements.derivative
     K = np.zeros((N, N))
     for row in elements.of_node:
         R = elements.nodes[row]
         K[np.ix_(row, row)] += D.T @ np.diag(elements.weights * R) @ D + np.diag(elements.weights / R)
-    true = np.sqrt(np.linalg.eigvals(K / vortex_mesh.masses(elements)[:, None]).real.max())
-    assert 0.98 * true < vortex_mesh.unit_frequency(elements) < 1.0001 * true
+    true = np.sqrt(np.linalg.eigvals(K / circular_body.masses(elements)[:, None]).real.max())
+    assert 0.98 * true < circular_body.unit_frequency(elements) < 1.0001 * true
 
 
 # ---- how it behaves ---------------------------------------------------------------------------------------------
@@ -138,7 +138,7 @@ def test_at_the_start_there_is_no_error(scene):
 def test_steps_of_its_own_longer_than_the_particles(simulate):
     """Interval 1 and 8: short steps of the particles, which it strides over, give the same estimate of x."""
     short = replace(VORTEX, cells=12, t_end=0.25, cfl=0.004)
-    assert companion_vortex.allocate(short)["companion_counts"][companion.INTERVAL] > 4
+    assert circular_companion.allocate(short)["companion_counts"][companion.INTERVAL] > 4
     assert all(simulate(short).distance["companion"][name] < 0.03 for name in QUANTITIES)
 
 

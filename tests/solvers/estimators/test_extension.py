@@ -16,7 +16,7 @@ from pathlib import Path
 import pytest
 
 from solvers.problems.bar.scene import BarScene
-from solvers.problems.ring.scene import RingScene
+from solvers.problems.ring import RingScene
 from solvers.scene.extensions import EXTENSIONS
 from tests.paths import ROOT
 from tests.processes import HANG

@@ -10,7 +10,7 @@ from solvers.estimators.lattice_lines import Line
 from solvers.estimators.memory import memory_parts
 from solvers.estimators.recovery import TAU
 from solvers.problems.bar.scene import BarScene
-from solvers.problems.ring.scene import RingScene
+from solvers.problems.ring import RingScene
 from solvers.running.run import build
 
 BAR = BarScene(linearity_preserving=True, dt=2.5e-5, t_end=1.0, estimators=("recovered",))

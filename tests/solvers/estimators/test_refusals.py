@@ -7,8 +7,8 @@ import numpy as np
 import pytest
 
 from solvers.problems.bar.scene import BarScene
-from solvers.problems.ring.scene import RingScene
-from solvers.problems.vortex.scene import VortexScene
+from solvers.problems.ring import RingScene
+from solvers.problems.vortex import VortexScene
 from solvers.scene import registry
 from solvers.scene.scene import Scene, SceneError
 

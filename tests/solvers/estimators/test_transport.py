@@ -11,7 +11,7 @@ from solvers.estimators.memory import memory_parts
 from solvers.problems.bar.scene import BarScene
 from solvers.problems.bar.solver import BarSolver
 from solvers.problems.bar.state import HOOKS
-from solvers.problems.vortex.scene import VortexScene
+from solvers.problems.vortex import VortexScene
 from solvers.running.run import build
 from solvers.solver import norms, samples
 from tests.reference import NUMBERS

@@ -13,7 +13,7 @@ from solvers.estimators.phase_lag import lag
 from solvers.kernels.kinds import matrix, pairs, quads, real, reals
 from solvers.kernels.packing import Packing
 from solvers.problems.bar.scene import BarScene
-from solvers.problems.ring.scene import RingScene
+from solvers.problems.ring import RingScene
 from solvers.running.run import build, run
 
 NAME = "two-grid"

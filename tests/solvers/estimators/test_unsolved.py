@@ -10,12 +10,11 @@ from numpy.polynomial import legendre
 
 from solvers.problems.bar.exact import SECOND_FREQUENCY, SECOND_SIZE
 from solvers.problems.bar.scene import BarScene
-from solvers.problems.ring import exact as ring_exact
-from solvers.problems.ring.scene import RingScene
-from solvers.problems.vortex import exact as vortex_exact
-from solvers.problems.vortex.method import material as vortex_material
-from solvers.problems.vortex.scene import VortexScene
+from solvers.problems.ring import RingScene
+from solvers.problems.vortex import VortexScene
 from solvers.running.run import build
+from tests.closed_forms import ring as ring_exact
+from tests.closed_forms import vortex as vortex_exact
 
 BAR = BarScene(body_force="two-tone", linearity_preserving=True, estimators=("recovered", "companion", "two-grid"))
 RING = RingScene(body_force="two-tone", amplitude=0.05, dt=2e-5, estimators=("recovered", "companion"))
@@ -136,8 +135,8 @@ def polar_solution(scene: VortexScene, steps: int, t: float, order: int = 20) ->
         if scene.body_force == "none":
             return 0 * R, 0 * R
         along, across = vortex_exact.polar_force(scene, R, t)
-        size = vortex_material.SECOND_SIZE * w * w * scene.amplitude
-        across = across + size * np.sin(vortex_material.SECOND_FREQUENCY * w * t) * R * vortex_exact.shape(R)[0]
+        size = vortex_exact.SECOND_SIZE * w * w * scene.amplitude
+        across = across + size * np.sin(vortex_exact.SECOND_FREQUENCY * w * t) * R * vortex_exact.shape(R)[0]
         behind = vortex_exact.turn(scene, R, t).angle - alpha
         return (np.cos(behind) * along - np.sin(behind) * across, np.sin(behind) * along + np.cos(behind) * across)
 

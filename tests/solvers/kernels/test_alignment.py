@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from solvers.problems.bar.scene import BarScene
-from solvers.problems.ring.scene import RingScene
+from solvers.problems.ring import RingScene
 from solvers.running.run import build
 from solvers.solver.arrays import ALIGNMENT, aligned
 

@@ -10,7 +10,7 @@ import pytest
 from solvers.kernels import runtime
 from solvers.problems.bar.scene import BarScene
 from solvers.problems.bar.step import advance
-from solvers.problems.ring.scene import RingScene
+from solvers.problems.ring import RingScene
 from solvers.running.run import build
 from solvers.solver.base import STEP
 
@@ -56,7 +56,7 @@ def test_nothing_is_kept_when_taichi_starts_anew():
 @pytest.mark.parametrize("scene", ["BarScene(cells=8, effects=(), estimators=())",
                                    "RingScene(cells=8, effects=(), estimators=(), plan='parallel', threads=2)"])
 def test_a_process_that_keeps_launches_ends_well(scene):
-    code = ("from solvers.problems.bar.scene import BarScene\nfrom solvers.problems.ring.scene import RingScene\n"
+    code = ("from solvers.problems.bar.scene import BarScene\nfrom solvers.problems.ring import RingScene\n"
             f"from solvers.running.run import build\nsolver = build({scene})\nsolver.advance(5)\nsolver.measure()\n")
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True)
     assert (done.returncode, done.stderr) == (0, "")

@@ -10,10 +10,10 @@ from solvers.motion.jets import Jet, cos, exp, log, sin, sqrt, variables
 from solvers.motion.neo_hookean import cauchy_stress, first_piola_stress, strain_energy
 from solvers.motion.separable_field import NotPeriodic, separate
 from solvers.problems.planar.layout import particle_layout
-from solvers.problems.ring import exact as ring
-from solvers.problems.ring.scene import RingScene
-from solvers.problems.vortex import exact as vortex
-from solvers.problems.vortex.scene import VortexScene
+from solvers.problems.ring import RingScene
+from solvers.problems.vortex import VortexScene
+from tests.closed_forms import ring as ring
+from tests.closed_forms import vortex as vortex
 
 RADIAL = (ring.C1, ring.C2, ring.C3)
 TIMES = (0.0, 0.13, 0.31, 0.77)  # of a period

@@ -12,8 +12,8 @@ from solvers import run
 from solvers.motion import typed_motion
 from solvers.motion.formula import FormulaError, parse
 from solvers.motion.neo_hookean import first_piola_stress
-from solvers.problems.manufactured.scene import motion_table
 from solvers.problems.planar.layout import particle_layout
+from solvers.problems.planar.scene import motion_table
 from solvers.problems.square import SquareScene
 from solvers.scene.rules import SceneError
 

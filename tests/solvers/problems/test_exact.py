@@ -9,8 +9,8 @@ import pytest
 from solvers.problems import PROBLEMS
 from solvers.problems.bar.scene import BarScene
 from solvers.problems.planar.layout import particle_layout
-from solvers.problems.ring.scene import RingScene
-from solvers.problems.vortex.scene import VortexScene
+from solvers.problems.ring import RingScene
+from solvers.problems.vortex import VortexScene
 from solvers.running.run import build
 
 #: Not the usual numbers; the vortex turns by more than 45 degrees.

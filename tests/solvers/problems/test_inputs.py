@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 
 from solvers.problems.bar.scene import BarScene
-from solvers.problems.ring.scene import RingScene
-from solvers.problems.vortex.scene import VortexScene
+from solvers.problems.ring import RingScene
+from solvers.problems.vortex import VortexScene
 
 BARE = {"estimators": (), "effects": ("truth", "energy")}
 SCENES = {"bar": BarScene(cells=20, amplitude=0.025, cfl=0.05, periods=0.5, **BARE),

@@ -16,8 +16,8 @@ from solvers.problems.planar.method.cpdi import NODES
 from solvers.problems.planar.method.kept import by_particle
 from solvers.problems.planar.scene import GHOSTS
 from solvers.problems.planar.solver import PlanarSolver
-from solvers.problems.ring.scene import RingScene
-from solvers.problems.vortex.scene import VortexScene
+from solvers.problems.ring import RingScene
+from solvers.problems.vortex import VortexScene
 from solvers.running.run import build
 from solvers.solver.arrays import aligned
 from solvers.solver.samples import read

@@ -10,11 +10,10 @@ import taichi as ti
 
 from solvers.kernels import runtime
 from solvers.kernels.kinds import reals
-from solvers.problems.planar import step_bound as planar_bound
+from solvers.problems.planar import step_bound
 from solvers.problems.planar.layout import CORNERS, box_stretch, particle_layout
 from solvers.problems.planar.method.neo_hookean import FAR, logarithms
-from solvers.problems.vortex import exact, step_bound
-from solvers.problems.vortex.scene import VortexScene
+from solvers.problems.vortex import VortexScene
 from solvers.running.result import Result
 from solvers.running.run import build, run
 from solvers.scene.linear_stability import limits
@@ -24,6 +23,7 @@ from solvers.solver import samples
 from solvers.solver.arrays import aligned
 from solvers.solver.norms import largest
 from solvers.solver.soundness import BROKEN
+from tests.closed_forms import vortex as exact
 from tests.paths import ASSETS
 
 ROWS = json.loads((ASSETS / "reference" / "vortex.json").read_text())["rows"]

@@ -8,12 +8,12 @@ import pytest
 from solvers.problems.bar.scene import BarScene
 from solvers.problems.planar.circles import CircleMotion
 from solvers.problems.planar.layout import particle_layout
-from solvers.problems.ring import exact as ring_exact
-from solvers.problems.ring.scene import RingScene
-from solvers.problems.vortex import exact as vortex_exact
-from solvers.problems.vortex.scene import VortexScene
+from solvers.problems.ring import RingScene
+from solvers.problems.vortex import VortexScene
 from solvers.scene.balance import Moments
 from solvers.solver.soundness import balance_gap
+from tests.closed_forms import ring as ring_exact
+from tests.closed_forms import vortex as vortex_exact
 
 BLIND = ("soundness",)
 MISSED = 0.03  # of the amplitude: what the circles' own solve may be off, as its file says

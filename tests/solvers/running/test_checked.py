@@ -10,8 +10,8 @@ from solvers.engine.soundness_watch import SoundnessWatch
 from solvers.problems import PROBLEMS
 from solvers.problems.bar.scene import BarScene
 from solvers.problems.planar.layout import particle_layout
-from solvers.problems.ring.scene import RingScene
-from solvers.problems.vortex.scene import VortexScene
+from solvers.problems.ring import RingScene
+from solvers.problems.vortex import VortexScene
 from solvers.running.run import build
 from solvers.solver.checked import as_large_as_itself
 

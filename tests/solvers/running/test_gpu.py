@@ -20,8 +20,8 @@ from solvers.bench import gpu
 from solvers.kernels import elementary, runtime
 from solvers.kernels.kinds import quads, reals
 from solvers.problems.bar.scene import BarScene
-from solvers.problems.ring.scene import RingScene
-from solvers.problems.vortex.scene import VortexScene
+from solvers.problems.ring import RingScene
+from solvers.problems.vortex import VortexScene
 from solvers.running.run import build, run
 from solvers.scene.remedies import COUPLED, FILTER, FROZEN
 from solvers.scene.rules import SceneError

@@ -11,8 +11,8 @@ from solvers.problems import PROBLEMS
 from solvers.problems.planar.budget.on_demand import BudgetRun
 from solvers.problems.planar.budget.pieces import Lattice, Pieces
 from solvers.problems.planar.budget.weights import Grid
-from solvers.problems.ring.scene import RingScene
-from solvers.problems.vortex.scene import VortexScene
+from solvers.problems.ring import RingScene
+from solvers.problems.vortex import VortexScene
 from solvers.running.budget import run_budget
 from solvers.running.run import run
 from solvers.scene.causes import CAUSES, FIELDS

@@ -10,7 +10,7 @@ from app.commands.run.text import run_table
 from app.page.visit.history import History
 from app.pictures.run import run_figure
 from solvers.problems.bar.scene import BarScene
-from solvers.problems.vortex.scene import VortexScene
+from solvers.problems.vortex import VortexScene
 from solvers.running.run import build
 from solvers.solver.norms import RunningIndex
 from solvers.solver.rounding import ROUNDINGS, rounding

@@ -9,8 +9,8 @@ from solvers.problems.bar import step_bound
 from solvers.problems.bar.scene import BarScene
 from solvers.problems.bar.solver import BarSolver
 from solvers.problems.planar import step_bound as planar_bound
-from solvers.problems.ring.scene import RingScene
-from solvers.problems.vortex.scene import VortexScene
+from solvers.problems.ring import RingScene
+from solvers.problems.vortex import VortexScene
 from solvers.scene.linear_stability import limits, longest
 from solvers.scene.rules import SceneError
 from solvers.scene.step_bound import SAFE, circles, of_scene, stencil

@@ -8,8 +8,8 @@ import pytest
 
 from app.cli import main
 from solvers.problems.bar.scene import BarScene
-from solvers.problems.ring.scene import RingScene
-from solvers.problems.vortex.scene import VortexScene
+from solvers.problems.ring import RingScene
+from solvers.problems.vortex import VortexScene
 from solvers.running.run import run
 from solvers.study.advise import Candidate, Goal, _runner_up, advise, families
 from solvers.study.family import Family, Point

@@ -16,8 +16,9 @@ from typing import NamedTuple
 
 import numpy as np
 
+from solvers.problems.planar.budget.material import Material
+from solvers.problems.planar.budget.moment import Moment
 from solvers.problems.planar.budget.pieces import Pieces
-from solvers.problems.planar.budget.material import Material, Moment
 from solvers.problems.planar.budget.weights import StepWeights
 
 #: The causes that there are here, of ``solvers.scene.causes``: a body force at material points makes no error.

@@ -7,9 +7,9 @@ from typing import Any
 import numpy as np
 
 from solvers.problems.planar.budget.causes import MAKERS, TIME_STEP, CauseErrors, Sources, sources
-from solvers.problems.planar.budget.pieces import Lattice, Pieces
 from solvers.problems.planar.budget.material import Material
 from solvers.problems.planar.budget.moment import Moment, moment_of
+from solvers.problems.planar.budget.pieces import Lattice, Pieces
 from solvers.problems.planar.budget.weights import Grid, StepWeights
 from solvers.problems.planar.solver import PlanarSolver
 from solvers.scene.causes import CAUSES, FIELDS, NOTHING

@@ -89,5 +89,5 @@ def right(vectors: np.ndarray) -> np.ndarray:
 
 
 def combined(e: np.ndarray, parts: np.ndarray) -> np.ndarray:
-    """Vectors (P, 2) from their ``parts`` along directions e (P, 2) and along those turned by 90 degrees to the left."""
+    """Vectors (P, 2) from their ``parts`` along e (P, 2) and along e turned by 90 degrees to the left."""
     return parts[:, :1] * e - parts[:, 1:] * right(e)

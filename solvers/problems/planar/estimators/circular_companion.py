@@ -28,7 +28,6 @@ import taichi as ti
 
 from solvers.estimators import companion as shared
 from solvers.estimators.standalone import ElasticBody
-from solvers.kernels.elementary import log
 from solvers.kernels.kinds import integers, octets, pairs, quads, reals
 from solvers.problems.planar.layout import particle_layout
 from solvers.problems.planar.method.field_tables import find_force_functions, force_at, of_pairs, pack

@@ -1,4 +1,4 @@
-"""What kernels know of a plane body from the tables of its exact motion: errors of particles and nodes, and its spin."""
+"""What kernels know of a plane body from the tables of its exact motion: errors of particles, and its spin."""
 
 import taichi as ti
 

@@ -39,8 +39,8 @@ def node_error(ghosts: int) -> Callable:
 def circular_node_error(kind: type[PlanarScene], first: int) -> Callable:
     """Of bodies whose motion is the same all around, whose table of the grid has the displacement as polynomials of the
     radius; nodes before ``first`` in a row lie beyond a symmetry plane."""
-    beyond, nearest = kind.BEYOND_RIMS, NEAREST * kind.INNER
-    middle, half, inner, outer = 0.5 * (kind.OUTER + kind.INNER), 0.5 * (kind.OUTER - kind.INNER), kind.INNER, kind.OUTER
+    beyond, inner, outer = kind.BEYOND_RIMS, kind.INNER, kind.OUTER
+    nearest, middle, half = NEAREST * inner, 0.5 * (outer + inner), 0.5 * (outer - inner)
 
     @ti.func
     def expansion(body: ti.template(), s):

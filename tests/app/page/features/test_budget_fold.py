@@ -19,7 +19,7 @@ from app.page.panels.timeline import Now
 from app.page.source import Choice
 from app.state import State
 from app.words import differing, per_cent, with_unit
-from solvers.problems.ring.scene import RingScene
+from solvers.problems.ring import RingScene
 from solvers.running import budget as running
 from solvers.scene.causes import CAUSES, FIELDS
 from solvers.solver import budget

@@ -14,7 +14,7 @@ from app.page.visit.history import History
 from solvers.engine.messages import FrameReport
 from solvers.engine.soundness_watch import SoundnessWatch
 from solvers.problems.bar.scene import BarScene
-from solvers.problems.ring.scene import RingScene
+from solvers.problems.ring import RingScene
 from solvers.running.run import build
 from solvers.study.grid import task_of
 from solvers.study.row import failed

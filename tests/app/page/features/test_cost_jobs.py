@@ -17,7 +17,7 @@ from app.page.features.cost.panel import CostTab
 from app.page.features.cost.runs import Runs, cheapest, question
 from app.page.features.cost.searches import HOLDS, MOST_POINTS, MOST_QUESTIONS, KeptPoints, Ready
 from solvers.problems.bar.scene import BarScene
-from solvers.problems.ring.scene import RingScene
+from solvers.problems.ring import RingScene
 from solvers.study.grid import task_of
 from solvers.study.jobs import READY
 from solvers.workers.pool import Slots

@@ -1,0 +1,134 @@
+"""How a body between two radii is shown: a quarter of a ring and its mirror images, or a whole ring with lines of
+material that were straight, as the exact solution has them; and beside it the field over the radius."""
+
+from collections.abc import Iterator
+from functools import partial
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from app.frame.field import Plotted
+from app.frame.marks import Lines, Mark, joined
+from app.frame.planar import WHOLE, PlanarStage
+from app.language.spoken import later, tr
+from app.problems.interface import Body, Regions
+from solvers.engine.frames import FrameArrays
+from solvers.problems.planar.circular import CircularScene
+
+SPOKES, SPOKE_POINTS, RIM_POINTS = 12, 41, 361
+FULL = 2 * np.pi
+NO_BREAK = "\N{NO-BREAK SPACE}"
+
+
+class Look(NamedTuple):
+    """Of a quarter or a whole ring: its regions, so many ``angles`` from the x axis on and ``shells`` from the inside
+    out, and its picture, in which the outer radius is about so many ``points`` long and dark ``lines`` are exact."""
+
+    angles: int
+    shells: tuple[str, ...]
+    division: str
+    picture: tuple[float, float]
+    points: float
+    lines: str
+
+
+LOOKS = {
+    "quarter": Look(
+        6, (later("inner third, {low}–{high}°"), later("middle third, {low}–{high}°"),
+            later("outer third, {low}–{high}°")),
+        later("the quarter ring into 6 angles from the x axis on and 3 thirds of the wall"),
+        (13.5, 0.85), 240.0, "exact surfaces"),
+    "whole": Look(
+        8, (later("innermost fifth, {low}–{high}°"), later("inner fifth, {low}–{high}°"),
+            later("middle fifth, {low}–{high}°"), later("outer fifth, {low}–{high}°"),
+            later("outermost fifth, {low}–{high}°")),
+        later("the ring into 8 angles from the x axis on and 5 fifths of the wall"),
+        (15.0, 1.3), 200.0, "rims and material lines of the exact solution")}
+
+
+class AnnulusStage(PlanarStage[CircularScene]):
+    """Makes marks of frames of a quarter ring."""
+
+    @staticmethod
+    def outermost(scene: CircularScene) -> float:
+        return scene.OUTER + _swell(scene)
+
+    @staticmethod
+    def note(scene: CircularScene) -> str:
+        h = f"h{NO_BREAK}={NO_BREAK}{scene.spacing:.3g}{NO_BREAK}m"
+        return tr("outer radius {radius} at rest, {h}", radius=f"{scene.OUTER:g}{NO_BREAK}m", h=h)
+
+    @staticmethod
+    def stretched(scene: CircularScene) -> float:
+        return 1 + 0.5 * _swell(scene) / scene.OUTER
+
+
+class WholeStage(AnnulusStage):
+    """Makes marks of frames of a whole ring. Its quarters are alike, so that half of it shows all."""
+
+    MIRRORS = OUTLINED = WHOLE
+    LINES = SPOKES
+
+    @staticmethod
+    def note(scene: CircularScene) -> str:
+        if not scene.solution_known:
+            return f"h = {scene.spacing:.3g} m"
+        return tr("h = {h:.3g} m, blue: exact lines", h=scene.spacing)  # the plot below says how large it is
+
+    @staticmethod
+    def exact_lines(scene: CircularScene, t: float, count: int) -> np.ndarray:
+        angles, R = FULL * np.arange(count)[:, None] / SPOKES, np.linspace(scene.INNER, scene.OUTER, SPOKE_POINTS)
+        X = np.stack([R * np.cos(angles), R * np.sin(angles)], axis=2)
+        return scene.EXACT.position(scene, X.reshape(-1, 2), t).reshape(X.shape)
+
+    def _moving(self, scene: CircularScene, arrays: FrameArrays, estimated: np.ndarray, true: np.ndarray, t: float,
+                crossed: np.ndarray, age: np.ndarray) -> Iterator[Mark]:
+        yield from super()._moving(scene, arrays, estimated, true, t, crossed, age)
+        lines = self.exact_lines(scene, t, SPOKES * scene.solution_known)
+        x = self._place(lines.reshape(-1, 2), 0.015).reshape(-1, SPOKE_POINTS, 3)
+        yield Lines("spokes", joined(x[:, :-1].reshape(-1, 3), x[:, 1:].reshape(-1, 3)),
+                    self._places.room.palette.exact, 1.5)
+
+
+def body_of(kind: type[Any]) -> Body:
+    """How the body of a class of scenes is shown."""
+    whole = kind.ANGLE >= FULL
+    look = LOOKS["whole" if whole else "quarter"]
+    base: type[AnnulusStage] = WholeStage if whole else AnnulusStage
+    plotted = Plotted(kind.INNER, kind.OUTER, (f"R = {kind.INNER:g} m", f"{kind.OUTER:g} m"), kind.exact_along,
+                      kind.PLOTTED)
+    stage = type(base.__name__, (base,), {"PLOT": plotted})
+    return Body(stage, partial(_draw, stage, look), partial(_regions, kind, look), look.division, look.picture)
+
+
+def _swell(scene: CircularScene) -> float:
+    """How far the outer rim moves outwards, in m."""
+    return scene.amplitude if scene.PLOTTED == "radial" else 0.0
+
+
+def _regions(kind: type[Any], look: Look, X: np.ndarray) -> Regions:
+    shells, angles = len(look.shells), look.angles
+    share = (np.hypot(X[:, 0], X[:, 1]) - kind.INNER) / (kind.OUTER - kind.INNER)
+    shell = np.clip((share * shells).astype(int), 0, shells - 1)
+    turn = np.arctan2(X[:, 1], X[:, 0]) / kind.ANGLE
+    angle = np.clip(((turn % 1 if kind.ANGLE >= FULL else turn) * angles).astype(int), 0, angles - 1)
+    step = round(np.degrees(kind.ANGLE)) // angles
+    names = tuple(tr(name, low=k * step, high=(k + 1) * step) for name in look.shells for k in range(angles))
+    return Regions(names, shell * angles + angle)
+
+
+def _draw(stage: type[AnnulusStage], look: Look, figure: Any, space: Any, particles: Any, result: Any) -> None:
+    from app.renderers.picture import drawable, robust_size
+    from app.renderers.plane import draw_halves, draw_profile
+
+    scene, shown, mirrored = result.scene, result.shown, stage.MIRRORS != WHOLE
+    angles = np.linspace(0, scene.ANGLE, RIM_POINTS)
+    rims = [R * np.stack([np.cos(angles), np.sin(angles)], axis=1) for R in (scene.INNER, scene.OUTER)]
+    moved = [rim + scene.EXACT.displacement(scene, rim, shown.time) for rim in rims]
+    outer = scene.OUTER + abs(float(moved[1][0, 0]) - scene.OUTER)
+    farthest = robust_size(np.hypot(*drawable(shown.position).T)) if mirrored else outer
+    lines = [rim * (side, 1) for rim in moved for side in ((-1, 1) if mirrored else (1,))]
+    draw_profile(space, result, stage)
+    draw_halves(figure, particles, result, stage, 1.06 * float(np.clip(farthest, outer, 2 * outer)),
+                [*stage.exact_lines(scene, shown.time, stage.LINES * scene.solution_known), *lines],
+                look.lines, look.points / scene.OUTER)

@@ -1,0 +1,72 @@
+"""How a body that fills a square is shown: the square and its mirror images, and beside them the field along a row of
+particles."""
+
+from collections.abc import Iterator
+from typing import Any
+
+import numpy as np
+
+from app.frame.field import Plotted
+from app.frame.marks import Mark
+from app.frame.planar import PlanarStage
+from app.language.spoken import later, tr
+from app.problems.interface import Body, Regions
+from solvers.problems.planar.box import BoxScene
+from solvers.problems.planar.layout import particle_layout
+
+REGIONS = 4  # a side
+HEIGHT = 0.3  # of the row of particles that is plotted, over that of the square
+NO_BREAK = "\N{NO-BREAK SPACE}"
+POINTS_PER_METRE = 240  # of the picture, roughly
+
+
+def plotted_row(scene: BoxScene) -> float:
+    """The height Y in m of the row of particles that is plotted."""
+    across = scene.cells * scene.ppc
+    return (int(HEIGHT * across) + 0.5) / across * scene.SIDE
+
+
+def _exact(scene: BoxScene, quantity: str, X: np.ndarray, t: float) -> np.ndarray:
+    return scene.exact_along(quantity, np.stack([X, np.full_like(X, plotted_row(scene))], axis=1), t)
+
+
+class BoxStage(PlanarStage[BoxScene]):
+    """Makes marks of frames of the square."""
+
+    PLOT = Plotted(0.0, 1.0, ("X = 0", "1 m"), _exact)
+
+    @staticmethod
+    def outermost(scene: BoxScene) -> float:
+        return scene.SIDE
+
+    @staticmethod
+    def note(scene: BoxScene) -> str:
+        return tr("side {side}, h = {h}", side=f"{scene.SIDE:g}{NO_BREAK}m", h=f"{scene.spacing:.3g}{NO_BREAK}m")
+
+    @staticmethod
+    def stretched(scene: BoxScene) -> float:
+        return 1 + 0.5 * scene.STRAIN_PER_AMPLITUDE * scene.amplitude
+
+    def _still(self, scene: BoxScene, particles: int, at_rest: np.ndarray | None) -> Iterator[Mark]:
+        yield from super()._still(scene, particles, at_rest)
+        X = particle_layout(scene).position if at_rest is None else at_rest
+        half = 0.5 * scene.spacing / scene.ppc
+        self._radii = np.where(np.abs(X[:, 1] - plotted_row(scene)) < half, X[:, 0], np.nan)
+
+
+def regions(X: np.ndarray) -> Regions:
+    cell = np.clip((X * REGIONS).astype(int), 0, REGIONS - 1)
+    names = tuple(tr("column {column}, row {row} from below", column=i + 1, row=j + 1)
+                  for j in range(REGIONS) for i in range(REGIONS))
+    return Regions(names, cell[:, 1] * REGIONS + cell[:, 0])
+
+
+def draw(figure: Any, space: Any, particles: Any, result: Any) -> None:
+    from app.renderers.plane import OVER_WIDTH, draw_halves, draw_profile
+
+    draw_profile(space, result, BoxStage, OVER_WIDTH)
+    draw_halves(figure, particles, result, BoxStage, 1.06 * result.scene.SIDE, [], "planes of symmetry",
+                POINTS_PER_METRE)
+
+
+BODY = Body(BoxStage, draw, regions, later("the square into 16 squares"), (13.5, 0.85))

@@ -1,1 +1,0 @@
-"""How the vortex is shown: on the stage, in pictures, in regions."""
