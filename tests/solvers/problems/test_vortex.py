@@ -96,7 +96,7 @@ def test_bound_on_the_step(cells, amplitude, monkeypatch):
     """The limits at two moments are those of the whole matrices of the step (measured within .021); an odd number of
     cells has none of its nodes in the middle."""
     scene, found = VortexScene(method="cpdi", cells=cells, ppc=2, amplitude=amplitude), []
-    monkeypatch.setattr(planar_bound, "limits", lambda of: found.append(limits(of)) or found[0])
+    monkeypatch.setattr(step_bound, "limits", lambda of: found.append(limits(of)) or found[0])
     bound = step_bound.critical_time_step(scene)
     times = 0.25 * scene.period * moments(scene)
     for k in (len(times) // 2, len(times) - 1):
