@@ -33,7 +33,7 @@ def test_values_less_deviations_are_the_exact_curve(solver, quantity):
     """To rounding of the values; each particle on the curve at its own coordinate at rest, and none all zero."""
     scene, field = solver.scene, solver.snapshot(plotted=quantity).plotted
     layout = particle_layout(scene) if scene.problem == "ring" else None
-    at = layout.radii[layout.radius] if layout else (np.arange(scene.particles) + 0.5) / scene.particles
+    at = layout.orbits[layout.orbit, 0] if layout else (np.arange(scene.particles) + 0.5) / scene.particles
     place = RING_FIELD if layout else BAR_FIELD
     exact = place.exact(scene, quantity, at, solver.time)
     np.testing.assert_allclose(field[:, 0] - field[:, 1], exact, rtol=0, atol=1e-13 * np.abs(field).max())

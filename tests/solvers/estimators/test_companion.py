@@ -157,11 +157,6 @@ def test_it_says_when_it_has_failed_itself(scene):
     assert "failed" in solver.not_valid()["companion"]
 
 
-def test_a_long_run_of_a_ring_that_leaves_its_symmetry_is_noticed(simulate):
-    long = simulate(replace(RING, cells=24, amplitude=0.19, periods=20))
-    assert "not valid here: " in long.not_valid["companion"] and long.to_dict()["index"]["x"] is None
-
-
 def test_its_price():
     """Below a third of a run (measured: 3 to 9 per cent); the least of three, for a share found within a few tenths of
     a second is off where other work shares the caches in one part of a turn only."""

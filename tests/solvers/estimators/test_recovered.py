@@ -72,7 +72,7 @@ def test_rest_is_without_error(scene):
     if scene.problem == "bar":
         a.sine[:] = 0  # of the force
     else:
-        a.radii[:, 1:] = 0  # the shape of the exact motion and its derivatives, of which the force is made
+        a.tables[:] = 0  # of the force
     velocities(solver)[:] = 0
     memory_parts(solver.HOOKS, a.memory)["recovered_nodes"][:] = 0
     solver.advance(100)

@@ -88,7 +88,7 @@ def test_layouts_fill_the_ring(scene):
     assert abs(made.volume.sum() - area) < (1e-12 if polar else 0.5 * scene.spacing / scene.ppc * rims)
     assert not polar or len(made.volume) == scene.particles
     R = np.linalg.norm(made.position, axis=1)
-    assert np.abs(made.radii[made.radius] - R).max() < 1e-11  # radii are grouped to 12 digits
+    assert np.abs(made.orbits[made.orbit, 0] - R).max() < 1e-11  # radii are grouped to 12 digits
     assert R.min() > scene.INNER and R.max() < scene.OUTER
     assert scene.problem == "vortex" or made.position.min() > 0
     a, b = made.edges[:, :2], made.edges[:, 2:]

@@ -86,7 +86,7 @@ def test_circles_move_as_the_exact_solution_has_it(scene, exact):
     times = np.arange(1, 31) * scene.period / 20
     motion, layout = CircleMotion(scene), particle_layout(scene)
     e = layout.position / np.linalg.norm(layout.position, axis=1)[:, None]
-    shapes = motion._shapes[layout.radius]
+    shapes = motion._shapes[layout.orbit]
 
     around = np.stack([-e[:, 1], e[:, 0]], axis=1)
     placed = [exact.displacement(scene, layout.position, t) + layout.position for t in times]
