@@ -15,7 +15,6 @@ from typing import Any
 
 import numpy as np
 
-from solvers.problems import PROBLEMS
 from solvers.problems.bar.scene import BarScene
 from solvers.problems.bar.solver import BarSolver
 from solvers.problems.planar.budget.causes import MAKERS
@@ -24,6 +23,7 @@ from solvers.problems.ring import RingScene
 from solvers.problems.ring_limits import RESONANCE
 from solvers.problems.vortex import VortexScene
 from solvers.running.budget import run_budget
+from solvers.running.run import build
 from solvers.scene.causes import CAUSES, FIELDS, NOTHING
 from solvers.scene.remedies import FROZEN, PIECES
 from solvers.scene.rules import SceneError
@@ -123,7 +123,7 @@ def _of_bar(scene: BarScene, take_away: str) -> list[np.ndarray] | None:
 
 
 def _in_plane(scene: Any, take_away: str) -> list[list[np.ndarray]] | None:
-    run, kept = BudgetRun(PROBLEMS[scene.problem].budget, scene, take_away), []
+    run, kept = BudgetRun(build(scene), take_away), []
     for step in range(1, scene.steps + 1):
         if not run.step():
             return None

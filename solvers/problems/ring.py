@@ -41,7 +41,6 @@ class RingScene(CircularScene):
     modulus: float = option(1e7, "Young's modulus E; Poisson's ratio is 0", "Pa")
     linearity_preserving: bool = option(False, "Not offered for the ring: only off is accepted")
 
-    poisson_ratio = 0.0
     TITLE = "expanding ring"
     SETTING = "A quarter of a ring with radii 0.4 m and 0.6 m on a square grid, 1.2 m wide."
     SIDE, INNER, OUTER, ANGLE = 1.2, INNER, OUTER, 0.5 * math.pi

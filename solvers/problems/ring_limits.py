@@ -93,13 +93,13 @@ def warnings(scene: Any) -> list[str]:
 
 def _resonance(scene: Any) -> str:
     """What becomes of a large motion, in one sentence."""
-    amplitude = scene.amplitude
+    amplitude, rate, life = scene.amplitude, growth(scene), expected_life(scene)
     beyond = amplitude > KNOWN
     wrinkles = f"; above {WRINKLING} its surface wrinkles as well" * (amplitude > WRINKLING)
     return (f"amplitude {amplitude:g}: from {RESONANCE} on the ring's own motion is unstable by parametric "
-            f"resonance, which nothing cures; an error in the mode n = 2 grows {growth(scene):.2f}-fold a period"
+            f"resonance, which nothing cures; an error in the mode n = 2 grows {rate:.2f}-fold a period"
             f"{' or faster' * beyond}, from {FIRST_ERROR:.1%} of the amplitude after the first to a tenth after "
-            f"{'at most' if beyond else 'about'} {expected_life(scene):.2g}, from less of it later{wrinkles}")
+            f"{'at most' if beyond else 'about'} {life:.2g}, from less of it later{wrinkles}")
 
 
 def other_advice(scene: Any) -> str:

@@ -39,8 +39,8 @@ class PlanarReference(ProblemReference):
         (bulk, mu), A, w = scene.lame_moduli, scene.amplitude, scene.angular_frequency
         formula = getattr(scene, "displacement", "")
         return read_texts(GENERAL if formula else self._texts, scene.body_force, formula=formula or "as in its code",
-                          A=A, w=w, speed=A * w, bulk=bulk, mu=mu, E=scene.modulus, nu=scene.poisson_ratio,
-                          density=scene.density, corner=self.grid_corner(scene))
+                          A=A, w=w, speed=A * w, bulk=bulk, mu=mu, E=scene.modulus, density=scene.density,
+                          nu=getattr(scene, "poisson_ratio", 0.0), corner=self.grid_corner(scene))
 
     def table_points(self, scene: Any, count: int) -> np.ndarray:
         if scene.CIRCULAR:

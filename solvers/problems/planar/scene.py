@@ -31,7 +31,6 @@ class PlanarScene(Scene):
     layout: str  # the lattice on which particles begin: "polar", "cartesian" or "box"
     ppc: int  # per direction
     plan: str  # how the step is spread over the threads
-    poisson_ratio: float
 
     DIMENSIONS = 2
     EXTRA_ERROR = "a_nodes"
@@ -135,9 +134,10 @@ class PlanarScene(Scene):
 
     @property
     def lame_moduli(self) -> tuple[float, float]:
-        """lambda and mu in Pa, from E and Poisson's ratio in plane strain."""
-        mu = 0.5 * self.modulus / (1 + self.poisson_ratio)
-        return 2 * mu * self.poisson_ratio / (1 - 2 * self.poisson_ratio), mu
+        """lambda and mu in Pa, from E and Poisson's ratio, 0 where there is none, in plane strain."""
+        nu = getattr(self, "poisson_ratio", 0.0)
+        mu = 0.5 * self.modulus / (1 + nu)
+        return 2 * mu * nu / (1 - 2 * nu), mu
 
     @property
     def wave_speed(self) -> float:
@@ -203,7 +203,7 @@ class PlanarScene(Scene):
                              "follow the deformation; give null-space-filter or frozen-weights")
 
     def _check_material(self) -> None:
-        require_number("poisson_ratio", self.poisson_ratio, -0.9, 0.49)
+        require_number("poisson_ratio", self.poisson_ratio, -0.9, 0.49)  # type: ignore[attr-defined]
 
 
 @functools.lru_cache(maxsize=2)

@@ -7,14 +7,13 @@ from itertools import islice
 import numpy as np
 import pytest
 
-from solvers.problems import PROBLEMS
 from solvers.problems.planar.budget.on_demand import BudgetRun
 from solvers.problems.planar.budget.pieces import Lattice, Pieces
 from solvers.problems.planar.budget.weights import Grid
 from solvers.problems.ring import RingScene
 from solvers.problems.vortex import VortexScene
 from solvers.running.budget import run_budget
-from solvers.running.run import run
+from solvers.running.run import build, run
 from solvers.scene.causes import CAUSES, FIELDS
 from solvers.scene.remedies import FROZEN
 from solvers.scene.rules import SceneError
@@ -34,7 +33,7 @@ BRANCHES = [*(replace(scene, method=method) for scene in SMALL for method in sce
 
 def gaps(scene: Scene) -> dict[str, float]:
     """The most that the causes together miss of an error at any particle and sample, over the largest that there is."""
-    run = BudgetRun(PROBLEMS[scene.problem].budget, scene)
+    run = BudgetRun(build(scene))
     missed, largest = dict.fromkeys(FIELDS, 0.0), dict.fromkeys(FIELDS, 0.0)
     while run.solver.step < scene.steps and run.step():
         if run.solver.step % scene.sample_interval == 0 or run.solver.step == scene.steps:
@@ -66,7 +65,7 @@ def test_the_causes_add_up_in_many_scenes(kind):
 def test_pieces_leave_no_gap(scene):
     """Even stress moves no node inside, and a velocity that is linear has its gradient everywhere, whatever the motion;
     at rest they have the particles' volumes, up to the arcs between the polar lattice's corners."""
-    solver = PROBLEMS[scene.problem].solver(scene)
+    solver = build(scene)
     solver.advance(scene.steps)
     a, lattice = solver._arrays, Lattice(scene)
     grid = Grid(a.row, 0)
