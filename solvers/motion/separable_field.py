@@ -22,7 +22,7 @@ SPECTRUM_END = 3e-15  # of the largest Fourier coefficient: rounding
 NOISY_FROM, NOISE = 128, 1e-12  # times from which on so much passes for rounding, too: of a formula that cancels
 RANK_TOLERANCE = 2e-16  # of the largest singular value, times the root of the number of values
 AT_ONCE = 100_000  # places and times of one call
-LEAST_COEFFICIENT = 1e-16  # of a harmonic that is kept
+LEAST_COEFFICIENT = 1e-15  # of a harmonic that is kept, over the largest
 
 
 class NotPeriodic(ArithmeticError):
@@ -80,8 +80,8 @@ def separate(field: Field, places: np.ndarray, period: float) -> SeparableField:
     T = _independent(values)
     chosen = _telling_times(T, min(len(times), 2 * len(T)))
     modes = _at(field, places, times[chosen]) @ np.linalg.pinv(T[:, chosen])  # (P C, r)
-    return SeparableField(modes.reshape(len(places), -1, len(T)).swapaxes(1, 2).copy(), _fourier_series(T),
-                          2 * np.pi / period)
+    return SeparableField(modes.reshape(len(places), -1, len(T)).swapaxes(1, 2).copy(),
+                          _fourier_series(T, np.abs(modes).max(axis=0)), 2 * np.pi / period)
 
 
 def _resolved(field: Field, places: np.ndarray, period: float) -> tuple[np.ndarray, np.ndarray]:
@@ -133,13 +133,13 @@ def _telling_times(T: np.ndarray, count: int) -> np.ndarray:
     return np.array(sorted(chosen))
 
 
-def _fourier_series(T: np.ndarray) -> np.ndarray:
-    """Mean, cos and sin coefficients (r, 1 + 2 H) of functions (r, M) sampled over a period."""
+def _fourier_series(T: np.ndarray, sizes: np.ndarray) -> np.ndarray:
+    """Mean, cos and sin coefficients (r, 1 + 2 H) of functions (r, M) sampled over a period, up to the last harmonic of
+    which the field, whose modes have these ``sizes`` (r,), knows more than rounding."""
     M = T.shape[1]
     coefficients = np.fft.rfft(T, axis=1) / M
-    H = M // 2 - 1
-    while H > 1 and np.abs(coefficients[:, H]).max() < LEAST_COEFFICIENT:
-        H -= 1
+    told = (sizes[:, None] * np.abs(coefficients[:, :M // 2])).max(axis=0)
+    H = max(1, int(np.flatnonzero(told > LEAST_COEFFICIENT * told.max())[-1]))
     series = np.empty((len(T), 1 + 2 * H))
     series[:, 0] = coefficients[:, 0].real
     series[:, 1::2], series[:, 2::2] = 2 * coefficients[:, 1:H + 1].real, -2 * coefficients[:, 1:H + 1].imag

@@ -15,7 +15,7 @@ from solvers.problems.planar.method.traits import escape_of, traits_of
 from solvers.problems.planar.parts import PlanarParts
 from solvers.problems.planar.plans.on_device import BesideGpu, OnDevice
 from solvers.problems.planar.plans.step import Kernels, OnProcessor, kernels
-from solvers.problems.planar.scene import PlanarScene
+from solvers.problems.planar.scene import PlanarScene, motion_table
 from solvers.problems.planar.snapshot import Errors, cauchy_stress_of, plotted_field, true_fields
 from solvers.problems.planar.step_breakdown import breakdown, carried
 from solvers.scene import registry
@@ -24,6 +24,7 @@ from solvers.scene.scene import MOST_PARTICLES
 from solvers.scene.switches import switches
 from solvers.solver import devices
 from solvers.solver.base import MEASURE, REPORT, Solver
+from solvers.solver.samples import column
 from solvers.solver.snapshot import TRUTH, Fields, Snapshot, Values
 from solvers.solver.step_breakdown import Carried, StepBreakdown
 
@@ -107,6 +108,24 @@ class PlanarSolver(Solver):
                       columns([(motion[:, 0] - X[:, 0], motion[:, 1] - X[:, 1]), tuple(motion.T[2:]),
                                stress]),
                       {name: columns(parts[:3]) for name, parts in said.items()})
+
+    def advance(self, steps: int) -> np.ndarray:
+        return self._with_exact_spin(super().advance(steps))
+
+    def measure(self) -> np.ndarray:
+        return self._with_exact_spin(super().measure())
+
+    def _with_exact_spin(self, rows: np.ndarray) -> np.ndarray:
+        """The rows of samples with the exact angular momentum of the particles, if that is asked for: of half a step
+        before, where velocities belong."""
+        scene, a = self.scene, self._arrays
+        if scene.has("spin") and self._switches.truth:
+            motion, mass = motion_table(scene), np.bincount(a.orbit, a.mass)
+            for row in rows:
+                t = (row[column("step")] - 0.5) * scene.time_step
+                (x, y), (v_x, v_y) = (a.orbit_point + motion(t)[:, :2]).T, motion(t, 1)[:, :2].T
+                row[column("spin/exact_momentum", self._switches)] = mass @ (x * v_y - y * v_x)
+        return rows
 
     def _escape(self) -> str:
         return self.scene.ESCAPED.format(farthest=self.scene.farthest)

@@ -130,8 +130,10 @@ def find_stress(body: ti.template(), closed: ti.template()):
 @ti.func
 def piola(body: ti.template(), a, b, c, d):
     """P e_R and P e_angle as (x, y, x, y), where F e_R = (a, c) and F e_angle = (b, d)."""
-    J = a * d - b * c
-    mu, back = body.shear_modulus, (body.lame_modulus * log(J) - body.shear_modulus) / J
+    J, bulk, mu = a * d - b * c, 0.0, body.shear_modulus
+    if body.lame_modulus != 0:  # a logarithm a particle is a tenth of the estimator's time
+        bulk = body.lame_modulus * log(J)
+    back = (bulk - mu) / J
     return ti.Vector([mu * a + back * d, mu * c - back * b, mu * b - back * c, mu * d + back * a])
 
 

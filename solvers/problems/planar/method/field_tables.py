@@ -117,10 +117,10 @@ def pair_sum(tables: ti.template(), sizes: ti.template(), number: ti.template(),
 
 
 @ti.func
-def find_functions(tables: ti.template(), sizes: ti.template(), number: ti.template(), frequency, now, before):
+def find_functions(tables: ti.template(), sizes: ti.template(), number, frequency, now, before):
     """(T_k, T_k', T_k'' at the angle ``before``, T_k there) of a table at the angle ``now``, of harmonics of a
     ``frequency`` in 1/s: the acceleration that a method has is that of its last step."""
-    base = ti.static(FACTS * number)
+    base = FACTS * number
     rank, at, out = sizes[base + RANK], sizes[base + SERIES], sizes[base + PRESENT]
     for k in range(rank):
         mean = tables[at + k][0]

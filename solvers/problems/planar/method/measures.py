@@ -21,27 +21,20 @@ def find_exact(body: ti.template(), step, on: ti.template()):
     w = body.angular_frequency
     now = w * body.dt * step
     before = ti.max(0.0, now - w * body.dt)
-    find_functions(body.tables, body.table_sizes, MOTION, w, now, before)
-    find_functions(body.tables, body.table_sizes, GRID, w, now, before)
-    for k in range(body.orbits):
-        motion, F = motion_of(body, k)
-        sigma = cauchy_stress_of(body, F)
-        body.exact[3 * k] = ti.Vector([motion[0], motion[1], motion[2], motion[3]])
-        body.exact[3 * k + 1] = ti.Vector([motion[4], motion[5], 0.0, 0.0])
-        body.exact[3 * k + 2] = ti.Vector([sigma[0], sigma[1], sigma[2], 0.0])
-
-
-@ti.func
-def motion_of(body: ti.template(), k):
-    """Of the exact solution at an orbit's point, with the functions that were found last: (u, v, a, 0, 0), and F."""
+    for number in range(MOTION, GRID + 1):  # one loop, for its code is compiled once
+        find_functions(body.tables, body.table_sizes, number, w, now, before)
     rank, modes, out = fact(body, MOTION, RANK), fact(body, MOTION, MODES), fact(body, MOTION, PRESENT)
-    motion, F = ti.Vector([0.0] * 8), ti.Vector([1.0, 0.0, 0.0, 1.0])
-    for n in range(rank):
-        at = modes + 2 * (k * rank + n)
-        T, u = body.tables[out + n], body.tables[at]
-        motion += ti.Vector([T[0] * u[0], T[0] * u[1], T[1] * u[0], T[1] * u[1], T[2] * u[0], T[2] * u[1], 0.0, 0.0])
-        F += T[0] * body.tables[at + 1]
-    return motion, F
+    for k in range(body.orbits):
+        motion, a, F = ti.Vector([0.0] * 4), ti.Vector([0.0] * 4), ti.Vector([1.0, 0.0, 0.0, 1.0])
+        for n in range(rank):
+            at = modes + 2 * (k * rank + n)
+            T, u = body.tables[out + n], body.tables[at]
+            motion += ti.Vector([T[0] * u[0], T[0] * u[1], T[1] * u[0], T[1] * u[1]])
+            a += T[2] * u
+            F += T[0] * body.tables[at + 1]
+        sigma = cauchy_stress_of(body, F)
+        body.exact[3 * k], body.exact[3 * k + 1] = motion, a
+        body.exact[3 * k + 2] = ti.Vector([sigma[0], sigma[1], sigma[2], 0.0])
 
 
 @ti.func
@@ -66,30 +59,15 @@ def stress_error(body: ti.template(), p):
 
 @ti.func
 def sample_angular_momentum(body: ti.template(), row, step, on: ti.template()):
-    """Angular momentum, the exact one of the particles, and the impulse of the body force's torque so far.
-
-    Velocities belong to half a step before, and so does the exact angular momentum here.
-    """
-    momentum, expected, torque = 0.0, 0.0, 0.0
-    if ti.static(on.truth):
-        half_before = body.angular_frequency * body.dt * (step - 0.5)
-        find_functions(body.tables, body.table_sizes, MOTION, body.angular_frequency, half_before, half_before)
-        for k in range(body.orbits):
-            motion = motion_of(body, k)[0]
-            body.exact[3 * k] = ti.Vector([motion[0], motion[1], motion[2], motion[3]])
+    """Angular momentum, and the impulse of the body force's torque so far."""
+    momentum, torque = 0.0, 0.0
     for p in range(body.particles):
         q = body.position_velocity[p]
         momentum += body.mass[p] * (q[0] * q[3] - q[1] * q[2])
-        if ti.static(on.truth):
-            k = body.orbit[p]
-            X, f = body.orbit_point[k], body.exact[3 * k]
-            expected += body.mass[p] * ((X[0] + f[0]) * f[3] - (X[1] + f[1]) * f[2])
     for slab in range(body.slabs):
         torque += body.totals[ti.static(TOTALS) * slab + 2]
     body.samples[row, ti.static(column("spin/momentum", on))] = momentum
     body.samples[row, ti.static(column("spin/torque", on))] = torque
-    if ti.static(on.truth):
-        body.samples[row, ti.static(column("spin/exact_momentum", on))] = expected
 
 
 def measures_of(kind: type[PlanarScene], first: int) -> Measures:

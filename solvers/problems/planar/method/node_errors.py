@@ -9,7 +9,7 @@ from solvers.problems.planar.method.field_tables import GRID, MODES, PRESENT, RA
 from solvers.problems.planar.method.frames import turned
 from solvers.problems.planar.scene import PlanarScene
 
-NEWTON_STEPS = 8  # of the radius that has come to a node; the map is nearly linear and converges in four or five
+NEWTON_STEPS = 9  # of the radius that has come to a node; the map is nearly linear and converges in four or five
 NEWTON_END = 1e-14  # m
 NEAREST = 0.1  # of the inner radius: a node nearer to the centre, where no material comes, counts as there
 
@@ -74,21 +74,18 @@ def circular_node_error(kind: type[PlanarScene], first: int) -> Callable:
                 e, R, step = ti.Vector([x, y]) / r, r, 1.0
                 if ti.static(not beyond):
                     R = ti.min(ti.max(r, inner), outer)
-                value, slope = expansion(body, (R - middle) / half)
-                if ti.static(beyond and not on.frozen):  # the material radius that has come here
-                    for _ in range(NEWTON_STEPS):
-                        if ti.abs(step) > NEWTON_END:
+                a = ti.Vector([0.0, 0.0])
+                for _ in range(ti.static(NEWTON_STEPS if beyond and not on.frozen else 1)):
+                    if ti.abs(step) > NEWTON_END:
+                        value, slope = expansion(body, (R - middle) / half)
+                        a = ti.Vector([value[2], value[3]])
+                        if ti.static(not on.frozen):  # the material radius that has come here, and turned back from it
                             along, around = R + value[0], value[1]
                             size = ti.sqrt(along * along + around * around)
+                            a = ti.Vector([a[0] * along + a[1] * around, a[1] * along - a[0] * around]) / size
                             rate = ((1 + slope[0] / half) * along + slope[1] / half * around) / size
                             step = (size - r) / rate
                             R -= step
-                            value, slope = expansion(body, (R - middle) / half)
-                a = ti.Vector([value[2], value[3]])
-                if ti.static(not on.frozen):  # turned back from where the circle has come to
-                    along, around = R + value[0], value[1]
-                    size = ti.sqrt(along * along + around * around)
-                    a = ti.Vector([a[0] * along + a[1] * around, a[1] * along - a[0] * around]) / size
                 a = turned(e, a[0], a[1])
                 motion = body.node_motion[node]
                 miss_x, miss_y = motion[2] - a[0], motion[3] - a[1]
