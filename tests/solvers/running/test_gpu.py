@@ -21,6 +21,7 @@ from solvers.kernels import elementary, runtime
 from solvers.kernels.kinds import quads, reals
 from solvers.problems.bar.scene import BarScene
 from solvers.problems.ring import RingScene
+from solvers.problems.square import SquareScene
 from solvers.problems.vortex import VortexScene
 from solvers.running.run import build, run
 from solvers.scene.remedies import COUPLED, FILTER, FROZEN
@@ -33,7 +34,8 @@ from tests.gpus import ARCH, require_gpu
 
 RING = RingScene(cells=16, estimators=("companion",), arch=ARCH, sample_every=20)
 VORTEX = VortexScene(cells=24, amplitude=0.5, estimators=("companion",), arch=ARCH, sample_every=20)
-METHODS = [replace(scene, method=method) for scene in (RING, VORTEX) for method in scene.choices("method")]
+SQUARE = SquareScene(cells=10, method="ugimp", estimators=("companion",), arch=ARCH, sample_every=20)
+METHODS = [SQUARE, *(replace(scene, method=method) for scene in (RING, VORTEX) for method in scene.choices("method"))]
 QUICK = replace(RING, method="ugimp")  # the slow set has all methods in both problems, over more steps
 #: Each remedy, layout and force twice, combined otherwise.
 OTHERS = [replace(RING, method="cpgimp", remedies=(FILTER, COUPLED), velocity="particle", layout="cartesian",

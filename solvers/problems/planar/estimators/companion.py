@@ -15,6 +15,7 @@ import numpy as np
 import taichi as ti
 
 from solvers.estimators import companion as shared
+from solvers.kernels import runtime
 from solvers.kernels.elementary import log
 from solvers.kernels.kinds import integer_quads, integers, pairs, quads
 from solvers.problems.planar.estimators.patch import Patch
@@ -111,6 +112,16 @@ def report(body: ti.template(), base, step, on: ti.template()):
 
 
 @ti.func
+def report_at_once(body: ti.template(), base, step, on: ti.template()):
+    """The same on a GPU, whose nodes are at ``step`` already; each particle reads its own part of its line."""
+    squares = 0.0
+    for n in range(body.particles):
+        squares += particle_error(body, base, body.companion_places[body.companion_counts[shared.RADII] + 1 + n], step,
+                                  on)
+    body.companion_numbers[shared.SQUARE] = squares / body.particles
+
+
+@ti.func
 def reduce_to_line(body: ti.template(), k):
     """u, v, a and u_xi on the line of the k-th xi of particles, at the nodes' eta."""
     line = shared.LAYERS * body.companion_counts[shared.NODES]
@@ -136,12 +147,16 @@ def line_node(body: ti.template(), k, j):
 @ti.func
 def particle_error(body: ti.template(), base, place, step, on: ti.template()):
     """Errors of x and v, of the Cauchy stress and of a at a particle, whose ``place`` is (p, first node of its line,
-    first of its polynomials). Returns the square of that of x."""
+    first of its polynomials, number of its xi). Returns the square of that of x."""
     p = place[0]
     f = ti.Vector([0.0] * 8)  # u, v, a, u_xi
     u_eta = ti.Vector([0.0, 0.0])
     for j in range(body.companion_counts[shared.ORDER] + 1):
-        value, basis = body.companion_nodes[place[1] + j], body.companion_basis[place[2] + j]
+        basis, value = body.companion_basis[place[2] + j], ti.Vector([0.0] * 8)
+        if ti.static(runtime.on_processor()):
+            value = body.companion_nodes[place[1] + j]
+        else:  # particles of many xi are at work, and there is room for one line
+            value = line_node(body, place[3], place[1] + j - shared.LAYERS * body.companion_counts[shared.NODES])
         f += basis[0] * value
         u_eta += basis[1] * ti.Vector([value[0], value[1]])
     q, X, g = body.position_velocity[p], body.material_position[p], body.companion_slopes[p]  # grad xi, grad eta
@@ -163,8 +178,8 @@ class ParticleBasis(NamedTuple):
 
     ``basis`` are values and derivatives of the p + 1 polynomials at every xi of ``columns``, then at every eta.
     ``places`` begin with a line for each xi and one more, (where its particles begin, first node of its element, 0, 0),
-    and then have the particles: (particle, first node of its element on a line of nodes, its basis, 0). ``slopes`` are
-    grad xi and grad eta (P, 4).
+    and then have the particles: (particle, first node of its element on a line of nodes, its basis, its xi).
+    ``slopes`` are grad xi and grad eta (P, 4).
     """
 
     basis: np.ndarray
@@ -186,6 +201,7 @@ def particle_basis(patch: Patch, X: np.ndarray) -> ParticleBasis:
     places[K + 1:, 0] = order
     places[K + 1:, 1] = shared.LAYERS * len(patch.places) + at_eta[line[order]] * second.order
     places[K + 1:, 2] = (K + line[order]) * (first.order + 1)
+    places[K + 1:, 3] = column[order]
     basis = np.concatenate([np.stack(one, axis=2).reshape(-1, 2) for one in (xi_basis, eta_basis)])
     return ParticleBasis(basis, places, patch.slopes(X), K)
 
@@ -200,7 +216,7 @@ def allocate(scene) -> dict[str, np.ndarray]:
     sizes, force = pack(*map(of_pairs, patch.force))
     return {
         **shared.start((first.order, first.count, second.count, len(second.nodes), len(patch.places), seen.columns),
-                       patch.frequency, scene.time_step, patch.velocity, patch.inverse_mass, len(second.nodes)),
+                       patch.frequency_at_rest, scene.time_step, patch.velocity, patch.inverse_mass, len(second.nodes)),
         "companion_geometry": patch.geometry, "companion_slopes": seen.slopes,
         "companion_matrices": matrices.reshape(-1, 4), "companion_trial": np.zeros((n * n, 2)),
         "companion_stresses": np.zeros((n * n, 4)), "companion_basis": seen.basis, "companion_places": seen.places,
@@ -232,4 +248,5 @@ MEMORY = {
 }
 
 
-HOOKS = shared.hooks(accelerate, MEMORY, allocate=allocate, report=report, verdict=verdict)
+HOOKS = shared.hooks(accelerate, MEMORY, allocate=allocate, report=report, verdict=verdict,
+                     standalone=lambda scene: scene.companion_patch(), report_at_once=report_at_once)

@@ -72,20 +72,16 @@ class Patch(ElasticBody):
         if key not in _frequencies:
             _frequencies[key] = highest_frequency(lambda u: self.inverse_mass * self._pull(u, self._linear_stress),
                                                   self.inverse_mass)
-        self.frequency = _frequencies[key]
-        self._stiffest = self._stiffening(scene)
-
-    @property
-    def strained_frequency(self) -> float:
-        """The highest frequency along the exact motion, in 1/s."""
-        return self.frequency * float(np.sqrt(max(1.0, self._stiffest)))
+        self.frequency_at_rest = _frequencies[key]
+        self.frequency = self.frequency_at_rest * self._stiffening(scene)
 
     def _stiffening(self, scene: Any) -> float:
-        """How many times stiffer than at rest the material becomes at most, along the exact motion."""
+        """How many times as high as at rest the frequency becomes at most, along the exact motion."""
         (bulk, mu), times = self._lame, np.arange(INSTANTS) / INSTANTS * scene.period
         F = np.concatenate([scene.EXACT.deformation_gradient(scene, self.places, t) for t in times])
         J, least = np.linalg.det(F), np.linalg.svd(F, compute_uv=False)[:, -1]
-        return float((mu + (bulk + mu - bulk * np.log(J)) / least**2).max() / (bulk + 2 * mu))
+        stiffest = (mu + (bulk + mu - bulk * np.log(J)) / least**2).max() / (bulk + 2 * mu)
+        return float(np.sqrt(max(1.0, stiffest)))
 
     def _linear_stress(self, xx: Any, xy: Any, yx: Any, yy: Any) -> tuple[Any, Any, Any, Any]:
         """Of Grad u, by Hooke's law."""
