@@ -17,10 +17,11 @@ import numpy as np
 Field = Callable[[np.ndarray, np.ndarray], np.ndarray]
 
 SAMPLE_PLACES = 300  # from which the functions of time are found
-FEWEST_TIMES, MOST_TIMES = 16, 512  # of a period
+FEWEST_TIMES, MOST_TIMES = 16, 4096  # of a period
 SPECTRUM_END = 3e-15  # of the largest Fourier coefficient: rounding
 NOISY_FROM, NOISE = 128, 1e-12  # times from which on so much passes for rounding, too: of a formula that cancels
 RANK_TOLERANCE = 2e-16  # of the largest singular value, times the root of the number of values
+BETWEEN, ALIASED = np.array([0.1234567, 0.4142136, 0.8284271]), 1e-9  # of a period; and of the largest value
 AT_ONCE = 100_000  # places and times of one call
 LEAST_COEFFICIENT = 1e-15  # of a harmonic that is kept, over the largest
 
@@ -94,11 +95,23 @@ def _resolved(field: Field, places: np.ndarray, period: float) -> tuple[np.ndarr
         if not np.isfinite(spectrum).all():
             raise NotPeriodic("it is not finite at some time")
         largest, end = spectrum.max(), spectrum[-max(2, M // 8):].max()
-        if end <= SPECTRUM_END * largest or (M >= NOISY_FROM and end <= NOISE * largest):
+        if (end <= SPECTRUM_END * largest or (M >= NOISY_FROM and end <= NOISE * largest)) \
+                and _holds_between(field, places, period, values):
             return values, times
         if M >= MOST_TIMES:
             raise NotPeriodic(f"{period:g} s is not its period, or it changes too fast")
         M *= 2
+
+
+def _holds_between(field: Field, places: np.ndarray, period: float, values: np.ndarray) -> bool:
+    """Whether trigonometric interpolation of values (n C, M) over a period is the field at other times, too: what
+    changes faster than the times can tell looks as if it were slow."""
+    M = values.shape[1]
+    coefficients = np.fft.rfft(values, axis=1) / M
+    coefficients[:, 1:(M + 1) // 2] *= 2
+    waves = np.exp(2j * np.pi * np.outer(np.arange(coefficients.shape[1]), BETWEEN))
+    missed = np.abs((coefficients @ waves).real - _at(field, places, period * BETWEEN)).max()
+    return bool(missed <= ALIASED * np.abs(values).max())
 
 
 def _at(field: Field, places: np.ndarray, times: np.ndarray) -> np.ndarray:

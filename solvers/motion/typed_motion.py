@@ -10,11 +10,13 @@ import numpy as np
 from solvers.motion.exact_solution import X_AXIS, Y_AXIS, ExactSolution
 from solvers.motion.formula import Formula, FormulaError, parse
 from solvers.motion.jets import Jet
+from solvers.motion.separable_field import NotPeriodic, separate
 
 NAMES = ("X", "Y", "t", "w", "A")
 LINE, INSTANTS = 20, 32  # points a side and times of a period at which the motion is looked at
 MOST_QUARTERS = 160  # of the base period, among which the period is looked for
 SAME = 1e-9  # of the largest displacement, by which a motion may miss what it must be
+FORCED = 40  # of the points, at which it must be possible to separate the body force
 LEAST_J = 0.05  # of det F: below, the body is next to folding over
 
 
@@ -89,6 +91,10 @@ def find_period(motion: TypedMotion, scene: Any, base_period: float) -> float:
         raise FormulaError(f"has no period among quarters of {base_period:.6g} s and of 1 s up to {longest:.4g} s; "
                            "give times as multiples of w*t")
     _check_body(exact, scene, X, period)
+    try:
+        separate(lambda X, t: exact.body_force(scene, X, t), X[::len(X) // FORCED], period)
+    except NotPeriodic:
+        raise FormulaError(f"changes too fast with t for its period of {period:.4g} s; give slower functions") from None
     return period
 
 

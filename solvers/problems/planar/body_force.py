@@ -13,14 +13,15 @@ SECOND_SIZE, SECOND_FREQUENCY = 0.5, 1.7  # of the second tone: in w^2 times its
 
 
 class BodyForce(NamedTuple):
-    """The force per mass at some points as data; of the second tone what sin(1.7 wt) is taken times."""
+    """The force per mass at K points as data; of the second tone what sin(1.7 wt) is taken times."""
 
-    built_in: SeparableField | None
-    second_tone: SeparableField | None
+    points: int
+    built_in: SeparableField | None = None
+    second_tone: SeparableField | None = None
 
-    def __call__(self, t: float) -> np.ndarray | float:
-        """(K, 2) in m/s^2; 0 where there is none."""
-        force: np.ndarray | float = self.built_in(t) if self.built_in else 0.0
+    def __call__(self, t: float) -> np.ndarray:
+        """(K, 2) in m/s^2."""
+        force = self.built_in(t) if self.built_in else np.zeros((self.points, 2))
         if self.second_tone:
             force += np.sin(SECOND_FREQUENCY * self.second_tone.angular_frequency * t) * self.second_tone(t)
         return force
@@ -39,10 +40,11 @@ def body_force_at(scene: Any, X: np.ndarray, t: Any) -> np.ndarray:
 def body_force_of(scene: Any, points: np.ndarray) -> BodyForce:
     """The same at points (K, 2) as data."""
     if scene.body_force == "none":
-        return BodyForce(None, None)
+        return BodyForce(len(points))
     first = separate(lambda X, t: scene.EXACT.body_force(scene, X, t), points, scene.period)
-    return BodyForce(first, separate(lambda X, t: _second_tone(scene, X, t), points, scene.period)
-                     if scene.body_force == "two-tone" else None)
+    second = separate(lambda X, t: _second_tone(scene, X, t), points, scene.period) \
+        if scene.body_force == "two-tone" else None
+    return BodyForce(len(points), first, second)
 
 
 def _second_tone(scene: Any, X: np.ndarray, t: Any) -> np.ndarray:

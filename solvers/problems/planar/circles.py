@@ -1,14 +1,9 @@
 """The motion that the balance of momentum makes of a ring's circles (see ``solvers.scene.balance``).
 
 Start, loads and material are the same all around, so that each circle of material stays one, widens and turns as a
-whole: a particle at R e_R goes to z = p + i q, p along e_R and q along e_Theta of where it is at rest. With the columns
-z' and i z/R of F as complex numbers, J = Re(z' conj(z))/R and P = mu F + (lambda ln J - mu) F^-T,
-
-    m_i z_i'' = m_i b_i - sum_k w_k R_k (mu z' + c z/(R J)) phi_i' - w_i (mu z/R + c z'/J),  c = lambda ln J - mu,
-
-m_i = rho w_i R_i, on the nodes of one spectral element from rim to rim, both free of traction; in time by leapfrog.
-These are the equations of the companion (``solvers.problems.planar.estimators.circular_companion``), solved in numpy on
-a coarse mesh where a run looks for contradictions, 20 times a period.
+whole: a particle at R e_R goes to z = p + i q, p along e_R and q along e_Theta of where it is at rest. These are the
+equations of the companion (``solvers.problems.planar.estimators.circular_companion``) on one spectral element from rim
+to rim, by leapfrog, where a run looks for contradictions, 20 times a period.
 """
 
 from __future__ import annotations
@@ -21,7 +16,8 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.polynomial import legendre
 
-from solvers.estimators.spectral import Elements, unresolved
+from solvers.estimators.spectral import unresolved
+from solvers.problems.planar.estimators.circular_body import CircularBody
 from solvers.problems.planar.layout import circles
 from solvers.scene.balance import MODES, Moments
 
@@ -34,6 +30,9 @@ TRUSTED = 0.05  # of the amplitude: what the element's polynomials leave out, up
 MOST_STEPS = 200_000  # of one scene, some five seconds; a motion that needs more is not followed to its end
 MOST_KEPT = 20_000  # instants of a run that goes on and on
 AT_ONCE = 16  # steps whose loads are found together, and between two looks at how stiff the body has become
+
+
+COMPLEX = np.array([1, 1j])  # what makes a number of a vector
 
 
 class Instant(NamedTuple):
@@ -50,22 +49,17 @@ class CircleMotion:
     def __init__(self, scene: Any):
         self._scene = scene
         order = next(order for most, order in ORDERS if scene.amplitude <= most)
-        elements = Elements(scene.INNER, scene.OUTER, 1, order)
-        self._R, self._D, w = elements.nodes, elements.derivative.astype(complex), elements.weights
+        self._body = CircularBody(scene, 1, order)
+        self._R, self._D = self._body.elements.nodes, self._body.elements.derivative
         self._lame = scene.lame_moduli
-        self._mass = scene.density * w * self._R
-        self._pull, self._weights = self._D.T * (w * self._R), w
-        self._instants = [Instant(0.0, self._R.astype(complex), scene.circle_velocity(self._R))]
+        self._instants = [Instant(0.0, self._R.astype(complex), self._body.velocity @ COMPLEX)]
         self._steps = 0
         radii, self._counts = circles(scene)
-        _, self._read, _ = elements.locate(radii)
+        _, self._read, _ = self._body.elements.locate(radii)
         middle = 0.5 * (scene.INNER + scene.OUTER)
         self._shapes = legendre.legvander((radii - middle) / (scene.OUTER - middle), MODES // 2 - 1)
         gram = np.kron(np.eye(2), self._shapes.T @ (self._counts[:, None] * self._shapes))
         self._inverse = np.linalg.pinv(gram, hermitian=True)
-        stiffness = (self._pull @ self._D).real + np.diag(w / self._R)
-        self._frequency = scene.wave_speed * math.sqrt(
-            np.linalg.eigvals(stiffness / (w * self._R)[:, None]).real.max())
 
     def moments(self, times: np.ndarray) -> Moments:
         """The moments at times (T,): along e_R with Legendre polynomials of R from rim to rim, then along e_Theta."""
@@ -98,7 +92,8 @@ class CircleMotion:
         """From an instant on to a later time; nowhere from where they were not followed."""
         z, v, t = start.place, start.velocity, start.time
         while z is not None and t < end:
-            rate = max(self._frequency * math.sqrt(self._stiffness(z)) / COURANT, STEPS_A_PERIOD / self._scene.period)
+            rate = max(self._body.frequency_at_rest * math.sqrt(self._stiffness(z)) / COURANT,
+                       STEPS_A_PERIOD / self._scene.period)
             if not self._steps + (end - t) * rate <= MOST_STEPS:  # true for NaN too
                 return Instant(end, None, v)
             left = math.ceil((end - t) * rate)
@@ -115,22 +110,14 @@ class CircleMotion:
     def _steps_from(self, z: np.ndarray, v: np.ndarray, t: float, H: float,
                     steps: int) -> tuple[np.ndarray, np.ndarray]:
         """So many steps of H seconds from the time t on: places and velocities after them."""
-        loads = self._scene.circle_force(self._R, t + H * np.arange(steps + 1)[:, None])
-        a = loads[0] + self._internal(z)
+        loads = [self._body.force(t + H * k) @ COMPLEX for k in range(steps + 1)]
+        a = loads[0] + self._body.internal_acceleration(z)
         for b in loads[1:]:
             v = v + 0.5 * H * a
             z = z + H * v
-            a = b + self._internal(z)
+            a = b + self._body.internal_acceleration(z)
             v = v + 0.5 * H * a
         return z, v
-
-    def _internal(self, z: np.ndarray) -> np.ndarray:
-        """The acceleration that stress gives the nodes (N,)."""
-        lam, mu = self._lame
-        slope, hoop = self._D @ z, z / self._R
-        J = slope.real * hoop.real + slope.imag * hoop.imag
-        c = (lam * np.log(J) - mu) / J if lam else -mu / J
-        return -(self._pull @ (mu * slope + c * hoop) + self._weights * (mu * hoop + c * slope)) / self._mass
 
     def _stiffness(self, z: np.ndarray) -> float:
         """The stiffest tangent along the radius over that at rest, lambda + 2 mu."""

@@ -15,7 +15,6 @@ from numpy.polynomial import chebyshev
 
 from solvers.motion.separable_field import SeparableField, separate
 from solvers.problems.planar import circles
-from solvers.problems.planar.body_force import body_force_at
 from solvers.problems.planar.estimators.circular_body import CircularBody
 from solvers.problems.planar.layout import on_axis
 from solvers.problems.planar.scene import GHOSTS, PlanarScene
@@ -85,17 +84,6 @@ class CircularScene(PlanarScene):
         sizes = np.abs(modes).max(axis=(1, 2))
         terms = 1 + int(np.flatnonzero(sizes > LEAST_TERM * sizes.max())[-1])
         return SeparableField(modes[:terms], field.series, field.angular_frequency)
-
-    def circle_velocity(self, R: np.ndarray) -> np.ndarray:
-        """The initial velocity (K,) at the radii R in m/s, complex: along e_R, and as imaginary part along e_Theta."""
-        v = self.EXACT.velocity(self, on_axis(R), 0.0)
-        return v[:, 0] + 1j * v[:, 1]
-
-    def circle_force(self, R: np.ndarray, t: np.ndarray) -> np.ndarray:
-        """The body force per mass (T, K) at the radii R and the times t (T, 1), in m/s^2: along e_R of the particle at
-        rest, and as imaginary part along e_Theta."""
-        force = body_force_at(self, on_axis(np.tile(R, len(t))), np.repeat(t, len(R)))
-        return (force[:, 0] + 1j * force[:, 1]).reshape(len(t), len(R))
 
     def exact_along(self, quantity: str, X: np.ndarray, t: float) -> np.ndarray:
         """Along e_R or e_Theta, at radii (P,) or at material points (P, 2): see :func:`plotted_frame`."""

@@ -145,6 +145,13 @@ def test_what_does_not_come_back_is_refused(field, why):
         separate(field, np.random.default_rng(1).uniform(size=(40, 2)), 1.0)
 
 
+def test_fast_waves_that_few_times_would_take_for_slow_ones_are_seen():
+    """At the multiples of 1/16, .. 1/256 of a period sin(600 pi t) is as good as sin(88 pi t)."""
+    X, t = np.random.default_rng(1).uniform(size=(40, 2)), 0.123
+    found = separate(lambda X, t: X * (np.sin(2 * math.pi * t) + 0.01 * np.sin(600 * math.pi * t))[:, None], X, 1.0)
+    np.testing.assert_allclose(found(t), X * (np.sin(2 * math.pi * t) + 0.01 * np.sin(600 * math.pi * t)), atol=1e-12)
+
+
 def test_a_field_that_rests_is_one_function():
     found = separate(lambda X, t: X + 0.0 * t[:, None], np.random.default_rng(1).uniform(size=(40, 2)), 1.0)
     assert found.rank == 1 and found.harmonics == 1

@@ -71,6 +71,7 @@ NO_MOTION = {
     "0, 0.01*sin(w*t)": "moves across the sides Y", "0.01*sin(pi*X)*sin(pi*Y)*sin(w*t)": "shears the sides Y",
     "0,0.01*sin(pi*X)*sin(pi*Y)*sin(w*t)": "shears the sides X", "0.2*sin(2*pi*X)*sin(w*t)": "folds the body over",
     "0.02*sin(2*pi*X)*t": "no period", "0.02*sin(2*pi*X)*sin(t*sqrt(2))*sin(w*t)": "no period",
+    "1e-3*sin(2*pi*X)*(sin(2*pi*t)+sin(8000*pi*t)), 0": "changes too fast",
     "0.02*sin(2*pi*X)*sin(w*t)/X": "not finite", "log(X)*sin(w*t)": "not finite", "sqrt(X-2)*sin(w*t)": "not finite",
     "exp(999*X)*sin(w*t)": "not finite", "X, Y, t": "more than two components", "1, 2, 3": "more than two components",
     "0.02*sin(2*pi*X)*sin(w*t),": "no formula", "," : "no formula", "q*t": "the name q"}

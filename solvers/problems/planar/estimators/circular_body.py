@@ -59,19 +59,22 @@ class CircularBody(ElasticBody):
         return float(np.sqrt(max(1.0, tangent.max() / (lam + 2 * mu))))
 
     def accelerations(self, u: np.ndarray, t: float) -> np.ndarray:
-        (lam, mu), node, D = self._lame, self.elements.of_node, self.elements.derivative
-        local, R, weight = u[node], self._R[node][..., None], self.elements.weights[:, None]
-        along = np.einsum("ki,eic->ekc", D, local) + np.array([1.0, 0.0])  # F e_R, then F e_Theta
-        around = right(-local) / R + np.array([0.0, 1.0])
-        J = along[..., :1] * around[..., 1:] - along[..., 1:] * around[..., :1]
         with np.errstate(all="ignore"):  # a motion that is lost, which its end tells
-            back = (lam * np.log(J) - mu) / J
-        radial = mu * along + back * right(around)  # P e_R
-        hoop = mu * around - back * right(along)  # P e_Theta
-        pull = np.einsum("ki,ekc->eic", D, weight * R * radial) + weight * right(hoop)
-        total = np.zeros_like(u)
+            internal = self.internal_acceleration(self._R + u[:, 0] + 1j * u[:, 1])
+        return self.force(t) + np.stack([internal.real, internal.imag], axis=1)
+
+    def internal_acceleration(self, z: np.ndarray) -> np.ndarray:
+        """What stress gives the nodes (N,), complex like their places z: along e_R of where they are at rest, and as
+        imaginary part along e_Theta. With the columns z' and i z/R of F, P e_R = mu z' + c z/R and
+        P e_Theta = i (mu z/R + c z'), c = (lambda ln J - mu)/J."""
+        (lam, mu), node, D = self._lame, self.elements.of_node, self.elements.derivative
+        slope, hoop = z[node] @ D.T, z[node] / self._R[node]
+        J = slope.real * hoop.real + slope.imag * hoop.imag
+        c, w = (lam * np.log(J) - mu) / J if lam else -mu / J, self.elements.weights
+        pull = (w * self._R[node] * (mu * slope + c * hoop)) @ D + w * (mu * hoop + c * slope)
+        total = np.zeros(len(z), complex)
         np.add.at(total, node, pull)
-        return self.force(t) - self.inverse_mass * total
+        return -self.inverse_mass[:, 0] * total
 
     def read(self, u: np.ndarray, X: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         R = np.linalg.norm(X, axis=1)

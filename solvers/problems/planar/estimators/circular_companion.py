@@ -155,7 +155,7 @@ def allocate(scene) -> dict[str, np.ndarray]:
     elements, layout = solved.elements, particle_layout(scene)
     n, R = elements.order + 1, elements.nodes
     element, *basis = elements.locate(layout.orbits[:, 0])
-    sizes, force = pack(*map(of_pairs, solved.force))
+    sizes, force = pack(*map(of_pairs, solved.force[1:]))
     return {
         **shared.start((elements.order, elements.count, 1, len(R), len(R), len(R)), solved.frequency_at_rest,
                        scene.time_step, solved.velocity, solved.inverse_mass),

@@ -213,7 +213,7 @@ def allocate(scene) -> dict[str, np.ndarray]:
     n = first.order + 1
     matrices = np.stack([first.derivative, second.derivative, np.outer(first.weights, second.weights),
                          np.zeros((n, n))], axis=-1)
-    sizes, force = pack(*map(of_pairs, patch.force))
+    sizes, force = pack(*map(of_pairs, patch.force[1:]))
     return {
         **shared.start((first.order, first.count, second.count, len(second.nodes), len(patch.places), seen.columns),
                        patch.frequency_at_rest, scene.time_step, patch.velocity, patch.inverse_mass, len(second.nodes)),

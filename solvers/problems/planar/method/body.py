@@ -89,7 +89,7 @@ def initial_body(scene: PlanarScene, on: Switches, slabs: int) -> dict:
     lame_modulus, shear_modulus = scene.lame_moduli
     known = on.truth or bool(on.estimators) or on.soundness
     grid = scene.grid_field() if known and on.acceleration else None
-    sizes, tables = pack(*map(of_pairs, body_force_of(scene, layout.orbits)),
+    sizes, tables = pack(*map(of_pairs, body_force_of(scene, layout.orbits)[1:]),
                          of_motions(motion_table(scene) if known else None),
                          of_vectors(grid))
     return {
