@@ -8,13 +8,13 @@ import numpy as np
 import pytest
 from numpy.polynomial import legendre
 
+from solvers.problems import PROBLEMS
 from solvers.problems.bar.exact import SECOND_FREQUENCY, SECOND_SIZE
 from solvers.problems.bar.scene import BarScene
 from solvers.problems.ring import RingScene
 from solvers.problems.vortex import VortexScene
 from solvers.running.run import build
-from tests.closed_forms import ring as ring_exact
-from tests.closed_forms import vortex as vortex_exact
+from tests.closed_forms import ring, vortex
 
 BAR = BarScene(body_force="two-tone", linearity_preserving=True, estimators=("recovered", "companion", "two-grid"))
 RING = RingScene(body_force="two-tone", amplitude=0.05, dt=2e-5, estimators=("recovered", "companion"))
@@ -89,22 +89,17 @@ def radial_solution(scene: RingScene, steps: int, t: float, order: int = 16) -> 
     rho R u_tt = (R P_r)' - P_theta + rho R b."""
     points, V, D = lobatto(order)
     w = 2 / (order * (order + 1) * V[:, -1]**2)
-    D, R, mu, omega = D * 10, 0.5 + 0.1 * points, 0.5 * scene.modulus, scene.angular_frequency
-
-    def push(t):
-        if scene.body_force == "none":
-            return 0 * R
-        across = np.cos(np.pi * (R - 0.4) / 0.2) * np.sin(ring_exact.SECOND_FREQUENCY * omega * t)
-        one = ring_exact.body_force(replace(scene, body_force="material"), R, t)
-        return one + ring_exact.SECOND_SIZE * omega**2 * scene.amplitude * across
+    D, R, mu = D * 10, 0.5 + 0.1 * points, 0.5 * scene.modulus
+    on_axis = np.stack([R, 0 * R], axis=1)
 
     def rate(t, y):
         F_r, F_t = 1 + D @ y[0], 1 + y[0] / R
         P_r, P_t = mu * (F_r - 1 / F_r), mu * (F_t - 1 / F_t)
         force = -(D.T @ (w * R * P_r) + w * P_t) / (w * R * scene.density)
-        return np.stack([y[1], force + push(t)])
+        push = 0.0 if scene.body_force == "none" else ring.body_force(scene, on_axis, t)[:, 0]
+        return np.stack([y[1], force + push])
 
-    start = np.stack([0 * R, scene.amplitude * omega * ring_exact.shape(R)[0]])
+    start = np.stack([0 * R, scene.amplitude * scene.angular_frequency * ring.shape(R)[0]])
     return tuple(np.linalg.solve(V, row) for row in runge_kutta(rate, start, steps, t))
 
 
@@ -128,17 +123,7 @@ def polar_solution(scene: VortexScene, steps: int, t: float, order: int = 20) ->
     points, V, D = lobatto(order)
     D, R = D / 0.25, 1 + 0.25 * points
     m = 0.25 * 2 / (order * (order + 1) * V[:, -1]**2) * R
-    (lam, mu), rho, w = vortex_exact.lame(scene), scene.density, scene.angular_frequency
-
-    def force(t: float, alpha: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """Along and across the present radius; b is given at the angle that the exact solution would have."""
-        if scene.body_force == "none":
-            return 0 * R, 0 * R
-        along, across = vortex_exact.polar_force(scene, R, t)
-        size = vortex_exact.SECOND_SIZE * w * w * scene.amplitude
-        across = across + size * np.sin(vortex_exact.SECOND_FREQUENCY * w * t) * R * vortex_exact.shape(R)[0]
-        behind = vortex_exact.turn(scene, R, t).angle - alpha
-        return (np.cos(behind) * along - np.sin(behind) * across, np.sin(behind) * along + np.cos(behind) * across)
+    (lam, mu), rho, on_axis = scene.lame_moduli, scene.density, np.stack([R, 0 * R], axis=1)
 
     def rate(t: float, y: np.ndarray) -> np.ndarray:
         r, alpha, speed, spin = y  # spin = r^2 alpha_t
@@ -146,17 +131,18 @@ def polar_solution(scene: VortexScene, steps: int, t: float, order: int = 20) ->
         back = lam * np.log(stretch * r / R) - mu
         pull = -D.T @ (m * (mu * stretch + back / stretch)) / m - mu * (r * twist**2 + r / R**2) - back / r
         torque = -D.T @ (m * mu * r**2 * twist) / m
-        along, across = force(t, alpha)
-        return np.stack([speed, turning, pull / rho + r * turning**2 + along, torque / rho + r * across])
+        b = 0j * R if scene.body_force == "none" else vortex.body_force(scene, on_axis, t) @ [1, 1j]
+        b = b * np.exp(-1j * alpha)  # along and across the present radius
+        return np.stack([speed, turning, pull / rho + r * turning**2 + b.real, torque / rho + r * b.imag])
 
-    start = np.stack([R, 0 * R, 0 * R, R**2 * vortex_exact.turn(scene, R, 0.0).rate])
+    start = np.stack([R, 0 * R, 0 * R, R**2 * vortex.turn(scene, R, 0.0).rate])
     r, alpha, speed, spin = runge_kutta(rate, start, steps, t)
     return tuple(np.linalg.solve(V, row) for row in (r, alpha, D @ r, D @ alpha, speed, spin / r**2))
 
 
 def motion_of_vortex(scene: VortexScene, a, t: float) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """As for the ring. Circles widen, so that lambda is in the solution."""
-    R, (lam, mu), (c, s) = np.linalg.norm(a.material_position, axis=1), vortex_exact.lame(scene), a.direction.T
+    R, (lam, mu), (c, s) = np.linalg.norm(a.material_position, axis=1), scene.lame_moduli, a.direction.T
     r, alpha, stretch, twist, speed, turning = (legendre.legval((R - 1) / 0.25, one)
                                                 for one in polar_solution(scene, 2000, t))
     assert np.abs(r / R - 1).max() > 0.005
@@ -189,9 +175,7 @@ def test_a_ring(scene, steps, motion, recovered):
     solver.snapshot()
     a = solver._arrays
     F = a.deformation_gradient.reshape(-1, 2, 2)
-    lam, mu = vortex_exact.lame(scene) if scene.problem == "vortex" else (0.0, 0.5 * scene.modulus)
-    det = np.linalg.det(F)[:, None, None]
-    sigma = (lam * np.log(det) * np.eye(2) + mu * (F @ F.transpose(0, 2, 1) - np.eye(2))) / det
+    sigma = PROBLEMS[scene.problem].reference.stress(scene, F)
     x, v, stress = motion(scene, a, solver.time)
     truths = a.position_velocity[:, :2] - x, a.position_velocity[:, 2:] - v, sigma.reshape(-1, 4)[:, [0, 1, 3]] - stress
     for number, name in enumerate(scene.active_estimators):

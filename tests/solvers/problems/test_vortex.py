@@ -23,7 +23,7 @@ from solvers.solver import samples
 from solvers.solver.arrays import aligned
 from solvers.solver.norms import largest
 from solvers.solver.soundness import BROKEN
-from tests.closed_forms import vortex as exact
+from tests.closed_forms import vortex as printed
 from tests.paths import ASSETS
 
 ROWS = json.loads((ASSETS / "reference" / "vortex.json").read_text())["rows"]
@@ -43,7 +43,7 @@ def largest_errors(row: dict) -> dict[str, float]:
     scene = replace(scene_of(row), sample_every=1)
     solver = build(scene)
     if row["started"] == "at zero":
-        solver._arrays.position_velocity[:, 2:] = exact.velocity(scene, solver._arrays.material_position, 0.0)
+        solver._arrays.position_velocity[:, 2:] = scene.EXACT.velocity(scene, solver._arrays.material_position, 0.0)
     rows = [solver.advance(min(500, scene.steps - done)) for done in range(0, scene.steps, 500)]
     assert solver.sound, solver.reason()
     series = samples.read(np.concatenate(rows), scene, len(solver._arrays.mass))
@@ -107,7 +107,7 @@ def test_bound_on_the_step(cells, amplitude, monkeypatch):
 def exact_limit(scene: VortexScene, t: float) -> float:
     """2/sqrt of the largest eigenvalue of (2 - B) M^-1 K at time t of the exact motion, by the whole matrices: K the
     grid's stiffness, B what is left of a velocity on its way to the particles and back."""
-    layout, (lam, mu) = particle_layout(scene), exact.lame(scene)
+    layout, exact, (lam, mu) = particle_layout(scene), scene.EXACT, scene.lame_moduli
     X, V = layout.position, layout.volume
     F = exact.deformation_gradient(scene, X, t)
     edges = np.einsum("pij,pej->pei", F, layout.edges.reshape(-1, 2, 2))
@@ -154,8 +154,8 @@ def test_wave_speed_and_sizes():
     assert scene.wave_speed == pytest.approx(1.1602, abs=1e-4)
     assert scene.period == 2 and scene.end_time == 1 and scene.particles == 7200
     X = particle_layout(scene).position
-    largest_move = max(np.linalg.norm(exact.displacement(scene, X, t), axis=1).max() for t in np.linspace(0, 1, 41))
-    assert scene.motion_amplitude == pytest.approx(largest_move, rel=5e-3)
+    moved = [np.linalg.norm(scene.EXACT.displacement(scene, X, t), axis=1).max() for t in np.linspace(0, 1, 41)]
+    assert scene.motion_amplitude == pytest.approx(max(moved), rel=5e-3)
 
 
 @ti.kernel
@@ -215,7 +215,7 @@ def test_nodes_accelerations_are_held_against_those_of_their_own_places(remedies
     a, t = solver._arrays, solver.time - scene.time_step
     number = np.arange(len(a.node_mass))
     place = scene.spacing * ((number % a.row - a.origin) + 1j * (number // a.row - a.origin))
-    turn = exact.turn(scene, np.clip(np.abs(place), scene.INNER, scene.OUTER), t)
+    turn = printed.turn(scene, np.clip(np.abs(place), scene.INNER, scene.OUTER), t)
     z = place * np.exp(1j * turn.angle) if remedies else place
     expected = (1j * turn.acceleration - turn.rate**2) * z
     miss = np.abs(a.node_motion[:, 2] + 1j * a.node_motion[:, 3] - expected)[np.array(a.node_mass) > 0]
