@@ -12,11 +12,13 @@ from app.words import MAGNIFICATIONS, QUANTITIES
 from solvers.problems import PROBLEMS
 from solvers.problems.bar.scene import BarScene
 from solvers.problems.ring import RingScene
+from solvers.problems.vortex import VortexScene
 from tests.random_scenes import ASKED, SETS, inputs
 
 BAR = BarScene(method="mpm", cells=20, amplitude=0.03, linearity_preserving=True, estimators=("recovered", "companion"))
 STATES = [
     State(BarScene()), State(RingScene(method="cpdi", dt="auto")), State(BAR, "sigma", "companion", True, 100, True),
+    State(VortexScene(method="cpgimp-v", cells=24, effects=("truth", "spin"), poisson_ratio=0.4, frequency=2.0)),
     State(RingScene(estimators=()), domains=True, speed=0.25, traced=17, stops=True),
     State(BAR, pinned=BarScene(method="bspline", remedies=("null-space-filter",))),
     State(BarScene(effects=("truth",), estimators=("two-grid",), cfl=None, dt=1e-3 / 3))]

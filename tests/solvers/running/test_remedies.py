@@ -7,8 +7,10 @@ import pytest
 
 from solvers.problems.bar.scene import BarScene
 from solvers.problems.ring import RingScene
+from solvers.problems.vortex import VortexScene
 from solvers.running.run import run
 from solvers.scene.rules import SceneError
+from solvers.study.stability import offered
 
 BOTH = ("null-space-filter", "coupled-deformation")
 FROZEN = ("frozen-weights",)
@@ -76,6 +78,10 @@ def test_frozen_weights_hold_the_ring(method, simulate):
     result = simulate(scene)
     assert result.status == "ok" and worst(result) < 0.1
     assert result.to_dict()["grid_crossings"] == 0
+
+
+def test_a_map_of_stability_has_the_treatments_that_a_problem_offers():
+    assert offered(VortexScene) == ("plain", "filter", "frozen")
 
 
 @pytest.mark.parametrize(("kind", "inputs", "word"), [
