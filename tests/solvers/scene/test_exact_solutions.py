@@ -19,7 +19,8 @@ NEAR = 1e-5
 @st.composite
 def moments(draw: st.DrawFn, problem: str) -> tuple[Scene, np.ndarray, float]:
     """A scene, some of its particles' material points (P, D), which lie inside the body, and a time."""
-    more = {"vortex": {"poisson_ratio": st.floats(0.0, 0.45), "frequency": logarithmic(0.1, 10.0)},
+    more = {"bar": {"body_force": st.sampled_from(("material", "none"))},
+            "vortex": {"poisson_ratio": st.floats(0.0, 0.45), "frequency": logarithmic(0.1, 10.0)},
             "square": {"displacement": st.just("") | typed_motions()}}.get(problem, {})
     scene = PROBLEMS[problem].scene(
         cells=24, estimators=(), amplitude=draw(logarithmic(1e-3, 0.9)) * LARGEST[problem],
