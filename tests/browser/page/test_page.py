@@ -1,8 +1,6 @@
 """The page as a visitor meets it: it moves, it answers every control, and it says in words what goes wrong."""
 
-import os
 import re
-import signal
 
 import numpy as np
 import pytest
@@ -11,8 +9,6 @@ from app.words import size_in
 from tests.browser.driving import (
     click,
     coloured,
-    engine_processes,
-    ever_shown,
     plotted,
     press,
     readout,
@@ -137,19 +133,3 @@ def test_lost_run_is_said_and_goes_on(page):
     assert re.match(r"The run is lost from t = 0\.\d+ s on: .+, most at particle \d+ \(X = .+give two or more\.$", said)
     before = time(page)
     until(lambda: time(page) > before, "the lost run going on")
-
-
-def test_killed_engine_is_replaced(page, server):
-    """The process that simulates is killed: the page says so or has it back at once, and time runs again."""
-    until(lambda: time(page) > 0.3, "a run under way")
-    press(page, "Speed", "Home")  # so slow that the new run does not come so far
-    engines = engine_processes(server[1])
-    assert engines
-    before, said = time(page), ever_shown(page, ".lab-wait")
-    for engine in engines:
-        os.kill(engine, signal.SIGKILL)
-    until(said, "the page saying so")
-    until(lambda: time(page) < before, "the scene begun again")
-    page.locator(".lab-wait").wait_for(state="detached")
-    at = time(page)
-    until(lambda: time(page) > at, "time running again")
