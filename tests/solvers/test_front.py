@@ -146,8 +146,6 @@ def test_arrays_are_judged_as_files_are(tmp_path):
 @pytest.mark.parametrize("given, options, sentence", [
     ({"x": [0.1, 0.2]}, {}, "arrays 1: says of no particle which it is"),
     ({"x": [[1.0], [1.0, 2.0]]}, {}, "arrays 1: are no arrays"),
-    ({"x": ["left"], "X": [0.5]}, {}, "arrays 1: has no numbers in x"),
-    ({"x": [0.5], "X": [0.5]}, {}, "arrays 1: says no time"),
     ("nothing.csv", {}, "nothing.csv: cannot be read"),
     ([], {}, "files none: give one or several"),
     ([{"x": [0.5], "X": [0.5]}], {"times": (0.1, 0.2)}, "time 0.1 0.2: is 2 numbers for 1 files; give one for each")])

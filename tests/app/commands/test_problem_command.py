@@ -29,25 +29,16 @@ def folder(request, tmp_path_factory):
 
 
 def test_particles_are_those_that_our_runs_begin_with(folder):
+    """That runs begin with them is in tests/solvers/problems/test_exact.py; here what both files say."""
     problem, path = folder
-    solver = build(PROBLEMS[problem].scene(cells=12))
-    shot = solver.snapshot()
-    raw = read(str(path / "particles.csv"))
-    P = len(shot.position)
-    assert (raw.columns["id"] == np.arange(P)).all() and raw.cells == 12 and raw.time == 0
-    assert (raw.columns["X"] == shot.material_position.reshape(P, -1)).all()
-    # Some begin with the velocity of half a step before, as leapfrog's scheme wants it; what is written is v(0).
-    before = -0.5 * solver.scene.time_step if problem in ("vortex", "square") else 0.0
-    begun = PROBLEMS[problem].reference.velocity(solver.scene, raw.columns["X"], before)
-    assert (begun == shot.velocity.reshape(P, -1)).all()
-    one = exact(solver.scene, 0.0)
+    scene = PROBLEMS[problem].scene(cells=12)
+    raw, one, vtu = read(str(path / "particles.csv")), exact(scene, 0.0), read(str(path / "particles.vtu"))
+    assert (raw.columns["id"] == np.arange(len(one.position))).all() and raw.cells == 12 and raw.time == vtu.time == 0
+    assert (raw.columns["X"] == PROBLEMS[problem].reference.start(scene).material_position).all()
     assert (raw.columns["v"] == one.velocity).all() and (raw.columns["x"] == one.position).all()
-    mesh = meshio.read(path / "particles.vtu")
-    D = raw.columns["X"].shape[1]
-    assert (mesh.points[:, :D] == raw.columns["X"]).all()
+    mesh, D = meshio.read(path / "particles.vtu"), one.position.shape[1]
+    assert (mesh.points[:, :D] == raw.columns["X"]).all() and (vtu.columns["v"][:, :D] == raw.columns["v"]).all()
     assert (mesh.point_data["velocity"][:, :D] == raw.columns["v"]).all()
-    vtu = read(str(path / "particles.vtu"))
-    assert vtu.time == 0 and (vtu.columns["v"][:, :D] == raw.columns["v"]).all()
 
 
 def test_the_mass_is_the_bodys(folder):

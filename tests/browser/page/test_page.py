@@ -13,7 +13,6 @@ from tests.browser.driving import (
     press,
     readout,
     row,
-    scene,
     stage,
     step_size,
     steps,
@@ -85,7 +84,8 @@ def test_a_first_look(page):
     pause_step_play_and_reset_do_so(page)
 
 
-def beyond_the_exact_solution_is_refused_in_words(page):
+@pytest.mark.short
+def test_what_is_refused(page):
     """An amplitude that no exact bar has is refused, the present run goes on, and a good one clears the notice."""
     press(page, "Amplitude A", "End")
     page.locator(".lab-refused").wait_for()
@@ -94,23 +94,6 @@ def beyond_the_exact_solution_is_refused_in_words(page):
     until(lambda: time(page) > before, "the run going on")
     press(page, "Amplitude A", "ArrowLeft", 150)
     page.locator(".lab-refused").wait_for(state="detached")
-
-
-def a_refused_value_is_wished_no_longer(page):
-    """What is asked for next is done, with the amplitude that there was, and the refusal is said no more."""
-    press(page, "Amplitude A", "End")
-    page.locator(".lab-refused").wait_for()
-    size, amplitude = step_size(page), scene(page)["amplitude"]
-    row(page, "Cells, h = 1/").locator("input.mantine-NumberInput-input").fill("80")
-    until(lambda: step_size(page) == pytest.approx(size / 2, rel=1e-2), "the next wish met")
-    page.locator(".lab-refused").wait_for(state="detached")
-    assert scene(page)["amplitude"] == amplitude
-
-
-@pytest.mark.short
-def test_what_is_refused(page):
-    beyond_the_exact_solution_is_refused_in_words(page)
-    a_refused_value_is_wished_no_longer(page)
 
 
 def test_auto_step_follows_the_scene_and_gives_way_to_the_slider(page):
