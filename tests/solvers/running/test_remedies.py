@@ -91,7 +91,10 @@ def test_a_map_of_stability_has_the_treatments_that_a_problem_offers():
     (BarScene, {"remedies": FROZEN, "method": "cpgimp", "velocity": "corners"}, "frozen-weights"),
     (RingScene, {"remedies": ("coupled-deformation",)}, "CPDI"),
     (RingScene, {"remedies": ("zero-drift",)}, "is not known"),
-    (RingScene, {"remedies": ("frozen-weights", "null-space-filter")}, "stands alone")])
+    (RingScene, {"remedies": ("frozen-weights", "null-space-filter")}, "stands alone"),
+    (VortexScene, {"remedies": ("frozen-weights", "null-space-filter")}, "stands alone"),
+    (BarScene, {"remedies": ("frozen-weights", "pieces")}, "stands alone: pieces mends"),
+    (RingScene, {"remedies": ("pieces",)}, "is not known")])
 def test_what_does_not_go_together_is_refused(kind, inputs, word):
     with pytest.raises(SceneError) as caught:
         kind(**inputs)
