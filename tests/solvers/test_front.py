@@ -2,8 +2,6 @@
 
 import copy
 import pickle
-import subprocess
-import sys
 
 import numpy as np
 import pytest
@@ -11,8 +9,7 @@ import pytest
 import solvers
 from solvers import BarScene, FileError, Result, SceneError, judge, run, sweep
 from solvers.judging import handout
-from tests.paths import ROOT
-from tests.processes import HANG
+from tests.processes import python
 
 LIGHT = """
 import sys
@@ -25,8 +22,7 @@ print(*sorted(name for name in ("numpy", "taichi", "matplotlib", "meshio", "vise
     ("import solvers; dir(solvers)", ""), ("from solvers import BarScene, RingScene, VortexScene, SceneError", "numpy"),
     ("import app.cli\ntry: app.cli.main(['--help'])\nexcept SystemExit: pass\nprint()", "numpy")])
 def test_who_only_asks_waits_for_nothing_heavy(what, heavy):
-    done = subprocess.run([sys.executable, "-c", LIGHT.format(what=what)], cwd=ROOT, capture_output=True, text=True,
-                          timeout=HANG)
+    done = python("-c", LIGHT.format(what=what))
     assert done.stdout.splitlines()[-1] == heavy, done.stderr
 
 

@@ -1,17 +1,13 @@
 """Bad input is one sentence that names it and what is allowed, exit status 2, and nothing is run, written or loaded for
 it: one table for all commands. What of hostile text is quoted is in ``test_refusals``."""
 
-import os
 import shlex
-import subprocess
-import sys
 
 import pytest
 
 from app.cli import main
 from app.commands import commands
-from tests.paths import ROOT
-from tests.processes import HANG
+from tests.processes import python
 
 LONG = "a" * 300
 #: A command line, and what is said of it: how that begins and, after an ellipsis, what follows. Lines are typed
@@ -209,6 +205,5 @@ def test_help_and_bad_input_load_nothing_heavy(tmp_path):
     code = (f"import sys\nfrom app.cli import main\nfor arguments in {lines}:\n    main(arguments)\n"
             f"    heavy = [name for name in {HEAVY} if name in sys.modules]\n"
             "    if heavy: sys.exit(f'{arguments}: {heavy}')\n")
-    done = subprocess.run([sys.executable, "-c", code], cwd=tmp_path, capture_output=True, text=True, timeout=HANG,
-                          env={**os.environ, "PYTHONPATH": str(ROOT)})
+    done = python("-c", code, cwd=tmp_path)
     assert done.returncode == 0, done.stderr[-2000:]

@@ -55,22 +55,15 @@ def view_of(scene=BAR, estimator="transport", difference=False, quantity="x", no
     return look(report_of(scene, not_valid), arrays_of(SIGNED, TRUE), quantity, estimator, difference)
 
 
-def test_both_halves_show_sizes():
-    view = view_of()
-    np.testing.assert_allclose(view.left.sizes, np.abs(SIGNED))
-    np.testing.assert_allclose(view.right.sizes, np.abs(TRUE))
-    assert (view.left.title, view.left.by) == ("Estimate", "by transport")
-    assert (view.right.title, view.right.by) == ("Truth", "exact solution")
-    assert view.left.silence == view.right.silence == ""
-
-
-def test_difference_knows_signs():
+@pytest.mark.parametrize(("difference", "title", "times"), [(False, "Estimate", 1), (True, "Estimate − truth", 2)])
+def test_both_halves_show_sizes_and_the_difference_knows_signs(difference, title, times):
     """Estimate and truth of equal sizes and opposite signs look alike side by side, and apart in the difference."""
-    view = view_of(difference=True)
-    np.testing.assert_allclose(view.left.sizes, 2 * np.abs(TRUE))
+    view = view_of(difference=difference)
+    np.testing.assert_allclose(view.left.sizes, times * np.abs(SIGNED))
     np.testing.assert_allclose(view.right.sizes, np.abs(TRUE))
-    assert (view.left.title, view.left.by) == ("Estimate − truth", "by transport")
-    assert "estimate − truth" in view.measures
+    assert (view.left.title, view.left.by) == (title, "by transport")
+    assert (view.right.title, view.right.by) == ("Truth", "exact solution")
+    assert view.left.silence == view.right.silence == "" and ("estimate − truth" in view.measures) == difference
     np.testing.assert_allclose(view.estimated, np.abs(SIGNED))  # what is read off stays the estimate
 
 

@@ -8,9 +8,6 @@ without them; ``tests/app/lessons/test_scripts.py`` has the one of a lesson, whi
 
 import csv
 import json
-import os
-import subprocess
-import sys
 from pathlib import Path
 
 import pytest
@@ -18,8 +15,7 @@ import pytest
 from solvers.problems.bar.scene import BarScene
 from solvers.problems.ring import RingScene
 from solvers.scene.extensions import EXTENSIONS
-from tests.paths import ROOT
-from tests.processes import HANG
+from tests.processes import python
 
 ENVIRONMENT = {EXTENSIONS: "tests.outside"}
 FIVE = [*BarScene.ESTIMATORS, "zero"]
@@ -87,8 +83,7 @@ def found(tmp_path_factory) -> tuple[Path, dict]:
     """The folder in which it all was done, and of each command its status and what it said."""
     folder = tmp_path_factory.mktemp("extension")
     (folder / "code.py").write_text(CODE, encoding="utf-8")
-    done = subprocess.run([sys.executable, "code.py"], cwd=folder, capture_output=True, text=True, timeout=HANG,
-                          env={**os.environ, **ENVIRONMENT, "PYTHONPATH": str(ROOT)})
+    done = python("code.py", cwd=folder, **ENVIRONMENT)
     assert done.returncode == 0, done.stderr
     return folder, json.loads((folder / "found.json").read_text())
 
