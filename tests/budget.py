@@ -226,65 +226,24 @@ def shares_table(scenes: Sequence[RingScene]) -> str:
     return grid(heads, rows, heads[2:4])
 
 
-def of_bar() -> str:
-    """What ``assets/budget.md`` holds."""
-    found = causal(30, BarScene)
-    good = sum(max(trial.miss) <= GOOD for trial in found)
+def texts() -> tuple[str, str]:
+    """What ``assets/budget.md`` and ``assets/budget-plane.md`` hold: ``tests/budget.md``, with the numbers."""
+    bar, plane = (ROOT / "tests" / "budget.md").read_text(encoding="utf-8").split("{{}}\n")
     without = tuple(name for name in BarScene.REMEDIES if name != PIECES)
     many = [trial for scenes in (drawn(SEED, BarScene, remedies=without), drawn(SEED + 1, BarScene))
             for scene in islice(scenes, 300) for trial in trials(scene)]
-    return f"""# The error budget: take a cause away, and run again
-
-Made by `uv run python -m tests.budget`. {len(found) // 3} random scenes of the bar, chosen by the seed {SEED},
-and of each three causes taken away. Errors are RMS over particles and samples, of x in m, v in m/s and F; foretold
-is the error less that cause's part, particle by particle; the miss is the RMS of what came less what was foretold,
-over the error before. In {good} of {len(found)} trials all three fields miss by {GOOD} at most.
-
-{causal_table(found)}
-
-## How far a budget can be relied upon
-
-600 random scenes, 300 of them with every remedy and 300 with every one but forces of pieces, {len(many)} trials of
-three fields each. Cancelled: the sum of the causes' RMS errors over the RMS error itself. Beyond
-{MOST_CANCELLED:g} a budget says that it is not valid.
-
-{calibration_table(many)}
-"""
+    return (bar.format(**_numbers(causal(30, BarScene)), many=len(many), most=f"{MOST_CANCELLED:g}",
+                       calibration=calibration_table(many)),
+            plane.format(**_numbers([trial for kind in (RingScene, VortexScene) for trial in causal(15, kind)]),
+                         shares=shares_table(SHARES), finer=shares_table(FINER)))
 
 
-def in_plane() -> str:
-    """What ``assets/budget-plane.md`` holds."""
-    found = [trial for kind in (RingScene, VortexScene) for trial in causal(15, kind)]
-    good = sum(max(trial.miss) <= GOOD for trial in found)
-    return f"""# The error budgets of ring and vortex
-
-Made by `uv run python -m tests.budget`.
-
-## Who made it
-
-A quarter of a period of the ring: shares of the mean square of the error. On the polar lattice GIMP's boxes, which stay
-upright, do not tile the ring, however little it moves; on the Cartesian one they tile at rest, and the share of
-crossings comes with the motion, beside the staircases of the rims, which are the coarse grid's. CPDI's domains nearly
-are the pieces, and hats count every particle whole.
-
-{shares_table(SHARES)}
-
-On finer grids the coarse grid's part falls, and what is left of GIMP's error is the crossings', even where next to
-nothing crosses: boxes that do not tile, for which it does not fall as CPDI's does.
-
-{shares_table(FINER)}
-
-## Take a cause away, and run again
-
-{len(found) // len(MAKERS)} random scenes, half of them the vortex, chosen by the seed {SEED},
-and of each three causes taken away. Errors are RMS over particles and samples, of x in m, v in m/s and F; foretold
-is the error less that cause's part, particle by particle; the miss is the RMS of what came less what was foretold,
-over the error before. In {good} of {len(found)} trials all three fields miss by {GOOD} at most.
-
-{causal_table(found)}
-"""
+def _numbers(found: Sequence[Trial]) -> dict[str, Any]:
+    """Of trials in which a cause was taken away, three of each scene."""
+    return {"trials": len(found), "scenes": len(found) // len(MAKERS), "seed": SEED, "near": GOOD,
+            "good": sum(max(trial.miss) <= GOOD for trial in found), "table": causal_table(found)}
 
 
 if __name__ == "__main__":
-    (ROOT / "assets" / "budget.md").write_text(of_bar(), encoding="utf-8")
-    (ROOT / "assets" / "budget-plane.md").write_text(in_plane(), encoding="utf-8")
+    for name, text in zip(("budget", "budget-plane"), texts(), strict=True):
+        (ROOT / "assets" / f"{name}.md").write_text(text, encoding="utf-8")

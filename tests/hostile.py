@@ -64,18 +64,11 @@ def packed_array(claimed: int, blocks: int, each: int, content: bytes) -> str:
     return f"<DataArray type='Float64' NumberOfComponents='3' format='binary'>{body}</DataArray>"
 
 
-def zlib_bomb(folder: Path) -> bytes:
-    """Each block says that it has 24 bytes and unpacks to 100 MB."""
+def zlib_bomb(megabytes: int, each: int, points: int) -> bytes:
+    """Each of 100 blocks says that it has so many bytes, and unpacks to so many megabytes."""
     packer = zlib.compressobj(9)
-    block = b"".join([*(packer.compress(bytes(1_000_000)) for _ in range(100)), packer.flush()])
-    return vtu(packed_array(100, 100, 24, block), 100, said=ZLIB)
-
-
-def honest_bomb(folder: Path) -> bytes:
-    """The same, and says so."""
-    packer = zlib.compressobj(9)
-    block = b"".join([*(packer.compress(bytes(1_000_000)) for _ in range(96)), packer.flush()])
-    return vtu(packed_array(100, 100, 96_000_000, block), 400_000_000, said=ZLIB)
+    block = b"".join([*(packer.compress(bytes(1_000_000)) for _ in range(megabytes)), packer.flush()])
+    return vtu(packed_array(100, 100, each, block), points, said=ZLIB)
 
 
 def legacy(*lines: str, kind: str = "UNSTRUCTURED_GRID", form: str = "ASCII") -> bytes:
@@ -127,7 +120,7 @@ FILES: dict[str, bytes | Callable[[Path], bytes]] = {
     "bzip.npz": npz([("x.npy", npy(array(), bytes(32)))], zipfile.ZIP_BZIP2),
     "lzma.npz": npz([("x.npy", npy(array(), bytes(32)))], zipfile.ZIP_LZMA),
     "name.npz": npz([("x\x1b[31m" + "y" * 60_000 + ".npy", npy(array(), bytes(32)))]),
-    "bomb.vtu": zlib_bomb, "honest.vtu": honest_bomb,
+    "bomb.vtu": lambda _: zlib_bomb(100, 24, 100), "honest.vtu": lambda _: zlib_bomb(96, 96_000_000, 400_000_000),
     "blocks.vtu": vtu(packed_array(10**15, 0, 1, b""), 5, said=ZLIB),
     "points.vtu": vtu(ASCII_POINT, 10**12), "digits.vtu": vtu(ASCII_POINT, "9" * 9000),
     "few.vtu": vtu(ASCII_POINT, 1000), "laughs.vtu": vtu(ASCII_POINT, head=LAUGHS),

@@ -2,10 +2,23 @@
 
 import threading
 
+import numpy as np
+
 from solvers.problems.bar.scene import BarScene
+from solvers.running.run import build
 
 SCENE = BarScene(cells=20, periods=1)  # what the engines of the tests start with
 PATIENCE = 120.0  # seconds; a loaded machine may need to compile
+
+
+def assert_same(arrays, scene, steps):
+    """A frame's numbers are what the solver has after so many steps, to single precision."""
+    solver = build(scene)
+    solver.advance(steps)
+    shot = solver.snapshot()
+    np.testing.assert_array_equal(arrays.position, shot.position.astype(np.float32).reshape(-1, 1))
+    np.testing.assert_array_equal(arrays.error, shot.error.astype(np.float32))
+    np.testing.assert_array_equal(arrays.estimate["transport"], shot.estimate["transport"].astype(np.float32))
 
 
 class Listener:

@@ -8,17 +8,27 @@ from __future__ import annotations
 
 import os
 import signal
+import subprocess
+import sys
 from collections import defaultdict
 from collections.abc import Callable, Iterable, Iterator
 from contextlib import contextmanager, suppress
 from pathlib import Path
 from time import monotonic, perf_counter, sleep
 
+from tests.paths import ROOT
+
 PATIENCE = 30.0  # seconds: against a test that would hang, and for nothing else
 STARVED = 10  # times that, when other work takes nearly all of the machine
 HANG = 900.0  # seconds, by the clock on the wall: against a command that would never end, and for nothing else
 LOOK = 0.5  # seconds between two looks at who waits for a processor
 GONE = (FileNotFoundError, ProcessLookupError)
+
+
+def python(*words: str, cwd: Path = ROOT, **environment: str) -> subprocess.CompletedProcess:
+    """What a Python of its own comes to that finds this checkout."""
+    return subprocess.run([sys.executable, *words], cwd=cwd, capture_output=True, text=True, timeout=HANG,
+                          env=os.environ | {"PYTHONPATH": str(ROOT)} | environment)
 
 
 def until(condition: Callable[[], object], what: str, patience: float = PATIENCE, pause: float = 0.01) -> None:

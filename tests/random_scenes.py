@@ -129,6 +129,17 @@ def inputs(draw: st.DrawFn, switches: Mapping[str, Any]) -> Inputs:
 
 
 @st.composite
+def typed_motions(draw: st.DrawFn) -> str:
+    """A displacement of the square as formulas: zero at t = 0, and of the wave numbers that planes allow."""
+    waves = st.tuples(st.integers(1, 3), st.integers(0, 2), st.integers(1, 3),
+                      st.floats(-0.008, 0.008).filter(lambda a: abs(a) > 1e-4))
+    parts = [(draw(st.lists(waves, min_size=least, max_size=2 + least)), *axes)
+             for least, axes in ((1, ("X", "Y")), (0, ("Y", "X")))]
+    return ", ".join("+".join(f"({a!r})*sin({k}*pi*{along})*cos({m}*pi*{across})*sin({n}*w*t)" for k, m, n, a in some)
+                     or "0" for some, along, across in parts)
+
+
+@st.composite
 def _patch(draw: st.DrawFn, cells: int) -> Inputs:
     """What only a patch test has, and particles per cell that are whole together."""
     sizes = st.one_of(st.floats(0.1, 1 - 1e-5), st.floats(1 + 1e-5, 10.0))

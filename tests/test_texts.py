@@ -5,9 +5,7 @@ accessibility name is there."""
 from __future__ import annotations
 
 import importlib.util
-import os
 import re
-import subprocess
 import sys
 from pathlib import Path
 from urllib.parse import urlsplit
@@ -20,7 +18,7 @@ from app.commands import commands
 from solvers.problems import PROBLEMS
 from tests import texts
 from tests.paths import ROOT
-from tests.processes import HANG
+from tests.processes import python
 from tests.texts import Piece
 
 if sys.version_info >= (3, 11):
@@ -167,8 +165,7 @@ def test_python_of_a_page_runs_from_top_to_bottom(tmp_path):
     pieces = list(texts.python_blocks())
     for page in sorted({piece.page for piece in pieces}):
         code = "\n".join(piece.text for piece in pieces if piece.page == page)
-        done = subprocess.run([sys.executable, "-c", code], cwd=tmp_path, capture_output=True, text=True, timeout=HANG,
-                              env=os.environ | {"PYTHONPATH": str(ROOT), "MPLBACKEND": "agg"})
+        done = python("-c", code, cwd=tmp_path, MPLBACKEND="agg")
         assert done.returncode == 0, f"{page}: {done.stderr}"
         if page == "README.md":
             assert re.search(r"largest error of x \S+ m; estimated over true (1\.00|0\.99)\d\n", done.stdout)

@@ -6,6 +6,7 @@ from dataclasses import dataclass, replace
 import pytest
 
 from app import words
+from solvers.problems import PROBLEMS
 from solvers.problems.bar.patch import PATCH
 from solvers.problems.bar.scene import BarScene
 from solvers.scene.rules import SceneError
@@ -38,6 +39,10 @@ def test_a_patch_test_says_so():
     (0.00212, "2.12 mm"), (999.9e-6, "1 mm"), (1.0, "1 m"), (3.4e5, "340 km"), (0.0, "0 m"), (2e-20, "2.00e-20 m")])
 def test_units_have_prefixes(value, text):
     assert words.with_unit(value, "m") == text
+
+
+def test_an_amplitude_is_a_length_or_an_angle():
+    assert [words.unit_of(problem.scene, "amplitude") for problem in PROBLEMS.values()] == ["m", "m", "rad", "m"]
 
 
 @pytest.mark.parametrize("text, unit, value", [

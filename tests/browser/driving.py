@@ -219,13 +219,3 @@ def click_a_particle(page, x, y):
 def engine_processes(parent):
     """Ids of the processes that ``parent`` has spawned to simulate in."""
     return processes.children(parent, "spawn_main")
-
-
-def ever_shown(page, selector):
-    """A function that says whether an element was on the page at any time from now on, however short."""
-    page.evaluate("""selector => {
-        const look = () => { window.everShown ||= document.querySelector(selector) !== null; };
-        window.everShown = false; look();
-        new MutationObserver(look).observe(document.body, {childList: true, subtree: true, attributes: true});
-    }""", selector)
-    return lambda: page.evaluate("window.everShown")

@@ -1,21 +1,18 @@
 """Bad input is one sentence that names it and what is allowed, exit status 2, and nothing is run, written or loaded for
 it: one table for all commands. What of hostile text is quoted is in ``test_refusals``."""
 
-import os
 import shlex
-import subprocess
-import sys
 
 import pytest
 
 from app.cli import main
 from app.commands import commands
-from tests.paths import ROOT
-from tests.processes import HANG
+from tests.processes import python
 
 LONG = "a" * 300
 #: A command line, and what is said of it: how that begins and, after an ellipsis, what follows. Lines are typed
-#: in a folder with ``file``, a file of two particles; ``taken/table1.json``, a folder; and nothing else.
+#: in a folder with ``file``, a file of two particles; ``taken/table1.json``, a folder; and nothing else. What a scene
+#: refuses is in the tests of scenes; of that here is what each kind of flag hands on.
 BAD = {
     # the command itself
     "frobnicate": "frobnicate: is not a command; give mpm-lab serve or mpm-lab run",
@@ -35,34 +32,19 @@ BAD = {
     "run bar --cells 8 9": "--cells 8 9: … whole number",
     "run bar --dt -1": "--dt -1: … above 0",
     "run bar --dt=-1": "--dt -1: … above 0",
-    "run bar --ppc 0": "--ppc 0: … from 1 to 64",
     "run bar --amplitude 0.2": "--amplitude 0.2: … below 0.159",
-    "run bar --amplitude nan": "--amplitude nan: … above 1e-12",
-    "run bar --amplitude inf": "--amplitude inf: … below 0.159",
     "run bar --dt 1e-3 --cfl 0.1": "--cfl 0.1: … dt is given too",
-    "run bar --t-end 1 --periods 1": "--periods 1: … t-end is given too",
-    "run ring --amplitude 0.386": "--amplitude 0.386: … turns inside out",
-    "run ring --cells 7": "--cells 7: … from 8 to",
-    "run ring --cells 20000 --ppc 1": "-- … at most",
     "run ring --plan serial --threads 2": "--threads 2: … parallel or auto",
-    "run vortex --amplitude 2": "--amplitude 2: give an angle in radians",
-    "run vortex --poisson-ratio 0.5": "--poisson-ratio 0.5: give a number above -0.9 and up to 0.49",
     # choices and names
     "run bar --body-force all": "--body-force all: … material, node, none",
-    "run bar --method cpdi": "--method cpdi: … one of mpm, ugimp, cpgimp, bspline",
     "run bar --method 'a\nb'": "--method a\\nb: … ugimp",
-    "run bar --velocity corners": "--velocity corners: … cpgimp",
     "run bar --estimator foo": "--estimator foo: … transport",
     "run bar --estimator none transport": "--estimator none transport: … stands alone",
     "run bar --effects truth,foo": "--effects foo: … crossings",
     "run bar --effects all,truth": "--effects all truth: … stands alone",
     "run bar --effects": "--effects (no value): … names",
     "run bar --goal foo": "--goal foo: … kinetic-energy",
-    "run ring --body-force node": "--body-force node: … material, none",
-    "run ring --layout hexagonal": "--layout hexagonal: … polar, cartesian",
-    "run ring --linearity-preserving": "--linearity-preserving True: … not offered for the ring",
     "run ring --effects truth,budget": "--effects budget: … mpm-lab budget ring",
-    "run vortex --remedies coupled-deformation": "--remedies … give one of null-space-filter, frozen-weights",
     # words that no flag is
     "run bar --celss 3": "--celss: … did you mean --cells?",
     "run bar stray": "stray: is not expected",
@@ -102,10 +84,8 @@ BAD = {
     "judge bar file": "file: is of no kind that is known",
     "judge bar file --out file/x": "--out file/x: … not a directory",
     "sweep bar --out file/x": "--out file/x: … not a directory",
-    "stability bar --out file/x": "--out file/x: … not a directory",
     "check file --out file/x": "--out file/x: … not a directory",
     "export bar --out file/x.html": "--out file/x.html: … not a directory",
-    "lesson guide 1 --out file/x.html": "--out file/x.html: … not a directory",
     "lesson grade file --out file/x.csv": "--out file/x.csv: … not a directory",
     "judge bar file --out .": "--out .: is not empty; give an empty or a new directory",
     "coverage ring": "--out … give",
@@ -133,7 +113,6 @@ BAD = {
     "tables 1 --out x --processes 0": "--processes 0: give a whole number from 1",
     "stability bar --out x --treatment prayer": "--treatment prayer: is not known",
     "stability bar --out x --method cpdi": "--method cpdi: is not known",
-    "tables 1 2 --out d": "1 2: is not a table of the paper",
     "advise bar": "--tolerance (no value): give the error that is allowed",
     "advise bar --tolerance small": "--tolerance small: give a number above 0",
     "advise bar --tolerance 1e-3 --budget -1": "--budget -1: give a number above 0",
@@ -141,9 +120,7 @@ BAD = {
     "advise bar --tolerance 1e-3 --method cpdi": "--method cpdi: is not known (did you mean cpgimp?); give",
     "advise bar --tolerance 1e-3 --ppc 0": "--ppc 0: give a whole number from 1 to 64",
     "advise bar --tolerance 1e-3 --cfl fast": "--cfl fast: give a number above 0",
-    "advise bar --tolerance 1e-3 --amplitude 1": "--amplitude 1: the exact bar inverts",
     "coverage ring --out new --runs 0": "--runs 0: give a whole number from 1 to 10,000",
-    "coverage ring --out new --runs many": "--runs many: give a whole number from 1 to 10,000",
     "coverage ring --out new --seed -1": "--seed -1: give a whole number from 0 to 2,147,483,647",
     "bench --history a.jsonl": "--history: is gone from mpm-lab bench",
     "bench --waits": "--waits: is gone from mpm-lab bench: assets/speed.md",
@@ -158,14 +135,11 @@ BAD = {
     "budget bar --map map.png": "--map: is gone from mpm-lab budget bar",
     "budget ring --particle 3": " … --plot draws",
     "budget ring --body-force none": " … give material",
-    "budget vortex --body-force two-tone": " … give material",
     "budget ring --arch gpu": " … cpu",
     "budget ring --method ugimp --remedies null-space-filter": " … frozen-weights",
     "problem bar --out new --times soon": "--times soon: is no time; give seconds from 0 on",
     "problem bar --out new --times -1": "--times -1: is no time",
-    "problem bar --out new --times nan": "--times nan: is no time",
     "problem bar --out new --cells 1": "--cells 1: give a whole number",
-    "problem bar --out new --amplitude 5": "--amplitude 5:",
     f"problem bar --out new --cells 9000 --times {' '.join(map(str, range(600)))}": " … at most 4,000,000 are allowed",
     "judge bar": " … give one or several files of particles",
     "judge bar not-there.csv --out new": "not-there.csv: cannot be read: no such file or directory",
@@ -231,6 +205,5 @@ def test_help_and_bad_input_load_nothing_heavy(tmp_path):
     code = (f"import sys\nfrom app.cli import main\nfor arguments in {lines}:\n    main(arguments)\n"
             f"    heavy = [name for name in {HEAVY} if name in sys.modules]\n"
             "    if heavy: sys.exit(f'{arguments}: {heavy}')\n")
-    done = subprocess.run([sys.executable, "-c", code], cwd=tmp_path, capture_output=True, text=True, timeout=HANG,
-                          env={**os.environ, "PYTHONPATH": str(ROOT)})
+    done = python("-c", code, cwd=tmp_path)
     assert done.returncode == 0, done.stderr[-2000:]

@@ -5,8 +5,7 @@ from __future__ import annotations
 import json
 import os
 import signal
-import subprocess
-import sys
+from functools import partial
 
 import pytest
 
@@ -19,18 +18,15 @@ from solvers.problems import PROBLEMS
 from solvers.problems.bar.scene import BarScene
 from solvers.problems.ring import RingScene
 from solvers.scene.effects import EFFECTS
-from tests.paths import ROOT
-from tests.processes import HANG
+from tests.processes import python
 
 RunBar, RunRing = commands()["run", "bar"], commands()["run", "ring"]
 QUICK = ["run", "bar", "--cells", "8", "--ppc", "2", "--periods", "0.2"]
 WIDE = ["run", "ring", "--cells", "12", "--periods", "0.1"]
 
 
-def command(*arguments: str, **environment: str) -> subprocess.CompletedProcess:
-    """Run ``python -m app`` as a person would."""
-    return subprocess.run([sys.executable, "-m", "app", *arguments], cwd=ROOT, capture_output=True, text=True,
-                          timeout=HANG, env={**os.environ, **environment})
+#: Runs ``python -m app`` as a person would.
+command = partial(python, "-m", "app")
 
 
 def test_standard_output_has_the_object_or_the_table_and_nothing_else():
@@ -44,7 +40,7 @@ def test_standard_output_has_the_object_or_the_table_and_nothing_else():
 
 
 def test_an_extension_that_is_not_there_is_one_line():
-    done = command(*QUICK, MPM_LAB_EXTENSIONS="no_such_module")
+    done = command(*QUICK, MPM_LAB_EXTENSIONS="tests.rows,no_such_module")
     assert (done.returncode, done.stdout, done.stderr.count("\n")) == (2, "", 1)
     assert "MPM_LAB_EXTENSIONS names no_such_module, which cannot be imported" in done.stderr
     assert "name its folder in PYTHONPATH" in done.stderr

@@ -115,6 +115,7 @@ def test_a_reader_that_has_gone_is_no_fuss(words):
 
 
 LONG = {"run bar --cells 20000 --dt 1e-6 --t-end 100 --json a.json": "", "lesson check": "",
+        "sweep bar --cells 8 --periods 1e5 --out sweep": "",
         "judge ring exact.csv --cells 48 --out verdict": "slow", "bench --json a.json": "slow",
         "advise ring --tolerance 1e-5": "slow", "budget ring --cells 100": "slow", "lesson guide 9": "slow",
         "export bar --out bar.html": "slow", "stability bar --out map": "slow", "tables all --out tables": "slow"}

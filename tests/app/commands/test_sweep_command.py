@@ -3,10 +3,6 @@
 from __future__ import annotations
 
 import json
-import os
-import signal
-import subprocess
-import sys
 from pathlib import Path
 
 import pytest
@@ -15,8 +11,6 @@ from app.cli import main
 from app.commands import commands
 from app.pictures.study import FIGURES
 from solvers.study.row import fingerprint
-from tests.paths import ROOT
-from tests.processes import HANG
 from tests.rows import Instant
 
 SweepBar = commands()["sweep", "bar"]
@@ -75,19 +69,6 @@ def test_rows_of_other_source_are_measured_again_and_said(tmp_path, monkeypatch,
         assert len(place.asked) == 3 == path.read_text().count("\n")
         said = "1 row was measured by another version of the solvers and is measured again"
         assert (said in capsys.readouterr().err) is again
-
-
-@pytest.mark.skipif(os.name == "nt", reason="POSIX signals")
-def test_interrupt_is_one_line_and_keeps_the_rows(tmp_path):
-    words = ["sweep", "bar", "--cells", "8", "--periods", "0.2", "1e5", "--out", str(tmp_path)]
-    run = subprocess.Popen([sys.executable, "-m", "app", *words], cwd=ROOT, stderr=subprocess.PIPE,
-                           stdout=subprocess.PIPE, text=True)
-    said = [run.stderr.readline(), run.stderr.readline()]
-    assert "1/2" in said[1]
-    run.send_signal(signal.SIGINT)
-    out, rest = run.communicate(timeout=HANG)
-    assert (run.returncode, out, rest) == (130, "", "mpm-lab: interrupted\n")
-    assert (tmp_path / "rows.jsonl").read_bytes().count(b"\n") == 1
 
 
 def test_refused_combinations_are_rows(tmp_path, monkeypatch, capsys):

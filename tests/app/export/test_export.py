@@ -32,6 +32,7 @@ from tests.app.lessons.test_lesson_format import TEXT
 
 BAR = "bar cells=10 periods=0.25 estimators=recovered,transport"
 RING = "ring cells=12 periods=0.25 cfl=0.2"
+VORTEX = "vortex cells=12 ppc=2 t-end=0.1"
 ALL = ("x", "v", "sigma", "a")
 
 
@@ -109,7 +110,7 @@ def test_zeros_and_nothing_stay_what_they_are():
         assert np.array_equal(found, values, equal_nan=True)
 
 
-@pytest.mark.parametrize("text", [BAR, RING])
+@pytest.mark.parametrize("text", [BAR, RING, VORTEX])
 def test_a_recording_holds_the_numbers_of_the_run(text, simulate):
     scene = state.read(text).scene
     result, made = simulate(scene), recording(Wanted(text, 9, 1000, ALL))

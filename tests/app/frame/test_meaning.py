@@ -83,6 +83,15 @@ def test_a_half_of_which_nothing_is_known_has_no_colour_of_the_other(problem, kn
     assert not (colours == hidden).all(axis=1).any()
 
 
+def assert_shades(ticks, logarithmic, row_of):
+    """The row of the shade of every tick's number is where the tick is."""
+    assert len(ticks) > 3 and ticks[0][0] == 0 and ticks[-1][0] == 1
+    unit = "" if logarithmic else ticks[-1][1].split()[1]
+    for at, text in ticks:
+        value = 0.0 if text == ZERO else words.size_in(text if text.endswith("m") else f"{text} {unit}", "m")
+        assert abs(row_of(value) - 255 * at) <= 1 + logarithmic
+
+
 @pytest.mark.parametrize("logarithmic", [False, True], ids=["linear", "logarithmic"])
 @pytest.mark.parametrize("size", [3.1e-4, 0.77, 9.2e5])
 def test_the_colour_at_a_tick_is_that_of_its_number(size, logarithmic):
@@ -91,10 +100,4 @@ def test_the_colour_at_a_tick_is_that_of_its_number(size, logarithmic):
     scale.logarithmic = logarithmic
     scale.follow(None, np.array([size]))
     table = [tuple(shade) for shade in scale.gradient(256)]
-    ticks = scale.ticks("m")
-    assert len(ticks) > 3 and ticks[0][0] == 0 and ticks[-1][0] == 1
-    unit = ticks[-1][1].split()[1] if not logarithmic else ""
-    for at, text in ticks:
-        value = 0.0 if text == ZERO else words.size_in(text if text.endswith("m") else f"{text} {unit}", "m")
-        row = table.index(tuple(scale.colours(np.array([value]))[0]))
-        assert abs(row - 255 * at) <= 1 + logarithmic
+    assert_shades(scale.ticks("m"), logarithmic, lambda value: table.index(tuple(scale.colours(np.array([value]))[0])))

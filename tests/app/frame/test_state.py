@@ -12,11 +12,13 @@ from app.words import MAGNIFICATIONS, QUANTITIES
 from solvers.problems import PROBLEMS
 from solvers.problems.bar.scene import BarScene
 from solvers.problems.ring import RingScene
+from solvers.problems.vortex import VortexScene
 from tests.random_scenes import ASKED, SETS, inputs
 
 BAR = BarScene(method="mpm", cells=20, amplitude=0.03, linearity_preserving=True, estimators=("recovered", "companion"))
 STATES = [
     State(BarScene()), State(RingScene(method="cpdi", dt="auto")), State(BAR, "sigma", "companion", True, 100, True),
+    State(VortexScene(method="cpgimp-v", cells=24, effects=("truth", "spin"), poisson_ratio=0.4, frequency=2.0)),
     State(RingScene(estimators=()), domains=True, speed=0.25, traced=17, stops=True),
     State(BAR, pinned=BarScene(method="bspline", remedies=("null-space-filter",))),
     State(BarScene(effects=("truth",), estimators=("two-grid",), cfl=None, dt=1e-3 / 3))]
@@ -69,9 +71,7 @@ def test_defaults_are_left_out():
     ("bar;cells=20;cells=40", "cells is given twice"), ("bar;t_end=1;t-end=1", "t-end is given twice"),
     ("bar;estimator=none;estimators=none", "estimators is given twice"),
     ("bar;speed=1;speed=1", "speed is given twice"),
-    ("bar;cells=" + "9" * 1900, "999…999"), ("bar;cells=４０", "give a whole number"), ("bar;trace=٣", "0 or more"),
-    ("bar;cells=4_0", "cells=4_0: give a whole number"), ("bar;cfl=inf", "cfl=inf: give a number"),
-    ("bar;amplitude=nan", "amplitude=nan"), ("bar;speed=nan", "above 0"), ("bar;cells=1e400", "cells=1e400"),
+    ("bar;cells=" + "9" * 1900, "999…999"), ("bar;trace=٣", "0 or more"), ("bar;speed=nan", "above 0"),
     ("bar;\x1b[31mred=1", r"'\x1b[31mred=1' means nothing"), ("bar;%1b%5b31m", r"'\x1b[31m' means nothing"),
     ("bar;cells=%E2%80%AE4", r"cells=\u202e4: give a whole number"), ("bar;=", "means nothing here"),
     ("companion," * 190, "is no problem"), ("bar;estimators=" + "companion," * 190, "names something twice"),

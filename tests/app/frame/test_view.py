@@ -15,6 +15,7 @@ from app.frame.stage import Stage
 from app.frame.view import look
 from app.page.panels.readout import _percent, readout
 from app.page.stage.worst import SteadyMaximum, WorstRegions
+from app.page.visit.session import first_scene
 from app.problems.bar.view import BAR as BAR_VIEW
 from app.problems.bar.view import LENGTHS
 from app.problems.views import VIEWS
@@ -25,6 +26,7 @@ from solvers.problems import PROBLEMS
 from solvers.problems.bar.scene import BarScene
 from solvers.problems.planar.layout import particle_layout
 from solvers.problems.ring import RingScene
+from solvers.problems.vortex import VortexScene
 from solvers.scene.registry import ESTIMATORS
 
 BAR = BarScene(cells=10, ppc=2, estimators=("transport",))
@@ -53,22 +55,15 @@ def view_of(scene=BAR, estimator="transport", difference=False, quantity="x", no
     return look(report_of(scene, not_valid), arrays_of(SIGNED, TRUE), quantity, estimator, difference)
 
 
-def test_both_halves_show_sizes():
-    view = view_of()
-    np.testing.assert_allclose(view.left.sizes, np.abs(SIGNED))
-    np.testing.assert_allclose(view.right.sizes, np.abs(TRUE))
-    assert (view.left.title, view.left.by) == ("Estimate", "by transport")
-    assert (view.right.title, view.right.by) == ("Truth", "exact solution")
-    assert view.left.silence == view.right.silence == ""
-
-
-def test_difference_knows_signs():
+@pytest.mark.parametrize(("difference", "title", "times"), [(False, "Estimate", 1), (True, "Estimate − truth", 2)])
+def test_both_halves_show_sizes_and_the_difference_knows_signs(difference, title, times):
     """Estimate and truth of equal sizes and opposite signs look alike side by side, and apart in the difference."""
-    view = view_of(difference=True)
-    np.testing.assert_allclose(view.left.sizes, 2 * np.abs(TRUE))
+    view = view_of(difference=difference)
+    np.testing.assert_allclose(view.left.sizes, times * np.abs(SIGNED))
     np.testing.assert_allclose(view.right.sizes, np.abs(TRUE))
-    assert (view.left.title, view.left.by) == ("Estimate − truth", "by transport")
-    assert "estimate − truth" in view.measures
+    assert (view.left.title, view.left.by) == (title, "by transport")
+    assert (view.right.title, view.right.by) == ("Truth", "exact solution")
+    assert view.left.silence == view.right.silence == "" and ("estimate − truth" in view.measures) == difference
     np.testing.assert_allclose(view.estimated, np.abs(SIGNED))  # what is read off stays the estimate
 
 
@@ -224,8 +219,10 @@ def readout_of(scene, margin):
 
 @pytest.mark.parametrize("problem", PROBLEMS)
 def test_every_problem_is_shown(problem):
-    """Its sliders reach its first scene, its details are fields with choices or switches, its folder has the rest."""
-    view, scene = VIEWS[problem], PROBLEMS[problem].scene(periods=1)
+    """Its sliders reach its first scene, of which there is an estimate that holds; its details are fields with choices
+    or switches, its folder has the rest."""
+    view, scene, first = VIEWS[problem], PROBLEMS[problem].scene(periods=1), first_scene(problem)
+    assert not first.warnings() and not first.not_valid and ESTIMATORS[first.estimators[0]].judges
     for field in ("cells", "ppc", "amplitude", "modulus"):
         low, high, *_ = getattr(view.reach, field)
         assert low <= getattr(scene, field) <= high
@@ -243,12 +240,21 @@ def test_regions_of_the_bar():
     np.testing.assert_allclose(regions.errors(SIGNED), np.abs(SIGNED))
 
 
-def test_regions_of_the_ring():
-    """Every particle has one, each holds its share, and a known place has the name it should."""
-    position = particle_layout(RingScene(cells=36)).position
-    regions = VIEWS["ring"].regions(position)
+@pytest.mark.parametrize("scene, count, least", [(RingScene(cells=36), 18, 0.8), (VortexScene(cells=24), 40, 0.6)],
+                         ids=["ring", "vortex"])
+def test_regions_of_a_ring(scene, count, least):
+    """Every particle has one, and each holds its share."""
+    position = particle_layout(scene).position
+    regions = VIEWS[scene.problem].regions(position)
     counts = np.bincount(regions.number, minlength=len(regions.names))
-    assert counts.min() > 0.8 * counts.max() and counts.sum() == len(position)
+    assert len(counts) == count and counts.min() > least * counts.max() and counts.sum() == len(position)
+
+
+def test_a_body_that_is_whole_has_no_mirror_images():
+    assert [len(VIEWS[name].stage.MIRRORS) for name in ("ring", "vortex")] == [4, 1]
+
+
+def test_a_known_place_of_the_ring_has_the_name_it_should():
     place = VIEWS["ring"].regions(np.array([[0.42 * np.cos(0.6), 0.42 * np.sin(0.6)], [0.0, 0.6]]))
     assert [place.names[k] for k in place.number] == ["inner third, 30–45°", "outer third, 75–90°"]
 

@@ -4,8 +4,6 @@ from __future__ import annotations
 
 import html
 import re
-import subprocess
-import sys
 from dataclasses import replace
 
 import numpy as np
@@ -18,7 +16,7 @@ from app.notebook import show
 from app.notebook.result import result_table
 from app.words import ratio, with_unit
 from solvers import BarScene, RingScene, SceneError, run
-from tests.processes import HANG
+from tests.processes import python
 
 SMALL = BarScene(cells=10, ppc=2, periods=0.25, estimators=("companion",))
 
@@ -118,14 +116,14 @@ def test_the_picture_is_that_of_the_command_line():
 
 def test_a_users_own_pictures_keep_their_looks():
     """In a process of its own: this one draws all the time."""
-    done = subprocess.run([sys.executable, "-c", """
+    done = python("-c", """
 import matplotlib
 before = dict(matplotlib.rcParams)
 from app.notebook import show
 from solvers import BarScene, run
 run(BarScene(cells=10, periods=0.1)).plot()._repr_png_()
 assert dict(matplotlib.rcParams) == before
-"""], capture_output=True, text=True, timeout=HANG)
+""")
     assert (done.returncode, done.stderr) == (0, "")
 
 

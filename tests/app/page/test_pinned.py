@@ -14,8 +14,7 @@ from solvers.engine.messages import FRAME_SECONDS, Pace
 from solvers.engine.stepper import MOST_APART
 from solvers.problems.bar.scene import BarScene
 from solvers.problems.ring import RingScene
-from solvers.running.run import build
-from tests.listening import PATIENCE, SCENE, Listener
+from tests.listening import PATIENCE, SCENE, Listener, assert_same
 from tests.processes import until
 
 CHEAP, COSTLY = SCENE, replace(SCENE, cells=160, ppc=8, modulus=16.0)  # half the period, and 400 times the work
@@ -108,16 +107,15 @@ def test_a_pair_outlives_its_engine_to_the_bit(pool, pair):
     for steps in (0, 7):
         for link, hears, scene in zip(links, hearers, scenes, strict=True):
             hears.frame(play(link, scene, 0.5, False, steps=steps), lambda r: r.step == steps)  # noqa: B023
-    before, visitor = pool.process_ids[0], Listener()
+    before, visitor, since = pool.process_ids[0], Listener(), {hears: len(hears.frames) for hears in hearers}
     asking = pool.open(visitor)
     visitor.frame(asking.ask(replace(SCENE, method="bspline", estimators=())))
     asking.close()
     assert pool.process_ids[0] != before
     for link, hears, scene in zip(links, hearers, scenes, strict=True):
         _, arrays = hears.frame(play(link, scene, 0.5, False, steps=12), lambda r: r.step == 12)
-        solver = build(scene)
-        solver.advance(12)
-        np.testing.assert_array_equal(arrays.position, solver.snapshot().position.astype(np.float32).reshape(-1, 1))
+        assert_same(arrays, scene, 12)
+        assert not any(r.fresh for r, _ in hears.frames[since[hears]:]) and not hears.losses
     count = len(hearers[1].frames)
     play(links[0], scenes[0], 0.5, False, restarts=1)
     hearers[1].wait(lambda: any(r.fresh for r, _ in hearers[1].frames[count:]))

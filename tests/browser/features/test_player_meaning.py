@@ -11,11 +11,12 @@ from app import words
 from app.export.lesson import bet_words
 from app.export.page import PLAYER
 from app.export.vocabulary import vocabulary
-from app.frame.scale import TOPS, ZERO
+from app.frame.scale import TOPS
 from app.lessons.bet_lines import drawn
 from app.lessons.bets import BY_ROUND, YOURS, Bet, Bettor
 from app.page.features.lesson.answer import number
 from solvers.problems import PROBLEMS
+from tests.app.frame.test_meaning import assert_shades
 
 SCRIPTS = ("words", "tracks", "frame", "colours", "field", "bar", "plane", "answers", "bets")
 #: What is filled on a canvas: its colour and where its middle is, in pixels to the right and down.
@@ -81,12 +82,8 @@ def test_the_colour_at_a_tick_is_that_of_its_number(player, top, logarithmic):
     parts = TOPS[round(top / 10.0 ** math.floor(math.log10(top)), 6)]
     scale = {"top": top, "parts": parts, "logarithmic": logarithmic, "exceeded": False}
     ticks = player.evaluate("(scale) => ticks(scale, 'm')", scale)
-    assert len(ticks) > 3 and ticks[0][0] == 0 and ticks[-1][0] == 1
-    unit = "" if logarithmic else ticks[-1][1].split()[1]
-    for at, text in ticks:
-        value = 0.0 if text == ZERO else words.size_in(text if text.endswith("m") else f"{text} {unit}", "m")
-        row = player.evaluate("([value, scale]) => rows.indexOf(shadeOf(value, scale))", [value, scale])
-        assert abs(row - 255 * at) <= 1 + logarithmic
+    assert_shades(ticks, logarithmic, lambda value: player.evaluate(
+        "([value, scale]) => rows.indexOf(shadeOf(value, scale))", [value, scale]))
 
 
 def test_bets_are_scored_and_drawn_as_in_python(player):

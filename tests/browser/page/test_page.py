@@ -1,8 +1,6 @@
 """The page as a visitor meets it: it moves, it answers every control, and it says in words what goes wrong."""
 
-import os
 import re
-import signal
 
 import numpy as np
 import pytest
@@ -11,13 +9,10 @@ from app.words import size_in
 from tests.browser.driving import (
     click,
     coloured,
-    engine_processes,
-    ever_shown,
     plotted,
     press,
     readout,
     row,
-    scene,
     stage,
     step_size,
     steps,
@@ -89,7 +84,8 @@ def test_a_first_look(page):
     pause_step_play_and_reset_do_so(page)
 
 
-def beyond_the_exact_solution_is_refused_in_words(page):
+@pytest.mark.short
+def test_what_is_refused(page):
     """An amplitude that no exact bar has is refused, the present run goes on, and a good one clears the notice."""
     press(page, "Amplitude A", "End")
     page.locator(".lab-refused").wait_for()
@@ -98,23 +94,6 @@ def beyond_the_exact_solution_is_refused_in_words(page):
     until(lambda: time(page) > before, "the run going on")
     press(page, "Amplitude A", "ArrowLeft", 150)
     page.locator(".lab-refused").wait_for(state="detached")
-
-
-def a_refused_value_is_wished_no_longer(page):
-    """What is asked for next is done, with the amplitude that there was, and the refusal is said no more."""
-    press(page, "Amplitude A", "End")
-    page.locator(".lab-refused").wait_for()
-    size, amplitude = step_size(page), scene(page)["amplitude"]
-    row(page, "Cells, h = 1/").locator("input.mantine-NumberInput-input").fill("80")
-    until(lambda: step_size(page) == pytest.approx(size / 2, rel=1e-2), "the next wish met")
-    page.locator(".lab-refused").wait_for(state="detached")
-    assert scene(page)["amplitude"] == amplitude
-
-
-@pytest.mark.short
-def test_what_is_refused(page):
-    beyond_the_exact_solution_is_refused_in_words(page)
-    a_refused_value_is_wished_no_longer(page)
 
 
 def test_auto_step_follows_the_scene_and_gives_way_to_the_slider(page):
@@ -137,19 +116,3 @@ def test_lost_run_is_said_and_goes_on(page):
     assert re.match(r"The run is lost from t = 0\.\d+ s on: .+, most at particle \d+ \(X = .+give two or more\.$", said)
     before = time(page)
     until(lambda: time(page) > before, "the lost run going on")
-
-
-def test_killed_engine_is_replaced(page, server):
-    """The process that simulates is killed: the page says so or has it back at once, and time runs again."""
-    until(lambda: time(page) > 0.3, "a run under way")
-    press(page, "Speed", "Home")  # so slow that the new run does not come so far
-    engines = engine_processes(server[1])
-    assert engines
-    before, said = time(page), ever_shown(page, ".lab-wait")
-    for engine in engines:
-        os.kill(engine, signal.SIGKILL)
-    until(said, "the page saying so")
-    until(lambda: time(page) < before, "the scene begun again")
-    page.locator(".lab-wait").wait_for(state="detached")
-    at = time(page)
-    until(lambda: time(page) > at, "time running again")

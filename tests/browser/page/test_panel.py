@@ -63,12 +63,6 @@ def a_card_says_the_index_and_its_name_puts_it_on_the_stage(page):
     until(lambda: "lab-off" in card.get_attribute("class"), "off again")
 
 
-def a_picture_takes_its_method(page):
-    page.locator(".lab-method[data-method=bspline]").click()
-    until(lambda: scene(page)["method"] == "bspline", "B-splines")
-    until(lambda: page.get_by_label("Method", exact=True).input_value() == "B-spline", "the dropdown")
-
-
 def what_is_typed_is_written_with_its_unit(page):
     """Once it is entered; what cannot be goes back, and under the control it says why."""
     typed = page.get_by_label("Amplitude A, typed", exact=True)
@@ -103,6 +97,5 @@ def test_the_side_panel(page):
     folds_are_buttons_for_keys(page)
     a_fold_that_was_open_stays_open(page)
     a_card_says_the_index_and_its_name_puts_it_on_the_stage(page)
-    a_picture_takes_its_method(page)
     what_is_typed_is_written_with_its_unit(page)
     a_hint_stands_beside_the_panel(page)

@@ -30,18 +30,3 @@ def test_several_at_once(page):
     tick(page, others[-1])
     until(lambda: drawn(page)[1:] == [1] * len(OFFERED), "one curve less")
     assert page.get_by_label("On the stage", exact=True).input_value() != others[-1]
-
-
-@pytest.mark.slow
-def test_explanations_are_set_as_mathematics(page):
-    """Each estimator's explanation opens in the About tab, and its fractions and sums have the height of such."""
-    page.get_by_role("tab", name="About").click()
-    for name in ("transport", "recovered", "companion", "two-grid"):
-        title = page.get_by_text(f"The estimator {name}")
-        title.click()
-        text = page.locator(".lab-explanation").filter(visible=True)
-        text.wait_for()
-        text.get_by_text("Misses").wait_for()
-        assert text.locator("math[display=block]").first.bounding_box()["height"] > 15
-        title.click()
-        text.wait_for(state="hidden")

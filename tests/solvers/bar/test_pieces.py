@@ -11,11 +11,9 @@ import pytest
 from solvers.problems.bar import step_bound
 from solvers.problems.bar.scene import BarScene
 from solvers.problems.bar.solver import BarSolver
-from solvers.problems.ring import RingScene
 from solvers.running.run import run
 from solvers.scene.causes import CAUSES, FIELDS
 from solvers.scene.limits import reason
-from solvers.scene.rules import SceneError
 from solvers.scene.step_bound import SAFE
 
 PIECES = ("pieces",)
@@ -135,12 +133,5 @@ def test_the_patch_test_needs_no_warning():
     assert not any("cell boundaries" in said for said in replace(scene, remedies=PIECES).warnings())
 
 
-def test_what_does_not_go_with_them_is_refused():
-    """Frozen weights have nothing to mend; the ring has no pieces; transport knows other weights."""
-    with pytest.raises(SceneError, match="stands alone: pieces mends"):
-        BarScene(remedies=("frozen-weights", "pieces"))
-    with pytest.raises(SceneError, match="remedies"):
-        RingScene(remedies=PIECES)
-    for name in ("transport", "two-grid"):
-        assert reason(BAR.LIMITS, name, BAR)
-    assert reason(BAR.LIMITS, "recovered", BAR) is None
+def test_estimators_that_know_other_weights_are_refused():
+    assert {name for name in BarScene.ESTIMATORS if reason(BAR.LIMITS, name, BAR)} == {"transport", "two-grid"}

@@ -1,4 +1,5 @@
-"""Nobody waits for a compiler: an engine has a fork of itself compile, goes on, and then hands everything over."""
+"""Nobody waits for a compiler: an engine has a fork of itself compile, goes on, and then hands everything over. That
+runs of others go on there to the bit is in tests/app/page/test_pinned.py."""
 
 import logging
 import os
@@ -6,7 +7,6 @@ import signal
 from dataclasses import replace
 from pathlib import Path
 
-import numpy as np
 import pytest
 
 from solvers.engine import successor
@@ -14,7 +14,6 @@ from solvers.engine.messages import Pace
 from solvers.engine.pool import EnginePool
 from solvers.engine.worker import FAILED
 from solvers.problems.ring import RingScene
-from solvers.running.run import build
 from tests.listening import PATIENCE, SCENE, Listener
 from tests.processes import children, ended, held, state, until
 
@@ -51,29 +50,6 @@ def test_the_scene_before_goes_on_and_the_process_is_another(pool, session):
     assert pool.process_ids[0] != before
     link.ask(wanted, Pace(speed=0.5))
     until(lambda: not os.path.exists(f"/proc/{before}"), "the process before gone, and buried")
-
-
-def test_other_sessions_go_on_where_they_are_to_the_bit(pool, session):
-    """One visitor asks for what must be compiled; another's run, paused at step 7, goes on in the new process: after 5
-    more steps it is what twelve steps are."""
-    link, listener = session
-    scene = replace(SCENE, cells=24)
-    listener.frame(link.ask(scene, Pace(False)))
-    listener.frame(link.ask(scene, Pace(False, single_steps=7)), lambda r: r.step == 7)
-    before, other = pool.process_ids[0], Listener()
-    other_link = pool.open(other)
-    other.frame(other_link.ask(next(OTHERS)))
-    other_link.close()
-    assert pool.process_ids[0] != before
-    count = len(listener.frames)
-    _, arrays = listener.frame(link.ask(scene, Pace(False, single_steps=12)), lambda r: r.step == 12)
-    solver = build(scene)
-    solver.advance(12)
-    shot = solver.snapshot()
-    np.testing.assert_array_equal(arrays.position[:, 0], shot.position.astype(np.float32))
-    np.testing.assert_array_equal(arrays.error, shot.error.astype(np.float32))
-    np.testing.assert_array_equal(arrays.estimate["transport"], shot.estimate["transport"].astype(np.float32))
-    assert not any(r.fresh for r, _ in listener.frames[count:]) and not listener.losses
 
 
 def test_two_who_wait_are_both_served(pool, session):

@@ -19,7 +19,6 @@ from solvers.running.run import build
 from solvers.running.timing import estimator_shares
 from solvers.scene.scene import Scene
 from solvers.solver.samples import QUANTITIES
-from tests.closed_forms import vortex as vortex_exact
 
 ONLY = ("companion",)
 BAR = BarScene(estimators=ONLY, linearity_preserving=True, dt=2.5e-5, t_end=1.0)
@@ -106,7 +105,7 @@ def test_the_vortexs_marches_to_the_exact_solution_without_knowing_it(monkeypatc
         monkeypatch.setattr(VortexScene, "COMPANION_MESHES", ((np.inf, *mesh),))
         elements = Elements(0.75, 1.25, *mesh)
         u, on_axis = own_nodes(scene)[:, :2], np.stack([elements.nodes, 0 * elements.nodes], axis=1)
-        errors.append(np.abs(u - vortex_exact.displacement(scene, on_axis, scene.steps * scene.time_step)).max())
+        errors.append(np.abs(u - scene.EXACT.displacement(scene, on_axis, scene.steps * scene.time_step)).max())
     assert np.degrees(np.arctan2(u[:, 1], elements.nodes + u[:, 0]).max()) == pytest.approx(180 / np.pi, abs=0.01)
     assert errors[0] / errors[1] > 2**5 and errors[2] < 4e-7
 

@@ -189,15 +189,6 @@ def test_another_law_of_the_material_is_noticed():
     assert "another material" in grid["notes"][0] and grid["error"]["x"]["max"] < 1e-15 < grid["error"]["sigma"]["max"]
 
 
-def test_another_poissons_ratio_is_named():
-    scene = PROBLEMS["vortex"].scene(cells=12, amplitude=0.25)
-    law = PROBLEMS["vortex"].reference.stress
-    frames = [handout.exact(scene, part * scene.period) for part in (0.1, 0.2, 0.3)]
-    other = replace(scene, poisson_ratio=0.25)
-    [grid] = judge(scene, writing.table([replace(f, stress=law(other, f.deformation_gradient)) for f in frames])).grids
-    assert "it fits Poisson's ratio 0.25" in " ".join(grid.notes())
-
-
 @pytest.mark.parametrize("problem", PROBLEMS)
 def test_the_companions_own_error_is_the_difference_of_its_two_meshes(problem):
     """Of exact particles, and not nothing: the two meshes are two, and differ by about the error of the coarser one."""

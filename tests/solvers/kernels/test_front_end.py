@@ -5,12 +5,9 @@ from pathlib import Path
 
 import pytest
 import taichi as ti
-from taichi.types import ndarray_type
 
 import solvers
 from solvers.kernels import runtime
-from solvers.problems.bar.scene import BarScene
-from solvers.running.run import build
 
 SOURCES = sorted(Path(solvers.__file__).parent.rglob("*.py"))
 
@@ -43,12 +40,3 @@ def test_no_kernel_is_a_method():
                  for function in kind.body if isinstance(function, ast.FunctionDef)
                  for decorator in function.decorator_list if ast.unparse(decorator).startswith("ti.")]
     assert decorated == []
-
-
-def test_members_of_a_pack_lie_where_taichi_looks_for_them():
-    """Counted once for all, each lies behind as many as Taichi counts for it: those before it that are no arrays."""
-    pack = build(BarScene(cells=8, estimators=("companion",)))._pack
-    arrays = [isinstance(kind, ndarray_type.NdarrayType) for kind in pack._annotations]
-    assert any(arrays) and not all(arrays)
-    assert [pack._calc_element_true_index(k) for k in range(len(arrays))] == [
-        k - sum(arrays[:k]) for k in range(len(arrays))]

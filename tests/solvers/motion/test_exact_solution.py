@@ -1,45 +1,29 @@
-"""What follows from a displacement: the printed closed forms of ring and vortex, and the balance of momentum."""
+"""What follows from a displacement: the printed closed forms of ring and vortex. That all problems obey their equations
+is in tests/solvers/scene/test_exact_solutions.py."""
 
 import math
+from dataclasses import replace
 
 import numpy as np
 import pytest
 
-from solvers.motion.exact_solution import ExactSolution
 from solvers.motion.jets import Jet, cos, exp, log, sin, sqrt, variables
 from solvers.motion.neo_hookean import cauchy_stress, first_piola_stress, strain_energy
 from solvers.motion.separable_field import NotPeriodic, separate
+from solvers.problems.planar.body_force import body_force_at
 from solvers.problems.planar.layout import particle_layout
 from solvers.problems.ring import RingScene
 from solvers.problems.vortex import VortexScene
-from tests.closed_forms import ring as ring
-from tests.closed_forms import vortex as vortex
+from tests.closed_forms import ring, vortex
 
-RADIAL = (ring.C1, ring.C2, ring.C3)
 TIMES = (0.0, 0.13, 0.31, 0.77)  # of a period
-
-
-def ring_displacement(scene, X, Y, t):
-    R = sqrt(X * X + Y * Y)
-    share = scene.amplitude * sin(scene.angular_frequency * t) * ((ring.C3 * R + ring.C2) * R + ring.C1)
-    return share * X, share * Y
-
-
-def vortex_displacement(scene, X, Y, t):
-    s = sqrt(X * X + Y * Y) - vortex.MIDDLE
-    half = 0.5 * scene.amplitude * sin(scene.angular_frequency * t) * (1 + (vortex.BEND + vortex.RISE * s * s) * s * s)
-    shrink, turn = -2 * sin(half) ** 2, sin(2 * half)  # cos(alpha) - 1, without cancellation, and sin(alpha)
-    return shrink * X - turn * Y, turn * X + shrink * Y
-
-
-SCENES = {"ring": (RingScene(cells=12), ring_displacement, ring),
-          "vortex": (VortexScene(cells=16, amplitude=0.7), vortex_displacement, vortex)}
+SCENES = {"ring": (RingScene(cells=12), ring), "vortex": (VortexScene(cells=16, amplitude=0.7), vortex)}
 
 
 @pytest.fixture(params=SCENES)
 def problem(request):
-    scene, displacement, closed = SCENES[request.param]
-    return scene, ExactSolution(displacement), closed, particle_layout(scene).position
+    scene, closed = SCENES[request.param]
+    return scene, scene.EXACT, closed, particle_layout(scene).position
 
 
 @pytest.mark.parametrize("part", TIMES)
@@ -47,35 +31,13 @@ def test_closed_forms_are_met(problem, part):
     """To rounding of the largest value of each field over the body and a period."""
     scene, solution, closed, X = problem
     t = part * scene.period
-    body_force = closed.body_force if scene.problem == "vortex" else \
-        lambda scene, X, t: X / np.linalg.norm(X, axis=1)[:, None] * ring.body_force(
-            scene, np.linalg.norm(X, axis=1), t)[:, None]
-    fields = {name: (getattr(solution, name), getattr(closed, name))
-              for name in ("displacement", "velocity", "acceleration", "deformation_gradient", "stress")}
-    for name, (derived, printed) in (fields | {"body_force": (solution.body_force, body_force)}).items():
+    fields = [(scene, getattr(solution, name), getattr(closed, name)) for name in (
+        "displacement", "velocity", "acceleration", "deformation_gradient", "stress", "body_force")]
+    fields.append((replace(scene, body_force="two-tone"), body_force_at, closed.body_force))
+    for scene, derived, printed in fields:
         size = max(np.abs(printed(scene, X, one * scene.period)).max() for one in TIMES)
-        np.testing.assert_allclose(derived(scene, X, t), printed(scene, X, t), rtol=0, atol=5e-15 * size, err_msg=name)
-
-
-@pytest.mark.parametrize("part", TIMES[1:])
-def test_momentum_balances_by_finite_differences(problem, part):
-    """rho a = Div P + rho b, with Div P and a by central differences of fourth order: independent of all derivatives
-    that the solution itself takes."""
-    scene, solution, _, X = problem
-    X, t, step = X[::7], part * scene.period, 2e-3
-
-    def piola(X):
-        F = solution.deformation_gradient(scene, X, t).reshape(-1, 4).T
-        return np.stack(first_piola_stress(F, *scene.lame_moduli), axis=1).reshape(-1, 2, 2)
-
-    def slope(f, h):
-        return (8 * (f(h) - f(-h)) - (f(2 * h) - f(-2 * h))) / (12 * h)
-
-    divergence = sum(slope(lambda h, axis=axis: piola(X + h * np.eye(2)[axis])[:, :, axis], step) for axis in range(2))
-    acceleration = slope(lambda h: solution.velocity(scene, X, t + h), 1e-4 * scene.period)
-    force = solution.body_force(scene, X, t)
-    size = np.abs(scene.density * force).max()
-    np.testing.assert_allclose(scene.density * acceleration, divergence + scene.density * force, atol=1e-6 * size)
+        np.testing.assert_allclose(derived(scene, X, t), printed(scene, X, t), rtol=0, atol=5e-15 * size,
+                                   err_msg=printed.__name__)
 
 
 def test_a_law_is_the_slope_of_its_energy():

@@ -9,7 +9,7 @@ import pytest
 from solvers.problems.ring import RingScene
 from solvers.problems.ring_limits import expected_life
 from solvers.scene.rules import SceneError
-from tests.closed_forms import ring as exact
+from tests.closed_forms import ring
 
 METHODS = ["ugimp", "cpgimp", "cpdi"]
 
@@ -43,6 +43,6 @@ def test_amplitude_rules():
     for value in (0.386, 0.5, 0.0, -0.1, math.nan):
         with pytest.raises(SceneError, match="amplitude"):
             RingScene(amplitude=value)
-    R = np.linspace(exact.INNER, exact.OUTER, 10_001)
-    w, slope, _ = exact.shape(R)
+    R = np.linspace(ring.INNER, ring.OUTER, 10_001)
+    w, slope, _ = ring.shape(R)
     assert 1 / max(np.abs(slope).max(), (w / R).max()) == pytest.approx(0.386, abs=1e-3)

@@ -1,6 +1,8 @@
 """The square against a program of another kind, the orders of its methods, and its estimators on squares drawn at
 random."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -35,31 +37,18 @@ def test_an_independent_program_finds_the_same(method):
     assert [result.error[q]["final"] for q in "xv"] == pytest.approx([x, v], rel=1e-9)
 
 
-def largest_error(simulate, amplitude, method, cells):
-    """Of x over a period in m, of a row of the table."""
-    result = simulate(SquareScene(cells=cells, cfl=0.2, amplitude=amplitude, method=method, **BARE))
-    assert result.status == "ok"
-    if (amplitude, method) == (0.02, "cpdi"):
-        assert result.to_dict()["grid_crossings"] == CROSSINGS[cells]
-    return result.error["x"]["max"]
-
-
 @pytest.mark.parametrize(("amplitude", "method", "cells"), [
     pytest.param(*row, cells, marks=pytest.mark.slow if cells in SLOW else ())
     for row, errors in TABLE.items() for cells in errors])
 def test_table(amplitude, method, cells, simulate):
-    """Within 2 %: of a run that loses its order to crossings the last digits are chance."""
-    expected = TABLE[amplitude, method][cells]
-    assert largest_error(simulate, amplitude, method, cells) == pytest.approx(expected, rel=0.02)
-
-
-def test_tiling_and_crossing_are_told_apart(simulate):
-    """Where particles tile, CPDI is of second order; hats are while nothing crosses, and gain nothing where it does;
-    uGIMP, whose boxes open gaps, lies between."""
-    gain = {row: largest_error(simulate, *row, 16) / largest_error(simulate, *row, 32)
-            for row in ((1e-3, "mpm"), (0.02, "cpdi"), (0.05, "cpdi"), (0.05, "ugimp"), (0.02, "mpm"))}
-    assert min(gain[0.02, "cpdi"], gain[0.05, "cpdi"]) > 3.9 > gain[1e-3, "mpm"] > 3
-    assert 2.2 > gain[0.05, "ugimp"] > 1 > gain[0.02, "mpm"]
+    """Within 2 %: of a run that loses its order to crossings the last digits are chance. Where particles tile, CPDI is
+    of second order; hats are while nothing crosses, and gain nothing where it does; uGIMP, whose boxes open gaps, lies
+    between."""
+    result = simulate(SquareScene(cells=cells, cfl=0.2, amplitude=amplitude, method=method, **BARE))
+    assert result.status == "ok"
+    assert result.error["x"]["max"] == pytest.approx(TABLE[amplitude, method][cells], rel=0.02)
+    if (amplitude, method) == (0.02, "cpdi"):
+        assert result.to_dict()["grid_crossings"] == CROSSINGS[cells]
 
 
 def random_square(number: int) -> SquareScene:
@@ -87,7 +76,5 @@ def test_companion_is_right_on_any_square(number):
 def test_transport_is_silent_where_domains_tile():
     """Its defect is that of weights that do not reproduce a linear field: CPDI's parallelograms leave none."""
     scene = SquareScene(cells=16, cfl=0.2, periods=0.5, estimators=("transport",), effects=("truth", "estimate"))
-    tiled, gaps = (run(one, prices=False).index["transport"]["x"] for one in (
-        scene, SquareScene(**{**{name: getattr(scene, name) for name in ("cells", "cfl", "periods", "estimators",
-                                                                          "effects")}, "method": "ugimp"})))
+    tiled, gaps = (run(one, prices=False).index["transport"]["x"] for one in (scene, replace(scene, method="ugimp")))
     assert tiled < 1e-3 and 0.02 < gaps < 0.5

@@ -145,27 +145,20 @@ def test_sine_cosine_and_logarithm_in_double_precision():
 
 
 @pytest.mark.parametrize(("scene", "steps"), [
-    (QUICK, FEW), *(pytest.param(scene, MANY, marks=pytest.mark.slow) for scene in METHODS)],
+    (QUICK, FEW), *(pytest.param(scene, steps, marks=pytest.mark.slow)
+                    for scenes, steps in ((METHODS, MANY), (OTHERS, FEW)) for scene in scenes)],
     ids=lambda value: named(value) if isinstance(value, Scene) else str(value))
-def test_every_method_is_the_processors(scene, steps):
-    """State, samples and estimates after so many steps are the processor's, and the run says how it was made."""
+def test_every_method_remedy_layout_and_force_is_the_processors(scene, steps):
+    """State, samples and, against a truth, estimates after so many steps, in which there are turns of the remedies, are
+    the processor's, and the run says how it was made."""
     require_gpu()
     mine, theirs = taken(scene, steps), taken(on_processor(scene), steps)
     assert (mine.solver.arch, mine.solver.plan, mine.solver.threads, mine.solver.sound) == (ARCH, "gpu", 1, True)
     assert_same_state(mine.shot, theirs.shot)
     assert_same_samples(mine.series, theirs.series, scene)
-    assert_same_estimates(mine.series, theirs.series)
+    if scene.solution_known:
+        assert_same_estimates(mine.series, theirs.series)
     assert mine.not_valid == theirs.not_valid
-
-
-@pytest.mark.slow
-@pytest.mark.parametrize("scene", OTHERS, ids=named)
-def test_remedies_layouts_and_forces_are_the_processors(scene):
-    """These steps have five turns of the remedies."""
-    require_gpu()
-    mine, theirs = taken(scene, FEW), taken(on_processor(scene), FEW)
-    assert_same_state(mine.shot, theirs.shot)
-    assert_same_samples(mine.series, theirs.series, scene)
 
 
 @pytest.mark.slow

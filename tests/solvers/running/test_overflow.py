@@ -8,9 +8,11 @@ import pytest
 
 from app.commands.run.text import run_table
 from app.pictures.run import png_bytes, run_figure
+from solvers import BarScene, RingScene
 from solvers.study import fit
-from tests.scenes import SCENES
 
+SCENES = (BarScene(cells=20, ppc=2, amplitude=0.004, periods=0.2, estimators=("companion",)),
+          RingScene(cells=12, amplitude=0.05, periods=0.5, cfl=0.2, estimators=("companion",)))
 LEFT = {"huge": [1e308], "tiny": [5e-324], "anything": [1e308, np.inf, np.nan, 1e-300, 0.0, 1e155]}
 
 
@@ -24,7 +26,7 @@ def spoilt(values: np.ndarray, left: list[float], signed: bool = False) -> np.nd
 
 @pytest.mark.parametrize(("scene", "left"), [
     pytest.param(scene, left, marks=() if scene.problem == "bar" or left == "anything" else pytest.mark.slow)
-    for scene in (SCENES["bar"], SCENES["ring"]) for left in LEFT],
+    for scene in SCENES for left in LEFT],
     ids=lambda value: value if isinstance(value, str) else value.problem)
 def test_object_table_and_picture_survive_what_a_run_leaves(scene, left, simulate):
     result, numbers = simulate(scene), LEFT[left]

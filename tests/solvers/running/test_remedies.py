@@ -7,8 +7,10 @@ import pytest
 
 from solvers.problems.bar.scene import BarScene
 from solvers.problems.ring import RingScene
+from solvers.problems.vortex import VortexScene
 from solvers.running.run import run
 from solvers.scene.rules import SceneError
+from solvers.study.stability import offered
 
 BOTH = ("null-space-filter", "coupled-deformation")
 FROZEN = ("frozen-weights",)
@@ -78,6 +80,10 @@ def test_frozen_weights_hold_the_ring(method, simulate):
     assert result.to_dict()["grid_crossings"] == 0
 
 
+def test_a_map_of_stability_has_the_treatments_that_a_problem_offers():
+    assert offered(VortexScene) == ("plain", "filter", "frozen")
+
+
 @pytest.mark.parametrize(("kind", "inputs", "word"), [
     (BarScene, {"remedies": ("frozen-weights", "zero-drift")}, "stands alone"),
     (BarScene, {"remedies": FROZEN, "linearity_preserving": True}, "frozen-weights"),
@@ -85,7 +91,10 @@ def test_frozen_weights_hold_the_ring(method, simulate):
     (BarScene, {"remedies": FROZEN, "method": "cpgimp", "velocity": "corners"}, "frozen-weights"),
     (RingScene, {"remedies": ("coupled-deformation",)}, "CPDI"),
     (RingScene, {"remedies": ("zero-drift",)}, "is not known"),
-    (RingScene, {"remedies": ("frozen-weights", "null-space-filter")}, "stands alone")])
+    (RingScene, {"remedies": ("frozen-weights", "null-space-filter")}, "stands alone"),
+    (VortexScene, {"remedies": ("frozen-weights", "null-space-filter")}, "stands alone"),
+    (BarScene, {"remedies": ("frozen-weights", "pieces")}, "stands alone: pieces mends"),
+    (RingScene, {"remedies": ("pieces",)}, "is not known")])
 def test_what_does_not_go_together_is_refused(kind, inputs, word):
     with pytest.raises(SceneError) as caught:
         kind(**inputs)

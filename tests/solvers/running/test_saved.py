@@ -6,12 +6,12 @@ import numpy as np
 import pytest
 
 from app.cli import main
-from solvers import BarScene, FileError, Result, judge, run
-from tests.scenes import SCENES
+from solvers import BarScene, FileError, Result, RingScene, judge, run
 
 SCENES = [
     BarScene(cells=20, periods=1, estimators=("companion",), effects=BarScene.choices("effects"), dt="auto"),
-    SCENES["bar unstable"], SCENES["ring cartesian"]]
+    BarScene(method="mpm", cells=20, cfl=1.5, estimators=(), effects=("truth", "soundness")),
+    RingScene(cells=12, amplitude=0.05, periods=0.5, cfl=0.2, estimators=("companion",), layout="cartesian")]
 
 
 def bits(result: Result) -> dict[str, tuple]:

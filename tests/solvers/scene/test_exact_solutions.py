@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 
 from solvers.problems import PROBLEMS
 from solvers.scene.scene import Scene
-from tests.random_scenes import LARGEST, logarithmic
+from tests.random_scenes import LARGEST, logarithmic, typed_motions
 
 STEP, BRIEF = 1e-5, 1e-4  # m and periods
 NEAR = 1e-5
@@ -19,11 +19,13 @@ NEAR = 1e-5
 @st.composite
 def moments(draw: st.DrawFn, problem: str) -> tuple[Scene, np.ndarray, float]:
     """A scene, some of its particles' material points (P, D), which lie inside the body, and a time."""
-    more = {"poisson_ratio": draw(st.floats(0.0, 0.45)), "frequency": draw(logarithmic(0.1, 10.0))}
+    more = {"bar": {"body_force": st.sampled_from(("material", "none"))},
+            "vortex": {"poisson_ratio": st.floats(0.0, 0.45), "frequency": logarithmic(0.1, 10.0)},
+            "square": {"displacement": st.just("") | typed_motions()}}.get(problem, {})
     scene = PROBLEMS[problem].scene(
         cells=24, estimators=(), amplitude=draw(logarithmic(1e-3, 0.9)) * LARGEST[problem],
         modulus=draw(logarithmic(1e-3, 1e9)), density=draw(logarithmic(1e-2, 1e4)),
-        **(more if problem == "vortex" else {}))
+        **{name: draw(values) for name, values in more.items()})
     X = PROBLEMS[problem].reference.start(scene).material_position
     which = draw(st.lists(st.integers(0, len(X) - 1), min_size=1, max_size=8, unique=True))
     return scene, X[which], draw(st.floats(0.0, 2.0)) * scene.period

@@ -14,7 +14,8 @@ from solvers.solver.soundness import findings
 
 
 def test_only_an_estimator_that_says_so_judges():
-    assert not Estimator("naive", "a first attempt", colour="#606060").judges
+    naive = Estimator("naive", "a first attempt", colour="#606060")
+    assert not naive.judges and "a first attempt" in naive.explanation
     assert {name for name, one in ESTIMATORS.items() if one.judges} == {"recovered", "companion", "two-grid"}
 
 

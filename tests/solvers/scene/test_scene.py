@@ -257,4 +257,7 @@ def test_without_a_built_in_solution_there_is_no_truth(scene):
 
 
 def test_the_free_bar_has_a_solution_of_its_own():
-    assert BarScene(body_force="none").has("truth") and not BarScene(body_force="none").warnings()
+    """At twice the frequency, begun with the same velocity; that it is one is in test_exact_solutions.py."""
+    forced, free = BarScene(), BarScene(body_force="none")
+    assert free.has("truth") and not free.warnings() and free.angular_frequency == 2 * forced.angular_frequency
+    assert free.motion_amplitude * free.angular_frequency == forced.amplitude * forced.angular_frequency

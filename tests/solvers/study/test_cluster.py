@@ -91,16 +91,13 @@ def test_a_killed_worker_costs_no_row(workers, monkeypatch):
     assert len(rows) == len(tasks) and both[0] == both[1]
 
 
-def test_no_scheduler_is_one_line(dask, tmp_path, monkeypatch, capsys):
+@pytest.mark.parametrize(("absent", "says"), [
+    (False, "--scheduler tcp://127.0.0.1:1: no Dask scheduler answers"), (True, "mpm-lab[cluster]")])
+def test_no_scheduler_or_no_distributed_is_one_line(absent, says, dask, tmp_path, monkeypatch, capsys):
     monkeypatch.setattr(places, "ANSWER_SECONDS", 0.5)
+    if absent:
+        monkeypatch.setitem(sys.modules, "distributed", None)
     assert main(["sweep", "bar", "--scheduler", "tcp://127.0.0.1:1", "--out", str(tmp_path / "x")]) == 2
     said = capsys.readouterr().err
-    assert said.count("\n") == 1 and "--scheduler tcp://127.0.0.1:1: no Dask scheduler answers" in said
+    assert said.count("\n") == 1 and says in said
     assert list(tmp_path.iterdir()) == []
-
-
-def test_missing_distributed_is_one_line(tmp_path, monkeypatch, capsys):
-    monkeypatch.setitem(sys.modules, "distributed", None)
-    assert main(["sweep", "bar", "--scheduler", "tcp://127.0.0.1:1", "--out", str(tmp_path / "x")]) == 2
-    said = capsys.readouterr().err
-    assert said.count("\n") == 1 and "mpm-lab[cluster]" in said
