@@ -24,7 +24,6 @@ from solvers.scene.remedies import FILTER, FROZEN
 from solvers.scene.rules import require_number
 from solvers.scene.scene import DEFAULT_CFL
 
-LARGEST_SHEAR = 7.07  # R |h'| over the ring: the shear is that times A
 MOST_AMPLITUDE = 0.5 * math.pi  # with which the vortex has been studied; beyond, a ring tears on any grid that we had
 
 
@@ -39,8 +38,7 @@ def shape(R: Any) -> Any:
 class VortexScene(CircularScene):
     """One run of the vortex: h = 3 m/``cells``, ``ppc`` counts per direction.
 
-    ``amplitude`` is an angle: by how much the middle circle turns against the rims, which rest. ``frequency`` is B,
-    the turns change as sin(pi B t). ``plan`` says how the step is spread over threads.
+    ``amplitude`` is the angle by which the middle circle turns against the rims, which rest; ``frequency`` is B.
     """
 
     problem: str = option("vortex", choices=("vortex",))
@@ -67,15 +65,14 @@ class VortexScene(CircularScene):
     COARSE_BELOW = 24  # a fit over four cells is as wide as the ring; measured, a comes out at .5 to .75 of its error
     COMPANION_MESHES = ((math.inf, 6, 6),)  # 2e-7 m and 0.3 Pa off at A = 1, the finest run of the tables 4e-3 and 300
     ESTIMATORS = ("transport", "recovered", "companion")
-    LIMITS = vortex_limits.LIMITS
+    LIMITS, other_advice = vortex_limits.LIMITS, vortex_limits.other_advice
+    crossing_rate = property(vortex_limits.crossing_rate)
     # Not the coupling of F with the displacements: measured at A = 1 on 48 cells, every GIMP run that has it breaks.
     REMEDIES = (FILTER, FROZEN)
     OWN_EFFECTS = ("spin",)
-    STRAIN_PER_AMPLITUDE = LARGEST_SHEAR
+    STRAIN_PER_AMPLITUDE = 7.07  # the largest R |h'|, which times A is the shear
     GENTLE_AMPLITUDE, HARD_AMPLITUDES = 0.05, (0.25, 0.5, 1.0)
-    FEWEST_CELLS = 12
-    DEFAULT_PERIODS = 0.5
-    SAMPLES_A_PERIOD = 100  # of which an ordinary run lasts half a one
+    FEWEST_CELLS, DEFAULT_PERIODS, SAMPLES_A_PERIOD = 12, 0.5, 100
     NOT_LINEARITY_PRESERVING = ("is not offered for the vortex: at a free surface it breaks action and reaction; leave "
                                 "it off")
     MENDS = "the filter mends"
@@ -91,21 +88,17 @@ class VortexScene(CircularScene):
 
     @staticmethod
     def polar_counts(cells: int, ppc: int) -> tuple[int, int]:
-        """As many in each quarter."""
-        return 4 * max(1, round(2 * math.pi * ppc * cells / 12)), max(1, round(ppc * cells / 6))
+        return 4 * max(1, round(2 * math.pi * ppc * cells / 12)), max(1, round(ppc * cells / 6))  # as in each quarter
 
     @property
     def angular_frequency(self) -> float:
-        """w = pi B."""
         return math.pi * self.frequency
-
-    crossing_rate = property(vortex_limits.crossing_rate)
-    other_advice = vortex_limits.other_advice
 
     def size_of(self, quantity: str) -> float:
         """What an error of x, v, sigma or a is compared with: the largest displacement and what goes with it."""
-        A, w, shear, mu = self.amplitude, self.angular_frequency, LARGEST_SHEAR * self.amplitude, self.lame_moduli[1]
-        return {"x": self.motion_amplitude, "v": A * w, "sigma": mu * shear * (1 + shear), "a": A * w * w}[quantity]
+        A, w, shear = self.amplitude, self.angular_frequency, self.STRAIN_PER_AMPLITUDE * self.amplitude
+        return {"x": self.motion_amplitude, "v": A * w, "sigma": self.lame_moduli[1] * shear * (1 + shear),
+                "a": A * w * w}[quantity]
 
     def _check_amplitude(self) -> None:
         require_number("amplitude", self.amplitude, 1e-12, MOST_AMPLITUDE,
