@@ -1,7 +1,5 @@
 """What contradicts itself within the motion of particles, as an object and as JSON."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import Any

@@ -1,7 +1,5 @@
 """Particles as rows of a file and as they were at an instant, whoever computed them, and the grids they belong to."""
 
-from __future__ import annotations
-
 import itertools
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass

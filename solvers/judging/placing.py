@@ -1,7 +1,5 @@
 """From files to grids of particles: of which problem and scene they are, whose material points, and at what times."""
 
-from __future__ import annotations
-
 import contextlib
 import itertools
 from collections.abc import Iterator, Sequence

@@ -4,8 +4,6 @@ It is believed in nothing: whatever is not a scene is refused, and a scene that 
 (``solvers.judging.placing``).
 """
 
-from __future__ import annotations
-
 from dataclasses import fields, replace
 from typing import Any
 

@@ -1,7 +1,5 @@
 """What the readers of VTK's formats share: what they find, within limits, and numbers from text."""
 
-from __future__ import annotations
-
 import warnings
 from collections import defaultdict
 

@@ -5,8 +5,6 @@ is taken from where it says that it lies. How many numbers there will be is know
 blocks must fit that, and no block is unpacked to more.
 """
 
-from __future__ import annotations
-
 import base64
 import lzma
 import re
@@ -177,11 +175,11 @@ class Source:
     in_letters: bool
 
     @classmethod
-    def inline(cls, letters: bytearray) -> Source:
+    def inline(cls, letters: bytearray) -> "Source":
         return cls(lambda place, length: bytes(memoryview(letters)[place:place + length]), True)
 
     @classmethod
-    def appended(cls, file: IO[bytes], begin: int, in_letters: bool) -> Source:
+    def appended(cls, file: IO[bytes], begin: int, in_letters: bool) -> "Source":
         """In a file, from a place on."""
         def read(place: int, length: int) -> bytes:
             file.seek(begin + place)
@@ -216,7 +214,7 @@ class Encoding:
     packing: str | None
 
     @classmethod
-    def of(cls, byte_order: str | None, header: str | None, packing: str | None) -> Encoding:
+    def of(cls, byte_order: str | None, header: str | None, packing: str | None) -> "Encoding":
         if byte_order not in (None, "LittleEndian", "BigEndian") or header not in ("u4", "u8"):
             raise NotVTK("an order or a size of numbers that is not known")
         if packing is not None and packing not in PACKINGS:

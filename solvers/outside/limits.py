@@ -4,8 +4,6 @@ A number takes eight bytes as soon as it is read, however few it has in the file
 much again: with these limits whatever is refused is so within a gigabyte.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
@@ -57,7 +55,7 @@ class Limits:
         if times > self.times:
             raise self._refusal(file, f"has {times:,} times", f"{self.times:,}")
 
-    def less(self, columns: Mapping[str, np.ndarray]) -> Limits:
+    def less(self, columns: Mapping[str, np.ndarray]) -> "Limits":
         """What is left for further files beside one with such columns."""
         rows = len(next(iter(columns.values())))
         numbers = sum(column.size for column in columns.values())

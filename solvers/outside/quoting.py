@@ -5,8 +5,6 @@ characters, half a surrogate), stands as its escape, ``\\x1b``. What is cut has 
 where such a text may go: within a sentence, a sentence as a whole, Markdown, HTML, a cell of a CSV.
 """
 
-from __future__ import annotations
-
 import html
 import re
 from collections.abc import Iterable

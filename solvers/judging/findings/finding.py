@@ -1,7 +1,5 @@
 """A thing that was looked at: what came, from where on that is none of a sound run, and what is said of it."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from typing import Any
 

@@ -1,7 +1,5 @@
 """The motion of particles, whatever their problem: the same ones at all moments, with all that files have of them."""
 
-from __future__ import annotations
-
 import functools
 import itertools
 from collections.abc import Sequence
@@ -123,7 +121,7 @@ class Motion:
         return float(np.sqrt(np.max(np.mean(np.sum(self.fields["v"]**2, axis=2), axis=1))))
 
     @functools.cached_property
-    def part(self) -> Motion:
+    def part(self) -> "Motion":
         """Of more particles than neighbours are looked for among, those in some boxes spread over the body."""
         P, D = self.reference.shape
         if P <= MOST:

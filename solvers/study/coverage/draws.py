@@ -14,8 +14,6 @@ What is refused before a run is computed all the same, where it can be, to know 
 it says decides nothing.
 """
 
-from __future__ import annotations
-
 import functools
 import hashlib
 import json
