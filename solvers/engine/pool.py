@@ -1,5 +1,7 @@
 """EnginePool: the page's side of the engines. Starts them and gives each visitor a line to one."""
 
+from __future__ import annotations
+
 import itertools
 import threading
 from collections.abc import Callable, Sequence
@@ -47,7 +49,7 @@ class EnginePool:
         for engine in self._engines:
             engine.together = together
 
-    def open(self, listener: Listener, beside: "SessionLink | None" = None) -> "SessionLink":
+    def open(self, listener: Listener, beside: SessionLink | None = None) -> SessionLink:
         """A new session, on the engine that has fewest; on one that has been given up only if all have.
 
         Parameters
