@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from solvers.outside import quoting
-from solvers.outside.file_error import FileError
+from solvers.outside.quoting import FileError
 
 
 class Misfit(FileError):

@@ -11,8 +11,7 @@ from solvers.estimators.standalone import longest_step
 from solvers.judging.columns import spelled
 from solvers.judging.frames import Frame, Grid, Misfit, Raw, by_times, times_of
 from solvers.judging.said import HINT, scene_said, settled
-from solvers.outside.file_error import FileError
-from solvers.outside.quoting import quoted
+from solvers.outside.quoting import FileError, quoted
 from solvers.problems import PROBLEMS
 from solvers.problems.reference import ProblemReference
 from solvers.scene.rules import SceneError
