@@ -198,7 +198,7 @@ def command_line(scene: Scene) -> str:
              f"--dt {AUTO}" if scene.dt == AUTO else f"--cfl {scene.courant_number:g}"]
     kind = type(scene)
     for field in ("amplitude", "modulus", "density", "t_end", "periods", "body_force", *OF_SOME):
-        idle = field == "body_force" and not scene.takes_force
+        idle = field == "body_force" and not scene.swings
         if field in kind.__dataclass_fields__ and not idle and getattr(scene, field) != getattr(kind, field):
             words.append(f"--{field_flag(field)} {getattr(scene, field)}")
     if scene.linearity_preserving:

@@ -16,7 +16,7 @@ from solvers.kernels import caches
 if TYPE_CHECKING:
     from solvers.judging.check import check
     from solvers.judging.verdict import judge
-    from solvers.outside.file_error import FileError
+    from solvers.outside.quoting import FileError
     from solvers.problems.bar.scene import BarScene
     from solvers.problems.ring import RingScene
     from solvers.problems.square import SquareScene
@@ -30,7 +30,7 @@ else:
               "VortexScene": "problems.vortex", "SquareScene": "problems.square", "run": "running.run",
               "sweep": "study.sweep",
               "judge": "judging.verdict", "check": "judging.check", "Result": "running.result",
-              "SceneError": "scene.rules", "FileError": "outside.file_error"}
+              "SceneError": "scene.rules", "FileError": "outside.quoting"}
 
     def __getattr__(name):
         if name not in _HOMES:

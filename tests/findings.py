@@ -24,7 +24,7 @@ from solvers.judging.measure import Companions, summarised
 from solvers.judging.ours import framed
 from solvers.judging.placing import placed
 from solvers.judging.verdict import GridJudgement
-from solvers.outside.file_error import FileError
+from solvers.outside.quoting import FileError
 from solvers.problems import PROBLEMS
 from solvers.running.run import build
 from solvers.scene.rules import SceneError

@@ -245,7 +245,7 @@ class Controls:
                 self._folds["details"] = mark(self._gui, words=says["details"])
                 with self._gui.add_folder(tr("Method details and remedies"), expand_by_default=False):
                     for field, hint in view.details.items():
-                        if field != "body_force" or scene.takes_force:
+                        if field != "body_force" or scene.swings:
                             self._bound.field(field, hint)
                     self._gui.add_html(f"<div class='lab-group'>{tr('Remedies for long and large motions')}</div>")
                     self._bound.boxes("remedies", REMEDIES)

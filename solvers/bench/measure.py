@@ -15,7 +15,7 @@ import numpy as np
 
 from solvers.problems import PROBLEMS
 from solvers.running.run import build
-from solvers.running.timing import Stretch, rate, take_turns
+from solvers.running.timing import Stretch, rate, ratios, take_turns
 from solvers.scene.rules import SceneError
 from solvers.scene.scene import Scene
 from solvers.solver.base import Solver
@@ -72,8 +72,8 @@ def estimator_prices(problem: str, effort: Effort) -> list[dict]:
         with_it[name] = next((scene for scene in scenes if not scene.not_valid), scenes[0])
     without = {name: replace(scene, effects=(), estimators=()) for name, scene in with_it.items()}
     valid = [name for name, scene in with_it.items() if not scene.not_valid]
-    ratios = _ratios({name: (with_it[name], without[name]) for name in valid}, effort.price_turns)
-    return [{**_identity(scene), "name": name, "ratio": finite(ratios.get(name, math.nan)),
+    found = ratios({name: (with_it[name], without[name]) for name in valid}, effort.price_turns)
+    return [{**_identity(scene), "name": name, "ratio": finite(found.get(name, math.nan)),
              "not_valid": scene.not_valid.get(name)} for name, scene in with_it.items()]
 
 
@@ -81,8 +81,8 @@ def effect_prices(problem: str, effort: Effort) -> list[dict]:
     """A step with each effect over one without it."""
     scene = _priced_scene(problem, effort)
     pairs = {name: (replace(scene, **on), replace(scene, **off)) for name, (on, off) in priced(type(scene)).items()}
-    ratios = _ratios(pairs, effort.price_turns)
-    return [{**_identity(scene), "name": name, "ratio": finite(ratio)} for name, ratio in ratios.items()]
+    found = ratios(pairs, effort.price_turns)
+    return [{**_identity(scene), "name": name, "ratio": finite(ratio)} for name, ratio in found.items()]
 
 
 def off(problem: str, effort: Effort) -> dict:
@@ -103,19 +103,11 @@ def off(problem: str, effort: Effort) -> dict:
         stretch.steps = steps
     calls = np.array([_call_seconds(solver) for solver in solvers])
     turns = take_turns(stretches, effort.off_turns) - calls / steps
-    ratios = turns[:, [1, 3]].min(axis=1) / turns[:, [0, 2]].min(axis=1)
-    low, ratio, high = np.quantile(ratios, [0.25, 0.5, 0.75])
+    over = turns[:, [1, 3]].min(axis=1) / turns[:, [0, 2]].min(axis=1)
+    low, ratio, high = np.quantile(over, [0.25, 0.5, 0.75])
     return {**_identity(scene), "ratio": finite(ratio), "low": finite(low), "high": finite(high),
             "same": finite(np.median(turns[:, 3] / turns[:, 1])),
             "call": min(calls[1], calls[3]), "call_stripped": min(calls[0], calls[2])}
-
-
-def _ratios(pairs: Mapping[str, tuple[Scene, Scene]], turns: int) -> dict[str, float]:
-    """How many times as long a step of the one takes as of the other, by name: the median over turns."""
-    scenes = list(dict.fromkeys(scene for pair in pairs.values() for scene in pair))
-    columns = take_turns([Stretch(build(scene)) for scene in scenes], turns).T if scenes else ()
-    seconds = dict(zip(scenes, columns, strict=True))
-    return {name: float(np.median(seconds[one] / seconds[other])) for name, (one, other) in pairs.items()}
 
 
 def _call_seconds(solver: Solver) -> float:

@@ -1,7 +1,5 @@
 """Whether a run that is still going can be believed: its samples judged as they come, each once."""
 
-from __future__ import annotations
-
 import numpy as np
 
 from solvers.scene.scene import Scene

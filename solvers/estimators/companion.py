@@ -165,15 +165,15 @@ def interval(frequency: float, dt: float) -> int:
     return max(1, min(MOST_INTERVAL, int(CHOSEN / (frequency * dt))))
 
 
-def doubt(elements: np.ndarray, axes: tuple[int, ...], square: float, known: float = 0.0) -> str | None:
+def doubt(elements: np.ndarray, axes: tuple[int, ...], square: float) -> str | None:
     """Why the estimate is not to be trusted, as a sentence, or None.
 
     ``elements`` are the displacements (..., 2) at the elements' points, which ``axes`` count; ``square`` is the mean
-    square of the estimated error of x, in m^2, and ``known`` a part of the companion's own error that is known, in m.
+    square of the estimated error of x, in m^2.
     """
     if not np.all(np.isfinite(elements)):
         return "not valid here: the companion solve itself has failed; choose a smaller amplitude or fewer periods"
-    missed = max(known, *(float(np.sqrt(np.mean(np.sum(unresolved(elements, axis) ** 2, axis=-1)))) for axis in axes))
+    missed = max(float(np.sqrt(np.mean(np.sum(unresolved(elements, axis) ** 2, axis=-1)))) for axis in axes)
     if missed > BAD_SHARE * np.sqrt(square):  # a run gone bad is as wrong as can be: then nothing is missed
         return (f"not valid here: the companion solve itself may be {missed:.1g} m off, against an estimated error of "
                 f"{np.sqrt(square):.1g} m")

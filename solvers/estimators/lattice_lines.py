@@ -11,8 +11,6 @@ What lies beyond the ends of a line is said by ``ends``: "periodic", "mirror" (a
 component across the plane is odd) or "free" (nothing: recovery becomes one-sided).
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 
 import numpy as np
@@ -31,7 +29,7 @@ class Rows:
     def width(self) -> int:
         return self.weights.shape[1]
 
-    def repeated(self, cells: int, rows: int, columns: int) -> Rows:
+    def repeated(self, cells: int, rows: int, columns: int) -> "Rows":
         """The map of a periodic line of ``cells`` cells alike, ``rows`` rows and ``columns`` columns each, from one of
         fewer. Its weights are those of one cell's rows: row r has weights ``r % rows``.
         """

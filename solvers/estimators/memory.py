@@ -1,17 +1,13 @@
 """What the estimators of a run keep: the types of their numbers and arrays, and their values at the start."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
 from solvers.kernels.packing import Packing
 from solvers.scene.estimator_hooks import EstimatorHooks
-
-if TYPE_CHECKING:
-    from solvers.scene.scene import Scene
+from solvers.scene.scene import Scene
 
 
 def packing(estimators: Mapping[str, EstimatorHooks]) -> Packing:

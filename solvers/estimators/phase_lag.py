@@ -11,8 +11,6 @@ too: they swing as waves of their own, even where the motion is forced and keeps
 Source: derived for this program.
 """
 
-from __future__ import annotations
-
 import math
 from typing import Any
 

@@ -10,8 +10,6 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from solvers.estimators.spectral import Elements
-
 SAFE = 1.5  # omega H of a step: 2.58 is where the method ends; at 1.5 its error is no part of the whole
 
 
@@ -81,55 +79,3 @@ def solve(body: ElasticBody, times: Sequence[float]) -> list[tuple[np.ndarray, n
         integrator.to(time)
         found.append((integrator.u, integrator.v))
     return found
-
-
-class PolarBody(ElasticBody):
-    """A body between two radii and two angles: elements in R and theta under the exact map, of which the unknowns are
-    Cartesian displacements.
-
-    A problem's own says ``piola`` and ``force``; ``free`` (radii, row, 2) is 0 where a component is held.
-    """
-
-    def __init__(self, radial: Elements, angular: Elements, directions: np.ndarray, free: np.ndarray, density: float,
-                 frequency: float):
-        self.radial, self.angular, self.frequency = radial, angular, frequency
-        self.rows, self.row = len(radial.nodes), len(angular.nodes)
-        self.places = (radial.nodes[:, None, None] * directions).reshape(-1, 2)
-        masses = np.outer(radial.assembled_weights * radial.nodes, angular.assembled_weights)
-        self.inverse_mass, self._free = free / (density * masses[..., None]), free
-        self._node = tuple(np.broadcast_arrays(radial.of_node[:, None, :, None], angular.of_node[None, :, None, :]))
-        self._R, self._e = radial.nodes[self._node[0]][..., None], directions[self._node[1]]
-        self._t = np.stack([-self._e[..., 1], self._e[..., 0]], axis=-1)
-        self._weight = (np.outer(radial.weights, angular.weights)[..., None] * self._R)[..., None]
-
-    @abstractmethod
-    def piola(self, F: np.ndarray) -> np.ndarray:
-        """The first Piola-Kirchhoff stress (..., 2, 2) in Pa of deformation gradients."""
-
-    @abstractmethod
-    def force(self, t: float) -> np.ndarray:
-        """The body force (N, 2) per mass at ``places``."""
-
-    def accelerations(self, u: np.ndarray, t: float) -> np.ndarray:
-        local = u.reshape(self.rows, self.row, 2)[self._node]
-        out = np.einsum("ik,abkjc->abijc", self.radial.derivative, local)
-        along = np.einsum("jk,abikc->abijc", self.angular.derivative, local) / self._R
-        F = np.eye(2) + out[..., :, None] * self._e[..., None, :] + along[..., :, None] * self._t[..., None, :]
-        P = self._weight * self.piola(F)
-        P_e = np.einsum("abkjcd,abkjd->abkjc", P, self._e)
-        P_t = np.einsum("abikcd,abikd->abikc", P, self._t) / self._R
-        pull = np.einsum("ki,abkjc->abijc", self.radial.derivative, P_e) \
-            + np.einsum("kj,abikc->abijc", self.angular.derivative, P_t)
-        total = np.zeros((self.rows, self.row, 2))
-        np.add.at(total, self._node, pull)
-        return (self._free * self.force(t).reshape(total.shape) - self.inverse_mass * total).reshape(-1, 2)
-
-    def read(self, u: np.ndarray, X: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        R, e = np.hypot(X[:, 0], X[:, 1]), X / np.linalg.norm(X, axis=1)[:, None]
-        a, outward, slope_out = self.radial.locate(R)
-        b, around, slope_around = self.angular.locate(np.arctan2(X[:, 1], X[:, 0]))
-        local = u.reshape(self.rows, self.row, 2)[self.radial.of_node[a][:, :, None], self.angular.of_node[b][:, None]]
-        values, u_R, u_t = (np.einsum("pi,pj,pijc->pc", radial, angular, local) for radial, angular in (
-            (outward, around), (slope_out, around), (outward, slope_around)))
-        turned = np.stack([-e[:, 1], e[:, 0]], axis=1)
-        return values, u_R[:, :, None] * e[:, None] + (u_t / R[:, None])[:, :, None] * turned[:, None]

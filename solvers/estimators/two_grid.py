@@ -25,18 +25,12 @@ longer than a few cells that do not fall like h^2. Where it is known that they d
 (``solvers.estimators.phase_lag``).
 """
 
-from __future__ import annotations
-
-from typing import TYPE_CHECKING
-
 import numpy as np
 import taichi as ti
 
 from solvers.kernels.kinds import integers, pairs
-
-if TYPE_CHECKING:
-    from solvers.scene.scene import Scene
-    from solvers.scene.switches import Switches
+from solvers.scene.scene import Scene
+from solvers.scene.switches import Switches
 
 WINDOWS = (4, 6)  # cells that a fit spans: of x, v and sigma; and of a, whose noise has longer waves
 MOST_COURANT = 0.25  # steps of the coarse run, in multiples of the time a wave takes through a cell of the fine grid

@@ -1,7 +1,5 @@
 """What contradicts itself within the motion of particles, as an object and as JSON."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import Any
@@ -12,7 +10,7 @@ from solvers.judging.findings.finding import BROKEN, SUSPICIOUS, UNKNOWN, Findin
 from solvers.judging.findings.listed import INSIDE_OUT, OF_A_MOTION
 from solvers.judging.findings.motion import Motion, followed
 from solvers.judging.reading import Particles, read_all
-from solvers.outside.file_error import FileError
+from solvers.outside.quoting import FileError
 
 SCHEMA = "mpm-lab/check/1"
 CONSISTENT = "consistent"

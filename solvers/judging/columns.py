@@ -14,9 +14,8 @@ import numpy as np
 
 from solvers.judging.frames import Raw
 from solvers.judging.said import read_line
-from solvers.outside.file_error import FileError
 from solvers.outside.limits import LIMITS, Limits, check_name
-from solvers.outside.quoting import quoted
+from solvers.outside.quoting import FileError, quoted
 
 #: What else each quantity may be called. X and x, which differ only in size, are the only names whose size counts.
 NAMES = {"t": ("t", "time", "timevalue"),

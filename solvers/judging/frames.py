@@ -1,7 +1,5 @@
 """Particles as rows of a file and as they were at an instant, whoever computed them, and the grids they belong to."""
 
-from __future__ import annotations
-
 import itertools
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
@@ -10,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from solvers.outside import quoting
-from solvers.outside.file_error import FileError
+from solvers.outside.quoting import FileError
 
 
 class Misfit(FileError):

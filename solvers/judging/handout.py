@@ -1,7 +1,5 @@
 """What another code is given of a problem: particles, tables and numbers, from the problem's ``reference``."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 
 import numpy as np

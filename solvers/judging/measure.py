@@ -4,8 +4,6 @@ Errors are computed minus exact at a material point, their sizes Euclidean and F
 mean square over the particles that are there: as in our own runs (``solvers.solver.samples``).
 """
 
-from __future__ import annotations
-
 import functools
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass

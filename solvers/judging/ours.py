@@ -1,7 +1,5 @@
 """Our own methods on the same grid, at the same times."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace

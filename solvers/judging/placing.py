@@ -1,7 +1,5 @@
 """From files to grids of particles: of which problem and scene they are, whose material points, and at what times."""
 
-from __future__ import annotations
-
 import contextlib
 import itertools
 from collections.abc import Iterator, Sequence
@@ -13,8 +11,7 @@ from solvers.estimators.standalone import longest_step
 from solvers.judging.columns import spelled
 from solvers.judging.frames import Frame, Grid, Misfit, Raw, by_times, times_of
 from solvers.judging.said import HINT, scene_said, settled
-from solvers.outside.file_error import FileError
-from solvers.outside.quoting import quoted
+from solvers.outside.quoting import FileError, quoted
 from solvers.problems import PROBLEMS
 from solvers.problems.reference import ProblemReference
 from solvers.scene.rules import SceneError

@@ -15,10 +15,9 @@ from solvers.judging.vtk_legacy import LegacyReader
 from solvers.judging.vtk_parts import NotVTK, Points
 from solvers.judging.vtk_xml import XmlReader
 from solvers.outside import numerals
-from solvers.outside.file_error import FileError
 from solvers.outside.limits import LIMITS, LONGEST_LINE, Limits, check_name
 from solvers.outside.npz import arrays
-from solvers.outside.quoting import quoted
+from solvers.outside.quoting import FileError, quoted
 from solvers.scene.rules import SceneError
 
 KINDS = (".csv", ".npz", ".vtk", ".vtu", ".vtp")

@@ -4,14 +4,11 @@ It is believed in nothing: whatever is not a scene is refused, and a scene that 
 (``solvers.judging.placing``).
 """
 
-from __future__ import annotations
-
 from dataclasses import fields, replace
 from typing import Any
 
 from solvers.judging.frames import Misfit, Raw, Said
-from solvers.outside.file_error import FileError
-from solvers.outside.quoting import quoted
+from solvers.outside.quoting import FileError, quoted
 from solvers.problems import PROBLEMS
 from solvers.problems.reference import OF_METHODS
 from solvers.running.scene_text import FAMILY, HINT, parsed, scene_of

@@ -26,8 +26,8 @@ from solvers.judging.measure import Companions, Errors, crossed, differences, li
 from solvers.judging.placing import own_scene, placed
 from solvers.judging.reading import read
 from solvers.judging.verdict import GridJudgement
-from solvers.outside.file_error import FileError
 from solvers.outside.limits import Limits
+from solvers.outside.quoting import FileError
 from solvers.problems import PROBLEMS
 from solvers.scene.rules import SceneError
 from solvers.scene.scene import Scene

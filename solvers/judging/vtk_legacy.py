@@ -1,7 +1,5 @@
 """VTK's legacy format, .vtk, of points: sections, each with a line that says how much follows, as text or binary."""
 
-from __future__ import annotations
-
 import re
 from collections.abc import Sequence
 from typing import IO

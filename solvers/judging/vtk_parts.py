@@ -1,16 +1,13 @@
 """What the readers of VTK's formats share: what they find, within limits, and numbers from text."""
 
-from __future__ import annotations
-
 import warnings
 from collections import defaultdict
 
 import numpy as np
 
 from solvers.judging.columns import wanted
-from solvers.outside.file_error import FileError
 from solvers.outside.limits import Limits, check_name
-from solvers.outside.quoting import quoted
+from solvers.outside.quoting import FileError, quoted
 
 POINTS = "points"
 MOST_FIELD = 1000  # numbers of an array that is not of points

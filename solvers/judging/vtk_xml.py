@@ -5,13 +5,11 @@ is taken from where it says that it lies. How many numbers there will be is know
 blocks must fit that, and no block is unpacked to more.
 """
 
-from __future__ import annotations
-
 import base64
+import io
 import lzma
 import re
 import zlib
-from collections.abc import Callable
 from dataclasses import dataclass
 from typing import IO, Any
 from xml.parsers import expat
@@ -19,8 +17,7 @@ from xml.parsers import expat
 import numpy as np
 
 from solvers.judging.vtk_parts import POINTS, NotVTK, Points, from_text
-from solvers.outside.file_error import FileError
-from solvers.outside.quoting import quoted
+from solvers.outside.quoting import FileError, quoted
 
 PIECE_OF_FILE = 1 << 16
 LONGEST_TAG = 1_000_000  # bytes
@@ -120,7 +117,7 @@ class XmlReader:
             of_point = where != "FieldData"
             array = {"name": name, "width": width, "count": width * (self._rows if of_point else 1),
                      "of_point": of_point, "type": TYPES[said["type"]], "format": said.get("format", "ascii"),
-                     "text": bytearray()}
+                     "text": io.BytesIO()}
             if array["format"] == "appended":
                 self._later.append({**array, "offset": _count(said.get("offset"))})
             else:
@@ -129,7 +126,7 @@ class XmlReader:
     def _text(self, text: str) -> None:
         if self._array is not None:
             letters = text.encode("ascii", "replace")
-            self._array["text"] += letters if self._array["format"] == "ascii" else letters.translate(None, BLANKS)
+            self._array["text"].write(letters if self._array["format"] == "ascii" else letters.translate(None, BLANKS))
 
     def _end(self, tag: str) -> None:
         self._inside.pop()
@@ -137,9 +134,9 @@ class XmlReader:
             array, self._array = self._array, None
             text = array.pop("text")
             if array["format"] == "ascii":
-                values = from_text(bytes(text), array["count"])
+                values = from_text(text.getvalue(), array["count"])
             else:
-                values = self._encoding.numbers(Source.inline(text), 0, array["count"], array["type"])
+                values = self._encoding.numbers(Source(text, 0, True), 0, array["count"], array["type"])
             self._put(array, values)
 
     def _read_appended(self) -> None:
@@ -150,7 +147,7 @@ class XmlReader:
         begin = APPENDED.match(self._file.read(1000))
         if begin is None:
             raise NotVTK("appended data without their beginning")
-        source = Source.appended(self._file, index + begin.end(), in_letters)
+        source = Source(self._file, index + begin.end(), in_letters)
         for array in self._later:
             self._put(array, self._encoding.numbers(source, array["offset"], array["count"], array["type"]))
 
@@ -170,24 +167,15 @@ def _count(text: str | None) -> int:
 
 @dataclass(frozen=True)
 class Source:
-    """Where the data lie: what ``read(place, length)`` gives, as they are or, three bytes in four letters, as
-    base64."""
+    """Where the data lie: in a ``file`` from ``begin`` on, as they are or, three bytes in four letters, as base64."""
 
-    read: Callable[[int, int], bytes]
+    file: IO[bytes]
+    begin: int
     in_letters: bool
 
-    @classmethod
-    def inline(cls, letters: bytearray) -> Source:
-        return cls(lambda place, length: bytes(memoryview(letters)[place:place + length]), True)
-
-    @classmethod
-    def appended(cls, file: IO[bytes], begin: int, in_letters: bool) -> Source:
-        """In a file, from a place on."""
-        def read(place: int, length: int) -> bytes:
-            file.seek(begin + place)
-            return file.read(length)
-
-        return cls(read, in_letters)
+    def read(self, place: int, length: int) -> bytes:
+        self.file.seek(self.begin + place)
+        return self.file.read(length)
 
     def unit(self, place: int, size: int) -> tuple[bytes | bytearray, int]:
         """The ``size`` bytes that begin at a place, and the place after them."""
@@ -216,7 +204,7 @@ class Encoding:
     packing: str | None
 
     @classmethod
-    def of(cls, byte_order: str | None, header: str | None, packing: str | None) -> Encoding:
+    def of(cls, byte_order: str | None, header: str | None, packing: str | None) -> "Encoding":
         if byte_order not in (None, "LittleEndian", "BigEndian") or header not in ("u4", "u8"):
             raise NotVTK("an order or a size of numbers that is not known")
         if packing is not None and packing not in PACKINGS:

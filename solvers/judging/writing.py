@@ -1,7 +1,5 @@
 """Particles written in the form that the judge reads: initial ones, exact ones, and those of runs of ours."""
 
-from __future__ import annotations
-
 import base64
 import io
 import struct

@@ -4,16 +4,13 @@ A number takes eight bytes as soon as it is read, however few it has in the file
 much again: with these limits whatever is refused is so within a gigabyte.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
 
 import numpy as np
 
-from solvers.outside.file_error import FileError
-from solvers.outside.quoting import quoted
+from solvers.outside.quoting import FileError, quoted
 
 FEWER = ", fewer times for example"
 
@@ -57,7 +54,7 @@ class Limits:
         if times > self.times:
             raise self._refusal(file, f"has {times:,} times", f"{self.times:,}")
 
-    def less(self, columns: Mapping[str, np.ndarray]) -> Limits:
+    def less(self, columns: Mapping[str, np.ndarray]) -> "Limits":
         """What is left for further files beside one with such columns."""
         rows = len(next(iter(columns.values())))
         numbers = sum(column.size for column in columns.values())

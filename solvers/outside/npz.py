@@ -11,9 +11,8 @@ from typing import IO, Any, cast
 
 import numpy as np
 
-from solvers.outside.file_error import FileError
 from solvers.outside.limits import Limits, check_name
-from solvers.outside.quoting import quoted
+from solvers.outside.quoting import FileError, quoted
 
 ENDING = ".npy"
 LONGEST_READ = 1_000_000  # bytes that are read at once, of which the zip's directory is the largest part

@@ -1,11 +1,10 @@
 """Whatever is quoted from outside, made harmless and short: names of files, values, words of a text, cells of a table.
+And the error that says what is wrong with a file.
 
 A character that does not show, or that tells a terminal or a browser to do something (control, escape and bidirectional
 characters, half a surrogate), stands as its escape, ``\\x1b``. What is cut has an ellipsis. One function for each place
 where such a text may go: within a sentence, a sentence as a whole, Markdown, HTML, a cell of a CSV.
 """
-
-from __future__ import annotations
 
 import html
 import re
@@ -21,6 +20,15 @@ ELLIPSIS = "…"
 NOTHING = "(no value)"
 FORMULA_SIGNS = "=+-@\t\r\n\uff1d\uff0b\uff0d\uff20"  # a spreadsheet would reckon what begins so, also in wide letters
 MARKS = re.compile(r"([\\`*_\[\]<>$#~])")  # that mean something within a line of Markdown
+
+
+class FileError(ValueError):
+    """A file that cannot be read or judged: ``file`` is its name, ``sentence`` says what is wrong and what is
+    allowed."""
+
+    def __init__(self, file: str, said: str):
+        self.file, self.sentence = file, sentence(said)
+        super().__init__(sentence(f"{quoted(file)}: {said}"))
 
 
 def quoted(value: object, most: int = QUOTE) -> str:

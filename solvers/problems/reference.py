@@ -3,8 +3,6 @@
 A problem's descriptor has its :class:`ProblemReference`.
 """
 
-from __future__ import annotations
-
 import string
 from abc import ABC, abstractmethod
 from collections.abc import Mapping

@@ -1,7 +1,5 @@
 """A scene's error budget, and what happens when one of its causes is taken away: foretold, and run again."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
 from functools import partial

@@ -5,8 +5,6 @@ J(q) - J(q - e), in full and not only to first order. Cancellation between parti
 than the particles that it is of.
 """
 
-from __future__ import annotations
-
 import math
 import re
 from collections.abc import Callable, Mapping, Sequence

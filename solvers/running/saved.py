@@ -12,10 +12,9 @@ from typing import Any
 
 import numpy as np
 
-from solvers.outside.file_error import FileError
 from solvers.outside.limits import LIMITS
 from solvers.outside.npz import arrays as read_arrays
-from solvers.outside.quoting import quoted
+from solvers.outside.quoting import FileError, quoted
 from solvers.running.scene_text import line, parsed, scene_of
 from solvers.scene.scene import Scene
 from solvers.solver import samples

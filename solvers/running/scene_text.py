@@ -8,8 +8,7 @@ import math
 from dataclasses import fields
 from typing import Any
 
-from solvers.outside.file_error import FileError
-from solvers.outside.quoting import quoted
+from solvers.outside.quoting import FileError, quoted
 from solvers.problems import PROBLEMS
 from solvers.scene.rules import SceneError, field_key, key_field
 from solvers.scene.scene import Scene

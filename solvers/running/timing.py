@@ -8,12 +8,14 @@ one turn and the next, and the fastest of two things may then be of two speeds.
 import math
 import os
 import time
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
+from typing import Any
 
 import numpy as np
 
 from solvers.kernels.runtime import PROCESSORS
-from solvers.scene.scene import MOST_PARTICLES
+from solvers.problems import PROBLEMS
+from solvers.scene.scene import MOST_PARTICLES, Scene
 from solvers.solver.base import Solver
 
 SECONDS = 0.01  # that a stretch takes at least: many times the cost of a launch
@@ -70,6 +72,15 @@ class Stretch:
 def take_turns(stretches: Sequence[Stretch], turns: int) -> np.ndarray:
     """Seconds a step of every stretch (columns) in every turn (rows)."""
     return np.array([[stretch.time() for stretch in stretches] for _ in range(turns)])
+
+
+def ratios(pairs: Mapping[Any, tuple[Scene, Scene]], turns: int) -> dict[Any, float]:
+    """How many times as long a step of the one takes as of the other, by name: the median over turns."""
+    scenes = list(dict.fromkeys(scene for pair in pairs.values() for scene in pair))
+    solvers = [PROBLEMS[scene.problem].solver(scene) for scene in scenes]
+    columns = take_turns([Stretch(solver) for solver in solvers], turns).T if scenes else ()
+    seconds = dict(zip(scenes, columns, strict=True))
+    return {name: float(np.median(seconds[one] / seconds[other])) for name, (one, other) in pairs.items()}
 
 
 def rate(solver: Solver, turns: int = 5, seconds: float = SECONDS) -> float:

@@ -6,8 +6,6 @@ without particles and without a grid. A run writes the same sums of its own disp
 contradictions (``solvers.solver.soundness``), and :meth:`Moments.distance` says how far the two are apart at least.
 """
 
-from __future__ import annotations
-
 from typing import NamedTuple
 
 import numpy as np

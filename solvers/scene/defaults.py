@@ -96,18 +96,9 @@ class SceneDefaults:
         return ("amplitude",)
 
     @property
-    def takes_force(self) -> bool:
-        """Whether a body force may be chosen."""
-        return True
-
-    @property
-    def whole_per_cell(self) -> bool:
-        """Whether cells hold whole numbers of particles."""
-        return True
-
-    @property
     def swings(self) -> bool:
-        """Whether the exact motion goes to and fro; where it does not, exactly nothing should happen."""
+        """Whether the exact motion goes to and fro; where it does not, exactly nothing should happen: no body force may
+        be chosen, and cells need not hold whole numbers of particles."""
         return True
 
     @property

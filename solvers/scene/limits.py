@@ -4,8 +4,6 @@ Rows are looked at in order, and the first that is broken speaks. What only a ru
 estimator's own ``verdict``.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import KW_ONLY, dataclass, field

@@ -16,8 +16,6 @@ a step. A motion bears the step with which this comes to ``GROWTH`` on the way f
 Sources: Berzins, Comp. Part. Mech. 5 (2018), for the linearisation; Lanczos, J. Res. Natl. Bur. Stand. 45 (1950).
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass

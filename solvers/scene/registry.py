@@ -68,7 +68,18 @@ class Estimator:
         return self.page or (file.read_text(encoding="utf-8") if file else f"<p>{self.summary}</p>")
 
 
-ESTIMATORS: dict[str, Estimator] = {}
+ESTIMATORS: dict[str, Estimator] = {estimator.name: estimator for estimator in (
+    Estimator("transport", "the paper's: sends the error of the gradient mapping through the method's own equations",
+              colour="#cf5a00", symbol="o"),  # judges nothing: its size is often off by several times
+    Estimator("recovered", "makes the particles' own motion smooth and holds it against the equation of motion",
+              colour="#6b2a00", dashes=(7, 3), symbol="s", judges=True),
+    Estimator("companion", "a hidden solve of the same problem, of higher order, that the particles are measured "
+              "against", colour="#c97d00", dashes=(3, 3), symbol="^", beside_gpu=True, judges=True),
+    Estimator("two-grid", "the same run on cells twice as wide beside it, and Richardson's extrapolation",
+              colour="#b0156b", dashes=(9, 3, 2, 3), symbol="D", judges=True,
+              refusals={"vortex": "is not built for the vortex, where companion tells more for less: it solves for one "
+                        "radius, two-grid runs a second ring"}),
+)}
 
 
 def register(estimator: Estimator) -> None:
@@ -106,18 +117,3 @@ def hooks_of(problem: str, own: Mapping[str, EstimatorHooks]) -> dict[str, Estim
     found = names(problem, tuple(own))  # loads the extensions
     extensions.COLLECTED.add(problem)
     return {name: ESTIMATORS[name].hooks.get(problem) or own[name] for name in found}
-
-
-for _estimator in (
-    Estimator("transport", "the paper's: sends the error of the gradient mapping through the method's own equations",
-              colour="#cf5a00", symbol="o"),  # judges nothing: its size is often off by several times
-    Estimator("recovered", "makes the particles' own motion smooth and holds it against the equation of motion",
-              colour="#6b2a00", dashes=(7, 3), symbol="s", judges=True),
-    Estimator("companion", "a hidden solve of the same problem, of higher order, that the particles are measured "
-              "against", colour="#c97d00", dashes=(3, 3), symbol="^", beside_gpu=True, judges=True),
-    Estimator("two-grid", "the same run on cells twice as wide beside it, and Richardson's extrapolation",
-              colour="#b0156b", dashes=(9, 3, 2, 3), symbol="D", judges=True,
-              refusals={"vortex": "is not built for the vortex, where companion tells more for less: it solves for one "
-                        "radius, two-grid runs a second ring"}),
-):
-    register(_estimator)

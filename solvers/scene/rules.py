@@ -49,13 +49,6 @@ def require_choice(field: str, value: object, allowed: tuple[str, ...], also: st
         raise SceneError(field, value, f"is not known{near}; give {'one of ' if ',' in names else ''}{names}")
 
 
-def require_names_of_inputs(kind: Any, problem: object) -> None:
-    """:class:`SceneError` for a scene whose first input came without a name: it would be its ``problem``."""
-    if problem != kind.problem:
-        raise SceneError("problem", problem, f"is not {kind.problem}; give the inputs of a scene by name, as in "
-                                             f"{kind.__name__}(cells=40)")
-
-
 def normalized(scene: Any, lists: tuple[str, ...]) -> dict[str, Any]:
     """Inputs of a scene as they are meant: it must be hashable, numbers of NumPy are numbers, and in its ``lists`` one
     text holds several names, and names that begin with + are added to the default."""

@@ -117,7 +117,9 @@ class Scene(SceneDefaults, ABC):
         return _known, (type(self), *(getattr(self, name) for name in self.__match_args__))
 
     def __post_init__(self) -> None:
-        rules.require_names_of_inputs(type(self), self.problem)
+        if self.problem != (kind := type(self)).problem:  # it came first, without a name
+            raise SceneError("problem", self.problem, f"is not {kind.problem}; give the inputs of a scene by name, as "
+                                                      f"in {kind.__name__}(cells=40)")
         for name, value in self._normalized().items():  # the one place where a scene is written to
             object.__setattr__(self, name, value)
         self._check_choices()

@@ -1,7 +1,5 @@
 """What every problem's solver shares: stepping, sampling and saying why a run stopped."""
 
-from __future__ import annotations
-
 import functools
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Mapping
@@ -149,7 +147,7 @@ class Solver(ABC):
             members[name][...] = values
         self.step = step
 
-    def without_estimators(self) -> Solver:
+    def without_estimators(self) -> "Solver":
         """Another solver, of the same scene without estimators, in the present state."""
         other = type(self)(replace(self.scene, estimators=(), sample_every=self.scene.sample_interval))
         own, theirs = self._arrays.members(), other._arrays.members()

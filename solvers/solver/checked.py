@@ -5,8 +5,6 @@ they are large while positions hold: where the truth or an estimator that judges
 nobody knows, that is said too.
 """
 
-from __future__ import annotations
-
 from collections.abc import Collection, Mapping
 from dataclasses import dataclass, replace
 

@@ -93,6 +93,6 @@ def _over(sums: np.ndarray, true_sums: np.ndarray) -> np.ndarray:
     return np.where(true_sums > 0, sums / true_sums, np.nan)
 
 
-def finite(value: float) -> float | None:
+def finite(value: float | None) -> float | None:
     """JSON has no NaN: what is not a finite number is None."""
-    return float(value) if math.isfinite(value) else None
+    return None if value is None or not math.isfinite(value) else float(value)

@@ -6,8 +6,6 @@ rounding was all stayed below 15 times that in x and v, and below 70 in sigma an
 never exceeds ``ROUNDINGS`` times it is no number, and is not given.
 """
 
-from __future__ import annotations
-
 from typing import Any
 
 import numpy as np

@@ -1,7 +1,5 @@
 """What a run leaves of its particles at an instant: frames, and all fields with their errors; and of the clock."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import NamedTuple
@@ -44,7 +42,7 @@ class Values(NamedTuple):
     velocity: np.ndarray
     stress: np.ndarray
 
-    def less(self, errors: Values) -> Values:
+    def less(self, errors: "Values") -> "Values":
         """What they would be without these errors."""
         return Values(*(mine - theirs for mine, theirs in zip(self, errors, strict=True)))
 

@@ -8,8 +8,6 @@ a ring that turns as a whole or late waves of a free bar. All look at positions;
 ``solvers.solver.checked`` says.
 """
 
-from __future__ import annotations
-
 from collections.abc import Collection, Mapping
 from dataclasses import dataclass
 

@@ -1,7 +1,5 @@
 """One step taken apart around one particle: what the method computed between it and its nodes, in physical units."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass
 
@@ -67,7 +65,7 @@ class Carried:
     deformation_gradient: np.ndarray
     stress: np.ndarray
 
-    def seen(self, links: Links) -> Carried:
+    def seen(self, links: Links) -> "Carried":
         """That of the members, as they appear from the particle in front."""
         p, signs = links.members, links.signs
         return Carried(signs * self.position[p] + links.shift, signs * self.velocity[p],

@@ -5,7 +5,6 @@ with the grid. A row of the map is a row of a study (``solvers.study.row``) whos
 the truth and the contradictions.
 """
 
-import statistics
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import replace
 from typing import Any
@@ -109,22 +108,14 @@ def held(row: Mapping) -> bool:
 
 def prices(kind: type[Scene], rows: Iterable[dict]) -> dict[tuple[str, str], float]:
     """What each treatment of each method costs a step, over the plain method's, measured here and now."""
-    scenes: dict[str, dict[str, Scene]] = {}
+    from solvers.running.timing import ratios
+
+    pairs: dict[tuple[str, str], tuple[Scene, Scene]] = {}
     for row in measured(rows):
-        method, treatment = row["scene"]["method"], treatment_of(row)
-        scenes.setdefault(method, {"plain": scene_of(kind, row, "plain")})[treatment] = scene_of(kind, row, treatment)
-    return {(method, treatment): price for method, treated in scenes.items()
-            for treatment, price in _over_the_first(treated).items()}
-
-
-def _over_the_first(scenes: Mapping[str, Scene]) -> dict[str, float]:
-    """Seconds of a step of each scene over those of the first, bare, taken in turns."""
-    from solvers.running.run import build
-    from solvers.running.timing import Stretch, take_turns
-
-    bare = [replace(scene, effects=(), estimators=(), sample_every=None) for scene in scenes.values()]
-    turns = take_turns([Stretch(build(scene)) for scene in bare], PRICE_TURNS)
-    return {name: statistics.median(turn / turns[:, 0]) for name, turn in zip(scenes, turns.T, strict=True)}
+        plain, treated = (replace(scene_of(kind, row, name), effects=(), estimators=(), sample_every=None)
+                          for name in ("plain", treatment_of(row)))
+        pairs |= {(plain.method, "plain"): (plain, plain), (plain.method, treatment_of(row)): (treated, plain)}
+    return ratios(pairs, PRICE_TURNS)
 
 
 def as_dict(problem: str, rows: Sequence[dict], prices: Mapping[tuple[str, str], float]) -> dict:

@@ -1,7 +1,5 @@
 """A sweep as a function: every combination of lists of values, a row each, and columns of these rows by their names."""
 
-from __future__ import annotations
-
 import contextlib
 import math
 import numbers
@@ -33,7 +31,7 @@ class Rows(list[dict]):
     @overload
     def __getitem__(self, which: SupportsIndex) -> dict: ...
     @overload
-    def __getitem__(self, which: slice) -> Rows: ...
+    def __getitem__(self, which: slice) -> "Rows": ...
     @overload
     def __getitem__(self, which: str) -> np.ndarray: ...
 

@@ -21,7 +21,7 @@ from app.commands.flags import (
 )
 from app.commands.output import Folder, json_target, json_text, put_report, put_text
 from app.commands.progress import working
-from solvers.outside.file_error import FileError
+from solvers.outside.quoting import FileError
 
 CONTRADICTED = 3
 EXPECTABLE = Expectable("run", dict.fromkeys(("contradictions", "broken", "suspicious", "particles"), ()))

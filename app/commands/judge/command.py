@@ -26,7 +26,7 @@ from app.commands.scene_flags import SceneFlags
 from app.lessons.claims import NORMS
 from solvers.judging.findings.finding import OFF
 from solvers.judging.measure import QUANTITIES
-from solvers.outside.file_error import FileError
+from solvers.outside.quoting import FileError
 from solvers.problems.reference import OF_METHODS
 
 COMPANION = "companion"

@@ -50,7 +50,7 @@ class RunWidgets:
             self._cells(gui)
         with part("ppc"):
             low, high = view.reach.ppc
-            step, hint = (1, tr("in each direction")) if scene.whole_per_cell else (0.5, tr("need not be whole here"))
+            step, hint = (1, tr("in each direction")) if scene.swings else (0.5, tr("need not be whole here"))
             mark(gui, words=tr("how fine the body is"))
             per_cell = gui.add_slider(tr("Particles / cell"), low, max(high, scene.ppc), step, scene.ppc, hint=hint)
             self._bound.follow(per_cell, lambda count: session.set(ppc=count))

@@ -2,8 +2,6 @@
 problem's solution, whose limits are fine, or of the quantity itself, which may bend; and fields that jump everywhere.
 """
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 from dataclasses import dataclass
 

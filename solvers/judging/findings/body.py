@@ -1,7 +1,5 @@
 """Whether the particles in the files are all of the body, by what they weigh or by how they lie."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass, replace
 from typing import Any
 

@@ -4,8 +4,6 @@ What parts two neighbours now is held against what the mean of their F makes of 
 summed up over the body.
 """
 
-from __future__ import annotations
-
 import functools
 from collections.abc import Iterator
 from dataclasses import dataclass

@@ -1,7 +1,5 @@
 """What findings have to go by: frames and their errors, both over time, and how many figures files keep of them."""
 
-from __future__ import annotations
-
 import functools
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass

@@ -1,7 +1,5 @@
 """A thing that was looked at: what came, from where on that is none of a sound run, and what is said of it."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from typing import Any
 
@@ -35,20 +33,16 @@ class Finding:
 
     def to_dict(self) -> dict[str, Any]:
         """As ``mpm-lab check`` writes it."""
-        measured, limit = map(finite_or_none, (self.measured, self.limit))
+        measured, limit = map(finite, (self.measured, self.limit))
         return {"finding": self.name, "verdict": self.verdict, "measured": measured, "limit": limit, "unit": self.unit,
                 "says": self.says, "t": self.time, "particle": self.particle,
                 "X": None if self.place is None else list(self.place)}
 
     def as_check(self) -> dict[str, Any]:
         """As ``mpm-lab judge`` writes it."""
-        measured, tolerance = map(finite_or_none, (self.measured, self.limit))
+        measured, tolerance = map(finite, (self.measured, self.limit))
         return {"check": self.name, "measured": measured, "tolerance": tolerance, "unit": self.unit,
                 "verdict": self.verdict, "says": self.says}
-
-
-def finite_or_none(value: float | None) -> float | None:
-    return None if value is None else finite(value)
 
 
 def unknown(name: str, why: str, measured: float | None = None, unit: str = "") -> Finding:

@@ -1,7 +1,5 @@
 """The stress in the files against what their F gives by the problem's law, and what it is where it is not that."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Iterator
 from dataclasses import replace
 

@@ -1,7 +1,5 @@
 """All that is looked at, in the order in which it is told: of a motion alone, and of a run against its problem."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from dataclasses import dataclass
 

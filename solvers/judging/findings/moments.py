@@ -4,8 +4,6 @@ A quantity that is late by tau has the error -tau times its rate. That is found 
 times, beside what a grid's smoothing and a wrong size would leave; where no solution is known, of v against x alone.
 """
 
-from __future__ import annotations
-
 import numpy as np
 
 from solvers.judging.findings.evidence import Evidence

@@ -1,7 +1,5 @@
 """The motion of particles, whatever their problem: the same ones at all moments, with all that files have of them."""
 
-from __future__ import annotations
-
 import functools
 import itertools
 from collections.abc import Sequence
@@ -15,8 +13,7 @@ from solvers.judging.findings.finding import BROKEN, HOLDS, SUSPICIOUS, Finding
 from solvers.judging.findings.neighbours import MOST, TINY, Surroundings, surroundings
 from solvers.judging.frames import Raw, by_times, times_of
 from solvers.judging.placing import FLAT, LARGEST, LARGEST_ID
-from solvers.outside.file_error import FileError
-from solvers.outside.quoting import quoted
+from solvers.outside.quoting import FileError, quoted
 
 MOST_MOMENTS = 32  # that are looked at one by one, spread over all
 BOXES = 10  # of which a large body is looked at
@@ -123,7 +120,7 @@ class Motion:
         return float(np.sqrt(np.max(np.mean(np.sum(self.fields["v"]**2, axis=2), axis=1))))
 
     @functools.cached_property
-    def part(self) -> Motion:
+    def part(self) -> "Motion":
         """Of more particles than neighbours are looked for among, those in some boxes spread over the body."""
         P, D = self.reference.shape
         if P <= MOST:

@@ -1,7 +1,5 @@
 """Who is near whom, and particles that are not what those around them are."""
 
-from __future__ import annotations
-
 import itertools
 from dataclasses import dataclass
 

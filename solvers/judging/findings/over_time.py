@@ -1,7 +1,5 @@
 """Fields known at some times: their rates, how they were a little earlier, and how much of others is in them."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 
 import numpy as np

@@ -1,8 +1,6 @@
 """Whether particles are where a problem's are: at the start, in their order and as a whole; and whether the file means
 something else than it is read as."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Iterator
 from dataclasses import fields, replace
 from typing import Any

@@ -78,19 +78,15 @@ def check_numbers(stretch: float, velocity: float) -> None:
         raise SceneError("initial_velocity", velocity, allowed)
 
 
-def check_alone(scene: Scene) -> None:
-    """Refuse for a patch test what means nothing in it."""
-    for name, alone in (("amplitude", type(scene).amplitude), ("body_force", "none")):
-        if getattr(scene, name) != alone:
-            raise SceneError(name, getattr(scene, name), "means nothing in a patch test (motion patch), in which "
-                             "nothing vibrates and no force acts; leave it out")
-
-
-def check_absent(scene: Scene) -> None:
-    """Refuse for a vibrating bar what only a patch test has."""
-    for name in ("stretch", "initial_velocity"):
-        if getattr(scene, name) != getattr(type(scene), name):
-            raise SceneError(name, getattr(scene, name), "is for the patch test; give motion patch, or leave it out")
+def check_fields(scene: Any) -> None:
+    """Refuse for a patch test what means nothing in it, and for a vibrating bar what only a patch test has."""
+    names, why = ("stretch", "initial_velocity"), "is for the patch test; give motion patch, or leave it out"
+    if scene.is_patch:
+        names, why = ("amplitude", "body_force"), ("means nothing in a patch test (motion patch), in which nothing "
+                                                   "vibrates and no force acts; leave it out")
+    for name in names:
+        if getattr(scene, name) != ("none" if name == "body_force" else getattr(type(scene), name)):
+            raise SceneError(name, getattr(scene, name), why)
 
 
 def group(scene: Scene) -> tuple[int, int]:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
+from solvers.problems.bar import step_bound
 from solvers.problems.bar.scene import BarScene
 from solvers.problems.descriptor import Problem
 
@@ -34,6 +35,4 @@ class BarProblem(Problem):
         return REFERENCE
 
     def predicted_life(self, scene: BarScene) -> float | None:
-        from solvers.problems.bar.drift import predicted_life
-
-        return predicted_life(scene)
+        return step_bound.predicted_life(scene)

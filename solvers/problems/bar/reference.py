@@ -1,7 +1,5 @@
 """The bar as another code sees it."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 import numpy as np

@@ -89,14 +89,6 @@ class BarScene(Scene):
         return ("stretch", "initial_velocity") if self.is_patch else super().moved_by
 
     @property
-    def takes_force(self) -> bool:
-        return not self.is_patch
-
-    @property
-    def whole_per_cell(self) -> bool:
-        return not self.is_patch
-
-    @property
     def swings(self) -> bool:
         return not self.is_patch
 
@@ -209,10 +201,7 @@ class BarScene(Scene):
         patch.check_numbers(self.stretch, self.initial_velocity)
 
     def _check_combinations(self) -> None:
-        if self.is_patch:
-            patch.check_alone(self)
-        else:
-            patch.check_absent(self)
+        patch.check_fields(self)
         if self.arch not in ("cpu", "gpu"):
             raise SceneError("arch", self.arch, "is for problems in the plane; the bar, of few particles and many "
                              "steps, runs on the processor: give cpu")

@@ -14,8 +14,6 @@ What is refused before a run is computed all the same, where it can be, to know 
 it says decides nothing.
 """
 
-from __future__ import annotations
-
 import functools
 import hashlib
 import json
@@ -78,8 +76,7 @@ REACH = {"bar": Reach((16, 128), (1, 6), (1e-4, 0.12)),
 SHARES: Mapping[str, Mapping[Any, float]] = {
     "velocity": {"grid": 0.8}, "linearity_preserving": {False: 0.75}, "body_force": {"material": 0.7},
     "layout": {"polar": 0.75}}
-FORCES = {"bar": ("material", "node"), "ring": ("material",), "vortex": ("material",),
-          "square": ("material",)}  # with exact solutions
+FORCES = {"bar": ("material", "node")}  # with exact solutions; elsewhere only that at material points
 
 
 def reach_of(problem: str) -> Reach:

@@ -12,8 +12,6 @@ applications", J. Fluids Eng. 130 (2008) 078001; T. Xing and F. Stern, "Factors 
 J. Fluids Eng. 132 (2010) 061403.
 """
 
-from __future__ import annotations
-
 import functools
 import math
 import statistics

@@ -10,8 +10,6 @@ cases. If errors are normal that is 1.96 standard deviations, and their sizes li
 of 100. It is asked of every run, as it is in practice; what two grids say is what ``two-grid`` reads, valid or not.
 """
 
-from __future__ import annotations
-
 import functools
 import json
 import math

@@ -19,6 +19,7 @@ from solvers.kernels import runtime
 from solvers.problems import PROBLEMS
 from solvers.problems.bar.scene import BarScene
 from solvers.problems.ring import RingScene
+from solvers.running import timing
 from solvers.running.run import build
 from solvers.running.timing import Stretch, rate, take_turns
 from solvers.workers.processes import ProcessDied, ask_fresh
@@ -48,8 +49,7 @@ def printed(monkeypatch, capsys) -> dict:
     monkeypatch.setattr(bench, "ratios", lambda problem, quick: {"problem": problem, "missing": None, "cases": [CASE]})
     monkeypatch.setattr(measure, "build", lambda scene: scene)
     monkeypatch.setattr(measure, "rate", lambda scene, turns: 100.0)
-    monkeypatch.setattr(measure, "Stretch", lambda scene: scene)
-    monkeypatch.setattr(measure, "take_turns", lambda stretches, turns: np.full((turns, len(stretches)), 1e-6))
+    monkeypatch.setattr(measure, "ratios", lambda pairs, turns: dict.fromkeys(pairs, 1.0))
     monkeypatch.setattr(measure, "off", lambda problem, effort: {
         "problem": problem, "method": "ugimp", "cells": 40, "ratio": 1.01, "low": 1.0, "high": 1.02, "same": 1.0,
         "call": 1e-4, "call_stripped": 1e-4})
@@ -76,6 +76,17 @@ def test_every_problem_method_and_size_has_a_rate_and_all_that_is_optional_a_pri
     assert set(effects) == {(problem, name) for problem in PROBLEMS for name in priced(PROBLEMS[problem].scene)}
     assert set(effects.values()) == {1.0}
     assert [row["problem"] for row in printed["off"]] == list(PROBLEMS)
+
+
+def test_a_ratio_is_the_median_over_turns_and_each_scene_is_measured_once(monkeypatch):
+    runtime.start()
+    measured = []
+    monkeypatch.setattr(timing, "Stretch", lambda solver: solver.scene)
+    monkeypatch.setattr(timing, "take_turns", lambda scenes, turns: measured.append((scenes, turns)) or np.array(
+        [[2.0, 1.0], [6.0, 2.0], [5.0, 1.0]]))
+    one, other = BarScene(cells=8), BarScene(cells=16)
+    assert timing.ratios({"dear": (one, other), "same": (other, other)}, 3) == {"dear": 3.0, "same": 1.0}
+    assert measured == [([one, other], 3)] and timing.ratios({}, 3) == {}
 
 
 def test_table_has_every_part(printed):

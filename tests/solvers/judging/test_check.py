@@ -8,7 +8,7 @@ import pytest
 
 from solvers.judging.check import CONSISTENT, check
 from solvers.judging.findings.finding import BROKEN, HOLDS, SUSPICIOUS, UNKNOWN
-from solvers.outside.file_error import FileError
+from solvers.outside.quoting import FileError
 from tests.findings import LOST, checked
 from tests.known_runs import known_runs
 

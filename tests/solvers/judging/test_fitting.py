@@ -13,7 +13,7 @@ from solvers.judging.frames import Misfit, Raw
 from solvers.judging.handout import exact
 from solvers.judging.reading import read
 from solvers.judging.verdict import judge
-from solvers.outside.file_error import FileError
+from solvers.outside.quoting import FileError
 from solvers.problems import PROBLEMS
 from solvers.problems.bar.scene import BarScene
 from solvers.running.scene_text import LONGEST, SCHEMA, line

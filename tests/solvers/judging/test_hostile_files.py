@@ -17,7 +17,7 @@ import pytest
 from app.cli import main
 from app.commands.lesson import LessonGrade
 from solvers.judging.reading import read
-from solvers.outside.file_error import FileError
+from solvers.outside.quoting import FileError
 from tests.hostile import FILES, LARGE, TAKES_LONG, written
 from tests.paths import ROOT
 

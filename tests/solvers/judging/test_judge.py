@@ -16,7 +16,7 @@ from solvers.judging.measure import QUANTITIES, Companions, crossings, rms
 from solvers.judging.ours import compared, framed
 from solvers.judging.reading import read
 from solvers.judging.verdict import Judgement, judge
-from solvers.outside.file_error import FileError
+from solvers.outside.quoting import FileError
 from solvers.problems import PROBLEMS
 from solvers.running.run import run
 

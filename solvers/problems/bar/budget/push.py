@@ -9,8 +9,8 @@ import taichi as ti
 
 from solvers.problems.bar.budget.memory import FORCE, PIECES, STRESS, VELOCITY
 from solvers.problems.bar.budget.reference import moment, motion, slopes
-from solvers.problems.bar.budget.sources import fold_layer, particles_to_nodes, spread_layer, update_nodes
-from solvers.problems.bar.method.nodes import EMPTY, GHOSTS, spread, stencil_of
+from solvers.problems.bar.budget.sources import particles_to_nodes, update_nodes
+from solvers.problems.bar.method.nodes import EMPTY, GHOSTS, fold, spread, stencil_of
 from solvers.problems.bar.method.phases import half_width
 from solvers.problems.bar.method.pieces import at_corner, piece_length
 from solvers.problems.bar.method.remedies import MOST_GRADIENT, PASSES
@@ -37,8 +37,12 @@ def update_grid(bar: ti.template(), t, on: ti.template()):
 def in_step(bar: ti.template(), step, on: ti.template()):
     """The second half, of step number ``step``, when the remedies have had their turn and before particles move."""
     now = moment(bar, (step - 1) * bar.dt)
-    if ti.static(on.filtered or on.coupled):
-        remedies_in_step(bar, step, now, on)
+    if ti.static(on.filtered or on.coupled):  # after their own turn, of which the coupling takes the displacement
+        if step % bar.remedy_interval == 0:
+            if ti.static(on.filtered):
+                filter_null_space(bar, now, on)
+            if ti.static(on.coupled):
+                couple_deformation(bar, now, on)
     nodes_to_particles(bar, now, on)
 
 
@@ -126,16 +130,6 @@ def between_corners(bar: ti.template(), p, on: ti.template()):
 
 
 @ti.func
-def remedies_in_step(bar: ti.template(), step, now, on: ti.template()):
-    """After the remedies' own turn between nodes and particles, of which it takes the nodes' displacement."""
-    if step % bar.remedy_interval == 0:
-        if ti.static(on.filtered):
-            filter_null_space(bar, now, on)
-        if ti.static(on.coupled):
-            couple_deformation(bar, now, on)
-
-
-@ti.func
 def centre(bar: ti.template()):
     """Every step's end: take the mean velocity out."""
     P = bar.particles
@@ -207,12 +201,12 @@ def scratch_to_nodes(bar: ti.template()):
         i = bar.first_node[p]
         for k in ti.static(range(3)):
             bar.budget_nodes[PIECES * M + i + k] += S[k] * bar.cause_errors[SCRATCH * P + p]
-    fold_layer(bar, PIECES * M)
+    fold(bar.budget_nodes, bar.cells, PIECES * M)
     for i in range(1, bar.cells + 1):
         weight = bar.node_sums[i][0]
         share = 1 / weight if weight > EMPTY else 0.0
         bar.budget_nodes[PIECES * M + i] = share * bar.budget_nodes[PIECES * M + i]
-    spread_layer(bar, PIECES * M)
+    spread(bar.budget_nodes, bar.cells, PIECES * M)
 
 
 @ti.func

@@ -14,7 +14,7 @@ import taichi as ti
 from solvers.problems.bar.budget.memory import FORCE, PIECES, REFERENCE, STRESS, VELOCITY
 from solvers.problems.bar.budget.reference import motion, slopes
 from solvers.problems.bar.method.forces import force_on_particle, tones
-from solvers.problems.bar.method.nodes import DEGENERATE, EMPTY, GHOSTS, divergence_form, stencil_of
+from solvers.problems.bar.method.nodes import DEGENERATE, EMPTY, GHOSTS, divergence_form, fold, spread, stencil_of
 from solvers.problems.bar.method.pieces import corner_nodes, corner_of, find_corners, place
 
 
@@ -37,7 +37,7 @@ def particles_to_nodes(bar: ti.template(), t, now, on: ti.template()):
         last, stress_before = this, stress
     for layer in ti.static((REFERENCE, PIECES, VELOCITY, FORCE, STRESS)):
         if ti.static(layer != STRESS or on.linearity_preserving):
-            fold_layer(bar, layer * M)
+            fold(bar.budget_nodes, bar.cells, layer * M)
 
 
 @ti.func
@@ -130,20 +130,4 @@ def update_nodes(bar: ti.template(), t, on: ti.template()):
         bar.budget_nodes[i] = reference
         bar.budget_nodes[VELOCITY * M + i], bar.budget_nodes[FORCE * M + i] = velocity, force
     for layer in ti.static((REFERENCE, VELOCITY, FORCE)):
-        spread_layer(bar, layer * M)
-
-
-@ti.func
-def fold_layer(bar: ti.template(), first):
-    """Add what fell on the periodic images of a layer's nodes to the nodes."""
-    bar.budget_nodes[first + bar.cells] += bar.budget_nodes[first]
-    for k in ti.static(range(1, 4)):
-        bar.budget_nodes[first + k] += bar.budget_nodes[first + bar.cells + k]
-
-
-@ti.func
-def spread_layer(bar: ti.template(), first):
-    """Copy the values of a layer's nodes to their periodic images."""
-    bar.budget_nodes[first] = bar.budget_nodes[first + bar.cells]
-    for k in ti.static(range(1, 4)):
-        bar.budget_nodes[first + bar.cells + k] = bar.budget_nodes[first + k]
+        spread(bar.budget_nodes, bar.cells, layer * M)

@@ -34,21 +34,7 @@ import numpy as np
 import taichi as ti
 
 from solvers.estimators import recovery
-from solvers.estimators.recovery import (
-    ALONG,
-    BEGUN,
-    MOVED,
-    NEW,
-    ROUGH,
-    SIZE,
-    TAU,
-    TURNS,
-    H,
-    first_of,
-    groups,
-    put,
-    row_of,
-)
+from solvers.estimators.recovery import ALONG, BEGUN, MOVED, NEW, ROUGH, SIZE, TAU, TURNS, H
 from solvers.kernels.kinds import quads, reals
 from solvers.kernels.packing import part
 from solvers.problems.bar import exact
@@ -100,9 +86,9 @@ def sums(bar: ti.template(), table: ti.template(), row, field: ti.template(), st
 @ti.func
 def apply(bar: ti.template(), table: ti.template(), count, field: ti.template(), start, into: ti.template(), at):
     """All ``count`` rows of a table, of a field that begins at ``start``, into another from ``at`` on."""
-    for group in range(groups(count)):
-        row = first_of(group, count)
-        put(into, at + row, 1, sums(bar, table, row, field, start))
+    for group in range(recovery.groups(count)):
+        row = recovery.first_of(group, count)
+        recovery.put(into, at + row, 1, sums(bar, table, row, field, start))
 
 
 @ti.func
@@ -121,7 +107,7 @@ def among_nodes(bar: ti.template(), table: ti.template(), kind: ti.template(), i
 def spread(bar: ti.template(), p, pattern):
     """The nodal errors at a particle, and in the last place the slope of the first."""
     total = ti.Vector([0.0] * 4)
-    first, begin, _ = row_of(bar, SPREAD, p, pattern)
+    first, begin, _ = recovery.row_of(bar, SPREAD, p, pattern)
     for k in ti.static(range(3)):
         total += part(bar, SPREAD).weights[begin + k] * bar.recovered_nodes[block(bar, ERRORS, first + k)]
     return total

@@ -29,19 +29,19 @@ def offset(bar: ti.template(), p):
 
 
 @ti.func
-def fold(values: ti.template(), cells):
-    """Add what fell on a node's periodic images to the node."""
-    values[cells] += values[0]
+def fold(values: ti.template(), cells, first=0):
+    """Add what fell on a node's periodic images to the node, of the values that begin at ``first``."""
+    values[first + cells] += values[first]
     for k in ti.static(range(1, 4)):
-        values[k] += values[cells + k]
+        values[first + k] += values[first + cells + k]
 
 
 @ti.func
-def spread(values: ti.template(), cells):
-    """Copy the nodes' values to their periodic images."""
-    values[0] = values[cells]
+def spread(values: ti.template(), cells, first=0):
+    """Copy the nodes' values, likewise, to their periodic images."""
+    values[first] = values[first + cells]
     for k in ti.static(range(1, 4)):
-        values[cells + k] = values[k]
+        values[first + cells + k] = values[first + k]
 
 
 @ti.func

@@ -8,18 +8,9 @@ import taichi as ti
 
 from solvers.kernels.lanes import LANES, read
 from solvers.kernels.shapes import outer_weights
-from solvers.problems.bar.method import pieces
+from solvers.problems.bar.method import nodes, pieces
 from solvers.problems.bar.method.forces import force_on_particle, tones
-from solvers.problems.bar.method.nodes import (
-    EMPTY,
-    GHOSTS,
-    MOST_HALF_WIDTH,
-    fold,
-    gather_moments,
-    node_force,
-    spread,
-    stencil_of,
-)
+from solvers.problems.bar.method.nodes import EMPTY, GHOSTS, MOST_HALF_WIDTH, fold, spread, stencil_of
 
 
 @ti.func
@@ -90,7 +81,7 @@ def particles_to_nodes(bar: ti.template(), t, on: ti.template()):
         pieces.corners_to_nodes(bar, on)
     fold(bar.node_sums, bar.cells)
     if ti.static(on.linearity_preserving):
-        gather_moments(bar, on)
+        nodes.gather_moments(bar, on)
 
 
 @ti.func
@@ -117,7 +108,7 @@ def update_nodes(bar: ti.template(), t, on: ti.template()):
         v, a = 0.0, 0.0
         if sums[0] > EMPTY:
             mass = bar.density * bar.volume * sums[0]
-            internal = node_force(bar, i, on) / mass
+            internal = nodes.node_force(bar, i, on) / mass
             body = 0.0
             if ti.static(on.body_force in ("material", "two-tone")):
                 body = sums[3] / sums[0]
