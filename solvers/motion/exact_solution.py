@@ -4,8 +4,6 @@ The method of manufactured solutions: of u(X, Y, t) follow v = u_t, a = u_tt, F 
 body force per mass b = a - Div P/rho that makes u the solution. Source: Roache, J. Fluids Eng. 124 (2002) 4-10.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from typing import Any, NamedTuple
 

@@ -4,8 +4,6 @@ A formula becomes a function of any kind of number, of arrays or of jets (``solv
 derivatives follow. What is no formula is refused in one sentence.
 """
 
-from __future__ import annotations
-
 import ast
 import math
 from collections.abc import Callable, Mapping, Sequence

@@ -6,8 +6,6 @@ Strain energy per reference volume W = mu/2 (F:F - 2 - 2 ln J) + lambda/2 (ln J)
 Source: Bonet & Wood, Nonlinear Continuum Mechanics, 2nd ed., Cambridge 2008, section 6.4.3.
 """
 
-from __future__ import annotations
-
 from collections.abc import Iterable
 from typing import Any
 

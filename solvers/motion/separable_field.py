@@ -6,8 +6,6 @@ geometrically; and few of its values at different places are independent. So val
 from about twice as many times as there are T_k.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from dataclasses import dataclass
 

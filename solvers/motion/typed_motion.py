@@ -1,7 +1,5 @@
 """A motion of the plane that somebody has typed, and what it must be: a motion that a body between planes can have."""
 
-from __future__ import annotations
-
 import functools
 from typing import Any, NamedTuple
 

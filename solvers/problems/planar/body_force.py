@@ -1,8 +1,6 @@
 """The body force of a plane problem: the built-in one, which makes its displacement the solution, and a second tone of
 another frequency, for which no solution is built in: there an estimate has to stand alone."""
 
-from __future__ import annotations
-
 from typing import Any, NamedTuple
 
 import numpy as np

@@ -6,8 +6,6 @@ equations of the companion (``solvers.problems.planar.estimators.circular_compan
 to rim, by leapfrog, where a run looks for contradictions, 20 times a period.
 """
 
-from __future__ import annotations
-
 import bisect
 import functools
 import math

@@ -1,7 +1,5 @@
 """A plane problem as another code sees it."""
 
-from __future__ import annotations
-
 import inspect
 from pathlib import Path
 from typing import Any

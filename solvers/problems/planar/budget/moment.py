@@ -1,7 +1,5 @@
 """The exact solution of a plane problem at one time, as its error budget needs it."""
 
-from __future__ import annotations
-
 from typing import Any, NamedTuple
 
 import numpy as np

@@ -1,7 +1,5 @@
 """The companion of a body whose motion is the same all around: its mesh, and its solve by itself, all in numpy."""
 
-from __future__ import annotations
-
 import functools
 from typing import Any
 

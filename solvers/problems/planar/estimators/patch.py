@@ -1,7 +1,5 @@
 """A patch of a body, meshed by spectral elements in two coordinates xi and eta: what the companion is solved on."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from typing import Any, NamedTuple
 

@@ -1,8 +1,6 @@
 """The recovered estimator in the plane outside of kernels: its operators on a polar lattice as tables of rows, and
 what a run shows of whether it holds."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 
 import numpy as np
