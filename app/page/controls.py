@@ -10,14 +10,12 @@ from app.frame.scale import ColourScale
 from app.language.spoken import later, tr
 from app.page.features.budget.panel import who
 from app.page.features.slow import SlowMotion
-from app.page.panels.answers import Answers
-from app.page.panels.bound import BoundWidgets
+from app.page.panels.bound import Answers, BoundWidgets
 from app.page.panels.browser_store import BrowserStore
 from app.page.panels.change import RunWidgets
-from app.page.panels.estimators import Judges
 from app.page.panels.head import mark, marked
 from app.page.panels.looking import Drawn, Looking
-from app.page.panels.stage_choice import StageChoice
+from app.page.panels.stage_choice import Judges, StageChoice
 from app.page.source import Choice
 from app.page.transport import Transport
 from app.page.visit.session import Session, first_scene

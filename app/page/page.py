@@ -23,13 +23,11 @@ from app.page.features.own.panel import OwnCode, OwnFile
 from app.page.features.slow import SlowMotion, SlowStep
 from app.page.live import LiveRun
 from app.page.measurements import Measurements
-from app.page.panels.browser_store import BrowserStore
-from app.page.panels.head import set_up
-from app.page.panels.head_buttons import Presenter, ProblemButtons
+from app.page.panels.browser_store import LETTERS, BrowserStore, Size, Window, follow_keys
+from app.page.panels.head import Presenter, ProblemButtons, set_up
 from app.page.panels.looking import Looking
 from app.page.panels.sparks import Sparks
 from app.page.panels.texts import add_about
-from app.page.panels.window import LETTERS, Size, Window, follow_keys
 from app.page.sharing import Sharing, link, parts
 from app.page.source import Source
 from app.page.story import OPENING, Story

@@ -12,9 +12,8 @@ import viser
 from app.frame.captions import NO_INDEX
 from app.frame.sentence import Said
 from app.language.spoken import carried, later, tr
-from app.page.features.own import words
 from app.page.features.own.judging import FIRST, Judging, Question, sentence
-from app.page.features.own.run import JUDGE, OwnRun
+from app.page.features.own.run import JUDGE, OwnRun, headline, readout, scene_of, taken
 from app.page.measurements import Numbers
 from app.page.panels.head import BARE
 from app.page.panels.timeline import Now
@@ -154,7 +153,7 @@ class OwnCode:
             # A file that says another problem takes the page with it, whose controls are then of that.
             own = Task(**Shown(**message["frames"]).task).scene()
             if own.problem != self._session.scene.problem:
-                self._on_scene(words.scene_of(own, first_scene(own.problem)))
+                self._on_scene(scene_of(own, first_scene(own.problem)))
         with self._lock:
             if judging is not self._judging:
                 return
@@ -201,7 +200,7 @@ class OwnCode:
             self._session.play(False)
             self._moves = self._session.moves
         self._run, self._k = run, 0
-        self._say(words.taken(run, self._session.scene))
+        self._say(taken(run, self._session.scene))
         self._slider.max, self._slider.value = max(2, len(run)), 1  # type: ignore[misc]
         self._slider.disabled = len(run) < 2
         self._folder.visible = self._back.visible = True
@@ -281,7 +280,7 @@ class OwnFile:
         if (shown := self._code.shown) is None:
             return None
         run, k = shown
-        return Numbers(words.readout(run, k, choice.quantity, probed), None if run.estimate is None else run,
+        return Numbers(readout(run, k, choice.quantity, probed), None if run.estimate is None else run,
                        (JUDGE,), (JUDGE,), JUDGE, Now(run.times[k], (run.times[0], run.times[-1]), self._code.playing),
                        "" if run.true is not None else tr(NO_INDEX))
 
@@ -291,7 +290,7 @@ class OwnFile:
             return Said()
         worst = WorstRegions()  # of this frame: at another time a file may have other particles
         worst.look(picture.report, picture.arrays, picture.view, choice.quantity)
-        return words.sentence(*shown, picture.view, worst, choice.quantity)
+        return headline(*shown, picture.view, worst, choice.quantity)
 
     def notice(self) -> Notice | None:
         return None  # its panel's comes first, whatever is on the stage
