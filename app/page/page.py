@@ -88,7 +88,7 @@ class Page:
             self._player.open(classroom.lesson)
         self._window = Window(self._store, self._fit, self._shade)
         self._store.heard["seek"], self._store.heard["read"] = self._seek, self._point
-        follow_keys(self._store, {"judge": self._controls.next_judge, "magnify": self._controls.next_factor,
+        follow_keys(self._store, {"judge": self._controls.stage.next_judge, "magnify": self._controls.stage.next_factor,
                                   "method": self._controls.next_method, "code": self._sharing.show_code,
                                   "phase": self._slow.forward, "phase back": self._slow.back,
                                   "present": self._presenter.begin})
@@ -263,7 +263,7 @@ class Page:
         source, choice, canvas, presented = self._source, self._controls.choice, self._canvas, self._presenter.on
         if numbers := source.numbers(choice, canvas.picture, canvas.probe.text):
             self._measurements.reading = bool(self._player.name) or self._own.shown is not None
-            self._controls.judge(numbers.readout.judged)
+            self._controls.judges.show(numbers.readout.judged)
             self._measurements.show(numbers, choice.quantity, choice.latest)
             self._budget.show(numbers, choice, bool(self._player.name))
         if self._session.playing and not presented and self._session.untouched > UNTOUCHED:
@@ -280,7 +280,7 @@ class Page:
         self._controls.refresh()
         if shown := self._recent.shown:
             self._controls.hear(*shown)
-        self._problems.show(self._session.scene.problem, self._controls.offers_problems)
+        self._problems.show(self._session.scene.problem, bool(self._controls.problem.visible))
         self._keep()
         self._cost.refresh()
         canvas.camera.settle()

@@ -8,19 +8,8 @@ from typing import Annotated, Any, ClassVar
 
 import tyro
 
+from app.commands import flags
 from app.commands.expected import Expectable
-from app.commands.flags import (
-    BadInput,
-    ClaimsFlag,
-    FilesFlag,
-    NamesFlag,
-    PathFlag,
-    Switch,
-    default_hint,
-    look_for,
-    require_files,
-    times_for,
-)
 from app.commands.output import Folder, json_target, json_text, put_report, put_text
 from app.commands.progress import working
 from app.templates import rendered
@@ -45,24 +34,22 @@ class Check:
 
     EXAMPLE: ClassVar[str] = "mpm-lab check mine-*.vtu --out checked"
 
-    files: Annotated[FilesFlag, tyro.conf.Positional, tyro.conf.arg(metavar="FILES")] = ()
+    files: Annotated[flags.FilesFlag, tyro.conf.Positional, tyro.conf.arg(metavar="FILES")] = ()
     """Files of particles."""
-    time: Annotated[NamesFlag, default_hint("the files say it")] = ()
+    time: Annotated[flags.NamesFlag, flags.default_hint("the files say it")] = ()
     """Time of each file, s, in their order, where they do not say it."""
-    out: Annotated[PathFlag, default_hint("the report is printed only")] = None
+    out: Annotated[flags.PathFlag, flags.default_hint("the report is printed only")] = None
     """Directory for report.md, report.html, report.json and a picture; it must be new or empty."""
-    json: Annotated[PathFlag, default_hint("none")] = None
+    json: Annotated[flags.PathFlag, flags.default_hint("none")] = None
     """File for the report as a JSON object; - is standard output, in place of the text."""
-    expect: ClaimsFlag = ()
+    expect: flags.ClaimsFlag = ()
     """A claim such as "contradictions == 0" or "broken == 0"; one that does not hold is exit status 1."""
-    quiet: Annotated[Switch, default_hint("off")] = False
+    quiet: Annotated[flags.Switch, flags.default_hint("off")] = False
     """No progress bar and no report on standard output."""
 
     def execute(self) -> int:
-        require_files(self.files)
-        times = times_for(self.files, self.time)
         EXPECTABLE.check(self.expect)
-        look_for(self.files)
+        times = flags.times_for(self.files, self.time)
         target = json_target(self.json)
         folder = None if self.out is None else Folder(self.out)
         try:
@@ -70,7 +57,7 @@ class Check:
                 from solvers.judging.check import check  # here: bad input must not wait for it
                 checked = check(self.files, times=times, on_progress=show)
         except FileError as error:
-            raise BadInput("", error.file, error.sentence) from None
+            raise flags.BadInput("", error.file, error.sentence) from None
         values = checked.to_dict()
         status = self._write(folder, checked, values)
         if target:

@@ -6,20 +6,8 @@ from typing import Annotated, Any, ClassVar
 
 import tyro
 
+from app.commands import flags
 from app.commands.expected import Expectable
-from app.commands.flags import (
-    BadInput,
-    ClaimsFlag,
-    FilesFlag,
-    NamesFlag,
-    PathFlag,
-    Switch,
-    default_hint,
-    look_for,
-    number,
-    require_files,
-    times_for,
-)
 from app.commands.output import Folder, put_report, put_text
 from app.commands.progress import working
 from app.commands.scene_flags import SceneFlags
@@ -53,26 +41,24 @@ class Judge(SceneFlags):
     EXAMPLE: ClassVar[str] = "mpm-lab judge {problem} mine.csv --cells 40 --out verdict"
     LEFT_OUT: ClassVar[frozenset[str]] = OF_METHODS - {"dt", "cfl"}
 
-    files: Annotated[FilesFlag, tyro.conf.Positional, tyro.conf.arg(metavar="FILES")] = ()
+    files: Annotated[flags.FilesFlag, tyro.conf.Positional, tyro.conf.arg(metavar="FILES")] = ()
     """Files of particles."""
-    time: Annotated[NamesFlag, default_hint("the files say it")] = ()
+    time: Annotated[flags.NamesFlag, flags.default_hint("the files say it")] = ()
     """Time of each file, s, in their order, where they do not say it."""
-    out: Annotated[PathFlag, default_hint("the summary is printed only")] = None
+    out: Annotated[flags.PathFlag, flags.default_hint("the summary is printed only")] = None
     """Directory for report.md, report.html, report.json and pictures; it must be new or empty."""
-    no_compare: Annotated[Switch, default_hint("off")] = False
+    no_compare: Annotated[flags.Switch, flags.default_hint("off")] = False
     """Run none of our own methods on the same grid beside."""
-    expect: ClaimsFlag = ()
+    expect: flags.ClaimsFlag = ()
     """A claim such as "order.x in 1.8..2.3" or "error.x.max < 1e-3"; one that does not hold is exit status 1."""
-    quiet: Annotated[Switch, default_hint("off")] = False
+    quiet: Annotated[flags.Switch, flags.default_hint("off")] = False
     """No progress bar and no summary on standard output."""
 
     def execute(self) -> int:
-        require_files(self.files)
+        EXPECTABLE.check(self.expect)
+        times = flags.times_for(self.files, self.time)
         cells = self._cells()
         scene, *_ = (self.scene(cells=count) for count in cells)  # each says what is wrong with it
-        times = times_for(self.files, self.time)
-        EXPECTABLE.check(self.expect)
-        look_for(self.files)
         folder = None if self.out is None else Folder(self.out)
         try:
             with working(self.quiet) as show:
@@ -80,17 +66,17 @@ class Judge(SceneFlags):
                 judged = judge(scene, self.files, cells=cells, times=times, compare=not self.no_compare,
                                on_progress=show)
         except FileError as error:
-            raise BadInput("", error.file, error.sentence) from None
+            raise flags.BadInput("", error.file, error.sentence) from None
         return self._write(folder, judged)
 
     def _cells(self) -> list[Any]:
         """Cells of the grid, one number for all files or one for each."""
         given = self.inputs()["cells"]
         words = given.replace(",", " ").split() if isinstance(given, str) else []
-        cells = [number([word]) for word in words] or [given]
+        cells = [flags.number([word]) for word in words] or [given]
         if len(cells) > 1 and len(cells) != len(self.files):
-            raise BadInput("cells", given, f"gives {len(cells)} grids for {len(self.files)} files; give one number for "
-                                           "all or one for each")
+            raise flags.BadInput("cells", given, f"gives {len(cells)} grids for {len(self.files)} files; give one "
+                                                 "number for all or one for each")
         return cells
 
     def _write(self, folder: Folder | None, judged: Any) -> int:

@@ -55,19 +55,14 @@ class StageChoice:
             hint=tr("in the plot of the field: how many times the deviation of the particles from the exact curve is "
                     "drawn"))
         # A mark that stayed where its widget has gone would mark what comes next.
-        self._parts: dict[str, tuple[Any, Any]] = {
+        self.parts: dict[str, tuple[Any, ...]] = {
             "quantity": (quantity_mark, self._quantity), "estimators": (estimator_mark, self._estimator),
             "magnify": (magnify_mark, self._magnify)}
         self._quantity.on_update(
             lambda event: self.measure(self._quantities[event.target.value]) if event.client else None)
-        self._estimator.on_update(lambda event: self._choose_estimator() if event.client else None)
+        self._estimator.on_update(lambda event: self.put(
+            None if event.target.value == tr(NONE) else event.target.value) if event.client else None)
         self._magnify.on_update(lambda event: self._choose_factor() if event.client else None)
-
-    def offer(self, controls: tuple[str, ...]) -> None:
-        """Show what is among these controls, or all where there are none."""
-        for control, parts in self._parts.items():
-            for part in parts:
-                part.visible = not controls or control in controls
 
     def show(self, quantity: str, estimator: str | None, magnified: int) -> None:
         """Show these; the estimator as far as it runs, see :meth:`judge_by`."""
@@ -101,10 +96,12 @@ class StageChoice:
         if self.estimator != before:
             self._on_view()
 
-    def put(self, estimator: str) -> None:
-        """Put an estimator that runs on the stage."""
-        self.estimator = self._estimator.value = estimator  # type: ignore[misc]
-        self._keep()
+    def put(self, estimator: str | None) -> None:
+        """Put an estimator that runs on the stage, or none."""
+        self.estimator, self._silent = estimator, False
+        self._estimator.value = estimator or tr(NONE)  # type: ignore[misc]
+        if estimator:
+            self._kept[self._session.scene.problem] = estimator
         self._on_view()
 
     def next_judge(self) -> None:
@@ -132,16 +129,6 @@ class StageChoice:
     @property
     def _shown_quantity(self) -> str:
         return str(words.QUANTITIES[self.quantity])
-
-    def _choose_estimator(self) -> None:
-        self.estimator = None if self._estimator.value == tr(NONE) else self._estimator.value
-        self._keep()
-        self._on_view()
-
-    def _keep(self) -> None:
-        self._silent = False
-        if self.estimator:
-            self._kept[self._session.scene.problem] = self.estimator
 
     def _choose_factor(self) -> None:
         self.magnified = _FACTORS[self._magnify.value]
