@@ -77,4 +77,3 @@ class Measurements:
         self._plots.show(past, numbers.valid, quantity, numbers.no_index, latest, numbers.pinned, numbers.drawn)
         if traced is not None and traced.scene == past.scene:
             self._plots.show_trace(traced, numbers.valid, quantity, latest, numbers.now.time)
-

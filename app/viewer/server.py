@@ -23,11 +23,10 @@ from app.doors.address import FOREIGN_PAGE, Addresses, untidy
 from app.doors.code import TEACHER, ClassCode, Guest
 from app.doors.faults import Refusals, noted
 from app.doors.network import Bucket, Buckets, network_of
-from app.doors.page import has_page
 from app.language.spoken import ENGLISH, carried, kept, language, later, of_cookie, tr, wished
 from app.templates import rendered
 from app.viewer import patches
-from app.viewer.index import Index, dressed, said
+from app.viewer.index import Index, dressed, has_page, said
 from app.viewer.line import HEADS_WITHIN, Line, Lines, address_of, feel, send_away
 from app.viewer.messages import PARTS, PARTS_A_SECOND, Hearing
 from app.viewer.wire import PROTOCOL, Buffer

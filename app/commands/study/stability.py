@@ -79,4 +79,3 @@ def map_flags(scene: type[Scene]) -> dict[str, Any]:
                                     f"Amplitudes, {unit_of(scene, 'amplitude')}."),
             "cfl": choices_of(("X",), " ".join(map(str, DEFAULT_CFL)), "Lengths of the time step, dt c/h."),
             "periods": RealFlag}
-

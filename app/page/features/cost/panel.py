@@ -10,9 +10,8 @@ import viser
 
 from app.language.spoken import tr
 from app.page.features.cost import words
-from app.page.features.cost.headline import headline, line
 from app.page.features.cost.jobs import CostStatus, Jobs, QuietStage, search, small_sweep, timings
-from app.page.features.cost.picture import Axes, axes, picture
+from app.page.features.cost.picture import Axes, axes, headline, line, picture
 from app.page.features.cost.runs import LIVE, LiveRows, Runs, comparable, csv_bytes, question, staged
 from app.page.panels.head import BESIDE
 from app.page.visit.history import History
