@@ -128,8 +128,7 @@ def _data(lesson: Lesson, right: Mapping[str, list[Any]], stages: Mapping[tuple[
             "elsewhere": [tr(name) for control, name in ELSEWHERE.items() if control in lesson.controls],
             "language": lesson.language, "asks": asks, "steps": steps,
             "schema": progress.SCHEMA, "longest_name": progress.LONGEST_NAME, "longest": LONGEST, "most": MOST,
-            "bare": BARE, "digits": DIGITS,
-            "told_after": TOLD_AFTER, "bets": bet_words(),
+            "bare": BARE, "digits": DIGITS, "told_after": TOLD_AFTER, "bets": bet_words(),
             "fold": {letter: letter.casefold() for letter in letters if letter.casefold() != letter.lower()},
             "spaces": "".join(letter for letter in letters if letter.isspace())}
 

@@ -174,8 +174,7 @@ class Stage(ABC, Generic[AnyScene]):
         with np.errstate(all="ignore"):  # a run gone bad holds anything
             halves = [shades(self._scale, sizes, count, unknown) for sizes in (estimated, true)]
             crossed = recent(since, scene, speed) & self._marked
-            marks = [*self._moving(scene, arrays, halves[0], halves[1], t, crossed,
-                                   ages(since[crossed], scene, speed))]
+            marks = [*self._moving(scene, arrays, halves[0], halves[1], t, crossed, ages(since[crossed], scene, speed))]
             if self.plotted:
                 at, shown = self._along(arrays), halves[1] if true is not None else halves[0]
                 marks += self._field.draw(self._places, scene, self.plotted, self.magnified, at, arrays.plotted, t,

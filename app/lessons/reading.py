@@ -177,8 +177,7 @@ def _step(part: Part, lesson: Lesson) -> Step:
     if kind in NEEDED and NEEDED[kind] not in seen:
         raise LessonError(part.line, f"a step that begins with {kind.capitalize()} needs a {NEEDED[kind]} block")
     key = re.sub(r"[^a-z0-9]+", "-", title.lower()).strip("-")[:60] or "step"
-    step = Step(kind, title, key, part.line, "\n".join(part.text).strip(), notes_of(part),
-                core=core)
+    step = Step(kind, title, key, part.line, "\n".join(part.text).strip(), notes_of(part), core=core)
     for name, text, line in part.blocks:
         if name == "run":
             found, stage = blocks.runs(text, line, lesson.variants)

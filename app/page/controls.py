@@ -200,8 +200,7 @@ class Controls:
     def _choose_problem(self) -> None:
         """Another problem has other choices and reaches."""
         if self.problem.value != tr(self._session.scene.TITLE):
-            kind = next(problem.scene for problem in PROBLEMS.values()
-                        if tr(problem.scene.TITLE) == self.problem.value)
+            kind = next(problem.scene for problem in PROBLEMS.values() if tr(problem.scene.TITLE) == self.problem.value)
             self.load(first_scene(kind.problem))
 
     def _build(self) -> None:

@@ -7,9 +7,10 @@ from html import escape
 import viser
 
 from app.language.spoken import tr
-from app.page.panels.plots import Past, Plots
+from app.page.panels.plots import Plots
 from app.page.panels.readout import Readout
 from app.page.panels.timeline import Now, Timeline
+from app.page.visit.history import RunSeries
 from app.page.visit.pinned import PinnedRun
 from app.page.visit.trace import Traced
 from solvers.scene.scene import Scene
@@ -27,7 +28,7 @@ class Numbers:
     """
 
     readout: Readout
-    past: Past | None
+    past: RunSeries | None
     estimators: tuple[str, ...]
     valid: tuple[str, ...]
     drawn: str | None

@@ -19,7 +19,7 @@ from app.page.features.budget.panel import BudgetFold
 from app.page.features.cost.panel import CostTab
 from app.page.features.lesson.marking import Classroom
 from app.page.features.lesson.panel import Player
-from app.page.features.own.panel import OwnCode, OwnFile
+from app.page.features.own.panel import OwnCode
 from app.page.features.slow import SlowMotion, SlowStep
 from app.page.live import LiveRun
 from app.page.measurements import Measurements
@@ -77,7 +77,7 @@ class Page:
                             lambda scene: self._controls.load(scene))
         self._tabs(client)
         run = LiveRun(self._session, self._recent, self._trace, self._cost.notice)
-        self._sources = OwnFile(self._own), SlowStep(self._slow, run), run  # the first that is on is seen
+        self._sources = self._own, SlowStep(self._slow, run), run  # the first that is on is seen
         self._controls.begin()
         self._sparks = Sparks(client.gui, self._session, lambda: self._controls.state, self._controls.show,
                               self._looking.back_to)

@@ -72,8 +72,8 @@ class Check:
             put_text(summary(values) + "\n")
         if folder is None:
             return 0
-        from app.pictures.check import FIGURES
-        return put_report(folder, values, checked, FIGURES, lambda drawn: as_markdown(values, drawn))
+        from app.pictures.judge import CHECKED
+        return put_report(folder, values, checked, CHECKED, lambda drawn: as_markdown(values, drawn))
 
 
 def outcome(values: Mapping[str, Any]) -> dict[str, Any]:

@@ -121,9 +121,7 @@ class ProblemButtons:
         """Mark the one that is chosen; a lesson may offer none."""
         titles = {problem: tr(title) for problem, title in TITLES.items() if offered}
         said = json.dumps({"titles": titles, "chosen": chosen})
-        content = f"<i class='lab-problems' data-said='{escape(said)}'></i>"
-        if content != self._html.content:
-            self._html.content = content
+        self._html.content = f"<i class='lab-problems' data-said='{escape(said)}'></i>"
 
     def _hear(self, said: Any) -> None:
         if isinstance(said, str) and said in TITLES:

@@ -14,7 +14,7 @@ from app.frame.captions import ESTIMATED, TRUE, why_no_numbers
 from app.language.heard import heard
 from app.language.spoken import later, tr
 from app.page.stage.worst import WorstRegion, WorstRegions
-from app.page.visit.history import History, until
+from app.page.visit.history import History, last, until
 from app.page.visit.pinned import PinnedRun
 from app.page.visit.session import Session
 from app.words import NOTHING, QUANTITIES, differing, ratio, with_unit
@@ -96,8 +96,7 @@ def judged(report: FrameReport, series: dict[str, np.ndarray], quantity: str, dr
         if says := why_not[name]:
             judges[name] = {"says": says[:1].upper() + says[1:]}
         else:
-            values = series.get(f"{name}/index_{quantity}", np.zeros(0))
-            at = place(float(values[-1]) if len(values) else math.nan)
+            at = place(last(series, f"{name}/index_{quantity}"))
             counts = track_record.right(report.scene, name, quantity)  # None where nobody counted
             judges[name] = {"index": _ratio(series, f"{name}/index_{quantity}"), "at": at,
                             "trust": "" if counts is None else tr(
@@ -302,12 +301,10 @@ def line(colour: str, dashes: tuple[int, ...] = ()) -> str:
 
 
 def norm(series: dict[str, np.ndarray], name: str, unit: str) -> str:
-    values = series.get(name, np.zeros(0))
-    return with_unit(float(values[-1]), unit) if len(values) and np.isfinite(values[-1]) else NOTHING
+    return with_unit(value, unit) if math.isfinite(value := last(series, name)) else NOTHING
 
 
 def _ratio(series: dict[str, np.ndarray], name: str) -> str:
-    values = series.get(name, np.zeros(0))
-    if not len(values) or not np.isfinite(values[-1]):
+    if not math.isfinite(value := last(series, name)):
         return NOTHING
-    return ratio(float(values[-1])).replace(" × ", "×")  # else it seems to go on from the number before
+    return ratio(value).replace(" × ", "×")  # else it seems to go on from the number before

@@ -90,11 +90,10 @@ def _beginning(board: Board, door: Door) -> str:
     here = board.tally.here
     count = trn("{count} is here.", "{count} are here.", here) if here else tr(NOBODY)
     first, then = tr("Open"), tr("and type the class code")
-    image = tr("the link with the code, for phones")
     return f"<h2>{escape(board.lesson.title)}</h2><div class='lab-door'><div><p>{first}</p>" \
            f"<p class='lab-address'>{escape(door.link)}</p><p>{then}</p>" \
            f"<p class='lab-class-code'>{escape(door.code)}</p><p class='lab-said'>{count}</p>{warning}</div>" \
-           f"<figure role='img' aria-label='{image}'>{picture}</figure></div>"
+           f"<figure role='img' aria-label='{tr('the link with the code, for phones')}'>{picture}</figure></div>"
 
 
 def _step(board: Board, place: Place, step: Step) -> str:

@@ -134,8 +134,7 @@ class CostTab:
         self._tolerance = gui.add_text(tr("Tolerance / A"), TOLERANCE, hint=tr(
             "largest RMS error of x that is allowed at any time of one period, as a part of the amplitude A"))
         self._tolerance.on_update(lambda _: self.refresh())
-        self._budget = gui.add_text(tr("Longest run, s"), BUDGET,
-                                    hint=tr("longest bare run that may be recommended"))
+        self._budget = gui.add_text(tr("Longest run, s"), BUDGET, hint=tr("longest bare run that may be recommended"))
         gui.add_html("<i class='lab-primary'></i>")
         self._search = gui.add_button(tr("Find the cheapest run"), icon=viser.Icon.TARGET_ARROW, hint=tr(
             "tries methods, cells, particles per cell and steps in the background, on estimates alone"))

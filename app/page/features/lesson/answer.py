@@ -76,9 +76,7 @@ class AnswerWidgets:
             value = in_unit(there, self._asked.unit)
             told = tr("You say {name} = <b>{value}</b>", name=name, value=value) if self._slider else \
                 tr("The stage has {name} = <b>{value}</b>", name=name, value=value)
-        content = f"<div class='lab-lesson lab-there'>{told}</div>"
-        if self._said.content != content:
-            self._said.content = content
+        self._said.content = f"<div class='lab-lesson lab-there'>{told}</div>"
 
     @property
     def _there(self) -> float | None:

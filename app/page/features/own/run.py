@@ -150,8 +150,7 @@ def readout(run: OwnRun, k: int, quantity: str, probed: str | None) -> Readout:
             (tr("time"), tr("{time:.4g} s = {periods:.2f} periods", time=run.times[k],
                             periods=run.times[k] / run.scene.period)),
             (tr("grid"), tr("{cells} cells, h = {spacing}", cells=run.scene.cells,
-                            spacing=with_unit(run.scene.spacing, "m"))),
-            (tr("particles"), f"{run.particles(k):,}"),
+                            spacing=with_unit(run.scene.spacing, "m"))), (tr("particles"), f"{run.particles(k):,}"),
             *([(tr("crossings"), tr("{n:,} at least", n=verdict["crossings_at_least"]))] if verdict else []),
             (tr("region"), escape(probed or tr(DRAG)))]
     run_of = table("".join(f"<tr><td>{name}</td>\n<td>{text}</td></tr>\n" for name, text in rows))
