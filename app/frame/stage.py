@@ -7,13 +7,12 @@ from typing import Any, ClassVar, Generic, Literal, TypeVar
 
 import numpy as np
 
-from app.frame.captions import ALIKE, ALIKE_LOST, marks_note
+from app.frame.captions import ALIKE, ALIKE_LOST, Half, marks_note
 from app.frame.crossings import ages, recent
 from app.frame.field import FieldPlot, Plotted
 from app.frame.layout import Rectangle, Seat
 from app.frame.marks import Label, Mark, Room, Sheet, shades
 from app.frame.scale import ColourScale
-from app.frame.view import Half
 from app.language.spoken import later, tr
 from app.words import brief
 from solvers.engine.frames import FrameArrays

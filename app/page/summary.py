@@ -10,9 +10,9 @@ import numpy as np
 import viser
 
 from app.frame.budget import blamed
+from app.frame.captions import View
 from app.frame.crossings import recent, window
 from app.frame.sentence import BACK, LAST, LOST, PAUSED, SO_FAR, UNSTABLE, Said, error_words, errors, fill
-from app.frame.view import View
 from app.language.spoken import later, tr, trn
 from app.page.stage.worst import WorstRegions
 from app.page.visit.history import last, until

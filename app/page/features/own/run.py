@@ -9,9 +9,8 @@ from pathlib import Path
 
 import numpy as np
 
-from app.frame.captions import TRUE, UNKNOWN
+from app.frame.captions import TRUE, UNKNOWN, View, view
 from app.frame.sentence import Said, error_words, errors
-from app.frame.view import View, view
 from app.language.heard import heard
 from app.language.spoken import later, tr
 from app.page.panels.readout import DRAG, Readout, named, row, table
