@@ -4,7 +4,7 @@ from the JSON object."""
 from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Annotated, Any, ClassVar
+from typing import TYPE_CHECKING, Annotated, Any, ClassVar
 
 import numpy as np
 import tyro
@@ -20,11 +20,13 @@ from app.templates import rendered
 from app.words import NOTHING, QUANTITIES, method_name, moving, particles_per_cell, ratio, with_unit
 from solvers.judging.findings.finding import OFF
 from solvers.judging.measure import QUANTITIES as JUDGED
-from solvers.judging.verdict import BY_PLACE, Judgement
 from solvers.outside.file_error import FileError
 from solvers.outside.quoting import code, file_name, markdown
 from solvers.problems.reference import OF_METHODS
 from solvers.study.markdown import grid
+
+if TYPE_CHECKING:
+    from solvers.judging.verdict import Judgement  # which reads files of all kinds: --help must not wait for it
 
 COMPANION = "companion"
 #: What ``--expect`` may ask for: error.x.max of each grid, last(error.x.max) of the finest; order.x, of the largest
@@ -120,7 +122,7 @@ OF_SOME = (("poisson_ratio", "Poisson's ratio", ""), ("frequency", "frequency B 
 HERE = Path(__file__).parent
 
 
-def summary(values: dict, judged: Judgement) -> str:
+def summary(values: dict, judged: "Judgement") -> str:
     """What was judged, how large the errors are, and what does not hold."""
     scene, asked = judged.scene, values["scene"]
     more = [f"{name} {asked[key]:g}{unit}" for key, name, unit in OF_SOME if key in asked]
@@ -137,7 +139,7 @@ def summary(values: dict, judged: Judgement) -> str:
     return "\n\n".join(head)
 
 
-def as_markdown(values: dict, judged: Judgement, pictures: list[str]) -> str:
+def as_markdown(values: dict, judged: "Judgement", pictures: list[str]) -> str:
     """The report; pictures stand after the summary."""
     shown = [f"![{CAPTIONS[name]}]({name})" for name in pictures]
     body = [_grid(g, values, several=len(values["grids"]) > 1) for g in values["grids"]]
@@ -145,7 +147,7 @@ def as_markdown(values: dict, judged: Judgement, pictures: list[str]) -> str:
     return "\n\n".join([summary(values, judged), *shown, *order, *body, rendered(HERE / "how.md")])
 
 
-def _largest(values: dict, judged: Judgement) -> str:
+def _largest(values: dict, judged: "Judgement") -> str:
     heads = ["cells", "h", "particles", "times", *(f"largest {QUANTITIES[q].symbol}" for q in JUDGED), "of the motion"]
     rows = []
     for g, one in zip(values["grids"], judged.grids, strict=True):
@@ -165,6 +167,7 @@ def _errors(g: dict) -> dict:
 
 def _verdict(g: dict, values: dict) -> str:
     """A grid in two or three sentences: how large, against ours, and whether something is by itself."""
+    from solvers.judging.verdict import BY_PLACE
     x = _errors(g)["x"]["max"]
     sentences = [f"**{g['cells']} cells:** the error of x is up to {_size(x, 'x')}." if any(g["times"]) else
                  f"**{g['cells']} cells: only the start was given, t = 0, and nothing that was computed.**"]

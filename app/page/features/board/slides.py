@@ -184,16 +184,13 @@ def _end(board: Board) -> str:
 
 def calibration(found: list[Scored]) -> list[str]:
     """How well a class has known what it knows: predictions, observations and intervals, a sentence each."""
-    def share(some: list[Scored]) -> tuple[int, int]:
-        return sum(one.right for one in some), sum(one.answers for one in some)
-
     said = []
     intervals = [one for one in found if one.step.asked.kind == INTERVAL]
     for sentence, some in (
             (PREDICTIONS, [one for one in found if one not in intervals and one.step.kind == PREDICT]),
             (OBSERVATIONS, [one for one in found if one not in intervals and one.step.kind != PREDICT]),
             (INTERVALS, intervals)):
-        right, of = share(some)
+        right, of = sum(one.right for one in some), sum(one.answers for one in some)
         if of:
             level = sum(one.step.asked.level * one.answers for one in some) / of  # of predictions it is not said
             said.append(tr(sentence, right=right, of=of, share=f"{100 * right / of:.0f}", level=f"{100 * level:.0f}"))
