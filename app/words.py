@@ -65,8 +65,7 @@ EXTRA_NORMS = {"sigma_log": Quantity("stress", "σ, E ln F", "Pa"),
 #: Fields of a scene that say nothing of the run itself, or only together: the time step's.
 UNSAID = ("problem", "dt", "cfl", "t_end", "periods", "effects", "arch", "threads", "sample_every")
 #: Sizes of a scene, by their symbols.
-SYMBOLS = {"amplitude": "A", "modulus": "E", "density": "ρ", "stretch": "F", "initial_velocity": "v",
-           "frequency": "B"}
+SYMBOLS = {"amplitude": "A", "modulus": "E", "density": "ρ", "stretch": "F", "initial_velocity": "v", "frequency": "B"}
 #: Fields that some problems have, beside what moves them all.
 OF_SOME = ("motion", "stretch", "initial_velocity")
 #: What a scene's fields may be, in words that are put into the visitor's language by :func:`choices`, in the order in

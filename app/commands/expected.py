@@ -1,7 +1,7 @@
 """What ``--expect`` asks of a report, in the language of the lessons' claims: refused where no report can decide it,
 and said line by line."""
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -31,17 +31,12 @@ class Expectable:
         ``over`` of their scenes."""
         missed = 0
         scope = Scope({self.name: Outcome(outcomes, over)}, self.name, self.vocabulary)
-        for claim, holds, found in _decided(claims, scope):
+        for claim in claims:
+            try:
+                decided = decide(claim, scope)
+                holds, found = decided.holds, ", ".join(dict.fromkeys(decided.found.split(", ")))  # order: of all grids
+            except ClaimError as error:  # one that has no value here does not hold
+                holds, found = False, str(error)
             say(f"expected {quoted(claim)}: {'holds' if holds else 'DOES NOT HOLD'} ({found})")
             missed |= not holds
         return int(missed)
-
-
-def _decided(claims: Sequence[str], scope: Scope) -> Iterator[tuple[str, bool, str]]:
-    """Each claim, whether it holds of the report, and what was found; one that has no value here does not hold."""
-    for claim in claims:
-        try:
-            found = decide(claim, scope)
-            yield claim, found.holds, ", ".join(dict.fromkeys(found.found.split(", ")))  # an order is of all grids
-        except ClaimError as error:
-            yield claim, False, str(error)

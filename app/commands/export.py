@@ -97,7 +97,7 @@ class Export:
         names = list(dict.fromkeys(map(lesson_called, self.what.split())))
 
         def of_lessons(show: Callable[..., None]) -> bytes:
-            from app.export.course import package
+            from app.export.lesson import package
             return package([_read(name) for name in names], processes, show, core=self.core)
 
         return of_lessons

@@ -109,17 +109,17 @@ def times_of(words: tuple[str, ...], flag: str) -> list[float]:
     return times
 
 
-def require_files(files: Sequence[str]) -> None:
-    """Refuse none, and too many."""
+def times_for(files: Sequence[str], words: tuple[str, ...]) -> list[float]:
+    """The times of ``--time`` in s, one for each file; none where the files say them. Files that are none, too many or
+    not there are refused, before anything is written."""
     if not files:
         raise BadInput("", "", "give one or several files of particles")
     if len(files) > MOST_FILES:
         raise BadInput("", f"{len(files)} files", f"are too many; give at most {MOST_FILES:,}, each with many times "
                        "perhaps")
-
-
-def look_for(files: Sequence[str]) -> None:
-    """Refuse a file that is not there, before anything is written."""
+    times = times_of(words, "time")
+    if times and len(times) != len(files):
+        raise BadInput("time", " ".join(words), f"gives {len(times)} times for {len(files)} files; give one for each")
     for file in files:
         try:
             os.stat(file)
@@ -127,11 +127,4 @@ def look_for(files: Sequence[str]) -> None:
             why = getattr(error, "strerror", None) or str(error)
             raise BadInput("", file, f"cannot be read: {why.lower()}; give a file that exists and may be "
                                      "read") from None
-
-
-def times_for(files: Sequence[str], words: tuple[str, ...]) -> list[float]:
-    """The times of ``--time`` in s, one for each file; none where the files say them."""
-    times = times_of(words, "time")
-    if times and len(times) != len(files):
-        raise BadInput("time", " ".join(words), f"gives {len(times)} times for {len(files)} files; give one for each")
     return times

@@ -8,18 +8,7 @@ from typing import TYPE_CHECKING, Annotated, ClassVar, TypeVar
 
 import tyro
 
-from app.commands.flags import (
-    BadInput,
-    FilesFlag,
-    NamesFlag,
-    NumberFlag,
-    PathFlag,
-    ProcessesFlag,
-    Switch,
-    TextFlag,
-    default_hint,
-    side_by_side,
-)
+from app.commands import flags
 from app.commands.output import Folder, Target, json_target, put_result, put_text, say
 from app.commands.progress import working
 from app.language.spoken import ENGLISH, LANGUAGES, speaking
@@ -69,19 +58,19 @@ class LessonCheck:
 
     EXAMPLE: ClassVar[str] = "mpm-lab lesson check 4 --variants 1"
 
-    names: Annotated[NamesFlag, tyro.conf.Positional, default_hint("all")] = ()
+    names: Annotated[flags.NamesFlag, tyro.conf.Positional, flags.default_hint("all")] = ()
     """Lessons, by name or number, and pages for a class, by name."""
-    variants: Annotated[NumberFlag, default_hint("all")] = None
+    variants: Annotated[flags.NumberFlag, flags.default_hint("all")] = None
     """How many of each lesson's sets of numbers are tried."""
-    processes: ProcessesFlag = None
+    processes: flags.ProcessesFlag = None
     """Processes that run scenes."""
-    json: Annotated[PathFlag, default_hint("failures and a count are printed instead")] = None
+    json: Annotated[flags.PathFlag, flags.default_hint("failures and a count are printed instead")] = None
     """File for every check as JSON; - is standard output."""
-    quiet: Annotated[Switch, default_hint("off")] = False
+    quiet: Annotated[flags.Switch, flags.default_hint("off")] = False
     """No progress bar."""
 
     def execute(self) -> int:
-        processes = side_by_side(self.processes)
+        processes = flags.side_by_side(self.processes)
         if self.variants is not None:
             require_whole("variants", self.variants, 1, 1000)
         target = json_target(self.json)
@@ -121,15 +110,15 @@ class LessonGuide:
 
     EXAMPLE: ClassVar[str] = "mpm-lab lesson guide 4 --out guide.html"
 
-    name: Annotated[TextFlag, tyro.conf.Positional] = ""
+    name: Annotated[flags.TextFlag, tyro.conf.Positional] = ""
     """Lesson, by name or number."""
-    out: Annotated[PathFlag, default_hint("Markdown on standard output")] = None
+    out: Annotated[flags.PathFlag, flags.default_hint("Markdown on standard output")] = None
     """File for the guide: .md, or .html to read and print."""
-    core: Annotated[Switch, default_hint("off")] = False
+    core: Annotated[flags.Switch, flags.default_hint("off")] = False
     """Of the core alone, without the deeper steps."""
-    lang: TextFlag = ENGLISH
+    lang: flags.TextFlag = ENGLISH
     """Language: en or de; of a lesson that is not in it all but the lesson."""
-    quiet: Annotated[Switch, default_hint("off")] = False
+    quiet: Annotated[flags.Switch, flags.default_hint("off")] = False
     """No progress bar."""
 
     def execute(self) -> int:
@@ -138,7 +127,7 @@ class LessonGuide:
         from app.lessons.outcomes import Outcomes
         ending = "" if self.out is None else next((kind for kind in guide.KINDS if self.out.endswith(kind)), "")
         if self.out is not None and not ending:
-            raise BadInput("out", self.out, f"give a file that ends in {' or '.join(guide.KINDS)}")
+            raise flags.BadInput("out", self.out, f"give a file that ends in {' or '.join(guide.KINDS)}")
         target = None if self.out is None else Target("out", self.out)
         with speaking(self.lang):
             lessons, _ = _read((self.name,), lambda name: [shelf.lesson(name)])
@@ -161,18 +150,18 @@ class LessonGrade:
 
     EXAMPLE: ClassVar[str] = "mpm-lab lesson grade answers-*.json --out marks.csv"
 
-    files: Annotated[FilesFlag, tyro.conf.Positional] = ()
+    files: Annotated[flags.FilesFlag, tyro.conf.Positional] = ()
     """Files that the page has saved."""
-    out: Annotated[PathFlag, default_hint("standard output")] = None
+    out: Annotated[flags.PathFlag, flags.default_hint("standard output")] = None
     """File for the table, .csv."""
-    core: Annotated[Switch, default_hint("off")] = False
+    core: Annotated[flags.Switch, flags.default_hint("off")] = False
     """Count the questions of the core alone, for a class that was asked for no more."""
-    quiet: Annotated[Switch, default_hint("off")] = False
+    quiet: Annotated[flags.Switch, flags.default_hint("off")] = False
     """No progress bar."""
 
     def execute(self) -> int:
         if not self.files:
-            raise BadInput("", "", "give the files that students have handed in")
+            raise flags.BadInput("", "", "give the files that students have handed in")
         target = None if self.out is None else Target("out", self.out, ending=".csv")
         from app.lessons import grading, shelf
         from app.lessons.outcomes import Outcomes
@@ -198,7 +187,7 @@ class LessonScripts:
 
     EXAMPLE: ClassVar[str] = "mpm-lab lesson scripts --out scripts"
 
-    out: Annotated[PathFlag, default_hint("none, it must be given")] = None
+    out: Annotated[flags.PathFlag, flags.default_hint("none, it must be given")] = None
     """Directory for them, new or empty."""
 
     def execute(self) -> int:
@@ -225,7 +214,7 @@ def _answers(file: str) -> "tuple[str, Progress] | None":
     except (OSError, ValueError) as error:  # also progress.NotAnswers, and what is no UTF-8
         said = error.strerror.lower() if isinstance(error, OSError) and error.strerror else \
             "is no text" if isinstance(error, UnicodeDecodeError) else str(error)
-        say(BadInput("", file_name(file), said))
+        say(flags.BadInput("", file_name(file), said))
         return None
 
 
@@ -262,4 +251,4 @@ def lesson_called(name: str, also: Sequence[str] = ()) -> str:
     try:
         return shelf.called(name)
     except shelf.UnknownLesson as error:
-        raise BadInput("", name, ", ".join((str(error), *also))) from None
+        raise flags.BadInput("", name, ", ".join((str(error), *also))) from None

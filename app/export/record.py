@@ -254,8 +254,7 @@ def _head(wanted: Wanted, scene: Scene, solver: Solver, not_valid: dict[str, str
             "spacing": scene.spacing, "first_line": stage.first_line(scene), "step": scene.time_step,
             "steps": solver.step, "period": scene.period,
             "end": scene.end_time, "outermost": stage.outermost(scene), "ppc": scene.ppc,
-            "tile": stage.tile(scene),
-            "known": scene.solution_known,
+            "tile": stage.tile(scene), "known": scene.solution_known,
             "moves_on": not scene.swings, "least": {} if scene.swings else {
                 key: [share * scene.size_of(key) for share in (LEAST_TOP, LEAST_REACH)] for key in wanted.quantities},
             "estimators": scene.active_estimators, "not_valid": not_valid, "quantities": wanted.quantities,

@@ -9,24 +9,7 @@ from typing import Any
 from app import words
 from app.colours import CAUSES, PALETTE, PINNED, colour_table
 from app.export import quantise
-from app.frame import budget, crossings, field, layout, scale, sentence
-from app.frame.captions import (
-    ALIKE,
-    DIFFERENCE,
-    ESTIMATE,
-    NOT_COUNTED,
-    SIDE_BY_SIDE,
-    TRUTH,
-    FieldWords,
-    captions,
-    counting,
-    field_words,
-    marks_note,
-    not_estimated,
-    why_no_estimate,
-    why_no_numbers,
-    why_no_truth,
-)
+from app.frame import budget, captions, crossings, field, layout, scale, sentence
 from app.frame.layout import Seat
 from app.frame.marks import LIGHT, Label, Room
 from app.frame.stage import Stage, Words
@@ -54,11 +37,12 @@ def vocabulary(problems: Iterable[str]) -> dict[str, Any]:
             "colours": _colours(), "edge": layout.EDGE,
             "quantities": {key: {"noun": of.noun, "symbol": of.symbol, "unit": of.unit}
                            for key, of in words.QUANTITIES.items()},
-            "compare": (tr(SIDE_BY_SIDE), tr(DIFFERENCE)), "unknown": counting("{remark}", "{unknown}"),
+            "compare": (tr(captions.SIDE_BY_SIDE), tr(captions.DIFFERENCE)),
+            "unknown": captions.counting("{remark}", "{unknown}"),
             "sentences": {"unstable": tr(sentence.UNSTABLE), "last": tr(sentence.LAST), "lost": tr(sentence.LOST),
                           "now": tr(sentence.NOW), "paused": tr(sentence.PAUSED), "less": tr(sentence.LESS),
                           "more": tr(sentence.MORE), "all": sentence.ALL_OF_IT,
-                          "not_counted": tr(NOT_COUNTED)},
+                          "not_counted": tr(captions.NOT_COUNTED)},
             "budget": {"causes": {name: {"words": tr(said), "meaning": tr(budget.MEANINGS[name]),
                                          "colour": CAUSES[name].light} for name, said in causes.CAUSES.items()},
                        "fields": causes.FIELDS, "units": budget.UNITS, "seen": budget.SEEN,
@@ -77,7 +61,7 @@ def stage_data(stage: type[Stage]) -> dict[str, Any]:
     """
     return {"mirrors": stage.MIRRORS, "outlined": stage.OUTLINED, "lines": stage.LINES,
             "plot": {"start": stage.PLOT.start, "end": stage.PLOT.end, "along": stage.PLOT.where is not None},
-            "alike": tr(ALIKE).format(tr(stage.HALVES)),
+            "alike": tr(captions.ALIKE).format(tr(stage.HALVES)),
             "rooms": {name: _laid_out(stage, room.settled()) for name, room in ROOMS.items()}}
 
 
@@ -85,9 +69,10 @@ def _laid_out(stage: type[Stage], room: Room) -> dict[str, Any]:
     """A stage in a room."""
     places = stage.places(room, Seat.ALONE)
     top = layout.top(room, room.high)
-    said = Words((tr(ESTIMATE[0]), tr(TRUTH)), (LATER, LATER), (LATER, LATER), "", LATER, LATER, LATER)
+    halves = tr(captions.ESTIMATE[0]), tr(captions.TRUTH)
+    said = Words(halves, (LATER, LATER), (LATER, LATER), "", LATER, LATER, LATER)
     labels: list[Label] = [*stage.labels(said, places),
-                           *field.labels(places, stage.PLOT.ends, FieldWords(LATER, LATER), 1, LATER, True)]
+                           *field.labels(places, stage.PLOT.ends, captions.FieldWords(LATER, LATER), 1, LATER, True)]
     of = [label for label in layout.bar_labels(top, room.gutter > 0, "x", []) if label.text]
     own = {name: value for name, value in vars(places).items() if name not in ("room", "seat", "rectangle", "field")}
     return {"pixels": room.pixels, "high": room.high, "gutter": room.gutter, "box": asdict(places.field), **own,
@@ -110,8 +95,8 @@ def texts(scene: Scene, not_valid: Mapping[str, str], silent: Mapping[str, Colle
     estimator ("" for none) the captions of both halves, side by side and, if wanted, as ``difference``, and what is
     said of the errors. ``silent`` are the estimators by quantity that have no number of it."""
     component = VIEWS[scene.problem].stage.PLOT.component
-    return {key: {"rows": why_no_numbers(scene, not_valid, key, silent[key]),
-                  "field": vars(field_words(scene, component, key)),
+    return {key: {"rows": captions.why_no_numbers(scene, not_valid, key, silent[key]),
+                  "field": vars(captions.field_words(scene, component, key)),
                   "by": {name: _by(scene, not_valid, key, name, silent[key], difference)
                          for name in scene.estimators or ("",)}} for key in silent}
 
@@ -119,14 +104,14 @@ def texts(scene: Scene, not_valid: Mapping[str, str], silent: Mapping[str, Colle
 def notes(scene: Scene, every: int) -> dict[str, str]:
     """What stands at the stage, on which one particle in ``every`` is marked where it crosses."""
     stage = VIEWS[scene.problem].stage
-    return {"note": stage.note(scene), "marks": marks_note(stage.MARKED, every)}
+    return {"note": stage.note(scene), "marks": captions.marks_note(stage.MARKED, every)}
 
 
 def _by(scene: Scene, not_valid: Mapping[str, str], quantity: str, name: str, silent: Collection[str],
         difference: bool) -> dict[str, Any]:
-    estimator, no_truth = name or None, why_no_truth(scene, quantity)
-    no_estimate = why_no_estimate(scene, not_valid, estimator, quantity) \
-        or f"{name} {not_estimated(quantity)}" * (name in silent)
-    return {"captions": [vars(captions(quantity, estimator, apart, no_estimate, no_truth))
+    estimator, no_truth = name or None, captions.why_no_truth(scene, quantity)
+    no_estimate = captions.why_no_estimate(scene, not_valid, estimator, quantity) \
+        or f"{name} {captions.not_estimated(quantity)}" * (name in silent)
+    return {"captions": [vars(captions.captions(quantity, estimator, apart, no_estimate, no_truth))
                          for apart in (False, True)[:1 + difference]],
             "errors": vars(sentence.error_words(scene, quantity, estimator, no_estimate, no_truth))}

@@ -7,9 +7,9 @@ from typing import Any, ClassVar, Literal, TypeVar
 import numpy as np
 
 from app.frame.layout import EDGE, Seat
-from app.frame.marks import Dots, Label, Lines, Mark, Room, in_plane, joined
-from app.frame.planar_places import AROUND, PlanarPlaces, planar_labels, planar_places
-from app.frame.stage import Stage, Words, Worst
+from app.frame.marks import Dots, Label, Lines, Mark, in_plane, joined
+from app.frame.planar_places import AROUND, planar_labels, planar_places
+from app.frame.stage import Stage, Worst
 from app.language.spoken import later, tr
 from solvers.engine.frames import FrameArrays
 from solvers.problems.planar.layout import half_edges, particle_layout
@@ -49,13 +49,7 @@ class PlanarStage(Stage[PlaneScene]):
         """Half the edge vectors (P, 2, 2) in metres of the particles' domains for deformation gradients F (P, 2, 2)."""
         return half_edges(scene, F, particle_layout(scene).edges)
 
-    @staticmethod
-    def places(room: Room, seat: Seat) -> PlanarPlaces:
-        return planar_places(room, seat)
-
-    @staticmethod
-    def labels(words: Words, places: PlanarPlaces) -> Iterator[Label]:
-        return planar_labels(words, places)
+    places, labels = staticmethod(planar_places), staticmethod(planar_labels)
 
     def region(self, low: tuple[float, float], high: tuple[float, float], arrays: FrameArrays) -> np.ndarray:
         """Which particles (P,) lie, or have a mirror image, in the rectangle from ``low`` to ``high`` of the stage."""

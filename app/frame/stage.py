@@ -7,13 +7,12 @@ from typing import Any, ClassVar, Generic, Literal, TypeVar
 
 import numpy as np
 
-from app.frame.captions import ALIKE, ALIKE_LOST, marks_note
+from app.frame.captions import ALIKE, ALIKE_LOST, Half, marks_note
 from app.frame.crossings import ages, recent
 from app.frame.field import FieldPlot, Plotted
 from app.frame.layout import Rectangle, Seat
 from app.frame.marks import Label, Mark, Room, Sheet, shades
 from app.frame.scale import ColourScale
-from app.frame.view import Half
 from app.language.spoken import later, tr
 from app.words import brief
 from solvers.engine.frames import FrameArrays
@@ -174,8 +173,7 @@ class Stage(ABC, Generic[AnyScene]):
         with np.errstate(all="ignore"):  # a run gone bad holds anything
             halves = [shades(self._scale, sizes, count, unknown) for sizes in (estimated, true)]
             crossed = recent(since, scene, speed) & self._marked
-            marks = [*self._moving(scene, arrays, halves[0], halves[1], t, crossed,
-                                   ages(since[crossed], scene, speed))]
+            marks = [*self._moving(scene, arrays, halves[0], halves[1], t, crossed, ages(since[crossed], scene, speed))]
             if self.plotted:
                 at, shown = self._along(arrays), halves[1] if true is not None else halves[0]
                 marks += self._field.draw(self._places, scene, self.plotted, self.magnified, at, arrays.plotted, t,

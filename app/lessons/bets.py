@@ -19,11 +19,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 
 from app.lessons.lesson import INTERVAL, Lesson, Step
-from solvers.study.coverage.draws import QUANTITIES
 from solvers.study.coverage.track_record import JUDGES, LEVEL, Ends
-
-__all__ = ["BETTORS", "BY_ROUND", "JUDGES", "LEVEL", "OWN", "PATH", "QUANTITIES", "YOURS", "Bet", "Bettor", "Ends",
-           "about_bets", "asked_before", "score", "told", "word"]
 
 YOURS, BY_ROUND = "yours", "yours by round"
 OWN = (YOURS, BY_ROUND)  # whose answers are, and no judge's

@@ -162,32 +162,23 @@ def bettors(text: str, line: int) -> tuple[str, ...]:
     return tuple(dict.fromkeys(found))
 
 
-def _level(values: Mapping[str, Any], key: str, line: int) -> float:
-    expected = "give a chance above 0 and below 1, such as 0.8"
-    found = require(values, key, (int, float), expected, line)
-    if not 0 < found < 1:
-        raise LessonError(line, f"{key} = {found}: {expected}")
-    return float(found)
+def _fitting(kind: Any, fits: Callable[[Any], bool], expected: str) -> Callable[[Mapping[str, Any], str, int], Any]:
+    """Reads a word, or a number as a float, that ``fits``; an error says what was ``expected``."""
+    def read(values: Mapping[str, Any], key: str, line: int) -> Any:
+        found = require(values, key, kind, expected, line)
+        if not fits(found):
+            raise LessonError(line, f"{key} = {found}: {expected}")
+        return found if kind is str else float(found)
 
-
-def _tolerance(values: Mapping[str, Any], key: str, line: int) -> float:
-    expected = "give a part of the expected value, above 0 and up to 1, such as 0.1"
-    found = require(values, key, (int, float), expected, line)
-    if not 0 < found <= 1:
-        raise LessonError(line, f"{key} = {found}: {expected}")
-    return float(found)
-
-
-def _control(values: Mapping[str, Any], key: str, line: int) -> str:
-    expected = f"give one of {', '.join(DRAGGED)}"
-    found = str(require(values, key, str, expected, line))
-    if found not in DRAGGED:
-        raise LessonError(line, f"{key} = {found}: {expected}")
-    return found
+    return read
 
 
 _READ: dict[str, Callable[[Mapping[str, Any], str, int], Any]] = {
-    "options": texts, "holds": texts, "tolerance": _tolerance, "control": _control, "level": _level,
+    "options": texts, "holds": texts,
+    "control": _fitting(str, DRAGGED.__contains__, f"give one of {', '.join(DRAGGED)}"),
+    "level": _fitting((int, float), lambda level: 0 < level < 1, "give a chance above 0 and below 1, such as 0.8"),
+    "tolerance": _fitting((int, float), lambda part: 0 < part <= 1,
+                          "give a part of the expected value, above 0 and up to 1, such as 0.1"),
     "expected": lambda values, key, line: str(require(values, key, (str, int, float), "give a number or an expression "
                                                       "such as \"error.x.max\"", line)),
     "correct": lambda values, key, line: require(values, key, int, "give the number of the right option", line),

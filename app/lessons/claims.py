@@ -30,6 +30,7 @@ from solvers.scene.causes import CAUSES, FIELDS
 from solvers.scene.effects import ALL
 from solvers.scene.extensions import load_extensions
 from solvers.scene.registry import ESTIMATORS
+from solvers.study.coverage import draws
 
 WORDS = {word: word for word in ("ok", "unstable", "lost", "yes", "no")}
 NORMS = ("final", "max", "mean")
@@ -55,7 +56,7 @@ def paths() -> Vocabulary:
         "error": ((*QUANTITIES, *EXTRA_NORMS), NORMS), "estimate": (estimators, tuple(QUANTITIES), NORMS),
         "index": (estimators, tuple(QUANTITIES)), "distance": (estimators, tuple(QUANTITIES)),
         "budget": (FIELDS, tuple(CAUSES)), "rms": (FIELDS,), "predicted": (FIELDS, tuple(CAUSES)),
-        "bet": (tuple(map(bets.word, bets.JUDGES)), bets.QUANTITIES, ("low", "high", "score")),
+        "bet": (tuple(map(bets.word, bets.JUDGES)), draws.QUANTITIES, ("low", "high", "score")),
         "valid": (estimators,), "status": (), "steps": (), "particles": (), "t": (), **found,
         "step": (("dt", "bound", "margin"),), "life": (("accurate", "sound", "first_period"),),
         "seconds": (("run", "estimate"),),
@@ -180,8 +181,7 @@ def _parsed(text: str) -> ast.expr:
     except (SyntaxError, ValueError, RecursionError, MemoryError):  # of what is nested too deep, the last two
         raise ClaimError(f"'{quoted(text)}' cannot be read; give numbers, paths such as error.x.max, + - * / ** and "
                          f"{', '.join(f'{name}(…)' for name in FUNCTIONS)}") from None
-    allowed = (ast.BinOp, ast.UnaryOp, ast.USub, ast.Constant, ast.Attribute, ast.Name, ast.Call, ast.Load,
-               *_OPERATORS)
+    allowed = (ast.BinOp, ast.UnaryOp, ast.USub, ast.Constant, ast.Attribute, ast.Name, ast.Call, ast.Load, *_OPERATORS)
     for node in ast.walk(tree):
         if not isinstance(node, allowed) or (isinstance(node, ast.Constant) and not _is_real(node.value)):
             part = quoted(ast.unparse(node)) if isinstance(node, ast.expr) else "this"

@@ -15,7 +15,7 @@ from app.lessons import blocks, checking, reading, shelf
 from app.lessons.checking import Check
 from app.lessons.lesson import RUN, Lesson, LessonError, Step
 from app.lessons.outcomes import Outcomes
-from app.lessons.parts import Part, numbered, parts_of, split_head
+from app.lessons.reading import Part, numbered, parts_of, split_head
 
 FOLDER = shelf.FOLDER / "classes"
 TALK = 5  # minutes that a core's row may have beyond the core

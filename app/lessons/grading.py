@@ -64,8 +64,7 @@ def table(rows: Sequence[Graded]) -> str:
     """
     questions = {(row.lesson.name, key): None for row in rows for key in row.asked}
     several = len({row.lesson.name for row in rows}) > 1
-    bets = {(row.lesson.name, key) for row in rows for key, step in row.asked.items()
-            if step.asked.kind == INTERVAL}
+    bets = {(row.lesson.name, key) for row in rows for key, step in row.asked.items() if step.asked.kind == INTERVAL}
     heads = []
     for lesson, key in questions:
         head = f"{lesson}: {key}" if several else key

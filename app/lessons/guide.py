@@ -51,8 +51,7 @@ def markdown(lesson: Lesson, outcomes: Outcomes, core: bool = False) -> str:
 
 def page(lesson: Lesson, outcomes: Outcomes, core: bool = False) -> str:
     """The guide as one html file, with its pictures in it."""
-    return rendered(PAGE, language=language(), title=lesson.title,
-                    body=html(markdown(lesson, outcomes, core), FOLDER))
+    return rendered(PAGE, language=language(), title=lesson.title, body=html(markdown(lesson, outcomes, core), FOLDER))
 
 
 def _question(lesson: Lesson, step: Step, outcomes: Outcomes) -> Iterator[str]:

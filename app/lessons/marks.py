@@ -65,7 +65,8 @@ def right(lesson: Lesson, step: Step, numbers: Numbers, outcomes: Outcomes) -> R
     if asked.kind == CHOICE:
         options = (asked.correct,) if asked.correct is not None else \
             tuple(k for k, claim in enumerate(texts, 1) if decide(claim, scope).holds)
-        told = functools.reduce(_or, [filled(asked.options[k - 1], numbers) for k in options] or [""])
+        told = functools.reduce(lambda one, other: tr("{one} or {other}", one=one, other=other),
+                                [filled(asked.options[k - 1], numbers) for k in options] or [""])
         return Right(told, options)
     expected = value(texts[-1], scope)
     if asked.kind == INTERVAL and (isinstance(expected, str) or expected <= 0):
@@ -74,10 +75,6 @@ def right(lesson: Lesson, step: Step, numbers: Numbers, outcomes: Outcomes) -> R
     if asked.kind != INTERVAL and not isinstance(expected, str):
         told += f" (± {100 * asked.tolerance:g} %)"
     return Right(told, value=expected)
-
-
-def _or(one: str, other: str) -> str:
-    return tr("{one} or {other}", one=one, other=other)
 
 
 def expressions(asked: Question, numbers: Numbers) -> list[str]:
@@ -137,11 +134,8 @@ def _is_real(number: Any) -> bool:
     return isinstance(number, (int, float)) and not isinstance(number, bool) and abs(number) < MOST
 
 
-Intervals = Sequence[float]
-
-
-def laid(lesson: Lesson, step: Step, given: Mapping[str, Intervals], numbers: Numbers, outcomes: Outcomes) -> \
-        list[Bettor]:
+def laid(lesson: Lesson, step: Step, given: Mapping[str, Sequence[float]], numbers: Numbers,
+         outcomes: Outcomes) -> list[Bettor]:
     """Whose bets a step shows, on what was ``given`` an answer before it, by the questions' keys. Runs what it needs,
     and raises as :func:`app.lessons.marks.mark`."""
     steps = [other for other in asked_before(lesson, step) if other.key in given]

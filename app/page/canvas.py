@@ -10,8 +10,7 @@ from app.frame.layout import ColourBar
 from app.frame.scale import ColourScale
 from app.frame.stage import Stage
 from app.page.source import Choice, Picture, Sight
-from app.page.stage.camera import FlatCamera
-from app.page.stage.probe import Probe, TraceRings
+from app.page.stage.probe import FlatCamera, Probe, TraceRings
 from app.page.visit.trace import Trace
 from app.problems.views import VIEWS
 from app.renderers.viewer import Lettering, Sheet

@@ -10,14 +10,12 @@ from app.frame.scale import ColourScale
 from app.language.spoken import later, tr
 from app.page.features.budget.panel import who
 from app.page.features.slow import SlowMotion
-from app.page.panels.answers import Answers
-from app.page.panels.bound import BoundWidgets
+from app.page.panels.bound import Answers, BoundWidgets
 from app.page.panels.browser_store import BrowserStore
 from app.page.panels.change import RunWidgets
-from app.page.panels.estimators import Judges
 from app.page.panels.head import mark, marked
 from app.page.panels.looking import Drawn, Looking
-from app.page.panels.stage_choice import StageChoice
+from app.page.panels.stage_choice import Judges, StageChoice
 from app.page.source import Choice
 from app.page.transport import Transport
 from app.page.visit.session import Session, first_scene
@@ -46,20 +44,21 @@ class Controls:
         self._answers = Answers(gui)
         self._turn = threading.RLock()  # widgets must not be removed while others are made or changed among them
         self._bound, self._lasting = (BoundWidgets(gui, session, self._answers, self._turn) for _ in range(2))
-        self._problem_mark = gui.add_html("<i class='lab-at-problem'></i>")
-        self._problem = gui.add_dropdown(tr("Problem"), tuple(tr(problem.scene.TITLE) for problem in PROBLEMS.values()),
+        problem_mark = gui.add_html("<i class='lab-at-problem'></i>")
+        self.problem = gui.add_dropdown(tr("Problem"), tuple(tr(problem.scene.TITLE) for problem in PROBLEMS.values()),
                                          initial_value=tr(session.scene.TITLE),
                                          hint=tr("what moves; each has its own scene"))
-        self._stage = StageChoice(gui, session, scale, on_view)
+        self.stage = StageChoice(gui, session, scale, on_view)
         self._transport = Transport(gui, session, looking, slow, self._lasting, on_view)
+        self._parts = {"problem": (problem_mark, self.problem), **self.stage.parts, **self._transport.parts}
         self._drawn = Drawn(session, scale, looking, on_view)
         self._run = RunWidgets(session, self._bound, store)
-        self._judges = Judges(gui, session, self._stage, self._bound, store)
+        self.judges = Judges(gui, session, self.stage, self._bound, store)
         store.heard["entered"] = self._enter
 
     def open_on(self, state: State) -> None:
         """Begin with a state whose scene the session has, before there are widgets of its scene."""
-        self._stage.show(state.quantity, state.estimator, state.magnified)
+        self.stage.show(state.quantity, state.estimator, state.magnified)
         self._session.show(plotted=state.quantity)
         if state.pinned is not None:
             self._transport.pin(state.pinned)
@@ -75,7 +74,7 @@ class Controls:
     def hear(self, report: FrameReport, arrays: FrameArrays) -> None:
         """A frame has come."""
         with self._turn:
-            self._stage.hear(report.scene, arrays)
+            self.stage.hear(report.scene, arrays)
 
     def usual_speed(self) -> None:
         """Go on at the problem's own speed."""
@@ -86,25 +85,20 @@ class Controls:
     def begin(self) -> None:
         """The page is made: from now on another problem may be chosen, or has been meanwhile. Before, its widgets would
         be made while others are made around them."""
-        self._problem.on_update(lambda _: self._choose_problem())
+        self.problem.on_update(lambda _: self._choose_problem())
         self._choose_problem()
 
     def choose_problem(self, problem: str) -> None:
         """Put another problem on the stage, as it is at first."""
-        self._problem.value = tr(PROBLEMS[problem].scene.TITLE)  # type: ignore[misc]
+        self.problem.value = tr(PROBLEMS[problem].scene.TITLE)  # type: ignore[misc]
         self._choose_problem()
-
-    @property
-    def offers_problems(self) -> bool:
-        """Whether another problem can be chosen: a lesson may have one only."""
-        return bool(self._problem.visible)
 
     def load(self, scene: Scene) -> None:
         """Put a scene on the stage, and all that it says into the widgets."""
         with self._turn:
             if scene.problem != self._session.scene.problem:
                 self._drawn.domains = False
-                self._stage.go_to(scene.problem)
+                self.stage.go_to(scene.problem)
             self._session.choose(scene)
             self._rebuild()
 
@@ -115,16 +109,16 @@ class Controls:
             if controls != self._offered or (place or self._home) is not self._place:
                 self._offered, self._place = controls, place or self._home
                 self._elsewhere.visible = place is not None
-                self._problem.visible = self._problem_mark.visible = not controls or "problem" in controls
-                self._stage.offer(controls)
-                self._transport.offer(controls)
+                for control, parts in self._parts.items():
+                    for part in parts:
+                        part.visible = not controls or control in controls
                 self._rebuild()
 
     def show(self, state: State) -> None:
         """Put all of a state on the stage and into the widgets."""
         session = self._session
         with self._turn:
-            self._stage.show(state.quantity, state.estimator, state.magnified)
+            self.stage.show(state.quantity, state.estimator, state.magnified)
             self._drawn.difference, self._drawn.domains = state.difference, state.domains
             self._scale.logarithmic = state.logarithmic
             self._scale.forget()
@@ -156,9 +150,9 @@ class Controls:
         """Show the error of a quantity, or as an estimator that runs sees it."""
         with self._turn:
             if quantity:
-                self._stage.measure(quantity)
+                self.stage.measure(quantity)
             elif estimator in self._session.scene.estimators:
-                self._stage.put(estimator)
+                self.stage.put(estimator)
             else:
                 self._session.refuse(tr("{estimator} does not run here; press On the stage first", estimator=estimator))
 
@@ -177,25 +171,17 @@ class Controls:
                 if self._session.scene.method == method:
                     return self._rebuild()
 
-    def next_judge(self) -> None:
-        """Put the next of the estimators that run on the stage."""
-        self._stage.next_judge()
-
-    def next_factor(self) -> None:
-        """Magnify the error in the field's plot as much as comes next."""
-        self._stage.next_factor()
-
     @property
     def choice(self) -> Choice:
         """What is to be seen of a run."""
-        stage, drawn = self._stage, self._drawn
+        stage, drawn = self.stage, self._drawn
         return Choice(stage.quantity, stage.estimator, drawn.difference, drawn.domains, stage.magnified,
                       self._looking.latest)
 
     @property
     def state(self) -> State:
         """What the visitor sees."""
-        session, stage, first = self._session, self._stage, next(iter(self._session.scene.estimators), None)
+        session, stage, first = self._session, self.stage, next(iter(self._session.scene.estimators), None)
         speed, pinned = VIEWS[session.scene.problem].speed, session.pinned
         return State(session.scene, stage.quantity, stage.estimator if stage.estimator != first else None,
                      self._drawn.difference, stage.magnified, self._scale.logarithmic, self._drawn.domains,
@@ -204,7 +190,7 @@ class Controls:
 
     def _rebuild(self) -> None:
         """Make the widgets anew, for the session's present scene."""
-        self._problem.value = tr(self._session.scene.TITLE)  # type: ignore[misc]  # it is chosen: nothing follows from it
+        self.problem.value = tr(self._session.scene.TITLE)  # type: ignore[misc]  # it is chosen: nothing follows from it
         self._transport.show()
         self._bound.forget()
         self._widgets.remove()
@@ -213,9 +199,8 @@ class Controls:
 
     def _choose_problem(self) -> None:
         """Another problem has other choices and reaches."""
-        if self._problem.value != tr(self._session.scene.TITLE):
-            kind = next(problem.scene for problem in PROBLEMS.values()
-                        if tr(problem.scene.TITLE) == self._problem.value)
+        if self.problem.value != tr(self._session.scene.TITLE):
+            kind = next(problem.scene for problem in PROBLEMS.values() if tr(problem.scene.TITLE) == self.problem.value)
             self.load(first_scene(kind.problem))
 
     def _build(self) -> None:
@@ -226,7 +211,7 @@ class Controls:
         with self._widgets:
             self._run.build(self._gui, self._part)
             with self._part("estimators"):
-                self._judges.build(self._gui)
+                self.judges.build(self._gui)
                 self._gui.add_html(who())
             with self._fold("drawn", tr("What is drawn"), "estimators", "colours", "trace", "domains"):
                 self._drawn.build(self._gui, self._part)
@@ -282,7 +267,7 @@ class Controls:
 
     def _move(self, changed: Scene, quantity: str | None, speed: float | None) -> None:
         """Another motion has other controls."""
-        self.show(State(changed, quantity or self._stage.quantity, magnified=self._stage.magnified, speed=speed,
+        self.show(State(changed, quantity or self.stage.quantity, magnified=self.stage.magnified, speed=speed,
                         logarithmic=self._scale.logarithmic))
 
     def refresh(self) -> None:
@@ -295,7 +280,3 @@ class Controls:
             for fold, handle in self._folds.items():
                 handle.content = marked(words=says[fold])
         self._answers.refresh(self._session.compiling)
-
-    def judge(self, judged: str) -> None:
-        """Have the judges' cards say this (:func:`app.page.panels.readout.judged`)."""
-        self._judges.show(judged)

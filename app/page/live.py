@@ -2,10 +2,9 @@
 
 from collections.abc import Callable
 
-from app.frame.captions import why_no_index
+from app.frame.captions import View, look, why_no_index
 from app.frame.scale import LEAST_TOP
 from app.frame.sentence import Said
-from app.frame.view import View, look
 from app.language.spoken import tr
 from app.page.measurements import Numbers
 from app.page.panels.readout import readout

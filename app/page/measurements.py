@@ -7,9 +7,10 @@ from html import escape
 import viser
 
 from app.language.spoken import tr
-from app.page.panels.plots import Past, Plots
+from app.page.panels.plots import Plots
 from app.page.panels.readout import Readout
 from app.page.panels.timeline import Now, Timeline
+from app.page.visit.history import RunSeries
 from app.page.visit.pinned import PinnedRun
 from app.page.visit.trace import Traced
 from solvers.scene.scene import Scene
@@ -27,7 +28,7 @@ class Numbers:
     """
 
     readout: Readout
-    past: Past | None
+    past: RunSeries | None
     estimators: tuple[str, ...]
     valid: tuple[str, ...]
     drawn: str | None
@@ -77,4 +78,3 @@ class Measurements:
         self._plots.show(past, numbers.valid, quantity, numbers.no_index, latest, numbers.pinned, numbers.drawn)
         if traced is not None and traced.scene == past.scene:
             self._plots.show_trace(traced, numbers.valid, quantity, latest, numbers.now.time)
-

@@ -19,17 +19,15 @@ from app.page.features.budget.panel import BudgetFold
 from app.page.features.cost.panel import CostTab
 from app.page.features.lesson.marking import Classroom
 from app.page.features.lesson.panel import Player
-from app.page.features.own.panel import OwnCode, OwnFile
+from app.page.features.own.panel import OwnCode
 from app.page.features.slow import SlowMotion, SlowStep
 from app.page.live import LiveRun
 from app.page.measurements import Measurements
-from app.page.panels.browser_store import BrowserStore
-from app.page.panels.head import set_up
-from app.page.panels.head_buttons import Presenter, ProblemButtons
+from app.page.panels.browser_store import LETTERS, BrowserStore, Size, Window, follow_keys
+from app.page.panels.head import Presenter, ProblemButtons, set_up
 from app.page.panels.looking import Looking
 from app.page.panels.sparks import Sparks
 from app.page.panels.texts import add_about
-from app.page.panels.window import LETTERS, Size, Window, follow_keys
 from app.page.sharing import Sharing, link, parts
 from app.page.source import Source
 from app.page.story import OPENING, Story
@@ -79,7 +77,7 @@ class Page:
                             lambda scene: self._controls.load(scene))
         self._tabs(client)
         run = LiveRun(self._session, self._recent, self._trace, self._cost.notice)
-        self._sources = OwnFile(self._own), SlowStep(self._slow, run), run  # the first that is on is seen
+        self._sources = self._own, SlowStep(self._slow, run), run  # the first that is on is seen
         self._controls.begin()
         self._sparks = Sparks(client.gui, self._session, lambda: self._controls.state, self._controls.show,
                               self._looking.back_to)
@@ -90,7 +88,7 @@ class Page:
             self._player.open(classroom.lesson)
         self._window = Window(self._store, self._fit, self._shade)
         self._store.heard["seek"], self._store.heard["read"] = self._seek, self._point
-        follow_keys(self._store, {"judge": self._controls.next_judge, "magnify": self._controls.next_factor,
+        follow_keys(self._store, {"judge": self._controls.stage.next_judge, "magnify": self._controls.stage.next_factor,
                                   "method": self._controls.next_method, "code": self._sharing.show_code,
                                   "phase": self._slow.forward, "phase back": self._slow.back,
                                   "present": self._presenter.begin})
@@ -265,7 +263,7 @@ class Page:
         source, choice, canvas, presented = self._source, self._controls.choice, self._canvas, self._presenter.on
         if numbers := source.numbers(choice, canvas.picture, canvas.probe.text):
             self._measurements.reading = bool(self._player.name) or self._own.shown is not None
-            self._controls.judge(numbers.readout.judged)
+            self._controls.judges.show(numbers.readout.judged)
             self._measurements.show(numbers, choice.quantity, choice.latest)
             self._budget.show(numbers, choice, bool(self._player.name))
         if self._session.playing and not presented and self._session.untouched > UNTOUCHED:
@@ -282,7 +280,7 @@ class Page:
         self._controls.refresh()
         if shown := self._recent.shown:
             self._controls.hear(*shown)
-        self._problems.show(self._session.scene.problem, self._controls.offers_problems)
+        self._problems.show(self._session.scene.problem, bool(self._controls.problem.visible))
         self._keep()
         self._cost.refresh()
         canvas.camera.settle()

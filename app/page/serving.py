@@ -255,7 +255,6 @@ def _start_server(host: str, port: int, pool: EnginePool, max_sessions: int, add
         makers.submit(carried(visitors.connect, doors.language(client.client_id)), client)
 
     server.on_client_connect(connect)
-    server.visitors = visitors
     return server
 
 

@@ -6,10 +6,10 @@ from typing import Protocol
 
 import numpy as np
 
+from app.frame.captions import View
 from app.frame.layout import Rectangle
 from app.frame.sentence import Said
 from app.frame.stage import NOTHING, Remarks
-from app.frame.view import View
 from app.page.measurements import Numbers
 from app.page.visit.notice import Notice
 from solvers.engine.frames import FrameArrays

@@ -13,6 +13,7 @@ from app import state
 from app.frame.sentence import Said
 from app.language.spoken import tr, trn
 from app.page.visit.pinned import PinnedRun
+from app.page.visit.recent import Frame
 from app.page.visit.session import Session
 from app.words import METHODS, per_cent, with_unit
 from solvers.engine.frames import FrameArrays
@@ -31,9 +32,6 @@ WIDE = 1.0 + 1e-6  # cells from a particle that has crossed, within which an err
 OPENING = state.read("bar;method=mpm;amplitude=0.0034;periods=0.25;estimators=recovered,transport;error-of=sigma;"
                      "speed=0.0125;stops;"
                      "pinned;method=bspline;amplitude=0.0034;periods=0.25;estimators=recovered,transport")
-
-Frame = tuple[FrameReport, FrameArrays]
-
 
 class Story:
     """One visitor's. ``open_on`` puts the opening on the stage, ``hurry`` asks for the usual speed; the browser

@@ -10,12 +10,12 @@ import numpy as np
 import viser
 
 from app.frame.budget import blamed
+from app.frame.captions import View
 from app.frame.crossings import recent, window
 from app.frame.sentence import BACK, LAST, LOST, PAUSED, SO_FAR, UNSTABLE, Said, error_words, errors, fill
-from app.frame.view import View
 from app.language.spoken import later, tr, trn
 from app.page.stage.worst import WorstRegions
-from app.page.visit.history import until
+from app.page.visit.history import last, until
 from app.words import QUANTITIES, differing, factor, number, on_page
 from solvers.engine.frames import FrameArrays
 from solvers.engine.messages import FrameReport
@@ -74,7 +74,7 @@ def summary(report: FrameReport | None, arrays: FrameArrays | None, view: View |
         before = fill(tr(BACK), ago=f"{ago:.2f}") if ago else fill(tr(PAUSED), time=when)
     index = estimate / true if true else math.nan
     said = errors(words, QUANTITIES[quantity].unit, true, estimate,
-                  index if of_now else _last(series, f"{drawn}/index_{quantity}"), before)
+                  index if of_now else last(series, f"{drawn}/index_{quantity}"), before)
     region = None if true <= words.least else worst.by_truth or worst.by_estimate
     who = blamed(report.scene, series, quantity)
     facts = [*said.facts[:1], who, *said.facts[1:],
@@ -135,11 +135,6 @@ def _mean(series: dict[str, np.ndarray], name: str) -> float:
     values = series.get(name, np.zeros(0))
     with np.errstate(all="ignore"):  # a run gone bad holds anything
         return float(np.mean(values)) if len(values) else math.nan
-
-
-def _last(series: dict[str, np.ndarray], name: str) -> float:
-    values = series.get(name, np.zeros(0))
-    return float(values[-1]) if len(values) else math.nan
 
 
 def _crossings(report: FrameReport, arrays: FrameArrays, speed: float) -> list[str]:

@@ -43,15 +43,9 @@ class Transport:
         self._slowly = gui.add_button(tr(SLOW), hint=tr("pause, and walk through one time step phase by phase"))
         self._slowly.on_click(lambda _: slow.end() if slow.on else slow.forward())
         # A mark that stayed where its widget has gone would mark what comes next.
-        self._parts: dict[str, tuple[Any, ...]] = {
+        self.parts: dict[str, tuple[Any, ...]] = {
             "pin": (pin_mark, self._pin), "look-back": (back_mark, self._back),
             "slow-motion": (slow_mark, self._slowly), "speed": (self._speed,)}
-
-    def offer(self, controls: tuple[str, ...]) -> None:
-        """Show what is among these controls, or all where there are none."""
-        for control, parts in self._parts.items():
-            for part in parts:
-                part.visible = not controls or control in controls
 
     def pin(self, scene: Scene | None = None) -> None:
         """Keep the run on the stage, or one of a scene, beside what follows."""

@@ -1,20 +1,28 @@
-"""What the pictures of a study share: frames, how a series looks, unstable points, legends, words."""
+"""What the pictures of studies share: frames, how a series looks, unstable points, legends, words; and two of them: how
+often estimates are right, as shares of runs with their 95 % intervals, by how far particles move; and the stability
+map, life over amplitude and time step, a panel for each method and what it calls for."""
 
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from typing import Any
 
 import numpy as np
 from matplotlib.axes import Axes
+from matplotlib.colors import LogNorm
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.ticker import LogFormatterSciNotation, LogLocator, NullFormatter
 
-from app.colours import INK3, LINE, METHOD_COLOURS, METHOD_MARKS
-from app.renderers.look import Sizes, sheet
+from app.colours import INK, INK3, LINE, LINE2, METHOD_COLOURS, METHOD_MARKS
+from app.renderers.look import Sizes, in_sizes, sheet
 from app.renderers.picture import Look, say
-from app.words import METHODS, QUANTITIES, with_unit
+from app.words import METHODS, QUANTITIES, method_name, unit_of, with_unit
+from solvers.problems import PROBLEMS
+from solvers.running.goals import SAFETY
+from solvers.scene.registry import ESTIMATORS
 from solvers.solver.soundness import BROKEN
+from solvers.study.coverage.tally import FACTORS, INTERVALS, REGIMES, interval
 from solvers.study.fit import Series, error_of, measured, series
+from solvers.study.stability import TREATMENTS, held, survived, treatment_of
 
 LINE_STYLES = ("-", "--", ":", "-.")
 MOST_LEGEND_ENTRIES = 12
@@ -117,3 +125,103 @@ def ticks_at(axes: Axes, values: Sequence[float], unit: str = "") -> None:
     if len(values) <= MOST_TICKS:
         axes.set_xticks(values, [with_unit(value, unit) if unit else f"{value:,.6g}" for value in values])
         axes.xaxis.set_minor_formatter(NullFormatter())
+
+
+PROMISED = 95.0  # per cent, by those who made the grid convergence index
+SYMBOLS = ("o", "s", "^")  # one for each regime
+SPREAD = 0.22  # between those of one row
+
+
+def coverage_figure(counted: Sequence[Mapping]) -> Figure:
+    """Left, of how many runs the estimate of x is within the smallest factor; right, how many bars held the truth."""
+    [one] = counted
+    title = f"How often is it right? {one['runs']:,} runs of the {one['problem']}, drawn at random"
+    figure, axes = frame(title, 1, 2, (13.5, 5.2))
+    names = list(one["estimators"])
+    left, right = axes[0]
+
+    def right_of(name: str, regime: str) -> tuple[int, int]:
+        found = one["estimators"][name]["regime"][regime]["x"]
+        return found["within"][f"{FACTORS[0]:g}"], found["runs"]
+
+    def held_of(name: str, regime: str) -> tuple[int, int]:  # of all goals together
+        found = [split["regime"][regime][bars[name]] for split in one["goals"].values()]
+        return sum(goal["held"] for goal in found), sum(goal["runs"] for goal in found)
+
+    _rows(left, names, right_of)
+    left.set_xlabel(f"runs with the estimate of x within a factor of {FACTORS[0]:g} of the truth, %")
+    bars = {f"{SAFETY:g} × {name}": f"{SAFETY:g} x {name}" for name in names} | {name: name for name in INTERVALS}
+    _rows(right, list(bars), held_of)
+    right.axvline(PROMISED, color=INK, linewidth=1, linestyle=(0, (4, 3)))
+    right.set_xlabel("bars around a number that hold the truth, %; dashed: the GCI's promise")
+    handles = [left.plot([], [], symbol, color=INK3, label=f"particles move {regime}")[0]
+               for symbol, regime in zip(SYMBOLS, REGIMES, strict=True)]
+    figure.legend(handles=handles, loc="outside lower center", ncols=len(handles), frameon=False)
+    return figure
+
+
+def _rows(axes: Axes, names: Sequence[str], counts: Callable[[str, str], tuple[int, int]]) -> None:
+    """A row for each name, and in it a mark for each regime with its interval; none where there was no run."""
+    for row, name in enumerate(names):
+        known = [key for key in ESTIMATORS if name.endswith(key)]
+        colour = ESTIMATORS[known[0]].colour if known else INK3
+        for k, (symbol, regime) in enumerate(zip(SYMBOLS, REGIMES, strict=True)):
+            held, of = counts(name, regime)
+            if of:
+                low, high = interval(held, of)
+                y = row + (k - 1) * SPREAD
+                axes.plot([100 * low, 100 * high], [y, y], color=colour, linewidth=1.5)
+                axes.plot([100 * held / of], [y], symbol, color=colour, markersize=6)
+    axes.set_yticks(range(len(names)), names)
+    axes.set_ylim(len(names) - 0.5, -0.5)
+    axes.set_xlim(-2, 102)
+    axes.grid(axis="x", color=LINE2)
+
+
+PANEL = (2.5, 2.0)  # inches
+SHORTEST = 0.1  # periods, at the dark end of the scale
+
+
+def stability_figure(rows: Sequence[dict]) -> Figure:
+    """Bright held long, dark broke soon; a tick marks what held to the end."""
+    shown = measured(rows)
+    if not shown:
+        return nothing("Stability", "no run was possible")
+    kind = PROBLEMS[shown[0]["problem"]].scene
+    methods = [name for name in kind.choices("method") if any(row["scene"]["method"] == name for row in shown)]
+    treatments = [name for name in TREATMENTS if any(treatment_of(row) == name for row in shown)]
+    amplitudes, steps = (sorted({row["scene"][name] for row in shown}) for name in ("amplitude", "cfl"))
+    longest = max(row["scene"]["periods"] for row in shown)
+    unit = unit_of(kind, "amplitude")
+    size = (1.6 + PANEL[0] * len(treatments), 1.6 + PANEL[1] * len(methods))
+    figure = sheet(*size, f"{kind.TITLE.capitalize()}: periods until x is off by A/10 or the run breaks, of "
+                          f"{longest:g} (✓: held to the end)")
+    axes = figure.subplots(len(methods), len(treatments), squeeze=False, sharex=True, sharey=True)
+    for line, method in zip(axes, methods, strict=True):
+        for panel, treatment in zip(line, treatments, strict=True):
+            own = [row for row in shown if row["scene"]["method"] == method and treatment_of(row) == treatment]
+            lives = np.full((len(steps), len(amplitudes)), np.nan)
+            for row in own:
+                at = steps.index(row["scene"]["cfl"]), amplitudes.index(row["scene"]["amplitude"])
+                lives[at] = max(survived(row), SHORTEST)
+                text = "✓" if held(row) else f"{survived(row):.2g}"
+                dark = lives[at] < np.sqrt(SHORTEST * longest)
+                panel.text(at[1], at[0], text, ha="center", va="center", fontsize=10, color="w" if dark else INK)
+            panel.imshow(lives, origin="lower", aspect="auto", norm=LogNorm(SHORTEST, longest), cmap="cividis")
+            panel.grid(visible=False)
+            panel.spines["bottom"].set_visible(False)
+            panel.set(xticks=range(len(amplitudes)), xticklabels=[with_unit(A, unit) for A in amplitudes],
+                      yticks=range(len(steps)), yticklabels=[f"{cfl:g}" for cfl in steps])
+            if not own:
+                panel.text(0.5, 0.5, "not offered", transform=panel.transAxes, ha="center", va="center", color=INK3)
+    for panel, treatment in zip(axes[0], treatments, strict=True):
+        panel.set_title(treatment)
+    for panel, method in zip(axes[:, 0], methods, strict=True):
+        panel.set_ylabel(f"{method_name(method)}\ncfl")
+    for panel in axes[-1]:
+        panel.set_xlabel("amplitude A")
+    bar = figure.colorbar(axes[0, 0].images[0], ax=list(axes.ravel()), location="bottom", aspect=100, pad=0.02,
+                          label="periods")
+    bar.outline.set_visible(False)
+    in_sizes(bar.ax.xaxis, "")
+    return figure

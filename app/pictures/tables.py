@@ -115,8 +115,7 @@ def _draw_errors(axes: Axes, series: dict[str, list[dict]], key: str) -> None:
     spacings = sorted({row["h"] for row in rows})
     _ticks(axes, {h: with_unit(h, "m") for h in spacings})
     quantity = (QUANTITIES | EXTRA_NORMS)[key]
-    axes.set(xlim=(spacings[0] / 1.25, spacings[-1] * 1.45), xlabel="cell size h",
-             ylabel=f"error of {quantity.symbol}")
+    axes.set(xlim=(spacings[0] / 1.25, spacings[-1] * 1.45), xlabel="cell size h", ylabel=f"error of {quantity.symbol}")
     _draw_slopes(axes, spacings[-1])
     in_sizes(axes.yaxis, quantity.unit)
 

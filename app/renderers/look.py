@@ -110,8 +110,6 @@ def name_ends(axes: Axes, named: Sequence[tuple[str, np.ndarray, str]], apart: f
                   fontweight="bold")
 
 
-
-
 class Sheet(Figure):
     """A figure that a notebook shows: what is not pyplot's, it would name and not draw. It looks the same whatever the
     settings are when it is written."""

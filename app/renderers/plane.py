@@ -114,8 +114,7 @@ def draw_halves(figure: Figure, place: SubplotSpec, result: Result, stage: type[
             axes.scatter(side * x[own] if mirrored else x[own], y[own], linewidths=0, zorder=2, s=area, **look)
             axes.text(0.5 + 0.485 * side, 0.95 if mirrored else 0.985, silence if sizes is None else title,
                       transform=axes.transAxes, color=INK3 if sizes is None else colour, fontsize=11,
-                      fontweight="bold", va="top", ha="right" if side > 0 else "left",
-                      bbox=picture.GROUND)
+                      fontweight="bold", va="top", ha="right" if side > 0 else "left", bbox=picture.GROUND)
         if not len(few):
             picture.say(axes, "no particle is left")
         coloured = ", coloured by the size of the position's error" if estimates or truth is not None else ""

@@ -1,10 +1,14 @@
 """The html that a browser loads first: the viewer's, with our title and icon, and a calm ground until there is a stage.
 
 All else of the page comes over the wire later; until then the viewer would show its own panel and a half-drawn stage.
-The viewer's own way of answering, which looks for a file, is not gone.
+The viewer's own way of answering, which looks for a file, is not gone: but as all of the page is one text and what
+comes over its websocket, no part of a path is ever looked for on the disk. Here is which paths have a page, and what a
+browser is told that it may do with it.
 """
 
+import base64
 import gzip
+import hashlib
 import re
 from collections.abc import Callable
 from http import HTTPStatus
@@ -16,8 +20,51 @@ import zstandard
 from websockets.datastructures import Headers
 from websockets.http11 import Request, Response
 
-from app.doors.page import ALWAYS, has_page, policy
 from app.language.spoken import LANGUAGES, as_cookie, carried
+
+PATHS = ("/", "/index.html")
+SCRIPT = r"<script\b[^>]*>(.*?)</script>"
+
+#: What every answer says: it is what it says it is, is shown in no frame, and tells other sites no address.
+ALWAYS = {"X-Content-Type-Options": "nosniff", "X-Frame-Options": "DENY", "Referrer-Policy": "same-origin"}
+_NOTHING = "default-src 'none'; frame-ancestors 'none'; base-uri 'none'; form-action 'none'"
+
+
+def has_page(path: str) -> bool:
+    """Whether this path of a request, without its query, is one of the page."""
+    return path in PATHS
+
+
+def policy(html: str = "", host: str = "", more: tuple[str, ...] | None = (), unpacks: bool = False) -> str:
+    """What a page may do, as Content-Security-Policy.
+
+    Parameters
+    ----------
+    html
+        Of the page: its scripts run and no others.
+    host
+        Under which it has been asked for, with the port: some browsers take a websocket there for another place.
+    more
+        Scripts beside, which those of the page make; None where they are not known: then any in the page run.
+    unpacks
+        Whether the page is the lab with its packed scripts, workers and pictures, and not just words.
+    """
+    scripts = "'unsafe-inline'" if more is None else " ".join(
+        f"'sha256-{_digest(script)}'" for script in (*re.findall(SCRIPT, html, re.DOTALL), *more))
+    allowed = {"script-src": scripts, "style-src": "'unsafe-inline'", "img-src": "data:", "connect-src": "'self'"}
+    if unpacks:
+        allowed["script-src"] += " 'wasm-unsafe-eval'"
+        allowed |= {"worker-src": "blob:", "font-src": "data:", "img-src": "data: blob:",
+                    "connect-src": f"'self' ws://{host} wss://{host} data:"}
+    parts = (f"{kind} {where}" for kind, where in allowed.items()) if html else ()
+    return "; ".join((_NOTHING, *parts))
+
+
+def _digest(script: str) -> str:
+    """As a browser computes it: of what it has read, in which every end of a line is one character."""
+    plain = script.replace("\r\n", "\n").replace("\r", "\n")
+    return base64.b64encode(hashlib.sha256(plain.encode()).digest()).decode()
+
 
 POLICY = "Content-Security-Policy"
 _VIEWERS = Path(viser.__file__).parent / "client" / "build" / "index.html"

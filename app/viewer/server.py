@@ -10,7 +10,7 @@ from functools import partial
 from http import HTTPStatus
 from pathlib import Path
 from time import monotonic, sleep
-from typing import Any, Protocol, cast
+from typing import Any, cast
 from urllib.parse import unquote
 
 import viser
@@ -23,11 +23,10 @@ from app.doors.address import FOREIGN_PAGE, Addresses, untidy
 from app.doors.code import TEACHER, ClassCode, Guest
 from app.doors.faults import Refusals, noted
 from app.doors.network import Bucket, Buckets, network_of
-from app.doors.page import has_page
 from app.language.spoken import ENGLISH, carried, kept, language, later, of_cookie, tr, wished
 from app.templates import rendered
 from app.viewer import patches
-from app.viewer.index import Index, dressed, said
+from app.viewer.index import Index, dressed, has_page, said
 from app.viewer.line import HEADS_WITHIN, Line, Lines, address_of, feel, send_away
 from app.viewer.messages import PARTS, PARTS_A_SECOND, Hearing
 from app.viewer.wire import PROTOCOL, Buffer
@@ -84,14 +83,6 @@ class Lab(viser.ViserServer):
         """There is nothing to disconnect."""
 
 
-class Host(Protocol):
-    """What the doors are those of: it knows who is in, and how it does."""
-
-    def attend(self, token: str, watched: bool) -> bool: ...
-
-    def health(self) -> dict[str, Any]: ...
-
-
 class Doors:
     """The doors of one server. All but :meth:`guarding` is called on the web server's loop."""
 
@@ -103,12 +94,12 @@ class Doors:
         self._going: set[asyncio.Future] = set()  # websockets that are being closed
         self._away: dict[str, float] = {}  # until when an address must wait
         self._server: viser.ViserServer | None = None
-        self._host: Host | None = None
+        self._visitors: Any = None  # who is in
 
-    def watch(self, server: Lab, host: Host) -> None:
+    def watch(self, server: Lab, visitors: Any) -> None:
         """This server's widgets are meant in what browsers say, and these visitors."""
-        self._server, self._host = server, host
-        server.doors = self
+        self._server, self._visitors = server, visitors
+        server.doors, server.visitors = self, visitors
 
     def cut(self) -> None:
         """All connections."""
@@ -194,8 +185,8 @@ class Doors:
             self._refusals.note(refusal, who)
             return said(HTTPStatus.FORBIDDEN, refusal)
         known = not self._code or self._code.knows(headers)
-        if path == "/health" and self._host and not opens_socket:
-            health = self._host.health()
+        if path == "/health" and self._visitors and not opens_socket:
+            health = self._visitors.health()
             shown = health if known else {"ready": health["ready"]}
             return said(HTTPStatus.OK, json.dumps(shown), "application/json")
         if self._code and not opens_socket and path.endswith("/enter"):
@@ -209,7 +200,7 @@ class Doors:
             return self._wait(who)
         if not (looks := _LOOKS.search(path)):
             return index.answer(request, language())
-        there = self._host is not None and self._host.attend(looks[2], looks[1] == "here")
+        there = self._visitors is not None and self._visitors.attend(looks[2], looks[1] == "here")
         return said(HTTPStatus.NO_CONTENT if there else HTTPStatus.NOT_FOUND, "")
 
     def guest(self, visitor: int) -> Guest | None:

@@ -155,7 +155,6 @@ class Upload:
             self._give_back(1)  # what was there has to go
             self._on_file(file.name, self.folder / "coming")
 
-
     def _no_room(self) -> str:
         self._on_refusal(NO_ROOM)
         return "a file for which there is no room"

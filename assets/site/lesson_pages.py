@@ -28,8 +28,7 @@ from app.lessons.lesson import (
     drawn,
     filled,
 )
-from app.lessons.parts import parts_of, split_head
-from app.lessons.reading import parse
+from app.lessons.reading import parse, parts_of, split_head
 from app.lessons.rounds import rounds
 from app.page.features.lesson import core
 from app.page.sharing import link

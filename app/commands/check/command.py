@@ -1,27 +1,21 @@
-"""``mpm-lab check FILES...``: what within the particles of any run contradicts itself."""
+"""``mpm-lab check FILES...``: what within the particles of any run contradicts itself; and the report of it in
+Markdown, made from the JSON object."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass
+from pathlib import Path
 from typing import Annotated, Any, ClassVar
 
 import tyro
 
+from app.commands import flags
 from app.commands.expected import Expectable
-from app.commands.flags import (
-    BadInput,
-    ClaimsFlag,
-    FilesFlag,
-    NamesFlag,
-    PathFlag,
-    Switch,
-    default_hint,
-    look_for,
-    require_files,
-    times_for,
-)
 from app.commands.output import Folder, json_target, json_text, put_report, put_text
 from app.commands.progress import working
-from solvers.outside.quoting import FileError
+from app.templates import rendered
+from app.words import NOTHING, with_unit
+from solvers.outside.quoting import FileError, code, file_name, markdown
+from solvers.study.markdown import grid
 
 CONTRADICTED = 3
 EXPECTABLE = Expectable("run", dict.fromkeys(("contradictions", "broken", "suspicious", "particles"), ()))
@@ -39,24 +33,22 @@ class Check:
 
     EXAMPLE: ClassVar[str] = "mpm-lab check mine-*.vtu --out checked"
 
-    files: Annotated[FilesFlag, tyro.conf.Positional, tyro.conf.arg(metavar="FILES")] = ()
+    files: Annotated[flags.FilesFlag, tyro.conf.Positional, tyro.conf.arg(metavar="FILES")] = ()
     """Files of particles."""
-    time: Annotated[NamesFlag, default_hint("the files say it")] = ()
+    time: Annotated[flags.NamesFlag, flags.default_hint("the files say it")] = ()
     """Time of each file, s, in their order, where they do not say it."""
-    out: Annotated[PathFlag, default_hint("the report is printed only")] = None
+    out: Annotated[flags.PathFlag, flags.default_hint("the report is printed only")] = None
     """Directory for report.md, report.html, report.json and a picture; it must be new or empty."""
-    json: Annotated[PathFlag, default_hint("none")] = None
+    json: Annotated[flags.PathFlag, flags.default_hint("none")] = None
     """File for the report as a JSON object; - is standard output, in place of the text."""
-    expect: ClaimsFlag = ()
+    expect: flags.ClaimsFlag = ()
     """A claim such as "contradictions == 0" or "broken == 0"; one that does not hold is exit status 1."""
-    quiet: Annotated[Switch, default_hint("off")] = False
+    quiet: Annotated[flags.Switch, flags.default_hint("off")] = False
     """No progress bar and no report on standard output."""
 
     def execute(self) -> int:
-        require_files(self.files)
-        times = times_for(self.files, self.time)
         EXPECTABLE.check(self.expect)
-        look_for(self.files)
+        times = flags.times_for(self.files, self.time)
         target = json_target(self.json)
         folder = None if self.out is None else Folder(self.out)
         try:
@@ -64,7 +56,7 @@ class Check:
                 from solvers.judging.check import check  # here: bad input must not wait for it
                 checked = check(self.files, times=times, on_progress=show)
         except FileError as error:
-            raise BadInput("", error.file, error.sentence) from None
+            raise flags.BadInput("", error.file, error.sentence) from None
         values = checked.to_dict()
         status = self._write(folder, checked, values)
         if target:
@@ -75,17 +67,70 @@ class Check:
 
     def _write(self, folder: Folder | None, checked: Any, values: dict) -> int:
         """The report where it was asked for."""
-        from app.commands.check.text import as_markdown, summary
-
         if not self.quiet and self.json != "-":
             put_text(summary(values) + "\n")
         if folder is None:
             return 0
-        from app.pictures.check import FIGURES
-        return put_report(folder, values, checked, FIGURES, lambda drawn: as_markdown(values, drawn))
+        from app.pictures.judge import CHECKED
+        return put_report(folder, values, checked, CHECKED, lambda drawn: as_markdown(values, drawn))
 
 
 def outcome(values: Mapping[str, Any]) -> dict[str, Any]:
     """The report in the shape that claims are about."""
     count = {word: sum(one["verdict"] == word for one in values["findings"]) for word in ("broken", "suspicious")}
     return {"contradictions": values["contradictions"], "particles": values["particles"], **count}
+
+
+HERE = Path(__file__).parent
+CAPTION = "The particles at the moment of the first contradiction, or at the last one: how far each is from a plane " \
+          "through its neighbours, and those that were named"
+NO_CONTRADICTION = "No contradiction was found. That is not to say that the run is right."
+
+
+def summary(values: dict) -> str:
+    """The verdict, what was found wrong, and what could not be told."""
+    lines = [*map(markdown, values["not_told"]), *values["never_told"]]
+    return "\n\n".join([_verdict(values), *([_wrong(values)] if _wrong(values) else []),
+                        "What could not be told:\n\n" + "\n".join(f"* {line}" for line in lines)])
+
+
+def as_markdown(values: dict, pictures: list[str]) -> str:
+    """The whole report; pictures stand after the summary."""
+    files, count = values["files"], len(values["files"])
+    notes = ["\n".join(f"* {markdown(note)}" for note in values["notes"])] if values["notes"] else []
+    listed = ", ".join(code(file_name(file)) for file in files[:20]) + f" and {count - 20} more" * (count > 20)
+    rows = [[one["finding"], _size(one["measured"], one["unit"]), _size(one["limit"], one["unit"]), one["verdict"],
+             markdown(one["says"]) or NOTHING] for one in values["findings"]]
+    looked = "## What was looked at\n\n" + grid(["looked at", "measured", "limit", "verdict", "remark"], rows,
+                                                words=("looked at", "verdict", "remark"))
+    shown = [f"![{CAPTION}]({name})" for name in pictures]
+    return "\n\n".join([f"# {count} file{'s' * (count != 1)} checked: {values['verdict']}", summary(values), *shown,
+                        looked, *notes, f"Files: {listed}.", rendered(HERE / "how.md")])
+
+
+def _verdict(values: dict) -> str:
+    times = values["times"]
+    what = (f"{values['particles']:,} particles in {('one', 'two', 'three')[values['dimensions'] - 1]} "
+            f"direction{'s' * (values['dimensions'] != 1)} at {len(times)} moments, t = {times[0]:.4g} to "
+            f"{times[-1]:.4g} s, with {', '.join(values['quantities'])}; counted from {values['reference']}")
+    said = {"consistent": NO_CONTRADICTION, "suspicious": "What stands below should not be in a sound run.",
+            "broken": "What stands below cannot be in a sound run."}[values["verdict"]]
+    return f"**Verdict: {values['verdict']}.** {said} ({what}.)"
+
+
+def _wrong(values: dict) -> str:
+    order = {"broken": 0, "suspicious": 1}
+    found = sorted((one for one in values["findings"] if one["verdict"] in order),
+                   key=lambda one: order[one["verdict"]])
+    lines = []
+    for one in found:
+        where = f" at X = {', '.join(f'{c:.4g}' for c in one['X'])}" if one["X"] else ""
+        place = "" if one["particle"] is None else f" (particle {one['particle']}{where})"
+        lines.append(f"* **{one['verdict'].capitalize()}**, {one['finding']}: {markdown(one['says'])}{place}.")
+    return "\n".join(lines)
+
+
+def _size(value: Any, unit: str) -> str:
+    if value is None:
+        return NOTHING
+    return with_unit(value, unit) if unit in ("m", "m/s", "Pa", "s") else f"{value:.3g} {unit}".strip()

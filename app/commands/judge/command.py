@@ -1,41 +1,39 @@
-"""``mpm-lab judge PROBLEM FILES...``: how wrong the particles of any code are."""
+"""``mpm-lab judge PROBLEM FILES...``: how wrong the particles of any code are; and the report of it in Markdown, made
+from the JSON object."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import Annotated, Any, ClassVar
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any, ClassVar
 
+import numpy as np
 import tyro
 
+from app.commands import flags
 from app.commands.expected import Expectable
-from app.commands.flags import (
-    BadInput,
-    ClaimsFlag,
-    FilesFlag,
-    NamesFlag,
-    PathFlag,
-    Switch,
-    default_hint,
-    look_for,
-    number,
-    require_files,
-    times_for,
-)
 from app.commands.output import Folder, put_report, put_text
 from app.commands.progress import working
 from app.commands.scene_flags import SceneFlags
 from app.lessons.claims import NORMS
+from app.problems.views import VIEWS
+from app.templates import rendered
+from app.words import NOTHING, QUANTITIES, method_name, moving, particles_per_cell, ratio, with_unit
 from solvers.judging.findings.finding import OFF
-from solvers.judging.measure import QUANTITIES
-from solvers.outside.quoting import FileError
+from solvers.judging.measure import QUANTITIES as JUDGED
+from solvers.outside.quoting import FileError, code, file_name, markdown
 from solvers.problems.reference import OF_METHODS
+from solvers.study.markdown import grid
+
+if TYPE_CHECKING:
+    from solvers.judging.verdict import Judgement  # which reads files of all kinds: --help must not wait for it
 
 COMPANION = "companion"
 #: What ``--expect`` may ask for: error.x.max of each grid, last(error.x.max) of the finest; order.x, of the largest
 #: errors over the times that all grids have; index.companion.x, what the companion says over the truth; contradictions,
 #: things that were compared and do not hold.
 EXPECTABLE = Expectable("grids", {
-    "error": (QUANTITIES, NORMS), "order": (QUANTITIES,), "estimate": ((COMPANION,), QUANTITIES, NORMS),
-    "index": ((COMPANION,), QUANTITIES), "distance": ((COMPANION,), QUANTITIES), "contradictions": (), "particles": (),
+    "error": (JUDGED, NORMS), "order": (JUDGED,), "estimate": ((COMPANION,), JUDGED, NORMS),
+    "index": ((COMPANION,), JUDGED), "distance": ((COMPANION,), JUDGED), "contradictions": (), "particles": (),
     "scene": (("cells",),)})
 
 
@@ -53,26 +51,24 @@ class Judge(SceneFlags):
     EXAMPLE: ClassVar[str] = "mpm-lab judge {problem} mine.csv --cells 40 --out verdict"
     LEFT_OUT: ClassVar[frozenset[str]] = OF_METHODS - {"dt", "cfl"}
 
-    files: Annotated[FilesFlag, tyro.conf.Positional, tyro.conf.arg(metavar="FILES")] = ()
+    files: Annotated[flags.FilesFlag, tyro.conf.Positional, tyro.conf.arg(metavar="FILES")] = ()
     """Files of particles."""
-    time: Annotated[NamesFlag, default_hint("the files say it")] = ()
+    time: Annotated[flags.NamesFlag, flags.default_hint("the files say it")] = ()
     """Time of each file, s, in their order, where they do not say it."""
-    out: Annotated[PathFlag, default_hint("the summary is printed only")] = None
+    out: Annotated[flags.PathFlag, flags.default_hint("the summary is printed only")] = None
     """Directory for report.md, report.html, report.json and pictures; it must be new or empty."""
-    no_compare: Annotated[Switch, default_hint("off")] = False
+    no_compare: Annotated[flags.Switch, flags.default_hint("off")] = False
     """Run none of our own methods on the same grid beside."""
-    expect: ClaimsFlag = ()
+    expect: flags.ClaimsFlag = ()
     """A claim such as "order.x in 1.8..2.3" or "error.x.max < 1e-3"; one that does not hold is exit status 1."""
-    quiet: Annotated[Switch, default_hint("off")] = False
+    quiet: Annotated[flags.Switch, flags.default_hint("off")] = False
     """No progress bar and no summary on standard output."""
 
     def execute(self) -> int:
-        require_files(self.files)
+        EXPECTABLE.check(self.expect)
+        times = flags.times_for(self.files, self.time)
         cells = self._cells()
         scene, *_ = (self.scene(cells=count) for count in cells)  # each says what is wrong with it
-        times = times_for(self.files, self.time)
-        EXPECTABLE.check(self.expect)
-        look_for(self.files)
         folder = None if self.out is None else Folder(self.out)
         try:
             with working(self.quiet) as show:
@@ -80,23 +76,21 @@ class Judge(SceneFlags):
                 judged = judge(scene, self.files, cells=cells, times=times, compare=not self.no_compare,
                                on_progress=show)
         except FileError as error:
-            raise BadInput("", error.file, error.sentence) from None
+            raise flags.BadInput("", error.file, error.sentence) from None
         return self._write(folder, judged)
 
     def _cells(self) -> list[Any]:
         """Cells of the grid, one number for all files or one for each."""
         given = self.inputs()["cells"]
         words = given.replace(",", " ").split() if isinstance(given, str) else []
-        cells = [number([word]) for word in words] or [given]
+        cells = [flags.number([word]) for word in words] or [given]
         if len(cells) > 1 and len(cells) != len(self.files):
-            raise BadInput("cells", given, f"gives {len(cells)} grids for {len(self.files)} files; give one number for "
-                                           "all or one for each")
+            raise flags.BadInput("cells", given, f"gives {len(cells)} grids for {len(self.files)} files; give one "
+                                                 "number for all or one for each")
         return cells
 
     def _write(self, folder: Folder | None, judged: Any) -> int:
         """The summary, the report where it was asked for, and what came of the claims."""
-        from app.commands.judge.text import as_markdown, summary
-
         values, status = judged.to_dict(), 0
         if not self.quiet:
             put_text(summary(values, judged) + "\n")
@@ -114,6 +108,167 @@ def outcomes(values: Mapping[str, Any]) -> list[Mapping[str, Any]]:
         "scene": {"cells": grid["cells"], "estimator": [COMPANION]}, "error": grid["error"],
         "estimate": grid["estimate"][COMPANION], "index": grid["estimate"]["index"],
         "distance": grid["estimate"]["distance"],
-        "order": {q: (orders.get(q) or {}).get("order") for q in QUANTITIES},
+        "order": {q: (orders.get(q) or {}).get("order") for q in JUDGED},
         "contradictions": sum(one["verdict"] == OFF for one in grid["checks"]), "particles": grid["particles"]}
         for grid in values["grids"]]
+
+
+CAPTIONS = {"norms.png": "Error norms over time: against the truth where there is one, and as the companion sees them",
+            "space.png": "Where the error of x is, at the time at which it is largest",
+            "order.png": "Largest errors over the cell size, beside our own methods"}
+#: Inputs that some problems have: their keys, names and units.
+OF_SOME = (("poisson_ratio", "Poisson's ratio", ""), ("frequency", "frequency B =", " 1/s"))
+HERE = Path(__file__).parent
+
+
+def summary(values: dict, judged: "Judgement") -> str:
+    """What was judged, how large the errors are, and what does not hold."""
+    scene, asked = judged.scene, values["scene"]
+    more = [f"{name} {asked[key]:g}{unit}" for key, name, unit in OF_SOME if key in asked]
+    files = sorted({file for g in values["grids"] for file in g["files"]})
+    head = [f"# {scene.title.capitalize()}: {len(files)} file{'s' * (len(files) != 1)} judged",
+            f"{values['problem'].capitalize()}: {moving(scene)}, E = {asked['modulus']:g} Pa, density "
+            f"{asked['density']:g} kg/m³, {''.join(f'{one}, ' for one in more)}body force {asked['body_force']}, "
+            f"{particles_per_cell(values['problem'], asked['ppc'])} unless files say which they are, against the "
+            f"{values['against']}.", _largest(values, judged)]
+    head += [_verdict(g, values) for g in values["grids"]]
+    if values["order"]:
+        known = [f"{fit['order']:.2f} of {QUANTITIES[q].symbol}" for q, fit in values["order"].items() if fit]
+        head.append(f"**Order in h:** {', '.join(known) or 'none could be found'}.")
+    return "\n\n".join(head)
+
+
+def as_markdown(values: dict, judged: "Judgement", pictures: list[str]) -> str:
+    """The report; pictures stand after the summary."""
+    shown = [f"![{CAPTIONS[name]}]({name})" for name in pictures]
+    body = [_grid(g, values, several=len(values["grids"]) > 1) for g in values["grids"]]
+    order = [_order(values)] if values["order"] else []
+    return "\n\n".join([summary(values, judged), *shown, *order, *body, rendered(HERE / "how.md")])
+
+
+def _largest(values: dict, judged: "Judgement") -> str:
+    heads = ["cells", "h", "particles", "times", *(f"largest {QUANTITIES[q].symbol}" for q in JUDGED), "of the motion"]
+    rows = []
+    for g, one in zip(values["grids"], judged.grids, strict=True):
+        errors, times = _errors(g), g["times"]
+        x = errors["x"]["max"]
+        when = f"t = {times[0]:.4g} s" if len(times) == 1 else f"{len(times)}, {times[0]:.4g} to {times[-1]:.4g} s"
+        rows.append([str(g["cells"]), with_unit(g["h"], "m"), f"{g['particles']:,}", when,
+                     *(_size(errors[q]["max"], q) for q in JUDGED),
+                     NOTHING if x is None else f"{100 * x / one.scene.size_of('x'):.3g} %"])
+    return grid(heads, rows, words=("times",))
+
+
+def _errors(g: dict) -> dict:
+    """Summaries against the best that is known."""
+    return g["error"] or g["estimate"]["companion"]
+
+
+def _verdict(g: dict, values: dict) -> str:
+    """A grid in two or three sentences: how large, against ours, and whether something is by itself."""
+    from solvers.judging.verdict import BY_PLACE
+    x = _errors(g)["x"]["max"]
+    sentences = [f"**{g['cells']} cells:** the error of x is up to {_size(x, 'x')}." if any(g["times"]) else
+                 f"**{g['cells']} cells: only the start was given, t = 0, and nothing that was computed.**"]
+    ours = [run for run in g["ours"] if run["status"] == "ok" and run["error"]["x"]["max"]]
+    if ours and x is not None:
+        best = min(ours, key=lambda run: run["error"]["x"]["max"])
+        worst = max(ours, key=lambda run: run["error"]["x"]["max"])
+        sentences.append(f"Of our methods on this grid {_method(best)} has the least, "
+                         f"{_size(best['error']['x']['max'], 'x')} (these particles: "
+                         f"{ratio(x / best['error']['x']['max'])} "
+                         f"times), and {_method(worst)} the most, {_size(worst['error']['x']['max'], 'x')}.")
+    sentences += [f"**{check['says'][:1].upper()}{check['says'][1:]}.**" for check in g["checks"]
+                  if check["verdict"] == OFF and check["check"] != BY_PLACE]
+    if found := g["neighbour_gap"]:
+        sentences.append(f"**{found['count']:,} particle{'s' * (found['count'] != 1)} ({100 * found['share']:.2g} %) "
+                         f"{'are' if found['count'] != 1 else 'is'} not where the neighbours are**, by up to "
+                         f"{found['farthest_over_h']:.2g} h, at t = {found['t']:.4g} s: the farthest is particle "
+                         f"{found['particle']} at {_place(found['X'])}, {_region(values['problem'], found['X'])} "
+                         f"({markdown(file_name(found['file']))}).")
+    return " ".join(sentences)
+
+
+def _grid(g: dict, values: dict, several: bool) -> str:
+    rows = [[str(QUANTITIES[q]), _size(found["size"], q), str(found["particle"]), _place(found["X"]),
+             _region(values["problem"], found["X"]), f"{found['t']:.4g} s", code(file_name(found['file']))]
+            for q, found in g["worst"].items() if found]
+    parts = [f"## {g['cells']} cells" if several else "## Errors", _error_table(g),
+             "Worst of all particles and times:\n\n" + grid(["error of", "size", "particle", "X", "where", "t", "file"],
+                                                           rows, words=("error of", "where", "file"))]
+    parts.append(f"At least {g['crossings_at_least']:,} grid crossings between the times given.")
+    rows = [[check["check"], _number(check["measured"]), _number(check["tolerance"]), check["unit"], check["verdict"],
+             check["says"]] for check in g["checks"]]
+    parts.append("What was compared, with what tolerance:\n\n" + grid(
+        ["compared", "measured", "tolerance", "in", "verdict", "remark"], rows,
+        words=("compared", "in", "verdict", "remark")))
+    if g["ours"]:
+        parts += ["Our own methods on the same grid, at the same times:", _ours(g)]
+    told = {check["says"] for check in g["checks"]}  # in the table, and above
+    if notes := [note for note in g["notes"] if note not in told]:
+        parts.append("\n".join(f"* {markdown(note)}" for note in notes))
+    parts.append("Files: " + ", ".join(code(file_name(file)) for file in g["files"][:20])
+                 + (f" and {len(g['files']) - 20} more" if len(g["files"]) > 20 else "") + ".")
+    return "\n\n".join(parts)
+
+
+def _error_table(g: dict) -> str:
+    heads = ["error of", "final", "largest", "mean", "companion: largest", "index", "distance", "companion's own error"]
+    estimate, rows = g["estimate"], []
+    for q in JUDGED:
+        true = (g["error"] or {}).get(q, {"final": None, "max": None, "mean": None})
+        rows.append([str(QUANTITIES[q]), *(_size(true[part], q) for part in ("final", "max", "mean")),
+                     _size(estimate["companion"][q]["max"], q), _ratio((estimate["index"] or {}).get(q)),
+                     _ratio((estimate["distance"] or {}).get(q)), _size(estimate["own_error"][q], q)])
+    return grid(heads, rows, words=("error of",))
+
+
+def _ours(g: dict) -> str:
+    here = _errors(g)
+    heads = ["method", *(f"largest {QUANTITIES[q].symbol}" for q in JUDGED),
+             *(f"these over ours, {QUANTITIES[q].symbol}" for q in JUDGED), "ran"]
+    rows = []
+    for run in g["ours"]:
+        theirs = run["error"]
+        both = [(here[q]["max"], theirs[q]["max"]) for q in JUDGED]
+        rows.append([_method(run), *(_size(theirs[q]["max"], q) for q in JUDGED),
+                     *(NOTHING if one is None or not other else ratio(one / other) for one, other in both),
+                     f"{run['status']}, cfl {run['cfl']:.3g}"])
+    return grid(heads, rows, words=("method", "ran"))
+
+
+def _order(values: dict) -> str:
+    common = values["common_times"]
+    if not any(t > 0 for t in common):
+        return "## Order in h\n\nThe grids have no time in common after the start, so that no order can be found."
+    rows = [[str(QUANTITIES[q]), NOTHING if fit is None else f"{fit['order']:.2f}",
+             NOTHING if fit is None else ", ".join(f"{one:.2f}" for one in fit["pairwise"])]
+            for q, fit in values["order"].items()]
+    return (f"## Order in h\n\nOf the largest norm over the {len(common)} times that all {len(values['grids'])} grids "
+            f"have.\n\n"
+            + grid(["error of", "order", "between neighbours"], rows, words=("error of",)))
+
+
+def _method(run: dict) -> str:
+    return method_name(run["method"]) + (", linearity preserving" if run["linearity_preserving"] else "")
+
+
+def _place(X: list[float]) -> str:
+    return "X = " + ", ".join(f"{c:.4f}" for c in X)
+
+
+def _region(problem: str, X: list[float]) -> str:
+    regions = VIEWS[problem].regions(np.array([X]))
+    return regions.names[int(regions.number[0])]
+
+
+def _size(value: Any, quantity: str) -> str:
+    return NOTHING if value is None else f"{value:.3e} {QUANTITIES[quantity].unit}"
+
+
+def _number(value: float | None) -> str:
+    return NOTHING if value is None else f"{value:.3g}"
+
+
+def _ratio(value: float | None) -> str:
+    return NOTHING if value is None else f"{value:.3f}"

@@ -143,8 +143,7 @@ class RunText(Output):
 def _run(scene: Scene, quiet: bool, writer: ParticleWriter | None, goals: Sequence[str]) -> Result:
     with working(quiet) as show:
         from solvers.running.run import run  # here: bad input and --help must not wait for Taichi
-        return run(scene, on_progress=show, prices=True, on_sample=writer.keep if writer else None,
-                   goals=goals)
+        return run(scene, on_progress=show, prices=True, on_sample=writer.keep if writer else None, goals=goals)
 
 
 def _draw(result: Result, target: Target) -> bool:

@@ -50,7 +50,7 @@ class Coverage(StudyFlags):
         return [Draw(self.SCENE.problem, self.seed, number) for number in range(self.runs)]
 
     def document(self, rows: list[dict]) -> int:
-        from app.pictures.coverage import coverage_figure
+        from app.pictures.study_parts import coverage_figure
 
         counted = tally(self.SCENE.problem, self.seed, rows[:self.runs])
         return self.write({"coverage": coverage_figure}, [counted], lambda drawn: {

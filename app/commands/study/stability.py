@@ -51,7 +51,7 @@ class Stability(StudyFlags):
         return map_tasks(self.SCENE.problem, inputs, self.treatment or offered(self.SCENE), __version__)
 
     def document(self, rows: list[dict]) -> int:
-        from app.pictures.stability import stability_figure
+        from app.pictures.study_parts import stability_figure
 
         values = as_dict(self.SCENE.problem, rows, prices(self.SCENE, rows))
         return self.write({"stability": stability_figure}, rows, lambda _: {
@@ -79,4 +79,3 @@ def map_flags(scene: type[Scene]) -> dict[str, Any]:
                                     f"Amplitudes, {unit_of(scene, 'amplitude')}."),
             "cfl": choices_of(("X",), " ".join(map(str, DEFAULT_CFL)), "Lengths of the time step, dt c/h."),
             "periods": RealFlag}
-

@@ -83,11 +83,6 @@ def _of_force(scene: Scene) -> str:
     return tr(words, volume=volume, corrected=corrected)
 
 
-def _of_motion(scene: Scene) -> str:
-    words = MOTION.get(scene.velocity, MOTION[""])
-    return tr(words)
-
-
 def _of_stress(scene: Scene) -> str:
     if PIECES in scene.remedies:
         return tr("F grows by time step × difference of the nodes' new v at the corners of the piece / its length × F; "
@@ -144,7 +139,8 @@ PHASES = (
           lambda _: tr("new v of a node = momentum / mass + time step × a, with a = force / mass"),
           (OLD, NEW, ACCELERATION), 2,
           lambda scene, a: [tr("time step {size}", size=amount(np.array([a.time_step]), "s"))]),
-    Phase(later("Velocities come back, the particles move"), _of_motion, (NEW, ACCELERATION, WEIGHTS), 1, _moved),
+    Phase(later("Velocities come back, the particles move"),
+          lambda scene: tr(MOTION.get(scene.velocity, MOTION[""])), (NEW, ACCELERATION, WEIGHTS), 1, _moved),
     Phase(later("Stress last"), _of_stress, (NEW, SLOPES), 1, _strained))
 
 

@@ -15,10 +15,8 @@ from app.frame.slow.phases import PHASES, scaled
 from app.frame.slow.stage import DIGITS, SlowStage
 from app.language.spoken import carried, tr
 from app.page.canvas import Canvas
-from app.page.measurements import Numbers
 from app.page.panels.head import BARE
 from app.page.source import Choice, Picture, Sight, Source
-from app.page.visit.notice import Notice
 from app.page.visit.session import Session
 from app.problems.views import VIEWS
 from solvers.engine.messages import FrameReport
@@ -205,6 +203,7 @@ class SlowStep:
 
     def __init__(self, slow: SlowMotion, run: Source):
         self._slow, self._run = slow, run
+        self.numbers, self.notice = run.numbers, run.notice
 
     @property
     def on(self) -> bool:
@@ -218,15 +217,9 @@ class SlowStep:
         sight = self._run.sight(choice)
         return sight and replace(sight, hidden=self._slow.rectangle)
 
-    def numbers(self, choice: Choice, picture: Picture | None, probed: str | None) -> Numbers | None:
-        return self._run.numbers(choice, picture, probed)
-
     def sentence(self, choice: Choice, picture: Picture) -> Said:
         said = self._run.sentence(choice, picture)
         return said and (self._slow.sentence or said)
-
-    def notice(self) -> Notice | None:
-        return self._run.notice()
 
 
 def _table(scene: Scene, a: StepBreakdown, phase: int) -> str:

@@ -1,17 +1,19 @@
-"""What the browser keeps for its visitor (``browser_store.js``): the state in its address, and answers to lessons."""
+"""What the browser keeps for its visitor (``browser_store.js``): the state in its address, and answers to lessons; and
+what it says by itself (``window.js``): how much of its window is free for what is drawn, and what its keys ask for."""
 
 import json
 import threading
 from collections import deque
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager, suppress
+from dataclasses import dataclass
 from html import escape
 from typing import Any
 
 import viser
 
 from app.language.spoken import tr
-from app.viewer.widgets import allow
+from app.viewer.widgets import allow, number
 
 LONGEST = 20_000  # characters that a browser may tell at once
 MOST_KINDS = 40  # of things that are remembered until somebody hears them: a browser may say any number
@@ -102,3 +104,53 @@ class BrowserStore:
             self.heard[name](said[name])
         if isinstance(lesson := said.get("lesson"), str) and isinstance(answers := said.get("answers"), str):
             self._on_answers(lesson, answers)
+
+
+WIDEST = 20_000.0  # pixels
+LETTERS = 12.0  # pixels, as high as letters on the stage usually are
+
+
+@dataclass(frozen=True)
+class Size:
+    """Pixels of the window: of the box that is free for the stage from x = 0 to 1, of what is left of that, of the plot
+    over time, and of the stage's letters."""
+
+    width: float = 736.0
+    height: float = 358.0
+    left: float = 144.0
+    plot_width: float = 736.0
+    plot_height: float = 62.0
+    letters: float = LETTERS
+
+
+class Window:
+    """One visitor's. ``on_change`` is called when its size is another one, ``on_dark`` when it is to be dark or light;
+    what the browser says may be anything."""
+
+    def __init__(self, store: BrowserStore, on_change: Callable[[Size], None], on_dark: Callable[[bool], None]):
+        self.size, self._dark, self._on_change, self._on_dark = Size(), False, on_change, on_dark
+        store.heard["room"] = self._hear
+        store.heard["dark"] = self._shade
+
+    def _hear(self, said: Any) -> None:
+        if not (isinstance(said, list) and len(said) == 6 and all(number(part, 0, WIDEST) for part in said)):
+            return
+        size = Size(*map(float, said))
+        if size != self.size:
+            self.size = size
+            self._on_change(size)
+
+    def _shade(self, dark: Any) -> None:
+        if isinstance(dark, bool) and dark != self._dark:
+            self._dark = dark
+            self._on_dark(dark)
+
+
+def follow_keys(store: BrowserStore, acts: Mapping[str, Callable[[], None]]) -> None:
+    """Do one of the ``acts`` when the browser says its name, for keys that no button stands for (``js/keys.js``); what
+    else it says means nothing."""
+    def act(said: Any) -> None:
+        if isinstance(said, str) and said in acts:
+            acts[said]()
+
+    store.heard["act"] = act

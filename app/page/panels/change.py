@@ -85,10 +85,8 @@ class RunWidgets:
         with self._bound.turn:
             if isinstance(method, str) and method in self._names and self._shown_method.visible:
                 self._shown_method.value = self._names[method]  # type: ignore[misc]
-                self._bound.ask(self._shown_method, lambda: self._session.set(method=method), self._method_back)
-
-    def _method_back(self) -> None:
-        self._shown_method.value = self._names[self._session.scene.method]  # type: ignore[misc]
+                self._bound.ask(self._shown_method, lambda: self._session.set(method=method), lambda: setattr(
+                    self._shown_method, "value", self._names[self._session.scene.method]))
 
     def _cells(self, gui: viser.GuiApi) -> None:
         scene = self._session.scene

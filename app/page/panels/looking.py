@@ -156,7 +156,17 @@ class Drawn:
         if hint := VIEWS[self._session.scene.problem].stage.DOMAINS_HINT:
             with part("domains"):
                 domains = gui.add_checkbox(tr("Show domains"), self.domains, hint=tr(hint))
-            domains.on_update(lambda _: self._show_domains(domains.value))
+
+            def outlined(_: viser.GuiEvent) -> None:
+                self.domains = domains.value
+                self._on_view()
+
+            domains.on_update(outlined)
+
+        def compared(_: viser.GuiEvent) -> None:
+            self.difference = compare.value == tr(DIFFERENCE)
+            self._session.show(differences=self.difference)
+            self._on_view()
 
         def coloured(_: viser.GuiEvent) -> None:
             scale.logarithmic, scale.held = kind.value == tr(LOGARITHMIC), hold.value
@@ -165,13 +175,4 @@ class Drawn:
 
         for widget in (kind, hold):
             widget.on_update(coloured)
-        compare.on_update(lambda _: self._compare(compare.value == tr(DIFFERENCE)))
-
-    def _compare(self, difference: bool) -> None:
-        self.difference = difference
-        self._session.show(differences=difference)
-        self._on_view()
-
-    def _show_domains(self, shown: bool) -> None:
-        self.domains = shown
-        self._on_view()
+        compare.on_update(compared)

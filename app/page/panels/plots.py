@@ -7,7 +7,6 @@ when it is first used and hidden while another set runs.
 
 from collections.abc import Sequence
 from html import escape
-from typing import Protocol
 
 import numpy as np
 import viser
@@ -18,6 +17,7 @@ from app.frame.captions import NOT_COUNTED, TRUE
 from app.frame.scale import BEYOND, largest
 from app.language.spoken import later, tr
 from app.page.panels.readout import named
+from app.page.visit.history import RunSeries
 from app.page.visit.pinned import PinnedRun
 from app.page.visit.trace import Traced
 from app.words import QUANTITIES, number, power_of_ten, power_text
@@ -50,21 +50,6 @@ HeadedPlot = tuple[viser.GuiHtmlHandle, viser.GuiUplotHandle]
 PlotSet = tuple[list[HeadedPlot], viser.GuiHtmlHandle]  # and the label of their times
 
 
-class Past(Protocol):
-    """What has been, for the plots: a live run's history, or all of a visitor's file."""
-
-    @property
-    def scene(self) -> Scene: ...
-
-    @property
-    def series(self) -> dict[str, np.ndarray]: ...
-
-    @property
-    def latest(self) -> dict[str, np.ndarray]: ...
-
-    def crossings_per_second(self, series: dict[str, np.ndarray]) -> tuple[np.ndarray, np.ndarray]: ...
-
-
 class Plots:
     """Call :meth:`show` a few times a second, or :meth:`clear` when there is nothing to show."""
 
@@ -90,7 +75,7 @@ class Plots:
         for plot in (self._trace[1], *self._plots):
             plot.height = height
 
-    def show(self, history: Past, valid: tuple[str, ...], quantity: str, no_index: str, latest: bool,
+    def show(self, history: RunSeries, valid: tuple[str, ...], quantity: str, no_index: str, latest: bool,
              pinned: PinnedRun | None, drawn: str | None) -> None:
         """Draw a run, or its ``latest`` periods: the truth and the ``valid`` ones of its estimators; ``no_index`` says
         why there is no index. A ``pinned`` run is drawn in grey, with the estimator ``drawn`` on the stage."""
@@ -164,7 +149,7 @@ class Plots:
                     self._plot(tr("grid crossings per second"), (*grey[:1], crossings), height)], \
                 self._gui.add_html(_time_label("t / s"))
 
-    def _show_crossings(self, history: Past, series: dict[str, np.ndarray], grey: list[np.ndarray],
+    def _show_crossings(self, history: RunSeries, series: dict[str, np.ndarray], grey: list[np.ndarray],
                         second: float) -> None:
         """A ``second`` is so many units of the axis."""
         time, rate = history.crossings_per_second(series)
@@ -188,7 +173,7 @@ class Plots:
             height=height, padding=(8, 20, 0, 0))
 
 
-def grey_curves(pinned: PinnedRun | None, history: Past, series: dict[str, np.ndarray], quantity: str,
+def grey_curves(pinned: PinnedRun | None, history: RunSeries, series: dict[str, np.ndarray], quantity: str,
                 drawn: str | None, latest: bool) -> list[list[np.ndarray]]:
     """A pinned run's curves in each of the three plots, at the times of the other run's ``series``: norms of its true
     and estimated error, index, crossings. Where the periods differ, at the same number of them."""

@@ -1,4 +1,5 @@
-"""All numbers of a run: each estimator beside the truth, where the error is worst, and the run itself."""
+"""All numbers of a run: each estimator beside the truth, where the error is worst, and the run itself; and what lines
+and columns mean, for who rests on them."""
 
 import html
 import json
@@ -12,9 +13,8 @@ from app.colours import ESTIMATE, PINNED, TRUTH
 from app.frame.captions import ESTIMATED, TRUE, why_no_numbers
 from app.language.heard import heard
 from app.language.spoken import later, tr
-from app.page.panels.hints import DISTANCE, HINTS, INDEX, NORM, WORST
 from app.page.stage.worst import WorstRegion, WorstRegions
-from app.page.visit.history import History, until
+from app.page.visit.history import History, last, until
 from app.page.visit.pinned import PinnedRun
 from app.page.visit.session import Session
 from app.words import NOTHING, QUANTITIES, differing, ratio, with_unit
@@ -26,6 +26,28 @@ from solvers.solver.norms import nothing_but_rounding
 from solvers.solver.rounding import rounding
 from solvers.solver.soundness import OK, UNSTABLE
 from solvers.study.coverage import track_record
+
+#: Of a line.
+HINTS = {
+    later("time"): later("simulated time since the start, and in periods of the exact vibration"),
+    later("steps"): later("time steps taken, and how long each is"),
+    later("step"): later("the time step over the longest that the present configuration bears by linear theory; above "
+                         "1 it breaks"),
+    later("solver"): later("how fast the kernels run, waiting not counted, and on what"),
+    later("speed"): later("periods of the vibration in a second of yours: reached, of those asked for"),
+    later("shown"): later("an earlier frame, of those that the slider Look back goes through"),
+    later("kinetic energy"): later("of all particles, ± twice the error that the estimator on the stage says it has"),
+    later("mean stress"): later("over the body at rest, ± twice the error that the estimator on the stage says it has"),
+    later("verdict"): later("a run is ok if its positions are; this is as wrong as it is large"),
+    later("unseen"): later("what the verdict does not rest on"),
+    later("region"): later("mean and worst error of the particles in a rectangle that you drag on the stage"),
+}
+#: And of a column, or of several lines.
+NORM = later("root of the mean square over the particles, now")
+INDEX = later("error index: estimated over true, summed over the run so far; 1 is perfect")
+DISTANCE = later("what the estimate misses, direction and all, over the true error; 0 is perfect")
+WORST = later("where the root mean square of the error is largest, by the estimate on the stage and in truth")
+
 
 CAPPED_BELOW = 0.9  # of the speed asked for
 ROUNDED = later("nothing but rounding")
@@ -74,8 +96,7 @@ def judged(report: FrameReport, series: dict[str, np.ndarray], quantity: str, dr
         if says := why_not[name]:
             judges[name] = {"says": says[:1].upper() + says[1:]}
         else:
-            values = series.get(f"{name}/index_{quantity}", np.zeros(0))
-            at = place(float(values[-1]) if len(values) else math.nan)
+            at = place(last(series, f"{name}/index_{quantity}"))
             counts = track_record.right(report.scene, name, quantity)  # None where nobody counted
             judges[name] = {"index": _ratio(series, f"{name}/index_{quantity}"), "at": at,
                             "trust": "" if counts is None else tr(
@@ -280,12 +301,10 @@ def line(colour: str, dashes: tuple[int, ...] = ()) -> str:
 
 
 def norm(series: dict[str, np.ndarray], name: str, unit: str) -> str:
-    values = series.get(name, np.zeros(0))
-    return with_unit(float(values[-1]), unit) if len(values) and np.isfinite(values[-1]) else NOTHING
+    return with_unit(value, unit) if math.isfinite(value := last(series, name)) else NOTHING
 
 
 def _ratio(series: dict[str, np.ndarray], name: str) -> str:
-    values = series.get(name, np.zeros(0))
-    if not len(values) or not np.isfinite(values[-1]):
+    if not math.isfinite(value := last(series, name)):
         return NOTHING
-    return ratio(float(values[-1])).replace(" × ", "×")  # else it seems to go on from the number before
+    return ratio(value).replace(" × ", "×")  # else it seems to go on from the number before

@@ -40,8 +40,7 @@ class SizeControl:
     """Two widgets that show one number. ``act`` is called with a number that the visitor has set; text that is none is
     refused in a sentence. What cannot be goes back to what is."""
 
-    def __init__(self, gui: viser.GuiApi, bound: BoundWidgets, size: Size, value: float,
-                 act: Callable[[float], None]):
+    def __init__(self, gui: viser.GuiApi, bound: BoundWidgets, size: Size, value: float, act: Callable[[float], None]):
         self._bound, self._size, self._act = bound, size, act
         self._typed: threading.Timer | None = None
         self._value = value  # what is, as far as is known

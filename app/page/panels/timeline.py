@@ -14,7 +14,8 @@ from app.colours import LINES, PINNED
 from app.frame.captions import TRUE
 from app.frame.scale import BEYOND, largest, round_up
 from app.language.spoken import later, tr
-from app.page.panels.plots import EMPTY, Past, finite, grey_curves, line, put
+from app.page.panels.plots import EMPTY, finite, grey_curves, line, put
+from app.page.visit.history import RunSeries
 from app.page.visit.pinned import PinnedRun
 from app.words import QUANTITIES, in_periods, with_unit
 from solvers.scene.registry import ESTIMATORS
@@ -73,7 +74,7 @@ class Timeline:
         self._estimators, self._plot = estimators, self._plots[wanted]
         self._plot.height = self.height
 
-    def show(self, past: Past, valid: tuple[str, ...], quantity: str, latest: bool, pinned: PinnedRun | None,
+    def show(self, past: RunSeries, valid: tuple[str, ...], quantity: str, latest: bool, pinned: PinnedRun | None,
              drawn: str | None, now: Now) -> None:
         """Draw a run's error norms up to now, or those of its ``latest`` periods, and a ``pinned`` run's in grey."""
         series = past.latest if latest else past.series
@@ -105,7 +106,7 @@ class Timeline:
         self._tell({"symbol": "", "top": [0, ""], "start": "", "ticks": [], "now": 0, "reach": [0, 0], "strip": "",
                     "clock": with_unit(now.time, "s"), "playing": now.playing, "read": [], "lost": None, "says": ""})
 
-    def _scaled(self, past: Past, of: object, time: np.ndarray, curves: Sequence[np.ndarray]) -> float:
+    def _scaled(self, past: RunSeries, of: object, time: np.ndarray, curves: Sequence[np.ndarray]) -> float:
         """Let the axes reach so far; within one run they only grow. The error that is their top."""
         most = max(map(largest, curves))
         start, of_time = float(time[0]) if time[0] > past.scene.period else 0.0, unit_of_time(past.scene)
@@ -120,7 +121,7 @@ class Timeline:
             self._plot.scales = {"x": {"time": False, "range": [0.0, ends[1] - ends[0]]}, "y": {"range": [0.0, top]}}
         return top
 
-    def _say(self, past: Past, series: dict[str, np.ndarray], quantity: str, start: float, end: float, top: float,
+    def _say(self, past: RunSeries, series: dict[str, np.ndarray], quantity: str, start: float, end: float, top: float,
              now: Now) -> None:
         def part(time: float) -> float:
             return round(min(1.0, max(0.0, (time - start) / (end - start))), 4)
@@ -158,7 +159,7 @@ class Timeline:
         return [with_unit(at, "s") + periods, *(f"{name} {with_unit(value, unit)}" for name, value in values.items()
                                       if np.isfinite(value))]
 
-    def _strip(self, past: Past, series: dict[str, np.ndarray], start: float, end: float) -> str:
+    def _strip(self, past: RunSeries, series: dict[str, np.ndarray], start: float, end: float) -> str:
         """A digit for each part of the time until now: how many particles cross cells then, over the most that did."""
         time, rate = past.crossings_per_second(series)
         if not past.scene.has("crossings") or not len(time) or not np.isfinite(rate).any():

@@ -8,9 +8,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from app.frame.captions import View
 from app.frame.sentence import ROUND_OFF
 from app.frame.stage import NOTHING, Remarks, Worst
-from app.frame.view import View
 from app.problems.views import VIEWS
 from app.words import QUANTITIES, with_unit
 from solvers.engine.frames import FrameArrays

@@ -60,7 +60,9 @@ class DownsampledSeries:
 
 
 class RunSeries:
-    """One run's series twice: from its start on, and over its last periods, finer where the run is long."""
+    """One run's series twice, for the plots: from its start on, and over its last periods, finer where it is long."""
+
+    scene: Scene
 
     def __init__(self, period: float):
         self._whole, self._latest = DownsampledSeries(), DownsampledSeries(LAST_PERIODS * period)
@@ -84,6 +86,16 @@ class RunSeries:
     def _take_in(self) -> None:
         """Append what waits for a reader, where anything does."""
 
+    def crossings_per_second(self, series: dict[str, np.ndarray]) -> tuple[np.ndarray, np.ndarray]:
+        """Times and grid crossings per second of simulated time, each over a twentieth of a period or more, from
+        :attr:`series` or :attr:`latest`."""
+        if len(series.get("time", ())) < 2:
+            return np.zeros(0), np.zeros(0)
+        time, count = series["time"], series["crossings"]
+        spacing = (time[-1] - time[0]) / (len(time) - 1)
+        lag = max(1, min(len(time) - 1, round(WINDOW * self.scene.period / spacing)))
+        return time[lag:], (count[lag:] - count[:-lag]) / (time[lag:] - time[:-lag])
+
 
 def _moved(values: np.ndarray, more: int) -> tuple[np.ndarray, int, int]:
     """A table of its own for values (names, rows), with room for more rows."""
@@ -99,6 +111,12 @@ def until(series: dict[str, np.ndarray], time: float) -> dict[str, np.ndarray]:
     if not len(times) or times[-1] <= time:
         return series
     return {name: values[:max(1, int(np.searchsorted(times, time, "right")))] for name, values in series.items()}
+
+
+def last(series: Mapping[str, np.ndarray], name: str) -> float:
+    """The last value of a series, NaN where there is none."""
+    values = series.get(name, np.zeros(0))
+    return float(values[-1]) if len(values) else math.nan
 
 
 MOST_WAITING = 500  # frames' samples that may wait for a reader
@@ -151,13 +169,3 @@ class History(RunSeries):
         looked = np.flatnonzero(np.isfinite(new["margin"]))
         self._margin = float(new["margin"][looked[-1]]) if len(looked) else self._margin
         self.append(new)
-
-    def crossings_per_second(self, series: dict[str, np.ndarray]) -> tuple[np.ndarray, np.ndarray]:
-        """Times and grid crossings per second of simulated time, each over a twentieth of a period or more, from
-        :attr:`series` or :attr:`latest`."""
-        if len(series.get("time", ())) < 2:
-            return np.zeros(0), np.zeros(0)
-        time, count = series["time"], series["crossings"]
-        spacing = (time[-1] - time[0]) / (len(time) - 1)
-        lag = max(1, min(len(time) - 1, round(WINDOW * self.scene.period / spacing)))
-        return time[lag:], (count[lag:] - count[:-lag]) / (time[lag:] - time[:-lag])

@@ -3,7 +3,7 @@
 from collections.abc import Callable
 from dataclasses import replace
 
-from app.frame.view import View, look
+from app.frame.captions import View, look
 from app.language.heard import heard
 from app.language.spoken import tr
 from app.page.visit.history import History

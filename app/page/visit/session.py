@@ -50,7 +50,9 @@ class Session:
                  speed: float | None = None, ends: bool = False):
         self._lock = threading.RLock()
         self._on_frame = on_frame
-        self._refused: tuple[str, str] | None = None
+        #: The field that was asked for last and cannot be ("" for none), and why in a sentence without its full stop;
+        #: None once anything else has been asked for.
+        self.refused: tuple[str, str] | None = None
         self._trouble: str | None = None
         self._engine_lost = False
         self._wished: dict[str, Any] = {}
@@ -164,12 +166,6 @@ class Session:
             self._beyond = False
             self._ask(restarts=self._pace.restarts + 1)
 
-    @property
-    def refused(self) -> tuple[str, str] | None:
-        """The field that was asked for last and cannot be ("" for none), and why in a sentence without its full stop;
-        None once anything else has been asked for."""
-        return self._refused
-
     def open_end(self) -> None:
         """Stop no more where the scene ends."""
         with self._lock:
@@ -178,7 +174,7 @@ class Session:
     def refuse(self, sentence: str, field: str = "") -> None:
         """Something was asked for that means nothing, of a ``field`` or of none; the present scene runs on."""
         with self._lock:
-            self._refused, self._asked_at = (field, sentence) if sentence else None, monotonic()
+            self.refused, self._asked_at = (field, sentence) if sentence else None, monotonic()
 
     def set_speed(self, speed: float) -> None:
         """Periods a second."""
@@ -246,9 +242,9 @@ class Session:
         if self._engine_lost and waiting:
             return Notice("wait", tr("The simulation process ended unexpectedly; it is being restarted and the scene "
                                      "begins again."))
-        if self._refused:
-            return Notice("refused", tr("{refusal}. The scene before it runs on.", refusal=self._refused[1]),
-                          bool(self._refused[0]))
+        if self.refused:
+            return Notice("refused", tr("{refusal}. The scene before it runs on.", refusal=self.refused[1]),
+                          bool(self.refused[0]))
         if self._rests and not self.playing:
             return Notice("wait", tr("The run rests, because nobody has asked anything of it for a while. Press Play "
                                      "to go on."))
@@ -304,7 +300,7 @@ class Session:
     def _ask(self, **pace: float) -> None:
         """Ask for all that is wanted now, with another ``pace`` from now on."""
         self._pace = replace(self._pace, **pace)  # type: ignore[arg-type]
-        self._trouble, self._refused, self._asked_at = None, None, monotonic()
+        self._trouble, self.refused, self._asked_at = None, None, monotonic()
         now = replace(self._pace, playing=self.playing and self.watched, ends=self.ends and not self._beyond)
         self._number = self._link.ask(self.scene, now, self._frame)
         if self.pinned:

@@ -12,7 +12,7 @@ import numpy as np
 import pytest
 
 from app.cli import main
-from app.commands.bench.text import bench_table
+from app.commands.bench.command import bench_table
 from solvers.bench import bench, limit, measure, start
 from solvers.bench.measure import QUICK, bare, priced
 from solvers.kernels import runtime

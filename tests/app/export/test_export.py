@@ -18,8 +18,7 @@ import pytest
 from app import state
 from app.cli import main
 from app.export import lattice, plan
-from app.export.course import manifest, package
-from app.export.lesson import lesson_page, rules
+from app.export.lesson import lesson_page, manifest, package, rules
 from app.export.page import _titled, scene_page
 from app.export.quantise import NONE, NUMBER, PLACE, SIGNED, SIZE, TOPS, Track, packed
 from app.export.record import Wanted, recording
@@ -263,7 +262,7 @@ def test_only_a_package_speaks_to_a_system(archive):
 
 def test_several_lessons_are_packed_once_each(capsys, monkeypatch, tmp_path):
     asked = []
-    monkeypatch.setattr("app.export.course.package", lambda lessons, *others, core: asked.extend(lessons) or b"PK")
+    monkeypatch.setattr("app.export.lesson.package", lambda lessons, *others, core: asked.extend(lessons) or b"PK")
     assert main(["export", "1", "04", "1", "--scorm", "--quiet", "--out", str(tmp_path / "a.zip")]) == 0
     assert [lesson.name for lesson in asked] == ["01-one-step", "04-grid-crossing"]
     assert (tmp_path / "a.zip").read_bytes() == b"PK"

@@ -9,10 +9,9 @@ import numpy as np
 import pytest
 
 from app import words
-from app.frame.captions import ESTIMATE_OFF, NONE_CHOSEN, OFF, TRUTH_OFF, UNKNOWN
+from app.frame.captions import ESTIMATE_OFF, NONE_CHOSEN, OFF, TRUTH_OFF, UNKNOWN, look
 from app.frame.scale import DECADES, MOST_TICKS, ColourScale
 from app.frame.stage import Stage
-from app.frame.view import look
 from app.page.panels.readout import _percent, readout
 from app.page.stage.worst import SteadyMaximum, WorstRegions
 from app.page.visit.session import first_scene

@@ -6,9 +6,8 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from app.frame.captions import NOT_COMPARED
+from app.frame.captions import NOT_COMPARED, look
 from app.frame.crossings import WINDOW
-from app.frame.view import look
 from app.page.features.own.run import OwnRun
 from app.page.panels.readout import readout
 from app.page.stage.worst import WorstRegions

@@ -6,8 +6,7 @@ from types import SimpleNamespace
 import pytest
 
 from app import state
-from app.page.panels.sparks import Sparks
-from app.page.panels.what_now import what_now
+from app.page.panels.sparks import Sparks, what_now
 from app.page.visit.history import History
 from app.page.visit.session import first_scene
 from app.problems.spark import NotNow

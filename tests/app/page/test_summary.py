@@ -8,11 +8,10 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from app.frame.captions import NONE_CHOSEN, UNKNOWN
+from app.frame.captions import NONE_CHOSEN, UNKNOWN, look
 from app.frame.crossings import WINDOW
 from app.frame.sentence import Said
 from app.frame.stage import NOTHING
-from app.frame.view import look
 from app.page.stage.worst import WorstRegions
 from app.page.summary import SAY_SECONDS, WAITING, Speaker, compared, summary
 from app.problems.views import VIEWS

@@ -8,8 +8,8 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
+from app.page.panels.browser_store import Size, Window
 from app.page.panels.timeline import BINS, Now, Timeline
-from app.page.panels.window import Size, Window
 from solvers.problems.bar.scene import BarScene
 from solvers.problems.ring import RingScene
 from tests.app.page.panel import Gui

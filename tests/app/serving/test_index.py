@@ -12,10 +12,9 @@ from websockets.datastructures import Headers
 from websockets.http11 import Request
 
 from app.colours import ESTIMATE, TRUTH
-from app.doors.page import has_page
 from app.identity import ICON, MARK
 from app.page.panels.head import ground
-from app.viewer.index import Index, unpacked_script
+from app.viewer.index import Index, has_page, unpacked_script
 
 BUILD = Path(viser.__file__).parent / "client" / "build"
 

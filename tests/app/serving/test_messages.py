@@ -227,7 +227,7 @@ def test_problem_that_is_chosen_while_the_page_is_made(here, monkeypatch):
         if not chosen:
             chosen.append(1)
             visitor.set(visitor.find("Problem"), "expanding ring")
-            until(lambda: controls._problem.value == "expanding ring", "the choice to come")
+            until(lambda: controls.problem.value == "expanding ring", "the choice to come")
         build(controls)
 
     monkeypatch.setattr(Controls, "_build", slowly)

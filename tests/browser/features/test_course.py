@@ -7,7 +7,7 @@ from pathlib import Path
 
 import pytest
 
-from app.export.course import package
+from app.export.lesson import package
 from app.export.record import recording
 from app.lessons.lesson import drawn
 from app.lessons.reading import parse

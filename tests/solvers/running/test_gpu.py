@@ -15,7 +15,7 @@ import pytest
 import taichi as ti
 
 from app.cli import main
-from app.commands.bench.text import bench_table
+from app.commands.bench.command import bench_table
 from solvers.bench import gpu
 from solvers.kernels import elementary, runtime
 from solvers.kernels.kinds import quads, reals

@@ -178,7 +178,8 @@ class Board:
 
 
 class BoardSeat:
-    """A page of the visitor with this ``key``, as :class:`~app.page.features.lesson.marking.Seat` has it."""
+    """A page of the visitor with this ``key``. Steps are counted as :class:`~app.lessons.progress.Progress` counts
+    them."""
 
     def __init__(self, board: Board, key: str):
         self._board, self._key, self._gone = board, key, False
@@ -187,18 +188,22 @@ class BoardSeat:
 
     @property
     def lesson(self) -> str:
+        """The name of the lesson that is paced; in others a visitor goes on as he likes."""
         return self._board.lesson.name
 
     @property
     def opened(self) -> int:
+        """The last step that is open."""
         return self._board.opened
 
     def progress(self) -> Progress:
+        """What this visitor has answered so far, and where he was: the class has it, and not the browser."""
         lesson = self._board.lesson
         return Progress(lesson.name, lesson.fingerprint, step=min(self._entry.step, self.opened),
                         answers=self._entry.answers, core=self._board.core)
 
     def listen(self, on_open: Callable[[], None]) -> None:
+        """Have ``on_open`` called, on another thread, when a further step is open."""
         self._on_open = on_open
 
     def open(self) -> None:

@@ -119,8 +119,7 @@ def saved(board: Board) -> str:
             "kind": step.asked.kind, "unit": step.asked.unit,
             "options": [filled(option, board.numbers) for option in step.asked.options],
             "count": len(answers), "late": board.tally.late(step.key),
-            "answers": answers if has_chart(step) else None,
-            "came_out": revealed and revealed.told,
+            "answers": answers if has_chart(step) else None, "came_out": revealed and revealed.told,
             "right": None if revealed is None else right_among(step.asked, answers, revealed)})
     return json.dumps({"schema": SCHEMA, "lesson": board.lesson.name, "fingerprint": board.lesson.fingerprint,
                        "numbers": dict(board.numbers), "questions": questions}, ensure_ascii=False, indent=1) + "\n"

@@ -90,11 +90,10 @@ def _beginning(board: Board, door: Door) -> str:
     here = board.tally.here
     count = trn("{count} is here.", "{count} are here.", here) if here else tr(NOBODY)
     first, then = tr("Open"), tr("and type the class code")
-    image = tr("the link with the code, for phones")
     return f"<h2>{escape(board.lesson.title)}</h2><div class='lab-door'><div><p>{first}</p>" \
            f"<p class='lab-address'>{escape(door.link)}</p><p>{then}</p>" \
            f"<p class='lab-class-code'>{escape(door.code)}</p><p class='lab-said'>{count}</p>{warning}</div>" \
-           f"<figure role='img' aria-label='{image}'>{picture}</figure></div>"
+           f"<figure role='img' aria-label='{tr('the link with the code, for phones')}'>{picture}</figure></div>"
 
 
 def _step(board: Board, place: Place, step: Step) -> str:
@@ -185,16 +184,13 @@ def _end(board: Board) -> str:
 
 def calibration(found: list[Scored]) -> list[str]:
     """How well a class has known what it knows: predictions, observations and intervals, a sentence each."""
-    def share(some: list[Scored]) -> tuple[int, int]:
-        return sum(one.right for one in some), sum(one.answers for one in some)
-
     said = []
     intervals = [one for one in found if one.step.asked.kind == INTERVAL]
     for sentence, some in (
             (PREDICTIONS, [one for one in found if one not in intervals and one.step.kind == PREDICT]),
             (OBSERVATIONS, [one for one in found if one not in intervals and one.step.kind != PREDICT]),
             (INTERVALS, intervals)):
-        right, of = share(some)
+        right, of = sum(one.right for one in some), sum(one.answers for one in some)
         if of:
             level = sum(one.step.asked.level * one.answers for one in some) / of  # of predictions it is not said
             said.append(tr(sentence, right=right, of=of, share=f"{100 * right / of:.0f}", level=f"{100 * level:.0f}"))

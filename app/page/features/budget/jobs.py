@@ -85,8 +85,7 @@ def budget(question: dict[str, Any], tell: Tell) -> None:
     except SceneError as error:
         tell({"trouble": str(error)})
         return
-    bad = [result.reason for result in (found.result, found.again)
-           if result is not None and result.status != "ok"]
+    bad = [result.reason for result in (found.result, found.again) if result is not None and result.status != "ok"]
     tell({"series": _columns(found.result), "again": found.again and _columns(found.again),
           **({"bad": bad[0]} if bad else {})})
 

@@ -73,7 +73,7 @@ class BudgetFold:
         self._again.on_click(lambda _: self._take_away())
         self._back.on_click(lambda _: self._show(replace(
             state := self._state(), scene=_without(NOTHING, state.scene), pinned=None)))
-        self._field.on_update(lambda _: self._redraw())
+        self._field.on_update(lambda _: setattr(self, "_drawn_at", -math.inf))
 
     def press(self, said: object) -> None:
         """The visitor has asked who made the error."""
@@ -127,7 +127,7 @@ class BudgetFold:
 
     def _draw(self, runs: list[Divided], cause: str, on: bool, playing: bool) -> None:
         """The chart of the runs, and what has become of the error of the first without a ``cause``."""
-        field, now = self._shown_field, self._clock()
+        field, now = next(field for field, name in _NAMES.items() if tr(name) == self._field.value), self._clock()
         if not runs:
             self._drawn_at = -math.inf
             self._mark.content = marked("lab-budget", words="" if on else tr("not asked yet"))
@@ -148,13 +148,6 @@ class BudgetFold:
             return NOTHING
         before, again = (run.scene for run in runs)
         return taken_away(again) if before == _without(NOTHING, again) else NOTHING
-
-    @property
-    def _shown_field(self) -> str:
-        return next(field for field, name in _NAMES.items() if tr(name) == self._field.value)
-
-    def _redraw(self) -> None:
-        self._drawn_at = -math.inf
 
     def _runs(self, numbers: Numbers, scene: Scene, latest: bool) -> list[Divided]:
         """A pinned run with a budget, and the one on the stage, if that has one yet."""

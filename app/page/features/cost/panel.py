@@ -10,9 +10,8 @@ import viser
 
 from app.language.spoken import tr
 from app.page.features.cost import words
-from app.page.features.cost.headline import headline, line
 from app.page.features.cost.jobs import CostStatus, Jobs, QuietStage, search, small_sweep, timings
-from app.page.features.cost.picture import Axes, axes, picture
+from app.page.features.cost.picture import Axes, axes, headline, line, picture
 from app.page.features.cost.runs import LIVE, LiveRows, Runs, comparable, csv_bytes, question, staged
 from app.page.panels.head import BESIDE
 from app.page.visit.history import History
@@ -135,8 +134,7 @@ class CostTab:
         self._tolerance = gui.add_text(tr("Tolerance / A"), TOLERANCE, hint=tr(
             "largest RMS error of x that is allowed at any time of one period, as a part of the amplitude A"))
         self._tolerance.on_update(lambda _: self.refresh())
-        self._budget = gui.add_text(tr("Longest run, s"), BUDGET,
-                                    hint=tr("longest bare run that may be recommended"))
+        self._budget = gui.add_text(tr("Longest run, s"), BUDGET, hint=tr("longest bare run that may be recommended"))
         gui.add_html("<i class='lab-primary'></i>")
         self._search = gui.add_button(tr("Find the cheapest run"), icon=viser.Icon.TARGET_ARROW, hint=tr(
             "tries methods, cells, particles per cell and steps in the background, on estimates alone"))

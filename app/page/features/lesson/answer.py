@@ -8,20 +8,8 @@ from typing import Any
 import viser
 
 from app.language.spoken import tr
-from app.lessons.lesson import (
-    CHOICE,
-    DRAG,
-    INTERVAL,
-    NAMES,
-    POWERS,
-    PREDICT,
-    REACH,
-    TEXT,
-    Numbers,
-    Question,
-    Step,
-    filled,
-)
+from app.lessons import lesson
+from app.lessons.lesson import Numbers, Question, Step, filled
 from app.page.features.lesson import html as page
 from app.words import PREFIXES, SYMBOLS, size_in, with_unit
 from solvers.outside import numerals
@@ -39,42 +27,42 @@ class AnswerWidgets:
     def __init__(self, gui: viser.GuiApi, step: Step, numbers: Numbers, answer: Any, fixed: bool,
                  stage: Callable[[], Scene], lang: str = ""):
         self._asked, self._stage = step.asked, stage
-        self._chosen: int | None = answer if self._asked.kind == CHOICE else None
+        self._chosen: int | None = answer if self._asked.kind == lesson.CHOICE else None
         self.texts: list[viser.GuiTextHandle] = []
         self._said: viser.GuiHtmlHandle | None = None
         self._slider: Any = None
         asked = self._asked
-        if asked.kind == CHOICE:
+        if asked.kind == lesson.CHOICE:
             options = [filled(option, numbers) for option in asked.options]
             gui.add_html(page.choices_html(options, answer, fixed, step.key, lang))
-        elif asked.kind == DRAG:
+        elif asked.kind == lesson.DRAG:
             self._said = gui.add_html("")
-            if step.kind == PREDICT:  # of a run that has not been yet
+            if step.kind == lesson.PREDICT:  # of a run that has not been yet
                 self._build_slider(gui, answer, fixed)
             self.refresh()
-        elif asked.kind == INTERVAL:
+        elif asked.kind == lesson.INTERVAL:
             ends = answer or ("", "")
             self.texts = [gui.add_text(f"{side}{f', {asked.unit}' * bool(asked.unit)}", _shown(end), disabled=fixed,
                                        hint=_hint(asked))
                           for side, end in zip((tr("At least"), tr("At most")), ends, strict=True)]
         else:
             label = tr("Answer, {unit}", unit=asked.unit) if asked.unit else tr("Answer")
-            self.texts = [gui.add_text(label, _shown(answer), multiline=asked.kind == TEXT, disabled=fixed,
+            self.texts = [gui.add_text(label, _shown(answer), multiline=asked.kind == lesson.TEXT, disabled=fixed,
                                        hint=_hint(asked))]
 
     @property
     def value(self) -> Any:
         asked = self._asked
-        if asked.kind == CHOICE:
+        if asked.kind == lesson.CHOICE:
             return self._chosen
-        if asked.kind == DRAG:
+        if asked.kind == lesson.DRAG:
             return self._there
-        found = [text.value if asked.kind == TEXT else number(text.value, asked.unit) for text in self.texts]
-        return found if asked.kind == INTERVAL else found[0]
+        found = [text.value if asked.kind == lesson.TEXT else number(text.value, asked.unit) for text in self.texts]
+        return found if asked.kind == lesson.INTERVAL else found[0]
 
     def choose(self, option: Any) -> None:
         """The visitor has chosen an option, counted from 1: believed only as far as there is one."""
-        if self._asked.kind == CHOICE and type(option) is int and 1 <= option <= len(self._asked.options):
+        if self._asked.kind == lesson.CHOICE and type(option) is int and 1 <= option <= len(self._asked.options):
             self._chosen = option
 
     def refresh(self) -> None:
@@ -88,9 +76,7 @@ class AnswerWidgets:
             value = in_unit(there, self._asked.unit)
             told = tr("You say {name} = <b>{value}</b>", name=name, value=value) if self._slider else \
                 tr("The stage has {name} = <b>{value}</b>", name=name, value=value)
-        content = f"<div class='lab-lesson lab-there'>{told}</div>"
-        if self._said.content != content:
-            self._said.content = content
+        self._said.content = f"<div class='lab-lesson lab-there'>{told}</div>"
 
     @property
     def _there(self) -> float | None:
@@ -98,7 +84,7 @@ class AnswerWidgets:
         control = self._asked.control
         if self._slider is not None:
             at = float(self._slider.value)
-            return float(f"{10**at:.3g}") if control in POWERS else round(at)
+            return float(f"{10**at:.3g}") if control in lesson.POWERS else round(at)
         scene = self._stage()
         if control == "amplitude" and control not in scene.moved_by:
             return None
@@ -107,10 +93,10 @@ class AnswerWidgets:
 
     def _build_slider(self, gui: viser.GuiApi, answer: Any, fixed: bool) -> None:
         control = self._asked.control
-        low, high, step = REACH[control]
-        start = 0.5 * (low + high) if answer is None else math.log10(answer) if control in POWERS else answer
+        low, high, step = lesson.REACH[control]
+        start = 0.5 * (low + high) if answer is None else math.log10(answer) if control in lesson.POWERS else answer
         start = low + step * round((start - low) / step)
-        if control in POWERS:
+        if control in lesson.POWERS:
             gui.add_html(LOGARITHMIC)
         self._slider = gui.add_slider(_called(control), low, high, step, start, disabled=fixed)
         self._slider.on_update(lambda _: self.refresh())
@@ -143,4 +129,4 @@ def _hint(asked: Question) -> str | None:
 
 def _called(control: str) -> str:
     """What is dragged, with its symbol."""
-    return f"{tr(NAMES[control])} {SYMBOLS.get(control, '')}".strip()
+    return f"{tr(lesson.NAMES[control])} {SYMBOLS.get(control, '')}".strip()

@@ -25,8 +25,7 @@ WAITS = later("The next step is not open yet. Your lecturer opens it for all; yo
 
 def deeper() -> str:
     """The mark of a step that is no core."""
-    word = tr("deeper")
-    return f"<span class='lab-kind lab-kind-deeper'>{word}</span>"
+    return f"<span class='lab-kind lab-kind-deeper'>{tr('deeper')}</span>"
 
 
 def takes(lesson: Lesson) -> str:
@@ -59,11 +58,6 @@ def where(lesson: Lesson, progress: Progress) -> str:
     segments = "".join(f"<i class='{' '.join(filter(None, kind))}'></i>" for kind in kinds)
     return f"<div>{said}</div><div class='lab-segments' role='progressbar' aria-label='{name}' aria-valuemin='0' " \
            f"aria-valuemax='{total}' aria-valuenow='{at}'>{segments}</div>"
-
-
-def numbers(lesson: Lesson) -> str:
-    """Of the core's steps, for the list, which the browser fills."""
-    return " ".join(str(number) for number, step in enumerate(lesson.steps, 1) if step.core)
 
 
 def left(lesson: Lesson) -> str:

@@ -23,14 +23,15 @@ SIGNS = {True: ("right", "✓", later("right")), False: ("wrong", "✗", later("
 
 def shelf_html(lessons: Mapping[str, Lesson]) -> str:
     """What there is to choose from. How far one has come in each only the browser knows (``js/lessons.js``)."""
+    in_core = {name: " ".join(str(number) for number, step in enumerate(lesson.steps, 1) if step.core)
+               for name, lesson in lessons.items()}
     rows = "".join(
         f"<li><button type='button' class='lab-open' data-lesson='{escape(name)}' data-steps='{len(lesson.steps)}' "
-        f"data-core='{core.numbers(lesson)}' data-fingerprint='{lesson.fingerprint}'>"
+        f"data-core='{in_core[name]}' data-fingerprint='{lesson.fingerprint}'>"
         f"<span class='lab-number'>{k}</span><b{lang(lesson)}>{escape(lesson.title)}</b>"
         f"<small>{told(lesson)}</small><small class='lab-come'></small></button></li>"
         for k, (name, lesson) in enumerate(lessons.items(), 1))
-    how = tr("You predict, run, observe, and then read why.")
-    return f"<div class='lab-lesson lab-shelf'><p>{how}</p>" \
+    return f"<div class='lab-lesson lab-shelf'><p>{tr('You predict, run, observe, and then read why.')}</p>" \
            f"<div class='lab-go-on'></div><ol>{rows}</ol></div>"
 
 
@@ -53,8 +54,7 @@ def intro_html(lesson: Lesson, numbers: Numbers, teacher: bool) -> str:
               escape(known[name].title if name in known else name) for name in lesson.prerequisites]
     first = tr("Do before: {lessons}.", lessons="; ".join(before))
     needs = f"<p>{first}</p>" if before else ""
-    untranslated = tr("This lesson is in English.")
-    only = f"<p>{untranslated}</p>" if lang(lesson) else ""
+    only = f"<p>{tr('This lesson is in English.')}</p>" if lang(lesson) else ""
     return f"<div class='lab-lesson'>{only}<p>{core.takes(lesson)}</p><ul{lang(lesson)}>{goals}</ul>{needs}" \
            f"{_own(lesson, text_html(lesson.intro, numbers))}{_notes(lesson, lesson.notes, teacher)}</div>"
 
@@ -67,8 +67,7 @@ def step_html(lesson: Lesson, step: Step, numbers: Numbers, before: str, teacher
     with speaking(lesson.language):
         text = acts.with_buttons(text_html(step.text, numbers))
         if step.stage and acts.put() not in text:
-            about = tr("The run that this is about:")
-            text += f"<p>{about}</p>{acts.put()}"
+            text += f"<p>{tr('The run that this is about:')}</p>{acts.put()}"
     return f"<div class='lab-lesson' data-step='{lesson.steps.index(step) + 1}'>{kind}{deeper}{title}" \
            f"{before}{_own(lesson, text)}{_notes(lesson, step.notes, teacher)}</div>"
 
@@ -81,8 +80,7 @@ def choices_html(options: Sequence[str], chosen: int | None, fixed: bool, key: s
         f"{' checked' * (k == chosen)}{' disabled' * fixed}><span{lang}><b>{letter})</b> {escape(option)}</span>"
         "</label>"
         for k, (letter, option) in enumerate(zip(ascii_lowercase, options, strict=False), 1))
-    name = tr("Answer")
-    return f"<div class='lab-lesson lab-choices' role='radiogroup' aria-label='{name}'>{rows}</div>"
+    return f"<div class='lab-lesson lab-choices' role='radiogroup' aria-label='{tr('Answer')}'>{rows}</div>"
 
 
 def compared_html(lesson: Lesson, steps: Sequence[Step], answers: Mapping[str, Answer],
@@ -118,8 +116,7 @@ def taken_html(lesson: Lesson, step: Step, answer: Answer, numbers: Numbers, com
     said, own = filled(shown(step.asked, answer.last), numbers), lang(lesson) if step.asked.kind == CHOICE else ""
     kind, sign, word = SIGNS[right]
     mark = f" <span class='lab-{kind}'>{sign} {tr(word)}</span>" if sign else ""
-    yours = tr("Your answer:")
-    return f"<div class='lab-lesson lab-recorded'>{yours} <b{own}>{escape(said)}</b>{mark} " \
+    return f"<div class='lab-lesson lab-recorded'>{tr('Your answer:')} <b{own}>{escape(said)}</b>{mark} " \
            f"{escape(comment)}</div>"
 
 
@@ -138,8 +135,7 @@ def end_html(lesson: Lesson, progress: Progress, marks: Mapping[str, AnswerMark 
     if paced:
         what = tr("<b>Hand in</b> saves a file with your answers and times, without a name; they are not kept "
                   "otherwise.")
-    end = tr("The end")
-    return f"<div class='lab-lesson'><h2>{end}</h2>{left}{table}<p>{what}</p>{more}</div>"
+    return f"<div class='lab-lesson'><h2>{tr('The end')}</h2>{left}{table}<p>{what}</p>{more}</div>"
 
 
 def text_html(markdown: str, numbers: Numbers) -> str:
@@ -151,8 +147,7 @@ def text_html(markdown: str, numbers: Numbers) -> str:
 
 
 def _notes(lesson: Lesson, notes: str, teacher: bool) -> str:
-    teacher_says = tr("Teacher")
-    return f"<aside class='lab-teacher'><b>{teacher_says}</b>{_own(lesson, html(notes, shelf.FOLDER))}</aside>" \
+    return f"<aside class='lab-teacher'><b>{tr('Teacher')}</b>{_own(lesson, html(notes, shelf.FOLDER))}</aside>" \
         if notes and teacher else ""
 
 

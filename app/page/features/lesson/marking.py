@@ -4,7 +4,7 @@ import logging
 from collections.abc import Callable
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, field
-from typing import Any, Protocol
+from typing import Any
 
 from app.language.spoken import carried, later, tr
 from app.lessons.bets import Bettor
@@ -13,34 +13,7 @@ from app.lessons.lesson import EXPLAIN, PREDICT, Lesson, Step, drawn
 from app.lessons.marks import TOLD_AFTER, AnswerMark, laid, mark
 from app.lessons.outcomes import Outcomes, RunFailed
 from app.lessons.progress import Answer, Progress
-
-
-class Seat(Protocol):
-    """One page's. Steps are counted as :class:`~app.lessons.progress.Progress` counts them."""
-
-    @property
-    def lesson(self) -> str:
-        """The name of the lesson that is paced; in others a visitor goes on as he likes."""
-
-    @property
-    def opened(self) -> int:
-        """The last step that is open."""
-
-    def progress(self) -> Progress:
-        """What this visitor has answered so far, and where he was: the class has it, and not the browser."""
-
-    def listen(self, on_open: Callable[[], None]) -> None:
-        """Have ``on_open`` called, on another thread, when a further step is open."""
-
-    def shows(self, step: int) -> None:
-        """This step is seen."""
-
-    def answered(self, step: Step, answer: Any) -> None:
-        """The question of a step is answered, perhaps once more."""
-
-    def leave(self) -> None:
-        """The page has gone."""
-
+from app.page.features.board.board import BoardSeat
 
 LATER = later("could not be checked just now")
 POLITE = 10  # more than the engines: marks can wait, stages cannot
@@ -56,7 +29,7 @@ class Classroom:
     teacher: bool = False
     outcomes: Outcomes = field(default_factory=lambda: Outcomes(politeness=POLITE))
     core: bool = False
-    seat: Seat | None = None
+    seat: BoardSeat | None = None
 
     def begun(self, lesson: Lesson) -> Progress:
         """How somebody begins a lesson, or goes on with the one that is paced."""

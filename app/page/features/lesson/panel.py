@@ -12,13 +12,12 @@ from app.lessons import progress as kept
 from app.lessons import shelf
 from app.lessons.lesson import EXPLAIN, PREDICT, TEXT, Lesson, Numbers, Step, drawn, filled
 from app.lessons.marks import LONGEST, AnswerMark, trouble
+from app.page.features.board.board import BoardSeat
 from app.page.features.lesson import acts, core
 from app.page.features.lesson import html as page
-from app.page.features.lesson.acts import Hands
 from app.page.features.lesson.answer import AnswerWidgets
 from app.page.features.lesson.core import KEPT, MAIN, PACED, Way
-from app.page.features.lesson.html import WAITED_FOR, bets_html
-from app.page.features.lesson.marking import Classroom, Marker, Seat, asked_since, bets_ahead, comment
+from app.page.features.lesson.marking import Classroom, Marker, asked_since, bets_ahead, comment
 from app.page.panels.browser_store import BrowserStore
 from app.viewer.widgets import allow, is_removed
 
@@ -29,7 +28,7 @@ class Player:
     """One visitor's, in a ``tab``, where the ``controls`` that a lesson needs stand below its text; ``on_change`` is
     called when what the browser should keep has changed. What it says through its ``store`` may be anything."""
 
-    def __init__(self, client: viser.ClientHandle, tab: viser.GuiTabHandle, classroom: Classroom, controls: Hands,
+    def __init__(self, client: viser.ClientHandle, tab: viser.GuiTabHandle, classroom: Classroom, controls: acts.Hands,
                  store: BrowserStore, on_change: Callable[[], None]):
         self._client, self._gui, self._tab, self._room = client, client.gui, tab, classroom
         self._controls, self._on_change = controls, on_change
@@ -256,7 +255,7 @@ class Player:
         """The step's text; where it explains, below what was said and what came out."""
         before = page.compared_html(lesson, asked_since(lesson, step), self._progress.answers, self._marker.marks,
                                     self._numbers) if step.kind == EXPLAIN else ""
-        before += bets_html(self._marker.bets.get(step.key, WAITED_FOR)) if step.bets else ""
+        before += page.bets_html(self._marker.bets.get(step.key, page.WAITED_FOR)) if step.bets else ""
         return page.step_html(lesson, step, self._numbers, before, self._room.teacher)
 
     def _mark_all(self, lesson: Lesson, step: Step | None, text: viser.GuiHtmlHandle) -> None:
@@ -310,7 +309,7 @@ class Player:
                 self._way.refresh()
 
     @property
-    def _paced(self) -> Seat | None:
+    def _paced(self) -> BoardSeat | None:
         """The visitor's seat, while the lesson that is open is the one that is paced from the board."""
         return self._room.seat if self._room.seat and self._room.seat.lesson == self.name else None
 

@@ -12,9 +12,8 @@ import viser
 from app.frame.captions import NO_INDEX
 from app.frame.sentence import Said
 from app.language.spoken import carried, later, tr
-from app.page.features.own import words
 from app.page.features.own.judging import FIRST, Judging, Question, sentence
-from app.page.features.own.run import JUDGE, OwnRun
+from app.page.features.own.run import JUDGE, OwnRun, headline, readout, scene_of, taken
 from app.page.measurements import Numbers
 from app.page.panels.head import BARE
 from app.page.panels.timeline import Now
@@ -41,8 +40,9 @@ WHAT = later("Drop a file of particles anywhere on this page, or choose it ({kin
 
 class OwnCode:
     """One visitor's. ``on_view`` is called when something else is to be drawn, ``on_begin`` before a file takes the
-    stage, ``on_scene`` with the scene of one that is of another problem than the stage. While one is :attr:`shown` the
-    run rests; that ends when something moves the run on."""
+    stage, ``on_scene`` with the scene of one that is of another problem than the stage. While one is :attr:`shown`
+    (:class:`~app.page.source.Source`), in the colours of all its times, the run rests; that ends when something moves
+    the run on."""
 
     def __init__(self, client: viser.ClientHandle, session: Session, on_view: Callable[[], None],
                  on_begin: Callable[[], None], on_scene: Callable[[Scene], None]):
@@ -154,7 +154,7 @@ class OwnCode:
             # A file that says another problem takes the page with it, whose controls are then of that.
             own = Task(**Shown(**message["frames"]).task).scene()
             if own.problem != self._session.scene.problem:
-                self._on_scene(words.scene_of(own, first_scene(own.problem)))
+                self._on_scene(scene_of(own, first_scene(own.problem)))
         with self._lock:
             if judging is not self._judging:
                 return
@@ -201,7 +201,7 @@ class OwnCode:
             self._session.play(False)
             self._moves = self._session.moves
         self._run, self._k = run, 0
-        self._say(words.taken(run, self._session.scene))
+        self._say(taken(run, self._session.scene))
         self._slider.max, self._slider.value = max(2, len(run)), 1  # type: ignore[misc]
         self._slider.disabled = len(run) < 2
         self._folder.visible = self._back.visible = True
@@ -253,45 +253,34 @@ class OwnCode:
         least, most = FRAME_SECONDS
         return float(min(most, max(least, ahead / (self._session.speed * run.scene.period))))
 
-
-class OwnFile:
-    """The file that is shown, at one of its times (:class:`~app.page.source.Source`). Its colours are those of
-    all times."""
-
-    def __init__(self, code: OwnCode):
-        self._code = code
-
     @property
     def on(self) -> bool:
-        return self._code.shown is not None
+        return self.shown is not None
 
     @property
     def at_once(self) -> bool:
-        return not self._code.playing
+        return not self.playing
 
     def sight(self, choice: Choice) -> Sight | None:
-        if (shown := self._code.shown) is None:
+        if (shown := self.shown) is None:
             return None
         run, k = shown
-        report, arrays = run.frame(k, choice.quantity, self._code.playing)
+        report, arrays = run.frame(k, choice.quantity, self.playing)
         picture = Picture(report, arrays, run.view(arrays, choice.quantity, choice.difference), 1.0, foreign=True)
         return Sight(picture, run.largest(choice.quantity), (run.name, choice.quantity))
 
     def numbers(self, choice: Choice, picture: Picture | None, probed: str | None) -> Numbers | None:
-        if (shown := self._code.shown) is None:
+        if (shown := self.shown) is None:
             return None
         run, k = shown
-        return Numbers(words.readout(run, k, choice.quantity, probed), None if run.estimate is None else run,
-                       (JUDGE,), (JUDGE,), JUDGE, Now(run.times[k], (run.times[0], run.times[-1]), self._code.playing),
+        return Numbers(readout(run, k, choice.quantity, probed), None if run.estimate is None else run,
+                       (JUDGE,), (JUDGE,), JUDGE, Now(run.times[k], (run.times[0], run.times[-1]), self.playing),
                        "" if run.true is not None else tr(NO_INDEX))
 
     def sentence(self, choice: Choice, picture: Picture) -> Said:
-        shown = self._code.shown
+        shown = self.shown
         if shown is None or not picture.foreign or picture.report.scene != shown[0].scene:
             return Said()
         worst = WorstRegions()  # of this frame: at another time a file may have other particles
         worst.look(picture.report, picture.arrays, picture.view, choice.quantity)
-        return words.sentence(*shown, picture.view, worst, choice.quantity)
-
-    def notice(self) -> Notice | None:
-        return None  # its panel's comes first, whatever is on the stage
+        return headline(*shown, picture.view, worst, choice.quantity)

@@ -8,8 +8,7 @@ import numpy as np
 import pytest
 
 from app.colours import GROUNDS, METHOD_COLOURS
-from app.page.features.cost.headline import headline, line
-from app.page.features.cost.picture import LogAxis, around, axes, names, picture, unnamed
+from app.page.features.cost.picture import LogAxis, around, axes, headline, line, names, picture, unnamed
 from app.page.features.cost.runs import LIVE, SEARCH, SWEEP, NumberedRun, Runs, cheapest, comparable, front, staged
 from app.page.features.cost.words import percent, seconds
 from app.page.panels.head import WEB

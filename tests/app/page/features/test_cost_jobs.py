@@ -11,11 +11,22 @@ from typing import ClassVar
 import pytest
 
 from app.page.features import background
-from app.page.features.cost import searches, words
-from app.page.features.cost.jobs import CostStatus, Jobs, QuietStage, search, small_sweep
+from app.page.features.cost import jobs as cost_jobs
+from app.page.features.cost import words
+from app.page.features.cost.jobs import (
+    HOLDS,
+    MOST_POINTS,
+    MOST_QUESTIONS,
+    CostStatus,
+    Jobs,
+    KeptPoints,
+    QuietStage,
+    Ready,
+    search,
+    small_sweep,
+)
 from app.page.features.cost.panel import CostTab
 from app.page.features.cost.runs import Runs, cheapest, question
-from app.page.features.cost.searches import HOLDS, MOST_POINTS, MOST_QUESTIONS, KeptPoints, Ready
 from solvers.problems.bar.scene import BarScene
 from solvers.problems.ring import RingScene
 from solvers.study.grid import task_of
@@ -63,7 +74,7 @@ def pools(monkeypatch):
     """The pools that were made, the last one last."""
     monkeypatch.setattr(Pool, "made", [])
     monkeypatch.setattr(background, "WorkerPool", Pool)
-    monkeypatch.setattr(searches, "WorkerPool", Pool)
+    monkeypatch.setattr(cost_jobs, "WorkerPool", Pool)
     return Pool.made
 
 

@@ -16,8 +16,7 @@ from app.cli import main
 from app.page.features.own.judging import BUSY, Judging
 from app.page.features.own.judging import sentence as question
 from app.page.features.own.panel import TO_BE_READ, OwnCode
-from app.page.features.own.run import OwnRun
-from app.page.features.own.words import taken
+from app.page.features.own.run import OwnRun, taken
 from app.page.visit.links import MOST_WATCHED
 from app.page.visit.notice import Notice
 from app.viewer import upload
