@@ -24,7 +24,7 @@ MEMBERS = ("particles", "nodes", "row", "active", "slabs", "orbits", "spacing", 
 @functools.cache
 def baseline(Own: type[PlanarSolver]) -> type[PlanarSolver]:
     """The problem's own solver with the baseline step; its rows of samples hold nothing."""
-    TRAITS, has_escaped = Own.PARTS.traits, Own.PARTS.has_escaped
+    TRAITS = Own.PARTS.traits
     State = part_types(WatchedBody, MEMBERS)
 
     @ti.kernel
@@ -36,7 +36,7 @@ def baseline(Own: type[PlanarSolver]) -> type[PlanarSolver]:
                 phases.update_grid(body, step * body.dt, TRAITS, on)
                 phases.nodes_to_particles(body, 0, step + 1, TRAITS, on)
                 if (step + 1) % CHECK_EVERY == 0:
-                    check(body, step + 1, phases.flatness, has_escaped)
+                    check(body, step + 1, phases.flatness, TRAITS.has_escaped)
 
     class Baseline(Own):
         def __init__(self, scene: Scene):

@@ -46,4 +46,5 @@ def body_force_of(scene: Any, points: np.ndarray) -> BodyForce:
 
 
 def _second_tone(scene: Any, X: np.ndarray, t: Any) -> np.ndarray:
+    """Of a scene whose force has one, which gives its shape (P, 2) in m."""
     return SECOND_SIZE * scene.angular_frequency**2 * scene.second_tone(X, t)

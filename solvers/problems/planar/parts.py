@@ -16,6 +16,7 @@ class Traits(NamedTuple):
     #: (body, p, on): for the margin of the step, a stiffness in N m and a metric (xx, xy, yy) for the gradients of
     #: weights g and h at two nodes, which it binds with at most the stiffness times |g| |h|.
     tangent: Callable
+    has_escaped: Callable  # (body, p, step): whether a particle is where none of a sound run can be
     first: int  # the first row and column of nodes that are no ghosts
     fold: Callable  # (body, fold_pair): add what fell on ghosts to their mirror images
     pin: Callable  # (body, i, j, record): the record without what would move node (i, j) across a plane
@@ -41,4 +42,3 @@ class PlanarParts(NamedTuple):
     hooks: dict[str, EstimatorHooks]  # what the solver calls of each estimator that it has, by name
     traits: Traits  # its part of the phases
     measures: Measures  # and of the samples
-    has_escaped: Callable  # (body, p, step): whether a particle is where none of a sound run can be

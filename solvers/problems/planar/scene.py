@@ -92,10 +92,6 @@ class PlanarScene(Scene):
     def companion_body(self, fine: bool) -> ElasticBody:
         """What can be solved beside the particles of another code, on a fine or a coarser mesh."""
 
-    def second_tone(self, X: np.ndarray, t: Any) -> np.ndarray:
-        """The shape (P, 2) in m of the force's second tone at material points and a time, where it has one."""
-        return np.zeros_like(X)
-
     def other_advice(self) -> str:
         """What else to do about a run that went bad, as an imperative."""
         if self.method == "mpm":

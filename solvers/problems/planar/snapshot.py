@@ -34,7 +34,11 @@ def plotted_field(scene: Any, a: PlanarBody, quantity: str, time: float) -> np.n
     from the exact one (P, 2), NaN where one is not known."""
     values = deviation = np.full(len(a.position_velocity), np.nan)
     if quantity != "a" or scene.has("acceleration"):
-        values = plotted_component(scene, a, quantity)
+        q, X = a.position_velocity, a.material_position
+        parts = cauchy_stress_of(a) if quantity == "sigma" else {
+            "x": q[:, :2] - X, "v": q[:, 2:], "a": a.acceleration}[quantity].T
+        values = parts[0] if not scene.CIRCULAR else \
+            along_frame(scene.PLOTTED, *plotted_frame(scene.PLOTTED, quantity, X, q[:, :2]).T, *parts)
     if scene.solution_known:
         deviation = values - scene.exact_along(quantity, a.orbit_point, time)[a.orbit]
     return np.stack([values, deviation], axis=1)
@@ -68,16 +72,6 @@ def stress_error(scene: Any, a: PlanarBody, time: float) -> Tensor:
     along, across = half * cosine - xy * double, half * double + xy * cosine
     mine = cauchy_stress_of(a)
     return mine[0] - mean - along, mine[1] - across, mine[2] - mean + along
-
-
-def plotted_component(scene: Any, a: PlanarBody, quantity: str) -> np.ndarray:
-    """The component (P,) that a plot shows of a quantity by its key (``samples.QUANTITIES``), u for x."""
-    q, X = a.position_velocity, a.material_position
-    parts = cauchy_stress_of(a) if quantity == "sigma" else {
-        "x": q[:, :2] - X, "v": q[:, 2:], "a": a.acceleration}[quantity].T
-    if not scene.CIRCULAR:
-        return parts[0]
-    return along_frame(scene.PLOTTED, *plotted_frame(scene.PLOTTED, quantity, X, q[:, :2]).T, *parts)
 
 
 def body_force(a: PlanarBody, some: np.ndarray) -> np.ndarray:

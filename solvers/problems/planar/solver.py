@@ -11,7 +11,7 @@ from solvers.kernels import runtime
 from solvers.problems.planar.estimators import circular_companion, companion, recovered, transport, two_grid
 from solvers.problems.planar.method.body import WatchedBody, initial_body, watched
 from solvers.problems.planar.method.measures import measures_of
-from solvers.problems.planar.method.traits import escape_of, traits_of
+from solvers.problems.planar.method.traits import traits_of
 from solvers.problems.planar.parts import PlanarParts
 from solvers.problems.planar.plans.on_device import BesideGpu, OnDevice
 from solvers.problems.planar.plans.step import Kernels, OnProcessor, kernels
@@ -208,5 +208,5 @@ def solver_of(kind: type[PlanarScene]) -> type[PlanarSolver]:
             "recovered": lambda: recovered.hooks(closed=not kind.PLANES[0]),
             "transport": lambda: transport.hooks(traits), "two-grid": lambda: two_grid.hooks(traits)}
     hooks = registry.hooks_of(kind.problem, {name: made[name]() for name in kind.ESTIMATORS})
-    parts = PlanarParts(hooks, traits, measures_of(kind, traits.first), escape_of(kind))
+    parts = PlanarParts(hooks, traits, measures_of(kind, traits.first))
     return type("PlanarSolver", (PlanarSolver,), {"HOOKS": hooks, "PARTS": parts, "KERNELS": kernels(parts)})

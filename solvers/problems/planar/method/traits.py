@@ -1,7 +1,5 @@
 """A problem's own part of the phases of a step: what pushes its particles, and where they may be."""
 
-from collections.abc import Callable
-
 import taichi as ti
 
 from solvers.problems.planar.method.field_tables import find_force_functions, force_at
@@ -14,7 +12,7 @@ from solvers.problems.planar.scene import PlanarScene
 
 def traits_of(kind: type[PlanarScene]) -> Traits:
     """Of a problem by the class of its scene."""
-    circular, volumetric = kind.CIRCULAR, kind.VOLUMETRIC
+    circular, volumetric, low = kind.CIRCULAR, kind.VOLUMETRIC, kind.PLANES[0]
 
     @ti.func
     def forces(body: ti.template(), t, on: ti.template()):
@@ -41,19 +39,13 @@ def traits_of(kind: type[PlanarScene]) -> Traits:
             f = turned(body.direction[p], f[0], f[1])
         return body.mass[p] * f
 
-    return Traits(forces=forces, prepare=prepare, body_force_on=body_force_on, stress=stress_of(volumetric),
-                  tangent=tangent, **symmetry_planes(*kind.PLANES)._asdict())
-
-
-def escape_of(kind: type[PlanarScene]) -> Callable:
-    """Whether a particle is where none of a sound run can be, as a function (body, p, step) for kernels."""
-    low = kind.PLANES[0]
-
     @ti.func
     def has_escaped(body: ti.template(), p, step):
+        """Whether a particle is where none of a sound run can be."""
         q, X = body.position_velocity[p], body.material_position[p]
         least = -body.spacing if ti.static(low) else -body.farthest
         inside = q[0] > least and q[1] > least and q[0] < body.farthest and q[1] < body.farthest
         return not (inside and (q[0] - X[0]) ** 2 + (q[1] - X[1]) ** 2 < body.farthest_move ** 2)
 
-    return has_escaped
+    return Traits(forces=forces, prepare=prepare, body_force_on=body_force_on, stress=stress_of(volumetric),
+                  tangent=tangent, has_escaped=has_escaped, **symmetry_planes(*kind.PLANES)._asdict())

@@ -77,7 +77,7 @@ def numbered_flatness(body: ti.template(), p):
 
 def kernels_at_once(State: Any, parts: PlanarParts) -> KernelsAtOnce:
     """The kernels of a problem whose state has the type ``State``."""
-    HOOKS, TRAITS, MEASURES, has_escaped = parts.hooks, parts.traits, parts.measures, parts.has_escaped
+    HOOKS, TRAITS, MEASURES = parts.hooks, parts.traits, parts.measures
 
     @ti.kernel
     def to_nodes(step: ti.i32, body: State, on: ti.template()):
@@ -111,7 +111,7 @@ def kernels_at_once(State: Any, parts: PlanarParts) -> KernelsAtOnce:
     @ti.kernel
     def check(step: ti.i32, body: State, on: ti.template()):
         """Stop a run that has gone bad."""
-        check_at_once(body, step, has_escaped)
+        check_at_once(body, step, TRAITS.has_escaped)
 
     @ti.kernel
     def sample(step: ti.i32, line: ti.i32, body: State, on: ti.template()):

@@ -38,7 +38,7 @@ class Kernels(NamedTuple):
 
 
 def kernels(parts: PlanarParts) -> Kernels:
-    HOOKS, TRAITS, MEASURES, has_escaped = parts.hooks, parts.traits, parts.measures, parts.has_escaped
+    HOOKS, TRAITS, MEASURES = parts.hooks, parts.traits, parts.measures
     # Numbers and arrays as one argument: nothing of a scene is baked into compiled code but its switches.
     State = ti.types.argpack(**WatchedBody.types(), **packing(HOOKS).types)
 
@@ -57,7 +57,7 @@ def kernels(parts: PlanarParts) -> Kernels:
 
     @ti.func
     def check_it(body: ti.template(), step):
-        check(body, step, phases.flatness, has_escaped)
+        check(body, step, phases.flatness, TRAITS.has_escaped)
 
     in_turn = Phases(one_step, check_it, sample_it, HOOKS)
 
