@@ -50,5 +50,8 @@ def __dir__() -> list[str]:
 os.environ.setdefault("ENABLE_TAICHI_HEADER_PRINT", "0")
 os.environ["TI_SKIP_VERSION_CHECK"] = "ON"
 os.environ.setdefault("TI_ENABLE_PYBUF", "0")
+# For numpy, where nobody has imported it before: matrices here are small, and its second thread would wait more than it
+# works, on busy processors for seconds.
+os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
 caches.keep_more()
 caches.find_room()

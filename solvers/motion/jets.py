@@ -5,8 +5,6 @@ gradient and its slopes, without finite differences and without symbols. What is
 costs nothing. Source: Griewank & Walther, Evaluating Derivatives, 2nd ed., SIAM 2008, chapter 13.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable, Iterable
 from typing import Any
 
@@ -39,7 +37,7 @@ class Jet:
                  second: Iterable[Component] = (None,) * len(PAIRS)):
         self.value, self.first, self.second = value, tuple(first), tuple(second)
 
-    def compose(self, value: Any, slope: Any, curvature: Any) -> Jet:
+    def compose(self, value: Any, slope: Any, curvature: Any) -> "Jet":
         """The jet of f of this number, by the chain rule, where f has this value, slope and second derivative."""
         d = self.first
         return Jet(value, (_product(slope, one) for one in d),
@@ -51,14 +49,14 @@ class Jet:
         found = self.first[i] if j is None else self.second[PAIR_NUMBER[i, j]]
         return 0.0 if found is None else found
 
-    def __add__(self, other: Any) -> Jet:
+    def __add__(self, other: Any) -> "Jet":
         if not isinstance(other, Jet):
             return Jet(self.value + other, self.first, self.second)
         return Jet(self.value + other.value, map(_sum, self.first, other.first), map(_sum, self.second, other.second))
 
     __radd__ = __add__
 
-    def __mul__(self, other: Any) -> Jet:
+    def __mul__(self, other: Any) -> "Jet":
         if not isinstance(other, Jet):
             return Jet(self.value * other, (_product(d, other) for d in self.first),
                        (_product(d, other) for d in self.second))
@@ -71,22 +69,22 @@ class Jet:
 
     __rmul__ = __mul__
 
-    def __neg__(self) -> Jet:
+    def __neg__(self) -> "Jet":
         return self * -1.0
 
-    def __sub__(self, other: Any) -> Jet:
+    def __sub__(self, other: Any) -> "Jet":
         return self + (-other)
 
-    def __rsub__(self, other: Any) -> Jet:
+    def __rsub__(self, other: Any) -> "Jet":
         return -self + other
 
-    def __truediv__(self, other: Any) -> Jet:
+    def __truediv__(self, other: Any) -> "Jet":
         return self * (other ** -1 if isinstance(other, Jet) else 1.0 / other)
 
-    def __rtruediv__(self, other: Any) -> Jet:
+    def __rtruediv__(self, other: Any) -> "Jet":
         return self ** -1 * other
 
-    def __pow__(self, n: float) -> Jet:
+    def __pow__(self, n: float) -> "Jet":
         """A constant power; whole ones of 0 have derivatives, too."""
         x = self.value
         slope = n * x ** (n - 1) if n != 0 else 0.0 * x

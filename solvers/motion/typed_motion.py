@@ -62,10 +62,21 @@ def _split(text: str) -> list[str]:
     return parts
 
 
+class MotionInputs(NamedTuple):
+    """What of a scene its motion, and the body force that makes it, are made of: w in 1/s, A, the moduli and SI."""
+
+    base_frequency: float
+    amplitude: float
+    lame_moduli: tuple[float, float]
+    density: float
+    SIDE: float
+
+
+@functools.lru_cache(maxsize=64)  # of scenes that differ in cells, method or step alone
 @np.errstate(all="ignore")
-def find_period(motion: TypedMotion, scene: Any, base_period: float) -> float:
-    """The shortest period in s among quarters of the ``base_period`` and of a second, of a motion that a body in the
-    unit square between planes can have.
+def find_period(text: str, scene: MotionInputs) -> float:
+    """The shortest period in s among quarters of 2 pi/w and of a second, of a typed motion that a body in the unit
+    square between planes can have.
 
     Raises
     ------
@@ -73,6 +84,7 @@ def find_period(motion: TypedMotion, scene: Any, base_period: float) -> float:
         What it is not: finite, at rest in shape at t = 0, within the planes, without shear at them, periodic, not
         folded over.
     """
+    motion, base_period = read_motion(text), 2 * np.pi / scene.base_frequency
     line = np.linspace(0, scene.SIDE, LINE + 1)
     X = np.stack(np.meshgrid(line, line), axis=-1).reshape(-1, 2)
     exact, longest = motion.exact, MOST_QUARTERS / 4 * max(base_period, 1.0)

@@ -13,7 +13,7 @@ from typing import Any
 
 from solvers.motion.formula import FormulaError
 from solvers.motion.jets import sin
-from solvers.motion.typed_motion import find_period, read_motion
+from solvers.motion.typed_motion import MotionInputs, find_period, read_motion
 from solvers.problems.planar.box import BoxScene
 from solvers.problems.planar.problem import PlanarProblem, Showing
 from solvers.scene.option import described, option
@@ -45,7 +45,8 @@ class SquareScene(BoxScene):
     def angular_frequency(self) -> float:
         if not self.displacement:
             return self.base_frequency
-        return 2 * math.pi / find_period(read_motion(self.displacement), self, 2 * math.pi / self.base_frequency)
+        return 2 * math.pi / find_period(self.displacement, MotionInputs(
+            self.base_frequency, self.amplitude, self.lame_moduli, self.density, self.SIDE))
 
     def displacement_at(self, X: Any, Y: Any, t: Any) -> tuple[Any, Any]:
         if self.displacement:
@@ -78,7 +79,6 @@ class SquareScene(BoxScene):
         if not self.displacement:
             return super()._check_amplitude()
         require_number("amplitude", self.amplitude, 1e-12, math.inf)
-        self._check_material()
 
     def _check_time(self) -> None:
         try:

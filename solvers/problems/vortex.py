@@ -103,7 +103,6 @@ class VortexScene(CircularScene):
     def _check_amplitude(self) -> None:
         require_number("amplitude", self.amplitude, 1e-12, MOST_AMPLITUDE,
                        f"give an angle in radians above 1e-12 and up to pi/2, {MOST_AMPLITUDE:.4f}")
-        self._check_material()
         require_number("frequency", self.frequency, 1e-6, 1e6)
 
 

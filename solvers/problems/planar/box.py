@@ -174,7 +174,6 @@ class BoxScene(PlanarScene):
 
     def _check_amplitude(self) -> None:
         require_number("amplitude", self.amplitude, 1e-12, self.MOST_AMPLITUDE)
-        self._check_material()
 
 
 @functools.lru_cache(maxsize=2)

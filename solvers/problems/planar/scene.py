@@ -198,8 +198,9 @@ class PlanarScene(Scene):
             raise SceneError("remedies", " ".join(self.remedies), "coupled-deformation makes CPDI worse, whose domains "
                              "follow the deformation; give null-space-filter or frozen-weights")
 
-    def _check_material(self) -> None:
-        require_number("poisson_ratio", self.poisson_ratio, -0.9, 0.49)  # type: ignore[attr-defined]
+    def _check_numbers(self) -> None:
+        super()._check_numbers()
+        require_number("poisson_ratio", getattr(self, "poisson_ratio", 0.0), -0.9, 0.49)
 
 
 @functools.lru_cache(maxsize=2)

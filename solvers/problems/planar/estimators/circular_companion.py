@@ -27,7 +27,6 @@ import numpy as np
 import taichi as ti
 
 from solvers.estimators import companion as shared
-from solvers.estimators.standalone import ElasticBody
 from solvers.kernels.kinds import integers, octets, pairs, quads, reals
 from solvers.problems.planar.layout import particle_layout
 from solvers.problems.planar.method.field_tables import find_force_functions, force_at, of_pairs, pack
@@ -116,7 +115,9 @@ def report_at_once(body: ti.template(), base, step, on: ti.template()):
             for c in ti.static(range(2)):
                 circle[6 + c] += basis[1] * body.companion_nodes[now + i][c]
         body.companion_circles[k] = circle
-        sigma = circle_stress(body, circle, body.orbit_point[k][0])
+        slope, u = ti.Vector([circle[6], circle[7]]), ti.Vector([circle[0], circle[1]])
+        along, around = polar_gradient(slope, u, body.orbit_point[k][0])
+        sigma = cauchy_stress_of(body, ti.Vector([along[0], around[0], along[1], around[1]]))
         body.companion_circle_stress[k] = ti.Vector([sigma[0], sigma[1], sigma[2], 0.0])
     squares = 0.0
     for p in range(body.particles):
@@ -142,13 +143,6 @@ def particle_error(body: ti.template(), base, p, step, on: ti.template()):
     return error[0] * error[0] + error[1] * error[1]
 
 
-@ti.func
-def circle_stress(body: ti.template(), f, R):
-    """Cauchy stress of a circle (u, v, a, u'), as RR, Rt, tt of the frame at rest."""
-    along, around = polar_gradient(ti.Vector([f[6], f[7]]), ti.Vector([f[0], f[1]]), R)
-    return cauchy_stress_of(body, ti.Vector([along[0], around[0], along[1], around[1]]))
-
-
 def allocate(scene) -> dict[str, np.ndarray]:
     """The companion at rest, moving with the initial velocity."""
     solved = scene.companion_body(fine=None)
@@ -166,11 +160,6 @@ def allocate(scene) -> dict[str, np.ndarray]:
         "companion_circles": np.zeros((len(layout.orbits), 8)),
         "companion_circle_stress": np.zeros((len(layout.orbits), 4)),
         "companion_force": force, "companion_force_sizes": sizes}
-
-
-def standalone(scene) -> ElasticBody:
-    """The same solve by itself, on the same elements."""
-    return scene.companion_body(fine=None)
 
 
 def verdict(scene, memory) -> str | None:
@@ -194,4 +183,5 @@ HOOKS = shared.hooks(
         "companion_force": quads,  # the tables of the body force at the nodes
         "companion_force_sizes": integers,
     },
-    allocate=allocate, report=report, verdict=verdict, standalone=standalone, report_at_once=report_at_once)
+    allocate=allocate, report=report, verdict=verdict, report_at_once=report_at_once,
+    standalone=lambda scene: scene.companion_body(fine=None))

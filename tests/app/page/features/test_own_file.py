@@ -226,11 +226,15 @@ def test_a_server_that_judges_enough_says_so(tmp_path):
     heard, slots = [], Slots(1)
     assert slots.take()
     file = tmp_path / "coming"
-    for _ in range(2):
+
+    def judge():
         file.write_bytes(b"id,x\n")
         Judging("a.csv", file, PROBLEMS["bar"].scene(), lambda _, message: heard.append(message), slots)
-        until(lambda: heard and heard[0] == {"refused": BUSY}, "a sentence")
-        slots.give_back()
+
+    judge()
+    until(lambda: heard == [{"refused": BUSY}], "a sentence")
+    slots.give_back()
+    judge()
     until(lambda: "holds no particles" in heard[-1]["refused"] and slots.taken == 0, "another, and a free place")
 
 
