@@ -111,6 +111,16 @@ def test_a_scene_that_keeps_killing_is_given_up(pool, session):
     assert pool.wait_ready(PATIENCE)
 
 
+def test_unstable_run_ends_with_a_reason(session):
+    """A step beyond the stability limit ends the run in words, and the session lives on."""
+    link, listener = session
+    number = link.ask(replace(SCENE, cfl=1.5), Pace(speed=5.0))
+    report, _ = listener.frame(number, lambda r: r.status == "unstable")
+    assert "shorter steps" in report.reason and not report.playing and report.since <= report.time
+    report, _ = listener.frame(link.ask(SCENE))
+    assert (report.status, report.reason, report.since) == ("ok", None, None)
+
+
 def test_growing_scene_gets_a_larger_block(session):
     """Frames stay right while the shared memory block is replaced by a larger one."""
     link, listener = session

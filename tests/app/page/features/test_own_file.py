@@ -226,15 +226,12 @@ def test_a_server_that_judges_enough_says_so(tmp_path):
     heard, slots = [], Slots(1)
     assert slots.take()
     file = tmp_path / "coming"
-
-    def judge():
-        file.write_bytes(b"id,x\n")
-        Judging("a.csv", file, PROBLEMS["bar"].scene(), lambda _, message: heard.append(message), slots)
-
-    judge()
+    file.write_bytes(b"id,x\n")
+    Judging("a.csv", file, PROBLEMS["bar"].scene(), lambda _, message: heard.append(message), slots)
     until(lambda: heard == [{"refused": BUSY}], "a sentence")
     slots.give_back()
-    judge()
+    file.write_bytes(b"id,x\n")
+    Judging("a.csv", file, PROBLEMS["bar"].scene(), lambda _, message: heard.append(message), slots)
     until(lambda: "holds no particles" in heard[-1]["refused"] and slots.taken == 0, "another, and a free place")
 
 
