@@ -164,13 +164,14 @@ class ProcessorTime:
 
     @pytest.hookimpl(wrapper=True)
     def pytest_fixture_setup(self, fixturedef: pytest.FixtureDef, request: pytest.FixtureRequest) -> Iterator[None]:
-        begun = cpu_seconds()
+        begun, own_begun = cpu_seconds(), time.process_time()
         try:
             return (yield)
         finally:
             if fixturedef.scope != "function":
                 self.shared[fixturedef.argname] = spent = cpu_seconds() - begun
                 self.own_fixtures += spent
+                self.own_begun += time.process_time() - own_begun
 
     @pytest.hookimpl(wrapper=True, tryfirst=True)
     def pytest_runtest_setup(self, item: pytest.Item) -> Iterator[None]:
