@@ -31,7 +31,7 @@ from solvers.scene.scene import Scene
 from solvers.solver import budget
 from solvers.solver.budget import MOST_CANCELLED, ROUND_OFF
 from solvers.study.markdown import grid
-from tests.paths import ROOT
+from tests.support.paths import ROOT
 
 SEED = 26
 MOST_STEPS, MOST_WORK = 4000, 60_000  # of the bar, and particle-steps in the plane: a second or two

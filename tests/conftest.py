@@ -14,7 +14,7 @@ from solvers.engine.pool import EnginePool
 from solvers.running.result import Result
 from solvers.running.run import run
 from solvers.scene.scene import Scene
-from tests.listening import PATIENCE, SCENE, Listener
+from tests.support.listening import PATIENCE, SCENE, Listener
 
 pytest_plugins = ["tests.tiers"]
 
@@ -67,7 +67,7 @@ def session(pool):
 def here():
     """A lab without engines for a file's tests, which takes whatever many messages a second."""
     from app.viewer import messages, server  # here: few files need the viewer
-    from tests.doors import lab
+    from tests.support.doors import lab
 
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(messages, "MESSAGES", 1e9)

@@ -30,9 +30,9 @@ from solvers.running.run import build
 from solvers.scene.rules import SceneError
 from solvers.scene.scene import Scene
 from solvers.study.markdown import grid
-from tests.altered import ALL, ALTERATIONS, FRAMES, Files, as_files, files, rounded, scene_of, single, stepped
-from tests.known_runs import KnownRun, known_runs
-from tests.paths import ROOT
+from tests.support.altered import ALL, ALTERATIONS, FRAMES, Files, as_files, files, rounded, scene_of, single, stepped
+from tests.support.known_runs import KnownRun, known_runs
+from tests.support.paths import ROOT
 
 JUDGE_SEED, JUDGED = 27, 60
 CHECK_SEED, CHECKED = 14, 300  # of each problem

@@ -15,7 +15,7 @@ from solvers.scene.registry import ESTIMATORS
 from solvers.scene.remedies import REMEDIES
 from solvers.scene.rules import field_label
 from solvers.solver.soundness import NOUNS
-from tests.paths import ROOT
+from tests.support.paths import ROOT
 
 #: Where they stand.
 FILES = ("motion/formula.py", "motion/typed_motion.py",

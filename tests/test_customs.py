@@ -19,7 +19,7 @@ import yaml
 from app import __version__
 from app.commands.dispatch import commands
 from tests.groups import MODULES
-from tests.paths import ROOT
+from tests.support.paths import ROOT
 
 if sys.version_info >= (3, 11):
     import tomllib

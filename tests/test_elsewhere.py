@@ -9,8 +9,8 @@ import sys
 import pytest
 import yaml
 
-from tests.paths import ROOT
-from tests.processes import HANG
+from tests.support.paths import ROOT
+from tests.support.processes import HANG
 
 #: What Windows has not; macOS has all but the scheduler's.
 MODULES = ("fcntl", "grp", "pwd", "resource", "termios")

@@ -11,7 +11,7 @@ import sys
 import pytest
 
 from solvers.problems import PROBLEMS
-from tests.paths import ROOT
+from tests.support.paths import ROOT
 
 if sys.version_info >= (3, 11):
     import tomllib

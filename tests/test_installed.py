@@ -14,8 +14,8 @@ from pathlib import Path
 
 import pytest
 
-from tests.paths import ROOT
-from tests.processes import HANG
+from tests.support.paths import ROOT
+from tests.support.processes import HANG
 
 NO_UV = "no uv found, which builds and installs: `uv run pytest` brings it and runs these tests"
 SCRIPTS = "Scripts" if os.name == "nt" else "bin"

@@ -13,8 +13,8 @@ import pytest
 
 from app.lessons import classes, shelf
 from tests.groups import require_group
-from tests.paths import ASSETS, LESSONS, ROOT
-from tests.processes import HANG
+from tests.support.paths import ASSETS, LESSONS, ROOT
+from tests.support.processes import HANG
 
 TEXTS = [*(ROOT / name for name in ("README.md", "CONTRIBUTING.md", "CHANGELOG.md")), *ASSETS.glob("*.md"),
          *(path for path in LESSONS.rglob("*.md") if "." not in path.stem)]  # English, as the site is

@@ -17,8 +17,8 @@ from app.cli import main
 from app.commands import commands
 from solvers.problems import PROBLEMS
 from tests import texts
-from tests.paths import ROOT
-from tests.processes import python
+from tests.support.paths import ROOT
+from tests.support.processes import python
 from tests.texts import Piece
 
 if sys.version_info >= (3, 11):

@@ -13,7 +13,7 @@ from pathlib import Path
 from markdown_it import MarkdownIt
 from markdown_it.token import Token
 
-from tests.paths import ASSETS, LESSONS, ROOT
+from tests.support.paths import ASSETS, LESSONS, ROOT
 
 #: What stands for something of the reader's, and an example of it.
 PLACES = {"FILE": "file", "FILES": "file", "DIR": "folder", "NN": "04", "NAME": "04", "LESSON": "04", "N": "3",

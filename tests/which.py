@@ -14,7 +14,7 @@ from pathlib import Path
 
 import grimp
 
-from tests.paths import ROOT
+from tests.support.paths import ROOT
 
 STEPS = 2  # imports between a test and what it belongs to; with three nearly all tests belong to anything
 

@@ -12,8 +12,8 @@ from babel.messages.catalog import Catalog
 from babel.messages.extract import extract_from_dir
 from babel.messages.pofile import read_po, write_po
 
-from tests.paths import ROOT
 from tests.sentences import sentences
+from tests.support.paths import ROOT
 
 APP, GERMAN = ROOT / "app", ROOT / "app" / "language" / "de.po"
 KEYWORDS = {"tr": None, "trn": (1, 2), "later": None}  # of app/language/spoken.py, and of the scripts

@@ -20,8 +20,8 @@ from solvers.workers.processes import free_port
 from tests.browser.driving import PATIENCE
 from tests.browser.relay import Relay
 from tests.groups import require_group
-from tests.paths import ROOT
-from tests.processes import HANG, STARVED, until
+from tests.support.paths import ROOT
+from tests.support.processes import HANG, STARVED, until
 
 BROWSERS = ("chromium", "chromium-browser", "google-chrome", "google-chrome-stable")
 # Software rendering, and none of the browser's own traffic: pages are served from this machine only.

@@ -10,7 +10,7 @@ from PIL import Image
 
 from app.colours import colour_table
 from app.words import size_in
-from tests import processes
+from tests.support import processes
 
 PATIENCE = 20.0  # seconds for what follows a click; software rendering is slow
 AGAIN, LOST = 5, 4.0  # times that a click is made, and seconds in which a box shows it, if it has not been lost

@@ -9,7 +9,7 @@ import pytest
 import solvers
 from solvers import BarScene, FileError, Result, SceneError, judge, run, sweep
 from solvers.judging import handout
-from tests.processes import python
+from tests.support.processes import python
 
 LIGHT = """
 import sys

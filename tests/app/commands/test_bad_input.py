@@ -7,7 +7,7 @@ import pytest
 
 from app.cli import main
 from app.commands import commands
-from tests.processes import python
+from tests.support.processes import python
 
 LONG = "a" * 300
 #: A command line, and what is said of it: how that begins and, after an ellipsis, what follows. Lines are typed

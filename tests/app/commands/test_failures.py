@@ -15,8 +15,8 @@ from app.cli import INTERRUPTED, main
 from app.commands import commands, dispatch
 from app.commands.output import NotWritten, Target, say, showing_places
 from app.commands.run import command as run_command
-from tests.paths import ROOT
-from tests.processes import HANG, children, ended, has_library, until
+from tests.support.paths import ROOT
+from tests.support.processes import HANG, children, ended, has_library, until
 
 TEXT = (ROOT / "assets" / "command-line.md").read_text(encoding="utf-8")
 FULL = "/dev/full"

@@ -18,8 +18,8 @@ from app.commands.completion import SHELLS, script
 from app.commands.dispatch import _find_command, _read_flags
 from app.commands.help import EVERYWHERE, WIDEST
 from app.commands.progress import coloured
-from tests.paths import ROOT
-from tests.processes import HANG
+from tests.support.paths import ROOT
+from tests.support.processes import HANG
 
 WITHOUT_NAMES = {"text", "files", "table", "names", "name", "what", "visitors"}  # typed where they stand
 EACH = pytest.mark.parametrize("name", commands(), ids=" ".join)

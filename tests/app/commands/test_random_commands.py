@@ -13,7 +13,7 @@ from hypothesis import strategies as st
 from app.cli import main
 from app.commands import commands
 from tests.app.commands.test_refusals import SLOW, Begun, begin
-from tests.random_scenes import ASKED
+from tests.support.random_scenes import ASKED
 
 FLAGS = {name: sorted("--" + field.replace("_", "-") for field in kind.__dataclass_fields__
                       if kind.__dataclass_fields__[field]._field_type.name == "_FIELD")

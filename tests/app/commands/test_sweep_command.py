@@ -11,7 +11,7 @@ from app.cli import main
 from app.commands import commands
 from app.pictures.study import FIGURES
 from solvers.study.row import fingerprint
-from tests.rows import Instant
+from tests.support.rows import Instant
 
 SweepBar = commands()["sweep", "bar"]
 SMOOTH = ["--cells", "20", "40", "--method", "ugimp", "bspline", "--amplitude", "2.5e-4", "--periods", "1",

@@ -14,7 +14,7 @@ from app.problems.views import VIEWS
 from solvers.problems import PROBLEMS
 from solvers.running.run import build
 from tests.app.page.test_recent import engine_frame
-from tests.drawn import Sheet
+from tests.support.drawn import Sheet
 
 TRUE, ESTIMATED = (255, 0, 0), (0, 0, 255)
 

@@ -17,8 +17,8 @@ from solvers.problems.bar.scene import BarScene
 from solvers.problems.ring import RingScene
 from solvers.problems.vortex import VortexScene
 from solvers.running.run import build
-from tests.drawn import Scene
 from tests.solvers.engine.test_stepper import one_session
+from tests.support.drawn import Scene
 
 GUI = SimpleNamespace(add_html=lambda content: SimpleNamespace())
 ROUND_OFF = 1e-12  # of sums of a few dozen terms of the size that the comparison is relative to

@@ -13,7 +13,7 @@ from solvers.problems import PROBLEMS
 from solvers.problems.bar.scene import BarScene
 from solvers.problems.ring import RingScene
 from solvers.problems.vortex import VortexScene
-from tests.random_scenes import ASKED, SETS, inputs
+from tests.support.random_scenes import ASKED, SETS, inputs
 
 BAR = BarScene(method="mpm", cells=20, amplitude=0.03, linearity_preserving=True, estimators=("recovered", "companion"))
 STATES = [

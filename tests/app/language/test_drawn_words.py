@@ -18,7 +18,7 @@ from app.state import State
 from solvers.problems import PROBLEMS
 from solvers.scene.registry import ESTIMATORS
 from solvers.scene.scene import Scene
-from tests.pseudo import CODE
+from tests.support.pseudo import CODE
 
 NAMES = re.compile("|".join([*ESTIMATORS, *(method.name for method in words.METHODS.values()), "CFL", "E ln F", "sigma",
                              *(f"{prefix}{unit}" for unit in ("Pa", "rad") for prefix in "mkMG"), "rad"]))

@@ -15,7 +15,7 @@ from app.lessons.shelf import lessons, names
 from solvers.problems.bar.scene import BarScene
 from solvers.problems.ring import RingScene
 from solvers.running.run import run
-from tests.paths import LESSONS
+from tests.support.paths import LESSONS
 
 #: Right answers with a lesson's first numbers, to two per cent: what a mark is given for does not change by chance.
 RIGHT: dict[str, dict[str, float]] = {

@@ -11,8 +11,8 @@ import runpy
 import pytest
 
 from app.cli import main
-from tests.paths import ROOT
-from tests.processes import python
+from tests.support.paths import ROOT
+from tests.support.processes import python
 
 SCRIPTS = ROOT / "lessons" / "scripts"
 NUMBER = r"-?\d+(?:\.\d+)?(?:e[+-]\d+)?"

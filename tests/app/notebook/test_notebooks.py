@@ -5,7 +5,7 @@ import re
 import pytest
 
 from tests.groups import require_group
-from tests.paths import ROOT
+from tests.support.paths import ROOT
 
 NOTEBOOKS = ROOT / "lessons" / "notebooks"
 #: What each prints that it also says in words, as a pattern with one number, and what the words promise of that.

@@ -16,7 +16,7 @@ from app.notebook import show
 from app.notebook.result import result_table
 from app.words import ratio, with_unit
 from solvers import BarScene, RingScene, SceneError, run
-from tests.processes import python
+from tests.support.processes import python
 
 SMALL = BarScene(cells=10, ppc=2, periods=0.25, estimators=("companion",))
 

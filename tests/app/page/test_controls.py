@@ -14,9 +14,9 @@ from app.words import CHOICES
 from solvers.scene.effects import ALL
 from solvers.scene.registry import ESTIMATORS
 from solvers.scene.remedies import REMEDIES
-from tests import doors
-from tests.processes import until
-from tests.raw import Raw
+from tests.support import doors
+from tests.support.processes import until
+from tests.support.raw import Raw
 
 #: What a problem is called, and its label of the cells at first.
 BEGINNINGS = {"bar": ("vibrating bar", "Cells, h = 1/40"), "ring": ("expanding ring", "Cells, h = 1.2/24"),

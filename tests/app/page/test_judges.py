@@ -22,8 +22,8 @@ from solvers.running.goals import ENERGY
 from solvers.running.run import build
 from solvers.study.coverage import track_record
 from tests.app.frame.test_view import report_of
-from tests.processes import until
-from tests.raw import Raw
+from tests.support.processes import until
+from tests.support.raw import Raw
 
 BAR = BarScene(cells=12, ppc=2, estimators=("companion",))
 NAMED = "positions hold, but the velocity is off by up to 18 times its own size, from t = 0.5 s on"

@@ -19,10 +19,10 @@ from app.page.visit.session import Session, first_scene
 from app.viewer.upload import TOO_LARGE
 from solvers.workers.pool import Slots
 from solvers.workers.processes import ProcessDied
-from tests import doors
 from tests.app.page.features.test_own_file import Sender
-from tests.processes import until
-from tests.raw import Raw
+from tests.support import doors
+from tests.support.processes import until
+from tests.support.raw import Raw
 
 CODES = ("de", "en")
 

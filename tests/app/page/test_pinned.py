@@ -14,8 +14,8 @@ from solvers.engine.messages import FRAME_SECONDS, Pace
 from solvers.engine.stepper import MOST_APART
 from solvers.problems.bar.scene import BarScene
 from solvers.problems.ring import RingScene
-from tests.listening import PATIENCE, SCENE, Listener, assert_same
-from tests.processes import until
+from tests.support.listening import PATIENCE, SCENE, Listener, assert_same
+from tests.support.processes import until
 
 CHEAP, COSTLY = SCENE, replace(SCENE, cells=160, ppc=8, modulus=16.0)  # half the period, and 400 times the work
 

@@ -22,7 +22,7 @@ from solvers.running.run import build
 from solvers.solver.samples import QUANTITIES
 from tests.app.frame.test_view import report_of
 from tests.app.page.test_recent import engine_frame
-from tests.drawn import Scene, Sheet
+from tests.support.drawn import Scene, Sheet
 
 BAR = BarScene(cells=10, ppc=2, periods=1, amplitude=0.1, estimators=("transport",))
 RING = RingScene(cells=12, periods=1)

@@ -10,9 +10,9 @@ from viser._messages import GuiSliderProps
 
 from app.page.story import OPENING
 from app.viewer import patches
-from tests.doors import lab
-from tests.processes import until
-from tests.raw import Raw
+from tests.support.doors import lab
+from tests.support.processes import until
+from tests.support.raw import Raw
 
 TURNS = 40  # before callbacks took turns, 60 of them left 11 complaints in a browser's console
 

@@ -13,7 +13,7 @@ from app.pictures.study_parts import UNSTABLE_LOOK
 from solvers.study import fit, row
 from solvers.study import summary as table
 from solvers.study.grid import Task
-from tests.rows import made_up
+from tests.support.rows import made_up
 
 # ---- what rows say ----------------------------------------------------------------------------------------
 

@@ -14,10 +14,10 @@ from app.page.visit.links import Tally
 from app.viewer import upload
 from tests.app.page.features.test_own_file import Sender
 from tests.browser.conftest import serving
-from tests.doors import get
-from tests.listening import PATIENCE, SCENE
-from tests.processes import children, ended, until
-from tests.raw import Raw
+from tests.support.doors import get
+from tests.support.listening import PATIENCE, SCENE
+from tests.support.processes import children, ended, until
+from tests.support.raw import Raw
 
 
 @pytest.fixture(scope="module")

@@ -11,9 +11,9 @@ from app.lessons.outcomes import Outcomes, RunFailed
 from app.lessons.progress import SCHEMA
 from app.page.features.board.board import NEXT, Board
 from app.page.features.lesson.marking import Classroom
-from tests.doors import lab
-from tests.processes import until
-from tests.pupils import Pupil, cookie_of
+from tests.support.doors import lab
+from tests.support.processes import until
+from tests.support.pupils import Pupil, cookie_of
 
 CODE, NOTES, OWN = "wave-4711", "tide-0815", "surf-2323"
 LESSON = shelf.lesson("04-grid-crossing")

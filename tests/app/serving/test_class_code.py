@@ -15,9 +15,9 @@ from app.doors.network import REMEMBERED, Bucket
 from app.lessons import shelf
 from app.page.features.lesson.marking import Classroom
 from tests.browser.conftest import serving
-from tests.doors import get, lab
-from tests.processes import until
-from tests.raw import Raw
+from tests.support.doors import get, lab
+from tests.support.processes import until
+from tests.support.raw import Raw
 
 CODE, NOTES, BOARD = "wave-4711", "tide-0815", "surf-2323"
 DOOR = b"<title>mpm-lab: class code</title>"

@@ -8,8 +8,8 @@ from websockets.datastructures import Headers
 from app.doors.address import Addresses
 from app.doors.faults import Refusals
 from app.viewer.wire import PROTOCOL
-from tests.doors import get
-from tests.processes import until
+from tests.support.doors import get
+from tests.support.processes import until
 
 UPGRADE = {"Connection": "Upgrade", "Upgrade": "websocket", "Sec-WebSocket-Version": "13",
            "Sec-WebSocket-Key": "dGhlIHNhbXBsZSBub25jZQ==", "Sec-WebSocket-Protocol": PROTOCOL}

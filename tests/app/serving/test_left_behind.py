@@ -23,11 +23,11 @@ from app.page.visit.links import PageLinks
 from app.viewer import patches, upload
 from solvers.problems.bar.scene import BarScene
 from solvers.solver import soundness
-from tests import doors
 from tests.app.serving.test_serve import Pool
-from tests.doors import get
-from tests.processes import until
-from tests.raw import Raw
+from tests.support import doors
+from tests.support.doors import get
+from tests.support.processes import until
+from tests.support.raw import Raw
 
 SECRET = "what a stranger has written"
 

@@ -16,9 +16,9 @@ from app.page.visit.session import FIRST_SCENE, Session
 from app.problems.views import VIEWS
 from app.viewer import messages, server, widgets
 from solvers.problems import PROBLEMS
-from tests.doors import Pool
-from tests.processes import until
-from tests.raw import CAMERA, Raw, unknown
+from tests.support.doors import Pool
+from tests.support.processes import until
+from tests.support.raw import CAMERA, Raw, unknown
 
 #: What no widget of any kind can be; texts and truths are tried where they do not belong.
 NEVER = (None, [], {}, [1, 2], b"bytes", float("nan"), float("inf"), -float("inf"), {"a": [None]}, "x" * 20_001, 2**63)

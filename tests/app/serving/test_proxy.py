@@ -15,10 +15,10 @@ import pytest
 from websockets.exceptions import InvalidStatus
 
 from solvers.workers.processes import free_port
-from tests.doors import lab
-from tests.paths import ASSETS
-from tests.processes import HANG, until
-from tests.raw import Raw
+from tests.support.doors import lab
+from tests.support.paths import ASSETS
+from tests.support.processes import HANG, until
+from tests.support.raw import Raw
 
 EXAMPLE = ASSETS / "nginx.conf.example"
 NAME, CODE = "lab.school.example", "wave-4711"

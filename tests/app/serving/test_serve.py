@@ -13,8 +13,8 @@ from app.page.serving import OVER, Visitors, _engine_count
 from solvers.engine import process
 from solvers.engine.pool import EnginePool
 from solvers.engine.process import CANNOT_START
-from tests.listening import PATIENCE, SCENE, Listener
-from tests.processes import until
+from tests.support.listening import PATIENCE, SCENE, Listener
+from tests.support.processes import until
 
 
 class Link:

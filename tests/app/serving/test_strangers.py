@@ -10,9 +10,9 @@ from websockets.exceptions import ConnectionClosed, InvalidStatus
 from app.doors.network import Anteroom, Bucket, Buckets, network_of
 from app.viewer import line, server, upload
 from tests.app.page.features.test_own_file import Sender
-from tests.doors import lab
-from tests.processes import starving, until
-from tests.raw import Raw
+from tests.support.doors import lab
+from tests.support.processes import starving, until
+from tests.support.raw import Raw
 
 STRANGER, OTHER = ("127.0.0.66", 0), ("127.0.0.77", 0)  # each is a network of its own on this machine
 WITHIN = 3.0  # seconds in which others come in

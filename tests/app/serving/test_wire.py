@@ -13,8 +13,8 @@ from viser.infra import _infra
 
 from app.viewer.sending import SHORT, Moved, send
 from app.viewer.wire import Buffer, together
-from tests.listening import PATIENCE
-from tests.processes import until
+from tests.support.listening import PATIENCE
+from tests.support.processes import until
 
 
 @pytest.fixture

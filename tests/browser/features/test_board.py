@@ -10,7 +10,7 @@ from tests.app.serving.test_class_code import enter
 from tests.browser.conftest import FEW_FRAMES, SIZE, axe_finds, no_errors, serving
 from tests.browser.driving import downloaded, until
 from tests.browser.page.test_present import SIZES
-from tests.pupils import Pupil, cookie_of
+from tests.support.pupils import Pupil, cookie_of
 
 LESSON = shelf.lesson("04-grid-crossing")
 STEPS, LETTERS, HEADING = LESSON.steps, 28, 40  # pixels for the last row, in a window of 1280 by 720

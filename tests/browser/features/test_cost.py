@@ -5,7 +5,7 @@ import csv
 import pytest
 
 from tests.browser.driving import click, downloaded, readout, row, shown, until
-from tests.processes import children
+from tests.support.processes import children
 
 
 def job_processes(parent):

@@ -10,12 +10,12 @@ from app.language.spoken import speaking
 from app.lessons import shelf
 from app.lessons.marks import TOLD_AFTER
 from app.lessons.reading import parse
-from tests import pseudo
 from tests.app.lessons.test_lesson_format import TEXT
 from tests.browser.conftest import FEW_FRAMES, SIZE, no_errors, serving
 from tests.browser.driving import again_until, until
 from tests.browser.features.test_export import WATCH
 from tests.browser.languages import outside, words_of
+from tests.support import pseudo
 
 SCENE = "bar;cells=20;cfl=0.2"
 LESSON = "04-grid-crossing"
@@ -26,7 +26,7 @@ CODE = "wave-4711"
 def address():
     """Of a lab for a class, in which there is one language more."""
     arguments = ("--code", CODE, "--lesson", LESSON)
-    with serving({"MPM_LAB_EXTENSIONS": "tests.pseudo"}, arguments, coded=True) as (found, *_):
+    with serving({"MPM_LAB_EXTENSIONS": "tests.support.pseudo"}, arguments, coded=True) as (found, *_):
         yield found
 
 

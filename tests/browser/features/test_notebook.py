@@ -16,7 +16,7 @@ from solvers import BarScene
 from solvers.workers.processes import free_port
 from tests.browser.conftest import SIZE
 from tests.groups import require_group
-from tests.processes import HANG, until
+from tests.support.processes import HANG, until
 
 CELLS = ["from app.notebook import show\nfrom solvers import BarScene, run\n"
          "scene = BarScene(cells=10, periods=0.25, estimators=('companion',))\nrun(scene)",

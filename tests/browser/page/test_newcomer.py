@@ -8,7 +8,7 @@ import pytest
 
 from tests.browser.conftest import SIZE, visit
 from tests.browser.driving import PATIENCE, coloured, scene, stage, summary, tab_to, until
-from tests.processes import STARVED
+from tests.support.processes import STARVED
 
 LONG = 60.0  # seconds of patience for what takes a period
 #: Looks at every frame that the browser paints: is the middle of the window covered, or is there a stage to see?

@@ -3,8 +3,8 @@
 import pytest
 
 from tests.browser.driving import choose, engine_processes, steps, tick, until
-from tests.listening import PATIENCE
-from tests.processes import children, held
+from tests.support.listening import PATIENCE
+from tests.support.processes import children, held
 
 COMPILING = "[data-waits^=compiling]"  # beside the name of the control that was changed last
 

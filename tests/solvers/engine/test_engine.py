@@ -18,8 +18,8 @@ from solvers.problems.bar.scene import BarScene
 from solvers.problems.ring import RingScene
 from solvers.running.run import build
 from solvers.solver import samples
-from tests.listening import PATIENCE, SCENE, Listener, assert_same
-from tests.processes import Watch, held
+from tests.support.listening import PATIENCE, SCENE, Listener, assert_same
+from tests.support.processes import Watch, held
 
 
 class Deadly(BarScene):

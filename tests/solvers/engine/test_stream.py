@@ -18,7 +18,7 @@ from solvers.engine import frames as memory
 from solvers.engine.frames import FrameOptions
 from solvers.problems.ring import RingScene
 from solvers.running.run import build
-from tests.drawn import Scene
+from tests.support.drawn import Scene
 
 SCENE = RingScene(cells=72, ppc=6, periods=1)  # 20,736 particles, within reach of the sliders
 

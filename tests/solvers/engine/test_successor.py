@@ -14,8 +14,8 @@ from solvers.engine.messages import Pace
 from solvers.engine.pool import EnginePool
 from solvers.engine.worker import FAILED
 from solvers.problems.ring import RingScene
-from tests.listening import PATIENCE, SCENE, Listener
-from tests.processes import children, ended, held, state, until
+from tests.support.listening import PATIENCE, SCENE, Listener
+from tests.support.processes import children, ended, held, state, until
 
 pytestmark = pytest.mark.skipif(not successor.POSSIBLE, reason="only Linux can fork a process that runs Taichi")
 #: Each compiled by one test only: the engines of this file have one more combination after each.

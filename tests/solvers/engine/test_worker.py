@@ -9,7 +9,7 @@ import pytest
 from solvers.engine import worker
 from solvers.engine.messages import Goodbye, Wish
 from solvers.engine.worker import Worker
-from tests.listening import SCENE
+from tests.support.listening import SCENE
 
 
 class Pipe:

@@ -23,8 +23,8 @@ from solvers.scene.scene import Scene
 from solvers.solver.norms import RATIOS, error_index
 from solvers.solver.rounding import rounding
 from solvers.solver.samples import QUANTITIES
-from tests.paths import ASSETS
-from tests.reference import NUMBERS
+from tests.support.paths import ASSETS
+from tests.support.reference import NUMBERS
 
 TABLE = {case: NUMBERS["table1"][case] for case in ("small", "large")}
 RING_TABLE = json.loads((ASSETS / "reference" / "ring.json").read_text())

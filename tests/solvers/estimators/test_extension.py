@@ -15,7 +15,7 @@ import pytest
 from solvers.problems.bar.scene import BarScene
 from solvers.problems.ring import RingScene
 from solvers.scene.extensions import EXTENSIONS
-from tests.processes import python
+from tests.support.processes import python
 
 ENVIRONMENT = {EXTENSIONS: "tests.outside"}
 FIVE = [*BarScene.ESTIMATORS, "zero"]

@@ -14,7 +14,7 @@ from solvers.problems.bar.state import HOOKS
 from solvers.problems.vortex import VortexScene
 from solvers.running.run import build
 from solvers.solver import norms, samples
-from tests.reference import NUMBERS
+from tests.support.reference import NUMBERS
 
 SMALL = NUMBERS["table1"]["small"]
 TABLE_SCENE = BarScene(linearity_preserving=True, body_force="node", dt=2.5e-5, t_end=1.0,

@@ -10,7 +10,7 @@ from solvers.judging.check import CONSISTENT, check
 from solvers.judging.findings.finding import BROKEN, HOLDS, SUSPICIOUS, UNKNOWN
 from solvers.outside.quoting import FileError
 from tests.findings import LOST, checked
-from tests.known_runs import known_runs
+from tests.support.known_runs import known_runs
 
 T, SIDE = 21, {1: 40, 2: 12, 3: 6}
 

@@ -17,8 +17,8 @@ from solvers.judging.findings.over_time import fitted, rate, shifted
 from solvers.judging.measure import summarised
 from solvers.judging.verdict import judge
 from solvers.problems import PROBLEMS
-from tests.altered import ALL, ALTERATIONS, as_files, files, scene_of, stepped
 from tests.findings import FORMS, drawn, honest, judged, judgement
+from tests.support.altered import ALL, ALTERATIONS, as_files, files, scene_of, stepped
 
 #: What is said of each alteration, in words that no other cause has; None where nothing can be told, which is right.
 SAID = {

@@ -18,8 +18,8 @@ from app.cli import main
 from app.commands.lesson import LessonGrade
 from solvers.judging.reading import read
 from solvers.outside.quoting import FileError
-from tests.hostile import FILES, LARGE, TAKES_LONG, written
-from tests.paths import ROOT
+from tests.support.hostile import FILES, LARGE, TAKES_LONG, written
+from tests.support.paths import ROOT
 
 LONGEST = 410  # letters of a message, "mpm-lab: " and the end of the line among them
 MOST_SECONDS, MOST_MEMORY = 20, 1_000_000  # kB

@@ -8,8 +8,8 @@ import sys
 import pytest
 
 from solvers.kernels import caches
-from tests.paths import ROOT
-from tests.processes import HANG
+from tests.support.paths import ROOT
+from tests.support.processes import HANG
 
 
 def blocked(tmp_path):

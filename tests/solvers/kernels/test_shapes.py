@@ -6,7 +6,7 @@ import taichi as ti
 
 from solvers.kernels import runtime
 from solvers.kernels.shapes import outer_weights, stencil
-from tests.reference import weight
+from tests.support.reference import weight
 
 METHODS = ["mpm", "ugimp", "cpgimp", "bspline"]
 COUNT = 4000

@@ -24,7 +24,7 @@ from solvers.solver.arrays import aligned
 from solvers.solver.norms import largest
 from solvers.solver.soundness import BROKEN
 from tests.closed_forms import vortex as printed
-from tests.paths import ASSETS
+from tests.support.paths import ASSETS
 
 ROWS = json.loads((ASSETS / "reference" / "vortex.json").read_text())["rows"]
 SHEARED = ("ugimp", "cpgimp", "cpgimp-v", "cpdi")

@@ -2,7 +2,7 @@
 
 One method, what a run is put back to, what the check finds and what is refused are for every day; the rest is slow.
 
-Vulkan runs these tests without a GPU, by Mesa's driver, which plays one on the processor (``tests.gpus``).
+Vulkan runs these tests without a GPU, by Mesa's driver, which plays one on the processor (``tests.support.gpus``).
 """
 
 import functools
@@ -30,7 +30,7 @@ from solvers.scene.scene import MOST_ON_GPU, Scene
 from solvers.solver import devices, samples
 from solvers.solver.base import Solver
 from solvers.solver.snapshot import Snapshot
-from tests.gpus import ARCH, require_gpu
+from tests.support.gpus import ARCH, require_gpu
 
 RING = RingScene(cells=16, estimators=("companion",), arch=ARCH, sample_every=20)
 VORTEX = VortexScene(cells=24, amplitude=0.5, estimators=("companion",), arch=ARCH, sample_every=20)

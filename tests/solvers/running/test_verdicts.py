@@ -5,7 +5,7 @@ import random
 import pytest
 
 from solvers.problems import PROBLEMS
-from tests.known_runs import SWITCHES, random_runs
+from tests.support.known_runs import SWITCHES, random_runs
 
 
 @pytest.mark.parametrize("count", [8, pytest.param(200, marks=pytest.mark.slow)])

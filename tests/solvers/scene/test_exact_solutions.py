@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 
 from solvers.problems import PROBLEMS
 from solvers.scene.scene import Scene
-from tests.random_scenes import LARGEST, logarithmic, typed_motions
+from tests.support.random_scenes import LARGEST, logarithmic, typed_motions
 
 STEP, BRIEF = 1e-5, 1e-4  # m and periods
 NEAR = 1e-5

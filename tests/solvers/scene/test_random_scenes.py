@@ -12,7 +12,7 @@ from solvers.running.run import run
 from solvers.scene.rules import SceneError
 from solvers.solver.checked import as_large_as_itself
 from solvers.solver.soundness import LOST, NOUNS, OK, UNSTABLE
-from tests.random_scenes import ASKED, RARE, Inputs, inputs, odd_inputs, scenes_a_set, sets
+from tests.support.random_scenes import ASKED, RARE, Inputs, inputs, odd_inputs, scenes_a_set, sets
 
 MOST_ERROR = 0.5  # amplitudes of the motion, of x: no run beyond it may be called ok
 PRICED = 8  # one in so many runs measures its estimators' prices as well, which takes tenths of a second

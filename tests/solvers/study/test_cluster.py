@@ -13,9 +13,9 @@ from solvers.study import places
 from solvers.study.grid import plan
 from solvers.workers.processes import free_port
 from tests.groups import require_group
-from tests.paths import ROOT
-from tests.processes import until
-from tests.rows import without_timings
+from tests.support.paths import ROOT
+from tests.support.processes import until
+from tests.support.rows import without_timings
 
 AXES = {"method": ["mpm", "ugimp"], "cells": [8, 16], "periods": [1.0]}
 

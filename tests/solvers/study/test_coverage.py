@@ -18,8 +18,8 @@ from solvers.study.coverage.tally import MIDDLE, NORMAL, STAY, TWO_GRIDS, interv
 from solvers.study.coverage.text import summary
 from solvers.study.coverage.track_record import JUDGES, bets, by_its_word, by_the_record
 from solvers.study.row import fault
-from tests.paths import ROOT
-from tests.rows import Instant
+from tests.support.paths import ROOT
+from tests.support.rows import Instant
 
 SEED = 7  # not that of assets/coverage.md
 MANY = 50  # runs

@@ -10,9 +10,9 @@ import pytest
 from solvers.study.row import fault
 from solvers.study.store import Store, StoreError
 from solvers.study.tables.document import MEASURED
-from tests.paths import ROOT
-from tests.processes import HANG
-from tests.rows import made_up
+from tests.support.paths import ROOT
+from tests.support.processes import HANG
+from tests.support.rows import made_up
 
 GOOD = made_up()
 

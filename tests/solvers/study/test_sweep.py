@@ -15,7 +15,7 @@ from solvers.study.places import ATTEMPTS, Here, PlaceLost, execute
 from solvers.study.store import Store, StoreError
 from solvers.study.sweep import Rows
 from solvers.workers.processes import ProcessDied
-from tests.rows import made_up
+from tests.support.rows import made_up
 
 QUICK = {"cells": 8, "ppc": 2, "periods": 0.2}
 

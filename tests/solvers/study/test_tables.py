@@ -14,8 +14,8 @@ from solvers.study.row import failed, fault
 from solvers.study.tables import plan
 from solvers.study.tables.document import MEASURED, document, measure_run, results_of, runs
 from solvers.study.tables.plan import digits
-from tests.paths import ROOT
-from tests.rows import Instant
+from tests.support.paths import ROOT
+from tests.support.rows import Instant
 
 #: Cut-down tables: the coarsest rows, the bar for a hundredth of the time.
 CUT = {"1": plan.table_1({"bar": ("transport",)}, cells=(20,), end=0.01, long=0.02),

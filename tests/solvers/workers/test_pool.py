@@ -9,7 +9,7 @@ import pytest
 
 from solvers.workers.pool import WorkerPool, one_of_each_first
 from solvers.workers.processes import ProcessDied, TookTooLong
-from tests.processes import until
+from tests.support.processes import until
 
 WORK = f"{__name__}:work"
 

@@ -7,8 +7,8 @@ import pytest
 
 from app.page.panels import bound
 from app.page.panels.bound import REST, TO_BE_READ, Answers
-from tests.processes import until
-from tests.raw import Raw
+from tests.support.processes import until
+from tests.support.raw import Raw
 
 
 @pytest.fixture

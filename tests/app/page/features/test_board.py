@@ -16,7 +16,7 @@ from app.page.features.board.board import BACK, COUNTED, NEXT, REVEALED, SHOWN, 
 from app.page.features.board.panel import Lectern, saved
 from app.page.features.board.slides import Door, calibration, says_next, scores, slide
 from app.page.features.board.tally import Tally
-from tests.processes import until
+from tests.support.processes import until
 
 DOOR = Door("http://lab/", "wave-4711")
 

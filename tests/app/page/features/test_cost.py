@@ -19,7 +19,7 @@ from solvers.running.run import build
 from solvers.study.grid import task_of
 from solvers.study.row import failed
 from solvers.study.summary import flat
-from tests.rows import made_up
+from tests.support.rows import made_up
 
 SCENE = BarScene(cells=10, periods=1)
 

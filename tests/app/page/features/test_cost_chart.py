@@ -16,7 +16,7 @@ from solvers.problems.bar.scene import BarScene
 from solvers.study.grid import task_of
 from solvers.study.row import failed
 from tests.app.test_colours import contrast
-from tests.rows import made_up
+from tests.support.rows import made_up
 
 SCENE = BarScene(method="ugimp", cells=20)  # what rows are made up of
 NBSP = "\N{NO-BREAK SPACE}"

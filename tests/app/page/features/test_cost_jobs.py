@@ -35,8 +35,8 @@ from solvers.workers.pool import Slots
 from solvers.workers.processes import ProcessDied
 from tests.app.page.features.test_cost import SCENE
 from tests.app.page.panel import Gui
-from tests.processes import until
-from tests.rows import made_up
+from tests.support.processes import until
+from tests.support.rows import made_up
 
 
 class Pool:

@@ -30,9 +30,9 @@ from solvers.study.grid import task_of
 from solvers.workers.pool import Slots
 from solvers.workers.processes import WorkerProcess
 from tests.app.serving.test_messages import page_of, settle
-from tests.hostile import FILES
-from tests.processes import until
-from tests.raw import Raw, unknown
+from tests.support.hostile import FILES
+from tests.support.processes import until
+from tests.support.raw import Raw, unknown
 
 QUICK = {"bar": ["--cells", "20", "--periods", "1"], "ring": ["--cells", "12", "--periods", "0.5"],
          "vortex": ["--cells", "24", "--periods", "0.25"]}

@@ -5,8 +5,8 @@ import json
 import re
 
 from tests.app.serving.test_class_code import enter
-from tests.processes import until
-from tests.raw import Raw
+from tests.support.processes import until
+from tests.support.raw import Raw
 
 WHERE = re.compile(r"<div>(introduction|the end|step (\d+) of \d+)</div>")
 

@@ -12,7 +12,7 @@ from websockets.sync.client import connect
 from app.commands.bench.class_load import is_frame
 from app.viewer.client import packed, unpacked
 from app.viewer.wire import PROTOCOL
-from tests.processes import HANG, until
+from tests.support.processes import HANG, until
 
 CAMERA = {"type": "ViewerCameraMessage", "wxyz": [0.0, 1.0, 0.0, 0.0], "position": [0.0, 0.0, 30.0], "fov": 0.07,
           "near": 1.0, "far": 600.0, "image_height": 720, "image_width": 600, "look_at": [0.0, 0.0, 0.0],

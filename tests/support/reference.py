@@ -11,7 +11,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from tests.paths import ASSETS
+from tests.support.paths import ASSETS
 
 NUMBERS = json.loads((ASSETS / "reference" / "bar.json").read_text())
 

@@ -16,7 +16,7 @@ from contextlib import contextmanager, suppress
 from pathlib import Path
 from time import monotonic, perf_counter, sleep
 
-from tests.paths import ROOT
+from tests.support.paths import ROOT
 
 PATIENCE = 30.0  # seconds: against a test that would hang, and for nothing else
 STARVED = 10  # times that, when other work takes nearly all of the machine
