@@ -5,7 +5,6 @@ from __future__ import annotations
 import functools
 import math
 from dataclasses import dataclass
-from typing import NamedTuple
 
 import numpy as np
 
@@ -26,13 +25,6 @@ FINE = 7  # order of the companion's elements beside another code, on the finer 
 MESHES = ((0, 3, 5), (25, 4, 5), (65, 4, 6), (math.inf, 6, 6), (math.inf, 8, 6), (math.inf, 10, 6))
 POINTS_BETWEEN = 7  # an element, at which a mesh is held against the displacement
 RESOLVED = 3e-4  # of the displacement: RMS that a mesh may leave out
-
-
-class Sizes(NamedTuple):
-    """Over the body and a period: the largest values, and the RMS, of x, v, sigma and a, by quantity."""
-
-    largest: dict[str, float]
-    rms: dict[str, float]
 
 
 @dataclass(frozen=True)
@@ -99,27 +91,23 @@ class BoxScene(PlanarScene):
         return X
 
     @functools.cached_property
-    def _sizes(self) -> Sizes:
+    def _sizes(self) -> dict[str, tuple[float, float]]:
+        """Over the body and a period the largest value of x, v, sigma and a, and the RMS."""
         line = np.linspace(0, self.SIDE, LINE + 1)
         X = np.stack(np.meshgrid(line, line), axis=-1).reshape(-1, 2)
-        fields = {"x": (self.EXACT.displacement, (1, 1)), "v": (self.EXACT.velocity, (1, 1)),
-                  "sigma": (self.EXACT.stress, (1, 2, 1)), "a": (self.EXACT.acceleration, (1, 1))}
-        times = (np.arange(INSTANTS) + 0.5) / INSTANTS * self.period
-        squares = {name: np.stack([field(self, X, t)**2 @ np.array(weights) for t in times])
-                   for name, (field, weights) in fields.items()}
-        return Sizes({name: float(np.sqrt(values.max())) for name, values in squares.items()},
-                     {name: float(np.sqrt(values.mean())) for name, values in squares.items()})
+        return {name: (float(np.sqrt(squares.max())), float(np.sqrt(squares.mean())))
+                for name, squares in self.exact_squares(X, INSTANTS).items()}
 
     @property
     def motion_amplitude(self) -> float:
         """Largest displacement of the exact solution, in m."""
-        return self._sizes.largest["x"]
+        return self.size_of("x")
 
     def size_of(self, quantity: str) -> float:
-        return self._sizes.largest[quantity]
+        return self._sizes[quantity][0]
 
     def rms_of(self, quantity: str) -> float:
-        return self._sizes.rms[quantity]
+        return self._sizes[quantity][1]
 
     def exact_along(self, quantity: str, X: np.ndarray, t: float) -> np.ndarray:
         """Along x."""
@@ -128,15 +116,11 @@ class BoxScene(PlanarScene):
             return exact.acceleration(self, X, max(0.0, t - self.time_step))[:, 0]
         return {"x": exact.displacement, "v": exact.velocity, "sigma": exact.stress}[quantity](self, X, t)[:, 0]
 
-    def companion_body(self, fine: bool) -> Patch:
-        return self.companion_patch(FINE if fine else None)
-
-    def companion_patch(self, order: int | None = None) -> Patch:
-        """What the companion is solved on: few elements on few cells, as many as the motion needs, and of another order
-        where one is asked for."""
+    def companion_body(self, fine: bool | None) -> Patch:
+        """Few elements on few cells, as many as the motion needs, of a higher order where it is to be fine."""
         usual = max(k for k, (fewest_cells, *_) in enumerate(MESHES) if fewest_cells <= self.cells)
         for _, count, own_order in MESHES[usual:]:
-            line = Elements(0.0, self.SIDE, count, order or own_order)
+            line = Elements(0.0, self.SIDE, count, FINE if fine else own_order)
             if self._left_out(line) <= RESOLVED:
                 break
         return Patch(self, (line, line), CARTESIAN,

@@ -69,7 +69,6 @@ class CircularScene(PlanarScene):
         return 1 / self.INNER
 
     def companion_body(self, fine: bool | None) -> CircularBody:
-        """On the mesh that runs beside the particles where that is None."""
         count, order = next(sizes for most, *sizes in self.COMPANION_MESHES if self.cells <= most) if fine is None \
             else FINE if fine else COARSE
         return CircularBody(self, count, order)
@@ -101,14 +100,10 @@ class CircularScene(PlanarScene):
     def _own_sizes(self) -> dict[str, float]:
         """RMS over the body and over a period of x (its displacement), v, sigma and a in the exact motion, as vectors
         and Frobenius norms: errors may be as large."""
-        edges, exact = np.linspace(self.INNER, self.OUTER, CIRCLES + 1), self.EXACT
+        edges = np.linspace(self.INNER, self.OUTER, CIRCLES + 1)
         R = 0.5 * (edges[1:] + edges[:-1])
-        X = on_axis(R)
-        parts = {"x": (exact.displacement, (1, 1)), "v": (exact.velocity, (1, 1)), "sigma": (exact.stress, (1, 2, 1)),
-                 "a": (exact.acceleration, (1, 1))}
-        times = (np.arange(INSTANTS) + 0.5) / INSTANTS * self.period
-        return {name: float(np.sqrt(np.mean([np.average(field(self, X, t) ** 2 @ np.array(weights), weights=R)
-                                             for t in times]))) for name, (field, weights) in parts.items()}
+        return {name: float(np.sqrt(np.mean([np.average(now, weights=R) for now in squares])))
+                for name, squares in self.exact_squares(on_axis(R), INSTANTS).items()}
 
     def rms_of(self, quantity: str) -> float:
         return self._own_sizes[quantity]

@@ -89,8 +89,19 @@ class PlanarScene(Scene):
         a step before."""
 
     @abstractmethod
-    def companion_body(self, fine: bool) -> ElasticBody:
-        """What can be solved beside the particles of another code, on a fine or a coarser mesh."""
+    def companion_body(self, fine: bool | None) -> ElasticBody:
+        """What the companion is solved on beside the particles; beside those of another code on a ``fine`` mesh or a
+        coarser one."""
+
+    def exact_squares(self, X: np.ndarray, instants: int) -> dict[str, np.ndarray]:
+        """Squared sizes (instants, P) over a period of x (its displacement), v, sigma and a in the exact motion at
+        material points X (P, 2): of vectors, and Frobenius norms of tensors."""
+        exact = self.EXACT
+        fields = {"x": (exact.displacement, (1, 1)), "v": (exact.velocity, (1, 1)), "sigma": (exact.stress, (1, 2, 1)),
+                  "a": (exact.acceleration, (1, 1))}
+        times = (np.arange(instants) + 0.5) / instants * self.period
+        return {name: np.stack([field(self, X, t) ** 2 @ np.array(weights) for t in times])
+                for name, (field, weights) in fields.items()}
 
     def other_advice(self) -> str:
         """What else to do about a run that went bad, as an imperative."""

@@ -76,13 +76,15 @@ def stress_error(scene: Any, a: PlanarBody, time: float) -> Tensor:
 
 def body_force(a: PlanarBody, some: np.ndarray) -> np.ndarray:
     """On some particles (c,), in N (c, 2)."""
-    f, e = a.orbit_force[a.orbit[some]], a.direction[some]
-    return a.mass[some][:, None] * np.stack([f[:, 0] * e[:, 0] - f[:, 1] * e[:, 1],
-                                             f[:, 1] * e[:, 0] + f[:, 0] * e[:, 1]], axis=1)
+    return a.mass[some][:, None] * np.stack(turned(a.direction[some], *a.orbit_force[a.orbit[some]].T), axis=1)
 
 
 def _turned(a: PlanarBody, x: Any, y: Any) -> Vector:
     """Vectors (K,) at the orbits' points, at their particles (P,)."""
-    x, y = (np.broadcast_to(one, len(a.orbit_point))[a.orbit] for one in (x, y))
-    c, s = np.ascontiguousarray(a.direction.T)
+    return turned(a.direction, *(np.broadcast_to(one, len(a.orbit_point))[a.orbit] for one in (x, y)))
+
+
+def turned(e: np.ndarray, x: np.ndarray, y: np.ndarray) -> Vector:
+    """Vectors where the x axis has become e (P, 2)."""
+    c, s = np.ascontiguousarray(e.T)
     return x * c - y * s, y * c + x * s

@@ -8,6 +8,7 @@ from typing import Any, ClassVar, cast
 import numpy as np
 
 from solvers.kernels import runtime
+from solvers.motion.separable_field import SeparableField
 from solvers.problems.planar.estimators import circular_companion, companion, recovered, transport, two_grid
 from solvers.problems.planar.method.body import WatchedBody, initial_body, watched
 from solvers.problems.planar.method.measures import measures_of
@@ -115,15 +116,20 @@ class PlanarSolver(Solver):
     def measure(self) -> np.ndarray:
         return self._with_exact_spin(super().measure())
 
+    @functools.cached_property
+    def _motion(self) -> SeparableField:
+        """The exact one: kept here, for many visitors' runs would drive each other's out of a cache."""
+        return motion_table(self.scene)
+
     def _with_exact_spin(self, rows: np.ndarray) -> np.ndarray:
         """The rows of samples with the exact angular momentum of the particles, if that is asked for: of half a step
         before, where velocities belong."""
         scene, a = self.scene, self._arrays
         if scene.has("spin") and self._switches.truth:
-            motion, mass = motion_table(scene), np.bincount(a.orbit, a.mass)
+            mass = np.bincount(a.orbit, a.mass)
             for row in rows:
                 t = (row[column("step")] - 0.5) * scene.time_step
-                (x, y), (v_x, v_y) = (a.orbit_point + motion(t)[:, :2]).T, motion(t, 1)[:, :2].T
+                (x, y), (v_x, v_y) = (a.orbit_point + self._motion(t)[:, :2]).T, self._motion(t, 1)[:, :2].T
                 row[column("spin/exact_momentum", self._switches)] = mass @ (x * v_y - y * v_x)
         return rows
 

@@ -208,7 +208,7 @@ def particle_basis(patch: Patch, X: np.ndarray) -> ParticleBasis:
 
 def allocate(scene) -> dict[str, np.ndarray]:
     """The companion at rest in shape on the scene's patch, moving with the initial velocity."""
-    patch = scene.companion_patch()
+    patch = scene.companion_body(fine=None)
     (first, second), seen = patch.lines, particle_basis(patch, particle_layout(scene).position)
     n = first.order + 1
     matrices = np.stack([first.derivative, second.derivative, np.outer(first.weights, second.weights),
@@ -249,4 +249,4 @@ MEMORY = {
 
 
 HOOKS = shared.hooks(accelerate, MEMORY, allocate=allocate, report=report, verdict=verdict,
-                     standalone=lambda scene: scene.companion_patch(), report_at_once=report_at_once)
+                     standalone=lambda scene: scene.companion_body(fine=None), report_at_once=report_at_once)
