@@ -7,8 +7,9 @@ stands on the same line. All operators are rows of few weights on consecutive en
 Two-dimensional operators are products of an angular and a radial one, so that nothing in two dimensions has ever to be
 stored.
 
-What lies beyond the ends of a line is said by ``ends``: "periodic", "mirror" (a symmetry plane at each end; the
-component across the plane is odd) or "free" (nothing: recovery becomes one-sided).
+What lies beyond the ends of a line is said by ``ends``: "periodic", "free" (nothing: recovery becomes one-sided), or a
+symmetry plane at each end, across which one component is odd: "mirror" where the planes are at right angles to each
+other, on the arc of a quarter of a ring, and "walls" where they are parallel.
 """
 
 from dataclasses import dataclass
@@ -174,12 +175,13 @@ class Line:
         """Bring images back into the line; the sign (..., components) that each component then takes.
 
         Mirrors: component 0 is odd across the far end and component 1 across the near one (x across the plane x = 0,
-        which is at the angle pi/2, and y across y = 0).
+        which is at the angle pi/2, and y across y = 0). Between walls component 0, along the line, is odd at both.
         """
-        if self.ends == "mirror":
+        if self.ends in ("mirror", "walls"):
             low, high = index < 0, index >= count
             inside = np.where(low, -1 - index, np.where(high, 2 * count - 1 - index, index))
-            return inside, np.stack([1.0 - 2 * high, 1.0 - 2 * low], axis=-1)
+            odd = (high, low) if self.ends == "mirror" else (low | high, np.zeros_like(low))
+            return inside, np.stack([1.0 - 2 * out for out in odd], axis=-1)
         return index % count, np.ones((*index.shape, 1))
 
     def _banded(self, rows: np.ndarray, columns: np.ndarray, values: np.ndarray, row_count: int,

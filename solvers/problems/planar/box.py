@@ -13,6 +13,7 @@ from solvers.motion.separable_field import SeparableField, separate
 from solvers.problems.planar.estimators.patch import CARTESIAN, Patch
 from solvers.problems.planar.scene import GHOSTS, PlanarScene, motion_table
 from solvers.scene.balance import MODES, Moments
+from solvers.scene.limits import Limit
 from solvers.scene.option import option
 from solvers.scene.registry import MOVING_WEIGHTS
 from solvers.scene.remedies import COUPLED, FILTER, FROZEN
@@ -47,8 +48,15 @@ class BoxScene(PlanarScene):
     SIDE, INNER, OUTER, ANGLE = 1.0, 0.0, 1.0, 0.5 * math.pi
     PLANES = (True, True)
     ESCAPED = "left the square (it is a cell or more beyond a plane)"
-    ESTIMATORS = ("transport", "companion")
-    LIMITS = (MOVING_WEIGHTS,)
+    ESTIMATORS = ("transport", "recovered", "companion")
+    LIMITS = (
+        MOVING_WEIGHTS,
+        # Recovered: fits lose waves as short as four of them. Measured on 120 squares: x .77 to .94 below, .95 to 1.05
+        # beyond.
+        Limit("recovered", "cells", least=28, where={"ppc": 1}, why="recovered fits single particles per cell over "
+              "seven cells, which blurs the motion itself on so few; give {least} cells or more particles per cell"),
+        Limit("recovered", "cells", least=12, why="recovered's fits over four cells blur the motion itself on so few; "
+              "give {least} cells or more"))
     REMEDIES = (FILTER, COUPLED, FROZEN)
     FEWEST_CELLS = 8
     DEFAULT_PERIODS = 1.0
@@ -73,6 +81,18 @@ class BoxScene(PlanarScene):
     def farthest(self) -> float:
         return self.SIDE + self.spacing
 
+    @functools.cached_property
+    def crossing_rate(self) -> float:
+        """How many metres of the material a wave along x or y runs, where it is fastest, while one runs a metre at
+        rest: its stiffness is mu + (lambda + mu - lambda ln J) |F^-T e|^2."""
+        (bulk, mu), rate = self.lame_moduli, 1.0
+        for t in (np.arange(INSTANTS) + 0.5) / INSTANTS * self.period:
+            F = self.EXACT.deformation_gradient(self, self._points, t)
+            stiffness = mu + ((bulk + mu - bulk * np.log(np.linalg.det(F)))[:, None]
+                              * (np.linalg.inv(F) ** 2).sum(axis=2))
+            rate = max(rate, float(stiffness.max()) / (bulk + 2 * mu))
+        return math.sqrt(rate)
+
     def grid_field(self) -> SeparableField:
         """The acceleration in m/s^2 at the places of the nodes, of the material that has come there."""
         line = (np.arange(self.row) - self.origin) * self.spacing
@@ -93,10 +113,14 @@ class BoxScene(PlanarScene):
     @functools.cached_property
     def _sizes(self) -> dict[str, tuple[float, float]]:
         """Over the body and a period the largest value of x, v, sigma and a, and the RMS."""
-        line = np.linspace(0, self.SIDE, LINE + 1)
-        X = np.stack(np.meshgrid(line, line), axis=-1).reshape(-1, 2)
         return {name: (float(np.sqrt(squares.max())), float(np.sqrt(squares.mean())))
-                for name, squares in self.exact_squares(X, INSTANTS).items()}
+                for name, squares in self.exact_squares(self._points, INSTANTS).items()}
+
+    @property
+    def _points(self) -> np.ndarray:
+        """Material points (n, 2) all over the body at which its motion is looked at."""
+        line = np.linspace(0, self.SIDE, LINE + 1)
+        return np.stack(np.meshgrid(line, line), axis=-1).reshape(-1, 2)
 
     @property
     def motion_amplitude(self) -> float:

@@ -10,6 +10,7 @@ import numpy as np
 from solvers.kernels import runtime
 from solvers.motion.separable_field import SeparableField
 from solvers.problems.planar.estimators import circular_companion, companion, recovered, transport, two_grid
+from solvers.problems.planar.estimators.recovered_operators import BOX, Lattice
 from solvers.problems.planar.method.body import WatchedBody, initial_body, watched
 from solvers.problems.planar.method.measures import measures_of
 from solvers.problems.planar.method.traits import traits_of
@@ -211,7 +212,7 @@ def solver_of(kind: type[PlanarScene]) -> type[PlanarSolver]:
     """The solver of a problem by the class of its scene."""
     traits = traits_of(kind)
     made = {"companion": lambda: circular_companion.HOOKS if kind.CIRCULAR else companion.HOOKS,
-            "recovered": lambda: recovered.hooks(closed=not kind.PLANES[0]),
+            "recovered": lambda: recovered.hooks(BOX if kind.layout == "box" else Lattice(closed=not kind.PLANES[0])),
             "transport": lambda: transport.hooks(traits), "two-grid": lambda: two_grid.hooks(traits)}
     hooks = registry.hooks_of(kind.problem, {name: made[name]() for name in kind.ESTIMATORS})
     parts = PlanarParts(hooks, traits, measures_of(kind, traits.first))

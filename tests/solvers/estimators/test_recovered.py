@@ -11,10 +11,12 @@ from solvers.estimators.memory import memory_parts
 from solvers.estimators.recovery import TAU
 from solvers.problems.bar.scene import BarScene
 from solvers.problems.ring import RingScene
+from solvers.problems.square import SquareScene
 from solvers.running.run import build
 
 BAR = BarScene(linearity_preserving=True, dt=2.5e-5, t_end=1.0, estimators=("recovered",))
 RING = RingScene(cells=24, dt=2e-5, estimators=("recovered",))
+SQUARE = SquareScene(cells=16, estimators=("recovered",))
 
 
 # ---- operators of a line ------------------------------------------------------------------------------------------
@@ -29,9 +31,11 @@ def test_a_fit_reproduces_cubics_up_to_free_ends(points):
 
 
 def test_a_fit_follows_a_wave_around_a_period_and_through_mirrors():
-    """Fourth order: 12 particles to a radian leave 1e-4 and less. x is odd across the far plane, y across the near."""
-    for ends, waves in (("periodic", (np.sin,)), ("mirror", (np.cos, np.sin))):
-        line = Line(80 if ends == "periodic" else 20, 10, 2 * np.pi if ends == "periodic" else np.pi / 2, ends)
+    """Fourth order: 12 particles to a radian leave 1e-4 and less. x is odd across the far plane, y across the near;
+    between walls what goes along the line is odd at both."""
+    for ends, turn, waves in (("periodic", 2 * np.pi, (np.sin,)), ("mirror", np.pi / 2, (np.cos, np.sin)),
+                              ("walls", np.pi, (np.sin, np.cos))):
+        line = Line(round(turn / (2 * np.pi) * 80), 10, turn, ends)
         x = line.particles() / line.per_point
         for component, wave in enumerate(waves):
             fitted = line.fit(9, 3)(wave(x))[:, component]
@@ -64,7 +68,7 @@ def velocities(solver) -> np.ndarray:
     return solver._arrays.velocity if solver.scene.problem == "bar" else solver._arrays.position_velocity[:, 2:]
 
 
-@pytest.mark.parametrize("scene", [replace(BAR, cells=20), RING], ids=["bar", "ring"])
+@pytest.mark.parametrize("scene", [replace(BAR, cells=20), RING, SQUARE], ids=["bar", "ring", "square"])
 def test_rest_is_without_error(scene):
     """Undisturbed, nothing moves and no error is estimated, to the bit of a residual."""
     solver = build(scene)
@@ -80,8 +84,8 @@ def test_rest_is_without_error(scene):
     assert np.abs(a.estimate).max() < 1e-12
 
 
-@pytest.mark.parametrize("scene", [replace(BAR, cells=40, amplitude=2.5e-3), replace(RING, cells=48, periods=1.0)],
-                         ids=["bar", "ring"])
+@pytest.mark.parametrize("scene", [replace(BAR, cells=40, amplitude=2.5e-3), replace(RING, cells=48, periods=1.0),
+                                   replace(SQUARE, cells=24, amplitude=1e-3, cfl=0.2)], ids=["bar", "ring", "square"])
 def test_it_sees_a_kick(scene):
     """The velocities grow by 5 % on the way, which no equation of the run can tell; then x and v within [0.8, 1.25]."""
     solver, calm, sizes = build(scene), build(scene), []

@@ -28,20 +28,22 @@ from solvers.estimators.recovery import BEGUN, MOVED, NEW, SHORT, TAU, TURNS, H
 from solvers.kernels.elementary import log
 from solvers.kernels.kinds import quads, reals
 from solvers.problems.planar.estimators import recovered_operators as op
-from solvers.problems.planar.estimators.recovered_tables import across_planes, gathered_directions, of_four, verdict
-from solvers.problems.planar.layout import on_axis
+from solvers.problems.planar.estimators.recovered_tables import gathered_directions, of_four, over_planes, verdict
+from solvers.problems.planar.layout import on_axis, particle_layout
 from solvers.problems.planar.method.neo_hookean import cauchy_stress, cauchy_stress_of
 from solvers.problems.planar.method.phases import gather
 from solvers.scene.estimator_hooks import EstimatorHooks
 
 SPARSE_WIDTH = 1.5  # cells to an element with one particle per cell
 WAVE_CFL = 0.7  # H c over the shortest side of an element, where the run's own step is shorter
-MOST_CFL = {"mirror": 0.72, "periodic": 0.8}  # the same where it is not: beyond .74 and .84 the reference breaks down
+MOST_CFL = {"mirror": 0.72, "periodic": 0.8, "walls": 0.72}  # the same where it is not: beyond .74
+# and .84 the reference breaks down
 
 MEMORY = {
     "recovered_numbers": reals,  # by the names of solvers.estimators.recovery
     **recovery.table_types(op.TABLES),
-    "recovered_count": ti.i32, "recovered_across": ti.i32,  # nodes of the error grid, and those on a radius
+    "recovered_count": ti.i32, "recovered_line_nodes": ti.i32,  # nodes of the error grid, and those on a line
+    "recovered_line": ti.i32,  # particles on a line
     "recovered_silent": ti.i32,  # of how many quantities nothing is said: 1 of a, 2 of sigma too
     "recovered_nodes": quads,  # nodal values, block by block
     "recovered_particles": quads,  # fields at particles, and half-way values on radii with nodes on them
@@ -49,14 +51,14 @@ MEMORY = {
 
 
 @ti.func
-def begin(body: ti.template(), nodes: ti.template(), t, closed: ti.template(), on: ti.template()):
+def begin(body: ti.template(), nodes: ti.template(), t, lattice: ti.template(), on: ti.template()):
     """Unless it is done: start the reference with the acceleration at time t, when the ring was undeformed, a = M b."""
     if body.recovered_numbers[TURNS] == NEW:
-        op.gather_force(body, t, on)
-        B, step = body.recovered_across, body.recovered_numbers[H]
+        op.gather_force(body, t, lattice, on)
+        B, step = body.recovered_line_nodes, body.recovered_numbers[H]
         for a in range(body.recovered_count // B):
             for b in range(B):
-                push_x, push_y = op.node_force(body, nodes, a, b, closed)
+                push_x, push_y = op.node_force(body, nodes, a, b, lattice)
                 at_r, at_rate = op.node_at(body, op.MOTION, a * B + b), op.node_at(body, op.RATE, a * B + b)
                 r = nodes[at_r]
                 x = recovery.with_start(ti.Vector([r[0], r[2], 0.0, 0.0]), push_x, step)
@@ -67,26 +69,26 @@ def begin(body: ti.template(), nodes: ti.template(), t, closed: ti.template(), o
 
 
 @ti.func
-def after_step(body: ti.template(), step, closed: ti.template(), on: ti.template()):
+def after_step(body: ti.template(), step, lattice: ti.template(), on: ti.template()):
     """U += H w; the error's gradient corrects the recovered one; w += H (a + correction), a = M b - D P/rho."""
-    begin(body, body.recovered_nodes, step * body.dt - body.recovered_numbers[H], closed, on)
+    begin(body, body.recovered_nodes, step * body.dt - body.recovered_numbers[H], lattice, on)
     for p in range(body.particles):
         q, X = body.position_velocity[p], body.material_position[p]
         body.recovered_particles[op.particle_at(body, op.FIELD, p)] = ti.Vector([q[0] - X[0], q[1] - X[1], q[2], q[3]])
-    op.radial_gather(body, op.FIELD, op.VALUE)
-    damped_errors(body, body.recovered_nodes, step, closed)
-    op.angular_spread(body, closed)
-    find_stress(body, closed)
-    op.gather_force(body, step * body.dt, on)
-    op.radial_gather(body, op.STRESS, op.SLOPE_AND_OVER_R)
-    move_reference(body, body.recovered_nodes, body.recovered_numbers[TURNS] == BEGUN, closed)
+    op.along_gather(body, op.FIELD, lattice.value)
+    damped_errors(body, body.recovered_nodes, step, lattice)
+    op.across_spread(body, lattice)
+    find_stress(body, lattice)
+    op.gather_force(body, step * body.dt, lattice, on)
+    op.along_gather(body, op.STRESS, lattice.slope_metric)
+    move_reference(body, body.recovered_nodes, body.recovered_numbers[TURNS] == BEGUN, lattice)
     body.recovered_numbers[TURNS] = MOVED
 
 
 @ti.func
-def damped_errors(body: ti.template(), nodes: ti.template(), step, closed: ti.template()):
+def damped_errors(body: ti.template(), nodes: ti.template(), step, lattice: ti.template()):
     """U += H w at the nodes, and e* = 2 e - C e + tau (1 - C)^2 e'."""
-    op.angular_gather(body, op.GATHERED, op.ANGULAR_VALUES, closed)
+    op.across_gather(body, op.GATHERED, op.PAIR_VALUES, lattice)
     for i in range(body.recovered_count):
         r = nodes[op.node_at(body, op.MOTION, i)]
         r += body.recovered_numbers[H] * ti.Vector([r[2], r[3], 0.0, 0.0])
@@ -94,9 +96,9 @@ def damped_errors(body: ti.template(), nodes: ti.template(), step, closed: ti.te
         nodes[op.node_at(body, op.GATHERED, i)] = nodes[op.node_at(body, op.GATHERED, i)] - r  # not -=: atomic
     looked_at = recovery.looks(step, body.dt, body.recovered_numbers[H])
     if looked_at:
-        op.remember_sizes(body, nodes, closed)
+        op.remember_sizes(body, nodes, lattice)
     for turn in range(2):
-        op.smoothing(body, closed)
+        op.smoothing(body, lattice)
         square = 0.0
         for i in range(body.recovered_count):
             e = nodes[op.node_at(body, op.GATHERED, i)]
@@ -113,17 +115,18 @@ def damped_errors(body: ti.template(), nodes: ti.template(), step, closed: ti.te
 
 
 @ti.func
-def find_stress(body: ti.template(), closed: ti.template()):
+def find_stress(body: ti.template(), lattice: ti.template()):
     """P e_R and P e_angle at the particles, from slopes along the lattice's own lines."""
-    op.angular_fit(body, op.FIELD, op.FITTED_SLOPES, op.ANGULAR_SLOPES, closed)
-    op.radial_fit(body, op.HALF_SLOPES, op.SLOPE)
-    for line in range(body.particles // body.orbits):
-        for j in range(body.orbits):
-            p = line * body.orbits + j
+    op.across_fit(body, op.FIELD, op.FITTED_SLOPES, op.PAIR_SLOPES, lattice)
+    op.along_fit(body, op.HALF_SLOPES, lattice.slope)
+    for line in range(body.particles // body.recovered_line):
+        for j in range(body.recovered_line):
+            p = line * body.recovered_line + j
             along = body.recovered_particles[op.particle_at(body, op.HALF_SLOPES, p)]
             around = body.recovered_particles[op.particle_at(body, op.FITTED_SLOPES, p)]
-            slopes = ti.Vector([along[0], along[1], around[0], around[1]]) - op.radial_spread(body, line, j, op.SLOPES)
-            a, b, c, d = polar_gradient(body, p, slopes)
+            slopes = ti.Vector([along[0], along[1], around[0], around[1]]) \
+                - op.along_spread(body, line, j, op.SLOPES, lattice.slope_value)
+            a, b, c, d = gradient(body, p, slopes, lattice)
             body.recovered_particles[op.particle_at(body, op.STRESS, p)] = piola(body, a, b, c, d)
 
 
@@ -145,21 +148,23 @@ def stress_error(body: ti.template(), p, a, b, c, d):
 
 
 @ti.func
-def polar_gradient(body: ti.template(), p, slopes):
+def gradient(body: ti.template(), p, slopes, lattice: ti.template()):
     """F e_R = (a, c) and F e_angle = (b, d) at particle p, from the displacement's slopes along the radius and around
-    it."""
-    e, per_R = body.direction[p], 1 / body.orbit_point[body.orbit[p]][0]
+    it; on a square F e_x and F e_y, from those along x and y."""
+    e, per_R = body.direction[p], 1.0
+    if ti.static(not lattice.box):
+        per_R = 1 / body.orbit_point[body.orbit[p]][0]
     return e[0] + slopes[0], per_R * slopes[2] - e[1], e[1] + slopes[1], per_R * slopes[3] + e[0]
 
 
 @ti.func
-def move_reference(body: ti.template(), nodes: ti.template(), first, closed: ti.template()):
+def move_reference(body: ti.template(), nodes: ti.template(), first, lattice: ti.template()):
     """The acceleration of every node, and the rate that follows."""
-    B, step = body.recovered_across, body.recovered_numbers[H]
-    op.angular_gather(body, op.GATHERED, op.EACH, closed)
+    B, step = body.recovered_line_nodes, body.recovered_numbers[H]
+    op.across_gather(body, op.GATHERED, op.EACH, lattice)
     for a in range(body.recovered_count // B):
         for b in range(B):
-            push_x, push_y = op.node_force(body, nodes, a, b, closed)
+            push_x, push_y = op.node_force(body, nodes, a, b, lattice)
             parts = nodes[op.node_at(body, op.GATHERED, a * B + b)]
             a_x = push_x - (parts[0] + parts[2]) / body.density
             a_y = push_y - (parts[1] + parts[3]) / body.density
@@ -173,11 +178,11 @@ def move_reference(body: ti.template(), nodes: ti.template(), first, closed: ti.
 
 
 @ti.func
-def report(body: ti.template(), base, step, closed: ti.template(), on: ti.template()):
+def report(body: ti.template(), base, step, lattice: ti.template(), on: ti.template()):
     """Estimated errors of x, v, sigma at the state's time and of a at the last step's, on the particles."""
     if step > 0:
         since = recovery.time_since(step, body.dt, body.recovered_numbers[H])
-        begin(body, body.recovered_nodes, step * body.dt - since, closed, on)
+        begin(body, body.recovered_nodes, step * body.dt - since, lattice, on)
     # First x, v and sigma, then a, by the same code: it is compiled once.
     for of_acceleration in range(ti.static(2 if on.acceleration else 1)):
         for p in range(body.particles):
@@ -190,9 +195,9 @@ def report(body: ti.template(), base, step, closed: ti.template(), on: ti.templa
                 a_p = body.acceleration[p]
                 field = ti.Vector([a_p[0], a_p[1], 0.0, 0.0])
             body.recovered_particles[op.particle_at(body, op.FIELD, p)] = field
-        find_errors(body, body.recovered_nodes, step, of_acceleration, closed)
+        find_errors(body, body.recovered_nodes, step, of_acceleration, lattice)
         for p in range(body.particles):
-            report_particle(body, base, p, of_acceleration, closed)
+            report_particle(body, base, p, of_acceleration, lattice)
     silent = body.recovered_silent
     if step == 0 or silent > 0:
         nothing = 0.0 if step == 0 else ti.math.nan
@@ -205,28 +210,29 @@ def report(body: ti.template(), base, step, closed: ti.template(), on: ti.templa
 
 
 @ti.func
-def report_particle(body: ti.template(), base, p, of_acceleration, closed: ti.template()):
+def report_particle(body: ti.template(), base, p, of_acceleration, lattice: ti.template()):
     """E of the fields at a particle: of x and v, and that of sigma; or of a, which is unknown until then."""
-    line, j = p // body.orbits, p % body.orbits
+    line, j = p // body.recovered_line, p % body.recovered_line
     field, q = body.recovered_particles[op.particle_at(body, op.FIELD, p)], body.position_velocity[p]
     fitted = body.recovered_particles[op.particle_at(body, op.FITTED, p)]
-    E = op.radial_spread(body, line, j, op.VALUES) + field - fitted
+    E = op.along_spread(body, line, j, op.VALUES, lattice.value) + field - fitted
     if of_acceleration:
         body.estimate_acceleration[base + p] = ti.Vector([E[0], E[1]])
     else:
-        a, b, c, d = polar_gradient(body, p, body.recovered_particles[op.particle_at(body, op.FITTED_SLOPES, p)]
-                                    - op.radial_spread(body, line, j, op.SLOPES))
+        slopes = body.recovered_particles[op.particle_at(body, op.FITTED_SLOPES, p)] \
+            - op.along_spread(body, line, j, op.SLOPES, lattice.slope_value)
+        a, b, c, d = gradient(body, p, slopes, lattice)
         body.estimate[base + p] = E + ti.Vector([0.0, 0.0, q[2] - field[2], q[3] - field[3]])
         body.estimate_stress[base + p] = stress_error(body, p, a, b, c, d)
         body.estimate_acceleration[base + p] = ti.Vector([ti.math.nan, ti.math.nan])
 
 
 @ti.func
-def find_errors(body: ti.template(), nodes: ti.template(), step, of_acceleration, closed: ti.template()):
+def find_errors(body: ti.template(), nodes: ti.template(), step, of_acceleration, lattice: ti.template()):
     """Nodal errors of the fields, unsmoothed and spread along the angle; and the fields fitted, the first of x and v
     with its slopes."""
-    op.radial_gather(body, op.FIELD, op.VALUE)
-    op.angular_gather(body, op.GATHERED, op.ANGULAR_VALUES, closed)
+    op.along_gather(body, op.FIELD, lattice.value)
+    op.across_gather(body, op.GATHERED, op.PAIR_VALUES, lattice)
     length = body.recovered_numbers[H]
     since = recovery.time_since(step, body.dt, length)
     for i in range(body.recovered_count):
@@ -242,33 +248,32 @@ def find_errors(body: ti.template(), nodes: ti.template(), step, of_acceleration
             if body.recovered_numbers[TURNS] == BEGUN:  # as on the bar
                 true_mean = nodes[op.node_at(body, op.GATHERED, i)]
         nodes[op.node_at(body, op.GATHERED, i)] = nodes[op.node_at(body, op.GATHERED, i)] - true_mean
-    op.smoothing(body, closed)
+    op.smoothing(body, lattice)
     for i in range(body.recovered_count):
         nodes[op.node_at(body, op.ERRORS, i)] = 2 * nodes[op.node_at(body, op.GATHERED, i)] \
             - nodes[op.node_at(body, op.SMOOTHED, i)]
-    op.angular_spread(body, closed)
-    op.radial_fit(body, op.HALF_FITTED, op.VALUE)
-    op.angular_fit(body, op.HALF_FITTED, op.FITTED, op.ANGULAR_VALUES, closed)
+    op.across_spread(body, lattice)
+    op.along_fit(body, op.HALF_FITTED, lattice.value)
+    op.across_fit(body, op.HALF_FITTED, op.FITTED, op.PAIR_VALUES, lattice)
     if not of_acceleration:
-        op.radial_fit(body, op.HALF_SLOPES, op.SLOPE)
+        op.along_fit(body, op.HALF_SLOPES, lattice.slope)
         for p in range(body.particles):
             slope = body.recovered_particles[op.particle_at(body, op.HALF_SLOPES, p)]
             value = body.recovered_particles[op.particle_at(body, op.HALF_FITTED, p)]
             body.recovered_particles[op.particle_at(body, op.HALF_SLOPES, p)] = \
                 ti.Vector([slope[0], slope[1], value[0], value[1]])
-        op.angular_fit(body, op.HALF_SLOPES, op.FITTED_SLOPES, op.EACH, closed)
+        op.across_fit(body, op.HALF_SLOPES, op.FITTED_SLOPES, op.EACH, lattice)
 
 
-def hooks(closed: bool) -> EstimatorHooks:
-    """The estimator of problems on a whole turn, which closes on itself, or on a part of one between symmetry planes,
-    where only radial forces can act."""
+def hooks(lattice: op.Lattice) -> EstimatorHooks:
+    """The estimator of problems whose particles begin on such a lattice."""
     @ti.func
     def its_step(body: ti.template(), base, step, on: ti.template()):
-        after_step(body, step, closed, on)
+        after_step(body, step, lattice, on)
 
     @ti.func
     def its_report(body: ti.template(), base, step, on: ti.template()):
-        report(body, base, step, closed, on)
+        report(body, base, step, lattice, on)
 
     return EstimatorHooks(memory=MEMORY, allocate=allocate, interval=interval, after_step=its_step, report=its_report,
                           verdict=verdict)
@@ -276,21 +281,27 @@ def hooks(closed: bool) -> EstimatorHooks:
 
 def interval(scene):
     """Steps of the run to one of the estimator's: its reference moves by an explicit method in the material frame, with
-    elements whose sides along the fastest circle a wave passes at the scene's ``crossing_rate``. Where that is sheared
+    elements whose sides along the fastest line a wave passes at the scene's ``crossing_rate``. Where that is sheared
     much, steps are hardly longer than the run's, and then it costs more than the run."""
-    angle, radius = lines(scene)
-    side = 1 / angle.per_element / scene.crossing_rate
-    return recovery.steps_between(scene, WAVE_CFL * min(side, 1 / radius.per_element))
+    across, along = lines(scene)
+    side = 1 / max(across.per_element * scene.crossing_rate, along.per_element)
+    return recovery.steps_between(scene, WAVE_CFL * side)
 
 
 def lines(scene):
-    """The lattice's lines, around and across the ring, with elements a cell wide at the inner rim.
+    """The lattice's lines, around and across a ring or twice that of a square, with elements a cell wide, at the inner
+    rim of a ring.
 
     With one particle per cell they are half as wide again: elements as narrow as the particles' spacing are unstable.
     None is narrower than the reference's step bears, which is no shorter than the run's.
     """
     width = scene.spacing * (SPARSE_WIDTH if scene.ppc == 1 else 1.0)
-    turn, across, counts = scene.ANGLE, scene.OUTER - scene.INNER, scene.polar_counts(scene.cells, scene.ppc)
+    counts = scene.polar_counts(scene.cells, scene.ppc)
+    if scene.layout == "box":
+        narrowest = scene.crossing_rate * scene.wave_speed * scene.time_step / MOST_CFL["walls"]
+        line = Line(counts[0], min(round(scene.SIDE / width), int(scene.SIDE / narrowest)), scene.SIDE, "walls")
+        return line, line
+    turn, across = scene.ANGLE, scene.OUTER - scene.INNER
     ends = "periodic" if turn >= 2 * np.pi else "mirror"
     narrowest = scene.wave_speed * scene.time_step / MOST_CFL[ends]
     around, radial = (min(round(length / width), int(length / narrowest)) for length in (turn * scene.INNER, across))
@@ -298,20 +309,31 @@ def lines(scene):
 
 
 def allocate(scene):
-    """Operators along both lines, and the reference in the initial configuration."""
-    (angle, radius), inner = lines(scene), scene.INNER
-    velocity = scene.EXACT.velocity(scene, on_axis(inner + radius.particles() / radius.per_point), 0.0).T
-    width, R = recovery.fit_width(scene), inner + radius.quadrature()[0] / radius.per_point
-    angular = [angle.fit(width, 3), angle.spread(), angle.gather(4, 2), angle.smoothing()]
-    radial = [radius.fit(width, 3), radius.spread(), radius.gather(4, 2, R), radius.smoothing(R)]
-    tables = dict(zip(op.TABLES, [*map(across_planes, angular), *map(of_four, radial)], strict=True))
-    direction, across = gathered_directions(angle, angular[2])
-    speed, turning = (radial[2](v)[:, 0, 0, None] for v in velocity)
-    fields = op.PARTICLE_BLOCKS * angle.points * radius.points + 2 * angle.points * radius.nodes
-    nodes = np.zeros((op.NODE_BLOCKS, angle.nodes * radius.nodes, 4))
-    nodes[op.MOTION, :, 2:] = (direction[:, None] * speed + across[:, None] * turning).reshape(-1, 2)
-    nodes[op.DIRECTION, :angle.nodes] = np.concatenate([direction, across], axis=1)
-    return {"recovered_numbers": recovery.numbers(scene, interval(scene)), **recovery.table_values(tables),
-            "recovered_count": angle.nodes * radius.nodes, "recovered_across": radius.nodes,
+    """Operators across and along the lines, and the reference in the initial configuration."""
+    across, along = lines(scene)
+    box, width = scene.layout == "box", recovery.fit_width(scene)
+    R = 1.0 if box else scene.INNER + along.quadrature()[0] / along.per_point
+    over_lines = [across.fit(width, 3), across.spread(), across.gather(4, 2), across.smoothing()]
+    on_line = [along.fit(width, 3), along.spread(), along.gather(4, 2, R), along.smoothing(R)]
+    tables = [over_planes(rows, swapped=box) for rows in over_lines] \
+        + [over_planes(rows) if box else of_four(rows) for rows in on_line]
+    fields = op.PARTICLE_BLOCKS * across.points * along.points + 2 * across.points * along.nodes
+    nodes = np.zeros((op.NODE_BLOCKS, across.nodes * along.nodes, 4))
+    if box:
+        v = scene.EXACT.velocity(scene, particle_layout(scene).position, 0.0).reshape(across.points, along.points, 2)
+        for k in (0, 1):
+            on_nodes = np.apply_along_axis(lambda f, k=k: on_line[2](f)[:, k, 0], 1, v[:, :, k])
+            on_nodes = np.apply_along_axis(lambda f, k=k: over_lines[2](f)[:, 1 - k, 0], 0, on_nodes)
+            nodes[op.MOTION, :, 2 + k] = on_nodes.ravel()
+    else:
+        velocity = scene.EXACT.velocity(scene, on_axis(scene.INNER + along.particles() / along.per_point), 0.0).T
+        outward, sideways = gathered_directions(across, over_lines[2])
+        speed, turning = (on_line[2](v)[:, 0, 0, None] for v in velocity)
+        nodes[op.MOTION, :, 2:] = (outward[:, None] * speed + sideways[:, None] * turning).reshape(-1, 2)
+        nodes[op.DIRECTION, :across.nodes] = np.concatenate([outward, sideways], axis=1)
+    return {"recovered_numbers": recovery.numbers(scene, interval(scene)),
+            **recovery.table_values(dict(zip(op.TABLES, tables, strict=True))),
+            "recovered_count": across.nodes * along.nodes, "recovered_line": along.points,
+            "recovered_line_nodes": along.nodes,
             "recovered_silent": 2 if scene.uneven else int(scene.coarse), "recovered_nodes": nodes.reshape(-1, 4),
             "recovered_particles": np.zeros((fields, 4))}

@@ -28,9 +28,9 @@ def gathered_directions(angle: Line, gather_table: Rows) -> tuple[np.ndarray, np
     return along, (np.zeros_like(along) if angle.ends == "mirror" else np.stack([-along[:, 1], along[:, 0]], axis=1))
 
 
-def across_planes(rows: Rows) -> Rows:
-    """Weights as (value x, value y, slope x, slope y)."""
-    weights = np.broadcast_to(rows.weights[..., :2], (*rows.weights.shape[:2], 2, 2))
+def over_planes(rows: Rows, swapped: bool = False) -> Rows:
+    """Weights as (value x, value y, slope x, slope y), of a line along x; ``swapped`` along y, between walls."""
+    weights = np.broadcast_to(rows.weights[..., :2], (*rows.weights.shape[:2], 2, 2))[:, :, ::-1 if swapped else 1]
     return Rows(rows.first, np.swapaxes(weights, 2, 3).reshape(*weights.shape[:2], 4))
 
 
