@@ -14,10 +14,11 @@ S a fit of cubics over ``WINDOWS`` cells and I cubic interpolation. The time ste
 no first-order error but one: v belongs to a time dt/2 earlier than x (symplectic Euler is the leapfrog scheme started
 at rest of the forces, a(0) = 0), which is known and taken into account for both runs.
 
-Particles lie on lattices that are evenly spaced in the material coordinate (the bar's X; the ring's angle and radius),
-so every smoothing or interpolation is a product of 1-D stencils that never change. A stencil is the value at one place
-of the polynomial that fits the nearest lattice points best (least squares; Savitzky & Golay 1964): with as many points
-as coefficients it interpolates, with more it also smooths.
+Particles lie on lattices of lines that are evenly spaced in the material coordinate (the bar's X; the ring's angle and
+radius; the square's X and Y), so every smoothing or interpolation is a product of 1-D stencils that never change. A
+stencil is the value at one place of the polynomial that fits the nearest lattice points best (least squares; Savitzky &
+Golay 1964): with as many points as coefficients it interpolates, with more it also smooths. What lies beyond the ends
+of a line is the line again ("periodic"), its mirror image ("mirror") or nothing ("free"): then stencils are one-sided.
 
 Cannot see: errors that both grids share (a force put at the wrong place, a wrong material or time step), and errors
 longer than a few cells that do not fall like h^2. Where it is known that they do not, it is not run (see each problem's
@@ -25,10 +26,14 @@ longer than a few cells that do not fall like h^2. Where it is known that they d
 (``solvers.estimators.phase_lag``).
 """
 
+import math
+from typing import NamedTuple
+
 import numpy as np
 import taichi as ti
 
-from solvers.kernels.kinds import integers, pairs
+from solvers.kernels.kinds import integers, pairs, real, reals
+from solvers.kernels.packing import part
 from solvers.scene.scene import Scene
 from solvers.scene.switches import Switches
 
@@ -39,8 +44,115 @@ CRUSHED = 1e-3  # det F from which on a particle of the coarse run counts as cru
 LOST = 0.5  # of the amplitude: a run with such an error of x no longer knows where its particles are
 CUBIC = 4  # coefficients
 
-#: Types of the members of a set of stencils, for ``solvers.kernels.packing``.
-MEMBERS = {"first": integers, "row": integers, "taps": ti.i32, "weights": pairs}
+TABLES = ("down", "over", "up")  # from the run's lattice to the common one, from the second run's, and to the run's
+LATTICES = ("fine", "coarse", "common")  # of the run, of the second run, and the one on which they meet
+STENCILS = {"first": integers, "row": integers, "taps": ti.i32, "weights": pairs}
+
+
+class Fields(NamedTuple):
+    """What is compared, one vector a particle: which of a stencil's two weights each component is taken times, along
+    the lines of the lattice, and across them where there are more lines than one."""
+
+    along: tuple[int, ...]
+    across: tuple[int, ...] = ()
+
+    def memory(self, vectors: object) -> dict:
+        """Types of what the estimator of any problem keeps; ``vectors`` is that of arrays of these fields."""
+        return {
+            **{f"two_grid_{table}_{way}_{member}": kind for table in TABLES for way in ("along", "across")
+               for member, kind in STENCILS.items()},
+            **{f"two_grid_{lattice}_{size}": ti.i32 for lattice in LATTICES for size in ("points", "lines")},
+            "two_grid_gain": real, "two_grid_interval": ti.i32,  # 1/(r^2 - 1); steps to one of the second run
+            "two_grid_fields": vectors,  # of either run; at last the errors of the run's
+            "two_grid_band": vectors,  # those on the way from one lattice to another, brought along the lines only
+            "two_grid_common": vectors,  # the extrapolated ones on the common lattice
+            "two_grid_largest": reals,  # the largest mean square of e_x that was reported
+        }
+
+
+def allocate(scene: Scene, fields: Fields, fine: tuple[int, int], coarse: tuple[int, int], common: tuple[int, int],
+             ends: tuple[str, str]) -> dict:
+    """The values of :meth:`Fields.memory`. Lattices are given as points on a line and lines; ``ends`` says what lies
+    beyond the ends of a line, and beyond the first and last lines."""
+    smooth, cubic = (WINDOWS[0] * scene.ppc, WINDOWS[1] * scene.ppc), (CUBIC, CUBIC)
+    values: dict = {}
+    for table, source, target, fit in zip(TABLES, (fine, coarse, common), (common, common, fine),
+                                          (smooth, smooth, cubic), strict=True):
+        for k, way in enumerate(("along", "across")):
+            values |= {f"two_grid_{table}_{way}_{member}": value for member, value in stencils(
+                centres(target[k], source[k]), source[k], fit, ends[k]).items()}
+    for lattice, (points, lines) in zip(LATTICES, (fine, coarse, common), strict=True):
+        values |= {f"two_grid_{lattice}_points": points, f"two_grid_{lattice}_lines": lines}
+    width, most = len(fields.along), max(math.prod(fine), math.prod(coarse))
+    band = max(fine[1] * common[0], coarse[1] * common[0], common[1] * fine[0])
+    return {**values, "two_grid_gain": gain(scene), "two_grid_interval": interval(scene),
+            "two_grid_fields": np.zeros((most, width)), "two_grid_band": np.zeros((band, width)),
+            "two_grid_common": np.zeros((math.prod(common), width)), "two_grid_largest": np.zeros(1)}
+
+
+@ti.func
+def begin(own: ti.template()):
+    """Nothing on the common lattice yet."""
+    for t in range(own.common_points * own.common_lines):
+        own.common[t] = own.common[t] * 0.0
+
+
+@ti.func
+def smooth_run(own: ti.template(), fields: ti.template()):
+    """Bring the run's part of q* to the common lattice."""
+    transfer(own, fields, "down", own.fields, "fine", own.common, "common", 1 + own.gain)
+
+
+@ti.func
+def smooth_second(own: ti.template(), fields: ti.template()):
+    """Bring the second run's part of q* to the common lattice."""
+    transfer(own, fields, "over", own.fields, "coarse", own.common, "common", -own.gain)
+
+
+@ti.func
+def subtract(own: ti.template(), fields: ti.template()):
+    """Leave of the run's fields the errors, e = q_h - I q*."""
+    transfer(own, fields, "up", own.common, "common", own.fields, "fine", -1.0)
+
+
+@ti.func
+def remember_largest(own: ti.template(), square):
+    """Keep a mean square of e_x if it is the largest so far; what is no number replaces any."""
+    if not square <= own.largest[0]:
+        own.largest[0] = square
+
+
+@ti.func
+def transfer(own: ti.template(), fields: ti.template(), table: ti.template(), source: ti.template(),
+             at: ti.template(), into: ti.template(), to: ti.template(), share):
+    """Add a share of the fields on the lattice ``at``, smoothed or interpolated, to those on the lattice ``to``."""
+    from_lattice, to_lattice = ti.static([part(own, at + "_"), part(own, to + "_")])
+    along, across = ti.static([part(own, table + "_along_"), part(own, table + "_across_")])
+    points, lines, wanted = from_lattice.points, from_lattice.lines, to_lattice.points
+    for i in range(lines):
+        for j in range(wanted):
+            total = stencil_sum(along, fields.along, j, source, i * points, 1, points)
+            if ti.static(len(fields.across) > 0):
+                own.band[i * wanted + j] = total
+            else:
+                into[j] = into[j] + share * total
+    if ti.static(len(fields.across) > 0):
+        for i in range(to_lattice.lines):
+            for j in range(wanted):
+                into[i * wanted + j] = into[i * wanted + j] \
+                    + share * stencil_sum(across, fields.across, i, own.band, j, wanted, lines)
+
+
+@ti.func
+def stencil_sum(table: ti.template(), picks: ti.template(), t, source: ti.template(), start, stride, count):
+    """Stencil ``t`` of entries ``stride`` apart, of which there are ``count``; behind the last comes the first."""
+    row, entry = table.row[t], table.first[t]
+    total = source[start] * 0.0
+    for k in range(table.taps):
+        w = table.weights[row + k]
+        total += ti.Vector([w[pick] for pick in ti.static(picks)]) * source[start + stride * entry]
+        entry = ti.select(entry + 1 == count, 0, entry + 1)
+    return total
 
 
 def interval(scene: Scene) -> int:
@@ -56,11 +168,6 @@ def interval(scene: Scene) -> int:
 def gain(scene: Scene) -> float:
     """1/(r^2 - 1) with r the ratio of the cells."""
     return 1 / ((scene.cells / (scene.cells // 2)) ** 2 - 1)
-
-
-def windows(ppc: int) -> tuple[int, int]:
-    """Lattice points in the two kinds of fits."""
-    return WINDOWS[0] * ppc, WINDOWS[1] * ppc
 
 
 def bare(on: Switches) -> Switches:
@@ -86,34 +193,43 @@ def coarse_run_verdict(scene: Scene, determinant: np.ndarray, displacement: np.n
     return None
 
 
-def stencils(places: np.ndarray, count: int, windows: tuple[int, int], closed: bool) -> dict:
-    """Stencils at ``places``, in spacings from the first of ``count`` lattice points, as the members in ``MEMBERS``.
+def stencils(places: np.ndarray, count: int, windows: tuple[int, int], ends: str) -> dict:
+    """Stencils at ``places``, in spacings from the first of ``count`` lattice points, as the members in ``STENCILS``.
 
-    ``windows`` are the numbers of points in the fits of two kinds of quantities; weights of the shorter are padded with
-    zeros. Stencil t begins at point ``first[t]`` and its weights at ``weights[row[t]]``; equal ones are kept once, so
-    a bar of any size needs one row or a few. ``closed``: nothing lies beyond the ends and stencils near them become
-    one-sided, with the lower degree that fewer points than four allow; else points beyond exist (images), and ``first``
-    may be negative.
+    ``windows`` are the numbers of points in fits of two kinds, whose weights stand side by side, the shorter's padded
+    with zeros; between mirrors all fits are of the first, and the weights those of components that are even and odd.
+    Stencil t begins at point ``first[t]`` and its weights at ``weights[row[t]]``; equal ones are kept once, so a bar of
+    any size needs one row or a few. On a free line stencils near the ends become one-sided, with the lower degree that
+    fewer points than four allow.
     """
-    taps = min(max(windows), count) if closed else max(windows)
-    first = _begin(places, taps, count, closed)
-    offset = places - first
-    _, where, rows = np.unique(offset.round(9), return_index=True, return_inverse=True)
-    weights = np.zeros((len(where), taps, 2))
-    for kind, window in enumerate(windows):
-        points = min(window, taps)
-        for row, t in enumerate(where):
-            begin = int(_begin(places[t:t + 1], points, count, closed)[0] - first[t])
+    taps = min(max(windows), count) if ends == "free" else windows[0] if ends == "mirror" else max(windows)
+    first = _begin(places, taps, count, ends)
+    beyond = (taps > count) | (ends == "mirror") & ((first < 0) | (first + taps > count))
+    offset, width = places - first, min(taps, count)
+    start = np.where(beyond, np.clip(first, 0, count - width), first % count)
+    _, where, rows = np.unique(np.stack([offset.round(9), np.where(beyond, places, -1.0)]), axis=1, return_index=True,
+                               return_inverse=True)
+    weights = np.zeros((len(where), width, 2))
+    for row, t in enumerate(where):
+        turns, index = np.divmod(first[t] + np.arange(taps), count)
+        index, mirrored = np.where((ends == "mirror") & (turns % 2 == 1), count - 1 - index, index), 1 - 2 * (turns % 2)
+        for kind, window in enumerate(windows):
+            points = min(window, taps)
+            begin = int(_begin(places[t:t + 1], points, count, ends)[0] - first[t])
             powers = np.vander(np.arange(points) + begin - offset[t], min(CUBIC, points), increasing=True)
-            weights[row, begin:begin + points, kind] = np.linalg.pinv(powers)[0]
-    return {"first": first.astype(np.int32), "row": (rows.ravel() * taps).astype(np.int32), "taps": taps,
+            fit = np.zeros(taps)
+            fit[begin:begin + points] = np.linalg.pinv(powers)[0]
+            if ends == "mirror" and kind:
+                fit *= mirrored
+            np.add.at(weights[row, :, kind], index - start[t] if beyond[t] else np.arange(taps), fit)
+    return {"first": start.astype(np.int32), "row": (rows.ravel() * width).astype(np.int32), "taps": width,
             "weights": weights.reshape(-1, 2)}
 
 
-def _begin(places: np.ndarray, points: int, count: int, closed: bool) -> np.ndarray:
+def _begin(places: np.ndarray, points: int, count: int, ends: str) -> np.ndarray:
     """First of the ``points`` lattice points that lie nearest around each place."""
-    first = np.round(places - 0.5 * (points - 1) + 1e-9)
-    return np.clip(first, 0, count - points) if closed else first
+    first = np.round(places - 0.5 * (points - 1) + 1e-9).astype(int)
+    return np.clip(first, 0, count - points) if ends == "free" else first
 
 
 def centres(targets: int, count: int) -> np.ndarray:

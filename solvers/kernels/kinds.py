@@ -19,7 +19,6 @@ rows = ti.types.ndarray(dtype=ti.types.vector(8, real), ndim=1)  # octets that a
 blocks = ti.types.ndarray(dtype=ti.types.vector(32, real), ndim=1)  # eight numbers of four
 matrix = ti.types.ndarray(dtype=real, ndim=2)
 integers = ti.types.ndarray(dtype=ti.i32, ndim=1)
-integer_quads = ti.types.ndarray(dtype=ti.types.vector(4, ti.i32), ndim=1)
 
 Integer = Annotated[int, ti.i32]
 Real = Annotated[float, real]

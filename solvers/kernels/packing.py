@@ -18,7 +18,7 @@ from solvers.kernels.hoist import subscript, untranslated, variable
 
 PREFIX = "memory_"  # of the arrays that hold the others, unless a packing has one of its own
 #: Types of arrays that can be packed, by name, with the shape of an entry.
-ARRAYS = {"integers": (), "integer_quads": (4,), "reals": (), "pairs": (2,), "quads": (4,), "octets": (8,)}
+ARRAYS = {"integers": (), "reals": (), "pairs": (2,), "quads": (4,), "octets": (8,)}
 
 
 class Packing:
@@ -116,4 +116,4 @@ def part(state: object, prefix: str) -> _Part:
 
 
 def _dtype(array: str) -> type:
-    return np.int32 if array.startswith("integer") else np.float64
+    return np.int32 if array == "integers" else np.float64

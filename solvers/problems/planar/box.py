@@ -15,7 +15,7 @@ from solvers.problems.planar.scene import GHOSTS, PlanarScene, motion_table
 from solvers.scene.balance import MODES, Moments
 from solvers.scene.limits import Limit
 from solvers.scene.option import option
-from solvers.scene.registry import MOVING_WEIGHTS
+from solvers.scene.registry import HALF_REASON, MOVING_WEIGHTS, REMEDIES_REASON
 from solvers.scene.remedies import COUPLED, FILTER, FROZEN
 from solvers.scene.rules import require_number
 
@@ -24,6 +24,7 @@ NEWTON_STEPS, NEWTON_END = 20, 1e-9  # of the material point that has come to a 
 FINE = 7  # order of the companion's elements beside another code, on the finer of two meshes
 #: Of the companion: from how many cells on, elements a side, and their order; the last are for motions of short waves.
 MESHES = ((0, 3, 5), (25, 4, 5), (65, 4, 6), (math.inf, 6, 6), (math.inf, 8, 6), (math.inf, 10, 6))
+STILL, FAR = 0.04, 0.5  # cells that particles move: where they stand in theirs hardly changes, or often
 POINTS_BETWEEN = 7  # an element, at which a mesh is held against the displacement
 RESOLVED = 3e-4  # of the displacement: RMS that a mesh may leave out
 
@@ -48,7 +49,7 @@ class BoxScene(PlanarScene):
     SIDE, INNER, OUTER, ANGLE = 1.0, 0.0, 1.0, 0.5 * math.pi
     PLANES = (True, True)
     ESCAPED = "left the square (it is a cell or more beyond a plane)"
-    ESTIMATORS = ("transport", "recovered", "companion")
+    ESTIMATORS = ("transport", "recovered", "companion", "two-grid")
     LIMITS = (
         MOVING_WEIGHTS,
         # Recovered: fits lose waves as short as four of them. Measured on 120 squares: x .77 to .94 below, .95 to 1.05
@@ -56,7 +57,20 @@ class BoxScene(PlanarScene):
         Limit("recovered", "cells", least=28, where={"ppc": 1}, why="recovered fits single particles per cell over "
               "seven cells, which blurs the motion itself on so few; give {least} cells or more particles per cell"),
         Limit("recovered", "cells", least=12, why="recovered's fits over four cells blur the motion itself on so few; "
-              "give {least} cells or more"))
+              "give {least} cells or more"),
+        # Two-grid: Richardson's argument needs an error that falls like h^2. Measured on 45 squares: x .93 to 1.1 within
+        # these limits, .66 to .88 where particles move a part of a cell.
+        Limit("two-grid", "remedies", allowed=(FILTER,), why=REMEDIES_REASON),
+        Limit("two-grid", "method", allowed=("cpdi", "cpgimp", "ugimp"), why="hats leave an error of quadrature that "
+              "depends on where in its cell a particle stands, and does not fall with the cell size; take CPDI"),
+        Limit("two-grid", "ppc", least=2, why="one particle per cell is so coarse a rule of quadrature that its error "
+              "depends on where in its cell it stands; give two or more"),
+        Limit("two-grid", "cells", least=24, why=HALF_REASON),
+        Limit("two-grid", "motion_amplitude", most=STILL, of="spacing", where={"method": "ugimp"}, why="boxes that do "
+              "not follow the material leave an error that does not fall with the cell size; take CPDI"),
+        Limit("two-grid", lambda scene: STILL < scene.motion_amplitude / scene.spacing < FAR, allowed=(False,),
+              why=f"particles that move between {STILL:g} and {FAR:g} cells stand in another part of their cells on each "
+              "of the two grids, and so do errors that depend on it; take another amplitude or number of cells"))
     REMEDIES = (FILTER, COUPLED, FROZEN)
     FEWEST_CELLS = 8
     DEFAULT_PERIODS = 1.0

@@ -211,9 +211,11 @@ def difference(one: Errors, other: Errors) -> np.ndarray:
 def solver_of(kind: type[PlanarScene]) -> type[PlanarSolver]:
     """The solver of a problem by the class of its scene."""
     traits = traits_of(kind)
+    box = kind.layout == "box"
     made = {"companion": lambda: circular_companion.HOOKS if kind.CIRCULAR else companion.HOOKS,
-            "recovered": lambda: recovered.hooks(BOX if kind.layout == "box" else Lattice(closed=not kind.PLANES[0])),
-            "transport": lambda: transport.hooks(traits), "two-grid": lambda: two_grid.hooks(traits)}
+            "recovered": lambda: recovered.hooks(BOX if box else Lattice(closed=not kind.PLANES[0])),
+            "transport": lambda: transport.hooks(traits),
+            "two-grid": lambda: two_grid.hooks(traits, two_grid.BOX if box else two_grid.POLAR)}
     hooks = registry.hooks_of(kind.problem, {name: made[name]() for name in kind.ESTIMATORS})
     parts = PlanarParts(hooks, traits, measures_of(kind, traits.first))
     return type("PlanarSolver", (PlanarSolver,), {"HOOKS": hooks, "PARTS": parts, "KERNELS": kernels(parts)})

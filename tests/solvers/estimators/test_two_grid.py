@@ -71,28 +71,41 @@ def test_waves_fall_behind_as_linear_theory_says(method, ppc, simulate):
     assert error == pytest.approx(scene.motion_amplitude / np.sqrt(2) * np.sin(lag(scene, 2 * np.pi) / 4), rel=0.05)
 
 
-@pytest.mark.parametrize("closed", [False, True], ids=["with images", "one-sided"])
+def stencil_rows(targets: int, count: int, windows: tuple[int, int], ends: str) -> np.ndarray:
+    """As matrices (2, targets, count), of the two kinds of weights."""
+    t = two_grid.stencils(two_grid.centres(targets, count), count, windows, ends)
+    rows, taps = np.zeros((2, targets, count)), np.arange(t["taps"])
+    for q, (first, row) in enumerate(zip(t["first"], t["row"], strict=True)):
+        rows[:, q, (first + taps) % count] = t["weights"][row + taps].T
+    return rows
+
+
 @pytest.mark.parametrize("targets", [12, 23, 50])
-def test_stencils_are_exact_for_cubics(targets, closed):
-    """Both windows, from 24 points to more and fewer; images continue the cubic itself here."""
-    places, count = two_grid.centres(targets, 24), 24
-    t = two_grid.stencils(places, count, (8, 12), closed)
+def test_stencils_are_exact_for_cubics_on_a_free_line(targets):
+    """Both windows, from 24 points to more and fewer."""
+    x, places = np.arange(24) / 24, two_grid.centres(targets, 24) / 24
     for degree in range(two_grid.CUBIC):
-        for q in range(targets):
-            points = t["first"][q] + np.arange(t["taps"])
-            assert not closed or (points[0] >= 0 and points[-1] < count)
-            w = t["weights"][t["row"][q]:t["row"][q] + t["taps"]]
-            np.testing.assert_allclose(w.T @ (points / count) ** degree, (places[q] / count) ** degree, atol=1e-12)
+        np.testing.assert_allclose(stencil_rows(targets, 24, (8, 12), "free") @ x**degree, [places**degree] * 2,
+                                   atol=1e-12)
+
+
+@pytest.mark.parametrize("count, window", [(24, 4), (24, 8), (4, 8)])
+def test_stencils_go_on_beyond_the_ends(count, window):
+    """Around, or as mirror images that are even or odd: as on a line three times as long that holds these."""
+    values, targets = np.random.default_rng(0).random(count), 2 * count // 3
+    middle = np.arange(targets) + 3 * targets
+    for ends, kind, sign in (("periodic", 0, 1), ("mirror", 0, 1), ("mirror", 1, -1)):
+        image = sign * values[::-1] if ends == "mirror" else values
+        wide = stencil_rows(7 * targets, 7 * count, (window, window), "free")[0] @ np.concatenate(
+            [image, values, image, values, image, values, image])
+        assert np.allclose(stencil_rows(targets, count, (window, window), ends)[kind] @ values, wide[middle])
 
 
 def test_stencils_smooth_over_cells_and_interpolate_at_their_points():
     """A sawtooth over a cell of four points is mostly gone from a fit over four cells; four taps leave it as it is."""
     wave = np.tile([-1.5, -0.5, 0.5, 1.5], 10)
     for window, most, least in ((16, 0.3, 0.0), (4, 1.6, 1.4)):
-        t = two_grid.stencils(two_grid.centres(40, 40), 40, (window, window), closed=False)
-        index = (t["first"][:, None] + np.arange(t["taps"])) % 40
-        weights = t["weights"][t["row"][:, None] + np.arange(t["taps"]), 0]
-        assert least <= np.abs((weights * wave[index]).sum(1)).max() < most
+        assert least <= np.abs(stencil_rows(40, 40, (window, window), "periodic")[0] @ wave).max() < most
 
 
 def test_a_packing_gives_back_what_it_took():

@@ -17,7 +17,7 @@ import taichi as ti
 from solvers.estimators import companion as shared
 from solvers.kernels import runtime
 from solvers.kernels.elementary import log
-from solvers.kernels.kinds import integer_quads, integers, pairs, quads
+from solvers.kernels.kinds import integers, pairs, quads
 from solvers.problems.planar.estimators.patch import Patch
 from solvers.problems.planar.layout import particle_layout
 from solvers.problems.planar.method.field_tables import find_force_functions, force_at, of_pairs, pack
@@ -106,8 +106,8 @@ def report(body: ti.template(), base, step, on: ti.template()):
     squares = 0.0
     for k in range(body.companion_counts[shared.RADII]):
         reduce_to_line(body, k)
-        for place in range(body.companion_places[k][0], body.companion_places[k + 1][0]):
-            squares += particle_error(body, base, body.companion_places[place], step, on)
+        for place in range(body.companion_places[4 * k], body.companion_places[4 * k + 4]):
+            squares += particle_error(body, base, place, step, on)
     body.companion_numbers[shared.SQUARE] = squares / body.particles
 
 
@@ -116,8 +116,7 @@ def report_at_once(body: ti.template(), base, step, on: ti.template()):
     """The same on a GPU, whose nodes are at ``step`` already; each particle reads its own part of its line."""
     squares = 0.0
     for n in range(body.particles):
-        squares += particle_error(body, base, body.companion_places[body.companion_counts[shared.RADII] + 1 + n], step,
-                                  on)
+        squares += particle_error(body, base, body.companion_counts[shared.RADII] + 1 + n, step, on)
     body.companion_numbers[shared.SQUARE] = squares / body.particles
 
 
@@ -134,7 +133,7 @@ def reduce_to_line(body: ti.template(), k):
 def line_node(body: ti.template(), k, j):
     """The same of node j of that line."""
     n, row = body.companion_counts[shared.ORDER] + 1, body.companion_counts[shared.ROW]
-    start = shared.NOW * body.companion_counts[shared.NODES] + body.companion_places[k][1]
+    start = shared.NOW * body.companion_counts[shared.NODES] + body.companion_places[4 * k + 1]
     total, slope = ti.Vector([0.0] * 8), ti.Vector([0.0, 0.0])
     for i in range(n):
         now, basis = body.companion_nodes[start + i * row + j], body.companion_basis[k * n + i]
@@ -145,9 +144,10 @@ def line_node(body: ti.template(), k, j):
 
 
 @ti.func
-def particle_error(body: ti.template(), base, place, step, on: ti.template()):
-    """Errors of x and v, of the Cauchy stress and of a at a particle, whose ``place`` is (p, first node of its line,
-    first of its polynomials, number of its xi). Returns the square of that of x."""
+def particle_error(body: ti.template(), base, row, step, on: ti.template()):
+    """Errors of x and v, of the Cauchy stress and of a at a particle, whose ``row`` of the places is (p, first node of
+    its line, first of its polynomials, number of its xi). Returns the square of that of x."""
+    place = ti.Vector([body.companion_places[4 * row + k] for k in range(4)])
     p = place[0]
     f = ti.Vector([0.0] * 8)  # u, v, a, u_xi
     u_eta = ti.Vector([0.0, 0.0])
@@ -219,8 +219,8 @@ def allocate(scene) -> dict[str, np.ndarray]:
                        patch.frequency_at_rest, scene.time_step, patch.velocity, patch.inverse_mass, len(second.nodes)),
         "companion_geometry": patch.geometry, "companion_slopes": seen.slopes,
         "companion_matrices": matrices.reshape(-1, 4), "companion_trial": np.zeros((n * n, 2)),
-        "companion_stresses": np.zeros((n * n, 4)), "companion_basis": seen.basis, "companion_places": seen.places,
-        "companion_force": force, "companion_force_sizes": sizes}
+        "companion_stresses": np.zeros((n * n, 4)), "companion_basis": seen.basis,
+        "companion_places": seen.places.ravel(), "companion_force": force, "companion_force_sizes": sizes}
 
 
 def verdict(scene, memory) -> str | None:
@@ -242,7 +242,7 @@ MEMORY = {
     "companion_trial": pairs,  # u at the points of the element at work
     "companion_stresses": quads,  # w j P grad xi and w j P grad eta at the points of the element at work
     "companion_basis": pairs,  # see ParticleBasis
-    "companion_places": integer_quads,
+    "companion_places": integers,  # rows of four, see ParticleBasis
     "companion_force": quads,  # the table of the body force at the nodes
     "companion_force_sizes": integers,
 }

@@ -19,25 +19,17 @@ solution varies within a fit of four cells. Nothing is said of sigma and a where
 fit follows them: one particle per cell, or particles moved with their own velocity (eq 24 as printed).
 """
 
-import numpy as np
 import taichi as ti
 
 from solvers.estimators import recovery
-from solvers.estimators.lattice_lines import Line
 from solvers.estimators.recovery import BEGUN, MOVED, NEW, SHORT, TAU, TURNS, H
 from solvers.kernels.elementary import log
 from solvers.kernels.kinds import quads, reals
 from solvers.problems.planar.estimators import recovered_operators as op
-from solvers.problems.planar.estimators.recovered_tables import gathered_directions, of_four, over_planes, verdict
-from solvers.problems.planar.layout import on_axis, particle_layout
+from solvers.problems.planar.estimators.recovered_tables import allocate, interval, verdict
 from solvers.problems.planar.method.neo_hookean import cauchy_stress, cauchy_stress_of
 from solvers.problems.planar.method.phases import gather
 from solvers.scene.estimator_hooks import EstimatorHooks
-
-SPARSE_WIDTH = 1.5  # cells to an element with one particle per cell
-WAVE_CFL = 0.7  # H c over the shortest side of an element, where the run's own step is shorter
-MOST_CFL = {"mirror": 0.72, "periodic": 0.8, "walls": 0.72}  # the same where it is not: beyond .74
-# and .84 the reference breaks down
 
 MEMORY = {
     "recovered_numbers": reals,  # by the names of solvers.estimators.recovery
@@ -277,63 +269,3 @@ def hooks(lattice: op.Lattice) -> EstimatorHooks:
 
     return EstimatorHooks(memory=MEMORY, allocate=allocate, interval=interval, after_step=its_step, report=its_report,
                           verdict=verdict)
-
-
-def interval(scene):
-    """Steps of the run to one of the estimator's: its reference moves by an explicit method in the material frame, with
-    elements whose sides along the fastest line a wave passes at the scene's ``crossing_rate``. Where that is sheared
-    much, steps are hardly longer than the run's, and then it costs more than the run."""
-    across, along = lines(scene)
-    side = 1 / max(across.per_element * scene.crossing_rate, along.per_element)
-    return recovery.steps_between(scene, WAVE_CFL * side)
-
-
-def lines(scene):
-    """The lattice's lines, around and across a ring or twice that of a square, with elements a cell wide, at the inner
-    rim of a ring.
-
-    With one particle per cell they are half as wide again: elements as narrow as the particles' spacing are unstable.
-    None is narrower than the reference's step bears, which is no shorter than the run's.
-    """
-    width = scene.spacing * (SPARSE_WIDTH if scene.ppc == 1 else 1.0)
-    counts = scene.polar_counts(scene.cells, scene.ppc)
-    if scene.layout == "box":
-        narrowest = scene.crossing_rate * scene.wave_speed * scene.time_step / MOST_CFL["walls"]
-        line = Line(counts[0], min(round(scene.SIDE / width), int(scene.SIDE / narrowest)), scene.SIDE, "walls")
-        return line, line
-    turn, across = scene.ANGLE, scene.OUTER - scene.INNER
-    ends = "periodic" if turn >= 2 * np.pi else "mirror"
-    narrowest = scene.wave_speed * scene.time_step / MOST_CFL[ends]
-    around, radial = (min(round(length / width), int(length / narrowest)) for length in (turn * scene.INNER, across))
-    return Line(counts[0], max(3, around), turn, ends), Line(counts[1], max(1, radial), across, "free")
-
-
-def allocate(scene):
-    """Operators across and along the lines, and the reference in the initial configuration."""
-    across, along = lines(scene)
-    box, width = scene.layout == "box", recovery.fit_width(scene)
-    R = 1.0 if box else scene.INNER + along.quadrature()[0] / along.per_point
-    over_lines = [across.fit(width, 3), across.spread(), across.gather(4, 2), across.smoothing()]
-    on_line = [along.fit(width, 3), along.spread(), along.gather(4, 2, R), along.smoothing(R)]
-    tables = [over_planes(rows, swapped=box) for rows in over_lines] \
-        + [over_planes(rows) if box else of_four(rows) for rows in on_line]
-    fields = op.PARTICLE_BLOCKS * across.points * along.points + 2 * across.points * along.nodes
-    nodes = np.zeros((op.NODE_BLOCKS, across.nodes * along.nodes, 4))
-    if box:
-        v = scene.EXACT.velocity(scene, particle_layout(scene).position, 0.0).reshape(across.points, along.points, 2)
-        for k in (0, 1):
-            on_nodes = np.apply_along_axis(lambda f, k=k: on_line[2](f)[:, k, 0], 1, v[:, :, k])
-            on_nodes = np.apply_along_axis(lambda f, k=k: over_lines[2](f)[:, 1 - k, 0], 0, on_nodes)
-            nodes[op.MOTION, :, 2 + k] = on_nodes.ravel()
-    else:
-        velocity = scene.EXACT.velocity(scene, on_axis(scene.INNER + along.particles() / along.per_point), 0.0).T
-        outward, sideways = gathered_directions(across, over_lines[2])
-        speed, turning = (on_line[2](v)[:, 0, 0, None] for v in velocity)
-        nodes[op.MOTION, :, 2:] = (outward[:, None] * speed + sideways[:, None] * turning).reshape(-1, 2)
-        nodes[op.DIRECTION, :across.nodes] = np.concatenate([outward, sideways], axis=1)
-    return {"recovered_numbers": recovery.numbers(scene, interval(scene)),
-            **recovery.table_values(dict(zip(op.TABLES, tables, strict=True))),
-            "recovered_count": across.nodes * along.nodes, "recovered_line": along.points,
-            "recovered_line_nodes": along.nodes,
-            "recovered_silent": 2 if scene.uneven else int(scene.coarse), "recovered_nodes": nodes.reshape(-1, 4),
-            "recovered_particles": np.zeros((fields, 4))}

@@ -9,14 +9,24 @@ from solvers.estimators import recovery
 from solvers.estimators.lattice_lines import Line, Rows
 from solvers.estimators.recovery import SHORT, SHORTEST, SIZE
 from solvers.problems.planar.estimators import recovered_operators as op
+from solvers.problems.planar.layout import on_axis, particle_layout
 from solvers.problems.planar.scene import PlanarScene
 
+SPARSE_WIDTH = 1.5  # cells to an element with one particle per cell
+WAVE_CFL = 0.7  # H c over the shortest side of an element, where the run's own step is shorter
+MOST_CFL = {"mirror": 0.72, "periodic": 0.8, "walls": 0.72}  # the same where it is not: beyond .74
+# and .84 the reference breaks down
 #: The part of the error found that are waves of a few cells: what smoothing takes from it less what it takes from that
 #: again, which leaves noise from node to node. So much may it be for each cell along a side, for fits are the narrower
 #: the more there are, and so much on any. Measured on 460 vortices of 14 to 80 cells: x, v and sigma within .9 to 1.1
 #: in 9 of 10 below, in 1 of 5 above, where they are .6 to .9.
 FEW_PER_CELL, LEAST_FEW = 0.0025, 0.08
 UNEVEN_FEW = 1.5  # times that where particles move with their own velocity, whose noise is as short
+
+
+def gathered(rows: Rows, component: int, values: np.ndarray) -> np.ndarray:
+    """M of a component of a field (points, lines) along the first axis: (nodes, lines)."""
+    return np.stack([rows(line)[:, component, 0] for line in values.T], axis=1)
 
 
 def gathered_directions(angle: Line, gather_table: Rows) -> tuple[np.ndarray, np.ndarray]:
@@ -38,6 +48,65 @@ def of_four(rows: Rows) -> Rows:
     """Weights of the one component that a radius has, filled up to four."""
     weights = rows.weights[:, :, 0]
     return Rows(rows.first, np.concatenate([weights, np.zeros((*weights.shape[:2], 4 - weights.shape[2]))], axis=2))
+
+
+def interval(scene):
+    """Steps of the run to one of the estimator's: its reference moves by an explicit method in the material frame, with
+    elements whose sides along the fastest line a wave passes at the scene's ``crossing_rate``. Where that is sheared
+    much, steps are hardly longer than the run's, and then it costs more than the run."""
+    across, along = lines(scene)
+    side = 1 / max(across.per_element * scene.crossing_rate, along.per_element)
+    return recovery.steps_between(scene, WAVE_CFL * side)
+
+
+def lines(scene):
+    """The lattice's lines, around and across a ring or twice that of a square, with elements a cell wide, at the inner
+    rim of a ring.
+
+    With one particle per cell they are half as wide again: elements as narrow as the particles' spacing are unstable.
+    None is narrower than the reference's step bears, which is no shorter than the run's.
+    """
+    width = scene.spacing * (SPARSE_WIDTH if scene.ppc == 1 else 1.0)
+    counts = scene.polar_counts(scene.cells, scene.ppc)
+    if scene.layout == "box":
+        narrowest = scene.crossing_rate * scene.wave_speed * scene.time_step / MOST_CFL["walls"]
+        line = Line(counts[0], min(round(scene.SIDE / width), int(scene.SIDE / narrowest)), scene.SIDE, "walls")
+        return line, line
+    turn, across = scene.ANGLE, scene.OUTER - scene.INNER
+    ends = "periodic" if turn >= 2 * np.pi else "mirror"
+    narrowest = scene.wave_speed * scene.time_step / MOST_CFL[ends]
+    around, radial = (min(round(length / width), int(length / narrowest)) for length in (turn * scene.INNER, across))
+    return Line(counts[0], max(3, around), turn, ends), Line(counts[1], max(1, radial), across, "free")
+
+
+def allocate(scene):
+    """Operators across and along the lines, and the reference in the initial configuration."""
+    across, along = lines(scene)
+    box, width = scene.layout == "box", recovery.fit_width(scene)
+    R = 1.0 if box else scene.INNER + along.quadrature()[0] / along.per_point
+    over_lines = [across.fit(width, 3), across.spread(), across.gather(4, 2), across.smoothing()]
+    on_line = [along.fit(width, 3), along.spread(), along.gather(4, 2, R), along.smoothing(R)]
+    tables = [over_planes(rows, swapped=box) for rows in over_lines] \
+        + [over_planes(rows) if box else of_four(rows) for rows in on_line]
+    fields = op.PARTICLE_BLOCKS * across.points * along.points + 2 * across.points * along.nodes
+    nodes = np.zeros((op.NODE_BLOCKS, across.nodes * along.nodes, 4))
+    if box:
+        v = scene.EXACT.velocity(scene, particle_layout(scene).position, 0.0).reshape(across.points, along.points, 2)
+        for k in (0, 1):
+            on_nodes = gathered(over_lines[2], 1 - k, gathered(on_line[2], k, v[:, :, k].T).T)
+            nodes[op.MOTION, :, 2 + k] = on_nodes.ravel()
+    else:
+        velocity = scene.EXACT.velocity(scene, on_axis(scene.INNER + along.particles() / along.per_point), 0.0).T
+        outward, sideways = gathered_directions(across, over_lines[2])
+        speed, turning = (on_line[2](v)[:, 0, 0, None] for v in velocity)
+        nodes[op.MOTION, :, 2:] = (outward[:, None] * speed + sideways[:, None] * turning).reshape(-1, 2)
+        nodes[op.DIRECTION, :across.nodes] = np.concatenate([outward, sideways], axis=1)
+    return {"recovered_numbers": recovery.numbers(scene, interval(scene)),
+            **recovery.table_values(dict(zip(op.TABLES, tables, strict=True))),
+            "recovered_count": across.nodes * along.nodes, "recovered_line": along.points,
+            "recovered_line_nodes": along.nodes,
+            "recovered_silent": 2 if scene.uneven else int(scene.coarse), "recovered_nodes": nodes.reshape(-1, 4),
+            "recovered_particles": np.zeros((fields, 4))}
 
 
 def verdict(scene: PlanarScene, memory: Mapping[str, np.ndarray]) -> str | None:

@@ -1,9 +1,9 @@
-"""Richardson's estimate on a polar lattice between symmetry planes: the same scene on half the cells (see
+"""Richardson's estimate in the plane, between symmetry planes: the same scene on half the cells (see
 ``solvers.estimators.two_grid``).
 
-Fields are compared in polar components on a common lattice of angles and radii, the second run's (but of four radii at
-least, for cubics). Lattices go on beyond the symmetry planes as mirror images, in which the angular components are odd;
-at the free surfaces fits are one-sided.
+Fields are compared on the second run's lattice: of a square in x and y, of a ring in polar components (and on four
+radii at least, for cubics). Lattices go on beyond the symmetry planes as mirror images, in which components across the
+plane are odd; at free surfaces fits are one-sided.
 
 CPDI on a ring at A = 0.1, one period, 12 to 96 cells: indices of x .97-1.00 (distance .23 to .07), v .99-1.13 (.86 to
 .13), sigma .98-1.14 (1.0 to .4), at 6-18 % of the running time. Nothing is said of a: its error is noise of a cell's
@@ -18,7 +18,7 @@ import numpy as np
 import taichi as ti
 
 from solvers.estimators import two_grid
-from solvers.kernels.kinds import octets, pairs, quads, real, reals
+from solvers.kernels.kinds import octets, pairs, quads
 from solvers.kernels.packing import part
 from solvers.problems.planar.method.body import PlanarBody, initial_body
 from solvers.problems.planar.method.neo_hookean import cauchy_stress, cauchy_stress_of
@@ -27,21 +27,16 @@ from solvers.problems.planar.parts import Traits
 from solvers.scene.estimator_hooks import EstimatorHooks
 from solvers.scene.switches import switches
 
-#: Stencils from the run's lattice down to the common one, from the second run's across to it, and up to the run's.
-TABLES = tuple(f"{way}_{along}" for way in ("down", "across", "up") for along in ("radius", "angle"))
 FEWEST_CELLS = 6
-PARITY = (1.0, -1.0, 1.0, -1.0, 1.0, -1.0, 1.0, 1.0)  # of the mirror image of u_R, u_t, v_R, v_t, s_RR, s_Rt, s_tt
+#: u, v and sigma, of which the second component is odd across the planes at the first and the last line, with the shear
+#: stress; of a box the first is, and again the shear stress, at the ends of each line.
+ACROSS = (0, 1, 0, 1, 0, 1, 0, 0)
+POLAR, BOX = two_grid.Fields((0,) * 8, ACROSS), two_grid.Fields((1, 0, 1, 0, 0, 1, 0, 0), ACROSS)
 
 MEMORY = {
     **{"coarse_" + name: kind for name, kind in PlanarBody.types().items()},
-    **{f"two_grid_{name}_{member}": kind for name in TABLES for member, kind in two_grid.MEMBERS.items()},
-    "two_grid_gain": real, "two_grid_interval": ti.i32,  # 1/(r^2 - 1); steps to one of the second run
-    "two_grid_angles": ti.i32, "two_grid_coarse_angles": ti.i32, "two_grid_common_radii": ti.i32,  # of the lattices
+    **POLAR.memory(octets),
     "two_grid_before": quads, "two_grid_before_a": pairs,  # F and a of the second run a step ago
-    "two_grid_fields": octets,  # u, v and sigma of either run, in polar components
-    "two_grid_band": octets,  # the same at the wanted radii, with images
-    "two_grid_common": octets,  # the extrapolated ones on the common lattice
-    "two_grid_largest": reals,  # the largest mean square of e_x that was reported
 }
 
 
@@ -57,24 +52,29 @@ def after_step(body: ti.template(), step, traits: ti.template(), on: ti.template
 
 
 @ti.func
-def report(body: ti.template(), base, step, on: ti.template()):
-    """Both runs' fields down to the common lattice, extrapolated, up to the run's particles again, and the run's less
-    these."""
+def report(body: ti.template(), base, step, fields: ti.template()):
+    """e = q_h - I q*, in Cartesian components."""
     own, coarse = ti.static([part(body, "two_grid_"), part(body, "coarse_")])
-    for t in range(own.coarse_angles * own.common_radii):
-        own.common[t] = ti.Vector([0.0] * 8)
+    two_grid.begin(own)
     run_fields(body, own)
-    smooth(own, part(body, "two_grid_down_radius_"), part(body, "two_grid_down_angle_"), own.angles,
-           body.particles // own.angles, 1 + own.gain)
+    two_grid.smooth_run(own, fields)
     coarse_fields(body, own, coarse, step)
-    smooth(own, part(body, "two_grid_across_radius_"), part(body, "two_grid_across_angle_"), own.coarse_angles,
-           body.coarse_particles // own.coarse_angles, -own.gain)
-    across = body.particles // own.angles
-    along_radius(own, part(body, "two_grid_up_radius_"), own.common, own.coarse_angles, own.common_radii, across,
-                 two_grid.CUBIC)
-    reflect(own, own.coarse_angles, across, two_grid.CUBIC)
+    two_grid.smooth_second(own, fields)
     run_fields(body, own)
-    subtract(body, own, part(body, "two_grid_up_angle_"), across, base)
+    two_grid.subtract(own, fields)
+    square = 0.0
+    for p in range(body.particles):
+        e = own.fields[p]
+        square += e[0] ** 2 + e[1] ** 2
+        c, s = body.direction[p][0], body.direction[p][1]
+        body.estimate[base + p] = ti.Vector([c * e[0] - s * e[1], s * e[0] + c * e[1],
+                                             c * e[2] - s * e[3], s * e[2] + c * e[3]])
+        turned = 2 * c * s * e[5]
+        body.estimate_stress[base + p] = ti.Vector([
+            c * c * e[4] + s * s * e[6] - turned, c * s * (e[4] - e[6]) + (c * c - s * s) * e[5],
+            s * s * e[4] + c * c * e[6] + turned, 0.0])
+        body.estimate_acceleration[base + p] = ti.Vector([ti.math.nan] * 2)
+    two_grid.remember_largest(own, square / body.particles)
 
 
 @ti.func
@@ -124,72 +124,6 @@ def coarse_fields(body: ti.template(), own: ti.template(), coarse: ti.template()
                                q[2] + ahead * now[0], q[3] + ahead * now[1], e, sigma)
 
 
-@ti.func
-def smooth(own: ti.template(), by_radius: ti.template(), by_angle: ti.template(), angles, across, part):
-    """Add a part of the smoothed fields, given on ``angles`` x ``across`` points, to the common lattice."""
-    along_radius(own, by_radius, own.fields, angles, across, own.common_radii, by_angle.taps)
-    reflect(own, angles, own.common_radii, by_angle.taps)
-    for i in range(own.coarse_angles):
-        for j in range(own.common_radii):
-            at = i * own.common_radii + j
-            own.common[at] = own.common[at] + part * angular_sum(own, by_angle, i, j, own.common_radii)
-
-
-@ti.func
-def along_radius(own: ti.template(), stencils: ti.template(), source: ti.template(), angles, across, width, images):
-    """Bring a lattice of ``angles`` x ``across`` points into the band, to ``width`` points at each angle."""
-    for i in range(angles):
-        for j in range(width):
-            first, start = i * across + stencils.first[j], stencils.row[j]
-            total = ti.Vector([0.0] * 8)
-            for k in range(stencils.taps):
-                total += stencils.weights[start + k][0] * source[first + k]
-            own.band[(images + i) * width + j] = total
-
-
-@ti.func
-def reflect(own: ti.template(), angles, width, images):
-    """Mirror images beyond both planes, outwards, so that there may be more of them than angles."""
-    sign = ti.Vector(PARITY)
-    for k in range(images):
-        for j in range(width):
-            inner, outer = (images + k) * width + j, (images - 1 - k) * width + j
-            own.band[outer] = sign * own.band[inner]
-            inner, outer = (images + angles - 1 - k) * width + j, (images + angles + k) * width + j
-            own.band[outer] = sign * own.band[inner]
-
-
-@ti.func
-def angular_sum(own: ti.template(), stencils: ti.template(), i, j, width):
-    """Stencil i along the angle, at point j of the band; there are as many images as taps."""
-    first, start = (stencils.first[i] + stencils.taps) * width + j, stencils.row[i]
-    total = ti.Vector([0.0] * 8)
-    for k in range(stencils.taps):
-        total += stencils.weights[start + k][0] * own.band[first + k * width]
-    return total
-
-
-@ti.func
-def subtract(body: ti.template(), own: ti.template(), stencils: ti.template(), across, base):
-    """e = q_h - I q*, in Cartesian components."""
-    square = 0.0
-    for i in range(own.angles):
-        for j in range(across):
-            p = i * across + j
-            e = own.fields[p] - angular_sum(own, stencils, i, j, across)
-            square += e[0] ** 2 + e[1] ** 2
-            c, s = body.direction[p][0], body.direction[p][1]
-            body.estimate[base + p] = ti.Vector([c * e[0] - s * e[1], s * e[0] + c * e[1],
-                                                 c * e[2] - s * e[3], s * e[2] + c * e[3]])
-            turned = 2 * c * s * e[5]
-            body.estimate_stress[base + p] = ti.Vector([
-                c * c * e[4] + s * s * e[6] - turned, c * s * (e[4] - e[6]) + (c * c - s * s) * e[5],
-                s * s * e[4] + c * c * e[6] + turned, 0.0])
-            body.estimate_acceleration[base + p] = ti.Vector([ti.math.nan] * 2)
-    if not square <= body.particles * own.largest[0]:  # what is no number replaces any
-        own.largest[0] = square / body.particles
-
-
 @functools.cache
 def second_kind(kind: type) -> type:
     """The class of a problem's scenes on a grid so coarse that none would run it for its own sake."""
@@ -204,38 +138,16 @@ def coarse_scene(scene):
         "sample_every": None, "estimators": (), "effects": (), "plan": "serial", "threads": 1})
 
 
-def all_stencils(scene, second):
-    """The six tables, and the numbers of points (around, across) of the run's, the second's and the common lattice."""
-    fine, coarse = (s.polar_counts(s.cells, s.ppc) for s in (scene, second))
-    common = coarse[0], max(coarse[1], two_grid.CUBIC)
-    windows, cubic = two_grid.windows(scene.ppc), (two_grid.CUBIC, two_grid.CUBIC)
-    tables = {}
-    for way, source, target, fit in (("down", fine, common, windows), ("across", coarse, common, windows),
-                                     ("up", common, fine, cubic)):
-        for along, k in (("radius", 1), ("angle", 0)):
-            tables[f"{way}_{along}"] = two_grid.stencils(two_grid.centres(target[k], source[k]), source[k], fit,
-                                                     closed=along == "radius")
-    return tables, fine, coarse, common
-
-
 def allocate(scene):
-    """The second run at its start, the tables of stencils, and room for fields on all lattices."""
-    second = coarse_scene(scene)
+    """The second run at its start, and what the comparison needs."""
+    second, box = coarse_scene(scene), scene.layout == "box"
     members = initial_body(second, two_grid.bare(switches(second)), slabs=1)
-    Q = members["particles"]
-    tables, fine, coarse, common = all_stencils(scene, second)
-    P, C = fine[0] * fine[1], common[0] * common[1]
-    band = max((fine[0] + 2 * tables["down_angle"]["taps"]) * common[1],
-               (coarse[0] + 2 * tables["across_angle"]["taps"]) * common[1],
-               (common[0] + 2 * two_grid.CUBIC) * fine[1])
-    return {
-        **{"coarse_" + name: value for name, value in members.items()},
-        **{f"two_grid_{name}_{member}": value for name, t in tables.items() for member, value in t.items()},
-        "two_grid_gain": two_grid.gain(scene), "two_grid_interval": two_grid.interval(scene),
-        "two_grid_angles": fine[0], "two_grid_coarse_angles": coarse[0], "two_grid_common_radii": common[1],
-        "two_grid_before": members["deformation_gradient"], "two_grid_before_a": np.zeros((Q, 2)),
-        "two_grid_fields": np.zeros((max(P, Q), 8)), "two_grid_band": np.zeros((band, 8)),
-        "two_grid_common": np.zeros((C, 8)), "two_grid_largest": np.zeros(1)}
+    fine, coarse = (one.polar_counts(one.cells, one.ppc)[::-1] for one in (scene, second))
+    common = max(coarse[0], two_grid.CUBIC), coarse[1]
+    return {**{"coarse_" + name: value for name, value in members.items()},
+            **two_grid.allocate(scene, BOX if box else POLAR, fine, coarse, common,
+                                ("mirror" if box else "free", "mirror")),
+            "two_grid_before": members["deformation_gradient"], "two_grid_before_a": np.zeros((second.particles, 2))}
 
 
 def verdict(scene, memory):
@@ -247,11 +159,15 @@ def verdict(scene, memory):
         return two_grid.coarse_run_verdict(scene, determinant, moved, farthest, memory["two_grid_largest"])
 
 
-def hooks(traits: Traits) -> EstimatorHooks:
-    """The estimator of a problem with these traits."""
+def hooks(traits: Traits, fields: two_grid.Fields) -> EstimatorHooks:
+    """The estimator of a problem with these traits, of which such fields are compared."""
     @ti.func
     def its_step(body: ti.template(), base, step, on: ti.template()):
         after_step(body, step, traits, on)
 
+    @ti.func
+    def its_report(body: ti.template(), base, step, on: ti.template()):
+        report(body, base, step, fields)
+
     return EstimatorHooks(memory=MEMORY, allocate=allocate, interval=two_grid.interval, after_step=its_step,
-                          report=report, verdict=verdict)
+                          report=its_report, verdict=verdict)
