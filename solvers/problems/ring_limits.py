@@ -84,22 +84,15 @@ def expected_life(scene: Any, first_error: float = FIRST_ERROR) -> float:
 
 def warnings(scene: Any) -> list[str]:
     """Sentences about what a scene will surprise with."""
-    sentences = [_resonance(scene)] if scene.amplitude >= RESONANCE and scene.solution_known else []
-    if "two-grid" in scene.active_estimators:
-        sentences.append("two-grid says nothing of a on the ring: its error is noise of a cell's length, which "
-                         "each of the two grids has in other places")
-    return sentences
-
-
-def _resonance(scene: Any) -> str:
-    """What becomes of a large motion, in one sentence."""
+    if scene.amplitude < RESONANCE or not scene.solution_known:
+        return []
     amplitude, rate, life = scene.amplitude, growth(scene), expected_life(scene)
     beyond = amplitude > KNOWN
     wrinkles = f"; above {WRINKLING} its surface wrinkles as well" * (amplitude > WRINKLING)
-    return (f"amplitude {amplitude:g}: from {RESONANCE} on the ring's own motion is unstable by parametric "
+    return [f"amplitude {amplitude:g}: from {RESONANCE} on the ring's own motion is unstable by parametric "
             f"resonance, which nothing cures; an error in the mode n = 2 grows {rate:.2f}-fold a period"
             f"{' or faster' * beyond}, from {FIRST_ERROR:.1%} of the amplitude after the first to a tenth after "
-            f"{'at most' if beyond else 'about'} {life:.2g}, from less of it later{wrinkles}")
+            f"{'at most' if beyond else 'about'} {life:.2g}, from less of it later{wrinkles}"]
 
 
 def other_advice(scene: Any) -> str:

@@ -184,6 +184,9 @@ class PlanarScene(Scene):
         elif "recovered" in self.active_estimators and self.coarse:
             sentences.append("recovered says nothing of a here: on so few cells its fits are as wide as the ring, and "
                              "lose a third of it or more")
+        if "two-grid" in self.active_estimators:
+            sentences.append("two-grid says nothing of a in the plane: its error is noise of a cell's length, which "
+                             "each of the two grids has in other places")
         return sentences
 
     def _check_combinations(self) -> None:
