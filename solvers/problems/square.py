@@ -91,4 +91,4 @@ class SquareScene(BoxScene):
 SQUARE = PlanarProblem(SquareScene, Showing(
     cells=(8, 64, 4), ppc=(1, 3), amplitude=(1e-4, 0.15), modulus=(1e5, 1e8),
     amplitude_hint="largest displacement along x and along y; from 0.159 m on the exact square turns inside out",
-    prices={"companion": 0.06, "recovered": 0.19, "transport": 0.06}))
+    prices={"companion": 0.06, "recovered": 0.19, "transport": 0.06, "two-grid": 0.14}))

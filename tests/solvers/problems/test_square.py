@@ -76,6 +76,14 @@ def test_estimators_are_right_on_any_square(number):
         assert max(result.distance["recovered"][q] for q in "xv") < 0.3
 
 
+@pytest.mark.parametrize("method, cells, amplitude", [("cpdi", 32, 3e-4), ("cpgimp", 33, 0.05), ("ugimp", 40, 2e-4)])
+def test_two_grid_finds_the_size_of_the_error(method, cells, amplitude):
+    result = run(SquareScene(method=method, cells=cells, amplitude=amplitude, cfl=0.2, periods=0.5,
+                             estimators=("two-grid",), effects=("truth", "estimate")), prices=False)
+    assert [result.index["two-grid"][q] for q in ("x", "v", "sigma")] == pytest.approx([1, 1, 1], abs=0.1)
+    assert result.distance["two-grid"]["x"] < 0.4 and result.not_valid == {}
+
+
 def test_transport_is_silent_where_domains_tile():
     """Its defect is that of weights that do not reproduce a linear field: CPDI's parallelograms leave none."""
     scene = SquareScene(cells=16, cfl=0.2, periods=0.5, estimators=("transport",), effects=("truth", "estimate"))
