@@ -4,7 +4,7 @@ import functools
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Mapping
 from dataclasses import replace
-from typing import ClassVar
+from typing import Any, ClassVar
 
 import numpy as np
 
@@ -12,6 +12,7 @@ from solvers.estimators.memory import memory_parts
 from solvers.scene.estimator_hooks import NEVER, EstimatorHooks
 from solvers.scene.scene import Scene
 from solvers.scene.step_bound import SAFE
+from solvers.scene.switches import Switches
 from solvers.solver.arrays import Watch
 from solvers.solver.checked import AsLarge, sentence
 from solvers.solver.samples import MARGIN, ROWS
@@ -33,7 +34,11 @@ class Solver(ABC):
 
     plan: str = "serial"
     HOOKS: ClassVar[Mapping[str, EstimatorHooks]]  # of every estimator that the problem has
+    PHASES: ClassVar[Any]  # of ``solvers.solver.loop``
+    STATE: ClassVar[type[Watch]]
     _arrays: Watch
+    _pack: Any  # the arrays, as the kernels' argument
+    _switches: Switches
     _find_margin: Callable[[], None]
 
     def __init__(self, scene: Scene):

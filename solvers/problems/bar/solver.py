@@ -9,7 +9,7 @@ from solvers.kernels.launch import Launch
 from solvers.problems.bar import exact
 from solvers.problems.bar.scene import BarScene
 from solvers.problems.bar.state import HOOKS, BarState, WatchedBar, allocate_state, farthest
-from solvers.problems.bar.step import advance, find_margin, freeze
+from solvers.problems.bar.step import KERNELS, PHASES
 from solvers.problems.bar.step_breakdown import breakdown, carried
 from solvers.scene.remedies import CENTRED, COUPLED, FILTER, FROZEN, PIECES
 from solvers.scene.switches import switches
@@ -23,7 +23,7 @@ HATS_LIMIT = 0.14  # amplitude from which on no rate of a remedy holds hat funct
 class BarSolver(Solver):
     """Owns the arrays of one bar. The whole step loop runs in one serial kernel, whatever threads the scene allows."""
 
-    HOOKS = HOOKS
+    HOOKS, PHASES, STATE = HOOKS, PHASES, WatchedBar
     scene: BarScene
     _arrays: WatchedBar
 
@@ -35,9 +35,9 @@ class BarSolver(Solver):
         self._arrays = allocate_state(scene)
         self._pack = BarState(**self._arrays.members())
         self._advance, self._find_margin = (
-            Launch(kernel, self._pack, self._switches) for kernel in (advance, find_margin))
+            Launch(kernel, self._pack, self._switches) for kernel in (KERNELS.advance, KERNELS.find_margin))
         if self._switches.frozen:
-            freeze(self._pack, self._switches)
+            KERNELS.freeze(self._pack, self._switches)
         self.setup_seconds = time.perf_counter() - begun
 
     def snapshot(self, differences: bool = False, plotted: str | None = None) -> Snapshot:

@@ -215,4 +215,6 @@ def solver_of(kind: type[PlanarScene]) -> type[PlanarSolver]:
             "transport": lambda: transport.hooks(traits), "two-grid": lambda: two_grid.hooks(traits)}
     hooks = registry.hooks_of(kind.problem, {name: made[name]() for name in kind.ESTIMATORS})
     parts = PlanarParts(hooks, traits, measures_of(kind, traits.first))
-    return type("PlanarSolver", (PlanarSolver,), {"HOOKS": hooks, "PARTS": parts, "KERNELS": kernels(parts)})
+    its = kernels(parts)
+    return type("PlanarSolver", (PlanarSolver,), {
+        "HOOKS": hooks, "PARTS": parts, "KERNELS": its, "PHASES": its.phases, "STATE": WatchedBody})
