@@ -29,7 +29,7 @@ class Solver(ABC):
     """Owns the arrays of one run. All calls must come from the thread that started Taichi.
 
     A problem's solver sets ``_arrays`` (a state with a member ``material_position``), ``arch`` and ``threads``, and
-    supplies the kernels and the estimators. ``_find_margin`` launches the kernel that finds the margin of the step.
+    supplies the kernels and the estimators.
     """
 
     plan: str = "serial"
@@ -37,9 +37,8 @@ class Solver(ABC):
     PHASES: ClassVar[Any]  # of ``solvers.solver.loop``
     STATE: ClassVar[type[Watch]]
     _arrays: Watch
-    _pack: Any  # the arrays, as the kernels' argument
+    _stepping: Any  # what launches the kernels on them: such as ``solvers.solver.loop.OneThread``
     _switches: Switches
-    _find_margin: Callable[[], None]
 
     def __init__(self, scene: Scene):
         self.scene = scene
@@ -70,8 +69,9 @@ class Solver(ABC):
     def compile(self) -> None:
         """Compile (or load from the cache) the kernels of this scene, without stepping."""
         self._run(0)
+        self._stepping.compile()
         if self.scene.has("margin"):
-            self._find_margin()
+            self._stepping.find_margin()
 
     def advance(self, steps: int) -> np.ndarray:
         """Take steps.
@@ -106,19 +106,21 @@ class Solver(ABC):
 
     def break_down(self, particle: int) -> tuple[np.ndarray, StepBreakdown]:
         """Take one ordinary step around a particle (its number); return its rows of samples and what it did there."""
+        self._stepping.fetch()
         before = self._carried()
         rows = self.advance(1)
+        self._stepping.fetch()
         return rows, self._breakdown(particle, before)
 
     def measure(self) -> np.ndarray:
         """Check the state and sample it now: one row (1, columns)."""
-        self._measure()
+        self._stepping.look(self.step, MEASURE)
         return self._with_margin(self._arrays.samples[:1].copy())
 
     def _with_margin(self, rows: np.ndarray) -> np.ndarray:
         """The rows of samples, the last with the margin of the step, if that is asked for."""
         if len(rows) and self.scene.has("margin"):
-            self._find_margin()
+            self._stepping.find_margin()
             rows[-1, MARGIN] = self._arrays.step_margin[0]
         return rows
 
@@ -143,6 +145,7 @@ class Solver(ABC):
 
     def state(self) -> tuple[int, dict[str, np.ndarray]]:
         """The step and copies of all arrays: what another solver of the same scene needs to go on from here."""
+        self._stepping.fetch()
         return self.step, {name: a.copy() for name, a in self._arrays.members().items() if isinstance(a, np.ndarray)}
 
     def put(self, step: int, arrays: Mapping[str, np.ndarray]) -> None:
@@ -150,16 +153,19 @@ class Solver(ABC):
         members = self._arrays.members()
         for name, values in arrays.items():
             members[name][...] = values
+        self._stepping.upload()
         self.step = step
 
     def without_estimators(self) -> "Solver":
         """Another solver, of the same scene without estimators, in the present state."""
+        self._stepping.fetch()
         other = type(self)(replace(self.scene, estimators=(), sample_every=self.scene.sample_interval))
         own, theirs = self._arrays.members(), other._arrays.members()
         watching = {"estimate", "estimate_intervals", "samples", *self._arrays.memory}
         for name in own.keys() - watching:
             if isinstance(own[name], np.ndarray) and own[name].shape == theirs[name].shape:
                 theirs[name][...] = own[name]
+        other._stepping.upload()
         other.step = self.step
         return other
 
@@ -235,13 +241,9 @@ class Solver(ABC):
     def _breakdown(self, particle: int, before: Carried) -> StepBreakdown:
         """The last step taken apart around a particle; ``before`` is what was carried when it began."""
 
-    @abstractmethod
     def _run(self, steps: int) -> None:
         """Launch the kernels for ``steps`` steps from ``self.step``."""
-
-    @abstractmethod
-    def _measure(self) -> None:
-        """Launch the kernel that checks the state and samples it into row 0."""
+        self._stepping.run(self.step, steps)
 
     @abstractmethod
     def _escape(self) -> str:

@@ -37,7 +37,7 @@ def baseline(Own: type[Solver]) -> type[Solver]:
     class Baseline(Own):
         def __init__(self, scene: Scene):
             super().__init__(scene)
-            self._baseline: Any = State(**{name: self._pack[name] for name in types})
+            self._baseline: Any = State(**{name: self._stepping.pack[name] for name in types})
 
         def _run(self, steps: int) -> None:
             advance(self.step, steps, self._baseline, bare(self._switches))

@@ -7,6 +7,8 @@ import taichi as ti
 
 from solvers.estimators import running
 from solvers.kernels.hoist import hoist_scalars
+from solvers.kernels.launch import Launch
+from solvers.scene.switches import Switches
 from solvers.solver.base import CRUSHED, ESCAPED, INVERTED, MEASURE, REPORT, SOUND, STEP
 
 CHECK_EVERY = 8  # steps between two looks for a run that has gone bad
@@ -57,6 +59,33 @@ def serial_kernels(State: Any, phases: Phases) -> SerialKernels:
             phases.find_margin(state, on)
 
     return SerialKernels(advance, freeze, find_margin)
+
+
+class OneThread:
+    """Steps the arrays of a ``pack`` as they are, on one thread."""
+
+    def __init__(self, kernels: SerialKernels, pack: Any, on: Switches):
+        self.pack = pack
+        self._advance, self.find_margin = (Launch(one, pack, on) for one in (kernels.advance, kernels.find_margin))
+        if on.frozen:
+            kernels.freeze(pack, on)
+
+    def compile(self) -> None:
+        """Compile what steps and samples, without stepping, beside what :meth:`run` needs."""
+
+    def run(self, before: int, steps: int) -> None:
+        """Take steps after ``before`` of them, or until a check finds the run gone bad."""
+        self._advance(before, steps, STEP)
+
+    def look(self, step: int, purpose: int) -> None:
+        """Sample the state, after ``step`` steps, into line 0, or only bring the estimates up to date."""
+        self._advance(step, 1, purpose)
+
+    def fetch(self) -> None:
+        """The arrays are what they are."""
+
+    def upload(self) -> None:
+        """The arrays are what they are."""
 
 
 @ti.func

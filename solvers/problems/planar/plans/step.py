@@ -19,7 +19,7 @@ from solvers.problems.planar.plans.at_once import KernelsAtOnce, kernels_at_once
 from solvers.scene.scene import Scene
 from solvers.scene.switches import Switches
 from solvers.solver.base import MEASURE, REPORT, SOUND, STEP
-from solvers.solver.loop import CHECK_EVERY, Phases, SerialKernels, check, serial_kernels
+from solvers.solver.loop import CHECK_EVERY, OneThread, Phases, SerialKernels, check, serial_kernels
 
 TASK = 512  # indices that a parallel loop never splits between threads
 
@@ -114,29 +114,22 @@ def kernels(parts: PlanarParts) -> Kernels:
                    kernels_at_once(State, parts))
 
 
-class OnProcessor:
+class OnProcessor(OneThread):
     """Steps the arrays as they are, on so many ``threads``; on one with the serial kernel unless ``parallel``."""
 
     def __init__(self, kernels: Kernels, scene: Scene, arrays: WatchedBody, on: Switches, parallel: bool, threads: int):
-        self.pack = pack = kernels.state(**arrays.members())
+        super().__init__(kernels.serial, kernels.state(**arrays.members()), on)
         self._scene, self._arrays, self._parallel, self._threads = scene, arrays, parallel, threads
-        self._advance, self._step, self._inspect, self.find_margin = (
-            Launch(kernel, pack, on)
-            for kernel in (kernels.serial.advance, kernels.step_in_slabs, kernels.inspect, kernels.serial.find_margin))
-        if on.frozen:
-            kernels.serial.freeze(pack, on)
+        self._step, self._inspect = (Launch(one, self.pack, on) for one in (kernels.step_in_slabs, kernels.inspect))
 
     def compile(self) -> None:
-        """Compile what steps and samples, without stepping."""
-        self.run(0, 0)
         if self._parallel:
             self._step(0, 0)
             self._inspect(0, -1, REPORT)
 
     def run(self, before: int, steps: int) -> None:
-        """Take steps after ``before`` of them, or until a check finds the run gone bad."""
         if not self._parallel:
-            self._advance(before, steps, STEP)
+            super().run(before, steps)
             return
         interval, row = self._scene.sample_interval, 0
         for step in range(before, before + steps):
@@ -149,14 +142,7 @@ class OnProcessor:
                 break
 
     def look(self, step: int, purpose: int) -> None:
-        """Sample the state, after ``step`` steps, into line 0, or only bring the estimates up to date."""
         if self._parallel:
             self._inspect(step, 0, purpose)
         else:
-            self._advance(step, 1, purpose)
-
-    def fetch(self) -> None:
-        """The arrays are what they are."""
-
-    def upload(self) -> None:
-        """The arrays are what they are."""
+            super().look(step, purpose)
