@@ -2,11 +2,11 @@
 
 import numpy as np
 
-from solvers.problems.planar.budget.weights import Grid, nodes_of, weights_of
 from solvers.problems.planar.layout import half_edges
 from solvers.problems.planar.method.body import WatchedBody
 from solvers.problems.planar.scene import PlanarScene
 from solvers.problems.planar.snapshot import body_force, cauchy_stress_of
+from solvers.problems.planar.weights import Grid, nodes_of, weights_of
 from solvers.solver.step_breakdown import Carried, Image, StepBreakdown, flipped, link
 
 

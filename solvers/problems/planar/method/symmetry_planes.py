@@ -1,24 +1,15 @@
 """Symmetry planes at the lower, or at both, ends of x and y: nodes beyond them are mirror images."""
 
-from typing import Any, NamedTuple
+from typing import Any
 
 import taichi as ti
 
 from solvers.problems.planar.scene import GHOSTS
 
 
-class SymmetryPlanes(NamedTuple):
-    """Those parts of ``solvers.problems.planar.parts.Traits`` that the planes decide."""
-
-    first: int
-    fold: Any
-    pin: Any
-    mirror: Any
-    image: Any
-
-
-def symmetry_planes(low: bool, high: bool) -> SymmetryPlanes:
-    """With planes at the lower ends, and at the upper ends too where there are lower ones; or with no plane at all."""
+def symmetry_planes(low: bool, high: bool) -> dict[str, Any]:
+    """Those parts of ``solvers.problems.planar.parts.Traits`` that planes decide: at the lower ends, and at the
+    upper ends too where there are lower ones; or none."""
     G = GHOSTS if low else 0
     ghosts = tuple((side, k) for k in range(G) for side in ((0, 1) if high else (0,)))  # the lower end, and the upper
 
@@ -80,4 +71,4 @@ def symmetry_planes(low: bool, high: bool) -> SymmetryPlanes:
             own = j * body.row + i
         return own
 
-    return SymmetryPlanes(G, fold, pin, mirror, image)
+    return {"first": G, "fold": fold, "pin": pin, "mirror": mirror, "image": image}
