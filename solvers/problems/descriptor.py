@@ -39,9 +39,11 @@ class Problem(ABC):
         """What steps a scene."""
 
     @property
-    @abstractmethod
     def baseline(self) -> type[Solver]:
         """A solver whose step has nothing optional in it, to compare rates with."""
+        from solvers.solver.baseline import baseline
+
+        return baseline(self.solver)
 
     @property
     @abstractmethod

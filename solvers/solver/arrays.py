@@ -10,7 +10,6 @@ from dataclasses import dataclass, fields
 from typing import Any, get_type_hints
 
 import numpy as np
-import taichi as ti
 
 from solvers.estimators.memory import allocate_memory
 from solvers.kernels.kinds import Integer, Integers, Matrix, Quads, Real, Reals
@@ -42,17 +41,6 @@ class Members:
     def members(self) -> dict[str, Any]:
         """Every number and array, by name."""
         return {name: getattr(self, name) for name in self.types()}
-
-
-def part_types(kind: type[Members], names: tuple[str, ...]) -> type:
-    """The kernel argument that holds some of the members of a kind of state."""
-    types = kind.types()
-    return ti.types.argpack(**{name: types[name] for name in names})
-
-
-def part_of(pack: Any, kind: Any) -> Any:
-    """Those members of a state that a smaller kind of argument has, in its order."""
-    return kind(**{name: pack[name] for name in kind.members})
 
 
 @dataclass

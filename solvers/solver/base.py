@@ -4,7 +4,7 @@ import functools
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Mapping
 from dataclasses import replace
-from typing import ClassVar
+from typing import Any, ClassVar
 
 import numpy as np
 
@@ -12,6 +12,7 @@ from solvers.estimators.memory import memory_parts
 from solvers.scene.estimator_hooks import NEVER, EstimatorHooks
 from solvers.scene.scene import Scene
 from solvers.scene.step_bound import SAFE
+from solvers.scene.switches import Switches
 from solvers.solver.arrays import Watch
 from solvers.solver.checked import AsLarge, sentence
 from solvers.solver.samples import MARGIN, ROWS
@@ -28,13 +29,16 @@ class Solver(ABC):
     """Owns the arrays of one run. All calls must come from the thread that started Taichi.
 
     A problem's solver sets ``_arrays`` (a state with a member ``material_position``), ``arch`` and ``threads``, and
-    supplies the kernels and the estimators. ``_find_margin`` launches the kernel that finds the margin of the step.
+    supplies the kernels and the estimators.
     """
 
     plan: str = "serial"
     HOOKS: ClassVar[Mapping[str, EstimatorHooks]]  # of every estimator that the problem has
+    PHASES: ClassVar[Any]  # of ``solvers.solver.loop``
+    STATE: ClassVar[type[Watch]]
     _arrays: Watch
-    _find_margin: Callable[[], None]
+    _stepping: Any  # what launches the kernels on them: such as ``solvers.solver.loop.OneThread``
+    _switches: Switches
 
     def __init__(self, scene: Scene):
         self.scene = scene
@@ -65,8 +69,9 @@ class Solver(ABC):
     def compile(self) -> None:
         """Compile (or load from the cache) the kernels of this scene, without stepping."""
         self._run(0)
+        self._stepping.compile()
         if self.scene.has("margin"):
-            self._find_margin()
+            self._stepping.find_margin()
 
     def advance(self, steps: int) -> np.ndarray:
         """Take steps.
@@ -101,19 +106,21 @@ class Solver(ABC):
 
     def break_down(self, particle: int) -> tuple[np.ndarray, StepBreakdown]:
         """Take one ordinary step around a particle (its number); return its rows of samples and what it did there."""
+        self._stepping.fetch()
         before = self._carried()
         rows = self.advance(1)
+        self._stepping.fetch()
         return rows, self._breakdown(particle, before)
 
     def measure(self) -> np.ndarray:
         """Check the state and sample it now: one row (1, columns)."""
-        self._measure()
+        self._stepping.look(self.step, MEASURE)
         return self._with_margin(self._arrays.samples[:1].copy())
 
     def _with_margin(self, rows: np.ndarray) -> np.ndarray:
         """The rows of samples, the last with the margin of the step, if that is asked for."""
         if len(rows) and self.scene.has("margin"):
-            self._find_margin()
+            self._stepping.find_margin()
             rows[-1, MARGIN] = self._arrays.step_margin[0]
         return rows
 
@@ -138,6 +145,7 @@ class Solver(ABC):
 
     def state(self) -> tuple[int, dict[str, np.ndarray]]:
         """The step and copies of all arrays: what another solver of the same scene needs to go on from here."""
+        self._stepping.fetch()
         return self.step, {name: a.copy() for name, a in self._arrays.members().items() if isinstance(a, np.ndarray)}
 
     def put(self, step: int, arrays: Mapping[str, np.ndarray]) -> None:
@@ -145,16 +153,19 @@ class Solver(ABC):
         members = self._arrays.members()
         for name, values in arrays.items():
             members[name][...] = values
+        self._stepping.upload()
         self.step = step
 
     def without_estimators(self) -> "Solver":
         """Another solver, of the same scene without estimators, in the present state."""
+        self._stepping.fetch()
         other = type(self)(replace(self.scene, estimators=(), sample_every=self.scene.sample_interval))
         own, theirs = self._arrays.members(), other._arrays.members()
         watching = {"estimate", "estimate_intervals", "samples", *self._arrays.memory}
         for name in own.keys() - watching:
             if isinstance(own[name], np.ndarray) and own[name].shape == theirs[name].shape:
                 theirs[name][...] = own[name]
+        other._stepping.upload()
         other.step = self.step
         return other
 
@@ -230,13 +241,9 @@ class Solver(ABC):
     def _breakdown(self, particle: int, before: Carried) -> StepBreakdown:
         """The last step taken apart around a particle; ``before`` is what was carried when it began."""
 
-    @abstractmethod
     def _run(self, steps: int) -> None:
         """Launch the kernels for ``steps`` steps from ``self.step``."""
-
-    @abstractmethod
-    def _measure(self) -> None:
-        """Launch the kernel that checks the state and samples it into row 0."""
+        self._stepping.run(self.step, steps)
 
     @abstractmethod
     def _escape(self) -> str:

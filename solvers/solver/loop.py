@@ -1,11 +1,14 @@
 """One turn of a kernel that holds a whole run on one thread: a step and what is due after it, for every problem."""
 
 from collections.abc import Callable
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import taichi as ti
 
 from solvers.estimators import running
+from solvers.kernels.hoist import hoist_scalars
+from solvers.kernels.launch import Launch
+from solvers.scene.switches import Switches
 from solvers.solver.base import CRUSHED, ESCAPED, INVERTED, MEASURE, REPORT, SOUND, STEP
 
 CHECK_EVERY = 8  # steps between two looks for a run that has gone bad
@@ -14,12 +17,75 @@ NO_NUMBER = -1e300  # stands for a det F that is not a number: flatter than any
 
 
 class Phases(NamedTuple):
-    """What a problem does in a turn."""
+    """What a problem does in a turn, and beside it."""
 
     one_step: Callable  # (state, step, on)
     check: Callable  # (state, step): stop a run that has gone bad
     sample: Callable  # (state, row, step, whether to look for contradictions, on)
     hooks: dict  # of its estimators
+    find_weights: Callable  # (state, on): of all particles, where they are kept
+    find_margin: Callable  # (state, on): of the step
+
+
+class SerialKernels(NamedTuple):
+    """The kernels of a run on one thread; ``on`` are the switches of a scene."""
+
+    advance: Any  # (start, turns, purpose, state, on)
+    freeze: Any  # (state, on)
+    find_margin: Any  # (state, on)
+
+
+def serial_kernels(State: Any, phases: Phases) -> SerialKernels:
+    """Those of a problem whose kernels take a ``State``."""
+    @ti.kernel
+    def advance(start: ti.i32, turns: ti.i32, purpose: ti.i32, state: State, on: ti.template()):
+        """From step ``start`` on, ``turns`` turns for ``purpose``: see :func:`run_loop`."""
+        ti.loop_config(serialize=True)
+        for turn in range(turns):
+            run_loop(hoist_scalars(state), turn, start, purpose, phases, on)
+
+    @ti.kernel
+    def freeze(state: State, on: ti.template()):
+        """Find the weights of a body that keeps them."""
+        ti.loop_config(serialize=True)
+        for _ in range(1):
+            phases.find_weights(state, on)
+
+    @ti.kernel
+    def find_margin(state: State, on: ti.template()):
+        """Find the margin of the step, for whoever asks: a kernel of its own, for its code is long, its calls rare."""
+        ti.loop_config(serialize=True)
+        for _ in range(1):
+            phases.find_margin(state, on)
+
+    return SerialKernels(advance, freeze, find_margin)
+
+
+class OneThread:
+    """Steps the arrays of a ``pack`` as they are, on one thread."""
+
+    def __init__(self, kernels: SerialKernels, pack: Any, on: Switches):
+        self.pack = pack
+        self._advance, self.find_margin = (Launch(one, pack, on) for one in (kernels.advance, kernels.find_margin))
+        if on.frozen:
+            kernels.freeze(pack, on)
+
+    def compile(self) -> None:
+        """Compile what steps and samples, without stepping, beside what :meth:`run` needs."""
+
+    def run(self, before: int, steps: int) -> None:
+        """Take steps after ``before`` of them, or until a check finds the run gone bad."""
+        self._advance(before, steps, STEP)
+
+    def look(self, step: int, purpose: int) -> None:
+        """Sample the state, after ``step`` steps, into line 0, or only bring the estimates up to date."""
+        self._advance(step, 1, purpose)
+
+    def fetch(self) -> None:
+        """The arrays are what they are."""
+
+    def upload(self) -> None:
+        """The arrays are what they are."""
 
 
 @ti.func

@@ -19,45 +19,14 @@ def shape(R: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     return ((C3 * R + C2) * R + C1) * R, (3 * C3 * R + 2 * C2) * R + C1, 6 * C3 * R + 2 * C2
 
 
-def _radially(X: np.ndarray, factor: float) -> np.ndarray:
-    """Vectors (P, 2) of the size ``factor`` w(R) along e_R."""
-    R = np.linalg.norm(X, axis=1)
-    return X * (factor * shape(R)[0] / R)[:, None]
-
-
 def displacement(scene: Scene, X: np.ndarray, t: float) -> np.ndarray:
-    return _radially(X, scene.amplitude * np.sin(scene.angular_frequency * t))
-
-
-def velocity(scene: Scene, X: np.ndarray, t: float) -> np.ndarray:
-    w = scene.angular_frequency
-    return _radially(X, scene.amplitude * w * np.cos(w * t))
-
-
-def acceleration(scene: Scene, X: np.ndarray, t: float) -> np.ndarray:
-    return -scene.angular_frequency**2 * displacement(scene, X, t)
+    R = np.linalg.norm(X, axis=1)
+    return X * (scene.amplitude * np.sin(scene.angular_frequency * t) * shape(R)[0] / R)[:, None]
 
 
 def _stretches(scene: Scene, R: np.ndarray, t: float) -> tuple[np.ndarray, np.ndarray]:
     (w, slope, _), T = shape(R), scene.amplitude * np.sin(scene.angular_frequency * t)
     return 1 + T * slope, 1 + T * w / R
-
-
-def _tensor(X: np.ndarray, along: np.ndarray, across: np.ndarray) -> np.ndarray:
-    """Tensors (P, 2, 2) that are ``along`` e_R and ``across`` it."""
-    outward = np.einsum("pi,pj->pij", X, X) / np.sum(X * X, axis=1)[:, None, None]
-    return across[:, None, None] * np.eye(2) + (along - across)[:, None, None] * outward
-
-
-def deformation_gradient(scene: Scene, X: np.ndarray, t: float) -> np.ndarray:
-    return _tensor(X, *_stretches(scene, np.linalg.norm(X, axis=1), t))
-
-
-def stress(scene: Scene, X: np.ndarray, t: float) -> np.ndarray:
-    """Cauchy stress sigma_xx, sigma_xy, sigma_yy (P, 3): mu/J (F F^T - I), the paper's eq 37 corrected."""
-    radial, hoop = _stretches(scene, np.linalg.norm(X, axis=1), t)
-    scale = 0.5 * scene.modulus / (radial * hoop)
-    return _tensor(X, scale * (radial**2 - 1), scale * (hoop**2 - 1)).reshape(-1, 4)[:, [0, 1, 3]]
 
 
 def body_force(scene: Scene, X: np.ndarray, t: float) -> np.ndarray:

@@ -54,32 +54,6 @@ def displacement(scene: Scene, X: np.ndarray, t: float) -> np.ndarray:
     return R * e - X
 
 
-def velocity(scene: Scene, X: np.ndarray, t: float) -> np.ndarray:
-    R, now, _, around = _frame(scene, X, t)
-    return R * now.rate * around
-
-
-def acceleration(scene: Scene, X: np.ndarray, t: float) -> np.ndarray:
-    R, now, e, around = _frame(scene, X, t)
-    return -R * now.rate**2 * e + R * now.acceleration * around
-
-
-def deformation_gradient(scene: Scene, X: np.ndarray, t: float) -> np.ndarray:
-    """F = Q (I + R alpha_R e_Theta e_R^T) (P, 2, 2)."""
-    R, now, e, around = _frame(scene, X, t)
-    image = e + R * now.slope * around  # F e_R
-    return image[:, :, None] * (X / R)[:, None, :] + around[:, :, None] * _left(X / R)[:, None, :]
-
-
-def stress(scene: Scene, X: np.ndarray, t: float) -> np.ndarray:
-    """Cauchy stress sigma_xx, sigma_xy, sigma_yy (P, 3)."""
-    R, now, e, around = _frame(scene, X, t)
-    mu, shear = 0.5 * scene.modulus / (1 + scene.poisson_ratio), (R * now.slope)[:, :, None]
-    both = e[:, :, None] * around[:, None, :]
-    sigma = mu * shear * (both + both.swapaxes(1, 2)) + mu * shear**2 * around[:, :, None] * around[:, None, :]
-    return sigma.reshape(-1, 4)[:, [0, 1, 3]]
-
-
 def body_force(scene: Scene, X: np.ndarray, t: float) -> np.ndarray:
     """Per mass: rho b = rho a - div sigma, div sigma = -sigma_tt/R e_r + (sigma_rt' + 2 sigma_rt/R) e_theta; and with a
     second tone w^2 A/2 R h(R) sin(1.7 wt) along e_theta."""

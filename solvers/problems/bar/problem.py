@@ -23,12 +23,6 @@ class BarProblem(Problem):
         return BarSolver
 
     @property
-    def baseline(self) -> type[Solver]:
-        from solvers.problems.bar.baseline import BarBaseline
-
-        return BarBaseline
-
-    @property
     def reference(self) -> ProblemReference:
         from solvers.problems.bar.reference import REFERENCE
 

@@ -5,15 +5,15 @@ import time
 import numpy as np
 
 from solvers.kernels import runtime
-from solvers.kernels.launch import Launch
 from solvers.problems.bar import exact
 from solvers.problems.bar.scene import BarScene
 from solvers.problems.bar.state import HOOKS, BarState, WatchedBar, allocate_state, farthest
-from solvers.problems.bar.step import advance, find_margin, freeze
+from solvers.problems.bar.step import KERNELS, PHASES
 from solvers.problems.bar.step_breakdown import breakdown, carried
 from solvers.scene.remedies import CENTRED, COUPLED, FILTER, FROZEN, PIECES
 from solvers.scene.switches import switches
-from solvers.solver.base import MEASURE, REPORT, STEP, Solver
+from solvers.solver.base import REPORT, Solver
+from solvers.solver.loop import OneThread
 from solvers.solver.snapshot import TRUTH, Fields, Snapshot, Values
 from solvers.solver.step_breakdown import Carried, StepBreakdown
 
@@ -23,7 +23,7 @@ HATS_LIMIT = 0.14  # amplitude from which on no rate of a remedy holds hat funct
 class BarSolver(Solver):
     """Owns the arrays of one bar. The whole step loop runs in one serial kernel, whatever threads the scene allows."""
 
-    HOOKS = HOOKS
+    HOOKS, PHASES, STATE = HOOKS, PHASES, WatchedBar
     scene: BarScene
     _arrays: WatchedBar
 
@@ -33,15 +33,11 @@ class BarSolver(Solver):
         begun = time.perf_counter()
         self._switches = switches(scene)
         self._arrays = allocate_state(scene)
-        self._pack = BarState(**self._arrays.members())
-        self._advance, self._find_margin = (
-            Launch(kernel, self._pack, self._switches) for kernel in (advance, find_margin))
-        if self._switches.frozen:
-            freeze(self._pack, self._switches)
+        self._stepping = OneThread(KERNELS, BarState(**self._arrays.members()), self._switches)
         self.setup_seconds = time.perf_counter() - begun
 
     def snapshot(self, differences: bool = False, plotted: str | None = None) -> Snapshot:
-        self._advance(self.step, 1, REPORT)
+        self._stepping.look(self.step, REPORT)
         a, scene, t = self._arrays, self.scene, self.time
         X, F = a.material_position, a.deformation_gradient / a.unstretched
         errors = None
@@ -87,12 +83,6 @@ class BarSolver(Solver):
 
     def _breakdown(self, particle: int, before: Carried) -> StepBreakdown:
         return breakdown(self.scene, self._arrays, particle, self.step, before)
-
-    def _run(self, steps: int) -> None:
-        self._advance(self.step, steps, STEP)
-
-    def _measure(self) -> None:
-        self._advance(self.step, 1, MEASURE)
 
     def _escape(self) -> str:
         return f"moved {farthest(self.scene):.3g} m or more from where it began"

@@ -3,15 +3,15 @@
 import taichi as ti
 
 from solvers.estimators import running
-from solvers.kernels.hoist import hoist_scalars
 from solvers.problems.bar.budget import push, reference
 from solvers.problems.bar.budget.memory import with_budget
-from solvers.problems.bar.method import margin, remedies
+from solvers.problems.bar.method import remedies
+from solvers.problems.bar.method.margin import step_margin
 from solvers.problems.bar.method.phases import find_weights, nodes_to_particles, update_grid
 from solvers.problems.bar.method.samples import sample
 from solvers.problems.bar.state import HOOKS, BarState
 from solvers.scene.effects import samplers
-from solvers.solver.loop import Phases, check, run_loop, sample_effects
+from solvers.solver.loop import Phases, check, sample_effects, serial_kernels
 
 SAMPLERS = samplers("bar", {})
 
@@ -61,28 +61,5 @@ def sample_all(bar: ti.template(), row, step, looks, on: ti.template()):
         push.sample(with_budget(bar), row, step, on)
 
 
-PHASES = Phases(one_step, check_it, sample_all, HOOKS)
-
-
-@ti.kernel
-def advance(start: ti.i32, turns: ti.i32, purpose: ti.i32, bar: BarState, on: ti.template()):
-    """From step ``start`` on, ``turns`` turns for ``purpose``: see :func:`solvers.solver.loop.run_loop`."""
-    ti.loop_config(serialize=True)
-    for turn in range(turns):
-        run_loop(hoist_scalars(bar), turn, start, purpose, PHASES, on)
-
-
-@ti.kernel
-def freeze(bar: BarState, on: ti.template()):
-    """Find the weights of a bar that keeps them."""
-    ti.loop_config(serialize=True)
-    for _ in range(1):
-        find_weights(bar, on)
-
-
-@ti.kernel
-def find_margin(bar: BarState, on: ti.template()):
-    """Find the margin of the step, for whoever asks: a kernel of its own, for its code is long and called seldom."""
-    ti.loop_config(serialize=True)
-    for _ in range(1):
-        margin.step_margin(bar, on)
+PHASES = Phases(one_step, check_it, sample_all, HOOKS, find_weights, step_margin)
+KERNELS = serial_kernels(BarState, PHASES)

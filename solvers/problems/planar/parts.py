@@ -25,11 +25,8 @@ class Traits(NamedTuple):
 
 
 class Measures(NamedTuple):
-    """What a problem knows of itself, as functions for kernels."""
+    """What samples of a problem are made of beside the errors of its particles, as functions for kernels."""
 
-    find_exact: Callable  # (body, step, on): find the exact solution at the step, before the three that follow
-    vector_errors: Callable  # (body, p, on): errors of x and v as one vector of four, and of a
-    stress_error: Callable  # (body, p): error of the Cauchy stress, as xx, xy, yy
     node_acceleration_error: Callable  # (body, on): mean squared error of the nodes' acceleration
     strain_energy: Callable  # (body, p): of a particle, in J
     look: Callable  # (body, row): for contradictions

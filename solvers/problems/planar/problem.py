@@ -12,7 +12,6 @@ from solvers.problems.planar.scene import PlanarScene
 if TYPE_CHECKING:
     from solvers.problems.planar.solver import PlanarSolver
     from solvers.problems.reference import ProblemReference
-    from solvers.solver.base import Solver
 
 
 class Showing(NamedTuple):
@@ -53,12 +52,6 @@ class PlanarProblem(Problem):
         from solvers.problems.planar.solver import solver_of
 
         return solver_of(self.scene)
-
-    @property
-    def baseline(self) -> type[Solver]:
-        from solvers.problems.planar.baseline import baseline
-
-        return baseline(self.solver)
 
     @property
     def reference(self) -> ProblemReference:

@@ -2,8 +2,7 @@
 
 import functools
 import time
-from collections.abc import Mapping
-from typing import Any, ClassVar, cast
+from typing import Any, ClassVar
 
 import numpy as np
 
@@ -25,7 +24,7 @@ from solvers.scene.rules import SceneError
 from solvers.scene.scene import MOST_PARTICLES
 from solvers.scene.switches import switches
 from solvers.solver import devices
-from solvers.solver.base import MEASURE, REPORT, Solver
+from solvers.solver.base import REPORT, Solver
 from solvers.solver.samples import column
 from solvers.solver.snapshot import TRUTH, Fields, Snapshot, Values
 from solvers.solver.step_breakdown import Carried, StepBreakdown
@@ -70,13 +69,7 @@ class PlanarSolver(Solver):
         else:
             self._stepping = OnProcessor(self.KERNELS, scene, self._arrays, self._switches, self.plan == "parallel",
                                          self.threads)
-        self._find_margin = self._stepping.find_margin
         self.setup_seconds = time.perf_counter() - begun
-
-    @property
-    def _pack(self) -> Any:
-        """The state, as the kernels' argument."""
-        return self._stepping.pack
 
     def snapshot(self, differences: bool = False, plotted: str | None = None) -> Snapshot:
         a, on = self._arrays, self._switches
@@ -140,37 +133,10 @@ class PlanarSolver(Solver):
     def _other_advice(self) -> str:
         return self.scene.other_advice()
 
-    def compile(self) -> None:
-        self._stepping.compile()
-        if self.scene.has("margin"):
-            self._find_margin()
-
-    def state(self) -> tuple[int, dict[str, np.ndarray]]:
-        self._stepping.fetch()
-        return super().state()
-
-    def put(self, step: int, arrays: Mapping[str, np.ndarray]) -> None:
-        super().put(step, arrays)
-        self._stepping.upload()
-
-    def without_estimators(self) -> Solver:
-        self._stepping.fetch()
-        other = cast(PlanarSolver, super().without_estimators())
-        other._stepping.upload()
-        return other
-
-    def _run(self, steps: int) -> None:
-        self._stepping.run(self.step, steps)
-
-    def _measure(self) -> None:
-        self._stepping.look(self.step, MEASURE)
-
     def _carried(self) -> Carried:
-        self._stepping.fetch()
         return carried(self._arrays)
 
     def _breakdown(self, particle: int, before: Carried) -> StepBreakdown:
-        self._stepping.fetch()
         return breakdown(self.scene, self._arrays, particle, self.step, before, self.PARTS.traits.first)
 
 
@@ -218,4 +184,6 @@ def solver_of(kind: type[PlanarScene]) -> type[PlanarSolver]:
             "two-grid": lambda: two_grid.hooks(traits, two_grid.BOX if box else two_grid.POLAR)}
     hooks = registry.hooks_of(kind.problem, {name: made[name]() for name in kind.ESTIMATORS})
     parts = PlanarParts(hooks, traits, measures_of(kind, traits.first))
-    return type("PlanarSolver", (PlanarSolver,), {"HOOKS": hooks, "PARTS": parts, "KERNELS": kernels(parts)})
+    its = kernels(parts)
+    return type("PlanarSolver", (PlanarSolver,), {
+        "HOOKS": hooks, "PARTS": parts, "KERNELS": its, "PHASES": its.phases, "STATE": WatchedBody})

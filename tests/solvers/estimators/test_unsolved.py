@@ -109,7 +109,7 @@ def polar_solution(scene: CircularScene, steps: int, t: float, order: int = 20) 
         b = b * np.exp(-1j * alpha)  # along and across the present radius
         return np.stack([speed, turning, pull / rho + r * turning**2 + b.real, torque / rho + r * b.imag])
 
-    outward, around = printed.velocity(scene, on_axis, 0.0).T
+    outward, around = scene.EXACT.velocity(scene, on_axis, 0.0).T
     start = np.stack([R, 0 * R, outward, R * around])
     r, alpha, speed, spin = runge_kutta(rate, start, steps, t)
     return tuple(np.linalg.solve(V, row) for row in (r, alpha, D @ r, D @ alpha, speed, spin / r**2))

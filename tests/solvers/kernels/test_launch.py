@@ -9,7 +9,7 @@ import pytest
 
 from solvers.kernels import runtime
 from solvers.problems.bar.scene import BarScene
-from solvers.problems.bar.step import advance
+from solvers.problems.bar.step import KERNELS
 from solvers.problems.ring import RingScene
 from solvers.running.run import build
 from solvers.solver.base import STEP
@@ -24,15 +24,15 @@ def test_it_is_the_launch_that_taichi_makes():
     kept, plain = build(BAR), build(BAR)
     kept.advance(7)
     kept.advance(5)
-    assert kept._advance._kept is not None
+    assert kept._stepping._advance._kept is not None
     for start, steps in ((0, 7), (7, 5)):
-        advance(start, steps, STEP, plain._pack, plain._switches)
+        KERNELS.advance(start, steps, STEP, plain._stepping.pack, plain._switches)
     for name, values in kept._arrays.members().items():
         np.testing.assert_array_equal(values, plain._arrays.members()[name], err_msg=name)
     for solver in (kept, plain):
         solver._arrays.velocity[:] = 0.25
     kept.advance(1)
-    advance(12, 1, STEP, plain._pack, plain._switches)
+    KERNELS.advance(12, 1, STEP, plain._stepping.pack, plain._switches)
     np.testing.assert_array_equal(kept._arrays.velocity, plain._arrays.velocity)
 
 

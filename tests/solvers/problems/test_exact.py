@@ -1,5 +1,4 @@
-"""What exact solutions and first layouts are, beside kinematics and balance of momentum, which ``tests/solvers/scene/
-test_exact_solutions.py`` has of all problems."""
+"""What first layouts are. Of exact solutions ``tests/solvers/scene/test_exact_solutions.py`` has all."""
 
 from dataclasses import replace
 
@@ -21,26 +20,6 @@ SCENES = {"bar": BarScene(cells=12, amplitude=0.05, modulus=7.0, density=1.3),
                                 density=900.0),
           "square": SquareScene(cells=12, amplitude=0.03, density=1300.0, poisson_ratio=0.2)}
 RINGS = (SCENES["ring"], SCENES["vortex"])
-
-
-def test_acceleration_and_stress_of_the_bar():
-    """a = v_t by central differences over T/1e4, relative error (2 pi 1e-4)^2/6 = 7e-8 a period's wave; sigma is that
-    of the law of the material and the exact F; and after a period everything is the same."""
-    scene, reference = SCENES["bar"], PROBLEMS["bar"].reference
-    t = 0.37 * scene.period
-    X, exact, d = reference.start(scene).material_position, reference.EXACT, 1e-4 * scene.period
-    slope = (reference.velocity(scene, X, t + d) - reference.velocity(scene, X, t - d)) / (2 * d)
-    a = exact.acceleration(scene, X, t)
-    np.testing.assert_allclose(slope, a, rtol=0, atol=1e-6 * np.abs(a).max())
-    sigma = reference.stress(scene, reference.deformation_gradient(scene, X, t)).reshape(len(X), -1)
-    ours = exact.stress(scene, X, t).reshape(len(X), -1)
-    np.testing.assert_allclose(ours, sigma, rtol=0, atol=1e-12 * scene.modulus)
-    for what in (reference.displacement, reference.velocity, reference.body_force):
-        now, later = what(scene, X, t), what(scene, X, t + scene.period)
-        assert np.abs(now - later).max() <= 1e-11 * np.abs(now).max()
-
-
-# ---- layouts ------------------------------------------------------------------------------------------------------
 
 
 @pytest.mark.parametrize("changes", [{"problem": "bar", "ppc": ppc} for ppc in (1, 4, 5)] + [

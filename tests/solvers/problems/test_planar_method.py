@@ -55,13 +55,13 @@ def kernels(Solver: type[PlanarSolver]) -> tuple:
 
 
 def to_nodes(solver: PlanarSolver, time: float = 0.0) -> None:
-    kernels(type(solver))[0](time, solver._pack, solver._switches)
+    kernels(type(solver))[0](time, solver._stepping.pack, solver._switches)
 
 
 def at_particles(solver: PlanarSolver) -> list[np.ndarray]:
     """The nodes' four numbers at the particles, and their derivatives in x and y, each (P, 4)."""
     parts = [aligned(np.zeros((len(solver._arrays.mass), 4))) for _ in range(3)]
-    kernels(type(solver))[1](solver._pack, *parts, solver._switches)
+    kernels(type(solver))[1](solver._stepping.pack, *parts, solver._switches)
     return parts
 
 

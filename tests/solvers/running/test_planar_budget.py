@@ -11,7 +11,7 @@ import pytest
 from solvers.problems.bar.scene import BarScene
 from solvers.problems.planar.budget.on_demand import BudgetRun
 from solvers.problems.planar.budget.pieces import Lattice, Pieces
-from solvers.problems.planar.budget.weights import Grid
+from solvers.problems.planar.weights import Grid
 from solvers.problems.ring import RingScene
 from solvers.problems.vortex import VortexScene
 from solvers.running.budget import run_budget

@@ -37,7 +37,7 @@ def measured(measure, solver, F: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """Energies (P,) in J/m and Kirchhoff stresses (P, 2, 2) in Pa of the particles, deformed by F (P, 2, 2)."""
     solver._arrays.deformation_gradient[:] = F.reshape(-1, 4)
     energy, stress = aligned(np.zeros(len(F))), aligned(np.zeros((len(F), 4)))
-    measure(solver._pack, energy, stress, switches(solver.scene))
+    measure(solver._stepping.pack, energy, stress, switches(solver.scene))
     return energy, stress.reshape(-1, 2, 2)
 
 

@@ -44,7 +44,7 @@ def near(one: np.ndarray, other: np.ndarray, *terms: np.ndarray) -> bool:
 
 @pytest.mark.parametrize("problem", PROBLEMS)
 def test_kinematics(problem):
-    """F = I + grad u and v = du/dt."""
+    """F = I + grad u, v = du/dt and a = dv/dt; sigma is that of the law and F; u returns."""
     reference = PROBLEMS[problem].reference
 
     @given(moments(problem))
@@ -56,6 +56,15 @@ def test_kinematics(problem):
         before, after = (reference.displacement(scene, X, t + side * brief) for side in (-1, 1))
         largest = scene.size_of("x") / scene.period  # v itself may be next to nothing at its turning point
         assert near((after - before) / (2 * brief), reference.velocity(scene, X, t), np.array([largest]))
+        before, after = (reference.velocity(scene, X, t + side * brief) for side in (-1, 1))
+        a = reference.EXACT.acceleration(scene, X, t)
+        assert near((after - before) / (2 * brief), a, np.array([largest / scene.period]))
+        sigma = reference.stress(scene, reference.deformation_gradient(scene, X, t)).reshape(len(X), -1)
+        own = sigma[:, [0, 1, 3]] if X.shape[1] == 2 else sigma
+        rounding = 1e-13 * scene.density * scene.wave_speed**2
+        np.testing.assert_allclose(reference.EXACT.stress(scene, X, t).reshape(own.shape), own, rtol=0, atol=rounding)
+        now, later = (reference.displacement(scene, X, one) for one in (t, t + scene.period))
+        assert near(now, later, np.array([scene.size_of("x")]))
 
     hold()
 

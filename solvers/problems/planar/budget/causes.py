@@ -19,7 +19,7 @@ import numpy as np
 from solvers.problems.planar.budget.material import Material
 from solvers.problems.planar.budget.moment import Moment
 from solvers.problems.planar.budget.pieces import Pieces
-from solvers.problems.planar.budget.weights import StepWeights
+from solvers.problems.planar.weights import StepWeights
 
 #: The causes that there are here, of ``solvers.scene.causes``: a body force at material points makes no error.
 MAKERS = ("crossings", "coarse_grid", "time_step")

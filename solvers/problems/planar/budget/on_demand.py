@@ -10,8 +10,8 @@ from solvers.problems.planar.budget.causes import MAKERS, TIME_STEP, CauseErrors
 from solvers.problems.planar.budget.material import Material
 from solvers.problems.planar.budget.moment import Moment, moment_of
 from solvers.problems.planar.budget.pieces import Lattice, Pieces
-from solvers.problems.planar.budget.weights import Grid, StepWeights
 from solvers.problems.planar.solver import PlanarSolver
+from solvers.problems.planar.weights import Grid, StepWeights
 from solvers.scene.causes import CAUSES, FIELDS, NOTHING
 from solvers.scene.remedies import FROZEN
 from solvers.scene.rules import SceneError, require_choice

@@ -7,9 +7,9 @@ nodes is an integral of hat functions along their edges, which is exact: edges a
 
 import numpy as np
 
-from solvers.problems.planar.budget.weights import Grid
 from solvers.problems.planar.layout import particle_layout
 from solvers.problems.planar.scene import PlanarScene
+from solvers.problems.planar.weights import Grid
 
 GAUSS = 0.5 / np.sqrt(3.0)  # of two points, in lengths from the middle: exact for the hats' products along a line
 AROUND = ((0, 0), (1, 0), (1, 1), (0, 1))  # the corners of a lattice's cell, anticlockwise

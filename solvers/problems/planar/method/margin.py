@@ -2,51 +2,55 @@
 
 import taichi as ti
 
-from solvers.problems.planar.method import cpdi, gimp
+from solvers.kernels import runtime
+from solvers.problems.planar.method import cpdi
 from solvers.problems.planar.method.kept import kept, kept_number
 
 
 @ti.func
 def step_margin(body: ti.template(), traits: ti.template(), on: ti.template()):
-    """Write dt over the bound; NaN before the first step.
-
-    A node's record: grad S of the present particle (two numbers), |grad S|/sqrt(m), Gershgorin's sum.
-    """
+    """Write dt over the bound; NaN before the first step. On a GPU to be called from a kernel itself: nodes cannot keep
+    there what belongs to one of the particles at work side by side, and it is worked out where it is needed."""
     for node in range(body.nodes):
         body.node_scratch[node] = ti.Vector([0.0, 0.0, 0.0, 0.0])
-    for p in range(body.particles):
-        total = 0.0
-        if ti.static(on.method == "cpdi"):
-            # Loops that are not unrolled: this runs seldom, and would take longer to compile.
-            g = cpdi.corner_gradients(body, p, on)
-            for k in range(16):
-                node, a = corner_node(body, p, k, on), 2 * (k // 4 % 2)
-                gradient = corner_hat(body, p, k, on) * ti.Vector([g[a], g[a + 1], 0.0, 0.0])
-                body.node_scratch[node] = body.node_scratch[node] + gradient
+    if ti.static(on.method == "cpdi" and runtime.on_processor()):
+        add_corners(body, traits, on)
+    else:
+        for p in range(body.particles):
             stiffness, metric = traits.tangent(body, p, on)
-            for k in range(16):
-                total += take_gradient(body, traits, metric, corner_node(body, p, k, on))
-            stiffness *= total
-            for k in range(16):
-                add_circle(body, traits, corner_node(body, p, k, on), stiffness)
-        else:
-            S, dS, R, dR = gimp.stencils_of(body, p, on)
-            first = body.first_node[p]
-            for j in ti.static(range(3)):
-                for i in ti.static(range(3)):
-                    node = first + j * body.row + i
-                    circle = body.node_scratch[node][3]
-                    body.node_scratch[node] = ti.Vector([dS[i] * R[j], S[i] * dR[j], 0.0, circle])
-            stiffness, metric = traits.tangent(body, p, on)
-            for place in range(9):
-                total += take_gradient(body, traits, metric, first + (place // 3) * body.row + place % 3)
-            stiffness *= total
-            for place in range(9):
-                add_circle(body, traits, first + (place // 3) * body.row + place % 3, stiffness)
+            total = 0.0
+            for k in range(ti.static(16 if on.method == "cpdi" else 9)):
+                node, gradient = node_gradient(body, p, k, on)
+                total += scaled_size(body, traits, metric, gradient, node)
+            for k in range(ti.static(16 if on.method == "cpdi" else 9)):
+                node, gradient = node_gradient(body, p, k, on)
+                circle = stiffness * total * scaled_size(body, traits, metric, gradient, node)
+                ti.atomic_add(body.node_scratch[traits.image(body, node)][3], circle)
     largest = 0.0
     for node in range(body.nodes):
-        largest = ti.max(largest, body.node_scratch[node][3])
+        ti.atomic_max(largest, body.node_scratch[node][3])
     body.step_margin[0] = 0.5 * body.dt * ti.sqrt(largest) if largest > 0 else ti.math.nan
+
+
+@ti.func
+def add_corners(body: ti.template(), traits: ti.template(), on: ti.template()):
+    """The circles of CPDI on a processor, where looking for corners that share a node would take several times as long.
+
+    A node's record: grad S of the present particle (two numbers), |grad S|/sqrt(m), Gershgorin's sum. Loops are not
+    unrolled: this runs seldom, and would take longer to compile.
+    """
+    for p in range(body.particles):
+        total, g = 0.0, cpdi.corner_gradients(body, p, on)
+        for k in range(16):
+            node, a = corner_node(body, p, k, on), 2 * (k // 4 % 2)
+            gradient = corner_hat(body, p, k, on) * ti.Vector([g[a], g[a + 1], 0.0, 0.0])
+            body.node_scratch[node] = body.node_scratch[node] + gradient
+        stiffness, metric = traits.tangent(body, p, on)
+        for k in range(16):
+            total += take_gradient(body, traits, metric, corner_node(body, p, k, on))
+        stiffness *= total
+        for k in range(16):
+            add_circle(body, traits, corner_node(body, p, k, on), stiffness)
 
 
 @ti.func
@@ -78,28 +82,6 @@ def add_circle(body: ti.template(), traits: ti.template(), node, stiffness):
     scaled = body.node_scratch[node][2]
     body.node_scratch[node][2] = 0.0
     body.node_scratch[traits.image(body, node)][3] += stiffness * scaled
-
-
-@ti.func
-def step_margin_at_once(body: ti.template(), traits: ti.template(), on: ti.template()):
-    """The same where all particles are at work side by side and nodes cannot keep what belongs to one of them: it is
-    worked out where it is needed. To be called from a kernel itself."""
-    for node in range(body.nodes):
-        body.node_scratch[node] = ti.Vector([0.0, 0.0, 0.0, 0.0])
-    for p in range(body.particles):
-        stiffness, metric = traits.tangent(body, p, on)
-        total = 0.0
-        for k in range(ti.static(16 if on.method == "cpdi" else 9)):
-            node, gradient = node_gradient(body, p, k, on)
-            total += scaled_size(body, traits, metric, gradient, node)
-        for k in range(ti.static(16 if on.method == "cpdi" else 9)):
-            node, gradient = node_gradient(body, p, k, on)
-            circle = stiffness * total * scaled_size(body, traits, metric, gradient, node)
-            ti.atomic_add(body.node_scratch[traits.image(body, node)][3], circle)
-    largest = 0.0
-    for node in range(body.nodes):
-        ti.atomic_max(largest, body.node_scratch[node][3])
-    body.step_margin[0] = 0.5 * body.dt * ti.sqrt(largest) if largest > 0 else ti.math.nan
 
 
 @ti.func

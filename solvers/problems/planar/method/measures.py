@@ -75,4 +75,4 @@ def measures_of(kind: type[PlanarScene], first: int) -> Measures:
     nodes = circular_node_error(kind, first) if kind.CIRCULAR else node_error(first if kind.PLANES[1] else 0)
     look = look_at_circles(kind.INNER, kind.OUTER, kind.PLOTTED == "angular") if kind.CIRCULAR else look_at_modes
     spin = {"spin": sample_angular_momentum} if "spin" in kind.OWN_EFFECTS else {}
-    return Measures(find_exact, vector_errors, stress_error, nodes, strain_energy, look, samplers(kind.problem, spin))
+    return Measures(nodes, strain_energy, look, samplers(kind.problem, spin))

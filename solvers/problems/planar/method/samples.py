@@ -8,6 +8,7 @@ time. ``error_extra`` is the paper's "Err A": the error of the acceleration at t
 import taichi as ti
 
 from solvers.kernels import runtime
+from solvers.problems.planar.method.measures import find_exact, stress_error, vector_errors
 from solvers.problems.planar.method.phases import TOTALS
 from solvers.solver.loop import sample_effects
 from solvers.solver.samples import BASE, EACH, column
@@ -46,10 +47,10 @@ def sample_sums(body: ti.template(), row, step, measures: ti.template(), on: ti.
     body.samples[row, ti.static(column("work"))] = work
     body.samples[row, ti.static(column("crossings"))] = crossings
     if ti.static(on.truth):
-        measures.find_exact(body, step, on)
+        find_exact(body, step, on)
         sample_truth(body, row, step, measures, on)
     if ti.static(len(on.estimators) > 0):
-        sample_estimates(body, row, step, measures, on)
+        sample_estimates(body, row, step, on)
     for q in ti.static(range(column("neighbour_gap"), column("margin") + 1)):
         body.samples[row, q] = ti.math.nan
     if ti.static(on.energy):
@@ -62,8 +63,8 @@ def sample_truth(body: ti.template(), row, step, measures: ti.template(), on: ti
     """Sums of squares of the true errors of x, v, sigma and, with the effect, a at particles and nodes."""
     squares = ti.Vector([0.0, 0.0, 0.0, 0.0])
     for p in range(body.particles):
-        motion, a = measures.vector_errors(body, p, on)
-        squares += squared_parts(motion, measures.stress_error(body, p), a)
+        motion, a = vector_errors(body, p, on)
+        squares += squared_parts(motion, stress_error(body, p), a)
     for q in ti.static(range(3)):
         body.samples[row, ti.static(column("error_x")) + q] = squares[q]
     if ti.static(on.acceleration):
@@ -74,18 +75,18 @@ def sample_truth(body: ti.template(), row, step, measures: ti.template(), on: ti
 
 
 @ti.func
-def sample_estimates(body: ti.template(), row, step, measures: ti.template(), on: ti.template()):
+def sample_estimates(body: ti.template(), row, step, on: ti.template()):
     """Sums of squares of each estimate and of its distance from the truth."""
     if ti.static(runtime.on_processor()):
         for e in range(ti.static(len(on.estimators))):
-            sample_estimate(body, row, step, e, measures, on)
+            sample_estimate(body, row, step, e, on)
     else:
         for e in ti.static(range(len(on.estimators))):
-            sample_estimate(body, row, step, e, measures, on)
+            sample_estimate(body, row, step, e, on)
 
 
 @ti.func
-def sample_estimate(body: ti.template(), row, step, e, measures: ti.template(), on: ti.template()):
+def sample_estimate(body: ti.template(), row, step, e, on: ti.template()):
     """The same of estimator number e."""
     squares, missed = ti.Vector([0.0, 0.0, 0.0, 0.0]), ti.Vector([0.0, 0.0, 0.0, 0.0])
     for p in range(body.particles):
@@ -94,10 +95,10 @@ def sample_estimate(body: ti.template(), row, step, e, measures: ti.template(), 
         a = body.estimate_acceleration[e * body.particles + p]
         squares += squared_parts(motion, sigma, a)
         if ti.static(on.truth):
-            true_motion, true_a = measures.vector_errors(body, p, on)
+            true_motion, true_a = vector_errors(body, p, on)
             if step == 0:  # none has been computed, and so none can be wrong
                 true_a = ti.Vector([0.0, 0.0])
-            true_sigma = measures.stress_error(body, p)
+            true_sigma = stress_error(body, p)
             missed += squared_parts(motion - true_motion, sigma - true_sigma, a - true_a)
     at = ti.static(len(BASE)) + ti.static(len(EACH)) * e
     for q in ti.static(range(4)):

@@ -1,25 +1,22 @@
 """Symmetry planes at the lower, or at both, ends of x and y: nodes beyond them are mirror images."""
 
-from typing import Any, NamedTuple
+from typing import Any
 
 import taichi as ti
 
 from solvers.problems.planar.scene import GHOSTS
 
 
-class SymmetryPlanes(NamedTuple):
-    """Those parts of ``solvers.problems.planar.parts.Traits`` that the planes decide."""
-
-    first: int
-    fold: Any
-    pin: Any
-    mirror: Any
-    image: Any
-
-
-def symmetry_planes(low: bool, high: bool) -> SymmetryPlanes:
-    """With planes at the lower ends, and at the upper ends too where there are lower ones; or with no plane at all."""
+def symmetry_planes(low: bool, high: bool) -> dict[str, Any]:
+    """Those parts of ``solvers.problems.planar.parts.Traits`` that planes decide: at the lower ends, and at the
+    upper ends too where there are lower ones; or none."""
     G = GHOSTS if low else 0
+    ghosts = tuple((side, k) for k in range(G) for side in ((0, 1) if high else (0,)))  # the lower end, and the upper
+
+    @ti.func
+    def beside(body: ti.template(), side: ti.template(), k):
+        """Number k of the row or column from an end on."""
+        return k if ti.static(side == 0) else body.row - 1 - k
 
     @ti.func
     def fold(body: ti.template(), fold_pair: ti.template()):
@@ -28,18 +25,15 @@ def symmetry_planes(low: bool, high: bool) -> SymmetryPlanes:
         Setting it to zero instead costs up to a factor 2.5 in accuracy. ``fold_pair(body, ghost, image, in_x, in_y)``
         adds a node's values, with these signs, to those of its image.
         """
-        end = body.row - 1
         if ti.static(low):
             for j in range(body.active):
-                for k in ti.static(range(G)):
-                    fold_pair(body, j * body.row + k, j * body.row + 2 * G - k, -1.0, 1.0)
-                    if ti.static(high):
-                        fold_pair(body, j * body.row + end - k, j * body.row + end - 2 * G + k, -1.0, 1.0)
+                for side, k in ti.static(ghosts):
+                    ghost, image = beside(body, side, k), beside(body, side, 2 * G - k)
+                    fold_pair(body, j * body.row + ghost, j * body.row + image, -1.0, 1.0)
             for i in range(body.active):
-                for k in ti.static(range(G)):
-                    fold_pair(body, k * body.row + i, (2 * G - k) * body.row + i, 1.0, -1.0)
-                    if ti.static(high):
-                        fold_pair(body, (end - k) * body.row + i, (end - 2 * G + k) * body.row + i, 1.0, -1.0)
+                for side, k in ti.static(ghosts):
+                    ghost, image = beside(body, side, k), beside(body, side, 2 * G - k)
+                    fold_pair(body, ghost * body.row + i, image * body.row + i, 1.0, -1.0)
 
     @ti.func
     def pin(body: ti.template(), i, j, record):
@@ -55,20 +49,15 @@ def symmetry_planes(low: bool, high: bool) -> SymmetryPlanes:
     @ti.func
     def mirror(body: ti.template(), values: ti.template()):
         """Copy the nodes' values, two vectors each, to their images beyond the planes: odd in what points across."""
-        end = body.row - 1
         if ti.static(low):
             for j in range(G, body.active):
-                for k in ti.static(range(G)):
-                    values[j * body.row + k] = ti.Vector([-1.0, 1.0, -1.0, 1.0]) * values[j * body.row + 2 * G - k]
-                    if ti.static(high):
-                        values[j * body.row + end - k] = \
-                            ti.Vector([-1.0, 1.0, -1.0, 1.0]) * values[j * body.row + end - 2 * G + k]
+                for side, k in ti.static(ghosts):
+                    ghost, image = beside(body, side, k), beside(body, side, 2 * G - k)
+                    values[j * body.row + ghost] = ti.Vector([-1.0, 1.0, -1.0, 1.0]) * values[j * body.row + image]
             for i in range(body.active):
-                for k in ti.static(range(G)):
-                    values[k * body.row + i] = ti.Vector([1.0, -1.0, 1.0, -1.0]) * values[(2 * G - k) * body.row + i]
-                    if ti.static(high):
-                        values[(end - k) * body.row + i] = \
-                            ti.Vector([1.0, -1.0, 1.0, -1.0]) * values[(end - 2 * G + k) * body.row + i]
+                for side, k in ti.static(ghosts):
+                    ghost, image = beside(body, side, k), beside(body, side, 2 * G - k)
+                    values[ghost * body.row + i] = ti.Vector([1.0, -1.0, 1.0, -1.0]) * values[image * body.row + i]
 
     @ti.func
     def image(body: ti.template(), node):
@@ -82,4 +71,4 @@ def symmetry_planes(low: bool, high: bool) -> SymmetryPlanes:
             own = j * body.row + i
         return own
 
-    return SymmetryPlanes(G, fold, pin, mirror, image)
+    return {"first": G, "fold": fold, "pin": pin, "mirror": mirror, "image": image}

@@ -48,4 +48,4 @@ def traits_of(kind: type[PlanarScene]) -> Traits:
         return not (inside and (q[0] - X[0]) ** 2 + (q[1] - X[1]) ** 2 < body.farthest_move ** 2)
 
     return Traits(forces=forces, prepare=prepare, body_force_on=body_force_on, stress=stress_of(volumetric),
-                  tangent=tangent, has_escaped=has_escaped, **symmetry_planes(*kind.PLANES)._asdict())
+                  tangent=tangent, has_escaped=has_escaped, **symmetry_planes(*kind.PLANES))

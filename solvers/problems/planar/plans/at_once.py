@@ -135,7 +135,7 @@ def kernels_at_once(State: Any, parts: PlanarParts) -> KernelsAtOnce:
 
     @ti.kernel
     def find_margin(body: State, on: ti.template()):
-        margin.step_margin_at_once(body, TRAITS, on)
+        margin.step_margin(body, TRAITS, on)
 
     return KernelsAtOnce(to_nodes, to_particles, begin_remedies, sharpen, end_remedies, check, sample, look, report,
                          freeze, find_margin)

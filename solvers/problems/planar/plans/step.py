@@ -1,7 +1,7 @@
 """Steps of a plane body on a processor, by two plans that run the same phases, and the other kernels of a run.
 
-``advance`` puts any number of steps into one kernel on one thread, ``step_in_slabs`` does one step on several, with
-slabs of particles side by side; ``solvers.problems.planar.plans.at_once`` has the kernels of a GPU.
+One kernel takes any number of steps on one thread (``solvers.solver.loop``), ``step_in_slabs`` one on several threads,
+with slabs of particles side by side; ``solvers.problems.planar.plans.at_once`` has the kernels of a GPU.
 """
 
 from typing import Any, NamedTuple
@@ -10,7 +10,6 @@ import taichi as ti
 
 from solvers.estimators import running
 from solvers.estimators.memory import packing
-from solvers.kernels.hoist import hoist_scalars
 from solvers.kernels.launch import Launch
 from solvers.problems.planar.method import margin, phases, remedies
 from solvers.problems.planar.method.body import WatchedBody
@@ -20,7 +19,7 @@ from solvers.problems.planar.plans.at_once import KernelsAtOnce, kernels_at_once
 from solvers.scene.scene import Scene
 from solvers.scene.switches import Switches
 from solvers.solver.base import MEASURE, REPORT, SOUND, STEP
-from solvers.solver.loop import CHECK_EVERY, Phases, check, run_loop
+from solvers.solver.loop import CHECK_EVERY, OneThread, Phases, SerialKernels, check, serial_kernels
 
 TASK = 512  # indices that a parallel loop never splits between threads
 
@@ -29,11 +28,10 @@ class Kernels(NamedTuple):
     """The kernels of a problem, and the type of the ``state`` that they take; ``on`` are the switches of a scene."""
 
     state: Any
-    advance: Any  # (start, turns, purpose, state, on)
+    phases: Phases
+    serial: SerialKernels
     step_in_slabs: Any  # (step, slabs, state, on)
     inspect: Any  # (step, line, purpose, state, on)
-    freeze: Any  # (state, on)
-    find_margin: Any  # (state, on)
     at_once: KernelsAtOnce  # those for a GPU
 
 
@@ -59,15 +57,15 @@ def kernels(parts: PlanarParts) -> Kernels:
     def check_it(body: ti.template(), step):
         check(body, step, phases.flatness, TRAITS.has_escaped)
 
-    in_turn = Phases(one_step, check_it, sample_it, HOOKS)
+    @ti.func
+    def find_weights(body: ti.template(), on: ti.template()):
+        phases.find_weights(body, 0, body.particles, on)
 
-    @ti.kernel
-    def advance(start: ti.i32, turns: ti.i32, purpose: ti.i32, body: State, on: ti.template()):
-        """On one thread, from step ``start`` on, ``turns`` turns for ``purpose``: see
-        ``solvers.solver.loop.run_loop``."""
-        ti.loop_config(serialize=True)
-        for turn in range(turns):
-            run_loop(hoist_scalars(body), turn, start, purpose, in_turn, on)
+    @ti.func
+    def find_margin(body: ti.template(), on: ti.template()):
+        margin.step_margin(body, TRAITS, on)
+
+    in_turn = Phases(one_step, check_it, sample_it, HOOKS, find_weights, find_margin)
 
     @ti.kernel
     def step_in_slabs(step: ti.i32, slabs: ti.i32, body: State, on: ti.template()):
@@ -112,46 +110,26 @@ def kernels(parts: PlanarParts) -> Kernels:
             if line >= 0 and purpose != REPORT:
                 sample(body, line, step, purpose == MEASURE or step % body.look_interval == 0, MEASURES, on)
 
-    @ti.kernel
-    def freeze(body: State, on: ti.template()):
-        """Find the weights of a body that keeps them."""
-        ti.loop_config(serialize=True)
-        for _ in range(1):
-            phases.find_weights(body, 0, body.particles, on)
-
-    @ti.kernel
-    def find_margin(body: State, on: ti.template()):
-        """Find the margin of the step, for whoever asks: a kernel of its own, for its code is long, its calls rare."""
-        ti.loop_config(serialize=True)
-        for _ in range(1):
-            margin.step_margin(body, TRAITS, on)
-
-    return Kernels(State, advance, step_in_slabs, inspect, freeze, find_margin, kernels_at_once(State, parts))
+    return Kernels(State, in_turn, serial_kernels(State, in_turn), step_in_slabs, inspect,
+                   kernels_at_once(State, parts))
 
 
-class OnProcessor:
+class OnProcessor(OneThread):
     """Steps the arrays as they are, on so many ``threads``; on one with the serial kernel unless ``parallel``."""
 
     def __init__(self, kernels: Kernels, scene: Scene, arrays: WatchedBody, on: Switches, parallel: bool, threads: int):
-        self.pack = pack = kernels.state(**arrays.members())
+        super().__init__(kernels.serial, kernels.state(**arrays.members()), on)
         self._scene, self._arrays, self._parallel, self._threads = scene, arrays, parallel, threads
-        self._advance, self._step, self._inspect, self.find_margin = (
-            Launch(kernel, pack, on)
-            for kernel in (kernels.advance, kernels.step_in_slabs, kernels.inspect, kernels.find_margin))
-        if on.frozen:
-            kernels.freeze(pack, on)
+        self._step, self._inspect = (Launch(one, self.pack, on) for one in (kernels.step_in_slabs, kernels.inspect))
 
     def compile(self) -> None:
-        """Compile what steps and samples, without stepping."""
-        self.run(0, 0)
         if self._parallel:
             self._step(0, 0)
             self._inspect(0, -1, REPORT)
 
     def run(self, before: int, steps: int) -> None:
-        """Take steps after ``before`` of them, or until a check finds the run gone bad."""
         if not self._parallel:
-            self._advance(before, steps, STEP)
+            super().run(before, steps)
             return
         interval, row = self._scene.sample_interval, 0
         for step in range(before, before + steps):
@@ -164,14 +142,7 @@ class OnProcessor:
                 break
 
     def look(self, step: int, purpose: int) -> None:
-        """Sample the state, after ``step`` steps, into line 0, or only bring the estimates up to date."""
         if self._parallel:
             self._inspect(step, 0, purpose)
         else:
-            self._advance(step, 1, purpose)
-
-    def fetch(self) -> None:
-        """The arrays are what they are."""
-
-    def upload(self) -> None:
-        """The arrays are what they are."""
+            super().look(step, purpose)

@@ -1,0 +1,45 @@
+"""A step with nothing optional in it, to compare rates with.
+
+The phases of the method by themselves, with every effect off, without the memory of estimators, without samples; the
+look for a run gone bad stays, for that is no effect. The bench measures the solver against it, and a test that both
+give the same numbers.
+"""
+
+import functools
+from typing import Any
+
+import taichi as ti
+
+from solvers.scene.scene import Scene
+from solvers.scene.switches import bare
+from solvers.solver.arrays import Watch
+from solvers.solver.base import SOUND, Solver
+from solvers.solver.loop import CHECK_EVERY
+
+
+@functools.cache
+def baseline(Own: type[Solver]) -> type[Solver]:
+    """A problem's own solver with the baseline step; its rows of samples hold nothing."""
+    phases, watching = Own.PHASES, Watch.types().keys() - {"farthest", "verdict"}
+    types = {name: kind for name, kind in Own.STATE.types().items() if name not in watching}
+    State = ti.types.argpack(**types)
+
+    @ti.kernel
+    def advance(start: ti.i32, steps: ti.i32, state: State, on: ti.template()):
+        ti.loop_config(serialize=True)
+        for k in range(steps):
+            if state.verdict[0] == SOUND:
+                step = start + k + 1
+                phases.one_step(state, step, on)
+                if step % CHECK_EVERY == 0:
+                    phases.check(state, step)
+
+    class Baseline(Own):
+        def __init__(self, scene: Scene):
+            super().__init__(scene)
+            self._baseline: Any = State(**{name: self._stepping.pack[name] for name in types})
+
+        def _run(self, steps: int) -> None:
+            advance(self.step, steps, self._baseline, bare(self._switches))
+
+    return Baseline
