@@ -9,6 +9,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from solvers.estimators.spectral import Elements
+from solvers.motion.laws.material import LAWS, NEO_HOOKEAN
 from solvers.motion.separable_field import SeparableField, separate
 from solvers.problems.planar.estimators.patch import CARTESIAN, Patch
 from solvers.problems.planar.scene import GHOSTS, PlanarScene, motion_table
@@ -36,6 +37,7 @@ class BoxScene(PlanarScene):
     ppc: int = option(2, "Particles per cell and direction")
     modulus: float = option(1e7, "Young's modulus E", "Pa")
     poisson_ratio: float = option(0.3, "Poisson's ratio")
+    law: str = option(NEO_HOOKEAN, "Law of the material", choices=tuple(LAWS))
     density: float = option(1000.0, "Density", "kg/m3")
     body_force: str = option("material", "Body force: at material points, or none; only the first has a built-in "
                              "solution", choices=("material", "none"))
@@ -72,6 +74,21 @@ class BoxScene(PlanarScene):
     @property
     def farthest(self) -> float:
         return self.SIDE + self.spacing
+
+    def warnings(self) -> list[str]:
+        if self.law == NEO_HOOKEAN or self.least_stiffness > 0:
+            return super().warnings()
+        return [*super().warnings(), f"law {self.law}: not elliptic all along the exact motion, where waves of some "
+                f"direction have a stiffness of {self.least_stiffness:.2g} mu; the shorter they are, the faster they "
+                "grow: choose a smaller amplitude, or neo-hookean"]
+
+    @functools.cached_property
+    def least_stiffness(self) -> float:
+        """Of waves in any direction, anywhere along the exact motion, the smallest over mu."""
+        line = np.linspace(0, self.SIDE, LINE + 1)
+        X = np.stack(np.meshgrid(line, line), axis=-1).reshape(-1, 2)
+        return min(self.material.least_stiffness(self.EXACT.deformation_gradient(self, X, t).reshape(-1, 4).T)
+                   for t in np.arange(LINE) / LINE * self.period)
 
     def grid_field(self) -> SeparableField:
         """The acceleration in m/s^2 at the places of the nodes, of the material that has come there."""

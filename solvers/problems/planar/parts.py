@@ -29,9 +29,9 @@ class Measures(NamedTuple):
 
     find_exact: Callable  # (body, step, on): find the exact solution at the step, before the three that follow
     vector_errors: Callable  # (body, p, on): errors of x and v as one vector of four, and of a
-    stress_error: Callable  # (body, p): error of the Cauchy stress, as xx, xy, yy
+    stress_error: Callable  # (body, p, on): error of the Cauchy stress, as xx, xy, yy
     node_acceleration_error: Callable  # (body, on): mean squared error of the nodes' acceleration
-    strain_energy: Callable  # (body, p): of a particle, in J
+    strain_energy: Callable  # (body, p, on): of a particle, in J
     look: Callable  # (body, row): for contradictions
     samplers: dict[str, Callable]  # what fills the columns of effects: see ``solvers.scene.effects.samplers``
 

@@ -1,14 +1,7 @@
 """The longest step of a plane body along the motion ahead, from its weights and its tangent stiffness, in numpy (see
 ``solvers.scene.step_bound``).
 
-For the circles: the stiffness between two nodes with gradients g and h of their weights is V0 [mu (g . b h) I + lambda
-g h^T + (mu - lambda ln J) h g^T], b = F F^T. Its norm is at most that of |g| |h| in the metric mu b + (lambda + mu -
-lambda ln J) I. A sheared material is stiff along one direction alone. In material form, for frozen weights, the metric
-is mu I + (lambda + mu - lambda ln J) C^-1.
-
-For P = mu F + (lambda ln J - mu) F^-T the rates L of the deformation change the force of a particle at a node whose
-weight has the gradient g by V0 (mu L b + lambda tr L I + (mu - lambda ln J) L^T) g, b = F F^T. Where weights stay those
-at rest it is the same with F^-T times the gradient at rest for g.
+Where weights stay those at rest gradients in space are F^-T times those at rest.
 """
 
 from collections.abc import Callable, Sequence
@@ -17,6 +10,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from solvers.motion.laws.law import determinant, material_metric, metric, rate
 from solvers.problems.planar.layout import CORNERS, MOST_HALF_WIDTH, box_stretch, particle_layout
 from solvers.scene.linear_stability import Configurations, Fields, Links, limits
 from solvers.scene.scene import Scene
@@ -56,27 +50,24 @@ class Body:
     """What of a problem the bound is made of, for P particles of its ``layout``.
 
     ``deformed(part)`` gives positions (P, 2) in m and F (P, 2, 2) at a part of the way from one extreme to the other,
-    which takes so many ``seconds``; ``lame`` are lambda and mu in Pa, ``stretch`` the largest of the motion, ``images``
-    what the symmetry makes of nodes' places; ``held`` says of numbers of nodes (N,) which hold still in x and in y.
-    ``metric`` (P, 3) for the circles comes from F.
+    which takes so many ``seconds``; ``stretch`` is the largest of the motion, ``images`` what the symmetry makes of
+    nodes' places; ``held`` says of numbers of nodes (N,) which hold still in x and in y.
     """
 
     volume: np.ndarray
     edges: np.ndarray
     deformed: Callable[[float], tuple[np.ndarray, np.ndarray]]
-    lame: tuple[float, float]
     seconds: float
     stretch: float
     images: Callable[[np.ndarray, np.ndarray], Images]
     held: Callable[[np.ndarray], tuple[np.ndarray, np.ndarray]]
-    metric: Callable[[np.ndarray], np.ndarray]
 
 
 def body_of(scene: Any) -> Body:
     """What of a scene's body its bound is made of: between symmetry planes all of it. Where there is no plane, lattice,
     grid and motion look the same after a quarter of a turn, and a quarter of the particles is enough, if a node has
     one number with the three where it then comes to lie, and velocities are turned with it."""
-    layout, (bulk, mu), n, row = particle_layout(scene), scene.lame_moduli, scene.cells, 2 * scene.cells
+    layout, n, row = particle_layout(scene), scene.cells, 2 * scene.cells
     low, high = scene.PLANES
     start, end = scene.EXTREMES
     kept = np.full(len(layout.volume), True) if low else (layout.position > 0).all(axis=1)  # none is on an axis
@@ -99,15 +90,9 @@ def body_of(scene: Any) -> Body:
         i, j = number % row, number // row
         return low & ((i == 0) | high & (i == n)), low & ((j == 0) | high & (j == n))
 
-    def metric(F: np.ndarray) -> np.ndarray:
-        rest = (bulk + mu - bulk * np.log(np.linalg.det(F)))[:, None, None]
-        full = mu * np.eye(2) + rest * np.linalg.inv(F.transpose(0, 2, 1) @ F) if scene.frozen \
-            else mu * F @ F.transpose(0, 2, 1) + rest * np.eye(2)
-        return full.reshape(-1, 4)[:, [0, 1, 3]]
-
     stretch = max(float(np.linalg.norm(deformed(part)[1], 2, axis=(1, 2)).max()) for part in np.linspace(0, 1, MOMENTS))
-    return Body(layout.volume[kept], layout.edges[kept], deformed, (bulk, mu), (end - start) * scene.period, stretch,
-                images, held, metric)
+    return Body(layout.volume[kept], layout.edges[kept], deformed, (end - start) * scene.period, stretch, images,
+                held)
 
 
 def images_in_a_quarter(i: np.ndarray, j: np.ndarray, cells: int) -> Images:
@@ -175,7 +160,9 @@ def _by_circles(look: Look, moment: int) -> float:
     body, one = look.body, look.found[moment]
     number = body.images(one.i, one.j).number
     mass = np.bincount(number.ravel(), (look.scene.density * body.volume[:, None] * one.S).ravel())
-    xx, xy, yy = body.metric(look.F[moment]).T[:, :, None]
+    F = np.moveaxis(look.F[moment].reshape(-1, 4), -1, 0)[..., None]
+    J, bound = determinant(F), material_metric if look.scene.frozen else metric
+    xx, xy, yy = bound(F, J, *look.scene.material.coefficients(F, J))
     lengths = np.sqrt(np.maximum(xx * one.x * one.x + 2 * xy * one.x * one.y + yy * one.y * one.y, 0.0))
     return circles(number, lengths, body.volume, mass)
 
@@ -192,17 +179,11 @@ def _side_by_side(scene: Any, body: Body, found: Sequence[Weights], F: np.ndarra
     if scene.frozen:
         back = np.linalg.inv(F)
         x, y = (x * back[..., 0, k, None] + y * back[..., 1, k, None] for k in (0, 1))
-    b, J, (lam, mu), V = F @ F.swapaxes(-1, -2), np.linalg.det(F), body.lame, body.volume
-    volumetric = mu - lam * np.log(J)
+    b, V, F = F @ F.swapaxes(-1, -2), body.volume, np.moveaxis(F.reshape(*F.shape[:2], 4), -1, 0)
+    tangent = (b[..., 0, 0], b[..., 0, 1], b[..., 1, 1]), *scene.material.coefficients(F, determinant(F))
 
     def stress(L: Fields) -> Fields:
-        xx, xy, yx, yy = L
-        trace = lam * (xx + yy)
-        return [V * part for part in (
-            mu * (xx * b[..., 0, 0] + xy * b[..., 1, 0]) + trace + volumetric * xx,
-            mu * (xx * b[..., 0, 1] + xy * b[..., 1, 1]) + volumetric * yx,
-            mu * (yx * b[..., 0, 0] + yy * b[..., 1, 0]) + volumetric * xy,
-            mu * (yx * b[..., 0, 1] + yy * b[..., 1, 1]) + trace + volumetric * yy)]
+        return [V * part for part in rate(L, *tangent)]
 
     return Configurations(2 * N, links, S, links, [x, y], scene.density * V, stress, np.flatnonzero(held))
 

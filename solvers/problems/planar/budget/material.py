@@ -1,47 +1,50 @@
 """The stress that the errors of a budget make.
 
-The stress is neo-Hookean in the plane, lambda ln J I + mu (F F^T - I) as Kirchhoff's. In two dimensions det F is
-quadratic in F, and so is F F^T: the difference of either between F and F0 is linear in F - F0, with coefficients at the
-mean of the two. The logarithm, and 1/J, are divided by their secants. So the stress of a sum of errors is the sum of
-their stresses, to round-off, however large they are.
+In two dimensions F:F, det F and F F^T are quadratic in F: the difference of one between F and F0 is linear in F - F0,
+with coefficients at the mean of the two. What a law makes of F:F and of J is divided by its secants. So the stress of a
+sum of errors is the sum of their stresses, to round-off, however large they are.
 """
 
 from typing import NamedTuple
 
 import numpy as np
 
+from solvers.motion.laws.material import Material
 
-class Material(NamedTuple):
-    """Its moduli in Pa; ``at_rest``: the first Piola-Kirchhoff stress is meant, as weights of the rest want it."""
+PLACES, SHARES = np.polynomial.legendre.leggauss(10)  # a secant is a mean of slopes: to rounding up to J/J0 = 2
 
-    bulk: float  # lambda
-    shear: float  # mu
+
+class BudgetStress(NamedTuple):
+    """Of a material; ``at_rest``: the first Piola-Kirchhoff stress is meant, as weights of the rest want it."""
+
+    material: Material
     at_rest: bool
 
     def stress(self, F: np.ndarray) -> np.ndarray:
         """J sigma, or P, of F (P, 2, 2)."""
-        J = np.linalg.det(F)[:, None, None]
-        if self.at_rest:
-            return self.shear * F + (self.bulk * np.log(J) - self.shear) / J * cofactor(F)
-        return self.bulk * np.log(J) * np.eye(2) + self.shear * (F @ F.swapaxes(1, 2) - np.eye(2))
+        P = np.stack(self.material.first_piola_stress(F.reshape(-1, 4).T), axis=1).reshape(-1, 2, 2)
+        return P if self.at_rest else P @ F.swapaxes(1, 2)
 
     def difference(self, F: np.ndarray, F0: np.ndarray, parts: np.ndarray) -> np.ndarray:
         """What each part (C, P, 2, 2) of F - F0 has of stress(F) - stress(F0): linear in the part."""
-        mean = 0.5 * (F + F0)
-        J, J0 = np.linalg.det(F), np.linalg.det(F0)
-        grown = np.einsum("pij,cpij->cp", cofactor(mean), parts)  # J - J0
-        relative = (J - J0) / J0
-        secant = np.where(relative == 0, 1.0, np.log1p(relative) / np.where(relative == 0, 1.0, relative)) / J0
-        if not self.at_rest:
-            product = parts @ mean.swapaxes(1, 2)
-            return self.shear * (product + product.swapaxes(2, 3)) \
-                + self.bulk * (secant * grown)[:, :, None, None] * np.eye(2)
-        before, after = ((self.bulk * np.log(j) - self.shear) / j for j in (J0, J))
-        # (a ln J - m)/J is a product of a ln J - m and 1/J, with their secants
-        slope = self.bulk * secant * 0.5 * (1 / J + 1 / J0) \
-            - (self.bulk * 0.5 * (np.log(J) + np.log(J0)) - self.shear) / (J * J0)
-        return self.shear * parts + (0.5 * (before + after))[:, None, None] * cofactor(parts) \
-            + (slope * grown)[:, :, None, None] * cofactor(mean)
+        mean, J, J0 = 0.5 * (F + F0), np.linalg.det(F), np.linalg.det(F0)
+        q, k, A, _ = (0.5 * (one + other) for one, other in zip(self._slopes(F, J), self._slopes(F0, J0), strict=True))
+        slope = sum(share * self._slopes(F, 0.5 * (J + J0 + place * (J - J0)))[3]
+                    for place, share in zip(PLACES, 0.5 * SHARES, strict=True))
+        of_q, grown = (np.einsum("pij,cpij->cp", one, parts)[:, :, None, None] for one in (mean, cofactor(mean)))
+        of_q, of_k = A * of_q, slope * grown
+        if self.at_rest:
+            return q * parts + k * cofactor(parts) + of_q * mean + of_k * cofactor(mean)
+        product, b = parts @ mean.swapaxes(1, 2), 0.5 * (F @ F.swapaxes(1, 2) + F0 @ F0.swapaxes(1, 2))
+        return q * (product + product.swapaxes(2, 3)) + of_q * b \
+            + (k * grown + 0.5 * (J + J0)[:, None, None] * of_k) * np.eye(2)
+
+    def _slopes(self, F: np.ndarray, J: np.ndarray) -> list[np.ndarray]:
+        """Of P = q F + k cof F the coefficients, A, which is twice the slope of q with F:F, and that of k with J, each
+        (P, 1, 1)."""
+        q, r, A, x = self.material.coefficients(F.reshape(-1, 4).T, J)
+        k = (r - q) / J
+        return [np.broadcast_to(one, J.shape)[:, None, None] for one in (q, k, A, (x / J - k) / J)]
 
 
 def cofactor(F: np.ndarray) -> np.ndarray:

@@ -25,12 +25,12 @@ import taichi as ti
 from solvers.estimators import recovery
 from solvers.estimators.lattice_lines import Line
 from solvers.estimators.recovery import BEGUN, MOVED, NEW, SHORT, TAU, TURNS, H
-from solvers.kernels.elementary import log
 from solvers.kernels.kinds import quads, reals
 from solvers.problems.planar.estimators import recovered_operators as op
 from solvers.problems.planar.estimators.recovered_tables import across_planes, gathered_directions, of_four, verdict
 from solvers.problems.planar.layout import on_axis
-from solvers.problems.planar.method.neo_hookean import cauchy_stress, cauchy_stress_of
+from solvers.problems.planar.method import material
+from solvers.problems.planar.method.neo_hookean import ALONE, cauchy_stress, cauchy_stress_of
 from solvers.problems.planar.method.phases import gather
 from solvers.scene.estimator_hooks import EstimatorHooks
 
@@ -130,11 +130,10 @@ def find_stress(body: ti.template(), closed: ti.template()):
 @ti.func
 def piola(body: ti.template(), a, b, c, d):
     """P e_R and P e_angle as (x, y, x, y), where F e_R = (a, c) and F e_angle = (b, d)."""
-    J, bulk, mu = a * d - b * c, 0.0, body.shear_modulus
-    if body.lame_modulus != 0:  # a logarithm a particle is a tenth of the estimator's time
-        bulk = body.lame_modulus * log(J)
-    back = (bulk - mu) / J
-    return ti.Vector([mu * a + back * d, mu * c - back * b, mu * b - back * c, mu * d + back * a])
+    F = ti.Vector([a, b, c, d])
+    J, q, r, _, _ = material.coefficients(body, F, ALONE)
+    xx, xy, yx, yy = material.piola(F, q, (r - q) / J)
+    return ti.Vector([xx, yx, xy, yy])
 
 
 @ti.func

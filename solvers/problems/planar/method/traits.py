@@ -4,7 +4,8 @@ import taichi as ti
 
 from solvers.problems.planar.method.field_tables import find_force_functions, force_at
 from solvers.problems.planar.method.frames import turned
-from solvers.problems.planar.method.neo_hookean import find_volumetric, stress_of, tangent
+from solvers.problems.planar.method.material import LAWS, stress_of, tangent
+from solvers.problems.planar.method.neo_hookean import find_volumetric
 from solvers.problems.planar.method.symmetry_planes import symmetry_planes
 from solvers.problems.planar.parts import Traits
 from solvers.problems.planar.scene import PlanarScene
@@ -25,7 +26,7 @@ def traits_of(kind: type[PlanarScene]) -> Traits:
     @ti.func
     def prepare(body: ti.template(), start, end, on: ti.template()):
         """lambda ln J, and where each particle is an orbit the force, of the particles from ``start`` to ``end``."""
-        if ti.static(volumetric):
+        if ti.static(volumetric and LAWS[on.law].logarithmic):
             find_volumetric(body, start, end)
         if ti.static(not circular and on.body_force != "none"):
             for p in range(start, end):
