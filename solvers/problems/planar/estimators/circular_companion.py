@@ -28,10 +28,11 @@ import taichi as ti
 
 from solvers.estimators import companion as shared
 from solvers.kernels.kinds import integers, octets, pairs, quads, reals
+from solvers.problems.planar.estimators.companion import keep_errors
 from solvers.problems.planar.layout import particle_layout
 from solvers.problems.planar.method.field_tables import find_force_functions, force_at, of_pairs, pack
 from solvers.problems.planar.method.frames import turned, turned_tensor
-from solvers.problems.planar.method.material import cauchy_stress, cauchy_stress_of, coefficients, piola, stiffness
+from solvers.problems.planar.method.material import cauchy_stress_of, coefficients, piola, stiffness
 
 
 @ti.func
@@ -125,19 +126,9 @@ def report_at_once(body: ti.template(), base, step, on: ti.template()):
 @ti.func
 def particle_error(body: ti.template(), base, p, step, on: ti.template()):
     """Errors of x and v, of the Cauchy stress and of a at a particle. Returns the square of that of x."""
-    f, e = body.companion_circles[body.orbit[p]], body.direction[p]
-    X, q = body.material_position[p], body.position_velocity[p]
-    u, v = turned(e, f[0], f[1]), turned(e, f[2], f[3])
-    error = ti.Vector([q[0] - X[0] - u[0], q[1] - X[1] - u[1], q[2] - v[0], q[3] - v[1]])
-    body.estimate[base + p] = error
-    true = body.companion_circle_stress[body.orbit[p]]
-    miss = cauchy_stress(body, p, on) - turned_tensor(e, true[0], true[1], true[2])
-    body.estimate_stress[base + p] = ti.Vector([miss[0], miss[1], miss[2], 0.0])
-    a = ti.Vector([ti.math.nan, ti.math.nan])
-    if ti.static(on.acceleration):  # before the first step none has been computed, and so none can be wrong
-        a = body.acceleration[p] - turned(e, f[4], f[5]) if step > 0 else ti.Vector([0.0, 0.0])
-    body.estimate_acceleration[base + p] = a
-    return error[0] * error[0] + error[1] * error[1]
+    f, e, true = body.companion_circles[body.orbit[p]], body.direction[p], body.companion_circle_stress[body.orbit[p]]
+    u, v, sigma = turned(e, f[0], f[1]), turned(e, f[2], f[3]), turned_tensor(e, true[0], true[1], true[2])
+    return keep_errors(body, base, p, step, ti.Vector([u[0], u[1], v[0], v[1]]), turned(e, f[4], f[5]), sigma, on)
 
 
 def allocate(scene) -> dict[str, np.ndarray]:

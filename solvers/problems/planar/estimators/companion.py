@@ -160,16 +160,24 @@ def particle_error(body: ti.template(), base, place, step, on: ti.template()):
             value = line_node(body, place[3], place[1] + j - shared.LAYERS * body.companion_counts[shared.NODES])
         f += basis[0] * value
         u_eta += basis[1] * ti.Vector([value[0], value[1]])
-    q, X, g = body.position_velocity[p], body.material_position[p], body.companion_slopes[p]  # grad xi, grad eta
+    g = body.companion_slopes[p]  # grad xi, grad eta
     xx, xy = 1 + f[6] * g[0] + u_eta[0] * g[2], f[6] * g[1] + u_eta[0] * g[3]
     yx, yy = f[7] * g[0] + u_eta[1] * g[2], 1 + f[7] * g[1] + u_eta[1] * g[3]
-    miss = cauchy_stress(body, p, on) - cauchy_stress_of(body, ti.Vector([xx, xy, yx, yy]), on)
-    error = ti.Vector([q[0] - X[0] - f[0], q[1] - X[1] - f[1], q[2] - f[2], q[3] - f[3]])
+    sigma = cauchy_stress_of(body, ti.Vector([xx, xy, yx, yy]), on)
+    return keep_errors(body, base, p, step, ti.Vector([f[0], f[1], f[2], f[3]]), ti.Vector([f[4], f[5]]), sigma, on)
+
+
+@ti.func
+def keep_errors(body: ti.template(), base, p, step, motion, acceleration, sigma, on: ti.template()):
+    """Those against the companion's u and v, a and Cauchy stress there. Returns the square of that of x."""
+    q, X = body.position_velocity[p], body.material_position[p]
+    error = ti.Vector([q[0] - X[0] - motion[0], q[1] - X[1] - motion[1], q[2] - motion[2], q[3] - motion[3]])
     body.estimate[base + p] = error
+    miss = cauchy_stress(body, p, on) - sigma
     body.estimate_stress[base + p] = ti.Vector([miss[0], miss[1], miss[2], 0.0])
     a = ti.Vector([ti.math.nan, ti.math.nan])
     if ti.static(on.acceleration):  # before the first step none has been computed, and so none can be wrong
-        a = body.acceleration[p] - ti.Vector([f[4], f[5]]) if step > 0 else ti.Vector([0.0, 0.0])
+        a = body.acceleration[p] - acceleration if step > 0 else ti.Vector([0.0, 0.0])
     body.estimate_acceleration[base + p] = a
     return error[0] * error[0] + error[1] * error[1]
 

@@ -1,8 +1,7 @@
-"""The stress that the errors of a budget make.
+"""The difference of two stresses as a sum over parts of the difference of their F, to round-off, however large it is.
 
 In two dimensions F:F, det F and F F^T are quadratic in F: the difference of one between F and F0 is linear in F - F0,
-with coefficients at the mean of the two. What a law makes of F:F and of J is divided by its secants. So the stress of a
-sum of errors is the sum of their stresses, to round-off, however large they are.
+with coefficients at the mean of the two. What a law makes of F:F and of J is divided by its secants.
 """
 
 from typing import NamedTuple
@@ -14,7 +13,7 @@ from solvers.motion.laws.material import Material
 PLACES, SHARES = np.polynomial.legendre.leggauss(10)  # a secant is a mean of slopes: to rounding up to J/J0 = 2
 
 
-class BudgetStress(NamedTuple):
+class StressDifference(NamedTuple):
     """Of a material; ``at_rest``: the first Piola-Kirchhoff stress is meant, as weights of the rest want it."""
 
     material: Material
