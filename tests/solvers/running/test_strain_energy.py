@@ -1,4 +1,4 @@
-"""The strain energy of the plane problems against its formula, and its derivative against the stress that pushes."""
+"""The strain energy of the plane problems against its formula, and the stress of a step against that in numpy."""
 
 from dataclasses import replace
 
@@ -46,10 +46,9 @@ def measured(measure, solver, F: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
 
 @pytest.mark.parametrize("problem, changes", [("ring", {}), ("vortex", {}), ("vortex", {"poisson_ratio": 0.45}),
                                               ("square", {})])
-def test_the_strain_energy_and_its_derivative(problem, changes):
+def test_the_strain_energy_and_the_stress(problem, changes):
     """W = mu/2 (F:F - 2 - 2 ln J) + lambda/2 ln^2 J of random F with J from .4 to 2.5, the ring's lambda being 0, or
-    lambda/2 (tr E)^2 + mu E:E: to rounding; and dW/dF F^T = J sigma, by differences of 1e-6 good to some 1e-8 of the
-    largest stress, which is numpy's to rounding."""
+    lambda/2 (tr E)^2 + mu E:E: to rounding; and J sigma is that of numpy, whose derivatives are tested there."""
     scene = replace(SCENES[problem], **changes)
     solver, random = build(scene), np.random.default_rng(7)
     measure = kernel(solver)
@@ -66,10 +65,3 @@ def test_the_strain_energy_and_its_derivative(problem, changes):
     np.testing.assert_allclose(energy, expected, rtol=0, atol=1e-12 * expected.max())
     law = np.linalg.det(F)[:, None, None] * PROBLEMS[problem].reference.stress(scene, F)
     np.testing.assert_allclose(stress, law, rtol=0, atol=1e-13 * np.abs(law).max())
-    slope, step = np.zeros_like(F), 1e-6
-    for i, j in np.ndindex(2, 2):
-        change = np.zeros((2, 2))
-        change[i, j] = step
-        ends = [measured(measure, solver, F + sign * change)[0] for sign in (1, -1)]
-        slope[:, i, j] = (ends[0] - ends[1]) / (2 * step * volume)
-    np.testing.assert_allclose(slope @ F.transpose(0, 2, 1), stress, rtol=0, atol=1e-7 * np.abs(stress).max())

@@ -4,6 +4,7 @@ import taichi as ti
 
 from solvers.problems.planar.method import cpdi, gimp
 from solvers.problems.planar.method.kept import kept, kept_number
+from solvers.problems.planar.method.material import tangent
 
 
 @ti.func
@@ -23,7 +24,7 @@ def step_margin(body: ti.template(), traits: ti.template(), on: ti.template()):
                 node, a = corner_node(body, p, k, on), 2 * (k // 4 % 2)
                 gradient = corner_hat(body, p, k, on) * ti.Vector([g[a], g[a + 1], 0.0, 0.0])
                 body.node_scratch[node] = body.node_scratch[node] + gradient
-            stiffness, metric = traits.tangent(body, p, on)
+            stiffness, metric = tangent(body, p, on)
             for k in range(16):
                 total += take_gradient(body, traits, metric, corner_node(body, p, k, on))
             stiffness *= total
@@ -37,7 +38,7 @@ def step_margin(body: ti.template(), traits: ti.template(), on: ti.template()):
                     node = first + j * body.row + i
                     circle = body.node_scratch[node][3]
                     body.node_scratch[node] = ti.Vector([dS[i] * R[j], S[i] * dR[j], 0.0, circle])
-            stiffness, metric = traits.tangent(body, p, on)
+            stiffness, metric = tangent(body, p, on)
             for place in range(9):
                 total += take_gradient(body, traits, metric, first + (place // 3) * body.row + place % 3)
             stiffness *= total
@@ -87,7 +88,7 @@ def step_margin_at_once(body: ti.template(), traits: ti.template(), on: ti.templ
     for node in range(body.nodes):
         body.node_scratch[node] = ti.Vector([0.0, 0.0, 0.0, 0.0])
     for p in range(body.particles):
-        stiffness, metric = traits.tangent(body, p, on)
+        stiffness, metric = tangent(body, p, on)
         total = 0.0
         for k in range(ti.static(16 if on.method == "cpdi" else 9)):
             node, gradient = node_gradient(body, p, k, on)

@@ -1,7 +1,6 @@
 """The material for kernels: the formulas of ``solvers.motion.laws``, of the law that a scene's switches name.
 
-A body has ``shear_modulus`` mu, ``lame_modulus`` lambda and, found once a step where the law needs it, ``volumetric`` =
-lambda ln J (P,); but where lambda is 0 by the problem, :func:`stress` is made without it.
+A body has ``shear_modulus`` mu and ``lame_modulus`` lambda.
 """
 
 from collections.abc import Callable
@@ -58,29 +57,10 @@ def cauchy_stress(body: ti.template(), p, on: ti.template()):
     return cauchy_stress_of(body, body.deformation_gradient[p], on)
 
 
-def stress_of(volumetric: bool) -> Callable:
-    """The stress of a step, as a function for kernels, of bodies whose lambda may be other than 0, or is 0."""
-    @ti.func
-    def stress(body: ti.template(), p, on: ti.template()):
-        """J sigma as (xx, xy, yx, yy), or P where the weights stay those of rest."""
-        F, bulk, full = body.deformation_gradient[p], 0.0, ti.Vector([0.0] * 4)
-        if ti.static(volumetric and LAWS[on.law].logarithmic):
-            bulk = body.volumetric[p]
-        J = determinant(F)
-        q, r, _, _ = LAWS[on.law].coefficients(F, J, bulk, body.lame_modulus, body.shear_modulus)
-        if ti.static(on.frozen):
-            full[0], full[1], full[2], full[3] = piola(F, q, (r - q) / J)
-        else:
-            full[0], full[1], full[3] = kirchhoff(F, q, r)
-            full[2] = full[1]
-        return full
-
-    return stress
-
-
 @ti.func
 def tangent(body: ti.template(), p, on: ti.template()):
-    """V0, and the metric for the gradients of weights, in space or, where they stay those of rest, in the material."""
+    """For the margin of the step V0 in m^3 and a metric (xx, xy, yy) in Pa, in which sizes of the gradients of weights
+    at two nodes are multiplied for what binds these at most: in space, or where weights stay those of rest at rest."""
     F = body.deformation_gradient[p]
     J, q, r, A, x = coefficients(body, F, on)
     xx, xy, yy = ti.static(material_metric if on.frozen else metric)(F, J, q, r, A, x)
@@ -90,8 +70,6 @@ def tangent(body: ti.template(), p, on: ti.template()):
 @ti.func
 def strain_energy(body: ti.template(), p, on: ti.template()):
     """Of a particle, in J."""
-    F, logarithm = body.deformation_gradient[p], 0.0
+    F, mu = body.deformation_gradient[p], body.shear_modulus
     J = determinant(F)
-    if ti.static(LAWS[on.law].logarithmic):
-        logarithm = growth(J)
-    return body.mass[p] / body.density * LAWS[on.law].energy(F, J, logarithm, body.lame_modulus, body.shear_modulus)
+    return body.mass[p] / body.density * LAWS[on.law].energy(F, J, growth(J), body.lame_modulus, mu)
