@@ -10,7 +10,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from solvers.motion.jets import Jet, variables
-from solvers.motion.neo_hookean import cauchy_stress, first_piola_stress
+from solvers.motion.laws.material import Material
 
 X_AXIS, Y_AXIS, TIME = range(3)
 #: (scene, X, Y, t) -> (u_x, u_y), of any kind of number: arrays, or jets with the functions of ``solvers.motion.jets``.
@@ -42,12 +42,12 @@ class MotionJets(NamedTuple):
         return (1.0 + self.x.derivative(X_AXIS), self.x.derivative(Y_AXIS),
                 self.y.derivative(X_AXIS), 1.0 + self.y.derivative(Y_AXIS))
 
-    def body_force(self, lame: tuple[float, float], density: float) -> tuple[Any, Any]:
+    def body_force(self, material: Material, density: float) -> tuple[Any, Any]:
         """b = a - Div P/rho per mass, in m/s^2: P of F as jets of first order along X and Y."""
         F = [Jet(value, (one.derivative(axis, X_AXIS), one.derivative(axis, Y_AXIS), None), ())
              for value, (one, axis) in zip(self.deformation_gradient,
                                            ((one, axis) for one in self for axis in (X_AXIS, Y_AXIS)), strict=True)]
-        P = first_piola_stress(F, *lame)
+        P = material.first_piola_stress(F)
         divergence = (P[0].derivative(X_AXIS) + P[1].derivative(Y_AXIS),
                       P[2].derivative(X_AXIS) + P[3].derivative(Y_AXIS))
         a = self.acceleration
@@ -57,7 +57,7 @@ class MotionJets(NamedTuple):
 class ExactSolution:
     """Functions of (scene, X (P, 2) in m, t in s) that follow from a displacement.
 
-    ``scene`` gives ``lame_moduli`` in Pa and ``density`` in kg/m^3, and whatever the displacement asks of it.
+    ``scene`` gives its ``material`` and its ``density`` in kg/m^3, and whatever the displacement asks of it.
     """
 
     def __init__(self, displacement: Displacement):
@@ -90,11 +90,11 @@ class ExactSolution:
 
     def stress(self, scene: Any, X: np.ndarray, t: Any) -> np.ndarray:
         """Cauchy stress xx, xy, yy (P, 3) in Pa."""
-        return columns(cauchy_stress(self.jets(scene, X, t).deformation_gradient, *scene.lame_moduli), len(X))
+        return columns(scene.material.cauchy_stress(self.jets(scene, X, t).deformation_gradient), len(X))
 
     def body_force(self, scene: Any, X: np.ndarray, t: Any) -> np.ndarray:
         """b (P, 2) per mass in m/s^2, the force that makes the displacement the solution."""
-        return columns(self.jets(scene, X, t).body_force(scene.lame_moduli, scene.density), len(X))
+        return columns(self.jets(scene, X, t).body_force(scene.material, scene.density), len(X))
 
 
 def columns(components: Any, points: int) -> np.ndarray:

@@ -8,6 +8,7 @@ import numpy as np
 from solvers.motion.exact_solution import X_AXIS, Y_AXIS, ExactSolution
 from solvers.motion.formula import Formula, FormulaError, parse
 from solvers.motion.jets import Jet
+from solvers.motion.laws.material import Material
 from solvers.motion.separable_field import NotPeriodic, separate
 
 NAMES = ("X", "Y", "t", "w", "A")
@@ -63,11 +64,11 @@ def _split(text: str) -> list[str]:
 
 
 class MotionInputs(NamedTuple):
-    """What of a scene its motion, and the body force that makes it, are made of: w in 1/s, A, the moduli and SI."""
+    """What of a scene its motion, and the body force that makes it, are made of: w in 1/s, A, its material and SI."""
 
     base_frequency: float
     amplitude: float
-    lame_moduli: tuple[float, float]
+    material: Material
     density: float
     SIDE: float
 

@@ -58,11 +58,12 @@ def read_parts(path: Path, **values: float | str) -> dict[str, str]:
     return parts
 
 
-def read_texts(path: Path, case: str, **values: float | str) -> Texts:
-    """The texts in a file (:func:`read_parts`), headed by their names, or by ``name: case`` where a case has
-    another one."""
+def read_texts(path: Path, *cases: str, **values: float | str) -> Texts:
+    """The texts in a file (:func:`read_parts`), headed by their names, or by ``name: case`` where one of the cases has
+    another one, the first of them."""
     parts = read_parts(path, **values)
-    return Texts(*(parts.get(f"{text.name}: {case}", parts[text.name]) for text in fields(Texts)))
+    return Texts(*(next(parts[one] for one in (*(f"{text.name}: {case}" for case in cases), text.name) if one in parts)
+                   for text in fields(Texts)))
 
 
 class ProblemReference(ABC):

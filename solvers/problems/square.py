@@ -46,7 +46,7 @@ class SquareScene(BoxScene):
         if not self.displacement:
             return self.base_frequency
         return 2 * math.pi / find_period(self.displacement, MotionInputs(
-            self.base_frequency, self.amplitude, self.lame_moduli, self.density, self.SIDE))
+            self.base_frequency, self.amplitude, self.material, self.density, self.SIDE))
 
     def displacement_at(self, X: Any, Y: Any, t: Any) -> tuple[Any, Any]:
         if self.displacement:

@@ -21,6 +21,7 @@ class Switches(NamedTuple):
     estimators: tuple[str, ...]
     remedies: tuple[str, ...]
     motion: str  # of a problem that has several, "" of the others
+    law: str = ""  # of a problem whose material has one
 
     def __getattr__(self, name: str) -> bool:
         if name in SWITCHES:
@@ -34,7 +35,7 @@ def switches(scene: Scene) -> Switches:
     """The switches of a scene."""
     return Switches(scene.method, scene.linearity_preserving, scene.body_force, scene.velocity,
                     scene.active_effects, scene.active_estimators, scene.remedies,
-                    getattr(scene, "motion", ""))
+                    getattr(scene, "motion", ""), getattr(scene, "law", ""))
 
 
 def bare(on: Switches) -> Switches:

@@ -117,14 +117,14 @@ CAPTIONS = {"norms.png": "Error norms over time: against the truth where there i
             "space.png": "Where the error of x is, at the time at which it is largest",
             "order.png": "Largest errors over the cell size, beside our own methods"}
 #: Inputs that some problems have: their keys, names and units.
-OF_SOME = (("poisson_ratio", "Poisson's ratio", ""), ("frequency", "frequency B =", " 1/s"))
+OF_SOME = (("poisson_ratio", "Poisson's ratio", ""), ("frequency", "frequency B =", " 1/s"), ("law", "law", ""))
 HERE = Path(__file__).parent
 
 
 def summary(values: dict, judged: "Judgement") -> str:
     """What was judged, how large the errors are, and what does not hold."""
     scene, asked = judged.scene, values["scene"]
-    more = [f"{name} {asked[key]:g}{unit}" for key, name, unit in OF_SOME if key in asked]
+    more = [f"{name} {asked[key]:{'' if key == 'law' else 'g'}}{unit}" for key, name, unit in OF_SOME if key in asked]
     files = sorted({file for g in values["grids"] for file in g["files"]})
     head = [f"# {scene.title.capitalize()}: {len(files)} file{'s' * (len(files) != 1)} judged",
             f"{values['problem'].capitalize()}: {moving(scene)}, E = {asked['modulus']:g} Pa, density "

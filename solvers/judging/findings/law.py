@@ -85,6 +85,9 @@ def _candidates(scene: Scene, tracks: Tracks, sigma: np.ndarray, law: np.ndarray
             yield sigma - other(tracks.own["F"], law), f"it fits as {words}"
     factor = float(np.sum(sigma * law) / np.sum(law * law))
     yield sigma - factor * law, f"it fits E = {factor * scene.modulus:.4g} Pa, not {scene.modulus:.4g} Pa"
+    if "law" in scene.__dataclass_fields__:
+        for name in scene.choices("law"):
+            yield sigma - _law(replace(scene, law=name), tracks), f"it fits the law {name}"  # type: ignore[call-arg]
     if hasattr(scene, "poisson_ratio"):
         yield from _moduli(scene, tracks, sigma)
 

@@ -9,6 +9,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from solvers.estimators.spectral import Elements
+from solvers.motion.laws.material import LAWS, NEO_HOOKEAN
 from solvers.motion.separable_field import SeparableField, separate
 from solvers.problems.planar.estimators.patch import CARTESIAN, Patch
 from solvers.problems.planar.scene import GHOSTS, PlanarScene, motion_table
@@ -38,6 +39,7 @@ class BoxScene(PlanarScene):
     ppc: int = option(2, "Particles per cell and direction")
     modulus: float = option(1e7, "Young's modulus E", "Pa")
     poisson_ratio: float = option(0.3, "Poisson's ratio")
+    law: str = option(NEO_HOOKEAN, "Law of the material", choices=tuple(LAWS))
     density: float = option(1000.0, "Density", "kg/m3")
     body_force: str = option("material", "Body force: at material points, or none; only the first has a built-in "
                              "solution", choices=("material", "none"))
@@ -97,15 +99,28 @@ class BoxScene(PlanarScene):
 
     @functools.cached_property
     def crossing_rate(self) -> float:
-        """How many metres of the material a wave along x or y runs, where it is fastest, while one runs a metre at
-        rest: its stiffness is mu + (lambda + mu - lambda ln J) |F^-T e|^2."""
-        (bulk, mu), rate = self.lame_moduli, 1.0
+        """Speed of the fastest wave along x or y, in the material's frame and anywhere in the exact motion, over that of
+        one at rest."""
+        rate = 1.0
         for t in (np.arange(INSTANTS) + 0.5) / INSTANTS * self.period:
             F = self.EXACT.deformation_gradient(self, self._points, t)
-            stiffness = mu + ((bulk + mu - bulk * np.log(np.linalg.det(F)))[:, None]
-                              * (np.linalg.inv(F) ** 2).sum(axis=2))
-            rate = max(rate, float(stiffness.max()) / (bulk + 2 * mu))
-        return math.sqrt(rate)
+            back = np.linalg.inv(F)
+            rate = max(rate, *(self.material.stiffening(F.reshape(-1, 4).T, (F[:, :, k] ** 2).sum(axis=1),
+                                                        (back[:, k] ** 2).sum(axis=1)) for k in (0, 1)))
+        return rate
+
+    def warnings(self) -> list[str]:
+        if self.law == NEO_HOOKEAN or self.least_stiffness > 0:
+            return super().warnings()
+        return [*super().warnings(), f"law {self.law}: not elliptic all along the exact motion, where waves of some "
+                f"direction have a stiffness of {self.least_stiffness:.2g} mu; the shorter they are, the faster they "
+                "grow: choose a smaller amplitude, or neo-hookean"]
+
+    @functools.cached_property
+    def least_stiffness(self) -> float:
+        """Of waves in any direction, anywhere along the exact motion, the smallest over mu."""
+        F = (self.EXACT.deformation_gradient(self, self._points, t) for t in np.arange(LINE) / LINE * self.period)
+        return min(self.material.least_stiffness(one.reshape(-1, 4).T) for one in F)
 
     def grid_field(self) -> SeparableField:
         """The acceleration in m/s^2 at the places of the nodes, of the material that has come there."""

@@ -48,8 +48,7 @@ class CircleMotion:
         self._scene = scene
         order = next(order for most, order in ORDERS if scene.amplitude <= most)
         self._body = CircularBody(scene, 1, order)
-        self._R, self._D = self._body.elements.nodes, self._body.elements.derivative
-        self._lame = scene.lame_moduli
+        self._R = self._body.elements.nodes
         self._instants = [Instant(0.0, self._R.astype(complex), self._body.velocity @ COMPLEX)]
         self._steps = 0
         radii, self._counts = circles(scene)
@@ -90,8 +89,8 @@ class CircleMotion:
         """From an instant on to a later time; nowhere from where they were not followed."""
         z, v, t = start.place, start.velocity, start.time
         while z is not None and t < end:
-            rate = max(self._body.frequency_at_rest * math.sqrt(self._stiffness(z)) / COURANT,
-                       STEPS_A_PERIOD / self._scene.period)
+            stiffening = self._body.stiffening(self._body.deformation_gradient(z))
+            rate = max(self._body.frequency_at_rest * stiffening / COURANT, STEPS_A_PERIOD / self._scene.period)
             if not self._steps + (end - t) * rate <= MOST_STEPS:  # true for NaN too
                 return Instant(end, None, v)
             left = math.ceil((end - t) * rate)
@@ -116,13 +115,6 @@ class CircleMotion:
             a = b + self._body.internal_acceleration(z)
             v = v + 0.5 * H * a
         return z, v
-
-    def _stiffness(self, z: np.ndarray) -> float:
-        """The stiffest tangent along the radius over that at rest, lambda + 2 mu."""
-        (lam, mu), slope, hoop = self._lame, self._D @ z, z / self._R
-        J = slope.real * hoop.real + slope.imag * hoop.imag
-        tangent = mu + (lam + mu - lam * np.log(J)) * np.abs(hoop) ** 2 / J**2
-        return max(1.0, float(tangent.max()) / (lam + 2 * mu))
 
 
 @functools.lru_cache(maxsize=4)

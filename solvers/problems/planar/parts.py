@@ -13,9 +13,6 @@ class Traits(NamedTuple):
     prepare: Callable  # (body, start, end, on): find what the stress of these particles needs, before it is asked for
     body_force_on: Callable  # (body, p): the force on particle p that was found, in N
     stress: Callable  # (body, p, on): J sigma as (xx, xy, yx, yy), or P where the weights stay those of rest
-    #: (body, p, on): for the margin of the step, a stiffness in N m and a metric (xx, xy, yy) for the gradients of
-    #: weights g and h at two nodes, which it binds with at most the stiffness times |g| |h|.
-    tangent: Callable
     has_escaped: Callable  # (body, p, step): whether a particle is where none of a sound run can be
     first: int  # the first row and column of nodes that are no ghosts
     fold: Callable  # (body, fold_pair): add what fell on ghosts to their mirror images
@@ -28,7 +25,7 @@ class Measures(NamedTuple):
     """What samples of a problem are made of beside the errors of its particles, as functions for kernels."""
 
     node_acceleration_error: Callable  # (body, on): mean squared error of the nodes' acceleration
-    strain_energy: Callable  # (body, p): of a particle, in J
+    strain_energy: Callable  # (body, p, on): of a particle, in J
     look: Callable  # (body, row): for contradictions
     samplers: dict[str, Callable]  # what fills the columns of effects: see ``solvers.scene.effects.samplers``
 

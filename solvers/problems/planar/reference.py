@@ -7,7 +7,6 @@ from typing import Any
 import numpy as np
 
 from solvers.estimators.standalone import ElasticBody
-from solvers.motion.neo_hookean import cauchy_stress
 from solvers.problems.planar.body_force import body_force_at
 from solvers.problems.planar.circular import along_frame, plotted_frame
 from solvers.problems.planar.layout import on_axis, particle_layout
@@ -36,8 +35,9 @@ class PlanarReference(ProblemReference):
     def texts(self, scene: Any) -> Texts:
         (bulk, mu), A, w = scene.lame_moduli, scene.amplitude, scene.angular_frequency
         formula = getattr(scene, "displacement", "")
-        return read_texts(GENERAL if formula else self._texts, scene.body_force, formula=formula or "as in its code",
-                          A=A, w=w, speed=A * w, bulk=bulk, mu=mu, E=scene.modulus, density=scene.density,
+        return read_texts(GENERAL if formula else self._texts, scene.body_force, scene.law,
+                          formula=formula or "as in its code", law=scene.material.law.text, A=A, w=w, speed=A * w,
+                          bulk=bulk, mu=mu, E=scene.modulus, density=scene.density,
                           nu=getattr(scene, "poisson_ratio", 0.0), corner=self.grid_corner(scene))
 
     def table_points(self, scene: Any, count: int) -> np.ndarray:
@@ -48,7 +48,7 @@ class PlanarReference(ProblemReference):
         return np.stack(np.meshgrid(line, line), axis=-1).reshape(-1, 2)
 
     def stress(self, scene: Any, F: np.ndarray) -> np.ndarray:
-        xx, xy, yy = cauchy_stress(F.reshape(-1, 4).T, *scene.lame_moduli)
+        xx, xy, yy = scene.material.cauchy_stress(F.reshape(-1, 4).T)
         return np.stack([xx, xy, xy, yy], axis=1).reshape(-1, 2, 2)
 
     def body_force(self, scene: Any, X: np.ndarray, t: float) -> np.ndarray:

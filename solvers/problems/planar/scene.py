@@ -13,6 +13,7 @@ import numpy as np
 
 from solvers.estimators.standalone import ElasticBody
 from solvers.motion.exact_solution import ExactSolution, columns
+from solvers.motion.laws.material import LAWS, NEO_HOOKEAN, Material
 from solvers.motion.separable_field import SeparableField, separate
 from solvers.problems.planar import step_bound
 from solvers.problems.planar.layout import particle_layout
@@ -31,6 +32,7 @@ class PlanarScene(Scene):
     layout: str  # the lattice on which particles begin: "polar", "cartesian" or "box"
     ppc: int  # per direction
     plan: str  # how the step is spread over the threads
+    law: str = NEO_HOOKEAN  # of the material
 
     DIMENSIONS = 2
     EXTRA_ERROR = "a_nodes"
@@ -145,6 +147,10 @@ class PlanarScene(Scene):
         nu = getattr(self, "poisson_ratio", 0.0)
         mu = 0.5 * self.modulus / (1 + nu)
         return 2 * mu * nu / (1 - 2 * nu), mu
+
+    @functools.cached_property
+    def material(self) -> Material:
+        return Material(LAWS[self.law], *self.lame_moduli)
 
     @property
     def wave_speed(self) -> float:

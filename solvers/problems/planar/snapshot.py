@@ -9,7 +9,6 @@ from typing import Any
 
 import numpy as np
 
-from solvers.motion.neo_hookean import cauchy_stress
 from solvers.problems.planar.circular import along_frame, plotted_frame
 from solvers.problems.planar.method.body import PlanarBody
 
@@ -35,7 +34,7 @@ def plotted_field(scene: Any, a: PlanarBody, quantity: str, time: float) -> np.n
     values = deviation = np.full(len(a.position_velocity), np.nan)
     if quantity != "a" or scene.has("acceleration"):
         q, X = a.position_velocity, a.material_position
-        parts = cauchy_stress_of(a) if quantity == "sigma" else {
+        parts = cauchy_stress_of(scene, a) if quantity == "sigma" else {
             "x": q[:, :2] - X, "v": q[:, 2:], "a": a.acceleration}[quantity].T
         values = parts[0] if not scene.CIRCULAR else \
             along_frame(scene.PLOTTED, *plotted_frame(scene.PLOTTED, quantity, X, q[:, :2]).T, *parts)
@@ -58,9 +57,9 @@ def acceleration_error(scene: Any, a: PlanarBody, time: float) -> Vector:
     return a.acceleration[:, 0] - x, a.acceleration[:, 1] - y
 
 
-def cauchy_stress_of(a: PlanarBody) -> Tensor:
+def cauchy_stress_of(scene: Any, a: PlanarBody) -> Tensor:
     """Of the particles."""
-    return cauchy_stress(np.ascontiguousarray(a.deformation_gradient.T), a.lame_modulus, a.shear_modulus)
+    return scene.material.cauchy_stress(np.ascontiguousarray(a.deformation_gradient.T))
 
 
 def stress_error(scene: Any, a: PlanarBody, time: float) -> Tensor:
@@ -70,7 +69,7 @@ def stress_error(scene: Any, a: PlanarBody, time: float) -> Tensor:
     mean, half, double = 0.5 * (xx + yy), 0.5 * (xx - yy), 2 * c * s
     cosine = c * c - s * s
     along, across = half * cosine - xy * double, half * double + xy * cosine
-    mine = cauchy_stress_of(a)
+    mine = cauchy_stress_of(scene, a)
     return mine[0] - mean - along, mine[1] - across, mine[2] - mean + along
 
 

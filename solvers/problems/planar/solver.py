@@ -98,7 +98,7 @@ class PlanarSolver(Solver):
         said |= {name: estimated_fields(a, k) for k, name in enumerate(on.estimators)}
         motion, X = a.position_velocity, a.material_position
         with np.errstate(all="ignore"):  # a run gone bad holds anything
-            stress = cauchy_stress_of(a)
+            stress = cauchy_stress_of(self.scene, a)
         return Fields(X.copy(), a.mass.copy(), a.mass / self.scene.density,
                       columns([(motion[:, 0] - X[:, 0], motion[:, 1] - X[:, 1]), tuple(motion.T[2:]),
                                stress]),
@@ -134,7 +134,7 @@ class PlanarSolver(Solver):
         return self.scene.other_advice()
 
     def _carried(self) -> Carried:
-        return carried(self._arrays)
+        return carried(self.scene, self._arrays)
 
     def _breakdown(self, particle: int, before: Carried) -> StepBreakdown:
         return breakdown(self.scene, self._arrays, particle, self.step, before, self.PARTS.traits.first)

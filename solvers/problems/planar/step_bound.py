@@ -1,22 +1,15 @@
 """The longest step of a plane body along the motion ahead, from its weights and its tangent stiffness, in numpy (see
 ``solvers.scene.step_bound``).
 
-For the circles: the stiffness between two nodes with gradients g and h of their weights is V0 [mu (g . b h) I + lambda
-g h^T + (mu - lambda ln J) h g^T], b = F F^T. Its norm is at most that of |g| |h| in the metric mu b + (lambda + mu -
-lambda ln J) I. A sheared material is stiff along one direction alone. In material form, for frozen weights, the metric
-is mu I + (lambda + mu - lambda ln J) C^-1.
-
-For P = mu F + (lambda ln J - mu) F^-T the rates L of the deformation change the force of a particle at a node whose
-weight has the gradient g by V0 (mu L b + lambda tr L I + (mu - lambda ln J) L^T) g, b = F F^T. Where weights stay those
-at rest it is the same with F^-T times the gradient at rest for g.
+Where weights stay those at rest gradients in space are F^-T times those at rest.
 """
 
-from collections.abc import Callable, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from typing import Any, NamedTuple
 
 import numpy as np
 
+from solvers.motion.laws.law import determinant, material_metric, metric, rate
 from solvers.problems.planar.layout import CORNERS, MOST_HALF_WIDTH, box_stretch, particle_layout
 from solvers.scene.linear_stability import Configurations, Fields, Links, limits
 from solvers.scene.scene import Scene
@@ -51,65 +44,6 @@ class Images(NamedTuple):
     turned: np.ndarray
 
 
-@dataclass(frozen=True)
-class Body:
-    """What of a problem the bound is made of, for P particles of its ``layout``.
-
-    ``deformed(part)`` gives positions (P, 2) in m and F (P, 2, 2) at a part of the way from one extreme to the other,
-    which takes so many ``seconds``; ``lame`` are lambda and mu in Pa, ``stretch`` the largest of the motion, ``images``
-    what the symmetry makes of nodes' places; ``held`` says of numbers of nodes (N,) which hold still in x and in y.
-    ``metric`` (P, 3) for the circles comes from F.
-    """
-
-    volume: np.ndarray
-    edges: np.ndarray
-    deformed: Callable[[float], tuple[np.ndarray, np.ndarray]]
-    lame: tuple[float, float]
-    seconds: float
-    stretch: float
-    images: Callable[[np.ndarray, np.ndarray], Images]
-    held: Callable[[np.ndarray], tuple[np.ndarray, np.ndarray]]
-    metric: Callable[[np.ndarray], np.ndarray]
-
-
-def body_of(scene: Any) -> Body:
-    """What of a scene's body its bound is made of: between symmetry planes all of it. Where there is no plane, lattice,
-    grid and motion look the same after a quarter of a turn, and a quarter of the particles is enough, if a node has
-    one number with the three where it then comes to lie, and velocities are turned with it."""
-    layout, (bulk, mu), n, row = particle_layout(scene), scene.lame_moduli, scene.cells, 2 * scene.cells
-    low, high = scene.PLANES
-    start, end = scene.EXTREMES
-    kept = np.full(len(layout.volume), True) if low else (layout.position > 0).all(axis=1)  # none is on an axis
-    middle = 0.0 if low else 0.5 * (n % 2) * scene.spacing  # nodes are numbered from there, or half a cell beside it
-    X = layout.position[kept]
-
-    def deformed(part: float) -> tuple[np.ndarray, np.ndarray]:
-        t = scene.period * (start + (end - start) * part)
-        return (X if scene.frozen else scene.EXACT.position(scene, X, t)) + middle, \
-            scene.EXACT.deformation_gradient(scene, X, t)
-
-    def images(i: np.ndarray, j: np.ndarray) -> Images:
-        if not low:
-            return images_in_a_quarter(i, j, n)
-        inside = [np.where(high & (k > n), 2 * n - k, np.abs(k)) for k in (i, j)]
-        sign_x, sign_y = (np.where((k < 0) | high & (k > n), -1.0, 1.0) for k in (i, j))
-        return Images(inside[0] + row * inside[1], sign_x, sign_y, np.zeros(i.shape, bool))
-
-    def held(number: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        i, j = number % row, number // row
-        return low & ((i == 0) | high & (i == n)), low & ((j == 0) | high & (j == n))
-
-    def metric(F: np.ndarray) -> np.ndarray:
-        rest = (bulk + mu - bulk * np.log(np.linalg.det(F)))[:, None, None]
-        full = mu * np.eye(2) + rest * np.linalg.inv(F.transpose(0, 2, 1) @ F) if scene.frozen \
-            else mu * F @ F.transpose(0, 2, 1) + rest * np.eye(2)
-        return full.reshape(-1, 4)[:, [0, 1, 3]]
-
-    stretch = max(float(np.linalg.norm(deformed(part)[1], 2, axis=(1, 2)).max()) for part in np.linspace(0, 1, MOMENTS))
-    return Body(layout.volume[kept], layout.edges[kept], deformed, (bulk, mu), (end - start) * scene.period, stretch,
-                images, held, metric)
-
-
 def images_in_a_quarter(i: np.ndarray, j: np.ndarray, cells: int) -> Images:
     """The node that (i, j) falls on by quarters of a turn: the one with i > 0 and j >= 0, both counted in halves of a
     cell from the middle of the grid, which is the middle of a cell where the number of cells is odd."""
@@ -120,14 +54,84 @@ def images_in_a_quarter(i: np.ndarray, j: np.ndarray, cells: int) -> Images:
     return Images(number, SIGNS[0][turns], SIGNS[1][turns], crossed)
 
 
-class Look(NamedTuple):
-    """Moments of a body on some cells: the weights and F (n, P, 2, 2) at each, and the longest steps (n,) in s."""
+class Look:
+    """Moments of a body on a scene's cells, at ``parts`` (n,) of the way from one extreme of the motion to the other:
+    the weights ``found``, F (n, P, 2, 2), and the longest steps ``limits`` (n,) in s.
 
-    scene: Any
-    body: Body
-    found: list[Weights]
-    F: np.ndarray
-    limits: np.ndarray
+    Between symmetry planes all of the body is looked at. Where there is no plane, lattice, grid and motion look the
+    same after a quarter of a turn, and a quarter of the particles is enough, if a node has one number with the three
+    where it then comes to lie, and velocities are turned with it.
+    """
+
+    def __init__(self, scene: Any, parts: np.ndarray):
+        self.scene, layout = scene, particle_layout(scene)
+        self._low, self._high = scene.PLANES
+        kept = np.full(len(layout.volume), True) if self._low else (layout.position > 0).all(axis=1)  # none on an axis
+        self._volume, self._X = layout.volume[kept], layout.position[kept]
+        F = [self._deformed(part) for part in parts]
+        self.found = [weights(scene, self._place(part), one, layout.edges[kept])
+                      for part, one in zip(parts, F, strict=True)]
+        self.F = np.stack(F)
+        self.limits = limits(self._side_by_side())
+
+    def stretch(self) -> float:
+        """The largest of the motion."""
+        return max(float(np.linalg.norm(self._deformed(part), 2, axis=(1, 2)).max())
+                   for part in np.linspace(0, 1, MOMENTS))
+
+    def by_circles(self, moment: int) -> float:
+        """What Gershgorin's circles say of a moment, in s."""
+        one, F = self.found[moment], np.moveaxis(self.F[moment].reshape(-1, 4), -1, 0)[..., None]
+        number = self._images(one.i, one.j).number
+        mass = np.bincount(number.ravel(), (self.scene.density * self._volume[:, None] * one.S).ravel())
+        J, bound = determinant(F), material_metric if self.scene.frozen else metric
+        xx, xy, yy = bound(F, J, *self.scene.material.coefficients(F, J))
+        lengths = np.sqrt(np.maximum(xx * one.x * one.x + 2 * xy * one.x * one.y + yy * one.y * one.y, 0.0))
+        return circles(number, lengths, self._volume, mass)
+
+    def _time(self, part: float) -> float:
+        start, end = self.scene.EXTREMES
+        return self.scene.period * (start + (end - start) * part)
+
+    def _deformed(self, part: float) -> np.ndarray:
+        return self.scene.EXACT.deformation_gradient(self.scene, self._X, self._time(part))
+
+    def _place(self, part: float) -> np.ndarray:
+        """From where nodes are numbered: from the planes, or half a cell beside the middle where cells are odd."""
+        scene, X = self.scene, self._X
+        middle = 0.0 if self._low else 0.5 * (scene.cells % 2) * scene.spacing
+        return (X if scene.frozen else scene.EXACT.position(scene, X, self._time(part))) + middle
+
+    def _images(self, i: np.ndarray, j: np.ndarray) -> Images:
+        """What the symmetry makes of nodes' places."""
+        n, high = self.scene.cells, self._high
+        if not self._low:
+            return images_in_a_quarter(i, j, n)
+        inside = [np.where(high & (k > n), 2 * n - k, np.abs(k)) for k in (i, j)]
+        sign_x, sign_y = (np.where((k < 0) | high & (k > n), -1.0, 1.0) for k in (i, j))
+        return Images(inside[0] + 2 * n * inside[1], sign_x, sign_y, np.zeros(i.shape, bool))
+
+    def _side_by_side(self) -> Configurations:
+        """The components x and y of all nodes that are touched are the unknowns."""
+        scene, V, F = self.scene, self._volume, self.F
+        wide = max(one.S.shape[1] for one in self.found)
+        i, j, S, x, y = (np.stack([_padded(part, wide) for part in parts]) for parts in zip(*self.found, strict=True))
+        images, n = self._images(i, j), scene.cells
+        numbers, node = np.unique(images.number, return_inverse=True)
+        node, N = node.reshape(i.shape), len(numbers)
+        links = Links([node + N * images.turned, node + N * ~images.turned], [images.sign_x, images.sign_y])
+        held = np.concatenate([self._low & ((k == 0) | self._high & (k == n))  # which hold still in x, and in y
+                               for k in (numbers % (2 * n), numbers // (2 * n))])
+        if scene.frozen:
+            back = np.linalg.inv(F)
+            x, y = (x * back[..., 0, k, None] + y * back[..., 1, k, None] for k in (0, 1))
+        b, F = F @ F.swapaxes(-1, -2), np.moveaxis(F.reshape(*F.shape[:2], 4), -1, 0)
+        tangent = (b[..., 0, 0], b[..., 0, 1], b[..., 1, 1]), *scene.material.coefficients(F, determinant(F))
+
+        def stress(L: Fields) -> Fields:
+            return [V * part for part in rate(L, *tangent)]
+
+        return Configurations(2 * N, links, S, links, [x, y], scene.density * V, stress, np.flatnonzero(held))
 
 
 def critical_time_step(fine: Any) -> StepBound:
@@ -139,19 +143,20 @@ def critical_time_step(fine: Any) -> StepBound:
     and if they bear less there, all moments do.
     """
     parts = moments(fine)
-    few = _look(coarsened(fine, MOST_PARTICLES), parts)
+    few = Look(coarsened(fine, MOST_PARTICLES), parts)
     hardest = int(np.argmin(few.limits))
     whole, share = coarsened(fine, MOST_AT_FEW_MOMENTS), 1.0
-    by_circles = _by_circles(few, hardest)
+    by_circles = few.by_circles(hardest)
     if whole.cells > few.scene.cells:
-        again = _look(whole, parts[sorted({hardest, hardest if fine.frozen else len(parts) // 2})])
+        again = Look(whole, parts[sorted({hardest, hardest if fine.frozen else len(parts) // 2})])
         larger, least = few.scene.spacing / whole.spacing, int(np.argmin(again.limits))
         share = larger * float(again.limits[least] / few.limits[hardest])
         if share < 1:
-            by_circles = larger * _by_circles(again, least)
+            by_circles = larger * again.by_circles(least)
     finer, first = few.scene.spacing / fine.spacing, few.found[0]
     crossed = any(np.any(one.i[:, 0] != first.i[:, 0]) or np.any(one.j[:, 0] != first.j[:, 0]) for one in few.found)
-    return bounded(few.scene, min(1.0, share) * few.limits, few.body.seconds * finer, few.body.stretch, by_circles,
+    seconds = (fine.EXTREMES[1] - fine.EXTREMES[0]) * fine.period
+    return bounded(few.scene, min(1.0, share) * few.limits, seconds * finer, few.stretch(), by_circles,
                    crossed).on_cells(1 / finer)
 
 
@@ -160,51 +165,6 @@ def coarsened(scene: Any, most: int) -> Any:
     while scene.particles * 0.5 * np.pi / scene.ANGLE > most and scene.cells > scene.FEWEST_CELLS:
         scene = replace(scene, cells=max(scene.cells // 2, scene.FEWEST_CELLS))
     return scene
-
-
-def _look(scene: Any, parts: np.ndarray) -> Look:
-    body = body_of(scene)
-    deformed = [body.deformed(part) for part in parts]
-    found = [weights(scene, *one, body.edges) for one in deformed]
-    F = np.stack([F for _, F in deformed])
-    return Look(scene, body, found, F, limits(_side_by_side(scene, body, found, F)))
-
-
-def _by_circles(look: Look, moment: int) -> float:
-    """What Gershgorin's circles say of a moment, in s."""
-    body, one = look.body, look.found[moment]
-    number = body.images(one.i, one.j).number
-    mass = np.bincount(number.ravel(), (look.scene.density * body.volume[:, None] * one.S).ravel())
-    xx, xy, yy = body.metric(look.F[moment]).T[:, :, None]
-    lengths = np.sqrt(np.maximum(xx * one.x * one.x + 2 * xy * one.x * one.y + yy * one.y * one.y, 0.0))
-    return circles(number, lengths, body.volume, mass)
-
-
-def _side_by_side(scene: Any, body: Body, found: Sequence[Weights], F: np.ndarray) -> Configurations:
-    """Moments of a body: the components x and y of all nodes that are touched are the unknowns."""
-    wide = max(one.S.shape[1] for one in found)
-    i, j, S, x, y = (np.stack([_padded(part, wide) for part in parts]) for parts in zip(*found, strict=True))
-    images = body.images(i, j)
-    numbers, node = np.unique(images.number, return_inverse=True)
-    node, N = node.reshape(i.shape), len(numbers)
-    links = Links([node + N * images.turned, node + N * ~images.turned], [images.sign_x, images.sign_y])
-    held = np.concatenate(body.held(numbers))
-    if scene.frozen:
-        back = np.linalg.inv(F)
-        x, y = (x * back[..., 0, k, None] + y * back[..., 1, k, None] for k in (0, 1))
-    b, J, (lam, mu), V = F @ F.swapaxes(-1, -2), np.linalg.det(F), body.lame, body.volume
-    volumetric = mu - lam * np.log(J)
-
-    def stress(L: Fields) -> Fields:
-        xx, xy, yx, yy = L
-        trace = lam * (xx + yy)
-        return [V * part for part in (
-            mu * (xx * b[..., 0, 0] + xy * b[..., 1, 0]) + trace + volumetric * xx,
-            mu * (xx * b[..., 0, 1] + xy * b[..., 1, 1]) + volumetric * yx,
-            mu * (yx * b[..., 0, 0] + yy * b[..., 1, 0]) + volumetric * xy,
-            mu * (yx * b[..., 0, 1] + yy * b[..., 1, 1]) + trace + volumetric * yy)]
-
-    return Configurations(2 * N, links, S, links, [x, y], scene.density * V, stress, np.flatnonzero(held))
 
 
 def _padded(part: np.ndarray, wide: int) -> np.ndarray:

@@ -11,9 +11,9 @@ from solvers.solver.step_breakdown import Carried, Image, StepBreakdown, flipped
 
 
 @np.errstate(all="ignore")  # a run gone bad holds anything
-def carried(a: WatchedBody) -> Carried:
+def carried(scene: PlanarScene, a: WatchedBody) -> Carried:
     """What the particles carry now, copied."""
-    (xx, xy, yy), q = cauchy_stress_of(a), a.position_velocity
+    (xx, xy, yy), q = cauchy_stress_of(scene, a), a.position_velocity
     return Carried(q[:, :2].copy(), q[:, 2:].copy(), a.deformation_gradient.reshape(-1, 2, 2).copy(),
                    np.stack([xx, xy, xy, yy], axis=1).reshape(-1, 2, 2))
 
@@ -37,7 +37,7 @@ def breakdown(scene: PlanarScene, a: WatchedBody, particle: int, step: int, befo
             force_moment = force_moment @ np.linalg.inv(F).transpose(0, 2, 1)
     return StepBreakdown(
         step, (step - 1) * scene.time_step, scene.time_step, scene.spacing, links, seen,
-        carried(a).seen(links), a.mass[k], links.signs * place[k], flipped(edges[k], links.signs),
+        carried(scene, a).seen(links), a.mass[k], links.signs * place[k], flipped(edges[k], links.signs),
         (a.mass[k] / a.density)[:, None, None] * force_moment, (ij - a.origin) * scene.spacing, sums[:, 4].copy(),
         signs * sums[:, :2], signs * sums[:, 2:4] - body, body, motion[:, 2:].copy(), motion[:, :2].copy())
 

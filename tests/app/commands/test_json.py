@@ -30,7 +30,7 @@ RUNS = {"bar": ("--cells 8 --ppc 2 --periods 0.2", {"motion", "stretch", "initia
         "ring": ("--cells 12 --periods 0.1", {"layout", "plan"}, set(), "a_nodes"),
         "vortex": ("--cells 12 --ppc 2 --amplitude 0.25 --t-end 0.2", {"layout", "plan", "poisson_ratio", "frequency"},
                    set(), "a_nodes"),
-        "square": ("--cells 10 --cfl 0.2 --periods 0.1", {"plan", "poisson_ratio", "displacement"}, set(),
+        "square": ("--cells 10 --cfl 0.2 --periods 0.1", {"plan", "poisson_ratio", "law", "displacement"}, set(),
                    "a_nodes")}
 
 

@@ -8,7 +8,8 @@ import numpy as np
 import pytest
 
 from solvers.motion.jets import Jet, cos, exp, log, sin, sqrt, variables
-from solvers.motion.neo_hookean import cauchy_stress, first_piola_stress, strain_energy
+from solvers.motion.laws.law import determinant, rate
+from solvers.motion.laws.material import LAWS, Material
 from solvers.motion.separable_field import NotPeriodic, separate
 from solvers.problems.planar.body_force import body_force_at
 from solvers.problems.planar.layout import particle_layout
@@ -40,18 +41,32 @@ def test_closed_forms_are_met(problem, part):
                                    err_msg=printed.__name__)
 
 
-def test_a_law_is_the_slope_of_its_energy():
-    """P = dW/dF, and sigma = P F^T/J."""
-    chance, moduli = np.random.default_rng(4), (3.0, 2.0)
+@pytest.mark.parametrize("law", LAWS)
+def test_a_law_is_the_slope_of_its_energy(law):
+    """P = dW/dF, sigma = P F^T/J, and dP F^T = rate(dF F^-1)."""
+    chance, material, h = np.random.default_rng(4), Material(LAWS[law], 3.0, 2.0), 1e-6
     F = np.eye(2).ravel()[:, None] + 0.3 * chance.uniform(-1, 1, (4, 50))
-    P, h = first_piola_stress(F, *moduli), 1e-6
+    J, P, tensor = determinant(F), material.first_piola_stress(F), F.T.reshape(-1, 2, 2)
+    b = tensor @ tensor.swapaxes(1, 2)
     for k in range(4):
-        ends = [strain_energy(F + sign * h * np.eye(4)[k][:, None], *moduli) for sign in (1, -1)]
-        np.testing.assert_allclose(P[k], (ends[0] - ends[1]) / (2 * h), rtol=0, atol=1e-8)
-    xx, xy, yy = cauchy_stress(F, *moduli)
-    J, P, F = F[0] * F[3] - F[1] * F[2], np.stack(P).T.reshape(-1, 2, 2), F.T.reshape(-1, 2, 2)
-    sigma = P @ F.transpose(0, 2, 1) / J[:, None, None]
+        near = [F + sign * h * np.eye(4)[k][:, None] for sign in (1, -1)]
+        W = [material.law.energy(one, j, np.log(j), 3.0, 2.0) for one, j in ((one, determinant(one)) for one in near)]
+        np.testing.assert_allclose(P[k], (W[0] - W[1]) / (2 * h), rtol=0, atol=1e-8)
+        dP = (np.subtract(*map(material.first_piola_stress, near)) / (2 * h)).T.reshape(-1, 2, 2)
+        L = (np.eye(4)[k].reshape(2, 2) @ np.linalg.inv(tensor)).reshape(-1, 4).T
+        found = rate(L, (b[:, 0, 0], b[:, 0, 1], b[:, 1, 1]), *material.coefficients(F, J))
+        np.testing.assert_allclose(np.stack(found, axis=1).reshape(-1, 2, 2), dP @ tensor.swapaxes(1, 2), rtol=0,
+                                   atol=1e-7)
+    xx, xy, yy = material.cauchy_stress(F)
+    sigma = np.stack(P).T.reshape(-1, 2, 2) @ tensor.transpose(0, 2, 1) / J[:, None, None]
     np.testing.assert_allclose(np.stack([xx, xy, xy, yy], axis=1).reshape(-1, 2, 2), sigma, rtol=0, atol=1e-13)
+
+
+def test_where_a_law_is_no_longer_elliptic():
+    """Pressed to s along both axes waves of shear have lambda (s^2 - 1) + mu (2 s^2 - 1); the other law keeps mu."""
+    F, (lam, mu) = np.array([[0.8], [0.0], [0.0], [0.8]]), (3.0, 2.0)
+    least = {law: Material(LAWS[law], lam, mu).least_stiffness(F) for law in LAWS}
+    assert least == pytest.approx({"neo-hookean": 1, "st-venant-kirchhoff": lam * (0.64 - 1) / mu + 2 * 0.64 - 1})
 
 
 @pytest.mark.parametrize("function", [

@@ -51,6 +51,21 @@ def test_table(amplitude, method, cells, simulate):
         assert result.to_dict()["grid_crossings"] == CROSSINGS[cells]
 
 
+@pytest.mark.parametrize("amplitude", [1e-3, 0.02])
+def test_another_law_has_the_order_and_the_companion_of_its_own(amplitude):
+    """CPDI's error of x falls with h^2, and the companion, whose tangent is that of the law, finds it."""
+    scene = SquareScene(law="st-venant-kirchhoff", cfl=0.2, amplitude=amplitude, estimators=("companion",))
+    coarse, fine = (run(replace(scene, cells=cells), prices=False) for cells in (16, 32))
+    assert np.log2(coarse.error["x"]["max"] / fine.error["x"]["max"]) == pytest.approx(2, abs=0.1)
+    assert [one.index["companion"][q] for one in (coarse, fine) for q in "xv"] == pytest.approx([1] * 4, abs=0.02)
+
+
+def test_a_motion_beyond_ellipticity_is_told():
+    """At nu = .3 where both axes are pressed to less than sqrt(5/7): from .0247 m on."""
+    told = [SquareScene(law="st-venant-kirchhoff", amplitude=A).warnings() for A in (0.0245, 0.0249)]
+    assert told[0] == [] and "not elliptic" in told[1][0] and not SquareScene(amplitude=0.1).warnings()
+
+
 def random_square(number: int) -> SquareScene:
     """One of a family that no setting was chosen on."""
     chance = np.random.default_rng(4000 + number)

@@ -8,6 +8,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from solvers.motion.laws.material import LAWS
 from solvers.problems import PROBLEMS
 from solvers.scene.scene import Scene
 from tests.support.random_scenes import LARGEST, logarithmic, typed_motions
@@ -21,7 +22,7 @@ def moments(draw: st.DrawFn, problem: str) -> tuple[Scene, np.ndarray, float]:
     """A scene, some of its particles' material points (P, D), which lie inside the body, and a time."""
     more = {"bar": {"body_force": st.sampled_from(("material", "none"))},
             "vortex": {"poisson_ratio": st.floats(0.0, 0.45), "frequency": logarithmic(0.1, 10.0)},
-            "square": {"displacement": st.just("") | typed_motions()}}.get(problem, {})
+            "square": {"displacement": st.just("") | typed_motions(), "law": st.sampled_from([*LAWS])}}.get(problem, {})
     scene = PROBLEMS[problem].scene(
         cells=24, estimators=(), amplitude=draw(logarithmic(1e-3, 0.9)) * LARGEST[problem],
         modulus=draw(logarithmic(1e-3, 1e9)), density=draw(logarithmic(1e-2, 1e4)),

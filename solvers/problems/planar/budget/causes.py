@@ -16,7 +16,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from solvers.problems.planar.budget.material import Material
+from solvers.motion.laws.secant import StressDifference
 from solvers.problems.planar.budget.moment import Moment
 from solvers.problems.planar.budget.pieces import Pieces
 from solvers.problems.planar.weights import StepWeights
@@ -84,7 +84,7 @@ class CauseErrors:
         """By the names of ``solvers.scene.causes.FIELDS``."""
         return {"x": self.position, "v": self.velocity, "F": self.deformation_gradient}
 
-    def push(self, weights: StepWeights, material: Material, F: np.ndarray, F0: np.ndarray, volume: np.ndarray,
+    def push(self, weights: StepWeights, material: StressDifference, F: np.ndarray, F0: np.ndarray, volume: np.ndarray,
              given: Sources, dt: float, with_particle: bool) -> None:
         """Take them through a step which began with the run's ``F`` and the exact ``F0`` (P, 2, 2), and add what each
         cause gives. L F - L0 F0 = (L - L0) F + L0 (F - F0), exactly; with frozen weights F has L only."""

@@ -26,7 +26,7 @@ def moment_of(scene: Any, a: PlanarBody, t: float) -> Moment:
     jets, K = scene.EXACT.jets(scene, a.orbit_point, t), len(a.orbit_point)
     rate = [one.derivative(axis, TIME) for one in jets for axis in (X_AXIS, Y_AXIS)]
     vectors = [columns(one, K) for one in ((jets.x.value, jets.y.value), jets.velocity, jets.acceleration,
-                                           jets.body_force(scene.lame_moduli, scene.density))]
+                                           jets.body_force(scene.material, scene.density))]
     tensors = [columns(jets.deformation_gradient, K), columns(rate, K), motion_table(scene)(t, 2)[:, 2:]]
     c, s = a.direction.T
     Q = np.stack([c, -s, s, c], axis=1).reshape(-1, 2, 2)

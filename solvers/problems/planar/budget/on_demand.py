@@ -6,8 +6,8 @@ from typing import Any
 
 import numpy as np
 
+from solvers.motion.laws.secant import StressDifference
 from solvers.problems.planar.budget.causes import MAKERS, TIME_STEP, CauseErrors, Sources, sources
-from solvers.problems.planar.budget.material import Material
 from solvers.problems.planar.budget.moment import Moment, moment_of
 from solvers.problems.planar.budget.pieces import Lattice, Pieces
 from solvers.problems.planar.solver import PlanarSolver
@@ -70,8 +70,7 @@ class BudgetRun:
         self._X, self._volume = a.material_position, a.mass / a.density
         self._grid = Grid(a.row, solver.PARTS.traits.first, scene.PLANES[1])
         self._lattice = Lattice(scene)
-        bulk, shear = scene.lame_moduli
-        self._material = Material(bulk, shear, at_rest=scene.frozen)
+        self._material = StressDifference(scene.material, at_rest=scene.frozen)
         self._now: Moment = moment_of(scene, a, 0.0)
         self._taken = MAKERS.index(take_away) if take_away in MAKERS else None
         self.causes = CauseErrors(len(self._X))

@@ -7,6 +7,7 @@ import numpy as np
 
 from solvers.estimators.spectral import Elements, highest_frequency
 from solvers.estimators.standalone import ElasticBody
+from solvers.motion.laws.law import determinant
 from solvers.problems.planar.body_force import body_force_of
 from solvers.problems.planar.layout import on_axis
 
@@ -38,7 +39,7 @@ class CircularBody(ElasticBody):
     the particles on the x axis, along it and across it."""
 
     def __init__(self, scene: Any, count: int, order: int):
-        self.elements, self._lame = Elements(scene.INNER, scene.OUTER, count, order), scene.lame_moduli
+        self.elements, self._material = Elements(scene.INNER, scene.OUTER, count, order), scene.material
         self._R = self.elements.nodes
         self.points = on_axis(self._R)
         self.inverse_mass = np.repeat(1 / (scene.density * masses(self.elements))[:, None], 2, axis=1)
@@ -48,13 +49,22 @@ class CircularBody(ElasticBody):
         self.frequency = self.frequency_at_rest * self._stiffening(scene)
 
     def _stiffening(self, scene: Any) -> float:
-        """How many times as high the frequency becomes at most along the exact motion: its square goes with the tangent
-        along the radius, mu + (lambda + mu - lambda ln J) |F e_Theta|^2/J^2."""
-        (lam, mu), times = self._lame, np.arange(INSTANTS) / INSTANTS * scene.period
+        """How many times as high the frequency becomes at most along the exact motion."""
+        times = np.arange(INSTANTS) / INSTANTS * scene.period
         F = np.concatenate([scene.EXACT.deformation_gradient(scene, self.points, t) for t in times])
-        J = np.linalg.det(F)
-        tangent = mu + (lam + mu - lam * np.log(J)) * (F[:, :, 1] ** 2).sum(axis=1) / J**2
-        return float(np.sqrt(max(1.0, tangent.max() / (lam + 2 * mu))))
+        return self.stiffening(F.reshape(-1, 4).T)
+
+    def stiffening(self, F: Any) -> float:
+        """The same of F by (e_R, e_Theta): waves run along the radius, and |F^-T e_R| = |F e_Theta|/J."""
+        pressed = (F[1] * F[1] + F[3] * F[3]) / determinant(F) ** 2
+        return self._material.stiffening(F, F[0] * F[0] + F[2] * F[2], pressed)
+
+    def deformation_gradient(self, z: np.ndarray) -> tuple[np.ndarray, ...]:
+        """F by (e_R, e_Theta), at the points of the elements, for complex places z of the nodes: its columns are z' and
+        i z/R."""
+        node = self.elements.of_node
+        slope, hoop = z[node] @ self.elements.derivative.T, z[node] / self._R[node]
+        return slope.real, -hoop.imag, slope.imag, hoop.real
 
     def accelerations(self, u: np.ndarray, t: float) -> np.ndarray:
         with np.errstate(all="ignore"):  # a motion that is lost, which its end tells
@@ -63,13 +73,10 @@ class CircularBody(ElasticBody):
 
     def internal_acceleration(self, z: np.ndarray) -> np.ndarray:
         """What stress gives the nodes (N,), complex like their places z: along e_R of where they are at rest, and as
-        imaginary part along e_Theta. With the columns z' and i z/R of F, P e_R = mu z' + c z/R and
-        P e_Theta = i (mu z/R + c z'), c = (lambda ln J - mu)/J."""
-        (lam, mu), node, D = self._lame, self.elements.of_node, self.elements.derivative
-        slope, hoop = z[node] @ D.T, z[node] / self._R[node]
-        J = slope.real * hoop.real + slope.imag * hoop.imag
-        c, w = (lam * np.log(J) - mu) / J if lam else -mu / J, self.elements.weights
-        pull = (w * self._R[node] * (mu * slope + c * hoop)) @ D + w * (mu * hoop + c * slope)
+        imaginary part along e_Theta."""
+        node, w = self.elements.of_node, self.elements.weights
+        xx, xy, yx, yy = self._material.first_piola_stress(self.deformation_gradient(z))
+        pull = (w * self._R[node] * (xx + 1j * yx)) @ self.elements.derivative + w * (yy - 1j * xy)
         total = np.zeros(len(z), complex)
         np.add.at(total, node, pull)
         return -self.inverse_mass[:, 0] * total

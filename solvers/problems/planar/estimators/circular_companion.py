@@ -28,10 +28,11 @@ import taichi as ti
 
 from solvers.estimators import companion as shared
 from solvers.kernels.kinds import integers, octets, pairs, quads, reals
+from solvers.problems.planar.estimators.companion import keep_errors
 from solvers.problems.planar.layout import particle_layout
 from solvers.problems.planar.method.field_tables import find_force_functions, force_at, of_pairs, pack
 from solvers.problems.planar.method.frames import turned, turned_tensor
-from solvers.problems.planar.method.neo_hookean import cauchy_stress, cauchy_stress_of
+from solvers.problems.planar.method.material import cauchy_stress_of, coefficients, piola, stiffness
 
 
 @ti.func
@@ -40,7 +41,7 @@ def accelerate(body: ti.template(), t, on: ti.template()):
     N, order = body.companion_counts[shared.NODES], body.companion_counts[shared.ORDER]
     stiffest = 1.0
     for e in range(body.companion_counts[shared.ACROSS]):
-        stiffest = ti.max(stiffest, element_forces(body, e * order))
+        stiffest = ti.max(stiffest, element_forces(body, e * order, on))
     body.companion_numbers[shared.STIFFEST] = stiffest
     find_force_functions(body.companion_force, body.companion_force_sizes, body.angular_frequency * t, on)
     for i in range(N):
@@ -52,16 +53,14 @@ def accelerate(body: ti.template(), t, on: ti.template()):
 
 
 @ti.func
-def element_forces(body: ti.template(), first):
+def element_forces(body: ti.template(), first, on: ti.template()):
     """Take the internal forces of the element from node ``first`` on from its nodes.
 
-    Returns its stiffest tangent over lambda + 2 mu. Waves run along the radius, and the largest eigenvalue of their
-    tangent is mu + (lambda + mu - lambda ln J) |F^-T e_R|^2, |F^-T e_R| = |F e_Theta|/J: 1 in any vortex with J = 1.
+    Returns its stiffest waves' stiffness over lambda + 2 mu. They run along the radius; |F^-T e_R| = |F e_Theta|/J.
     """
     n = body.companion_counts[shared.ORDER] + 1
     trial = shared.WORK * body.companion_counts[shared.NODES] + first
-    mu, lam = body.shear_modulus, body.lame_modulus
-    stiffest = 1.0
+    at_rest, stiffest = body.lame_modulus + 2 * body.shear_modulus, 1.0
     for k in range(n):
         slope = ti.Vector([0.0, 0.0])
         for i in range(n):
@@ -71,13 +70,12 @@ def element_forces(body: ti.template(), first):
         R, w = body.companion_radii[first + k], body.companion_matrices[k * n][1]
         u = ti.Vector([body.companion_nodes[trial + k][0], body.companion_nodes[trial + k][1]])
         along, around = polar_gradient(slope, u, R)
-        J = along[0] * around[1] - along[1] * around[0]
-        volumetric = lam * ti.log(J)
-        stiffest = ti.max(stiffest, (mu + (lam + mu - volumetric) * around.dot(around) / (J * J)) / (lam + 2 * mu))
-        # F^-T e_R is F e_Theta turned by -90 degrees over J, F^-T e_Theta is F e_R turned by 90 degrees over J.
-        back = (volumetric - mu) / J
-        radial = w * R * ti.Vector([mu * along[0] + back * around[1], mu * along[1] - back * around[0]])  # P e_R
-        hoop = w * ti.Vector([mu * around[0] - back * along[1], mu * around[1] + back * along[0]])  # P e_Theta
+        F = ti.Vector([along[0], around[0], along[1], around[1]])
+        J, q, r, A, x = coefficients(body, F, on)
+        found = stiffness(q, r, A, x, along.dot(along), around.dot(around) / (J * J))
+        stiffest = ti.max(stiffest, found / at_rest)
+        P = piola(F, q, (r - q) / J)
+        radial, hoop = w * R * ti.Vector([P[0], P[2]]), w * ti.Vector([P[1], P[3]])  # P e_R, P e_Theta
         body.companion_nodes[trial + k][2] = body.companion_nodes[trial + k][2] - hoop[1]
         body.companion_nodes[trial + k][3] = body.companion_nodes[trial + k][3] + hoop[0]
         for i in range(n):
@@ -117,7 +115,7 @@ def report_at_once(body: ti.template(), base, step, on: ti.template()):
         body.companion_circles[k] = circle
         slope, u = ti.Vector([circle[6], circle[7]]), ti.Vector([circle[0], circle[1]])
         along, around = polar_gradient(slope, u, body.orbit_point[k][0])
-        sigma = cauchy_stress_of(body, ti.Vector([along[0], around[0], along[1], around[1]]))
+        sigma = cauchy_stress_of(body, ti.Vector([along[0], around[0], along[1], around[1]]), on)
         body.companion_circle_stress[k] = ti.Vector([sigma[0], sigma[1], sigma[2], 0.0])
     squares = 0.0
     for p in range(body.particles):
@@ -128,19 +126,9 @@ def report_at_once(body: ti.template(), base, step, on: ti.template()):
 @ti.func
 def particle_error(body: ti.template(), base, p, step, on: ti.template()):
     """Errors of x and v, of the Cauchy stress and of a at a particle. Returns the square of that of x."""
-    f, e = body.companion_circles[body.orbit[p]], body.direction[p]
-    X, q = body.material_position[p], body.position_velocity[p]
-    u, v = turned(e, f[0], f[1]), turned(e, f[2], f[3])
-    error = ti.Vector([q[0] - X[0] - u[0], q[1] - X[1] - u[1], q[2] - v[0], q[3] - v[1]])
-    body.estimate[base + p] = error
-    true = body.companion_circle_stress[body.orbit[p]]
-    miss = cauchy_stress(body, p) - turned_tensor(e, true[0], true[1], true[2])
-    body.estimate_stress[base + p] = ti.Vector([miss[0], miss[1], miss[2], 0.0])
-    a = ti.Vector([ti.math.nan, ti.math.nan])
-    if ti.static(on.acceleration):  # before the first step none has been computed, and so none can be wrong
-        a = body.acceleration[p] - turned(e, f[4], f[5]) if step > 0 else ti.Vector([0.0, 0.0])
-    body.estimate_acceleration[base + p] = a
-    return error[0] * error[0] + error[1] * error[1]
+    f, e, true = body.companion_circles[body.orbit[p]], body.direction[p], body.companion_circle_stress[body.orbit[p]]
+    u, v, sigma = turned(e, f[0], f[1]), turned(e, f[2], f[3]), turned_tensor(e, true[0], true[1], true[2])
+    return keep_errors(body, base, p, step, ti.Vector([u[0], u[1], v[0], v[1]]), turned(e, f[4], f[5]), sigma, on)
 
 
 def allocate(scene) -> dict[str, np.ndarray]:

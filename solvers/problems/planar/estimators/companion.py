@@ -16,12 +16,11 @@ import taichi as ti
 
 from solvers.estimators import companion as shared
 from solvers.kernels import runtime
-from solvers.kernels.elementary import log
 from solvers.kernels.kinds import integers, pairs, quads
 from solvers.problems.planar.estimators.patch import Patch
 from solvers.problems.planar.layout import particle_layout
 from solvers.problems.planar.method.field_tables import find_force_functions, force_at, of_pairs, pack
-from solvers.problems.planar.method.neo_hookean import FLATTEST, cauchy_stress, cauchy_stress_of
+from solvers.problems.planar.method.material import cauchy_stress, cauchy_stress_of, coefficients, piola, stiffness
 
 
 @ti.func
@@ -32,7 +31,7 @@ def accelerate(body: ti.template(), t, on: ti.template()):
     for across in range(body.companion_counts[shared.ACROSS]):
         for along in range(body.companion_counts[shared.AROUND]):
             corner = body.companion_counts[shared.ORDER] * (across * row + along)
-            stiffest = ti.max(stiffest, element_stresses(body, corner))
+            stiffest = ti.max(stiffest, element_stresses(body, corner, on))
             element_forces(body, corner)
     body.companion_numbers[shared.STIFFEST] = stiffest
     find_force_functions(body.companion_force, body.companion_force_sizes, body.angular_frequency * t, on)
@@ -46,18 +45,18 @@ def accelerate(body: ti.template(), t, on: ti.template()):
 
 
 @ti.func
-def element_stresses(body: ti.template(), corner):
+def element_stresses(body: ti.template(), corner, on: ti.template()):
     """Keep w j P grad xi and w j P grad eta at the points of the element from node ``corner`` on.
 
-    Returns its stiffest tangent over lambda + 2 mu: at most mu + (lambda + mu - lambda ln J)/s^2, s the least stretch.
+    Returns the stiffness of its stiffest waves, along a principal axis, over lambda + 2 mu.
     """
     n, row = body.companion_counts[shared.ORDER] + 1, body.companion_counts[shared.ROW]
-    trial, mu, lam = shared.WORK * body.companion_counts[shared.NODES] + corner, body.shear_modulus, body.lame_modulus
+    trial = shared.WORK * body.companion_counts[shared.NODES] + corner
     for i in range(n):
         for j in range(n):
             node = trial + i * row + j
             body.companion_trial[i * n + j] = ti.Vector([body.companion_nodes[node][0], body.companion_nodes[node][1]])
-    stiffest = 1.0
+    at_rest, stiffest = body.lame_modulus + 2 * body.shear_modulus, 1.0
     for i in range(n):
         for j in range(n):
             u_xi, u_eta = ti.Vector([0.0, 0.0]), ti.Vector([0.0, 0.0])
@@ -68,14 +67,16 @@ def element_stresses(body: ti.template(), corner):
             per_j = 1 / (g[0] * g[3] - g[1] * g[2])
             xx, xy = 1 + per_j * (u_xi[0] * g[0] + u_eta[0] * g[2]), per_j * (u_xi[0] * g[1] + u_eta[0] * g[3])
             yx, yy = per_j * (u_xi[1] * g[0] + u_eta[1] * g[2]), 1 + per_j * (u_xi[1] * g[1] + u_eta[1] * g[3])
-            J = xx * yy - xy * yx
-            per_J, growth = 1 / J, lam * log(ti.max(J, FLATTEST))
-            # 1/s^2 is the larger root of z^2 - (F:F/J^2) z + 1/J^2 = 0.
+            F, w = ti.Vector([xx, xy, yx, yy]), body.companion_matrices[i * n + j][2]
+            J, q, r, A, x = coefficients(body, F, on)
+            # Of the principal stretches s, 1/s^2 are the roots of z^2 - (F:F/J^2) z + 1/J^2 = 0.
+            per_J = 1 / J
             half = 0.5 * (xx * xx + xy * xy + yx * yx + yy * yy) * per_J * per_J
-            stretched = half + ti.sqrt(ti.max(half * half - per_J * per_J, 0.0))
-            stiffest = ti.max(stiffest, (mu + (lam + mu - growth) * stretched) / (lam + 2 * mu))
-            back, w = (growth - mu) * per_J, body.companion_matrices[i * n + j][2]
-            P = ti.Vector([mu * xx + back * yy, mu * xy - back * yx, mu * yx - back * xy, mu * yy + back * xx])
+            root = ti.sqrt(ti.max(half * half - per_J * per_J, 0.0))
+            for sign in ti.static((1, -1)):
+                pressed = half + sign * root
+                stiffest = ti.max(stiffest, stiffness(q, r, A, x, 1 / pressed, pressed) / at_rest)
+            P = piola(F, q, (r - q) * per_J)
             body.companion_stresses[i * n + j] = w * ti.Vector([
                 P[0] * g[0] + P[1] * g[1], P[2] * g[0] + P[3] * g[1],
                 P[0] * g[2] + P[1] * g[3], P[2] * g[2] + P[3] * g[3]])
@@ -159,16 +160,24 @@ def particle_error(body: ti.template(), base, row, step, on: ti.template()):
             value = line_node(body, place[3], place[1] + j - shared.LAYERS * body.companion_counts[shared.NODES])
         f += basis[0] * value
         u_eta += basis[1] * ti.Vector([value[0], value[1]])
-    q, X, g = body.position_velocity[p], body.material_position[p], body.companion_slopes[p]  # grad xi, grad eta
+    g = body.companion_slopes[p]  # grad xi, grad eta
     xx, xy = 1 + f[6] * g[0] + u_eta[0] * g[2], f[6] * g[1] + u_eta[0] * g[3]
     yx, yy = f[7] * g[0] + u_eta[1] * g[2], 1 + f[7] * g[1] + u_eta[1] * g[3]
-    miss = cauchy_stress(body, p) - cauchy_stress_of(body, ti.Vector([xx, xy, yx, yy]))
-    error = ti.Vector([q[0] - X[0] - f[0], q[1] - X[1] - f[1], q[2] - f[2], q[3] - f[3]])
+    sigma = cauchy_stress_of(body, ti.Vector([xx, xy, yx, yy]), on)
+    return keep_errors(body, base, p, step, ti.Vector([f[0], f[1], f[2], f[3]]), ti.Vector([f[4], f[5]]), sigma, on)
+
+
+@ti.func
+def keep_errors(body: ti.template(), base, p, step, motion, acceleration, sigma, on: ti.template()):
+    """Those against the companion's u and v, a and Cauchy stress there. Returns the square of that of x."""
+    q, X = body.position_velocity[p], body.material_position[p]
+    error = ti.Vector([q[0] - X[0] - motion[0], q[1] - X[1] - motion[1], q[2] - motion[2], q[3] - motion[3]])
     body.estimate[base + p] = error
+    miss = cauchy_stress(body, p, on) - sigma
     body.estimate_stress[base + p] = ti.Vector([miss[0], miss[1], miss[2], 0.0])
     a = ti.Vector([ti.math.nan, ti.math.nan])
     if ti.static(on.acceleration):  # before the first step none has been computed, and so none can be wrong
-        a = body.acceleration[p] - ti.Vector([f[4], f[5]]) if step > 0 else ti.Vector([0.0, 0.0])
+        a = body.acceleration[p] - acceleration if step > 0 else ti.Vector([0.0, 0.0])
     body.estimate_acceleration[base + p] = a
     return error[0] * error[0] + error[1] * error[1]
 

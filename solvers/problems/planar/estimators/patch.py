@@ -7,7 +7,6 @@ import numpy as np
 
 from solvers.estimators.spectral import Elements, highest_frequency
 from solvers.estimators.standalone import ElasticBody
-from solvers.motion.neo_hookean import first_piola_stress
 from solvers.problems.planar.body_force import body_force_of
 
 _frequencies: dict[tuple, float] = {}  # of bodies at rest by mesh, moduli and mass: sliders ask for the same again
@@ -41,7 +40,7 @@ class Patch(ElasticBody):
     Parameters
     ----------
     scene
-        It gives ``EXACT``, ``lame_moduli``, ``density``, ``body_force`` and ``period``.
+        It gives ``EXACT``, ``material``, ``density``, ``body_force`` and ``period``.
     lines
         Elements along xi and along eta, of one order.
     patch_map
@@ -53,7 +52,7 @@ class Patch(ElasticBody):
     def __init__(self, scene: Any, lines: tuple[Elements, Elements], patch_map: PatchMap,
                  held: Callable[[np.ndarray], np.ndarray]):
         first, second = self.lines = lines
-        self.map, self._lame, self._shape = patch_map, scene.lame_moduli, (len(first.nodes), len(second.nodes))
+        self.map, self._material, self._shape = patch_map, scene.material, (len(first.nodes), len(second.nodes))
         xi, eta = (line.ravel() for line in np.meshgrid(first.nodes, second.nodes, indexing="ij"))
         self.places = patch_map.place(xi, eta)
         self.geometry = contravariant(patch_map.tangents(xi, eta))
@@ -66,7 +65,7 @@ class Patch(ElasticBody):
         self._node = np.add(*np.broadcast_arrays(first.of_node[:, None, :, None] * self._shape[1],
                                                  second.of_node[None, :, None, :]))
         self._weight = np.outer(first.weights, second.weights)[..., None]
-        key = (*lines, *self._lame, self.inverse_mass.tobytes())
+        key = (*lines, *scene.lame_moduli, self.inverse_mass.tobytes())
         if key not in _frequencies:
             _frequencies[key] = highest_frequency(lambda u: self.inverse_mass * self._pull(u, self._linear_stress),
                                                   self.inverse_mass)
@@ -75,20 +74,20 @@ class Patch(ElasticBody):
 
     def _stiffening(self, scene: Any) -> float:
         """How many times as high as at rest the frequency becomes at most, along the exact motion."""
-        (bulk, mu), times = self._lame, np.arange(INSTANTS) / INSTANTS * scene.period
+        times = np.arange(INSTANTS) / INSTANTS * scene.period
         F = np.concatenate([scene.EXACT.deformation_gradient(scene, self.places, t) for t in times])
-        J, least = np.linalg.det(F), np.linalg.svd(F, compute_uv=False)[:, -1]
-        stiffest = (mu + (bulk + mu - bulk * np.log(J)) / least**2).max() / (bulk + 2 * mu)
-        return float(np.sqrt(max(1.0, stiffest)))
+        axes = np.linalg.svd(F, compute_uv=False).T ** 2
+        return max(self._material.stiffening(F.reshape(-1, 4).T, one, 1 / one) for one in axes)
 
     def _linear_stress(self, xx: Any, xy: Any, yx: Any, yy: Any) -> tuple[Any, Any, Any, Any]:
         """Of Grad u, by Hooke's law."""
-        (bulk, mu), shear = self._lame, self._lame[1] * (xy + yx)
+        _, bulk, mu = self._material
+        shear = mu * (xy + yx)
         return bulk * (xx + yy) + 2 * mu * xx, shear, shear, bulk * (xx + yy) + 2 * mu * yy
 
     def _stress(self, xx: Any, xy: Any, yx: Any, yy: Any) -> tuple[Any, Any, Any, Any]:
         """Of Grad u = F - I, by the law of the material."""
-        return first_piola_stress((1 + xx, xy, yx, 1 + yy), *self._lame)
+        return self._material.first_piola_stress((1 + xx, xy, yx, 1 + yy))
 
     def _pull(self, u: np.ndarray, law: Callable[..., Any]) -> np.ndarray:
         """The internal forces (N, 2) of displacements, in N: what draws the nodes back."""

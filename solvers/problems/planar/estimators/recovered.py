@@ -23,11 +23,11 @@ import taichi as ti
 
 from solvers.estimators import recovery
 from solvers.estimators.recovery import BEGUN, MOVED, NEW, SHORT, TAU, TURNS, H
-from solvers.kernels.elementary import log
 from solvers.kernels.kinds import quads, reals
 from solvers.problems.planar.estimators import recovered_operators as op
 from solvers.problems.planar.estimators.recovered_tables import allocate, interval, verdict
-from solvers.problems.planar.method.neo_hookean import cauchy_stress, cauchy_stress_of
+from solvers.problems.planar.method import material
+from solvers.problems.planar.method.material import cauchy_stress, cauchy_stress_of
 from solvers.problems.planar.method.phases import gather
 from solvers.scene.estimator_hooks import EstimatorHooks
 
@@ -70,7 +70,7 @@ def after_step(body: ti.template(), step, lattice: ti.template(), on: ti.templat
     op.along_gather(body, op.FIELD, lattice.value)
     damped_errors(body, body.recovered_nodes, step, lattice)
     op.across_spread(body, lattice)
-    find_stress(body, lattice)
+    find_stress(body, lattice, on)
     op.gather_force(body, step * body.dt, lattice, on)
     op.along_gather(body, op.STRESS, lattice.slope_metric)
     move_reference(body, body.recovered_nodes, body.recovered_numbers[TURNS] == BEGUN, lattice)
@@ -107,7 +107,7 @@ def damped_errors(body: ti.template(), nodes: ti.template(), step, lattice: ti.t
 
 
 @ti.func
-def find_stress(body: ti.template(), lattice: ti.template()):
+def find_stress(body: ti.template(), lattice: ti.template(), on: ti.template()):
     """P e_R and P e_angle at the particles, from slopes along the lattice's own lines."""
     op.across_fit(body, op.FIELD, op.FITTED_SLOPES, op.PAIR_SLOPES, lattice)
     op.along_fit(body, op.HALF_SLOPES, lattice.slope)
@@ -119,23 +119,22 @@ def find_stress(body: ti.template(), lattice: ti.template()):
             slopes = ti.Vector([along[0], along[1], around[0], around[1]]) \
                 - op.along_spread(body, line, j, op.SLOPES, lattice.slope_value)
             a, b, c, d = gradient(body, p, slopes, lattice)
-            body.recovered_particles[op.particle_at(body, op.STRESS, p)] = piola(body, a, b, c, d)
+            body.recovered_particles[op.particle_at(body, op.STRESS, p)] = piola(body, a, b, c, d, on)
 
 
 @ti.func
-def piola(body: ti.template(), a, b, c, d):
+def piola(body: ti.template(), a, b, c, d, on: ti.template()):
     """P e_R and P e_angle as (x, y, x, y), where F e_R = (a, c) and F e_angle = (b, d)."""
-    J, bulk, mu = a * d - b * c, 0.0, body.shear_modulus
-    if body.lame_modulus != 0:  # a logarithm a particle is a tenth of the estimator's time
-        bulk = body.lame_modulus * log(J)
-    back = (bulk - mu) / J
-    return ti.Vector([mu * a + back * d, mu * c - back * b, mu * b - back * c, mu * d + back * a])
+    F = ti.Vector([a, b, c, d])
+    J, q, r, _, _ = material.coefficients(body, F, on)
+    xx, xy, yx, yy = material.piola(F, q, (r - q) / J)
+    return ti.Vector([xx, yx, xy, yy])
 
 
 @ti.func
-def stress_error(body: ti.template(), p, a, b, c, d):
+def stress_error(body: ti.template(), p, a, b, c, d, on: ti.template()):
     """The Cauchy stress of a particle less that of such a gradient, as xx, xy, yy and nothing."""
-    miss = cauchy_stress(body, p) - cauchy_stress_of(body, ti.Vector([a, b, c, d]))
+    miss = cauchy_stress(body, p, on) - cauchy_stress_of(body, ti.Vector([a, b, c, d]), on)
     return ti.Vector([miss[0], miss[1], miss[2], 0.0])
 
 
@@ -189,7 +188,7 @@ def report(body: ti.template(), base, step, lattice: ti.template(), on: ti.templ
             body.recovered_particles[op.particle_at(body, op.FIELD, p)] = field
         find_errors(body, body.recovered_nodes, step, of_acceleration, lattice)
         for p in range(body.particles):
-            report_particle(body, base, p, of_acceleration, lattice)
+            report_particle(body, base, p, of_acceleration, lattice, on)
     silent = body.recovered_silent
     if step == 0 or silent > 0:
         nothing = 0.0 if step == 0 else ti.math.nan
@@ -202,7 +201,7 @@ def report(body: ti.template(), base, step, lattice: ti.template(), on: ti.templ
 
 
 @ti.func
-def report_particle(body: ti.template(), base, p, of_acceleration, lattice: ti.template()):
+def report_particle(body: ti.template(), base, p, of_acceleration, lattice: ti.template(), on: ti.template()):
     """E of the fields at a particle: of x and v, and that of sigma; or of a, which is unknown until then."""
     line, j = p // body.recovered_line, p % body.recovered_line
     field, q = body.recovered_particles[op.particle_at(body, op.FIELD, p)], body.position_velocity[p]
@@ -215,7 +214,7 @@ def report_particle(body: ti.template(), base, p, of_acceleration, lattice: ti.t
             - op.along_spread(body, line, j, op.SLOPES, lattice.slope_value)
         a, b, c, d = gradient(body, p, slopes, lattice)
         body.estimate[base + p] = E + ti.Vector([0.0, 0.0, q[2] - field[2], q[3] - field[3]])
-        body.estimate_stress[base + p] = stress_error(body, p, a, b, c, d)
+        body.estimate_stress[base + p] = stress_error(body, p, a, b, c, d, on)
         body.estimate_acceleration[base + p] = ti.Vector([ti.math.nan, ti.math.nan])
 
 

@@ -21,7 +21,7 @@ from solvers.estimators import two_grid
 from solvers.kernels.kinds import octets, pairs, quads
 from solvers.kernels.packing import part
 from solvers.problems.planar.method.body import PlanarBody, initial_body
-from solvers.problems.planar.method.neo_hookean import cauchy_stress, cauchy_stress_of
+from solvers.problems.planar.method.material import cauchy_stress, cauchy_stress_of
 from solvers.problems.planar.method.phases import nodes_to_particles, update_grid
 from solvers.problems.planar.parts import Traits
 from solvers.scene.estimator_hooks import EstimatorHooks
@@ -52,15 +52,15 @@ def after_step(body: ti.template(), step, traits: ti.template(), on: ti.template
 
 
 @ti.func
-def report(body: ti.template(), base, step, fields: ti.template()):
+def report(body: ti.template(), base, step, fields: ti.template(), on: ti.template()):
     """e = q_h - I q*, in Cartesian components."""
     own, coarse = ti.static([part(body, "two_grid_"), part(body, "coarse_")])
     two_grid.begin(own)
-    run_fields(body, own)
+    run_fields(body, own, on)
     two_grid.smooth_run(own, fields)
-    coarse_fields(body, own, coarse, step)
+    coarse_fields(body, own, coarse, step, on)
     two_grid.smooth_second(own, fields)
-    run_fields(body, own)
+    run_fields(body, own, on)
     two_grid.subtract(own, fields)
     square = 0.0
     for p in range(body.particles):
@@ -96,15 +96,15 @@ def record(displacement_x, displacement_y, v_x, v_y, direction, sigma):
 
 
 @ti.func
-def run_fields(body: ti.template(), own: ti.template()):
+def run_fields(body: ti.template(), own: ti.template(), on: ti.template()):
     """Fields of the run, as they are."""
     for p in range(body.particles):
         q, X, e = body.position_velocity[p], body.material_position[p], body.direction[p]
-        own.fields[p] = record(q[0] - X[0], q[1] - X[1], q[2], q[3], e, cauchy_stress(body, p))
+        own.fields[p] = record(q[0] - X[0], q[1] - X[1], q[2], q[3], e, cauchy_stress(body, p, on))
 
 
 @ti.func
-def coarse_fields(body: ti.template(), own: ti.template(), coarse: ti.template(), step):
+def coarse_fields(body: ti.template(), own: ti.template(), coarse: ti.template(), step, on: ti.template()):
     """Fields of the second run, carried on from its last step to the present one, ``late`` seconds.
 
     v is early by r^2 dt/2 on purpose: see ``coarse_fields`` of the bar.
@@ -118,7 +118,7 @@ def coarse_fields(body: ti.template(), own: ti.template(), coarse: ti.template()
         a_rate = (a - own.before_a[p]) / H
         now = a + (late + H) * a_rate
         G = F + (late / H) * (F - own.before[p])
-        sigma = cauchy_stress_of(coarse, G)
+        sigma = cauchy_stress_of(coarse, G, on)
         ahead, drift = late + 0.5 * H - early, 0.5 * late * (late + H)
         own.fields[p] = record(q[0] - X[0] + late * q[2] + drift * now[0], q[1] - X[1] + late * q[3] + drift * now[1],
                                q[2] + ahead * now[0], q[3] + ahead * now[1], e, sigma)
@@ -167,7 +167,7 @@ def hooks(traits: Traits, fields: two_grid.Fields) -> EstimatorHooks:
 
     @ti.func
     def its_report(body: ti.template(), base, step, on: ti.template()):
-        report(body, base, step, fields)
+        report(body, base, step, fields, on)
 
     return EstimatorHooks(memory=MEMORY, allocate=allocate, interval=two_grid.interval, after_step=its_step,
                           report=its_report, verdict=verdict)

@@ -5,6 +5,7 @@ import taichi as ti
 from solvers.kernels import runtime
 from solvers.problems.planar.method import cpdi
 from solvers.problems.planar.method.kept import kept, kept_number
+from solvers.problems.planar.method.material import tangent
 
 
 @ti.func
@@ -17,7 +18,7 @@ def step_margin(body: ti.template(), traits: ti.template(), on: ti.template()):
         add_corners(body, traits, on)
     else:
         for p in range(body.particles):
-            stiffness, metric = traits.tangent(body, p, on)
+            stiffness, metric = tangent(body, p, on)
             total = 0.0
             for k in range(ti.static(16 if on.method == "cpdi" else 9)):
                 node, gradient = node_gradient(body, p, k, on)
@@ -45,7 +46,7 @@ def add_corners(body: ti.template(), traits: ti.template(), on: ti.template()):
             node, a = corner_node(body, p, k, on), 2 * (k // 4 % 2)
             gradient = corner_hat(body, p, k, on) * ti.Vector([g[a], g[a + 1], 0.0, 0.0])
             body.node_scratch[node] = body.node_scratch[node] + gradient
-        stiffness, metric = traits.tangent(body, p, on)
+        stiffness, metric = tangent(body, p, on)
         for k in range(16):
             total += take_gradient(body, traits, metric, corner_node(body, p, k, on))
         stiffness *= total

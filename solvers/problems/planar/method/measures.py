@@ -4,7 +4,7 @@ import taichi as ti
 
 from solvers.problems.planar.method.field_tables import GRID, MODES, MOTION, PRESENT, RANK, fact, find_functions
 from solvers.problems.planar.method.frames import turned, turned_tensor
-from solvers.problems.planar.method.neo_hookean import cauchy_stress, cauchy_stress_of, strain_energy
+from solvers.problems.planar.method.material import cauchy_stress, cauchy_stress_of, strain_energy
 from solvers.problems.planar.method.node_errors import circular_node_error, node_error
 from solvers.problems.planar.method.phases import TOTALS
 from solvers.problems.planar.method.soundness import look_at_circles, look_at_modes
@@ -32,7 +32,7 @@ def find_exact(body: ti.template(), step, on: ti.template()):
             motion += ti.Vector([T[0] * u[0], T[0] * u[1], T[1] * u[0], T[1] * u[1]])
             a += T[2] * u
             F += T[0] * body.tables[at + 1]
-        sigma = cauchy_stress_of(body, F)
+        sigma = cauchy_stress_of(body, F, on)
         body.exact[3 * k], body.exact[3 * k + 1] = motion, a
         body.exact[3 * k + 2] = ti.Vector([sigma[0], sigma[1], sigma[2], 0.0])
 
@@ -51,10 +51,10 @@ def vector_errors(body: ti.template(), p, on: ti.template()):
 
 
 @ti.func
-def stress_error(body: ti.template(), p):
+def stress_error(body: ti.template(), p, on: ti.template()):
     """Error of the Cauchy stress, as xx, xy, yy."""
     f = body.exact[3 * body.orbit[p] + 2]
-    return cauchy_stress(body, p) - turned_tensor(body.direction[p], f[0], f[1], f[2])
+    return cauchy_stress(body, p, on) - turned_tensor(body.direction[p], f[0], f[1], f[2])
 
 
 @ti.func

@@ -54,7 +54,7 @@ def sample_sums(body: ti.template(), row, step, measures: ti.template(), on: ti.
     for q in ti.static(range(column("neighbour_gap"), column("margin") + 1)):
         body.samples[row, q] = ti.math.nan
     if ti.static(on.energy):
-        sample_energy(body, row, measures)
+        sample_energy(body, row, measures, on)
     sample_effects(body, row, step, measures.samplers, on)
 
 
@@ -64,7 +64,7 @@ def sample_truth(body: ti.template(), row, step, measures: ti.template(), on: ti
     squares = ti.Vector([0.0, 0.0, 0.0, 0.0])
     for p in range(body.particles):
         motion, a = vector_errors(body, p, on)
-        squares += squared_parts(motion, stress_error(body, p), a)
+        squares += squared_parts(motion, stress_error(body, p, on), a)
     for q in ti.static(range(3)):
         body.samples[row, ti.static(column("error_x")) + q] = squares[q]
     if ti.static(on.acceleration):
@@ -98,7 +98,7 @@ def sample_estimate(body: ti.template(), row, step, e, on: ti.template()):
             true_motion, true_a = vector_errors(body, p, on)
             if step == 0:  # none has been computed, and so none can be wrong
                 true_a = ti.Vector([0.0, 0.0])
-            true_sigma = stress_error(body, p)
+            true_sigma = stress_error(body, p, on)
             missed += squared_parts(motion - true_motion, sigma - true_sigma, a - true_a)
     at = ti.static(len(BASE)) + ti.static(len(EACH)) * e
     for q in ti.static(range(4)):
@@ -108,12 +108,12 @@ def sample_estimate(body: ti.template(), row, step, e, on: ti.template()):
 
 
 @ti.func
-def sample_energy(body: ti.template(), row, measures: ti.template()):
+def sample_energy(body: ti.template(), row, measures: ti.template(), on: ti.template()):
     """Kinetic energy, and the strain energy of the particles."""
     kinetic, strain = 0.0, 0.0
     for p in range(body.particles):
         q, mass = body.position_velocity[p], body.mass[p]
         kinetic += 0.5 * mass * (q[2] * q[2] + q[3] * q[3])
-        strain += measures.strain_energy(body, p)
+        strain += measures.strain_energy(body, p, on)
     body.samples[row, ti.static(column("kinetic"))] = kinetic
     body.samples[row, ti.static(column("strain"))] = strain

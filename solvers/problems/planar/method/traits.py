@@ -4,7 +4,8 @@ import taichi as ti
 
 from solvers.problems.planar.method.field_tables import find_force_functions, force_at
 from solvers.problems.planar.method.frames import turned
-from solvers.problems.planar.method.neo_hookean import find_volumetric, stress_of, tangent
+from solvers.problems.planar.method.material import LAWS, determinant, kirchhoff, piola
+from solvers.problems.planar.method.neo_hookean import find_volumetric
 from solvers.problems.planar.method.symmetry_planes import symmetry_planes
 from solvers.problems.planar.parts import Traits
 from solvers.problems.planar.scene import PlanarScene
@@ -25,7 +26,7 @@ def traits_of(kind: type[PlanarScene]) -> Traits:
     @ti.func
     def prepare(body: ti.template(), start, end, on: ti.template()):
         """lambda ln J, and where each particle is an orbit the force, of the particles from ``start`` to ``end``."""
-        if ti.static(volumetric):
+        if ti.static(volumetric and LAWS[on.law].logarithmic):
             find_volumetric(body, start, end)
         if ti.static(not circular and on.body_force != "none"):
             for p in range(start, end):
@@ -40,6 +41,21 @@ def traits_of(kind: type[PlanarScene]) -> Traits:
         return body.mass[p] * f
 
     @ti.func
+    def stress(body: ti.template(), p, on: ti.template()):
+        """J sigma as (xx, xy, yx, yy), or P where the weights stay those of rest."""
+        F, bulk, full = body.deformation_gradient[p], 0.0, ti.Vector([0.0] * 4)
+        if ti.static(volumetric and LAWS[on.law].logarithmic):
+            bulk = body.volumetric[p]
+        J = determinant(F)
+        q, r, _, _ = LAWS[on.law].coefficients(F, J, bulk, body.lame_modulus, body.shear_modulus)
+        if ti.static(on.frozen):
+            full[0], full[1], full[2], full[3] = piola(F, q, (r - q) / J)
+        else:
+            full[0], full[1], full[3] = kirchhoff(F, q, r)
+            full[2] = full[1]
+        return full
+
+    @ti.func
     def has_escaped(body: ti.template(), p, step):
         """Whether a particle is where none of a sound run can be."""
         q, X = body.position_velocity[p], body.material_position[p]
@@ -47,5 +63,5 @@ def traits_of(kind: type[PlanarScene]) -> Traits:
         inside = q[0] > least and q[1] > least and q[0] < body.farthest and q[1] < body.farthest
         return not (inside and (q[0] - X[0]) ** 2 + (q[1] - X[1]) ** 2 < body.farthest_move ** 2)
 
-    return Traits(forces=forces, prepare=prepare, body_force_on=body_force_on, stress=stress_of(volumetric),
-                  tangent=tangent, has_escaped=has_escaped, **symmetry_planes(*kind.PLANES))
+    return Traits(forces=forces, prepare=prepare, body_force_on=body_force_on, stress=stress, has_escaped=has_escaped,
+                  **symmetry_planes(*kind.PLANES))

@@ -1,0 +1,54 @@
+"""A material in the plane, in numpy: a law by its name, with its moduli."""
+
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from solvers.motion.jets import log
+from solvers.motion.laws import neo_hookean, st_venant_kirchhoff
+from solvers.motion.laws.law import Law, determinant, kirchhoff, piola, stiffness
+
+LAWS: dict[str, Law] = {one.LAW.name: one.LAW for one in (neo_hookean, st_venant_kirchhoff)}
+NEO_HOOKEAN = neo_hookean.LAW.name
+ANGLES = np.linspace(0, np.pi, 24, endpoint=False)[:, None]  # of directions in which waves are looked at
+
+
+class Material(NamedTuple):
+    """Moduli in Pa; F is (xx, xy, yx, yy), arrays (P,) or jets, and J may be another than its own."""
+
+    law: Law
+    bulk: float  # lambda
+    mu: float
+
+    def coefficients(self, F: Any, J: Any) -> tuple[Any, Any, Any, Any]:
+        """q, r, A and x of ``solvers.motion.laws.law``."""
+        volumetric = self.bulk * log(J) if self.law.logarithmic and self.bulk != 0 else 0.0
+        return self.law.coefficients(F, J, volumetric, self.bulk, self.mu)
+
+    def first_piola_stress(self, F: Any) -> tuple[Any, Any, Any, Any]:
+        """P_xx, P_xy, P_yx, P_yy in Pa."""
+        J = determinant(F)
+        q, r, *_ = self.coefficients(F, J)
+        return piola(F, q, (r - q) / J)
+
+    def cauchy_stress(self, F: Any) -> tuple[Any, Any, Any]:
+        """sigma_xx, sigma_xy, sigma_yy in Pa."""
+        J = determinant(F)
+        xx, xy, yy = kirchhoff(F, *self.coefficients(F, J)[:2])
+        return xx / J, xy / J, yy / J
+
+    def stiffening(self, F: Any, stretched: Any, pressed: Any) -> Any:
+        """How many times as high as at rest frequencies of waves along a principal axis become, at least 1: the root of
+        their stiffness, of |F N|^2 and |F^-T N|^2."""
+        found = stiffness(*self.coefficients(F, determinant(F)), stretched, pressed)
+        return max(1.0, float(np.max(found)) / (self.bulk + 2 * self.mu)) ** 0.5
+
+    def least_stiffness(self, F: np.ndarray) -> float:
+        """Of waves in any direction, the smallest over mu: where it is not above 0 the law is not elliptic, and the
+        shorter a wave, the faster it grows."""
+        c, s, J = np.cos(ANGLES), np.sin(ANGLES), determinant(F)
+        q, r, A, x = self.coefficients(F, J)
+        rest, along = (x + q - r) / (J * J), (F[0] * c + F[1] * s, F[2] * c + F[3] * s)
+        normal = F[3] * c - F[2] * s, F[0] * s - F[1] * c
+        xx, xy, yy = (A * along[i] * along[j] + rest * normal[i] * normal[j] for i, j in ((0, 0), (0, 1), (1, 1)))
+        return float((q + 0.5 * (xx + yy) - np.hypot(0.5 * (xx - yy), xy)).min()) / self.mu

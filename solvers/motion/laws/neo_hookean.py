@@ -1,0 +1,21 @@
+"""The compressible neo-Hookean law in plane strain, W = mu/2 (F:F - 2 - 2 ln J) + lambda/2 (ln J)^2.
+
+Source: Bonet & Wood, Nonlinear Continuum Mechanics, 2nd ed., Cambridge 2008, section 6.4.3.
+"""
+
+from typing import Any
+
+from solvers.motion.laws.law import Law
+
+
+def energy(F: Any, J: Any, growth: Any, bulk: Any, mu: Any) -> Any:
+    stretched = F[0] * F[0] + F[1] * F[1] + F[2] * F[2] + F[3] * F[3]
+    return 0.5 * (mu * (stretched - 2 - 2 * growth) + bulk * growth * growth)
+
+
+def coefficients(F: Any, J: Any, volumetric: Any, bulk: Any, mu: Any) -> Any:
+    return mu, volumetric, 0.0, bulk
+
+
+LAW = Law("neo-hookean", r"Neo-Hookean: $\sigma = \frac{\lambda \ln J}{J} I + \frac{\mu}{J}(F F^T - I)$, "
+          r"$P = \mu F + (\lambda \ln J - \mu) F^{-T}$", energy, coefficients, logarithmic=True)

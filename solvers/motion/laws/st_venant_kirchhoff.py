@@ -1,0 +1,27 @@
+"""The law of St. Venant and Kirchhoff in plane strain, S = lambda tr E I + 2 mu E of Green's strain E = (F^T F - I)/2.
+
+W = lambda/2 (tr E)^2 + mu E:E is lambda/8 (F:F - 2)^2 + mu/4 ((F:F - 1)^2 + 1 - 2 J^2). It softens where it is pressed:
+along one axis it bears no more from a stretch of 1/sqrt(3) on, and waves of shear lose their stiffness sooner.
+Source: Holzapfel, Nonlinear Solid Mechanics, Wiley 2000, section 6.5.
+"""
+
+from typing import Any
+
+from solvers.motion.laws.law import Law
+
+
+def energy(F: Any, J: Any, growth: Any, bulk: Any, mu: Any) -> Any:
+    stretched = F[0] * F[0] + F[1] * F[1] + F[2] * F[2] + F[3] * F[3]
+    return 0.125 * bulk * (stretched - 2) * (stretched - 2) \
+        + 0.25 * mu * ((stretched - 1) * (stretched - 1) + 1 - 2 * J * J)
+
+
+def coefficients(F: Any, J: Any, volumetric: Any, bulk: Any, mu: Any) -> Any:
+    stretched = F[0] * F[0] + F[1] * F[1] + F[2] * F[2] + F[3] * F[3]
+    q = 0.5 * bulk * (stretched - 2) + mu * (stretched - 1)
+    return q, q - mu * J * J, bulk + 2 * mu, -2 * mu * J * J
+
+
+LAW = Law("st-venant-kirchhoff", r"St. Venant-Kirchhoff: $S = \lambda\,\mathrm{tr}(E) I + 2 \mu E$ with "
+          r"$E = \frac{1}{2}(F^T F - I)$, $P = F S$, $\sigma = \frac{1}{J} P F^T$",
+          energy, coefficients, logarithmic=False)

@@ -1,0 +1,75 @@
+"""The material for kernels: the formulas of ``solvers.motion.laws``, of the law that a scene's switches name.
+
+A body has ``shear_modulus`` mu and ``lame_modulus`` lambda.
+"""
+
+from collections.abc import Callable
+from types import FunctionType
+
+import taichi as ti
+
+from solvers.kernels.elementary import log
+from solvers.motion.laws import law
+from solvers.motion.laws.material import LAWS as IN_NUMPY
+
+FLATTEST = 1e-300  # det F below which its logarithm is not asked for: the run is at its end
+
+
+def for_kernels(formula: FunctionType) -> Callable:
+    """The same function without annotations, which Taichi would read."""
+    return ti.func(FunctionType(formula.__code__, formula.__globals__, formula.__name__))
+
+
+LAWS = {name: one._replace(energy=for_kernels(one.energy), coefficients=for_kernels(one.coefficients))
+        for name, one in IN_NUMPY.items()}
+determinant, piola, kirchhoff, metric, material_metric, stiffness = map(for_kernels, (
+    law.determinant, law.piola, law.kirchhoff, law.metric, law.material_metric, law.stiffness))
+
+
+@ti.func
+def growth(J):
+    """ln J."""
+    return log(ti.max(J, FLATTEST))
+
+
+@ti.func
+def coefficients(body: ti.template(), F, on: ti.template()):
+    """J, q, r, A, x, of F as (xx, xy, yx, yy) in the body's material."""
+    J, volumetric = determinant(F), 0.0
+    if ti.static(LAWS[on.law].logarithmic):
+        if body.lame_modulus != 0:  # a logarithm a particle is a tenth of some estimator's time
+            volumetric = body.lame_modulus * growth(J)
+    q, r, A, x = LAWS[on.law].coefficients(F, J, volumetric, body.lame_modulus, body.shear_modulus)
+    return J, q, r, A, x
+
+
+@ti.func
+def cauchy_stress_of(body: ti.template(), F, on: ti.template()):
+    """sigma as (xx, xy, yy), of F as (xx, xy, yx, yy) in the body's material."""
+    J, q, r, _, _ = coefficients(body, F, on)
+    xx, xy, yy = kirchhoff(F, q, r)
+    return ti.Vector([xx, xy, yy]) / J
+
+
+@ti.func
+def cauchy_stress(body: ti.template(), p, on: ti.template()):
+    """The same of particle p."""
+    return cauchy_stress_of(body, body.deformation_gradient[p], on)
+
+
+@ti.func
+def tangent(body: ti.template(), p, on: ti.template()):
+    """For the margin of the step V0 in m^3 and a metric (xx, xy, yy) in Pa, in which sizes of the gradients of weights
+    at two nodes are multiplied for what binds these at most: in space, or where weights stay those of rest at rest."""
+    F = body.deformation_gradient[p]
+    J, q, r, A, x = coefficients(body, F, on)
+    xx, xy, yy = ti.static(material_metric if on.frozen else metric)(F, J, q, r, A, x)
+    return body.mass[p] / body.density, ti.Vector([xx, xy, yy])
+
+
+@ti.func
+def strain_energy(body: ti.template(), p, on: ti.template()):
+    """Of a particle, in J."""
+    F, mu = body.deformation_gradient[p], body.shear_modulus
+    J = determinant(F)
+    return body.mass[p] / body.density * LAWS[on.law].energy(F, J, growth(J), body.lame_modulus, mu)
