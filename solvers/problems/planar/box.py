@@ -99,7 +99,7 @@ class BoxScene(PlanarScene):
 
     @functools.cached_property
     def crossing_rate(self) -> float:
-        """Speed of the fastest wave along x or y, in the material's frame and anywhere in the exact motion, over that of
+        """Speed of the fastest wave along x or y in the material frame, anywhere in the exact motion, over that of
         one at rest."""
         rate = 1.0
         for t in (np.arange(INSTANTS) + 0.5) / INSTANTS * self.period:
