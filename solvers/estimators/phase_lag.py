@@ -12,6 +12,7 @@ Source: derived for this program.
 """
 
 import math
+from collections.abc import Callable
 from typing import Any
 
 from solvers.scene.limits import Limit
@@ -28,9 +29,12 @@ def lag(scene: Any, wavenumber: float) -> float:
     return slowing * (wavenumber * coarse) ** 2 * wavenumber * scene.wave_speed * scene.end_time
 
 
-def in_step(wavenumber: float, **where: Any) -> Limit:
+def in_step(wavenumber: float | Callable[[Any], float], **where: Any) -> Limit:
     """The limit that waves of the second run end not too far behind; the lag falls with the square of the cells."""
-    return Limit("two-grid", lambda scene: lag(scene, wavenumber), most=MOST_LAG, where=where, give={
+    def behind(scene: Any) -> float:
+        return lag(scene, wavenumber(scene) if callable(wavenumber) else wavenumber)
+
+    return Limit("two-grid", behind, most=MOST_LAG, where=where, give={
         "cells": lambda scene, lag: 2 * math.ceil(scene.cells / 2 * math.sqrt(lag / MOST_LAG) + 1),
         "end_time": lambda scene, lag: scene.end_time * MOST_LAG / lag},
         why="by the end, waves on the second run's cells would be {value:.2g} radians behind, too far to extrapolate "

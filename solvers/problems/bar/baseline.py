@@ -19,7 +19,8 @@ from solvers.solver.loop import CHECK_EVERY
 BaselineState = part_types(WatchedBar, (
     "particles", "cells", "cells_per_length", "dt", "modulus", "density", "volume", "unstretched", "half_width",
     "farthest", "drift_velocity", "angular_frequency", "force_scale", "material_position", "position", "velocity",
-    "deformation_gradient", "sine", "first_node", "weights", "node_sums", "node_motion", "totals", "verdict"))
+    "deformation_gradient", "sine", "first_node", "weights", "node_sums", "node_motion", "totals",
+    "table_sizes", "tables", "verdict"))
 
 
 @ti.kernel

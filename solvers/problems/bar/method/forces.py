@@ -1,19 +1,25 @@
 """The body force of the bar, per unit mass, at a material point.
 
 "material" is eq 34: 3 w^2 A sin(2 pi X) sin(wt), for which the exact solution is known. "two-tone" adds
-1.5 w^2 A sin(4 pi X) sin(1.7 wt), for which none is built in: there an estimate has to stand alone.
+1.5 w^2 A sin(4 pi X) sin(1.7 wt), for which none is built in: there an estimate has to stand alone. That of a typed
+motion lies in a table (``solvers.problems.field_tables``), whose functions of time :func:`tones` finds.
 """
 
 import taichi as ti
 
-from solvers.problems.bar.exact import SECOND_FREQUENCY, SECOND_SIZE
+from solvers.motion.exact_solution import SECOND_FREQUENCY
+from solvers.problems.bar.exact import SECOND_SIZE
+from solvers.problems.bar.typed_motion import TYPED
+from solvers.problems.field_tables import FORCE, find_pair_functions, pair_sum
 
 
 @ti.func
 def tones(bar: ti.template(), t, on: ti.template()):
     """The size of each tone at time t, in m/s^2."""
     first, second = 0.0, 0.0
-    if ti.static(on.body_force != "none"):
+    if ti.static(on.motion == TYPED):
+        find_pair_functions(bar.tables, bar.table_sizes, FORCE, bar.angular_frequency * t, 1.0)
+    elif ti.static(on.body_force != "none"):
         first = bar.force_scale * ti.sin(bar.angular_frequency * t)
     if ti.static(on.body_force == "two-tone"):
         second = SECOND_SIZE * bar.force_scale * ti.sin(SECOND_FREQUENCY * bar.angular_frequency * t)
@@ -32,7 +38,11 @@ def force_at(sine, cosine, size, on: ti.template()):
 @ti.func
 def force_on_particle(bar: ti.template(), p, size, on: ti.template()):
     """The force at particle p, with tones of the given size; the cosine is kept only where it is needed."""
-    cosine = 0.0
+    cosine, force = 0.0, 0.0
     if ti.static(on.body_force == "two-tone"):
         cosine = bar.cosine[p]
-    return force_at(bar.sine[p], cosine, size, on)
+    if ti.static(on.motion == TYPED):
+        force = pair_sum(bar.tables, bar.table_sizes, FORCE, p)[0]
+    else:
+        force = force_at(bar.sine[p], cosine, size, on)
+    return force

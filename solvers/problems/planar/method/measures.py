@@ -2,7 +2,7 @@
 
 import taichi as ti
 
-from solvers.problems.planar.method.field_tables import GRID, MODES, MOTION, PRESENT, RANK, fact, find_functions
+from solvers.problems.field_tables import GRID, MODES, MOTION, PRESENT, RANK, fact, find_functions
 from solvers.problems.planar.method.frames import turned, turned_tensor
 from solvers.problems.planar.method.neo_hookean import cauchy_stress, cauchy_stress_of, strain_energy
 from solvers.problems.planar.method.node_errors import circular_node_error, node_error

@@ -5,7 +5,7 @@ from collections.abc import Callable
 
 import taichi as ti
 
-from solvers.problems.planar.method.field_tables import GRID, MODES, PRESENT, RANK, fact
+from solvers.problems.field_tables import GRID, MODES, PRESENT, RANK, fact
 from solvers.problems.planar.method.frames import turned
 from solvers.problems.planar.scene import PlanarScene
 

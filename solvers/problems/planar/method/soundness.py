@@ -10,8 +10,8 @@ from collections.abc import Callable
 import taichi as ti
 
 from solvers.kernels import runtime
-from solvers.problems.planar.method import field_tables
-from solvers.problems.planar.method.field_tables import MOTION, fact
+from solvers.problems import field_tables
+from solvers.problems.field_tables import MOTION, fact
 from solvers.problems.planar.method.records import scatter_add
 from solvers.scene.balance import MODES
 from solvers.solver.samples import column

@@ -2,7 +2,7 @@
 
 import taichi as ti
 
-from solvers.problems.planar.method.field_tables import find_force_functions, force_at
+from solvers.problems.field_tables import find_force_functions, force_at
 from solvers.problems.planar.method.frames import turned
 from solvers.problems.planar.method.neo_hookean import find_volumetric, stress_of, tangent
 from solvers.problems.planar.method.symmetry_planes import symmetry_planes
