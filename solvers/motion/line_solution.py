@@ -1,13 +1,19 @@
 """The exact solution that a displacement makes along a line whose stress is linear in its stretch, P = E (F - 1): as
 ``solvers.motion.exact_solution`` in the plane, with the body force per mass b = u_tt - c^2 u_XX, c^2 = E/rho."""
 
+import functools
 from collections.abc import Callable
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
 from solvers.motion.exact_solution import TIME, X_AXIS
 from solvers.motion.jets import Jet, variables
+from solvers.motion.separable_field import Field, SeparableField, separate
+
+PLACES, INSTANTS = 400, 128  # of the line and of a period, at which the size of a motion is looked at
+HALF_WRONG = 0.5  # of F - 1, as RMS: for that alone no place is called lost
+TELLING = 0.03  # of the RMS of F - 1: a wave with less does not matter
 
 
 class LineSolution:
@@ -18,30 +24,71 @@ class LineSolution:
         self._displacement = displacement
 
     def derivatives(self, scene: Any, X: np.ndarray, t: Any, *axes: tuple[int, ...]) -> list[np.ndarray]:
-        """Of u: () itself, (X_AXIS,) its slope, (TIME, TIME) its acceleration."""
+        """Of u: () itself, (X_AXIS,) its slope F - 1, (TIME, TIME) its acceleration."""
         t = np.reshape(t, X.shape) if np.ndim(t) else t
         (u,) = self._displacement(scene, *variables(X, None, t))
-        found = [u.derivative(*one) if one else u.value for one in axes] if isinstance(u, Jet) \
-            else [0.0 if one else u for one in axes]
+        u = u if isinstance(u, Jet) else Jet(u)
+        found = [u.derivative(*one) if one else u.value for one in axes]
         return [np.array(np.broadcast_to(one, X.shape)) for one in found]
 
     def displacement(self, scene: Any, X: np.ndarray, t: Any) -> np.ndarray:
-        """u in m."""
         return self.derivatives(scene, X, t, ())[0]
 
     def velocity(self, scene: Any, X: np.ndarray, t: Any) -> np.ndarray:
-        """v in m/s."""
         return self.derivatives(scene, X, t, (TIME,))[0]
 
     def acceleration(self, scene: Any, X: np.ndarray, t: Any) -> np.ndarray:
-        """a in m/s^2."""
         return self.derivatives(scene, X, t, (TIME, TIME))[0]
 
     def deformation_gradient(self, scene: Any, X: np.ndarray, t: Any) -> np.ndarray:
-        """F = 1 + u_X."""
         return 1 + self.derivatives(scene, X, t, (X_AXIS,))[0]
 
     def body_force(self, scene: Any, X: np.ndarray, t: Any) -> np.ndarray:
-        """b per mass in m/s^2, the force that makes the displacement the solution."""
+        """Per mass in m/s^2, the force that makes the displacement the solution."""
         a, bend = self.derivatives(scene, X, t, (TIME, TIME), (X_AXIS, X_AXIS))
         return a - scene.wave_speed**2 * bend
+
+
+@functools.lru_cache(maxsize=2)
+def motion_table(scene: Any) -> SeparableField:
+    """u and F - 1 at the particles (P, r, 2), and as a last place their means."""
+    motion = _table(scene, (np.arange(scene.particles) + 0.5) / scene.particles, lambda X, t: np.stack(
+        scene.typed_solution.derivatives(scene, X[:, 0], t, (), (X_AXIS,)), axis=1))
+    mean = motion.modes.mean(axis=0, keepdims=True)
+    return SeparableField(np.concatenate([motion.modes, mean]), motion.series, motion.angular_frequency)
+
+
+def force_table(scene: Any, X: np.ndarray) -> SeparableField:
+    """The body force per mass at material points (K,), and 0 as a second component (K, r, 2)."""
+    return _table(scene, X, lambda X, t: scene.typed_solution.body_force(scene, X, t) * np.array([1.0, 0.0]))
+
+
+def _table(scene: Any, X: np.ndarray, field: Field) -> SeparableField:
+    return separate(field, X[:, None], scene.period)
+
+
+class LineSizes(NamedTuple):
+    """How large x, v, sigma and a become, and their RMS over line and period; by how much, as RMS in m, neighbours move
+    otherwise than the mean of their F says, and than one says that is half wrong; waves in a metre of the shortest that
+    matters."""
+
+    largest: dict[str, float]
+    rms: dict[str, float]
+    gap: float
+    waves: int
+
+
+def line_sizes(scene: Any) -> LineSizes:
+    """Those of a typed motion."""
+    X = np.tile(np.arange(PLACES) / PLACES, (INSTANTS, 1))
+    t, dX = np.repeat(np.arange(INSTANTS) / INSTANTS * scene.period, PLACES), 1 / scene.particles
+    derivatives = functools.partial(scene.typed_solution.derivatives, scene)
+    u, strain, v, a = derivatives(X, t, (), (X_AXIS,), (TIME,), (TIME, TIME))
+    next_u, next_strain = derivatives((X + dX) % 1, t, (), (X_AXIS,))
+    fields = {"x": u, "v": v, "sigma": scene.modulus * strain, "a": a}
+    misses = next_u - u - 0.5 * dX * (strain + next_strain), HALF_WRONG * dX * strain
+    power = (np.abs(np.fft.rfft(strain, axis=1)) ** 2).sum(axis=0)
+    return LineSizes({name: float(np.abs(one).max()) for name, one in fields.items()},
+                     {name: float(np.sqrt((one**2).mean())) for name, one in fields.items()},
+                     float(sum(np.sqrt((miss**2).mean(axis=1)) for miss in misses).max()),
+                     int(np.flatnonzero(power >= TELLING**2 * power.sum())[-1]))

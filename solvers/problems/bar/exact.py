@@ -13,7 +13,7 @@ from typing import Any
 import numpy as np
 
 from solvers.motion.exact_solution import SECOND_FREQUENCY
-from solvers.problems.bar.typed_motion import motion_table, typed
+from solvers.motion.line_solution import motion_table
 from solvers.scene.balance import Moments
 
 WAVENUMBER = 2 * np.pi
@@ -25,7 +25,7 @@ def displacement(scene: Any, X: np.ndarray, t: float) -> np.ndarray:
     if scene.is_patch:
         return np.full_like(X, scene.initial_velocity * t)
     if scene.displacement:
-        return typed(scene).displacement(scene, X, t)
+        return scene.typed_solution.displacement(scene, X, t)
     return scene.motion_amplitude * np.sin(WAVENUMBER * X) * np.sin(scene.angular_frequency * t)
 
 
@@ -34,7 +34,7 @@ def velocity(scene: Any, X: np.ndarray, t: float) -> np.ndarray:
     if scene.is_patch:
         return np.full_like(X, scene.initial_velocity)
     if scene.displacement:
-        return typed(scene).velocity(scene, X, t)
+        return scene.typed_solution.velocity(scene, X, t)
     w = scene.angular_frequency
     return scene.motion_amplitude * w * np.sin(WAVENUMBER * X) * np.cos(w * t)
 
@@ -44,7 +44,7 @@ def acceleration(scene: Any, X: np.ndarray, t: float) -> np.ndarray:
     if scene.is_patch:
         return np.zeros_like(X)
     if scene.displacement:
-        return typed(scene).acceleration(scene, X, t)
+        return scene.typed_solution.acceleration(scene, X, t)
     return -scene.angular_frequency**2 * displacement(scene, X, t)
 
 
@@ -53,7 +53,7 @@ def deformation_gradient(scene: Any, X: np.ndarray, t: float) -> np.ndarray:
     if scene.is_patch:
         return np.full_like(X, scene.stretch)
     if scene.displacement:
-        return typed(scene).deformation_gradient(scene, X, t)
+        return scene.typed_solution.deformation_gradient(scene, X, t)
     return 1 + WAVENUMBER * scene.motion_amplitude * np.cos(WAVENUMBER * X) * np.sin(scene.angular_frequency * t)
 
 
@@ -79,7 +79,7 @@ def body_force(scene: Any, X: np.ndarray, t: float) -> np.ndarray:
     if scene.body_force == "none":
         return np.zeros_like(X)
     if scene.displacement:
-        return typed(scene).body_force(scene, X, t)
+        return scene.typed_solution.body_force(scene, X, t)
     w = scene.angular_frequency
     force = 3 * w**2 * displacement(scene, X, t)
     if scene.body_force == "two-tone":

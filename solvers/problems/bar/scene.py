@@ -9,11 +9,10 @@ from typing import Any
 
 import numpy as np
 
+from solvers.motion.line_solution import HALF_WRONG, LineSizes, line_sizes
 from solvers.motion.typed_motion import LineInputs
 from solvers.problems.bar import exact, limits, patch, step_bound
 from solvers.problems.bar.patch import PATCH, VIBRATE
-from solvers.problems.bar.typed_motion import HALF_WRONG, TYPED, TypedSizes, typed_sizes
-from solvers.problems.typed import MaybeTyped
 from solvers.scene.balance import Moments
 from solvers.scene.causes import CAUSES, NOTHING
 from solvers.scene.defaults import MOST_PER_CELL
@@ -22,6 +21,7 @@ from solvers.scene.remedies import CENTRED, COUPLED, FILTER, FROZEN, PIECES
 from solvers.scene.rules import SceneError, require_number
 from solvers.scene.scene import Scene
 from solvers.scene.step_bound import StepBound
+from solvers.scene.typed import TYPED, MaybeTyped
 
 #: Above this amplitude the exact bar turns inside out: F = 1 + 2 pi A cos(2 pi X) sin(wt) reaches 0.
 BAR_AMPLITUDE_LIMIT = 1 / (2 * math.pi)
@@ -155,9 +155,9 @@ class BarScene(MaybeTyped, Scene):
         return self.amplitude / 2 if self.body_force == "none" else self.amplitude
 
     @functools.cached_property
-    def _sizes(self) -> TypedSizes:
+    def _sizes(self) -> LineSizes:
         """Of a typed motion."""
-        return typed_sizes(self)
+        return line_sizes(self)
 
     def size_of(self, quantity: str) -> float:
         return self._sizes.largest[quantity] if self.displacement else super().size_of(quantity)

@@ -10,8 +10,8 @@ from solvers.problems.bar.method import margin, remedies
 from solvers.problems.bar.method.phases import find_weights, nodes_to_particles, update_grid
 from solvers.problems.bar.method.samples import sample
 from solvers.problems.bar.state import HOOKS, BarState
-from solvers.problems.bar.typed_motion import TYPED
 from solvers.scene.effects import samplers
+from solvers.scene.typed import TYPED
 from solvers.solver.loop import Phases, check, run_loop, sample_effects
 
 SAMPLERS = samplers("bar", {})

@@ -8,7 +8,6 @@ from typing import Any
 import numpy as np
 
 from solvers.problems.bar import patch
-from solvers.problems.bar.typed_motion import typed
 from solvers.scene.linear_stability import Configurations, Links, limits
 from solvers.scene.remedies import PIECES
 from solvers.scene.scene import Scene
@@ -17,6 +16,7 @@ from solvers.scene.step_bound import StepBound, bounded, circles, moments, stenc
 MOST_PARTICLES = 600  # of the bar that are looked at; a finer one has the same cells, only more of them
 PLACES = 17  # of a patch test in its cell
 INSTANTS = 2000  # of a period
+OF_A_PERIOD = 33  # moments of a typed motion
 
 
 @dataclass(frozen=True)
@@ -47,9 +47,9 @@ def critical_time_step(scene: Any, stretch: float, velocity: float) -> StepBound
     cells = max(8, min(scene.cells, MOST_PARTICLES // ppc))
     X = (np.arange(cells * ppc) + 0.5) / (cells * ppc)
     if scene.displacement:
-        part, solution = 1.0, typed(scene)
+        part, solution = 1.0, scene.typed_solution
         shapes = [(solution.displacement(scene, X, t), solution.deformation_gradient(scene, X, t))
-                  for t in scene.period * moments(scene)]
+                  for t in scene.period * np.linspace(0, 1, OF_A_PERIOD)]
     else:
         part, sizes = 0.5, scene.motion_amplitude * np.sin(np.pi * (moments(scene) - 0.5))
         shapes = [(size * np.sin(2 * np.pi * X), 1 + 2 * np.pi * size * np.cos(2 * np.pi * X)) for size in sizes]

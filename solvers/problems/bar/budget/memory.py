@@ -8,13 +8,14 @@ import taichi as ti
 from solvers.kernels.hoist import untranslated
 from solvers.kernels.kinds import quads, reals
 from solvers.kernels.packing import MemoryView, Packing
+from solvers.motion.line_solution import motion_table
 from solvers.problems.bar import exact
 from solvers.problems.bar.estimators.companion import mesh
 from solvers.problems.bar.method.nodes import GHOSTS
 from solvers.problems.bar.scene import BarScene
-from solvers.problems.bar.typed_motion import TYPED, motion_table
 from solvers.scene.causes import CAUSES
 from solvers.scene.switches import Switches
+from solvers.scene.typed import TYPED
 from solvers.solver.arrays import zeros
 
 #: Layers of ``budget_nodes``, each of all nodes: of the reference its v + dt a, a, b and the method's force of its

@@ -11,8 +11,8 @@ import taichi as ti
 from solvers.estimators import companion
 from solvers.problems.bar.budget.memory import keeps
 from solvers.problems.bar.method.samples import typed_at
-from solvers.problems.field_tables import FACTS, MODES, MOTION, PRESENT, RANK, find_functions
 from solvers.scene.causes import CAUSES
+from solvers.solver.field_tables import FACTS, MODES, MOTION, PRESENT, RANK, find_functions
 
 TIME_STEP = list(CAUSES).index("time_step")  # its lane
 

@@ -18,10 +18,11 @@ import taichi as ti
 from solvers.estimators import companion as shared
 from solvers.estimators.spectral import Elements, highest_frequency
 from solvers.kernels.kinds import integers, pairs, quads, reals
+from solvers.motion.line_solution import force_table
 from solvers.problems.bar import exact
 from solvers.problems.bar.method.forces import force_at, tones
-from solvers.problems.bar.typed_motion import TYPED, force_table
-from solvers.problems.field_tables import FORCE, find_pair_functions, of_pairs, pack, pair_sum
+from solvers.scene.typed import TYPED
+from solvers.solver.field_tables import FORCE, find_pair_functions, of_pairs, pack, pair_sum
 
 POLYNOMIALS = 4  # order p
 A_WAVE = 5  # elements of a typed motion's shortest wave that matters

@@ -39,14 +39,15 @@ from solvers.estimators import recovery
 from solvers.estimators.recovery import ALONG, BEGUN, MOVED, NEW, ROUGH, SIZE, TAU, TURNS, H
 from solvers.kernels.kinds import integers, quads, reals
 from solvers.kernels.packing import part
+from solvers.motion.line_solution import force_table
 from solvers.problems.bar import exact
 from solvers.problems.bar.estimators import recovered_tables
 from solvers.problems.bar.estimators.recovered_tables import DRIVE, FIT, GATHER, SMOOTHING, SPREAD, STIFFNESS, TABLES
 from solvers.problems.bar.method.forces import tones
 from solvers.problems.bar.method.nodes import stencil_of
-from solvers.problems.bar.typed_motion import TYPED, force_table
-from solvers.problems.field_tables import find_pair_functions, of_pairs, pack, pair_sum
 from solvers.scene.estimator_hooks import EstimatorHooks
+from solvers.scene.typed import TYPED
+from solvers.solver.field_tables import find_pair_functions, of_pairs, pack, pair_sum
 
 WAVE_CFL = 0.9  # H c/h; stable to 1.2
 #: Blocks of the nodal array: U, w in the middle of the next H, a and a before; errors as gathered; errors unsmoothed;

@@ -5,13 +5,13 @@ from dataclasses import dataclass
 import numpy as np
 
 from solvers.kernels.kinds import Integer, Integers, Pairs, Quads, Real, Reals
+from solvers.motion.line_solution import force_table, motion_table
 from solvers.problems.bar import exact
 from solvers.problems.bar.method.nodes import GHOSTS
 from solvers.problems.bar.scene import BarScene
-from solvers.problems.bar.typed_motion import force_table, motion_table
-from solvers.problems.field_tables import of_pairs, of_vectors, pack
 from solvers.scene.switches import Switches
 from solvers.solver.arrays import Members, remedy_rates, zeros
+from solvers.solver.field_tables import of_pairs, of_vectors, pack
 
 
 @dataclass
@@ -55,7 +55,7 @@ class BarBody(Members):
     node_scratch: Reals  # of the remedies (N+4,)
     node_displacement: Reals  # x - X on the nodes, for the coupling of F (N+4,)
     totals: Reals  # grid crossings so far, work of the body force so far (2,)
-    table_sizes: Integers  # of a typed motion: see ``solvers.problems.field_tables``
+    table_sizes: Integers  # of a typed motion: see ``solvers.solver.field_tables``
     tables: Quads  # its body force at the particles; u and F - 1 there, and as a last place their means
 
 

@@ -2,15 +2,15 @@
 
 "material" is eq 34: 3 w^2 A sin(2 pi X) sin(wt), for which the exact solution is known. "two-tone" adds
 1.5 w^2 A sin(4 pi X) sin(1.7 wt), for which none is built in: there an estimate has to stand alone. That of a typed
-motion lies in a table (``solvers.problems.field_tables``), whose functions of time :func:`tones` finds.
+motion lies in a table (``solvers.solver.field_tables``), whose functions of time :func:`tones` finds.
 """
 
 import taichi as ti
 
 from solvers.motion.exact_solution import SECOND_FREQUENCY
 from solvers.problems.bar.exact import SECOND_SIZE
-from solvers.problems.bar.typed_motion import TYPED
-from solvers.problems.field_tables import FORCE, find_pair_functions, pair_sum
+from solvers.scene.typed import TYPED
+from solvers.solver.field_tables import FORCE, find_pair_functions, pair_sum
 
 
 @ti.func

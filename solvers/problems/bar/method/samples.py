@@ -7,8 +7,8 @@ compared at that step's time, one step before the others'.
 import taichi as ti
 
 from solvers.problems.bar.method import soundness
-from solvers.problems.bar.typed_motion import TYPED
-from solvers.problems.field_tables import MODES, MOTION, PRESENT, RANK, fact, find_functions
+from solvers.scene.typed import TYPED
+from solvers.solver.field_tables import MODES, MOTION, PRESENT, RANK, fact, find_functions
 from solvers.solver.samples import BASE, EACH, column
 
 

@@ -28,10 +28,10 @@ import taichi as ti
 
 from solvers.estimators import companion as shared
 from solvers.kernels.kinds import integers, octets, pairs, quads, reals
-from solvers.problems.field_tables import find_force_functions, force_at, of_pairs, pack
 from solvers.problems.planar.layout import particle_layout
 from solvers.problems.planar.method.frames import turned, turned_tensor
 from solvers.problems.planar.method.neo_hookean import cauchy_stress, cauchy_stress_of
+from solvers.solver.field_tables import find_force_functions, force_at, of_pairs, pack
 
 
 @ti.func

@@ -18,10 +18,10 @@ from solvers.estimators import companion as shared
 from solvers.kernels import runtime
 from solvers.kernels.elementary import log
 from solvers.kernels.kinds import integer_quads, integers, pairs, quads
-from solvers.problems.field_tables import find_force_functions, force_at, of_pairs, pack
 from solvers.problems.planar.estimators.patch import Patch
 from solvers.problems.planar.layout import particle_layout
 from solvers.problems.planar.method.neo_hookean import FLATTEST, cauchy_stress, cauchy_stress_of
+from solvers.solver.field_tables import find_force_functions, force_at, of_pairs, pack
 
 
 @ti.func

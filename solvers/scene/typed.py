@@ -11,6 +11,8 @@ from solvers.motion.formula import FormulaError
 from solvers.motion.typed_motion import LineInputs, MotionInputs, find_period, read_motion
 from solvers.scene.rules import SceneError, require_number
 
+TYPED = "typed"  # what is compiled of such a motion where that depends on it: whatever the formula
+
 if TYPE_CHECKING:
     from solvers.scene.scene import Scene
 else:
@@ -32,6 +34,11 @@ class MaybeTyped(Scene):
     def base_frequency(self) -> float:
         """w in 1/s: pi over the time in which a bar's sound crosses a metre."""
         return math.pi * math.sqrt(self.modulus / self.density)
+
+    @property
+    def typed_solution(self) -> Any:
+        """What follows from what was typed, as functions."""
+        return self.motion_inputs.solution(self.displacement)
 
     @functools.cached_property
     def typed_frequency(self) -> float:
