@@ -10,7 +10,7 @@ from solvers.motion.formula import Formula, FormulaError, parse
 from solvers.motion.line_solution import LineSolution
 from solvers.motion.separable_field import NotPeriodic, separate
 
-COMPONENTS = ("u", "u_x, u_y")  # of a motion along a line, and of one in the plane
+NAMES = {1: ("X", "t", "w", "A"), 2: ("X", "Y", "t", "w", "A")}  # along a line, and in the plane
 LINE, INSTANTS = 20, 32  # points a side and times of a period at which the motion is looked at
 ALONG = 400  # points of a line
 MOST_QUARTERS = 160  # of the base period, among which the period is looked for
@@ -43,10 +43,9 @@ def read_motion(text: str, dimensions: int = 2) -> TypedMotion:
     """
     parts = _split(text)
     if len(parts) > dimensions:
-        raise FormulaError(f"has more than {('one component', 'two components')[dimensions - 1]}; give "
-                           f"{COMPONENTS[dimensions - 1]}")
-    texts, formulas = zip(*(parse(part, ("X", "Y", "t", "w", "A") if dimensions == 2 else ("X", "t", "w", "A"))
-                            for part in (*parts, "0")[:dimensions]), strict=True)
+        raise FormulaError("has more than one component; give u" if dimensions == 1 else
+                           "has more than two components; give u_x, u_y")
+    texts, formulas = zip(*(parse(part, NAMES[dimensions]) for part in (*parts, "0")[:dimensions]), strict=True)
     return TypedMotion(",".join(texts).removesuffix(",0"), formulas)
 
 
@@ -173,8 +172,7 @@ def _check_body(exact: Any, scene: Any, X: np.ndarray, period: float) -> None:
             raise FormulaError("is not finite everywhere over a period")
         scene.check(exact.displacement(scene, X, t), F)
         if np.linalg.det(F).min() < LEAST_J:
-            raise FormulaError(f"folds the body over, or nearly so: {'det ' * (D > 1)}F falls below {LEAST_J}; give a "
-                               "smaller one")
+            raise FormulaError(f"folds the body over, or nearly so: det F falls below {LEAST_J}; give a smaller one")
         strain = max(strain, np.abs(F - np.eye(D)).max())
     if strain < SAME:
         raise FormulaError("moves the body without deforming it; give a displacement that changes with X")
