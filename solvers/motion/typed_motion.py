@@ -144,8 +144,9 @@ def find_period(text: str, scene: MotionInputs | LineInputs) -> float:
         raise FormulaError(f"has no period among quarters of {base_period:.6g} s and of 1 s up to {longest:.4g} s; "
                            "give times as multiples of w*t")
     _check_body(exact, scene, X, period)
+    force = getattr(exact, "force_terms", exact.body_force)
     try:
-        separate(lambda X, t: exact.body_force(scene, X, t), X[::len(X) // FORCED], period)
+        separate(lambda X, t: force(scene, X, t), X[::len(X) // FORCED], period)
     except NotPeriodic:
         raise FormulaError(f"changes too fast with t for its period of {period:.4g} s; give slower functions") from None
     return period

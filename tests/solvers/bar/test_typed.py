@@ -33,6 +33,15 @@ def test_the_built_in_motion_can_be_typed(method):
         assert other.error[quantity]["max"] == pytest.approx(one.error[quantity]["max"], rel=1e-9)
 
 
+def test_a_free_vibration_can_be_typed():
+    """Its body force is nothing but rounding."""
+    own = BarScene(cells=20, periods=1, body_force="none", estimators=("companion",))
+    typed = replace(own, displacement="0.5*A*sin(2*pi*X)*sin(2*w*t)", body_force="material")
+    one, other = (run(scene, prices=False) for scene in (own, typed))
+    np.testing.assert_allclose(other.final.position, one.final.position, rtol=0, atol=1e-12)
+    assert other.index["companion"]["x"] == pytest.approx(one.index["companion"]["x"], abs=1e-6)
+
+
 def test_second_order():
     """Where domains tile: by four from 40 to 80 to 160 cells, from which on three waves are well resolved; in
     amplitudes twice the error of one wave at that strain on 80 cells, .0010."""
