@@ -12,7 +12,7 @@ from solvers.estimators import companion
 from solvers.problems.bar.budget.memory import keeps
 from solvers.problems.bar.method.samples import typed_at
 from solvers.scene.causes import CAUSES
-from solvers.solver.field_tables import FACTS, MODES, MOTION, PRESENT, RANK, find_functions
+from solvers.solver.field_tables import MODES, MOTION, PRESENT, RANK, fact, find_functions
 
 TIME_STEP = list(CAUSES).index("time_step")  # its lane
 
@@ -70,9 +70,9 @@ def companion_after_step(bar: ti.template(), step):
 @ti.func
 def typed_after_step(bar: ti.template(), step):
     """The same of a typed motion."""
-    angle, base = bar.angular_frequency * bar.dt * step, ti.static(FACTS * MOTION)
+    angle = bar.angular_frequency * bar.dt * step
     find_functions(bar.tables, bar.table_sizes, MOTION, bar.angular_frequency, angle, angle)
-    rank, modes, out = bar.table_sizes[base + RANK], bar.table_sizes[base + MODES], bar.table_sizes[base + PRESENT]
+    rank, modes, out = fact(bar, MOTION, RANK), fact(bar, MOTION, MODES), fact(bar, MOTION, PRESENT)
     for p in range(bar.particles):
         known, rate = typed_at(bar, p), 0.0
         for k in range(rank):

@@ -20,9 +20,8 @@ from solvers.estimators.spectral import Elements, highest_frequency
 from solvers.kernels.kinds import integers, pairs, quads, reals
 from solvers.motion.line_solution import force_table
 from solvers.problems.bar import exact
-from solvers.problems.bar.method.forces import force_at, tones
-from solvers.scene.typed import TYPED
-from solvers.solver.field_tables import FORCE, find_pair_functions, of_pairs, pack, pair_sum
+from solvers.problems.bar.method.forces import force_at, tones_for
+from solvers.solver.field_tables import of_pairs, pack
 
 POLYNOMIALS = 4  # order p
 A_WAVE = 5  # elements of a typed motion's shortest wave that matters
@@ -35,19 +34,12 @@ def accelerate(bar: ti.template(), t, on: ti.template()):
     for e in range(bar.companion_counts[shared.ACROSS]):
         element_forces(bar, shared.WORK * N + e * bar.companion_counts[shared.ORDER])
     whole = bar.companion_nodes[shared.WORK * N][2] + bar.companion_nodes[shared.WORK * N + N - 1][2]
-    size = ti.Vector([0.0, 0.0])
-    if ti.static(on.motion == TYPED):
-        find_pair_functions(bar.companion_force, bar.companion_force_sizes, FORCE, bar.angular_frequency * t, 1.0)
-    else:
-        size = tones(bar, t, on)
+    size = tones_for(bar, bar.companion_force, bar.companion_force_sizes, t, on)
     for i in range(N):
-        work, wave, b = shared.WORK * N + i, bar.companion_waves[i], 0.0
+        work, wave = shared.WORK * N + i, bar.companion_waves[i]
         force = whole if i == 0 or i == N - 1 else bar.companion_nodes[work][2]
-        if ti.static(on.motion == TYPED):
-            b = pair_sum(bar.companion_force, bar.companion_force_sizes, FORCE, i)[0]
-        else:
-            b = force_at(wave[0], wave[1], size, on)
-        bar.companion_nodes[work][2] = bar.companion_nodes[work][6] * force + b
+        bar.companion_nodes[work][2] = bar.companion_nodes[work][6] * force \
+            + force_at(bar.companion_force, bar.companion_force_sizes, i, wave[0], wave[1], size, on)
 
 
 @ti.func

@@ -43,11 +43,11 @@ from solvers.motion.line_solution import force_table
 from solvers.problems.bar import exact
 from solvers.problems.bar.estimators import recovered_tables
 from solvers.problems.bar.estimators.recovered_tables import DRIVE, FIT, GATHER, SMOOTHING, SPREAD, STIFFNESS, TABLES
-from solvers.problems.bar.method.forces import tones
+from solvers.problems.bar.method.forces import tones_for
 from solvers.problems.bar.method.nodes import stencil_of
 from solvers.scene.estimator_hooks import EstimatorHooks
 from solvers.scene.typed import TYPED
-from solvers.solver.field_tables import find_pair_functions, of_pairs, pack, pair_sum
+from solvers.solver.field_tables import of_pairs, pack, pair_sum
 
 WAVE_CFL = 0.9  # H c/h; stable to 1.2
 #: Blocks of the nodal array: U, w in the middle of the next H, a and a before; errors as gathered; errors unsmoothed;
@@ -119,17 +119,6 @@ def spread(bar: ti.template(), p, pattern):
 
 
 @ti.func
-def force_tones(bar: ti.template(), t, on: ti.template()):
-    """What of M b at time t is the same for all nodes: the size of its tones; or functions of time, left in a table."""
-    size = ti.Vector([0.0, 0.0])
-    if ti.static(on.motion == TYPED):
-        find_pair_functions(bar.recovered_force, bar.recovered_force_sizes, 0, bar.angular_frequency * t, 1.0)
-    else:
-        size = tones(bar, t, on)
-    return size
-
-
-@ti.func
 def node_force(bar: ti.template(), i, shape, size, on: ti.template()):
     """M b of a node, with M of each tone's shape."""
     b = size[0] * shape[0] + size[1] * shape[1]
@@ -142,7 +131,7 @@ def node_force(bar: ti.template(), i, shape, size, on: ti.template()):
 def begin(bar: ti.template(), t, on: ti.template()):
     """Unless it is done: start the reference with the acceleration at time t, when the bar was undeformed, a = M b."""
     if bar.recovered_numbers[TURNS] == NEW:
-        size = force_tones(bar, t, on)
+        size = tones_for(bar, bar.recovered_force, bar.recovered_force_sizes, t, on)
         for i in range(bar.cells):
             shape, at = bar.recovered_nodes[block(bar, FORCE, i)], block(bar, MOTION, i)
             a = node_force(bar, i, shape, size, on)
@@ -215,7 +204,7 @@ def damped_errors(bar: ti.template()):
 @ti.func
 def move_reference(bar: ti.template(), t, on: ti.template()):
     """The acceleration of every node at time t, and the rate that follows."""
-    size = force_tones(bar, t, on)
+    size = tones_for(bar, bar.recovered_force, bar.recovered_force_sizes, t, on)
     first = bar.recovered_numbers[TURNS] == BEGUN
     bar.recovered_numbers[TURNS] = MOVED
     among_nodes(bar, STIFFNESS, ERRORS, GATHERED)

@@ -16,9 +16,15 @@ from solvers.solver.field_tables import FORCE, find_pair_functions, pair_sum
 @ti.func
 def tones(bar: ti.template(), t, on: ti.template()):
     """The size of each tone at time t, in m/s^2."""
+    return tones_for(bar, bar.tables, bar.table_sizes, t, on)
+
+
+@ti.func
+def tones_for(bar: ti.template(), tables: ti.template(), sizes: ti.template(), t, on: ti.template()):
+    """The same for the places of a table."""
     first, second = 0.0, 0.0
     if ti.static(on.motion == TYPED):
-        find_pair_functions(bar.tables, bar.table_sizes, FORCE, bar.angular_frequency * t, 1.0)
+        find_pair_functions(tables, sizes, FORCE, bar.angular_frequency * t, 1.0)
     elif ti.static(on.body_force != "none"):
         first = bar.force_scale * ti.sin(bar.angular_frequency * t)
     if ti.static(on.body_force == "two-tone"):
@@ -27,22 +33,21 @@ def tones(bar: ti.template(), t, on: ti.template()):
 
 
 @ti.func
-def force_at(sine, cosine, size, on: ti.template()):
-    """The force where sin 2 pi X and cos 2 pi X are ``sine`` and ``cosine``, with tones of the given size."""
+def force_at(tables: ti.template(), sizes: ti.template(), place, sine, cosine, size, on: ti.template()):
+    """The force at a place of a table, where sin 2 pi X and cos 2 pi X are ``sine`` and ``cosine``, with tones of the
+    given size."""
     force = size[0] * sine
     if ti.static(on.body_force == "two-tone"):
         force += size[1] * 2 * sine * cosine  # sin 4 pi X
+    if ti.static(on.motion == TYPED):
+        force = pair_sum(tables, sizes, FORCE, place)[0]
     return force
 
 
 @ti.func
 def force_on_particle(bar: ti.template(), p, size, on: ti.template()):
     """The force at particle p, with tones of the given size; the cosine is kept only where it is needed."""
-    cosine, force = 0.0, 0.0
+    cosine = 0.0
     if ti.static(on.body_force == "two-tone"):
         cosine = bar.cosine[p]
-    if ti.static(on.motion == TYPED):
-        force = pair_sum(bar.tables, bar.table_sizes, FORCE, p)[0]
-    else:
-        force = force_at(bar.sine[p], cosine, size, on)
-    return force
+    return force_at(bar.tables, bar.table_sizes, p, bar.sine[p], cosine, size, on)
