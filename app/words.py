@@ -102,7 +102,7 @@ def moving(scene: Scene) -> str:
     motion = scene.to_dict().get("motion")  # of a problem that has several
     names = choices(type(scene), "motion") if motion else {}
     unusual = [names[motion]] if motion and motion != type(scene)().to_dict()["motion"] else []
-    return ", ".join([*unusual, _moved_by(scene)])
+    return ", ".join([*unusual, _moved_by(scene)]) or tr(scene.title)
 
 
 def _moved_by(scene: Scene) -> str:

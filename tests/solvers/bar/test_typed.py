@@ -46,12 +46,14 @@ def test_second_order():
 def test_estimators_and_budget(text):
     """They are as good as on the built-in motion, causes add up to the error, and nothing contradicts itself."""
     scene = BarScene(cells=64, cfl=0.1, periods=1, method="cpgimp", displacement=text,
-                     estimators=("companion", "recovered"), effects=("truth", "estimate", "soundness", "budget"))
+                     estimators=("companion", "recovered"),
+                     effects=("truth", "estimate", "soundness", "acceleration", "budget"))
     result = run(scene, prices=False)
     assert (result.status, result.reason, result.not_valid) == ("ok", None, {})
     for name, near in (("companion", 0.01), ("recovered", 0.1)):
         assert [result.index[name][quantity] for quantity in "xv"] == pytest.approx([1, 1], abs=near)
     assert [sum(result.budget[field].values()) for field in "xvF"] == pytest.approx([1, 1, 1], abs=1e-6)
+    assert result.series["error_a"][0] == 0  # none has been computed
     assert max(share or 0 for share in evidence(scene, result.series).values()) < 0.01
 
 

@@ -29,7 +29,7 @@ def true_error(bar: ti.template(), p, now, on: ti.template()):
         known = typed_at(bar, p)
         moved, v = known[0], known[1]
         strain -= known[3]
-        a -= known[2]
+        a -= now[2] * known[2]
     return ti.Vector([bar.position[p] - bar.material_position[p] - moved, bar.velocity[p] - v,
                       bar.modulus * strain, a])
 
@@ -60,14 +60,15 @@ def typed_at(bar: ti.template(), p):
 
 @ti.func
 def exact_now(bar: ti.template(), step, on: ti.template()):
-    """sin w t and cos w t at a step, sin w t one step before, and how far the whole bar has moved."""
+    """sin w t and cos w t at a step, sin w t one step before, and how far the whole bar has moved. Of a typed motion 1
+    for the third, but 0 at the start, when no acceleration has been computed."""
     angle = bar.angular_frequency * bar.dt * step
     before = ti.max(0.0, angle - bar.angular_frequency * bar.dt)  # at the start both a are 0
-    moved = bar.drift_velocity * bar.dt * step
+    moved, used = bar.drift_velocity * bar.dt * step, ti.sin(before)
     if ti.static(on.motion == TYPED):
         find_functions(bar.tables, bar.table_sizes, MOTION, bar.angular_frequency, angle, before)
-        moved = typed_at(bar, bar.particles)[0]
-    return ti.Vector([ti.sin(angle), ti.cos(angle), ti.sin(before), moved])
+        moved, used = typed_at(bar, bar.particles)[0], ti.select(step > 0, 1.0, 0.0)
+    return ti.Vector([ti.sin(angle), ti.cos(angle), used, moved])
 
 
 @ti.func
