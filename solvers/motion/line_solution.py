@@ -9,7 +9,7 @@ import numpy as np
 
 from solvers.motion.exact_solution import TIME, X_AXIS
 from solvers.motion.jets import Jet, variables
-from solvers.motion.separable_field import Field, SeparableField, separate
+from solvers.motion.separable_field import SeparableField, separate
 
 PLACES, INSTANTS = 400, 128  # of the line and of a period, at which the size of a motion is looked at
 HALF_WRONG = 0.5  # of F - 1, as RMS: for that alone no place is called lost
@@ -53,24 +53,21 @@ class LineSolution:
         return self.force_terms(scene, X, t).sum(axis=-1)
 
 
-@functools.lru_cache(maxsize=2)
+@functools.lru_cache(maxsize=32)  # of many visitors
 def motion_table(scene: Any) -> SeparableField:
     """u and F - 1 at the particles (P, r, 2), and as a last place their means."""
-    motion = _table(scene, (np.arange(scene.particles) + 0.5) / scene.particles, lambda X, t: np.stack(
-        scene.typed_solution.derivatives(scene, X[:, 0], t, (), (X_AXIS,)), axis=1))
+    X = (np.arange(scene.particles)[:, None] + 0.5) / scene.particles
+    motion = separate(lambda X, t: np.stack(scene.typed_solution.derivatives(scene, X[:, 0], t, (), (X_AXIS,)), axis=1),
+                      X, scene.period)
     mean = motion.modes.mean(axis=0, keepdims=True)
     return SeparableField(np.concatenate([motion.modes, mean]), motion.series, motion.angular_frequency)
 
 
 def force_table(scene: Any, X: np.ndarray) -> SeparableField:
     """The body force per mass at material points (K,), as the first of two components (K, r, 2)."""
-    table = _table(scene, X, lambda X, t: scene.typed_solution.force_terms(scene, X[:, 0], t))
+    table = separate(lambda X, t: scene.typed_solution.force_terms(scene, X[:, 0], t), X[:, None], scene.period)
     table.modes[:, :, 0] += table.modes[:, :, 1]
     return table
-
-
-def _table(scene: Any, X: np.ndarray, field: Field) -> SeparableField:
-    return separate(field, X[:, None], scene.period)
 
 
 class LineSizes(NamedTuple):

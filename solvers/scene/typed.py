@@ -54,17 +54,15 @@ class MaybeTyped(Scene):
         return () if self.displacement and "A" not in self.displacement else super().moved_by
 
     def _normalized(self) -> dict[str, Any]:
-        return {**super()._normalized(), "displacement": self._formula()}
-
-    def _formula(self) -> str:
-        """The typed displacement as it is written into links."""
+        """With the formula as it is written into links."""
         if not isinstance(self.displacement, str):
             raise SceneError("displacement", self.displacement, "is no text; give formulas such as "
                                                                 "0.02*sin(2*pi*X)*sin(w*t)")
         try:
-            return read_motion(self.displacement, self.DIMENSIONS).text if self.displacement.strip() else ""
+            text = read_motion(self.displacement, self.DIMENSIONS).text if self.displacement.strip() else ""
         except FormulaError as error:
             raise SceneError("displacement", self.displacement, str(error)) from None
+        return {**super()._normalized(), "displacement": text}
 
     def _check_amplitude(self) -> None:
         if not self.displacement:
