@@ -96,11 +96,6 @@ class SceneDefaults:
         return ("amplitude",)
 
     @property
-    def compiled_motion(self) -> str:
-        """What of its motion is compiled into kernels, of a problem that has several."""
-        return ""
-
-    @property
     def swings(self) -> bool:
         """Whether the exact motion goes to and fro; where it does not, exactly nothing should happen: no body force may
         be chosen, and cells need not hold whole numbers of particles."""

@@ -34,7 +34,7 @@ def switches(scene: Scene) -> Switches:
     """The switches of a scene."""
     return Switches(scene.method, scene.linearity_preserving, scene.body_force, scene.velocity,
                     scene.active_effects, scene.active_estimators, scene.remedies,
-                    scene.compiled_motion)
+                    getattr(scene, "compiled_motion", ""))
 
 
 def bare(on: Switches) -> Switches:

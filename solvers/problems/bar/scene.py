@@ -100,6 +100,7 @@ class BarScene(MaybeTyped, Scene):
 
     @property
     def compiled_motion(self) -> str:
+        """What of its motion kernels have to know (``solvers.scene.switches``)."""
         return TYPED if self.displacement else self.motion
 
     @property
@@ -156,7 +157,6 @@ class BarScene(MaybeTyped, Scene):
 
     @functools.cached_property
     def _sizes(self) -> LineSizes:
-        """Of a typed motion."""
         return line_sizes(self)
 
     def size_of(self, quantity: str) -> float:
