@@ -102,7 +102,7 @@ def moving(scene: Scene) -> str:
     motion = scene.to_dict().get("motion")  # of a problem that has several
     names = choices(type(scene), "motion") if motion else {}
     unusual = [names[motion]] if motion and motion != type(scene)().to_dict()["motion"] else []
-    return ", ".join([*unusual, _moved_by(scene)])
+    return ", ".join([*unusual, _moved_by(scene)]) or tr(scene.title)
 
 
 def _moved_by(scene: Scene) -> str:
@@ -116,8 +116,8 @@ def in_a_line(scene: Scene) -> str:
     said = ("method", "cells", "ppc", "amplitude", "estimators", *(name for name in OF_SOME if hasattr(scene, name)))
     more = differing(scene, type(scene)(**{name: getattr(scene, name) for name in said}))
     title, cells = tr(scene.title), tr("{count} cells", count=scene.cells)
-    return f"{title[:1].upper()}{title[1:]}: {METHODS[scene.method]}, {cells}, " \
-           f"{particles_per_cell(scene.problem, scene.ppc)}, {_moved_by(scene)}" + f", {more}" * bool(more)
+    parts = str(METHODS[scene.method]), cells, particles_per_cell(scene.problem, scene.ppc), _moved_by(scene), more
+    return f"{title[:1].upper()}{title[1:]}: {', '.join(filter(None, parts))}"
 
 
 def per_cell(problem: str, ppc: float) -> str:

@@ -19,7 +19,8 @@ from tests.support.paths import ROOT
 
 #: Where they stand.
 FILES = ("motion/formula.py", "motion/typed_motion.py",
-         "scene/rules.py", "scene/scene.py", "scene/step_bound.py", "scene/registry.py", "scene/effects.py",
+         "scene/rules.py", "scene/scene.py", "scene/typed.py", "scene/step_bound.py", "scene/registry.py",
+         "scene/effects.py",
          "problems/[!_]*.py", "problems/*/problem.py", "problems/*/scene.py", "problems/planar/box.py",
          "problems/*/limits.py", "problems/bar/patch.py", "problems/*/solver.py",
          "problems/*/estimators/recovered_tables.py", "problems/planar/budget/on_demand.py",

@@ -219,7 +219,7 @@ class Controls:
                 with self._fold("motion", tr("Motion and material"), "motion", "modulus"):
                     with self._part("motion"):
                         self._bound.motions(self._move)
-                        if view.formula:
+                        if view.formula and scene.swings:
                             self._bound.formula(*view.formula)
                     with self._part("modulus"):
                         self._bound.sliders(view.material)

@@ -12,6 +12,7 @@ Source: derived for this program.
 """
 
 import math
+from collections.abc import Callable
 from typing import Any
 
 from solvers.scene.limits import Limit
@@ -21,14 +22,15 @@ from solvers.scene.limits import Limit
 MOST_LAG = 0.9
 
 
-def lag(scene: Any, wavenumber: float) -> float:
+def lag(scene: Any, wavenumber: float | Callable[[Any], float]) -> float:
     """Radians by which a wave, in 1/m, of the second run is behind the exact one at the end."""
     slowing = 1 / 4 if scene.method == "bspline" else 1 / 8 + 1 / (24 * scene.ppc**2)
+    k = wavenumber(scene) if callable(wavenumber) else wavenumber
     coarse = scene.spacing * scene.cells / (scene.cells // 2)
-    return slowing * (wavenumber * coarse) ** 2 * wavenumber * scene.wave_speed * scene.end_time
+    return slowing * (k * coarse) ** 2 * k * scene.wave_speed * scene.end_time
 
 
-def in_step(wavenumber: float, **where: Any) -> Limit:
+def in_step(wavenumber: float | Callable[[Any], float], **where: Any) -> Limit:
     """The limit that waves of the second run end not too far behind; the lag falls with the square of the cells."""
     return Limit("two-grid", lambda scene: lag(scene, wavenumber), most=MOST_LAG, where=where, give={
         "cells": lambda scene, lag: 2 * math.ceil(scene.cells / 2 * math.sqrt(lag / MOST_LAG) + 1),

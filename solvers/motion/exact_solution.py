@@ -13,6 +13,7 @@ from solvers.motion.jets import Jet, variables
 from solvers.motion.laws.material import Material
 
 X_AXIS, Y_AXIS, TIME = range(3)
+SECOND_FREQUENCY = 1.7  # of a body force's second tone, over that of the first
 #: (scene, X, Y, t) -> (u_x, u_y), of any kind of number: arrays, or jets with the functions of ``solvers.motion.jets``.
 Displacement = Callable[[Any, Any, Any, Any], tuple[Any, Any]]
 

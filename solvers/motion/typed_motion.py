@@ -1,54 +1,53 @@
-"""A motion of the plane that somebody has typed, and what it must be: a motion that a body between planes can have."""
+"""A motion that somebody has typed, and what it must be: one that a square between planes, or a bar, can have."""
 
 import functools
 from typing import Any, NamedTuple
 
 import numpy as np
 
-from solvers.motion.exact_solution import X_AXIS, Y_AXIS, ExactSolution
+from solvers.motion.exact_solution import ExactSolution
 from solvers.motion.formula import Formula, FormulaError, parse
-from solvers.motion.jets import Jet
 from solvers.motion.laws.material import Material
+from solvers.motion.line_solution import LineSolution
 from solvers.motion.separable_field import NotPeriodic, separate
 
-NAMES = ("X", "Y", "t", "w", "A")
+NAMES = {1: ("X", "t", "w", "A"), 2: ("X", "Y", "t", "w", "A")}  # along a line, and in the plane
 LINE, INSTANTS = 20, 32  # points a side and times of a period at which the motion is looked at
+ALONG = 400  # points of a line
 MOST_QUARTERS = 160  # of the base period, among which the period is looked for
 SAME = 1e-9  # of the largest displacement, by which a motion may miss what it must be
 FORCED = 40  # of the points, at which it must be possible to separate the body force
 LEAST_J = 0.05  # of det F: below, the body is next to folding over
+LEVEL = 1e-7  # of a slope, by which it may miss what it must be at an end
+MOST_MOVE = 0.25  # m, by which a bar's particles may move: where a period later one comes, another began
 
 
 class TypedMotion(NamedTuple):
-    """Its text as it is written into links, and its components, formulas of X, Y, t, w and A."""
+    """Its text as it is written into links, and its components, formulas of X, t, w and A, and in the plane of Y."""
 
     text: str
-    components: tuple[Formula, Formula]
+    components: tuple[Formula, ...]
 
-    def displacement(self, scene: Any, X: Any, Y: Any, t: Any) -> tuple[Any, Any]:
+    def displacement(self, scene: Any, X: Any, Y: Any, t: Any) -> tuple[Any, ...]:
         """u_x and u_y in m, of any kind of number; ``w`` is ``scene.base_frequency`` and ``A`` the amplitude."""
         values = {"X": X, "Y": Y, "t": t, "w": scene.base_frequency, "A": scene.amplitude}
-        u_x, u_y = (formula(values) for formula in self.components)
-        return u_x, u_y
-
-    @property
-    def exact(self) -> ExactSolution:
-        return ExactSolution(self.displacement)
+        return tuple(formula(values) for formula in self.components)
 
 
 @functools.lru_cache(maxsize=64)
-def read_motion(text: str) -> TypedMotion:
-    """The motion of a text, u_x and u_y with a comma between, or u_x alone.
+def read_motion(text: str, dimensions: int = 2) -> TypedMotion:
+    """The motion of a text: in the plane u_x and u_y with a comma between, or u_x alone; along a line u.
 
     Raises
     ------
     FormulaError
     """
     parts = _split(text)
-    if len(parts) > 2:
-        raise FormulaError("has more than two components; give u_x, u_y")
-    (first, one), (second, other) = (parse(part, NAMES) for part in (*parts, "0")[:2])
-    return TypedMotion(first if second == "0" else f"{first},{second}", (one, other))
+    if len(parts) > dimensions:
+        raise FormulaError("has more than one component; give u" if dimensions == 1 else
+                           "has more than two components; give u_x, u_y")
+    texts, formulas = zip(*(parse(part, NAMES[dimensions]) for part in (*parts, "0")[:dimensions]), strict=True)
+    return TypedMotion(",".join(texts).removesuffix(",0"), formulas)
 
 
 def _split(text: str) -> list[str]:
@@ -64,7 +63,8 @@ def _split(text: str) -> list[str]:
 
 
 class MotionInputs(NamedTuple):
-    """What of a scene its motion, and the body force that makes it, are made of: w in 1/s, A, its material and SI."""
+    """What of a scene its motion, and the body force that makes it, are made of: w in 1/s, A, its material and SI. And
+    what a body in a square between planes asks of its motion."""
 
     base_frequency: float
     amplitude: float
@@ -72,23 +72,66 @@ class MotionInputs(NamedTuple):
     density: float
     SIDE: float
 
+    @staticmethod
+    def solution(text: str) -> ExactSolution:
+        return ExactSolution(read_motion(text).displacement)
+
+    @property
+    def points(self) -> np.ndarray:
+        """(P, 2) at which the motion is looked at."""
+        line = np.linspace(0, self.SIDE, LINE + 1)
+        return np.stack(np.meshgrid(line, line), axis=-1).reshape(-1, 2)
+
+    def check(self, u: np.ndarray, F: np.ndarray) -> None:
+        """Refuse displacements (P, 2) and deformation gradients (P, 2, 2) that move its sides, or shear them."""
+        for axis, X in enumerate(self.points.T):
+            there = (np.abs(X) < 1e-12) | (np.abs(X - self.SIDE) < 1e-12)
+            if np.abs(u[there, axis]).max() > SAME * self.SIDE:
+                raise FormulaError(f"moves across the sides {'XY'[axis]} = 0 or 1: u_{'xy'[axis]} must be zero there")
+            if np.abs(F[there, 1 - axis, axis]).max() > LEVEL:
+                raise FormulaError(f"shears the sides {'XY'[axis]} = 0 or 1, which are planes of symmetry: "
+                                   f"d u_{'yx'[axis]}/d{'XY'[axis]} must be zero there")
+
+
+class LineInputs(NamedTuple):
+    """The same of a bar, one period of an endless one: w in 1/s, A, and the speed c of its waves in m/s."""
+
+    base_frequency: float
+    amplitude: float
+    wave_speed: float
+    SIDE: float = 1.0
+
+    @staticmethod
+    def solution(text: str) -> LineSolution:
+        return LineSolution(read_motion(text, 1).displacement)
+
+    @property
+    def points(self) -> np.ndarray:
+        """(P, 1)"""
+        return np.linspace(0, self.SIDE, ALONG + 1)[:, None]
+
+    def check(self, u: np.ndarray, F: np.ndarray) -> None:
+        """Refuse displacements (P, 1) and deformation gradients (P, 1, 1) that do not go on from end to end."""
+        if np.abs(u[-1] - u[0]).max() > SAME * self.SIDE or np.abs(F[-1] - F[0]).max() > LEVEL:
+            raise FormulaError("does not go on from X = 1 to X = 0: the bar is one period of an endless one, and u and "
+                               "du/dX must be the same there")
+        if np.abs(u).max() > MOST_MOVE:
+            raise FormulaError(f"moves particles by more than {MOST_MOVE} m; give a smaller one")
+
 
 @functools.lru_cache(maxsize=64)  # of scenes that differ in cells, method or step alone
 @np.errstate(all="ignore")
-def find_period(text: str, scene: MotionInputs) -> float:
-    """The shortest period in s among quarters of 2 pi/w and of a second, of a typed motion that a body in the unit
-    square between planes can have.
+def find_period(text: str, scene: MotionInputs | LineInputs) -> float:
+    """The shortest period in s among quarters of 2 pi/w and of a second, of a typed motion that the body can
+    have.
 
     Raises
     ------
     FormulaError
-        What it is not: finite, at rest in shape at t = 0, within the planes, without shear at them, periodic, not
-        folded over.
+        What it is not: finite, at rest in shape at t = 0, periodic, what the body asks of it, not folded over.
     """
-    motion, base_period = read_motion(text), 2 * np.pi / scene.base_frequency
-    line = np.linspace(0, scene.SIDE, LINE + 1)
-    X = np.stack(np.meshgrid(line, line), axis=-1).reshape(-1, 2)
-    exact, longest = motion.exact, MOST_QUARTERS / 4 * max(base_period, 1.0)
+    exact, X, base_period = scene.solution(text), scene.points, 2 * np.pi / scene.base_frequency
+    longest = MOST_QUARTERS / 4 * max(base_period, 1.0)
     some = np.stack([exact.displacement(scene, X, t) for t in np.linspace(0, base_period, INSTANTS)])
     size = np.abs(some).max() if np.isfinite(some).all() else np.nan
     if not np.isfinite(size):
@@ -102,14 +145,15 @@ def find_period(text: str, scene: MotionInputs) -> float:
         raise FormulaError(f"has no period among quarters of {base_period:.6g} s and of 1 s up to {longest:.4g} s; "
                            "give times as multiples of w*t")
     _check_body(exact, scene, X, period)
+    force = getattr(exact, "force_terms", exact.body_force)
     try:
-        separate(lambda X, t: exact.body_force(scene, X, t), X[::len(X) // FORCED], period)
+        separate(lambda X, t: force(scene, X, t), X[::len(X) // FORCED], period)
     except NotPeriodic:
         raise FormulaError(f"changes too fast with t for its period of {period:.4g} s; give slower functions") from None
     return period
 
 
-def _period(exact: ExactSolution, scene: Any, X: np.ndarray, base_period: float, near: float) -> float | None:
+def _period(exact: Any, scene: Any, X: np.ndarray, base_period: float, near: float) -> float | None:
     candidates = sorted({k / 4 * base for k in range(1, MOST_QUARTERS + 1) for base in (base_period, 1.0)})
     some = X[:: max(1, len(X) // 40)] + 0.0123 * scene.SIDE  # not only where everything is zero
     at = np.array([0.0, 0.1234, 0.3771, 0.5309, 0.8113]) * base_period
@@ -121,25 +165,16 @@ def _period(exact: ExactSolution, scene: Any, X: np.ndarray, base_period: float,
     return None
 
 
-def _check_body(exact: ExactSolution, scene: Any, X: np.ndarray, period: float) -> None:
-    """What a body between planes needs, over a period."""
-    side = [[np.abs(X[:, axis] - end) < 1e-12 for end in (0.0, scene.SIDE)] for axis in (X_AXIS, Y_AXIS)]
+def _check_body(exact: Any, scene: Any, X: np.ndarray, period: float) -> None:
+    """What the body needs, over a period."""
+    strain, D = 0.0, X.shape[1]
     for t in (np.arange(INSTANTS) + 0.37) / INSTANTS * period:
-        jets = exact.jets(scene, X, t)
-        F = np.stack([np.broadcast_to(one, len(X)) for one in jets.deformation_gradient])
+        F = exact.deformation_gradient(scene, X, t).reshape(-1, D, D)
         if not np.isfinite(F).all():
             raise FormulaError("is not finite everywhere over a period")
-        for axis, (u, other) in enumerate((jets, jets[::-1])):
-            across, along = _values(u, len(X)), np.broadcast_to(other.derivative(axis), len(X))
-            there = side[axis][0] | side[axis][1]
-            if np.abs(across[there]).max() > SAME * scene.SIDE:
-                raise FormulaError(f"moves across the sides {'XY'[axis]} = 0 or 1: u_{'xy'[axis]} must be zero there")
-            if np.abs(along[there]).max() > 1e-7:
-                raise FormulaError(f"shears the sides {'XY'[axis]} = 0 or 1, which are planes of symmetry: "
-                                   f"d u_{'yx'[axis]}/d{'XY'[axis]} must be zero there")
-        if (F[0] * F[3] - F[1] * F[2]).min() < LEAST_J:
+        scene.check(exact.displacement(scene, X, t), F)
+        if np.linalg.det(F).min() < LEAST_J:
             raise FormulaError(f"folds the body over, or nearly so: det F falls below {LEAST_J}; give a smaller one")
-
-
-def _values(u: Jet, count: int) -> np.ndarray:
-    return np.broadcast_to(u.value, count)
+        strain = max(strain, np.abs(F - np.eye(D)).max())
+    if strain < SAME:
+        raise FormulaError("moves the body without deforming it; give a displacement that changes with X")

@@ -35,7 +35,7 @@ def switches(scene: Scene) -> Switches:
     """The switches of a scene."""
     return Switches(scene.method, scene.linearity_preserving, scene.body_force, scene.velocity,
                     scene.active_effects, scene.active_estimators, scene.remedies,
-                    getattr(scene, "motion", ""), getattr(scene, "law", ""))
+                    getattr(scene, "compiled_motion", ""), getattr(scene, "law", ""))
 
 
 def bare(on: Switches) -> Switches:

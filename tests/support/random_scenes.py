@@ -140,6 +140,14 @@ def typed_motions(draw: st.DrawFn) -> str:
 
 
 @st.composite
+def typed_lines(draw: st.DrawFn) -> str:
+    """One of the bar: zero at t = 0, and the same at both ends."""
+    waves = st.tuples(st.floats(1e-4, 0.008), st.integers(1, 3), st.integers(0, 6), st.sampled_from(("sin", "-1+cos")))
+    return "+".join(f"{a!r}*sin({2 * k}*pi*X+{phase})*({swing}({k}*w*t))"
+                    for a, k, phase, swing in draw(st.lists(waves, min_size=1, max_size=3)))
+
+
+@st.composite
 def _patch(draw: st.DrawFn, cells: int) -> Inputs:
     """What only a patch test has, and particles per cell that are whole together."""
     sizes = st.one_of(st.floats(0.1, 1 - 1e-5), st.floats(1 + 1e-5, 10.0))

@@ -59,7 +59,7 @@ class RunWidgets:
                 amplitude = Size(tr("Amplitude A"), words.unit_of(type(scene), "amplitude"), view.reach.amplitude,
                                  default.amplitude, tr(view.amplitude_hint), tr("how far it swings"))
                 SizeControl(gui, self._bound, amplitude, scene.amplitude, lambda value: session.set(amplitude=value))
-        elif view.motion:
+        elif view.motion and not scene.swings:
             with part("stretch"):
                 self._bound.sliders(view.motion.sliders)
         with part("modulus"):

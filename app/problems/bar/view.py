@@ -42,7 +42,8 @@ def _crossed(ran: Ran) -> Answer:
 
 
 VIBRATING = (halving(MOST_CELLS), Spark("cross", "cross", later("Let particles cross"), _cross, _crossed),
-             breaking(later("A = 100 mm: who notices first?"), {"method": "mpm", "amplitude": BREAKING}, 1.5))
+             breaking(later("A = 100 mm: who notices first?"),
+                      {"method": "mpm", "amplitude": BREAKING, "displacement": ""}, 1.5))
 
 
 def _misfit(title: str, hint: str, method: str) -> Spark:
@@ -91,7 +92,7 @@ def change(scene: BarScene, motion: str, usual: tuple[str, ...]) -> BarScene:
     """A scene like another one with this motion; what means nothing there is as usual."""
     plain = BarScene()
     if motion == PATCH:
-        return replace(scene, motion=motion, amplitude=plain.amplitude, body_force=plain.body_force,
+        return replace(scene, motion=motion, amplitude=plain.amplitude, body_force=plain.body_force, displacement="",
                        estimators=("companion",), modulus=STIFF, dt=None, cfl=STIFF_CFL)
     return replace(scene, motion=motion, stretch=plain.stretch, initial_velocity=plain.initial_velocity,
                    body_force=plain.body_force, ppc=max(1, round(scene.ppc)), estimators=usual, modulus=plain.modulus,
@@ -119,6 +120,8 @@ BAR = ProblemView(
     speed=0.5, reach=Reach((8, 160, 1), (1, 8), (1e-4, 0.2), (1.0, 1000.0), (1e-2, 10.0)),
     amplitude_hint=later("amplitude of the vibration; from 0.159 m on the exact bar turns inside out"),
     prices={"transport": 0.09, "recovered": 0.09, "companion": 0.06, "two-grid": 0.18},  # two-grid: of 80 cells
+    formula=("displacement", later("Displacement u"),
+             later("a formula of X, t, w and A in metres; empty for the built-in one")),
     motion=MOTION, estimators=("recovered", "transport"), sparks=sparks,
     details={"linearity_preserving": later("correct the gradient so that linear stress gives the exact force"),
              "body_force": later("where the force is evaluated"),

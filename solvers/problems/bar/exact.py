@@ -4,7 +4,7 @@ u = A sin(2 pi X) sin(wt), w = c pi, solves rho0 u_tt = P_X + rho0 b with P = E(
 b = 3 w^2 u per unit mass (the paper's eq 34 prints another A: u already carries it). Without the body force the
 same initial velocity gives the free vibration u = (A/2) sin(2 pi X) sin(2wt); ``BarScene.motion_amplitude`` and
 ``BarScene.angular_frequency`` are those of whichever solution holds. In a patch test X is where a particle begins, and
-u = v0 t, F = F0 for ever.
+u = v0 t, F = F0 for ever. Where a displacement is typed, all follows from that (``solvers.motion.line_solution``).
 """
 
 import math
@@ -12,17 +12,20 @@ from typing import Any
 
 import numpy as np
 
+from solvers.motion.exact_solution import SECOND_FREQUENCY
+from solvers.motion.line_solution import motion_table
 from solvers.scene.balance import Moments
 
 WAVENUMBER = 2 * np.pi
 SECOND_SIZE = 0.5  # of the force's second tone, of the first
-SECOND_FREQUENCY = 1.7  # of the second tone, over that of the first
 
 
 def displacement(scene: Any, X: np.ndarray, t: float) -> np.ndarray:
     """u(X, t) in metres."""
     if scene.is_patch:
         return np.full_like(X, scene.initial_velocity * t)
+    if scene.displacement:
+        return scene.typed_solution.displacement(scene, X, t)
     return scene.motion_amplitude * np.sin(WAVENUMBER * X) * np.sin(scene.angular_frequency * t)
 
 
@@ -30,6 +33,8 @@ def velocity(scene: Any, X: np.ndarray, t: float) -> np.ndarray:
     """v = u_t in m/s."""
     if scene.is_patch:
         return np.full_like(X, scene.initial_velocity)
+    if scene.displacement:
+        return scene.typed_solution.velocity(scene, X, t)
     w = scene.angular_frequency
     return scene.motion_amplitude * w * np.sin(WAVENUMBER * X) * np.cos(w * t)
 
@@ -38,6 +43,8 @@ def acceleration(scene: Any, X: np.ndarray, t: float) -> np.ndarray:
     """a = u_tt = -w^2 u in m/s^2."""
     if scene.is_patch:
         return np.zeros_like(X)
+    if scene.displacement:
+        return scene.typed_solution.acceleration(scene, X, t)
     return -scene.angular_frequency**2 * displacement(scene, X, t)
 
 
@@ -45,6 +52,8 @@ def deformation_gradient(scene: Any, X: np.ndarray, t: float) -> np.ndarray:
     """F = 1 + u_X."""
     if scene.is_patch:
         return np.full_like(X, scene.stretch)
+    if scene.displacement:
+        return scene.typed_solution.deformation_gradient(scene, X, t)
     return 1 + WAVENUMBER * scene.motion_amplitude * np.cos(WAVENUMBER * X) * np.sin(scene.angular_frequency * t)
 
 
@@ -69,6 +78,8 @@ def body_force(scene: Any, X: np.ndarray, t: float) -> np.ndarray:
     it; zero for the free bar."""
     if scene.body_force == "none":
         return np.zeros_like(X)
+    if scene.displacement:
+        return scene.typed_solution.body_force(scene, X, t)
     w = scene.angular_frequency
     force = 3 * w**2 * displacement(scene, X, t)
     if scene.body_force == "two-tone":
@@ -88,11 +99,16 @@ def moments(scene: Any, times: np.ndarray) -> Moments:
         b_2 = S sin(nu t), the second tone:  q_2 = S/((2 w0)^2 - nu^2) (sin(nu t) - nu/(2 w0) sin(2 w0 t)).
 
     All other modes rest, and so does a patch test, seen from where it should be. A force that a method puts at its
-    nodes is meant for the material points too.
+    nodes is meant for the material points too. A typed motion, without its mean, is sum_k T_k M_k.
     """
     P, w, A = scene.particles, scene.angular_frequency, scene.motion_amplitude
     X = (np.arange(P) + 0.5) / P
     shapes = np.sin(2 * np.pi * np.outer((1, 2), X))  # (2, P)
+    inverse, trusted = np.linalg.pinv(shapes @ shapes.T, hermitian=True), np.ones(len(times), bool)
+    if scene.displacement:
+        motion = motion_table(scene)
+        modes, T = motion.modes[:P, :, 0] - motion.modes[P, :, 0], np.stack([motion.time_functions(t) for t in times])
+        return Moments(T @ (shapes @ modes).T, np.einsum("tk,kl,tl->t", T, modes.T @ modes, T), inverse, P, trusted)
     size = np.zeros((len(times), 2))
     if not scene.is_patch:
         size[:, 0] = A * np.sin(w * times)
@@ -101,5 +117,4 @@ def moments(scene: Any, times: np.ndarray) -> Moments:
         force = SECOND_SIZE * 3 * w * w * scene.amplitude
         size[:, 1] = force / (own * own - tone * tone) * (np.sin(tone * times) - tone / own * np.sin(own * times))
     gram = shapes @ shapes.T
-    return Moments(size @ gram, np.einsum("tm,mn,tn->t", size, gram, size), np.linalg.pinv(gram, hermitian=True), P,
-                   np.ones(len(times), bool))
+    return Moments(size @ gram, np.einsum("tm,mn,tn->t", size, gram, size), inverse, P, trusted)

@@ -69,8 +69,7 @@ LIMITS = (
     # has half the wavelength. Measured for far motion: index of x .42 with 40 cells, 1.06 with 80.
     Limit("two-grid", "cells", least=64, where={"body_force": "two-tone"}, above=(relative_motion, MOST_MOTION),
           why=HALF_REASON),
-    Limit("two-grid", "cells", least=32, where={"body_force": "two-tone"}, why=HALF_REASON),
-    Limit("two-grid", "cells", least=16, why=HALF_REASON),
+    Limit("two-grid", "cells", least=lambda scene: 16 * scene.waves, why=HALF_REASON),
     # One or two particles are a coarse rule of quadrature, whose error depends on where in the cell they stand.
     # Particles that move a good part of a cell make it another one on each grid, and no power of h; measured, with one
     # a cell: .61-.70 of the error of sigma at .09 to .54 cells, .8 to .9 at .03 to .07.
@@ -93,4 +92,4 @@ LIMITS = (
     # The kinks of B-splines are weaker; measured: good on 6 bars between, .73 at 150.
     Limit("two-grid", relative_motion, most=30.0, where={"method": "bspline", "linearity_preserving": False},
           why=NOT_FOLLOWING),
-    in_step(4 * math.pi, body_force="two-tone"), in_step(2 * math.pi))
+    in_step(lambda scene: 2 * math.pi * scene.waves))

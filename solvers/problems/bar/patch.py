@@ -80,10 +80,12 @@ def check_numbers(stretch: float, velocity: float) -> None:
 
 def check_fields(scene: Any) -> None:
     """Refuse for a patch test what means nothing in it, and for a vibrating bar what only a patch test has."""
-    names, why = ("stretch", "initial_velocity"), "is for the patch test; give motion patch, or leave it out"
+    names: tuple[str, ...] = ("stretch", "initial_velocity")
+    why = "is for the patch test; give motion patch, or leave it out"
     if scene.is_patch:
-        names, why = ("amplitude", "body_force"), ("means nothing in a patch test (motion patch), in which nothing "
-                                                   "vibrates and no force acts; leave it out")
+        names = ("amplitude", "body_force", "displacement")
+        why = ("means nothing in a patch test (motion patch), in which nothing vibrates and no force acts; leave it "
+               "out")
     for name in names:
         if getattr(scene, name) != ("none" if name == "body_force" else getattr(type(scene), name)):
             raise SceneError(name, getattr(scene, name), why)

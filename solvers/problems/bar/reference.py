@@ -31,8 +31,10 @@ class BarReference(ProblemReference):
             F = scene.stretch
             return read_texts(HERE / "patch.md", "", E=E, density=density, F=F, v=scene.initial_velocity, length=1 / F,
                               stretched_density=density / F, stress=E * (F - 1))
-        A = scene.motion_amplitude
-        return read_texts(HERE / "vibration.md", scene.body_force, E=E, density=density, A=A, w=w, speed=A * w)
+        typed = scene.displacement
+        A, w = (scene.amplitude, scene.base_frequency) if typed else (scene.motion_amplitude, w)
+        return read_texts(HERE / "vibration.md", "typed" if typed else scene.body_force, E=E, density=density, A=A, w=w,
+                          speed=A * w, formula=typed)
 
     def table_points(self, scene: BarScene, count: int) -> np.ndarray:
         return np.linspace(0, 1, count)[:, None]
@@ -60,7 +62,7 @@ class BarReference(ProblemReference):
         return np.where(np.isfinite(turns) & (turns != 0), x - turns, x)
 
     def companion(self, scene: BarScene, fine: bool) -> ElasticBody:
-        return BarCompanionBody(scene, FINE if fine else COARSE)
+        return BarCompanionBody(scene, max(FINE, 4 * scene.waves) if fine else max(COARSE, 3 * scene.waves))
 
 
 class BarCompanionBody(ElasticBody):

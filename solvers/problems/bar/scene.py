@@ -2,12 +2,15 @@
 
 from __future__ import annotations
 
+import functools
 import math
 from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 
+from solvers.motion.line_solution import HALF_WRONG, LineSizes, line_sizes
+from solvers.motion.typed_motion import LineInputs
 from solvers.problems.bar import exact, limits, patch, step_bound
 from solvers.problems.bar.patch import PATCH, VIBRATE
 from solvers.scene.balance import Moments
@@ -18,15 +21,15 @@ from solvers.scene.remedies import CENTRED, COUPLED, FILTER, FROZEN, PIECES
 from solvers.scene.rules import SceneError, require_number
 from solvers.scene.scene import Scene
 from solvers.scene.step_bound import StepBound
+from solvers.scene.typed import TYPED, MaybeTyped
 
 #: Above this amplitude the exact bar turns inside out: F = 1 + 2 pi A cos(2 pi X) sin(wt) reaches 0.
 BAR_AMPLITUDE_LIMIT = 1 / (2 * math.pi)
-HALF_WRONG = 0.5  # of F - 1, as RMS: for that alone no place is called lost
 
 
 @described
 @dataclass(frozen=True)
-class BarScene(Scene):
+class BarScene(MaybeTyped, Scene):
     """One run of the bar of unit length: h = 1/``cells`` (see :class:`~solvers.scene.scene.Scene`)."""
 
     problem: str = option("bar", choices=("bar",))
@@ -45,11 +48,13 @@ class BarScene(Scene):
                          "nothing should happen (patch test)", choices=(VIBRATE, PATCH))
     stretch: float = option(patch.STRETCH, "Stretch F of a patch test, no unit; not 1")
     initial_velocity: float = option(patch.VELOCITY, "Velocity of a patch test", "m/s")
+    displacement: str = option("", "Displacement u in m, a formula of X, t, A and w, in place of the built-in one",
+                               hint="A*sin(2*pi*X)*sin(w*t)")
 
     take_away: str = option(NOTHING, "Cause of error that is taken out of the run; needs the effect budget",
                             choices=(NOTHING, *CAUSES))
 
-    TITLE = "vibrating bar"
+    TITLE, TYPED_TITLE = "vibrating bar", "bar that moves as typed"
     SETTING = "The bar is 1 m long."
     EXTRA_ERROR = "sigma_log"
     ESTIMATORS = ("transport", "recovered", "companion", "two-grid")
@@ -82,11 +87,25 @@ class BarScene(Scene):
 
     @property
     def title(self) -> str:
-        return "patch test of the bar" if self.is_patch else self.TITLE
+        return "patch test of the bar" if self.is_patch else super().title
+
+    @property
+    def waves(self) -> int:
+        """In the bar, of the shortest that matters."""
+        return self._sizes.waves if self.displacement else 1 + (self.body_force == "two-tone")
 
     @property
     def moved_by(self) -> tuple[str, ...]:
         return ("stretch", "initial_velocity") if self.is_patch else super().moved_by
+
+    @property
+    def compiled_motion(self) -> str:
+        """What of its motion kernels have to know (``solvers.scene.switches``)."""
+        return TYPED if self.displacement else self.motion
+
+    @property
+    def motion_inputs(self) -> LineInputs:
+        return LineInputs(self.base_frequency, self.amplitude, self.wave_speed)
 
     @property
     def swings(self) -> bool:
@@ -100,11 +119,18 @@ class BarScene(Scene):
         half = math.pi / self.particles
         if self.is_patch:
             return 0.0
+        if self.displacement:
+            return self._sizes.gap / self.motion_amplitude
         return math.sqrt(0.5) * (abs(2 * math.sin(half) - 2 * half * math.cos(half)) + HALF_WRONG * 2 * half)
 
     @property
     def drift_speed(self) -> float:
         return abs(self.initial_velocity) if self.is_patch else 0.0
+
+    @property
+    def early(self) -> float:
+        """Seconds before t = 0 to which the initial velocity belongs, as in leapfrog."""
+        return 0.0 if self.has("budget") and self.take_away == "time_step" else 0.5 * self.time_step
 
     @property
     def initial_stretch(self) -> float:
@@ -114,6 +140,8 @@ class BarScene(Scene):
     def angular_frequency(self) -> float:
         """w of the exact solution: c pi/l with the body force (eq 32), the natural 2 c pi/l without; l = 1. In a patch
         test nothing swings but what goes wrong; its times are counted as those of the vibrating bar."""
+        if self.displacement:
+            return self.typed_frequency
         return self.wave_speed * math.pi * (2 if self.body_force == "none" and not self.is_patch else 1)
 
     @property
@@ -123,10 +151,21 @@ class BarScene(Scene):
         let loose, and so what its errors are compared with."""
         if self.is_patch:
             return abs(self.stretch - 1) / self.STRAIN_PER_AMPLITUDE
+        if self.displacement:
+            return self._sizes.largest["x"]
         return self.amplitude / 2 if self.body_force == "none" else self.amplitude
+
+    @functools.cached_property
+    def _sizes(self) -> LineSizes:
+        return line_sizes(self)
+
+    def size_of(self, quantity: str) -> float:
+        return self._sizes.largest[quantity] if self.displacement else super().size_of(quantity)
 
     def rms_of(self, quantity: str) -> float:
         """Half the largest, of what goes with sines in space and time; of a patch test, whose stress is even, that."""
+        if self.displacement:
+            return self._sizes.rms[quantity]
         return self.size_of(quantity) * (1.0 if self.is_patch else 0.5)
 
     @property
@@ -191,6 +230,8 @@ class BarScene(Scene):
         super()._check_per_cell()
 
     def _check_amplitude(self) -> None:
+        if self.displacement:
+            return super()._check_amplitude()
         allowed = "give a number above 1e-12 and below 0.159"
         require_number("amplitude", self.amplitude, 1e-12, math.inf, allowed)
         if self.amplitude >= BAR_AMPLITUDE_LIMIT:
@@ -202,6 +243,9 @@ class BarScene(Scene):
 
     def _check_combinations(self) -> None:
         patch.check_fields(self)
+        if self.displacement and self.body_force != "material":
+            raise SceneError("body_force", self.body_force, "does not go with a typed displacement, which is the "
+                             "solution with a force at material points alone; give material")
         if self.arch not in ("cpu", "gpu"):
             raise SceneError("arch", self.arch, "is for problems in the plane; the bar, of few particles and many "
                              "steps, runs on the processor: give cpu")

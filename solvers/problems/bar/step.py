@@ -11,6 +11,7 @@ from solvers.problems.bar.method.phases import find_weights, nodes_to_particles,
 from solvers.problems.bar.method.samples import sample
 from solvers.problems.bar.state import HOOKS, BarState
 from solvers.scene.effects import samplers
+from solvers.scene.typed import TYPED
 from solvers.solver.loop import Phases, check, sample_effects, serial_kernels
 
 SAMPLERS = samplers("bar", {})
@@ -48,7 +49,9 @@ def one_step(bar: ti.template(), step, on: ti.template()):
         push.after_step(with_budget(bar), on)
     remedies.after_step(bar, on)
     running.after_step(bar, step, HOOKS, on)
-    if ti.static(on.budget and not on.truth):
+    if ti.static(on.budget and on.truth and on.motion == TYPED):
+        reference.typed_after_step(with_budget(bar), step)
+    elif ti.static(on.budget and not on.truth):
         reference.companion_after_step(running.with_memory(with_budget(bar), HOOKS, "companion"), step)
 
 

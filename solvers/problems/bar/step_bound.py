@@ -3,6 +3,7 @@ V0. And how long it takes to break, by theory alone."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 
@@ -15,6 +16,7 @@ from solvers.scene.step_bound import StepBound, bounded, circles, moments, stenc
 MOST_PARTICLES = 600  # of the bar that are looked at; a finer one has the same cells, only more of them
 PLACES = 17  # of a patch test in its cell
 INSTANTS = 2000  # of a period
+OF_A_PERIOD = 33  # moments of a typed motion
 
 
 @dataclass(frozen=True)
@@ -36,21 +38,26 @@ class Moment:
         return circles(self.pulling, np.abs(self.gradients), self.stiffness, mass)
 
 
-def critical_time_step(scene: Scene, stretch: float, velocity: float) -> StepBound:
-    """The longest step along the bar's motion from one extreme to the other. A patch test, which does not swing, begins
-    with this ``stretch``, no unit, and this ``velocity`` in m/s."""
+def critical_time_step(scene: Any, stretch: float, velocity: float) -> StepBound:
+    """The longest step along the bar's motion from one extreme to the other, of a typed one in its period. A patch
+    test, which does not swing, begins with this ``stretch``, no unit, and this ``velocity`` in m/s."""
     if not scene.swings:
         return _of_patch(scene, stretch, velocity)
     ppc = int(scene.ppc)
     cells = max(8, min(scene.cells, MOST_PARTICLES // ppc))
     X = (np.arange(cells * ppc) + 0.5) / (cells * ppc)
-    sizes = scene.motion_amplitude * np.sin(np.pi * (moments(scene) - 0.5))
-    found = [moment(scene, cells, X if scene.frozen else X + size * np.sin(2 * np.pi * X),
-                    1 + 2 * np.pi * size * np.cos(2 * np.pi * X)) for size in sizes]
+    if scene.displacement:
+        part, solution = 1.0, scene.typed_solution
+        shapes = [(solution.displacement(scene, X, t), solution.deformation_gradient(scene, X, t))
+                  for t in scene.period * np.linspace(0, 1, OF_A_PERIOD)]
+    else:
+        part, sizes = 0.5, scene.motion_amplitude * np.sin(np.pi * (moments(scene) - 0.5))
+        shapes = [(size * np.sin(2 * np.pi * X), 1 + 2 * np.pi * size * np.cos(2 * np.pi * X)) for size in sizes]
+    found = [moment(scene, cells, X if scene.frozen else X + u, F) for u, F in shapes]
     each = limits(side_by_side(found))
-    seconds = 0.5 * scene.period * scene.cells / cells  # as many steps as on the cells that the scene has
-    bound = bounded(scene, each, seconds, 1 + 2 * np.pi * scene.motion_amplitude, found[int(np.argmin(each))].circles())
-    return bound.on_cells(cells / scene.cells)
+    seconds = part * scene.period * scene.cells / cells  # as many steps as on the cells that the scene has
+    stretch = 1 + scene.size_of("sigma") / scene.modulus
+    return bounded(scene, each, seconds, stretch, found[int(np.argmin(each))].circles()).on_cells(cells / scene.cells)
 
 
 def _of_patch(scene: Scene, stretch: float, velocity: float) -> StepBound:
@@ -128,8 +135,10 @@ def drift(scene: Scene) -> float:
     return float(np.sqrt(np.mean((total * scene.period / INSTANTS) ** 2)))
 
 
-def predicted_life(scene: Scene) -> float | None:
-    """Periods until the drift has reached A w; None where something mends it, or where something else comes first."""
-    if scene.remedies or scene.linearity_preserving or scene.velocity != "grid" or scene.method == "mpm":
+def predicted_life(scene: Any) -> float | None:
+    """Periods until the drift has reached A w; None where something mends it, or where something else comes first, and
+    of a typed motion."""
+    if scene.remedies or scene.linearity_preserving or scene.velocity != "grid" or scene.method == "mpm" \
+            or scene.displacement:
         return None
     return scene.size_of("v") / drift(scene)

@@ -5,9 +5,10 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from solvers.motion.exact_solution import SECOND_FREQUENCY
 from solvers.motion.separable_field import SeparableField, separate
 
-SECOND_SIZE, SECOND_FREQUENCY = 0.5, 1.7  # of the second tone: in w^2 times its shape, and over w
+SECOND_SIZE = 0.5  # of the second tone, in w^2 times its shape
 
 
 class BodyForce(NamedTuple):

@@ -33,8 +33,8 @@ class PlanarReference(ProblemReference):
         return Start(layout.position, layout.volume, dict(zip(EDGES, layout.edges.T, strict=True)))
 
     def texts(self, scene: Any) -> Texts:
-        (bulk, mu), A, w = scene.lame_moduli, scene.amplitude, scene.angular_frequency
-        formula = getattr(scene, "displacement", "")
+        (bulk, mu), A, formula = scene.lame_moduli, scene.amplitude, getattr(scene, "displacement", "")
+        w = scene.base_frequency if formula else scene.angular_frequency
         return read_texts(GENERAL if formula else self._texts, scene.body_force, scene.law,
                           formula=formula or "as in its code", law=scene.material.law.text, A=A, w=w, speed=A * w,
                           bulk=bulk, mu=mu, E=scene.modulus, density=scene.density,

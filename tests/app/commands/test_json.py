@@ -25,8 +25,8 @@ SCENE = {"problem", "method", "cells", "ppc", "amplitude", "modulus", "density",
 QUANTITIES = {"x", "v", "sigma", "a"}
 NOTHING = {"final": None, "max": None, "mean": None}
 #: A quick run of each problem, as it is typed; what only its scene has, what of that is null, and its own error norm.
-RUNS = {"bar": ("--cells 8 --ppc 2 --periods 0.2", {"motion", "stretch", "initial_velocity", "take_away"},
-                {"stretch", "initial_velocity"}, "sigma_log"),
+RUNS = {"bar": ("--cells 8 --ppc 2 --periods 0.2", {"motion", "stretch", "initial_velocity", "take_away",
+                "displacement"}, {"stretch", "initial_velocity"}, "sigma_log"),
         "ring": ("--cells 12 --periods 0.1", {"layout", "plan"}, set(), "a_nodes"),
         "vortex": ("--cells 12 --ppc 2 --amplitude 0.25 --t-end 0.2", {"layout", "plan", "poisson_ratio", "frequency"},
                    set(), "a_nodes"),

@@ -10,6 +10,7 @@ from hypothesis import given, settings
 from solvers import run
 from solvers.motion import typed_motion
 from solvers.motion.formula import FormulaError, parse
+from solvers.problems.bar.scene import BarScene
 from solvers.problems.planar.layout import particle_layout
 from solvers.problems.planar.scene import motion_table
 from solvers.problems.square import SquareScene
@@ -74,20 +75,27 @@ NO_MOTION = {
     "0.02*sin(2*pi*X)*sin(w*t)/X": "not finite", "log(X)*sin(w*t)": "not finite", "sqrt(X-2)*sin(w*t)": "not finite",
     "exp(999*X)*sin(w*t)": "not finite", "X, Y, t": "more than two components", "1, 2, 3": "more than two components",
     "0.02*sin(2*pi*X)*sin(w*t),": "no formula", "," : "no formula", "q*t": "the name q"}
+#: And none of a bar.
+NO_LINE = {text: why for text, why in NO_MOTION.items() if "sides" not in why and "," not in text} | {
+    "1e-3*sin(2*pi*X)*(sin(2*pi*t)+sin(8000*pi*t))": "changes too fast", "X, 0": "more than one component",
+    "0.01*Y*sin(w*t)": "the name Y", "0.01*sin(pi*X)*sin(w*t)": "does not go on", "0.01*X*sin(w*t)": "does not go on",
+    "0.01*sin(w*t)": "without deforming", "(0.3+0.01*sin(2*pi*X))*sin(w*t)": "more than 0.25 m"}
 
 
-@pytest.mark.parametrize("text", NO_MOTION)
-def test_what_is_no_motion_of_the_square_is_refused(text):
+@pytest.mark.parametrize(("kind", "text", "why"), [
+    (kind, *one) for kind, wrong in ((SquareScene, NO_MOTION), (BarScene, NO_LINE)) for one in wrong.items()])
+def test_what_is_no_motion_is_refused(kind, text, why):
     with pytest.raises(SceneError) as refused:
-        SquareScene(displacement=text)
-    assert refused.value.field == "displacement" and NO_MOTION[text] in refused.value.sentence
+        kind(displacement=text)
+    assert refused.value.field == "displacement" and why in refused.value.sentence
     assert not refused.value.sentence.endswith(".") and "\n" not in str(refused.value)
 
 
 @pytest.mark.parametrize("value", [0.02, 0, None, True, (), ("X",), b"X", math.nan])
-def test_what_is_no_text_is_refused(value):
+@pytest.mark.parametrize("kind", [BarScene, SquareScene])
+def test_what_is_no_text_is_refused(kind, value):
     with pytest.raises(SceneError, match="is no text"):
-        SquareScene(displacement=value)
+        kind(displacement=value)
 
 
 def test_the_built_in_motion_can_be_typed():
@@ -118,16 +126,19 @@ def test_the_period_is_the_shortest():
         assert scene.period == pytest.approx(periods * 2 * math.pi / scene.base_frequency), text
 
 
-def test_another_motion_compiles_nothing():
+@pytest.mark.parametrize(("kind", "other"), [
+    (SquareScene, "0.004*sin(3*pi*X)*cos(pi*Y)*sin(2*w*t), 0.003*sin(pi*Y)*sin(w*t)"),
+    (BarScene, "0.004*sin(4*pi*X+1)*(1-cos(2*w*t))+0.003*cos(2*pi*X)*sin(w*t)")])
+def test_another_motion_compiles_nothing(kind, other):
     """What a formula says is in tables, which kernels take as they come."""
     def motion(text):
-        scene = SquareScene(cells=10, cfl=0.3, periods=0.1, displacement=text, estimators=("companion",))
+        scene = kind(cells=10, cfl=0.3, periods=0.1, displacement=text, estimators=("companion",), modulus=1e7)
         return run(scene, prices=False)
 
     motion("0.01*sin(2*pi*X)*sin(w*t)")
     program = ti.lang.impl.get_runtime()
     before = [len(kernel.compiled_kernels) for kernel in program.kernels if hasattr(kernel, "compiled_kernels")]
-    result = motion("0.004*sin(3*pi*X)*cos(pi*Y)*sin(2*w*t), 0.003*sin(pi*Y)*sin(w*t)")
+    result = motion(other)
     after = [len(kernel.compiled_kernels) for kernel in program.kernels if hasattr(kernel, "compiled_kernels")]
     assert before and before == after
     assert result.index["companion"]["x"] == pytest.approx(1, abs=0.02)

@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 from solvers.motion.laws.material import LAWS
 from solvers.problems import PROBLEMS
 from solvers.scene.scene import Scene
-from tests.support.random_scenes import LARGEST, logarithmic, typed_motions
+from tests.support.random_scenes import LARGEST, logarithmic, typed_lines, typed_motions
 
 STEP, BRIEF = 1e-5, 1e-4  # m and periods
 NEAR = 1e-5
@@ -20,7 +20,9 @@ NEAR = 1e-5
 @st.composite
 def moments(draw: st.DrawFn, problem: str) -> tuple[Scene, np.ndarray, float]:
     """A scene, some of its particles' material points (P, D), which lie inside the body, and a time."""
-    more = {"bar": {"body_force": st.sampled_from(("material", "none"))},
+    line = st.fixed_dictionaries({"body_force": st.sampled_from(("material", "none"))}) \
+        | st.fixed_dictionaries({"displacement": typed_lines()})
+    more = {"bar": draw(line.map(lambda inputs: {name: st.just(value) for name, value in inputs.items()})),
             "vortex": {"poisson_ratio": st.floats(0.0, 0.45), "frequency": logarithmic(0.1, 10.0)},
             "square": {"displacement": st.just("") | typed_motions(), "law": st.sampled_from([*LAWS])}}.get(problem, {})
     scene = PROBLEMS[problem].scene(

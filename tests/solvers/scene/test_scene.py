@@ -21,7 +21,7 @@ NUMBERS = [f.name for f in fields(BarScene) if f.type.split(" ")[0] in ("int", "
 WHOLE = [f.name for f in fields(BarScene) if f.type.split(" ")[0] == "int"]
 LISTS = [f.name for f in fields(BarScene) if f.type.startswith("tuple")]
 FLAG = "linearity_preserving"
-CHOICES = [f.name for f in fields(BarScene) if f.name not in [*NUMBERS, *LISTS, FLAG]]
+CHOICES = [f.name for f in fields(BarScene) if BarScene.choices(f.name) and f.name not in LISTS]
 NOT_NUMBERS = [math.nan, math.inf, -math.inf, -1, 0, "3", True, [1], 1j, 10**400]
 
 

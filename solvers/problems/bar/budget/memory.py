@@ -8,12 +8,14 @@ import taichi as ti
 from solvers.kernels.hoist import untranslated
 from solvers.kernels.kinds import quads, reals
 from solvers.kernels.packing import MemoryView, Packing
+from solvers.motion.line_solution import motion_table
 from solvers.problems.bar import exact
 from solvers.problems.bar.estimators.companion import mesh
 from solvers.problems.bar.method.nodes import GHOSTS
 from solvers.problems.bar.scene import BarScene
 from solvers.scene.causes import CAUSES
 from solvers.scene.switches import Switches
+from solvers.scene.typed import TYPED
 from solvers.solver.arrays import zeros
 
 #: Layers of ``budget_nodes``, each of all nodes: of the reference its v + dt a, a, b and the method's force of its
@@ -38,6 +40,11 @@ MEMBERS = {
 BUDGET = Packing(MEMBERS, "budget_")
 
 
+def keeps(on: Switches) -> bool:
+    """Whether the reference is kept from step to step: the companion, or a typed motion."""
+    return not on.truth or on.motion == TYPED
+
+
 @untranslated
 def with_budget(state: Any) -> MemoryView:
     """For kernels: the state with these as attributes."""
@@ -49,25 +56,31 @@ def budget(scene: BarScene, on: Switches) -> dict:
     P, nodes = scene.particles, scene.cells + GHOSTS
     taken = on.budget and scene.take_away in CAUSES
     layers = 4 if on.filtered or on.coupled else 3  # those remedies need room to work
+    causes = zeros(layers * P, 4, when=on.budget)
+    if on.budget and scene.displacement:
+        causes[P:2 * P, list(CAUSES).index("time_step")] = -scene.early * motion_table(scene)(0.0, 2)[:P, 0]
     return BUDGET.values({
         "taken_away": list(CAUSES).index(scene.take_away) if taken else KEEPS_ALL,
-        "cause_errors": zeros(layers * P, 4, when=on.budget),
+        "cause_errors": causes,
         "budget_nodes": zeros(5 * nodes, 4, when=on.budget),
         **_companion(scene, on),
         "removed": zeros(P, 4, when=taken)})
 
 
 def _companion(scene: BarScene, on: Switches) -> dict:
-    """The companion as reference at the start: the data that the run begins with, which it shares."""
-    P, elements = scene.particles, mesh(scene.cells)
-    used = on.budget and not on.truth
+    """A reference that is kept, at the start: the data that the run begins with, which it shares."""
+    P, elements = scene.particles, mesh(scene)
+    used = on.budget and keeps(on)
     points = elements.count * (elements.order + 1)
     motion, slopes = zeros(P, 4, when=used), zeros(P, 4, when=used)
     if used:
         X = (np.arange(P) + 0.5) * (scene.spacing / scene.ppc)
         motion[:, 0] = exact.velocity(scene, X, 0.0)
         slopes[:, 0] = 1.0
-        if not scene.is_patch:
+        if scene.displacement:
+            rate, bend = (motion_table(scene)(0.0, derivative)[:P] for derivative in (1, 2))
+            (motion[:, 0], slopes[:, 1]), motion[:, 1] = (rate + scene.time_step * bend).T, bend[:, 0]
+        elif not scene.is_patch:
             slopes[:, 1] = scene.motion_amplitude * scene.angular_frequency * exact.WAVENUMBER \
                 * np.cos(exact.WAVENUMBER * X)
     return {"reference_motion": motion, "reference_slopes": slopes,

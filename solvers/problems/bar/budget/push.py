@@ -226,7 +226,7 @@ def sample(bar: ti.template(), row, step, on: ti.template()):
     """Write them; F is counted from the bar at rest."""
     out = ti.static(bar.samples)
     P = bar.particles
-    now = exact_now(bar, step)
+    now = exact_now(bar, step, on)
     base = 0
     if ti.static(not on.truth):
         base = ti.static(on.estimators.index("companion")) * P

@@ -1,5 +1,5 @@
 """What the reference does in a step at a particle: the exact solution, in numbers that follow from X and the time
-alone, or, where that is not looked at, the companion.
+alone, or, where that is not looked at, the companion. A typed motion is kept like the companion.
 
 The first half of a step needs the reference where the step begins, the sources of the time step where it ends, and
 there the companion is at the end of the step. So these are given then, in ``companion_after_step``, and what the next
@@ -9,7 +9,10 @@ step begins with is kept.
 import taichi as ti
 
 from solvers.estimators import companion
+from solvers.problems.bar.budget.memory import keeps
+from solvers.problems.bar.method.samples import typed_at
 from solvers.scene.causes import CAUSES
+from solvers.solver.field_tables import MODES, MOTION, PRESENT, RANK, fact, find_functions
 
 TIME_STEP = list(CAUSES).index("time_step")  # its lane
 
@@ -26,9 +29,9 @@ def moment(bar: ti.template(), t):
 
 @ti.func
 def motion(bar: ti.template(), p, now, on: ti.template()):
-    """v + dt a, a, and what a step of symplectic Euler misses of u and of v, which the companion says later."""
+    """v + dt a, a, and what a step of symplectic Euler misses of u and of v, which what is kept says later."""
     known = ti.Vector([bar.drift_velocity, 0.0, 0.0, 0.0])
-    if ti.static(not on.truth):
+    if ti.static(keeps(on)):
         known = bar.reference_motion[p]
     elif ti.static(on.motion == "vibrate"):
         size = bar.amplitude * bar.sine[p]
@@ -40,7 +43,7 @@ def motion(bar: ti.template(), p, now, on: ti.template()):
 def slopes(bar: ti.template(), p, now, on: ti.template()):
     """F, the slope of v + dt a along X, and what a step misses of F."""
     known = ti.Vector([1.0, 0.0, 0.0])
-    if ti.static(not on.truth):
+    if ti.static(keeps(on)):
         kept = bar.reference_slopes[p]
         known = ti.Vector([kept[0], kept[1], 0.0])
     elif ti.static(on.motion == "vibrate"):
@@ -53,27 +56,47 @@ def slopes(bar: ti.template(), p, now, on: ti.template()):
 def companion_after_step(bar: ti.template(), step):
     """At the end of step number ``step``, when the companion has been there: what symplectic Euler has missed of it."""
     _fill_elements(bar, step)
-    n, P, dt = bar.companion_counts[companion.ORDER] + 1, bar.particles, bar.dt
-    for p in range(P):
+    n = bar.companion_counts[companion.ORDER] + 1
+    for p in range(bar.particles):
         at = ti.Vector([0.0, 0.0, 0.0, 0.0])
         rate = 0.0
         first = bar.companion_element[p] * n
         for k in range(n):
             at += bar.companion_basis[p * n + k] * bar.reference_elements[first + k]
             rate += bar.companion_basis[p * n + k] * bar.reference_rates[first + k]
-        was, slope = bar.reference_motion[p], bar.reference_slopes[p]
-        u, v, a, F = at[0], at[1], at[2], 1 + at[3]
-        missed = ti.Vector([dt * was[0] - (u - slope[2]), dt * was[1] - (v - (was[0] - dt * was[1])),
-                            dt * slope[1] - (F - slope[0])])
-        if bar.taken_away == TIME_STEP:
-            bar.position[p] -= missed[0]
-            bar.velocity[p] -= missed[1]
-            bar.deformation_gradient[p] -= missed[2]
-        else:
-            for f in ti.static(range(3)):
-                bar.cause_errors[f * P + p] += ti.Vector([0.0, 0.0, 0.0, missed[f]])
-        bar.reference_motion[p] = ti.Vector([v + dt * a, a, 0.0, 0.0])
-        bar.reference_slopes[p] = ti.Vector([F, rate, u, 0.0])
+        _keep(bar, p, at[0], at[1], at[2], 1 + at[3], rate)
+
+
+@ti.func
+def typed_after_step(bar: ti.template(), step):
+    """The same of a typed motion."""
+    angle = bar.angular_frequency * bar.dt * step
+    find_functions(bar.tables, bar.table_sizes, MOTION, bar.angular_frequency, angle, angle)
+    rank, modes, out = fact(bar, MOTION, RANK), fact(bar, MOTION, MODES), fact(bar, MOTION, PRESENT)
+    for p in range(bar.particles):
+        known, rate = typed_at(bar, p), 0.0
+        for k in range(rank):
+            T = bar.tables[out + k]
+            rate += (T[1] + bar.dt * T[2]) * bar.tables[modes + p * rank + k][1]
+        _keep(bar, p, known[0], known[1], known[2], 1 + known[3], rate)
+
+
+@ti.func
+def _keep(bar: ti.template(), p, u, v, a, F, rate):
+    """The reference of particle p for the next step, and the error that the time step has made in this one."""
+    dt, P = bar.dt, bar.particles
+    was, slope = bar.reference_motion[p], bar.reference_slopes[p]
+    missed = ti.Vector([dt * was[0] - (u - slope[2]), dt * was[1] - (v - (was[0] - dt * was[1])),
+                        dt * slope[1] - (F - slope[0])])
+    if bar.taken_away == TIME_STEP:
+        bar.position[p] -= missed[0]
+        bar.velocity[p] -= missed[1]
+        bar.deformation_gradient[p] -= missed[2]
+    else:
+        for f in ti.static(range(3)):
+            bar.cause_errors[f * P + p] += ti.Vector([0.0, 0.0, 0.0, missed[f]])
+    bar.reference_motion[p] = ti.Vector([v + dt * a, a, 0.0, 0.0])
+    bar.reference_slopes[p] = ti.Vector([F, rate, u, 0.0])
 
 
 @ti.func

@@ -18,10 +18,13 @@ import taichi as ti
 from solvers.estimators import companion as shared
 from solvers.estimators.spectral import Elements, highest_frequency
 from solvers.kernels.kinds import integers, pairs, quads, reals
+from solvers.motion.line_solution import force_table
 from solvers.problems.bar import exact
-from solvers.problems.bar.method.forces import force_at, tones
+from solvers.problems.bar.method.forces import force_at, tones_for
+from solvers.solver.field_tables import of_pairs, pack
 
 POLYNOMIALS = 4  # order p
+A_WAVE = 5  # elements of a typed motion's shortest wave that matters
 
 
 @ti.func
@@ -31,11 +34,12 @@ def accelerate(bar: ti.template(), t, on: ti.template()):
     for e in range(bar.companion_counts[shared.ACROSS]):
         element_forces(bar, shared.WORK * N + e * bar.companion_counts[shared.ORDER])
     whole = bar.companion_nodes[shared.WORK * N][2] + bar.companion_nodes[shared.WORK * N + N - 1][2]
-    size = tones(bar, t, on)
+    size = tones_for(bar, bar.companion_force, bar.companion_force_sizes, t, on)
     for i in range(N):
         work, wave = shared.WORK * N + i, bar.companion_waves[i]
         force = whole if i == 0 or i == N - 1 else bar.companion_nodes[work][2]
-        bar.companion_nodes[work][2] = bar.companion_nodes[work][6] * force + force_at(wave[0], wave[1], size, on)
+        bar.companion_nodes[work][2] = bar.companion_nodes[work][6] * force \
+            + force_at(bar.companion_force, bar.companion_force_sizes, i, wave[0], wave[1], size, on)
 
 
 @ti.func
@@ -88,14 +92,16 @@ def fill_elements(bar: ti.template()):
                 bar.companion_nodes[first + i][4]])
 
 
-def mesh(cells: int) -> Elements:
-    """Elements of three cells on coarse bars and of up to 16 on fine ones, where the companion gains by its order."""
-    return Elements(0.0, 1.0, max(3, min(1 + cells // 3, 6 + cells // 16)), POLYNOMIALS)
+def mesh(scene) -> Elements:
+    """Elements of three cells on coarse bars and of up to 16 on fine ones, where the companion gains by its order; and
+    enough for the waves of what was typed."""
+    count = max(3, min(1 + scene.cells // 3, 6 + scene.cells // 16))
+    return Elements(0.0, 1.0, max(count, A_WAVE * scene.waves) if scene.displacement else count, POLYNOMIALS)
 
 
 def allocate(scene) -> dict[str, np.ndarray]:
     """The companion at rest, moving with the initial velocity."""
-    elements = mesh(scene.cells)
+    elements = mesh(scene)
     n, X = elements.order + 1, elements.nodes
     inverse_mass = np.zeros((len(X), 2))
     inverse_mass[:, 0] = 1 / (scene.density / scene.initial_stretch * masses(elements))
@@ -103,13 +109,15 @@ def allocate(scene) -> dict[str, np.ndarray]:
     frequency = scene.wave_speed * scene.initial_stretch * unit_frequency(elements)  # of the bar as it starts
     particles = (np.arange(scene.particles) + 0.5) * (scene.spacing / scene.ppc)
     element, basis, _ = elements.locate(particles)
+    table = of_pairs(force_table(scene, X) if scene.displacement else None)
     return {
         **shared.start((elements.order, elements.count, 1, len(X), len(X), 1), frequency, scene.time_step, velocity,
                        inverse_mass),
         "companion_waves": np.stack([np.sin(exact.WAVENUMBER * X), np.cos(exact.WAVENUMBER * X)], axis=1),
         "companion_matrices": np.stack([elements.derivative.ravel(), np.repeat(elements.weights, n)], axis=1),
         "companion_element": element, "companion_basis": basis.ravel(),
-        "companion_elements": np.zeros((elements.count * n, 4))}
+        "companion_elements": np.zeros((elements.count * n, 4)),
+        **dict(zip(("companion_force_sizes", "companion_force"), pack(table), strict=True))}
 
 
 def masses(elements: Elements) -> np.ndarray:
@@ -135,7 +143,7 @@ def unit_frequency(elements: Elements) -> float:
 
 def verdict(scene, memory) -> str | None:
     """Why not to trust what was reported last."""
-    elements = mesh(scene.cells)
+    elements = mesh(scene)
     u = memory["companion_nodes"].reshape(-1, len(elements.nodes), 8)[shared.NOW, :, :2]
     return shared.doubt(u[elements.of_node], (1,), memory["companion_numbers"][shared.SQUARE])
 
@@ -147,6 +155,8 @@ HOOKS = shared.hooks(
         "companion_matrices": pairs,  # d/dX in an element, row by row, and at each row's point the weight
         "companion_element": integers,  # the particle's element
         "companion_basis": reals,  # the element's p + 1 polynomials at the particle
+        "companion_force": quads,  # the table of a typed motion's body force at the nodes
+        "companion_force_sizes": integers,
         "companion_elements": quads,  # u, v, u_X, a at the points of each element, for a report
     },
     allocate=allocate, report=report, verdict=verdict)

@@ -30,19 +30,24 @@ fourth differences.
 Source: derived for this program.
 """
 
+from dataclasses import replace
+
 import numpy as np
 import taichi as ti
 
 from solvers.estimators import recovery
 from solvers.estimators.recovery import ALONG, BEGUN, MOVED, NEW, ROUGH, SIZE, TAU, TURNS, H
-from solvers.kernels.kinds import quads, reals
+from solvers.kernels.kinds import integers, quads, reals
 from solvers.kernels.packing import part
+from solvers.motion.line_solution import force_table
 from solvers.problems.bar import exact
 from solvers.problems.bar.estimators import recovered_tables
 from solvers.problems.bar.estimators.recovered_tables import DRIVE, FIT, GATHER, SMOOTHING, SPREAD, STIFFNESS, TABLES
-from solvers.problems.bar.method.forces import tones
+from solvers.problems.bar.method.forces import tones_for
 from solvers.problems.bar.method.nodes import stencil_of
 from solvers.scene.estimator_hooks import EstimatorHooks
+from solvers.scene.typed import TYPED
+from solvers.solver.field_tables import of_pairs, pack, pair_sum
 
 WAVE_CFL = 0.9  # H c/h; stable to 1.2
 #: Blocks of the nodal array: U, w in the middle of the next H, a and a before; errors as gathered; errors unsmoothed;
@@ -114,13 +119,22 @@ def spread(bar: ti.template(), p, pattern):
 
 
 @ti.func
+def node_force(bar: ti.template(), i, shape, size, on: ti.template()):
+    """M b of a node, with M of each tone's shape."""
+    b = size[0] * shape[0] + size[1] * shape[1]
+    if ti.static(on.motion == TYPED):
+        b = pair_sum(bar.recovered_force, bar.recovered_force_sizes, 0, i)[0]
+    return b
+
+
+@ti.func
 def begin(bar: ti.template(), t, on: ti.template()):
     """Unless it is done: start the reference with the acceleration at time t, when the bar was undeformed, a = M b."""
     if bar.recovered_numbers[TURNS] == NEW:
-        size = tones(bar, t, on)
+        size = tones_for(bar, bar.recovered_force, bar.recovered_force_sizes, t, on)
         for i in range(bar.cells):
             shape, at = bar.recovered_nodes[block(bar, FORCE, i)], block(bar, MOTION, i)
-            a = size[0] * shape[0] + size[1] * shape[1]
+            a = node_force(bar, i, shape, size, on)
             bar.recovered_nodes[at] = recovery.with_start(bar.recovered_nodes[at], a, bar.recovered_numbers[H])
             bar.recovered_nodes[block(bar, FORCE, i)] = ti.Vector([shape[0], shape[1], shape[2], a])
         bar.recovered_numbers[TURNS] = BEGUN
@@ -190,14 +204,14 @@ def damped_errors(bar: ti.template()):
 @ti.func
 def move_reference(bar: ti.template(), t, on: ti.template()):
     """The acceleration of every node at time t, and the rate that follows."""
-    size = tones(bar, t, on)
+    size = tones_for(bar, bar.recovered_force, bar.recovered_force_sizes, t, on)
     first = bar.recovered_numbers[TURNS] == BEGUN
     bar.recovered_numbers[TURNS] = MOVED
     among_nodes(bar, STIFFNESS, ERRORS, GATHERED)
     for i in range(bar.cells):
         shape, at = bar.recovered_nodes[block(bar, FORCE, i)], block(bar, MOTION, i)
         slope = shape[2] - bar.recovered_nodes[block(bar, GATHERED, i)][0]
-        a = size[0] * shape[0] + size[1] * shape[1] - bar.modulus / bar.density * slope
+        a = node_force(bar, i, shape, size, on) - bar.modulus / bar.density * slope
         motion = bar.recovered_nodes[at]
         shape[3] = recovery.second_before(motion, a, first)
         bar.recovered_nodes[block(bar, FORCE, i)] = shape
@@ -272,7 +286,12 @@ def allocate(scene):
     for k in (0, 1):
         nodes[FORCE, :cells, k] = tables[GATHER](np.sin(2 * (k + 1) * np.pi * X))[:, 0]
     nodes[MOTION, :cells, 1] = tables[GATHER](exact.velocity(scene, X, 0.0))[:, 0]
-    return {"recovered_numbers": recovery.numbers(scene, interval(scene)), **recovery.table_values(tables),
+    table = None
+    if scene.displacement:
+        force = force_table(scene, X)
+        table = replace(force, modes=np.stack([tables[GATHER](one)[:, :2] for one in force.modes[:, :, 0].T], axis=1))
+    return {**dict(zip(("recovered_force_sizes", "recovered_force"), pack(of_pairs(table)), strict=True)),
+            "recovered_numbers": recovery.numbers(scene, interval(scene)), **recovery.table_values(tables),
             "recovered_stride": stride, "recovered_beyond": beyond, "recovered_nodes": nodes.reshape(-1, 4),
             "recovered_field": np.zeros((scene.particles + beyond, 4))}
 
@@ -283,6 +302,8 @@ HOOKS = EstimatorHooks(
         **recovery.table_types(TABLES),
         "recovered_stride": ti.i32, "recovered_beyond": ti.i32,  # nodes of a block; particles repeated behind the last
         "recovered_nodes": quads,  # nodal values, block by block, each closed by a repetition of its beginning
+        "recovered_force": quads,  # the table of M b of a typed motion
+        "recovered_force_sizes": integers,
         "recovered_field": quads,  # u, v, a, P at particles, and likewise
     },
     allocate=allocate, interval=interval, after_step=after_step, report=report, verdict=recovered_tables.verdict)

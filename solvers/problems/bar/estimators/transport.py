@@ -148,7 +148,7 @@ def particle_errors(bar: ti.template(), base, on: ti.template()):
 def interval(scene):
     """Steps between two of its own: as many as the feedback bears, which is a wave like the motion's own and no faster
     than c in the most stretched cell; of those that end at samples."""
-    fastest = scene.courant_number * (1 + scene.STRAIN_PER_AMPLITUDE * scene.motion_amplitude)
+    fastest = scene.courant_number * (1 + scene.size_of("sigma") / scene.modulus)
     most = max(1, min(MOST_INTERVAL, int(WAVE_CFL / fastest)))
     return max(k for k in range(1, most + 1) if scene.sample_interval % k == 0)
 

@@ -5,11 +5,13 @@ from dataclasses import dataclass
 import numpy as np
 
 from solvers.kernels.kinds import Integer, Integers, Pairs, Quads, Real, Reals
+from solvers.motion.line_solution import force_table, motion_table
 from solvers.problems.bar import exact
 from solvers.problems.bar.method.nodes import GHOSTS
 from solvers.problems.bar.scene import BarScene
 from solvers.scene.switches import Switches
 from solvers.solver.arrays import Members, remedy_rates, zeros
+from solvers.solver.field_tables import of_pairs, of_vectors, pack
 
 
 @dataclass
@@ -53,6 +55,8 @@ class BarBody(Members):
     node_scratch: Reals  # of the remedies (N+4,)
     node_displacement: Reals  # x - X on the nodes, for the coupling of F (N+4,)
     totals: Reals  # grid crossings so far, work of the body force so far (2,)
+    table_sizes: Integers  # of a typed motion: see ``solvers.solver.field_tables``
+    tables: Quads  # its body force at the particles; u and F - 1 there, and as a last place their means
 
 
 def body(scene: BarScene, on: Switches) -> dict:
@@ -61,6 +65,9 @@ def body(scene: BarScene, on: Switches) -> dict:
     P, nodes, w = scene.particles, scene.cells + GHOSTS, scene.angular_frequency
     X = (np.arange(P) + 0.5) * (scene.spacing / scene.ppc)
     swings, stretch = not scene.is_patch, scene.initial_stretch
+    typed, known = bool(scene.displacement), on.truth or on.soundness
+    sizes, tables = pack(of_pairs(force_table(scene, X) if typed else None), of_pairs(None),
+                         of_vectors(motion_table(scene) if typed and known else None))
     material = on.body_force in ("material", "two-tone")
     at_nodes = np.sin(exact.WAVENUMBER * scene.spacing * (np.arange(nodes) - 1))
     return {
@@ -69,7 +76,8 @@ def body(scene: BarScene, on: Switches) -> dict:
         "volume": scene.spacing / scene.ppc, "unstretched": 1 / stretch, "half_width": 0.5 / scene.ppc,
         "amplitude": scene.motion_amplitude, "drift_velocity": 0.0 if swings else scene.initial_velocity,
         "angular_frequency": w, "force_scale": 3 * w * w * scene.amplitude,
-        "material_position": X, "position": X, "velocity": exact.velocity(scene, X, 0.0),
+        "material_position": X, "position": X,
+        "velocity": exact.velocity(scene, X, 0.0) - scene.early * exact.acceleration(scene, X, 0.0),
         "deformation_gradient": np.ones(P),
         "sine": np.sin(exact.WAVENUMBER * X) if (on.truth and swings) or material or on.budget else zeros(1),
         "cosine": np.cos(exact.WAVENUMBER * X) if (on.truth and swings) or on.body_force == "two-tone" else zeros(1),
@@ -77,7 +85,7 @@ def body(scene: BarScene, on: Switches) -> dict:
         "node_sine": at_nodes if on.body_force == "node" else zeros(1), "node_sums": zeros(nodes, 4),
         "node_moments": zeros(nodes, 4, when=on.linearity_preserving),
         "node_volume": zeros(nodes, when=on.linearity_preserving),
-        "node_motion": zeros(nodes, 2), "totals": zeros(2),
+        "node_motion": zeros(nodes, 2), "totals": zeros(2), "table_sizes": sizes, "tables": tables,
         "node_stiffness": zeros(nodes, when=on.margin),
         "corners": zeros(P, 4, when=on.pieces or on.budget), **remedy_rates(scene),
         "particle_scratch": zeros(P, when=on.filtered or on.coupled),

@@ -1,19 +1,31 @@
 """The body force of the bar, per unit mass, at a material point.
 
 "material" is eq 34: 3 w^2 A sin(2 pi X) sin(wt), for which the exact solution is known. "two-tone" adds
-1.5 w^2 A sin(4 pi X) sin(1.7 wt), for which none is built in: there an estimate has to stand alone.
+1.5 w^2 A sin(4 pi X) sin(1.7 wt), for which none is built in: there an estimate has to stand alone. That of a typed
+motion lies in a table (``solvers.solver.field_tables``), whose functions of time :func:`tones` finds.
 """
 
 import taichi as ti
 
-from solvers.problems.bar.exact import SECOND_FREQUENCY, SECOND_SIZE
+from solvers.motion.exact_solution import SECOND_FREQUENCY
+from solvers.problems.bar.exact import SECOND_SIZE
+from solvers.scene.typed import TYPED
+from solvers.solver.field_tables import FORCE, find_pair_functions, pair_sum
 
 
 @ti.func
 def tones(bar: ti.template(), t, on: ti.template()):
     """The size of each tone at time t, in m/s^2."""
+    return tones_for(bar, bar.tables, bar.table_sizes, t, on)
+
+
+@ti.func
+def tones_for(bar: ti.template(), tables: ti.template(), sizes: ti.template(), t, on: ti.template()):
+    """The same for the places of a table."""
     first, second = 0.0, 0.0
-    if ti.static(on.body_force != "none"):
+    if ti.static(on.motion == TYPED):
+        find_pair_functions(tables, sizes, FORCE, bar.angular_frequency * t, 1.0)
+    elif ti.static(on.body_force != "none"):
         first = bar.force_scale * ti.sin(bar.angular_frequency * t)
     if ti.static(on.body_force == "two-tone"):
         second = SECOND_SIZE * bar.force_scale * ti.sin(SECOND_FREQUENCY * bar.angular_frequency * t)
@@ -21,11 +33,14 @@ def tones(bar: ti.template(), t, on: ti.template()):
 
 
 @ti.func
-def force_at(sine, cosine, size, on: ti.template()):
-    """The force where sin 2 pi X and cos 2 pi X are ``sine`` and ``cosine``, with tones of the given size."""
+def force_at(tables: ti.template(), sizes: ti.template(), place, sine, cosine, size, on: ti.template()):
+    """The force at a place of a table, where sin 2 pi X and cos 2 pi X are ``sine`` and ``cosine``, with tones of the
+    given size."""
     force = size[0] * sine
     if ti.static(on.body_force == "two-tone"):
         force += size[1] * 2 * sine * cosine  # sin 4 pi X
+    if ti.static(on.motion == TYPED):
+        force = pair_sum(tables, sizes, FORCE, place)[0]
     return force
 
 
@@ -35,4 +50,4 @@ def force_on_particle(bar: ti.template(), p, size, on: ti.template()):
     cosine = 0.0
     if ti.static(on.body_force == "two-tone"):
         cosine = bar.cosine[p]
-    return force_at(bar.sine[p], cosine, size, on)
+    return force_at(bar.tables, bar.table_sizes, p, bar.sine[p], cosine, size, on)

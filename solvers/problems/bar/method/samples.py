@@ -7,6 +7,8 @@ compared at that step's time, one step before the others'.
 import taichi as ti
 
 from solvers.problems.bar.method import soundness
+from solvers.scene.typed import TYPED
+from solvers.solver.field_tables import MODES, MOTION, PRESENT, RANK, fact, find_functions
 from solvers.solver.samples import BASE, EACH, column
 
 
@@ -23,6 +25,11 @@ def true_error(bar: ti.template(), p, now, on: ti.template()):
         strain -= 2 * ti.math.pi * bar.amplitude * bar.cosine[p] * now[0]
         if ti.static(on.acceleration):
             a += w * w * u * now[2]
+    if ti.static(on.motion == TYPED):
+        known = typed_at(bar, p)
+        moved, v = known[0], known[1]
+        strain -= known[3]
+        a -= now[2] * known[2]
     return ti.Vector([bar.position[p] - bar.material_position[p] - moved, bar.velocity[p] - v,
                       bar.modulus * strain, a])
 
@@ -33,17 +40,35 @@ def logarithmic_stress_error(bar: ti.template(), p, now, on: ti.template()):
     error = ti.log(bar.deformation_gradient[p])
     if ti.static(on.motion == "patch"):
         error *= bar.unstretched  # E L since the start, of which the modulus here is the stretched one
+    elif ti.static(on.motion == TYPED):
+        error -= typed_at(bar, p)[3]
     else:
         error -= 2 * ti.math.pi * bar.amplitude * bar.cosine[p] * now[0]
     return bar.modulus * error
 
 
 @ti.func
-def exact_now(bar: ti.template(), step):
-    """sin w t and cos w t at a step, sin w t one step before, and how far a patch test has moved."""
+def typed_at(bar: ti.template(), p):
+    """u, v, a of the step before and F - 1 of a typed motion at particle p, or their means behind the last of them."""
+    rank, modes, out = fact(bar, MOTION, RANK), fact(bar, MOTION, MODES), fact(bar, MOTION, PRESENT)
+    known = ti.Vector([0.0, 0.0, 0.0, 0.0])
+    for k in range(rank):
+        T, M = bar.tables[out + k], bar.tables[modes + p * rank + k]
+        known += ti.Vector([T[0] * M[0], T[1] * M[0], T[2] * M[0], T[0] * M[1]])
+    return known
+
+
+@ti.func
+def exact_now(bar: ti.template(), step, on: ti.template()):
+    """sin w t and cos w t at a step, sin w t one step before, and how far the whole bar has moved. Of a typed motion 1
+    for the third, but 0 at the start, when no acceleration has been computed."""
     angle = bar.angular_frequency * bar.dt * step
     before = ti.max(0.0, angle - bar.angular_frequency * bar.dt)  # at the start both a are 0
-    return ti.Vector([ti.sin(angle), ti.cos(angle), ti.sin(before), bar.drift_velocity * bar.dt * step])
+    moved, used = bar.drift_velocity * bar.dt * step, ti.sin(before)
+    if ti.static(on.motion == TYPED):
+        find_functions(bar.tables, bar.table_sizes, MOTION, bar.angular_frequency, angle, before)
+        moved, used = typed_at(bar, bar.particles)[0], ti.select(step > 0, 1.0, 0.0)
+    return ti.Vector([ti.sin(angle), ti.cos(angle), used, moved])
 
 
 @ti.func
@@ -53,7 +78,7 @@ def sample(bar: ti.template(), row, step, looks, on: ti.template()):
     out[row, ti.static(column("step"))] = step
     out[row, ti.static(column("work"))] = bar.totals[1]
     out[row, ti.static(column("crossings"))] = bar.totals[0]
-    now = exact_now(bar, step)
+    now = exact_now(bar, step, on)
     if ti.static(on.truth):
         squares = ti.Vector([0.0, 0.0, 0.0, 0.0])
         extra = 0.0

@@ -30,9 +30,9 @@ from solvers.estimators import companion as shared
 from solvers.kernels.kinds import integers, octets, pairs, quads, reals
 from solvers.problems.planar.estimators.companion import keep_errors
 from solvers.problems.planar.layout import particle_layout
-from solvers.problems.planar.method.field_tables import find_force_functions, force_at, of_pairs, pack
 from solvers.problems.planar.method.frames import turned, turned_tensor
 from solvers.problems.planar.method.material import cauchy_stress_of, coefficients, piola, stiffness
+from solvers.solver.field_tables import find_force_functions, force_at, of_pairs, pack
 
 
 @ti.func

@@ -19,8 +19,8 @@ from solvers.kernels import runtime
 from solvers.kernels.kinds import integers, pairs, quads
 from solvers.problems.planar.estimators.patch import Patch
 from solvers.problems.planar.layout import particle_layout
-from solvers.problems.planar.method.field_tables import find_force_functions, force_at, of_pairs, pack
 from solvers.problems.planar.method.material import cauchy_stress, cauchy_stress_of, coefficients, piola, stiffness
+from solvers.solver.field_tables import find_force_functions, force_at, of_pairs, pack
 
 
 @ti.func

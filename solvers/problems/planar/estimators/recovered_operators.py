@@ -11,7 +11,7 @@ import taichi as ti
 
 from solvers.estimators.recovery import ROUGH, SIZE, first_of, fourth_factor, groups, put, row_of
 from solvers.kernels.packing import part
-from solvers.problems.planar.method.field_tables import find_force_functions, force_at
+from solvers.solver.field_tables import find_force_functions, force_at
 
 # Tables. Along a radius their weights are (value, slope, value over R, nothing).
 TABLES = tuple(f"recovered_{way}_{what}_" for way in ("across", "along")

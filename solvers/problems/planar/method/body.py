@@ -10,7 +10,6 @@ import numpy as np
 from solvers.kernels.kinds import Blocks, Integer, Integers, Octets, Pairs, Quads, Real, Reals
 from solvers.problems.planar.body_force import body_force_of
 from solvers.problems.planar.layout import particle_layout
-from solvers.problems.planar.method.field_tables import of_motions, of_pairs, of_vectors, pack
 from solvers.problems.planar.method.kept import room
 from solvers.problems.planar.method.phases import TOTALS
 from solvers.problems.planar.scene import PlanarScene, motion_table
@@ -18,13 +17,14 @@ from solvers.scene.estimator_hooks import EstimatorHooks
 from solvers.scene.scene import Scene
 from solvers.scene.switches import Switches
 from solvers.solver.arrays import Members, Watch, remedy_rates, watch, zeros
+from solvers.solver.field_tables import of_motions, of_pairs, of_vectors, pack
 
 
 @dataclass
 class PlanarBody(Members):
     """P particles in K orbits (``solvers.problems.planar.layout``), N nodes, T slabs of particles with grids
     of their own. What only an effect that is off would use has length one. What is known of the motion lies in tables
-    (``solvers.problems.planar.method.field_tables``), all in one array, for a kernel takes 64 arguments at most."""
+    (``solvers.solver.field_tables``), all in one array, for a kernel takes 64 arguments at most."""
 
     particles: Integer
     nodes: Integer

@@ -2,7 +2,6 @@
 
 import taichi as ti
 
-from solvers.problems.planar.method.field_tables import GRID, MODES, MOTION, PRESENT, RANK, fact, find_functions
 from solvers.problems.planar.method.frames import turned, turned_tensor
 from solvers.problems.planar.method.material import cauchy_stress, cauchy_stress_of, strain_energy
 from solvers.problems.planar.method.node_errors import circular_node_error, node_error
@@ -11,6 +10,7 @@ from solvers.problems.planar.method.soundness import look_at_circles, look_at_mo
 from solvers.problems.planar.parts import Measures
 from solvers.problems.planar.scene import PlanarScene
 from solvers.scene.effects import samplers
+from solvers.solver.field_tables import GRID, MODES, MOTION, PRESENT, RANK, fact, find_functions
 from solvers.solver.samples import column
 
 

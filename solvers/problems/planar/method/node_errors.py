@@ -5,9 +5,9 @@ from collections.abc import Callable
 
 import taichi as ti
 
-from solvers.problems.planar.method.field_tables import GRID, MODES, PRESENT, RANK, fact
 from solvers.problems.planar.method.frames import turned
 from solvers.problems.planar.scene import PlanarScene
+from solvers.solver.field_tables import GRID, MODES, PRESENT, RANK, fact
 
 NEWTON_STEPS = 9  # of the radius that has come to a node; the map is nearly linear and converges in four or five
 NEWTON_END = 1e-14  # m

@@ -10,10 +10,10 @@ from collections.abc import Callable
 import taichi as ti
 
 from solvers.kernels import runtime
-from solvers.problems.planar.method import field_tables
-from solvers.problems.planar.method.field_tables import MOTION, fact
 from solvers.problems.planar.method.records import scatter_add
 from solvers.scene.balance import MODES
+from solvers.solver import field_tables
+from solvers.solver.field_tables import MOTION, fact
 from solvers.solver.samples import column
 
 SAME = 1e-12  # of itself, by which a distance may differ when it is found twice, in loops that are compiled otherwise

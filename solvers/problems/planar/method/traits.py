@@ -2,13 +2,13 @@
 
 import taichi as ti
 
-from solvers.problems.planar.method.field_tables import find_force_functions, force_at
 from solvers.problems.planar.method.frames import turned
 from solvers.problems.planar.method.material import LAWS, determinant, kirchhoff, piola
 from solvers.problems.planar.method.neo_hookean import find_volumetric
 from solvers.problems.planar.method.symmetry_planes import symmetry_planes
 from solvers.problems.planar.parts import Traits
 from solvers.problems.planar.scene import PlanarScene
+from solvers.solver.field_tables import find_force_functions, force_at
 
 
 def traits_of(kind: type[PlanarScene]) -> Traits:

@@ -8,8 +8,8 @@ import numpy as np
 import taichi as ti
 
 from solvers.kernels.elementary import cos, sin
+from solvers.motion.exact_solution import SECOND_FREQUENCY
 from solvers.motion.separable_field import SeparableField
-from solvers.problems.planar.body_force import SECOND_FREQUENCY
 
 #: How many functions of time and harmonics a table has, and at which entries series, modes and present values begin.
 RANK, HARMONICS, SERIES, MODES, PRESENT = range(5)

@@ -1,0 +1,77 @@
+"""What scenes share whose displacement may be typed, as formulas in place of the built-in one."""
+
+from __future__ import annotations
+
+import functools
+import math
+from abc import abstractmethod
+from typing import TYPE_CHECKING, Any, ClassVar
+
+from solvers.motion.formula import FormulaError
+from solvers.motion.typed_motion import LineInputs, MotionInputs, find_period, read_motion
+from solvers.scene.rules import SceneError, require_number
+
+TYPED = "typed"  # what is compiled of such a motion where that depends on it: whatever the formula
+
+if TYPE_CHECKING:
+    from solvers.scene.scene import Scene
+else:
+    Scene = object  # a dataclass as base would give its fields again, in front of those of other bases
+
+
+class MaybeTyped(Scene):
+    """A scene with a field ``displacement``, "" for the built-in one."""
+
+    TYPED_TITLE: ClassVar[str]
+    displacement: Any
+
+    @property
+    @abstractmethod
+    def motion_inputs(self) -> MotionInputs | LineInputs:
+        """What its typed motion is made of."""
+
+    @property
+    def base_frequency(self) -> float:
+        """w in 1/s: pi over the time in which a bar's sound crosses a metre."""
+        return math.pi * math.sqrt(self.modulus / self.density)
+
+    @property
+    def typed_solution(self) -> Any:
+        """What follows from what was typed, as functions."""
+        return self.motion_inputs.solution(self.displacement)
+
+    @functools.cached_property
+    def typed_frequency(self) -> float:
+        """That after which what was typed comes back, in 1/s."""
+        return 2 * math.pi / find_period(self.displacement, self.motion_inputs)
+
+    @property
+    def title(self) -> str:
+        return self.TYPED_TITLE if self.displacement else self.TITLE
+
+    @property
+    def moved_by(self) -> tuple[str, ...]:
+        return () if self.displacement and "A" not in self.displacement else super().moved_by
+
+    def _normalized(self) -> dict[str, Any]:
+        """With the formula as it is written into links."""
+        if not isinstance(self.displacement, str):
+            raise SceneError("displacement", self.displacement, "is no text; give formulas such as "
+                                                                "0.02*sin(2*pi*X)*sin(w*t)")
+        try:
+            text = read_motion(self.displacement, self.DIMENSIONS).text if self.displacement.strip() else ""
+        except FormulaError as error:
+            raise SceneError("displacement", self.displacement, str(error)) from None
+        return {**super()._normalized(), "displacement": text}
+
+    def _check_amplitude(self) -> None:
+        if not self.displacement:
+            return super()._check_amplitude()  # type: ignore[safe-super]  # of a problem that has one
+        require_number("amplitude", self.amplitude, 1e-12, math.inf)
+
+    def _check_time(self) -> None:
+        try:
+            float(self.typed_frequency if self.displacement else 1.0)  # is looked for in what was typed
+        except FormulaError as error:
+            raise SceneError("displacement", self.displacement, str(error)) from None
+        super()._check_time()
