@@ -4,6 +4,7 @@ numbers that were wanted, each with a bar by every estimator."""
 from collections.abc import Iterator, Mapping
 
 from app.words import QUANTITIES, particles_per_cell, unit_of
+from solvers.motion.laws.material import NEO_HOOKEAN
 from solvers.problems import PROBLEMS
 from solvers.running.goals import SAFETY
 from solvers.scene.causes import CAUSES, FIELDS
@@ -57,6 +58,8 @@ def _heading(result: dict) -> str:
         moving = f"displacement {scene['displacement']}"
     else:
         moving = f"amplitude {scene['amplitude']:g} {unit_of(PROBLEMS[scene['problem']].scene, 'amplitude')}"
+    if scene.get("law", NEO_HOOKEAN) != NEO_HOOKEAN:
+        moving += f", {scene['law']}"
     # Which quantities the word ok does not hold for.
     doubts = f" for x, not for {', '.join(result['as_large_as_itself'])}" \
         if result["status"] == "ok" and result["as_large_as_itself"] else ""
