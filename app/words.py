@@ -3,6 +3,7 @@
 import functools
 import math
 import re
+import shlex
 from dataclasses import dataclass, fields
 
 from app.language.heard import heard
@@ -67,6 +68,7 @@ UNSAID = ("problem", "dt", "cfl", "t_end", "periods", "effects", "arch", "thread
 #: Sizes of a scene, by their symbols.
 SYMBOLS = {"amplitude": "A", "modulus": "E", "density": "ρ", "stretch": "F", "initial_velocity": "v", "frequency": "B"}
 #: Fields that some problems have, beside what moves them all.
+OF_MOST = ("amplitude", "modulus", "density", "t_end", "periods", "body_force")
 OF_SOME = ("motion", "stretch", "initial_velocity")
 #: What a scene's fields may be, in words that are put into the visitor's language by :func:`choices`, in the order in
 #: which they are offered.
@@ -196,10 +198,10 @@ def command_line(scene: Scene) -> str:
     words = [f"mpm-lab run {scene.problem} --method {scene.method} --cells {scene.cells} --ppc {scene.ppc}",
              f"--dt {AUTO}" if scene.dt == AUTO else f"--cfl {scene.courant_number:g}"]
     kind = type(scene)
-    for field in ("amplitude", "modulus", "density", "t_end", "periods", "body_force", *OF_SOME):
+    for field in (*OF_MOST, *OF_SOME, "poisson_ratio", "frequency", "law", "displacement"):
         idle = field == "body_force" and not scene.swings
         if field in kind.__dataclass_fields__ and not idle and getattr(scene, field) != getattr(kind, field):
-            words.append(f"--{field_flag(field)} {getattr(scene, field)}")
+            words.append(f"--{field_flag(field)} {shlex.quote(str(getattr(scene, field)))}")
     if scene.linearity_preserving:
         words.append("--linearity-preserving")
     if scene.remedies:
