@@ -40,7 +40,8 @@ LINES = {"truth": Shades("#0072b2", "#4fb0ea"), "estimate": Shades("#cf5a00", "#
 FAINT = {"line": Shades("#e2e5eb", "#2c313a"), "line2": Shades("#c5cad4", "#4a515e"),
          "cell": Shades("#cfd4dd", "#3a404b")}
 PALETTE = GROUNDS | TEXTS | LINES | FAINT
-#: Areas of the causes of error, by the names of ``solvers.scene.causes``: crossings darker than their line, so that any
+#: Areas of the causes of error, by the names of ``solvers.scene.error_causes``: crossings darker than their line, so
+#: that any
 #: two of these, and the ground, are apart for every common colour blindness as well (20 or more in CIE L*a*b*).
 CAUSES = {"crossings": Shades("#a8005f", "#ff80c4"), "coarse_grid": Shades("#2f86e0", "#2a7bd6"),
           "body_force": Shades("#5fd3a2", "#57dd9b"), "time_step": Shades("#8f96a3", "#515866")}

@@ -10,7 +10,7 @@ are among them. What follows the word ``pinned`` is the pinned run, of the same 
     word   = field | view
     field  = name ["=" value]        of the scene, each once
     view   = name ["=" value]        of ``VIEW``, each once
-    value  = a number (``solvers.outside.numerals``), a name, names with commas between, or yes or no
+    value  = a number (``solvers.untrusted.number_parsing``), a name, names with commas between, or yes or no
 """
 
 import re
@@ -21,10 +21,10 @@ from typing import Any
 from urllib.parse import unquote
 
 from app.words import MAGNIFICATIONS, QUANTITIES
-from solvers.outside import numerals, quoting
 from solvers.problems import PROBLEMS
-from solvers.scene.rules import SceneError, key_field
 from solvers.scene.scene import LISTS, Scene
+from solvers.scene.validation import SceneError, key_field
+from solvers.untrusted import number_parsing, quoting
 
 LONGEST = 2000  # characters that anybody needs
 PINNED = "pinned"
@@ -169,7 +169,7 @@ def _take(word: str, view: dict[str, Any]) -> bool:
 
 def _number(text: str) -> Any:
     """A whole number or a float where the text is one, else the text, of which the scene knows what to say."""
-    return numerals.number(text) if numerals.is_number(text) else text
+    return number_parsing.number(text) if number_parsing.is_number(text) else text
 
 
 def _yes_or_no(key: str, text: str) -> bool:
@@ -196,7 +196,7 @@ def _speed(key: str, text: str) -> float:
 
 
 def _particle(key: str, text: str) -> int:
-    if (number := numerals.count(text)) is None:
+    if (number := number_parsing.count(text)) is None:
         raise StateError(f"{key}={_quoted(text)}: give the number of a particle, 0 or more")
     return number
 

@@ -5,7 +5,7 @@ import re
 from html import escape
 from pathlib import Path
 
-from app.language.spoken import tr
+from app.language.translation import tr
 
 
 def rendered(file: Path, **parts: object) -> str:

@@ -6,14 +6,14 @@ import re
 import shlex
 from dataclasses import dataclass, fields
 
-from app.language.heard import heard
-from app.language.spoken import kept, later, tr, trn
-from solvers.outside import numerals
+from app.language.message_translation import heard
+from app.language.translation import kept, later, tr, trn
 from solvers.problems import PROBLEMS
-from solvers.scene import causes
+from solvers.scene import error_causes
 from solvers.scene.remedies import REMEDIES
-from solvers.scene.rules import field_flag, field_label
 from solvers.scene.scene import AUTO, DEFAULT_CFL, Scene
+from solvers.scene.validation import field_flag, field_label
+from solvers.untrusted import number_parsing
 
 NOTHING = "–"
 PREFIXES = {-4: "p", -3: "n", -2: "µ", -1: "m", 0: "", 1: "k", 2: "M", 3: "G"}  # by powers of a thousand
@@ -78,7 +78,7 @@ CHOICES = {"method": {code: method.full or method.name for code, method in METHO
            "velocity": {"grid": later("grid velocity"), "particle": later("particle velocity"),
                         "corners": later("domain corners")},
            "motion": {"vibrate": later("vibration"), "patch": later("patch test")},
-           "take_away": {causes.NOTHING: later("nothing"), **causes.CAUSES},
+           "take_away": {error_causes.NOTHING: later("nothing"), **error_causes.CAUSES},
            "remedies": {remedy.name: remedy.label for remedy in REMEDIES.values()},
            "layout": {"polar": later("polar"), "cartesian": later("Cartesian")}}
 
@@ -174,7 +174,11 @@ def _said(scene: Scene) -> list[str]:
 def _field_said(scene: Scene, field: str, unit: str) -> str:
     value, label, names = getattr(scene, field), tr(field_label(field)), choices(type(scene), field)
     if field == "take_away":
-        return tr("as it is") if value == causes.NOTHING else tr("without {cause}", cause=tr(causes.CAUSES[value]))
+        return (
+            tr("as it is")
+            if value == error_causes.NOTHING
+            else tr("without {cause}", cause=tr(error_causes.CAUSES[value]))
+        )
     if isinstance(value, bool):
         return label if value else tr("not {label}", label=label)
     if isinstance(value, tuple):
@@ -278,7 +282,7 @@ def size_in(text: str, unit: str) -> float:
     found = re.fullmatch(rf"([+0-9.,eE-]+?)\s*(?:({'|'.join(prefixes)})({re.escape(unit)}))?", text.strip())
     if not found:
         raise ValueError(text)
-    value = numerals.real(found[1].replace(",", ".")) * 1000.0 ** prefixes[found[2] or ""]
+    value = number_parsing.real(found[1].replace(",", ".")) * 1000.0 ** prefixes[found[2] or ""]
     if not 0 < value < math.inf:
         raise ValueError(text)
     return float(f"{value:.12g}")

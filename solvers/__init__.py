@@ -11,20 +11,20 @@ import importlib
 import os
 from typing import TYPE_CHECKING
 
-from solvers.kernels import caches
+from solvers.kernels import kernel_cache
 
 if TYPE_CHECKING:
     from solvers.judging.check import check
-    from solvers.judging.verdict import judge
-    from solvers.outside.quoting import FileError
+    from solvers.judging.judgement import judge
     from solvers.problems.bar.scene import BarScene
     from solvers.problems.ring import RingScene
     from solvers.problems.square import SquareScene
     from solvers.problems.vortex import VortexScene
     from solvers.running.result import Result
     from solvers.running.run import run
-    from solvers.scene.rules import SceneError
+    from solvers.scene.validation import SceneError
     from solvers.study.sweep import sweep
+    from solvers.untrusted.quoting import FileError
 else:
     _HOMES = {"BarScene": "problems.bar.scene", "RingScene": "problems.ring",
               "VortexScene": "problems.vortex", "SquareScene": "problems.square", "run": "running.run",
@@ -53,5 +53,5 @@ os.environ.setdefault("TI_ENABLE_PYBUF", "0")
 # For numpy, where nobody has imported it before: matrices here are small, and its second thread would wait more than it
 # works, on busy processors for seconds.
 os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
-caches.keep_more()
-caches.find_room()
+kernel_cache.keep_more()
+kernel_cache.find_room()

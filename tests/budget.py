@@ -24,10 +24,10 @@ from solvers.problems.ring_limits import RESONANCE
 from solvers.problems.vortex import VortexScene
 from solvers.running.budget import run_budget
 from solvers.running.run import build
-from solvers.scene.causes import CAUSES, FIELDS, NOTHING
+from solvers.scene.error_causes import CAUSES, FIELDS, NOTHING
 from solvers.scene.remedies import FROZEN, PIECES
-from solvers.scene.rules import SceneError
 from solvers.scene.scene import Scene
+from solvers.scene.validation import SceneError
 from solvers.solver import budget
 from solvers.solver.budget import MOST_CANCELLED, ROUND_OFF
 from solvers.study.markdown import grid

@@ -10,7 +10,7 @@ import sys
 import pytest
 from hypothesis import settings
 
-from solvers.engine.pool import EnginePool
+from solvers.engine.engine_pool import EnginePool
 from solvers.running.result import Result
 from solvers.running.run import run
 from solvers.scene.scene import Scene
@@ -66,11 +66,14 @@ def session(pool):
 @pytest.fixture(scope="module")
 def here():
     """A lab without engines for a file's tests, which takes whatever many messages a second."""
-    from app.viewer import messages, server  # here: few files need the viewer
+    from app.viewer import (
+        incoming_messages,  # here: few files need the viewer
+        web_server,
+    )
     from tests.support.doors import lab
 
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(messages, "MESSAGES", 1e9)
-        patch.setattr(server, "HANDSHAKES", 1e9)
+        patch.setattr(incoming_messages, "MESSAGES", 1e9)
+        patch.setattr(web_server, "HANDSHAKES", 1e9)
         with lab() as one:
             yield one

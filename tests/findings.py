@@ -19,17 +19,17 @@ from typing import Any
 import numpy as np
 
 from solvers.judging.check import CONSISTENT, check
-from solvers.judging.columns import from_arrays
-from solvers.judging.measure import Companions, summarised
-from solvers.judging.ours import framed
-from solvers.judging.placing import placed
-from solvers.judging.verdict import GridJudgement
-from solvers.outside.quoting import FileError
+from solvers.judging.column_names import from_arrays
+from solvers.judging.error_norms import Companions, summarised
+from solvers.judging.judgement import GridJudgement
+from solvers.judging.particle_matching import placed
+from solvers.judging.reference_runs import framed
 from solvers.problems import PROBLEMS
 from solvers.running.run import build
-from solvers.scene.rules import SceneError
 from solvers.scene.scene import Scene
+from solvers.scene.validation import SceneError
 from solvers.study.markdown import grid
+from solvers.untrusted.quoting import FileError
 from tests.support.altered import ALL, ALTERATIONS, FRAMES, Files, as_files, files, rounded, scene_of, single, stepped
 from tests.support.known_runs import KnownRun, known_runs
 from tests.support.paths import ROOT

@@ -9,11 +9,11 @@ there.
 import numpy as np
 import taichi as ti
 
-from solvers.kernels.kinds import real, reals
+from solvers.kernels.dtypes import real, reals
 from solvers.scene.effects import Effect, Number
 from solvers.scene.effects import register as register_effect
 from solvers.scene.estimator_hooks import EstimatorHooks
-from solvers.scene.registry import Estimator, register
+from solvers.scene.estimator_registry import Estimator, register
 from solvers.solver.samples import column
 
 

@@ -9,11 +9,11 @@ from dataclasses import fields
 from pathlib import Path
 
 from solvers.problems import PROBLEMS
-from solvers.scene.causes import CAUSES
 from solvers.scene.effects import ALL, Line
-from solvers.scene.registry import ESTIMATORS
+from solvers.scene.error_causes import CAUSES
+from solvers.scene.estimator_registry import ESTIMATORS
 from solvers.scene.remedies import REMEDIES
-from solvers.scene.rules import field_label
+from solvers.scene.validation import field_label
 from solvers.solver.soundness import NOUNS
 from tests.support.paths import ROOT
 
@@ -154,4 +154,4 @@ def _registries() -> Iterator[Text]:
     for noun in NOUNS.values():
         yield noun, "solvers/solver/soundness.py"
     for count in ("no", "one", "two", "three"):
-        yield count, "solvers/judging/placing.py"
+        yield count, "solvers/judging/particle_matching.py"

@@ -21,11 +21,11 @@ NAMES = {"os": {"fork", "getloadavg", "getpriority", "getuid", "geteuid", "killp
 #: Python and NumPy use these themselves, on a system that says that it has them.
 OF_PYTHON = {"uname", "WNOHANG", "SIGKILL", "SIGSTOP", "SIGHUP", "pthread_sigmask"}
 #: Files that use such names, and why they may.
-MAY = {"solvers/engine/successor.py": "forks, where it is POSSIBLE",
-       "solvers/engine/process.py": "buries what was forked, and nothing else",
-       "solvers/workers/pool.py": "suppresses the AttributeError",
-       "solvers/bench/bench.py": "asks hasattr", "solvers/judging/show.py": "on Linux only",
-       "app/commands/bench/class_load.py": "asks hasattr", "solvers/study/store.py": "suppresses the ImportError"}
+MAY = {"solvers/engine/compiling_fork.py": "forks, where it is POSSIBLE",
+       "solvers/engine/engine_process.py": "buries what was forked, and nothing else",
+       "solvers/workers/worker_pool.py": "suppresses the AttributeError",
+       "solvers/bench/bench.py": "asks hasattr", "solvers/judging/file_view.py": "on Linux only",
+       "app/commands/bench/class_load.py": "asks hasattr", "solvers/study/row_store.py": "suppresses the ImportError"}
 
 
 def foreign(text):

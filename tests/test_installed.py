@@ -156,8 +156,13 @@ def test_alone_it_has_its_names_for_all(builds, tmp_path):
     """As in a checkout, so that scripts and extensions need no other imports."""
     environment = Environment(tmp_path / "env")
     environment.install(builds[1])
-    done = environment.run("python", "-c", "from solvers import run\nimport mpm_lab, app.cli, solvers.scene.registry\n"
-                                           "print(run is mpm_lab.run, mpm_lab.HOME.name)", cwd=tmp_path)
+    done = environment.run(
+        "python",
+        "-c",
+        "from solvers import run\nimport mpm_lab, app.cli, solvers.scene.estimator_registry\n"
+        "print(run is mpm_lab.run, mpm_lab.HOME.name)",
+        cwd=tmp_path,
+    )
     assert done.stdout.split() == ["True", "packages"], done.stderr
 
 

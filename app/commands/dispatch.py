@@ -18,9 +18,9 @@ from app.commands import DEFAULT_COMMAND, commands
 from app.commands.flags import BadInput
 from app.commands.help import PROGRAM, VERBOSE, Shown, finished, overview, paragraphs
 from app.commands.output import NotWritten, put_text, say, showing_places
-from solvers.outside.quoting import meant, quoted, sentence
 from solvers.scene.extensions import ExtensionError
-from solvers.scene.rules import SceneError, field_flag
+from solvers.scene.validation import SceneError, field_flag
+from solvers.untrusted.quoting import meant, quoted, sentence
 
 FAILED, BAD_INPUT, BROKEN_PIPE = 1, 2, 141
 LONGEST_COMPLAINT = 200  # letters of what the reader of flags says

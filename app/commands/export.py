@@ -11,11 +11,11 @@ from app.commands.flags import BadInput, ProcessesFlag, Switch, TextFlag, defaul
 from app.commands.lesson import lesson_called
 from app.commands.output import Target, say
 from app.commands.progress import working
-from app.export.lattice import within_reach
-from app.language.spoken import ENGLISH, LANGUAGES, speaking
+from app.export.slider_grid import within_reach
+from app.language.translation import ENGLISH, LANGUAGES, speaking
 from app.lessons.lesson import Lesson, LessonError
 from app.state import StateError, begins, read
-from solvers.scene.rules import require_choice
+from solvers.scene.validation import require_choice
 
 #: Makes a file; given what shows how far that is.
 Make = Callable[[Callable[..., None]], bytes]
@@ -70,7 +70,7 @@ class Export:
             name = lesson_called(self.what)
 
             def of_a_lesson(show: Callable[..., None]) -> bytes:
-                from app.export.lesson import lesson_page
+                from app.export.lesson_data import lesson_page
                 return lesson_page(_read(name), processes, show, core=self.core).encode()
 
             return of_a_lesson
@@ -84,7 +84,7 @@ class Export:
             raise BadInput("", self.what, refusal)
 
         def of_a_scene(show: Callable[..., None]) -> bytes:
-            from app.export.page import scene_page
+            from app.export.html_file import scene_page
             return scene_page(self.what, processes, show).encode()
 
         return of_a_scene
@@ -97,15 +97,15 @@ class Export:
         names = list(dict.fromkeys(map(lesson_called, self.what.split())))
 
         def of_lessons(show: Callable[..., None]) -> bytes:
-            from app.export.lesson import package
+            from app.export.lesson_data import package
             return package([_read(name) for name in names], processes, show, core=self.core)
 
         return of_lessons
 
 
 def _read(name: str) -> Lesson:
-    from app.lessons import shelf
+    from app.lessons import catalogue
     try:
-        return shelf.lesson(name)
+        return catalogue.lesson(name)
     except LessonError as error:
         raise BadInput("", name, str(error)) from None

@@ -11,9 +11,9 @@ from typing import Annotated, Any
 
 import tyro
 
-from solvers.outside import numerals, quoting
-from solvers.scene.rules import require_whole
-from solvers.workers.processors import MOST_PROCESSES, usual_processes
+from solvers.scene.validation import require_whole
+from solvers.untrusted import number_parsing, quoting
+from solvers.workers.cpu_count import MOST_PROCESSES, usual_processes
 
 MOST_FILES = 10_000
 
@@ -35,12 +35,12 @@ def _lenient(metavar: str, parse: Callable[[list[str]], Any]) -> Any:
 
 def number(words: list[str]) -> Any:
     """A whole number or a float where the words are one, else the words."""
-    return _read(numerals.number, words)
+    return _read(number_parsing.number, words)
 
 
 def real(words: list[str]) -> Any:
     """A float where the words are one, else the words."""
-    return _read(numerals.real, words)
+    return _read(number_parsing.real, words)
 
 
 def _read(reader: Callable[[str], float], words: list[str]) -> Any:

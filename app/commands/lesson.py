@@ -11,14 +11,14 @@ import tyro
 from app.commands import flags
 from app.commands.output import Folder, Target, json_target, put_result, put_text, say
 from app.commands.progress import working
-from app.language.spoken import ENGLISH, LANGUAGES, speaking
+from app.language.translation import ENGLISH, LANGUAGES, speaking
 from app.lessons.lesson import Lesson, LessonError
-from solvers.outside.quoting import file_name
-from solvers.scene.rules import require_choice, require_whole
-from solvers.workers.processors import usual_processes
+from solvers.scene.validation import require_choice, require_whole
+from solvers.untrusted.quoting import file_name
+from solvers.workers.cpu_count import usual_processes
 
 if TYPE_CHECKING:
-    from app.lessons.progress import Progress
+    from app.lessons.student_progress import Progress
 
 Read = TypeVar("Read")
 OK, FAILED, BAD_INPUT = 0, 1, 2
@@ -37,9 +37,9 @@ class LessonList:
     EXAMPLE: ClassVar[str] = "mpm-lab lesson list"
 
     def execute(self) -> int:
-        from app.lessons import shelf
-        from app.lessons.length import told
-        lessons, mistakes = _read((), lambda name: [shelf.lesson(name)])
+        from app.lessons import catalogue
+        from app.lessons.duration import told
+        lessons, mistakes = _read((), lambda name: [catalogue.lesson(name)])
         rows = [(lesson.name, told(lesson), lesson.title) for lesson in lessons]
         names, times = (max((len(row[column]) for row in rows), default=0) for column in (0, 1))
         for name, time, title in rows:
@@ -74,19 +74,19 @@ class LessonCheck:
         if self.variants is not None:
             require_whole("variants", self.variants, 1, 1000)
         target = json_target(self.json)
-        from app.lessons import classes, shelf
-        from app.lessons.checking import checks
-        from app.lessons.outcomes import Outcomes, scene_texts
-        known = classes.names()
+        from app.lessons import catalogue, class_plans
+        from app.lessons.lesson_check import checks
+        from app.lessons.lesson_runs import Outcomes, scene_texts
+        known = class_plans.names()
         others = tuple(name for name in self.names if name not in known)
-        lessons, mistakes = _read(others, shelf.in_every_language, known) if others or not self.names else ([], {})
-        pages = _read_each([name for name in known if name in (self.names or known)], classes.page, mistakes)
+        lessons, mistakes = _read(others, catalogue.in_every_language, known) if others or not self.names else ([], {})
+        pages = _read_each([name for name in known if name in (self.names or known)], class_plans.page, mistakes)
         with working(self.quiet) as show, closing(Outcomes(processes)) as outcomes:
             texts = [text for lesson in (*lessons, *(page.claims for page in pages))
                      for numbers in lesson.variants[:self.variants] for text in scene_texts(lesson, numbers)]
             outcomes.prepare(texts, lambda done, total: show(done / total))
             found = [check for lesson in lessons for check in checks(lesson, outcomes, self.variants)]
-            found += [check for page in pages for check in classes.checks(page, shelf.lessons(), outcomes)]
+            found += [check for page in pages for check in class_plans.checks(page, catalogue.lessons(), outcomes)]
         failed = [check for check in found if not check.holds]
         for check in failed:
             say(check)
@@ -123,18 +123,18 @@ class LessonGuide:
 
     def execute(self) -> int:
         require_choice("lang", self.lang, tuple(LANGUAGES))
-        from app.lessons import guide, shelf
-        from app.lessons.outcomes import Outcomes
-        ending = "" if self.out is None else next((kind for kind in guide.KINDS if self.out.endswith(kind)), "")
+        from app.lessons import catalogue, teacher_guide
+        from app.lessons.lesson_runs import Outcomes
+        ending = "" if self.out is None else next((kind for kind in teacher_guide.KINDS if self.out.endswith(kind)), "")
         if self.out is not None and not ending:
-            raise flags.BadInput("out", self.out, f"give a file that ends in {' or '.join(guide.KINDS)}")
+            raise flags.BadInput("out", self.out, f"give a file that ends in {' or '.join(teacher_guide.KINDS)}")
         target = None if self.out is None else Target("out", self.out)
         with speaking(self.lang):
-            lessons, _ = _read((self.name,), lambda name: [shelf.lesson(name)])
+            lessons, _ = _read((self.name,), lambda name: [catalogue.lesson(name)])
             if not lessons:
                 return BAD_INPUT
             with working(self.quiet), closing(Outcomes(1)) as outcomes:
-                text = guide.KINDS[ending or ".md"](lessons[0], outcomes, self.core)
+                text = teacher_guide.KINDS[ending or ".md"](lessons[0], outcomes, self.core)
         put_text(text, target)
         return OK
 
@@ -163,10 +163,10 @@ class LessonGrade:
         if not self.files:
             raise flags.BadInput("", "", "give the files that students have handed in")
         target = None if self.out is None else Target("out", self.out, ending=".csv")
-        from app.lessons import grading, shelf
-        from app.lessons.outcomes import Outcomes
+        from app.lessons import catalogue, grading
+        from app.lessons.lesson_runs import Outcomes
         read = [answers for file in self.files if (answers := _answers(file)) is not None]
-        lessons = shelf.lessons()
+        lessons = catalogue.lessons()
         with working(self.quiet) as show, closing(Outcomes(usual_processes())) as outcomes:
             rows = []
             for done, (file, found) in enumerate(read):
@@ -192,9 +192,9 @@ class LessonScripts:
 
     def execute(self) -> int:
         folder = Folder(self.out)
-        from app.lessons import shelf
+        from app.lessons import catalogue
         for path in sorted(path for part in ("scripts", "scripts/codes", "notebooks")
-                           for path in shelf.FOLDER.glob(f"{part}/*.py")):
+                           for path in catalogue.FOLDER.glob(f"{part}/*.py")):
             folder.put(path.name, path.read_bytes())
         say(f"{folder.text}: begin with bar.py")
         return OK
@@ -202,15 +202,15 @@ class LessonScripts:
 
 def _answers(file: str) -> "tuple[str, Progress] | None":
     """What a file says; None where it cannot be read, which is told."""
-    from app.lessons import progress, shelf
+    from app.lessons import catalogue, student_progress
     try:
         if os.path.exists(file) and not os.path.isfile(file):  # a pipe would be waited for
-            raise progress.NotAnswers("is not a file; give files that the page has saved")
+            raise student_progress.NotAnswers("is not a file; give files that the page has saved")
         with open(file, encoding="utf-8") as opened:
             text = opened.read(MOST_CHARACTERS + 1)
         if len(text) > MOST_CHARACTERS:
-            raise progress.NotAnswers(f"is too long; give a file of at most {MOST_CHARACTERS:,} characters")
-        return file_name(file), progress.read(text, shelf.lessons().get)
+            raise student_progress.NotAnswers(f"is too long; give a file of at most {MOST_CHARACTERS:,} characters")
+        return file_name(file), student_progress.read(text, catalogue.lessons().get)
     except (OSError, ValueError) as error:  # also progress.NotAnswers, and what is no UTF-8
         said = error.strerror.lower() if isinstance(error, OSError) and error.strerror else \
             "is no text" if isinstance(error, UnicodeDecodeError) else str(error)
@@ -226,9 +226,9 @@ def _read(names: tuple[str, ...], find: Callable[[str], Iterable[Lesson]],
           also: Sequence[str] = ()) -> tuple[list[Lesson], dict[str, str]]:
     """The lessons of these names, or all, as one ``find``s them, and by name what is wrong with those that cannot be
     read, which is told; a name that is none is told with those that could be given ``also``."""
-    from app.lessons import shelf
+    from app.lessons import catalogue
     lessons, mistakes = list[Lesson](), dict[str, str]()
-    called = dict.fromkeys(lesson_called(name, also) for name in names) if names else shelf.names()
+    called = dict.fromkeys(lesson_called(name, also) for name in names) if names else catalogue.names()
     _read_each(called, lambda name: lessons.extend(find(name)), mistakes)  # a lesson stays without its translation
     return lessons, mistakes
 
@@ -247,8 +247,8 @@ def _read_each(names: Iterable[str], read: Callable[[str], Read], mistakes: dict
 
 def lesson_called(name: str, also: Sequence[str] = ()) -> str:
     """The full name of a lesson; raises :class:`BadInput` where there is none, with what could be given ``also``."""
-    from app.lessons import shelf
+    from app.lessons import catalogue
     try:
-        return shelf.called(name)
-    except shelf.UnknownLesson as error:
+        return catalogue.called(name)
+    except catalogue.UnknownLesson as error:
         raise flags.BadInput("", name, ", ".join((str(error), *also))) from None

@@ -12,9 +12,9 @@ from pathlib import Path
 from typing import Any
 
 from app.commands.flags import BadInput
-from app.lessons.markup import html
+from app.lessons.markdown_html import html
 from app.templates import rendered
-from solvers.outside import quoting
+from solvers.untrusted import quoting
 
 LONGEST_LINE = 1000  # letters; refusals have less
 STDOUT = "standard output"

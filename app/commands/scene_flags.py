@@ -6,8 +6,8 @@ from typing import Annotated, Any, ClassVar
 import tyro
 
 from app.commands.flags import BadInput, NumberFlag, RealFlag, TextFlag, one_of, several_of
-from solvers.scene.rules import field_key, key_field
 from solvers.scene.scene import Scene
+from solvers.scene.validation import field_key, key_field
 
 #: Words that stand for no names, or all.
 SPECIAL = {"estimators": ("none",), "effects": ("all", "none"), "remedies": ("none",)}

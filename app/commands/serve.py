@@ -3,11 +3,11 @@
 from dataclasses import dataclass
 from typing import ClassVar
 
+from app.access.allowed_hosts import is_ip, is_name
+from app.access.class_code import LONGEST, SHORTEST, plain
 from app.commands.flags import BadInput, NamesFlag, NumberFlag, Switch, TextFlag
 from app.commands.lesson import lesson_called
-from app.doors.address import is_ip, is_name
-from app.doors.code import LONGEST, SHORTEST, plain
-from solvers.scene.rules import require_number, require_whole
+from solvers.scene.validation import require_number, require_whole
 
 MOST_FRAMES = 60
 
@@ -59,10 +59,10 @@ class Serve:
         lesson = lesson_called(self.lesson) if self.lesson.strip() else ""
         if self.board and not lesson:
             raise BadInput("", "--board", "needs --lesson with the name or number of a lesson (mpm-lab lesson list)")
-        from app.page import serving  # here: bad input and --help must not wait for the page's imports
+        from app.page import page_server  # here: bad input and --help must not wait for the page's imports
         try:
-            serving.serve(self.host, self.port, self.max_sessions, self.warm_up, self.code.strip(), self.name,
+            page_server.serve(self.host, self.port, self.max_sessions, self.warm_up, self.code.strip(), self.name,
                           self.frames, lesson, self.teacher, self.core, self.board)
-        except serving.ServeError as error:
+        except page_server.ServeError as error:
             raise BadInput("port", self.port, str(error)) from error
         return 0

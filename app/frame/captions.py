@@ -7,12 +7,12 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from app.frame.scale import known
-from app.language.heard import heard
-from app.language.spoken import kept, later, tr
+from app.frame.colour_scale import known
+from app.language.message_translation import heard
+from app.language.translation import kept, later, tr
 from app.words import QUANTITIES
-from solvers.engine.frames import FrameArrays
-from solvers.engine.messages import FrameReport
+from solvers.engine.engine_messages import FrameReport
+from solvers.engine.shared_frames import FrameArrays
 from solvers.scene.scene import Scene
 from solvers.solver import samples
 

@@ -7,9 +7,9 @@ from enum import Enum
 
 import numpy as np
 
-from app.frame.marks import Anchor, Dots, Label, Room, Sheet, Tone, in_plane
-from app.frame.scale import MOST_TICKS, ColourScale
-from app.language.spoken import tr
+from app.frame.colour_scale import MOST_TICKS, ColourScale
+from app.frame.primitives import Anchor, Dots, Label, Room, Sheet, Tone, in_plane
+from app.language.translation import tr
 from app.words import QUANTITIES
 
 Rectangle = tuple[float, float, float, float]  # x0, x1, y0, y1

@@ -7,11 +7,11 @@ from typing import Any, ClassVar, Literal, TypeVar
 import numpy as np
 
 from app.frame.layout import EDGE, Seat
-from app.frame.marks import Dots, Label, Lines, Mark, in_plane, joined
-from app.frame.planar_places import AROUND, planar_labels, planar_places
+from app.frame.planar_layout import AROUND, planar_labels, planar_places
+from app.frame.primitives import Dots, Label, Lines, Mark, in_plane, joined
 from app.frame.stage import Stage, Worst
-from app.language.spoken import later, tr
-from solvers.engine.frames import FrameArrays
+from app.language.translation import later, tr
+from solvers.engine.shared_frames import FrameArrays
 from solvers.problems.planar.layout import half_edges, particle_layout
 from solvers.problems.planar.scene import PlanarScene
 

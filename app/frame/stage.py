@@ -8,14 +8,14 @@ from typing import Any, ClassVar, Generic, Literal, TypeVar
 import numpy as np
 
 from app.frame.captions import ALIKE, ALIKE_LOST, Half, marks_note
+from app.frame.colour_scale import ColourScale
 from app.frame.crossings import ages, recent
-from app.frame.field import FieldPlot, Plotted
+from app.frame.field_plot import FieldPlot, Plotted
 from app.frame.layout import Rectangle, Seat
-from app.frame.marks import Label, Mark, Room, Sheet, shades
-from app.frame.scale import ColourScale
-from app.language.spoken import later, tr
+from app.frame.primitives import Label, Mark, Room, Sheet, shades
+from app.language.translation import later, tr
 from app.words import brief
-from solvers.engine.frames import FrameArrays
+from solvers.engine.shared_frames import FrameArrays
 from solvers.scene.scene import Scene
 
 AnyScene = TypeVar("AnyScene", bound=Scene)

@@ -25,12 +25,12 @@ import numpy as np
 
 from app.lessons import bets
 from app.words import EXTRA_NORMS, QUANTITIES
-from solvers.outside.quoting import quoted, sentence
-from solvers.scene.causes import CAUSES, FIELDS
 from solvers.scene.effects import ALL
+from solvers.scene.error_causes import CAUSES, FIELDS
+from solvers.scene.estimator_registry import ESTIMATORS
 from solvers.scene.extensions import load_extensions
-from solvers.scene.registry import ESTIMATORS
-from solvers.study.coverage import draws
+from solvers.study.coverage import random_runs
+from solvers.untrusted.quoting import quoted, sentence
 
 WORDS = {word: word for word in ("ok", "unstable", "lost", "yes", "no")}
 NORMS = ("final", "max", "mean")
@@ -56,7 +56,7 @@ def paths() -> Vocabulary:
         "error": ((*QUANTITIES, *EXTRA_NORMS), NORMS), "estimate": (estimators, tuple(QUANTITIES), NORMS),
         "index": (estimators, tuple(QUANTITIES)), "distance": (estimators, tuple(QUANTITIES)),
         "budget": (FIELDS, tuple(CAUSES)), "rms": (FIELDS,), "predicted": (FIELDS, tuple(CAUSES)),
-        "bet": (tuple(map(bets.word, bets.JUDGES)), draws.QUANTITIES, ("low", "high", "score")),
+        "bet": (tuple(map(bets.word, bets.JUDGES)), random_runs.QUANTITIES, ("low", "high", "score")),
         "valid": (estimators,), "status": (), "steps": (), "particles": (), "t": (), **found,
         "step": (("dt", "bound", "margin"),), "life": (("accurate", "sound", "first_period"),),
         "seconds": (("run", "estimate"),),

@@ -5,13 +5,13 @@ import io
 from collections.abc import Sequence
 from dataclasses import dataclass
 
+from app.lessons.answer_check import AnswerMark, mark, shown
 from app.lessons.bets import YOURS, Bet, Bettor
 from app.lessons.claims import ClaimError
 from app.lessons.lesson import INTERVAL, PREDICT, TEXT, Lesson, Numbers, Step, drawn, filled
-from app.lessons.marks import AnswerMark, mark, shown
-from app.lessons.outcomes import Outcomes, RunFailed
-from app.lessons.progress import Progress
-from solvers.outside import quoting
+from app.lessons.lesson_runs import Outcomes, RunFailed
+from app.lessons.student_progress import Progress
+from solvers.untrusted import quoting
 
 BETS = ("intervals", "held", "mean score")  # columns of a table that has any
 

@@ -8,8 +8,8 @@ import unicodedata
 from collections.abc import Mapping
 from dataclasses import dataclass
 
-from app.language.spoken import ENGLISH, later
-from solvers.outside import quoting
+from app.language.translation import ENGLISH, later
+from solvers.untrusted import quoting
 
 PREDICT, RUN, OBSERVE, EXPLAIN = KINDS = ("predict", "run", "observe", "explain")
 NUMBER, CHOICE, DRAG, INTERVAL, TEXT = ("number", "choice", "drag", "interval", "text")
@@ -118,7 +118,7 @@ class Step:
 class Lesson:
     """A lesson. ``controls`` are those of the page that it needs, ``variants`` the sets of numbers of which a student
     gets one, ``fingerprint`` tells whether a file handed in is of this very lesson. ``minutes`` are those of all steps,
-    ``core_minutes`` those of the core, as :mod:`app.lessons.length` reckons them. ``language`` is that of its words,
+    ``core_minutes`` those of the core, as :mod:`app.lessons.duration` reckons them. ``language`` is that of its words,
     with which nothing else of it changes."""
 
     name: str

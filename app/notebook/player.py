@@ -11,13 +11,13 @@ from dataclasses import dataclass
 from html import escape
 from pathlib import Path
 
-from app.export.lattice import within_reach
-from app.export.page import recorded_page, scene_page
+from app.export.html_file import recorded_page, scene_page
+from app.export.slider_grid import within_reach
 from app.state import State, write
 from app.words import QUANTITIES, in_a_line
 from solvers.running.result import Result
-from solvers.scene.rules import SceneError, require_choice, require_whole
 from solvers.scene.scene import Scene
+from solvers.scene.validation import SceneError, require_choice, require_whole
 
 HEIGHT = 640  # pixels: readout, stage and time of a bar without scrolling, where the cell is 800 wide
 LEAST_HEIGHT, MOST_HEIGHT = 200, 4000

@@ -61,6 +61,6 @@ def result_picture(result: Result) -> "Figure":
     import matplotlib  # here: a table does not wait for it
     with matplotlib.rc_context():  # what is imported here sets them for the whole process, which is the user's
         from app.pictures.run import run_figure
-        from app.renderers.look import SETTINGS
+        from app.renderers.picture_style import SETTINGS
         matplotlib.rcParams.update(SETTINGS)
         return run_figure(result)

@@ -6,14 +6,14 @@ import numpy as np
 import viser
 
 from app.colours import GROUNDS, rgb
+from app.frame.colour_scale import ColourScale
 from app.frame.layout import ColourBar
-from app.frame.scale import ColourScale
 from app.frame.stage import Stage
-from app.page.source import Choice, Picture, Sight
-from app.page.stage.probe import FlatCamera, Probe, TraceRings
-from app.page.visit.trace import Trace
+from app.page.display_source import Choice, Picture, Sight
+from app.page.stage.error_probe import FlatCamera, Probe, TraceRings
+from app.page.visit.particle_trace import Trace
 from app.problems.views import VIEWS
-from app.renderers.viewer import Lettering, Sheet
+from app.renderers.viewer_renderer import Lettering, Sheet
 from app.words import QUANTITIES
 
 

@@ -6,24 +6,24 @@ from typing import Any
 
 import viser
 
-from app.frame.scale import ColourScale
-from app.language.spoken import later, tr
+from app.frame.colour_scale import ColourScale
+from app.language.translation import later, tr
+from app.page.display_source import Choice
 from app.page.features.budget.panel import who
-from app.page.features.slow import SlowMotion
-from app.page.panels.bound import Answers, BoundWidgets
+from app.page.features.slow_motion import SlowMotion
 from app.page.panels.browser_store import BrowserStore
-from app.page.panels.change import RunWidgets
-from app.page.panels.head import mark, marked
-from app.page.panels.looking import Drawn, Looking
+from app.page.panels.history_controls import Drawn, Looking
+from app.page.panels.page_header import mark, marked
+from app.page.panels.run_settings import RunWidgets
+from app.page.panels.scene_widgets import Answers, BoundWidgets
 from app.page.panels.stage_choice import Judges, StageChoice
-from app.page.source import Choice
-from app.page.transport import Transport
+from app.page.playback_controls import Transport
 from app.page.visit.session import Session, first_scene
 from app.problems.views import VIEWS
 from app.state import State
 from app.words import choices
-from solvers.engine.frames import FrameArrays
-from solvers.engine.messages import FrameReport
+from solvers.engine.engine_messages import FrameReport
+from solvers.engine.shared_frames import FrameArrays
 from solvers.problems import PROBLEMS
 from solvers.scene.effects import ALL
 from solvers.scene.remedies import REMEDIES

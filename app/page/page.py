@@ -7,40 +7,40 @@ from time import thread_time
 import viser
 
 from app import state
-from app.doors.faults import noted
-from app.frame.scale import ColourScale
-from app.frame.sentence import Said
-from app.language.heard import heard
-from app.language.spoken import carried, language, tr
+from app.access.log_limit import noted
+from app.frame.colour_scale import ColourScale
+from app.frame.headline import Said
+from app.language.message_translation import heard
+from app.language.translation import carried, language, tr
 from app.page.canvas import Canvas
 from app.page.controls import Controls
+from app.page.display_source import Source
 from app.page.features.board.panel import BoardPanel, Lectern, stage_of
 from app.page.features.budget.panel import BudgetFold
 from app.page.features.cost.panel import CostTab
 from app.page.features.lesson.marking import Classroom
 from app.page.features.lesson.panel import Player
-from app.page.features.own.panel import OwnCode
-from app.page.features.slow import SlowMotion, SlowStep
-from app.page.live import LiveRun
-from app.page.measurements import Measurements
+from app.page.features.slow_motion import SlowMotion, SlowStep
+from app.page.features.upload.panel import OwnCode
+from app.page.headline import Speaker
+from app.page.live_run import LiveRun
+from app.page.opening_tour import OPENING, Story
+from app.page.panels.about_tab import add_about
 from app.page.panels.browser_store import LETTERS, BrowserStore, Size, Window, follow_keys
-from app.page.panels.head import Presenter, ProblemButtons, set_up
-from app.page.panels.looking import Looking
-from app.page.panels.sparks import Sparks
-from app.page.panels.texts import add_about
+from app.page.panels.history_controls import Looking
+from app.page.panels.page_header import Presenter, ProblemButtons, set_up
+from app.page.panels.suggestions import Sparks
+from app.page.readout_panel import Measurements
 from app.page.sharing import Sharing, link, parts
-from app.page.source import Source
-from app.page.story import OPENING, Story
-from app.page.summary import Speaker
-from app.page.visit.links import PageLinks
-from app.page.visit.recent import Recent
+from app.page.visit.engine_links import PageLinks
+from app.page.visit.frame_buffer import Recent
+from app.page.visit.particle_trace import Trace
 from app.page.visit.session import Session
-from app.page.visit.trace import Trace
-from app.viewer.line import stands_still
-from app.viewer.patches import speak
+from app.viewer.connection import stands_still
+from app.viewer.viser_patches import speak
 from app.viewer.widgets import number
-from solvers.engine.frames import FrameArrays
-from solvers.engine.messages import FrameReport
+from solvers.engine.engine_messages import FrameReport
+from solvers.engine.shared_frames import FrameArrays
 
 REFRESH_SECONDS = 0.2  # for numbers, plots and notices; the stage follows every frame
 UNTOUCHED = 20 * 60.0  # seconds after which a run rests that nobody asks anything of; a presented one goes on

@@ -14,12 +14,12 @@ from typing import Any
 from app import state
 from app.lessons.lesson import Lesson, filled
 from app.page.features.budget.panel import EFFECT
-from app.page.story import OPENING
+from app.page.opening_tour import OPENING
 from app.page.visit.session import first_scene
 from app.problems.views import VIEWS
 from solvers.problems import PROBLEMS
-from solvers.scene.rules import SceneError
 from solvers.scene.scene import Scene
+from solvers.scene.validation import SceneError
 
 
 def usual_scenes(lessons: Mapping[str, Lesson], opened: str = "") -> list[Scene]:

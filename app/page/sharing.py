@@ -7,10 +7,10 @@ import segno
 import viser
 
 from app import state
-from app.language.spoken import later, tr
+from app.language.translation import later, tr
 from app.page.controls import Controls
 from app.page.panels.browser_store import BrowserStore
-from app.page.panels.head import BESIDE
+from app.page.panels.page_header import BESIDE
 
 LESSON = "lesson="
 SAFE = ";=,.+-_:"  # may stand in a link's fragment as they are

@@ -14,11 +14,11 @@ from matplotlib.ticker import FuncFormatter, MaxNLocator
 
 from app.colours import CAUSES as COLOURS
 from app.colours import INK, INK2, INK3, PINNED
-from app.frame.budget import CAPTION, UNITS, error, largest_share, percent, stacked
-from app.renderers.look import FEW, in_sizes, sheet
+from app.frame.budget_chart import CAPTION, UNITS, error, largest_share, percent, stacked
+from app.renderers.picture_style import FEW, in_sizes, sheet
 from app.words import method_name, moving
 from solvers.running.result import Result
-from solvers.scene.causes import CAUSES, FIELDS
+from solvers.scene.error_causes import CAUSES, FIELDS
 
 if TYPE_CHECKING:
     from solvers.running.budget import BudgetResult  # which has Taichi, for which a picture need not wait

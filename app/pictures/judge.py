@@ -9,16 +9,16 @@ from matplotlib.colors import Normalize
 from matplotlib.figure import Figure
 
 from app.colours import COLOUR_MAP, ESTIMATE, INK, METHOD_COLOURS, METHOD_MARKS, TRUTH
-from app.renderers import picture
-from app.renderers.look import in_sizes
-from app.renderers.picture import positive, say, thinned
+from app.renderers import panel_style
+from app.renderers.panel_style import positive, say, thinned
+from app.renderers.picture_style import in_sizes
 from app.words import QUANTITIES, method_name
 from solvers.judging.check import Checked
+from solvers.judging.error_norms import QUANTITIES as JUDGED
+from solvers.judging.error_norms import series, sizes
 from solvers.judging.findings.neighbours import departures
-from solvers.judging.measure import QUANTITIES as JUDGED
-from solvers.judging.measure import series, sizes
-from solvers.judging.verdict import GridJudgement, Judgement
-from solvers.solver.norms import largest
+from solvers.judging.judgement import GridJudgement, Judgement
+from solvers.solver.error_norms import largest
 
 THEIRS = INK
 MARKS = "os^Dv"
@@ -91,7 +91,7 @@ def space_figure(judged: Judgement) -> Figure | None:
         axes.set(xlabel="x", ylabel="y", aspect="equal")
         axes.grid(axis="both")
         in_sizes(axes.yaxis, "m", few=False)
-        picture.colour_bar(figure, points, axes, "error of x", "m", aspect=60)
+        panel_style.colour_bar(figure, points, axes, "error of x", "m", aspect=60)
         ring = axes.scatter(x[alone, 0], x[alone, 1], s=60, facecolors="none", edgecolors=ESTIMATE)
     in_sizes(axes.xaxis, "m", few=False)
     if alone.any():
@@ -167,7 +167,7 @@ def places_figure(checked: Checked) -> Figure | None:
     axes.grid(axis="both")
     in_sizes(axes.xaxis, "m", few=False)
     in_sizes(axes.yaxis, "m", few=False)
-    picture.colour_bar(figure, points, axes, "from a plane through the neighbours", "m", aspect=60)
+    panel_style.colour_bar(figure, points, axes, "from a plane through the neighbours", "m", aspect=60)
     return figure
 
 

@@ -16,13 +16,13 @@ from app.colours import ESTIMATE_INK, INK3, TRUTH
 from app.frame.captions import NOTHING_TO_SHOW
 from app.pictures.budget import draw_budget, name_causes
 from app.problems.views import VIEWS
-from app.renderers.look import ESTIMATE_WIDTH, TRUTH_WIDTH, in_sizes, name_ends, sheet
-from app.renderers.picture import positive, say, styled
+from app.renderers.panel_style import positive, say, styled
+from app.renderers.picture_style import ESTIMATE_WIDTH, TRUTH_WIDTH, in_sizes, name_ends, sheet
 from app.words import QUANTITIES, method_name, moving, particles_per_cell, unit_of
 from solvers.running.result import Result
-from solvers.scene.causes import FIELDS
+from solvers.scene.error_causes import FIELDS
 from solvers.solver import budget
-from solvers.solver.norms import RunningIndex
+from solvers.solver.error_norms import RunningIndex
 from solvers.solver.rounding import rounding
 
 DOTS_PER_INCH = 110

@@ -15,11 +15,11 @@ from matplotlib.lines import Line2D
 from app.colours import ESTIMATE_INK, INK, INK2, INK3, LINE2, METHOD_COLOURS, METHOD_MARKS, TRUTH, TRUTH_INK
 from app.pictures import study_parts as parts
 from app.pictures.run import DRAWN
-from app.renderers.look import Sizes, in_sizes
-from app.renderers.picture import Look, say
+from app.renderers.panel_style import Look, say
+from app.renderers.picture_style import Sizes, in_sizes
 from app.words import METHODS, QUANTITIES
 from solvers.solver.soundness import BROKEN, OK
-from solvers.study.fit import Series, balance, error_of, measured, pareto
+from solvers.study.convergence import Series, balance, error_of, measured, pareto
 
 REST = "everything else\nthat was measured"
 NO_TRUTH = "no row has a true error"

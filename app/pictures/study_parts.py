@@ -13,15 +13,15 @@ from matplotlib.lines import Line2D
 from matplotlib.ticker import LogFormatterSciNotation, LogLocator, NullFormatter
 
 from app.colours import INK, INK3, LINE, LINE2, METHOD_COLOURS, METHOD_MARKS
-from app.renderers.look import Sizes, in_sizes, sheet
-from app.renderers.picture import Look, say
+from app.renderers.panel_style import Look, say
+from app.renderers.picture_style import Sizes, in_sizes, sheet
 from app.words import METHODS, QUANTITIES, method_name, unit_of, with_unit
 from solvers.problems import PROBLEMS
-from solvers.running.goals import SAFETY
-from solvers.scene.registry import ESTIMATORS
+from solvers.running.quantities_of_interest import SAFETY
+from solvers.scene.estimator_registry import ESTIMATORS
 from solvers.solver.soundness import BROKEN
-from solvers.study.coverage.tally import FACTORS, INTERVALS, REGIMES, interval
-from solvers.study.fit import Series, error_of, measured, series
+from solvers.study.convergence import Series, error_of, measured, series
+from solvers.study.coverage.coverage_counts import FACTORS, INTERVALS, REGIMES, interval
 from solvers.study.stability import TREATMENTS, held, survived, treatment_of
 
 LINE_STYLES = ("-", "--", ":", "-.")

@@ -9,12 +9,12 @@ from matplotlib.figure import Figure, SubFigure
 from matplotlib.ticker import FixedFormatter, FixedLocator, LogLocator, NullFormatter, NullLocator
 
 from app.colours import ESTIMATE_INK, INK, INK3, TRUTH
-from app.renderers.look import in_sizes, sheet
-from app.renderers.picture import Look, line_style, say
+from app.renderers.panel_style import Look, line_style, say
+from app.renderers.picture_style import in_sizes, sheet
 from app.words import EXTRA_NORMS, QUANTITIES, method_name, with_unit
-from solvers.scene.registry import ESTIMATORS
-from solvers.study.tables.document import parts
-from solvers.study.tables.plan import short
+from solvers.scene.estimator_registry import ESTIMATORS
+from solvers.study.tables.paper_tables import short
+from solvers.study.tables.table_runs import parts
 
 PAPER: Look = dict(color=INK, marker="x", markersize=7, markeredgewidth=1.6, linestyle="none",
                    label="the paper's, printed")

@@ -7,12 +7,12 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from app.frame.field import Plotted
-from app.frame.marks import Lines, Mark, joined
+from app.frame.field_plot import Plotted
 from app.frame.planar import WHOLE, PlanarStage
-from app.language.spoken import later, tr
+from app.frame.primitives import Lines, Mark, joined
+from app.language.translation import later, tr
 from app.problems.interface import Body, Regions
-from solvers.engine.frames import FrameArrays
+from solvers.engine.shared_frames import FrameArrays
 from solvers.problems.planar.circular import CircularScene
 
 SPOKES, SPOKE_POINTS, RIM_POINTS = 12, 41, 361
@@ -118,8 +118,8 @@ def _regions(kind: type[Any], look: Look, X: np.ndarray) -> Regions:
 
 
 def _draw(stage: type[AnnulusStage], look: Look, figure: Any, space: Any, particles: Any, result: Any) -> None:
-    from app.renderers.picture import drawable, robust_size
-    from app.renderers.plane import draw_halves, draw_profile
+    from app.renderers.panel_style import drawable, robust_size
+    from app.renderers.plane_panels import draw_halves, draw_profile
 
     scene, shown, mirrored = result.scene, result.shown, stage.MIRRORS != WHOLE
     angles = np.linspace(0, scene.ANGLE, RIM_POINTS)

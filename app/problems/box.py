@@ -6,10 +6,10 @@ from typing import Any
 
 import numpy as np
 
-from app.frame.field import Plotted
-from app.frame.marks import Mark
+from app.frame.field_plot import Plotted
 from app.frame.planar import PlanarStage
-from app.language.spoken import later, tr
+from app.frame.primitives import Mark
+from app.language.translation import later, tr
 from app.problems.interface import Body, Regions
 from solvers.problems.planar.box import BoxScene
 from solvers.problems.planar.layout import particle_layout
@@ -62,7 +62,7 @@ def regions(X: np.ndarray) -> Regions:
 
 
 def draw(figure: Any, space: Any, particles: Any, result: Any) -> None:
-    from app.renderers.plane import OVER_WIDTH, draw_halves, draw_profile
+    from app.renderers.plane_panels import OVER_WIDTH, draw_halves, draw_profile
 
     draw_profile(space, result, BoxStage, OVER_WIDTH)
     draw_halves(figure, particles, result, BoxStage, 1.06 * result.scene.SIDE, [], "planes of symmetry",

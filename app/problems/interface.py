@@ -8,10 +8,10 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from app.frame.planar import PlanarStage
-from app.frame.slow.stage import SlowStage
+from app.frame.slow_motion.stage import SlowStage
 from app.frame.stage import Stage
-from app.language.spoken import later, localised
-from app.problems.spark import Spark
+from app.language.translation import later, localised
+from app.problems.suggestion import Spark
 from app.state import State
 
 
@@ -84,7 +84,7 @@ class ProblemView:
     there where the scene has several motions, ``material`` are fields of the material beside the modulus;
     ``formula`` is a field that is typed, with a label and a hint.
     ``estimators`` are those that the page begins with, the first of them drawn, where they are not the scene's own.
-    ``sparks`` are the questions that go with a state (:mod:`app.problems.spark`).
+    ``sparks`` are the questions that go with a state (:mod:`app.problems.suggestion`).
     ``prices`` are the shares of the running time that estimators take in the problem's usual scene, each alone on one
     thread, as ``mpm-lab run`` says them (median of three).
     """

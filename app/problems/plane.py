@@ -2,11 +2,11 @@
 
 from typing import Any
 
-from app.frame.slow.planar import PlanarSlowStage
-from app.language.spoken import later
+from app.frame.slow_motion.planar import PlanarSlowStage
+from app.language.translation import later
 from app.problems import annulus, box
 from app.problems.interface import ProblemView, Reach
-from app.problems.questions import questions
+from app.problems.plane_suggestions import questions
 from solvers.problems.planar.problem import PlanarProblem
 
 FORMULA = ("displacement", later("Displacement u_x, u_y"),

@@ -18,8 +18,8 @@ from typing import IO, Any
 import viser
 from viser._messages import FileTransferPartAck
 
-from app.doors.network import Room
-from app.language.spoken import later, tr
+from app.access.network_limits import Room
+from app.language.translation import later, tr
 
 START, PART = "FileTransferStartUpload", "FileTransferPart"
 PART_BYTES = 512 * 1024  # as the viewer's page cuts a file

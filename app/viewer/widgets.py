@@ -7,8 +7,8 @@ from typing import Any, cast
 import numpy as np
 import viser
 
-from app.viewer.sending import Moved
-from app.viewer.wire import Buffer
+from app.viewer.message_encoding import Moved
+from app.viewer.send_queue import Buffer
 
 LONGEST_TEXT = 200  # characters; little that the page asks for is longer
 _OWN = "longest_text"  # where a text that may be longer says how long

@@ -5,7 +5,7 @@ from typing import Any
 from docutils import nodes
 from sphinx.util import logging
 
-from app.lessons.markup import MarkupError, mathml
+from app.lessons.markdown_html import MarkupError, mathml
 
 LOG = logging.getLogger(__name__)
 

@@ -10,8 +10,8 @@ from typing import Any
 
 from app import state
 from app.commands.serve import Serve
-from app.lessons import shelf
-from app.lessons.blocks import toml
+from app.lessons import catalogue
+from app.lessons.fenced_blocks import toml
 from app.lessons.lesson import (
     CHOICE,
     DRAG,
@@ -28,7 +28,7 @@ from app.lessons.lesson import (
     drawn,
     filled,
 )
-from app.lessons.reading import parse, parts_of, split_head
+from app.lessons.lesson_parser import parse, parts_of, split_head
 from app.lessons.rounds import rounds
 from app.page.features.lesson import core
 from app.page.sharing import link
@@ -52,8 +52,8 @@ def setup(app: Any) -> dict:
 def as_page(app: Any, docname: str, source: list[str]) -> None:
     """The page of a lesson's file in the place of its text, and of one for a class."""
     name = docname.removeprefix(FOLDER)
-    if docname.startswith(FOLDER) and name in shelf.names():
-        source[0] = page(parse(source[0], name, shelf.FOLDER))
+    if docname.startswith(FOLDER) and name in catalogue.names():
+        source[0] = page(parse(source[0], name, catalogue.FOLDER))
     if docname.startswith(CLASSES):
         source[0] = class_page(source[0])
 
@@ -68,7 +68,7 @@ def class_page(text: str) -> str:
 def page(lesson: Lesson) -> str:
     """A lesson as Markdown, with the numbers that a student without a name gets."""
     numbers = drawn(lesson, "")
-    before = ", ".join(f"[{shelf.lesson(name).title}]({name}.md)" for name in lesson.prerequisites)
+    before = ", ".join(f"[{catalogue.lesson(name).title}]({name}.md)" for name in lesson.prerequisites)
     parts = [f"# {lesson.title}", core.takes(lesson),
              "\n".join(f"* {goal}" for goal in lesson.goals), f"Do before: {before}." if before else "",
              f"In the lab: `mpm-lab serve --lesson {lesson.name}`, or the tab *Lessons*. Links *On the stage* lead to "

@@ -10,7 +10,7 @@ import taichi as ti
 
 from solvers import BarScene, run
 from solvers.scene.estimator_hooks import EstimatorHooks
-from solvers.scene.registry import Estimator, register
+from solvers.scene.estimator_registry import Estimator, register
 
 
 @ti.func

@@ -17,7 +17,7 @@ from solvers.motion.jets import cos, sin
 from solvers.problems import register
 from solvers.problems.planar.box import BoxScene
 from solvers.problems.planar.problem import PlanarProblem, Showing
-from solvers.scene.option import option
+from solvers.scene.field_options import option
 
 
 @dataclass(frozen=True)

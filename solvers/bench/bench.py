@@ -8,10 +8,10 @@ from collections.abc import Callable, Sequence
 from functools import partial
 from typing import Any
 
-from solvers.bench import measure
+from solvers.bench import benchmarks
+from solvers.bench.cpp_reference import ratios
 from solvers.bench.gpu import gpu
-from solvers.bench.limit import ratios
-from solvers.bench.start import start_times
+from solvers.bench.start_up import start_times
 from solvers.kernels import runtime
 from solvers.problems import PROBLEMS
 
@@ -21,14 +21,14 @@ LIMITS = ("bar", "ring")  # problems whose step there is in C++; that of the rin
 
 def bench(quick: bool, command: Sequence[str], on_progress: Callable[[float], None]) -> dict:
     """Measure everything. ``command`` is what a person starts, and ends at once; ``on_progress`` gets 0 to 1."""
-    begun, effort = time.perf_counter(), measure.QUICK if quick else measure.FULL
+    begun, effort = time.perf_counter(), benchmarks.QUICK if quick else benchmarks.FULL
     tasks: list[tuple[str, Callable[[], Any]]] = [
         ("start", partial(start_times, command, tuple(PROBLEMS))), ("gpu", partial(gpu, quick)),
-        *(("rates", partial(measure.rates, name, method, effort))
+        *(("rates", partial(benchmarks.rates, name, method, effort))
           for name, problem in PROBLEMS.items() for method in problem.scene.choices("method")),
-        *(("estimators", partial(measure.estimator_prices, name, effort)) for name in PROBLEMS),
-        *(("effects", partial(measure.effect_prices, name, effort)) for name in PROBLEMS),
-        *(("off", partial(measure.off, name, effort)) for name in PROBLEMS),
+        *(("estimators", partial(benchmarks.estimator_prices, name, effort)) for name in PROBLEMS),
+        *(("effects", partial(benchmarks.effect_prices, name, effort)) for name in PROBLEMS),
+        *(("off", partial(benchmarks.off, name, effort)) for name in PROBLEMS),
         *(("limit", partial(ratios, name, quick)) for name in (LIMITS[:1] if quick else LIMITS))]
     found: dict[str, list] = {name: [] for name, _ in tasks}
     for done, (name, task) in enumerate(tasks):

@@ -15,15 +15,15 @@ from typing import Any
 import numpy as np
 import taichi as ti
 
-from solvers.bench.measure import bare
+from solvers.bench.benchmarks import bare
 from solvers.kernels import runtime
-from solvers.kernels.kinds import quads
+from solvers.kernels.dtypes import quads
 from solvers.running.run import build
 from solvers.scene.scene import MOST_PARTICLES, Scene
 from solvers.solver import devices
 from solvers.solver.base import Solver
-from solvers.solver.norms import finite
-from solvers.workers.processes import ProcessDied, ask_fresh
+from solvers.solver.error_norms import finite
+from solvers.workers.worker_process import ProcessDied, ask_fresh
 
 #: Cells that make about 1e4, 1e5, 1e6 and 1e7 particles, of which a quick bench takes the first two.
 CELLS: Mapping[str, Sequence[int]] = {"ring": (150, 474, 1500, 4743), "vortex": (66, 207, 654, 2067)}

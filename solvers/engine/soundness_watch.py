@@ -5,8 +5,8 @@ import numpy as np
 from solvers.scene.scene import Scene
 from solvers.solver import samples
 from solvers.solver.base import Solver
-from solvers.solver.checked import AsLarge, as_large_as_itself, checked, followed, merged, not_checked
 from solvers.solver.soundness import Finding, earliest, findings
+from solvers.solver.verdict_basis import AsLarge, as_large_as_itself, checked, followed, merged, not_checked
 
 MOST_WAITING = 20  # samples
 REMEMBERED = 0.5  # periods
@@ -61,5 +61,5 @@ class SoundnessWatch:
         return solver.status(earliest(self._findings, not_valid), large)
 
     def not_checked(self, not_valid: dict[str, str]) -> str | None:
-        """What nobody has looked at so far, in a sentence (``solvers.solver.checked``)."""
+        """What nobody has looked at so far, in a sentence (``solvers.solver.verdict_basis``)."""
         return not_checked(self._scene, checked(self._scene, not_valid, self._followed))

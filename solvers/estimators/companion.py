@@ -25,8 +25,8 @@ from typing import Any
 import numpy as np
 import taichi as ti
 
-from solvers.estimators.spectral import unresolved
-from solvers.kernels.kinds import integers, reals, rows
+from solvers.estimators.spectral_elements import unresolved
+from solvers.kernels.dtypes import integers, reals, rows
 from solvers.scene.estimator_hooks import EstimatorHooks
 
 STABLE = 2.4  # omega H up to which a sub-step is taken; Nystrom's method is stable up to 2.58, and damps from 1 on

@@ -4,7 +4,7 @@ them doubt themselves."""
 import numpy as np
 import taichi as ti
 
-from solvers.kernels.kinds import integers, quads
+from solvers.kernels.dtypes import integers, quads
 from solvers.kernels.packing import part
 
 DAMPING = 0.4  # tau c/h of waves as short as the error grid; 0.8 is unstable on the ring

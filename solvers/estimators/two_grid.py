@@ -23,7 +23,7 @@ of a line is the line again ("periodic"), its mirror image ("mirror") or nothing
 Cannot see: errors that both grids share (a force put at the wrong place, a wrong material or time step), and errors
 longer than a few cells that do not fall like h^2. Where it is known that they do not, it is not run (see each problem's
 ``LIMITS``), above all where waves of the second run are out of step with the exact ones
-(``solvers.estimators.phase_lag``).
+(``solvers.estimators.two_grid_dispersion``).
 """
 
 import math
@@ -32,10 +32,10 @@ from typing import NamedTuple
 import numpy as np
 import taichi as ti
 
-from solvers.kernels.kinds import integers, pairs, real, reals
+from solvers.kernels.dtypes import integers, pairs, real, reals
 from solvers.kernels.packing import part
+from solvers.scene.kernel_options import Switches
 from solvers.scene.scene import Scene
-from solvers.scene.switches import Switches
 
 WINDOWS = (4, 6)  # cells that a fit spans: of x, v and sigma; and of a, whose noise has longer waves
 MOST_COURANT = 0.25  # steps of the coarse run, in multiples of the time a wave takes through a cell of the fine grid

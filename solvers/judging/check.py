@@ -6,11 +6,11 @@ from typing import Any
 
 import numpy as np
 
+from solvers.judging.findings.all_findings import INSIDE_OUT, OF_A_MOTION
 from solvers.judging.findings.finding import BROKEN, SUSPICIOUS, UNKNOWN, Finding
-from solvers.judging.findings.listed import INSIDE_OUT, OF_A_MOTION
 from solvers.judging.findings.motion import Motion, followed
-from solvers.judging.reading import Particles, read_all
-from solvers.outside.quoting import FileError
+from solvers.judging.particle_readers import Particles, read_all
+from solvers.untrusted.quoting import FileError
 
 SCHEMA = "mpm-lab/check/1"
 CONSISTENT = "consistent"

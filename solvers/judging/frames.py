@@ -7,8 +7,8 @@ from typing import Any
 
 import numpy as np
 
-from solvers.outside import quoting
-from solvers.outside.quoting import FileError
+from solvers.untrusted import quoting
+from solvers.untrusted.quoting import FileError
 
 
 class Misfit(FileError):

@@ -7,8 +7,8 @@ from urllib.parse import unquote
 
 import numpy as np
 
-from solvers.judging.vtk_parts import POINTS, NotVTK, Points
-from solvers.outside.quoting import quoted
+from solvers.judging.vtk_common import POINTS, NotVTK, Points
+from solvers.untrusted.quoting import quoted
 
 LONGEST_LINE = 1000
 MOST_SECTIONS = 10_000

@@ -16,8 +16,8 @@ from xml.parsers import expat
 
 import numpy as np
 
-from solvers.judging.vtk_parts import POINTS, NotVTK, Points, from_text
-from solvers.outside.quoting import FileError, quoted
+from solvers.judging.vtk_common import POINTS, NotVTK, Points, from_text
+from solvers.untrusted.quoting import FileError, quoted
 
 PIECE_OF_FILE = 1 << 16
 LONGEST_TAG = 1_000_000  # bytes

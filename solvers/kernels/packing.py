@@ -13,8 +13,8 @@ from typing import Any
 import numpy as np
 import taichi as ti
 
-from solvers.kernels import kinds
-from solvers.kernels.hoist import subscript, untranslated, variable
+from solvers.kernels import dtypes
+from solvers.kernels.scalar_hoisting import subscript, untranslated, variable
 
 PREFIX = "memory_"  # of the arrays that hold the others, unless a packing has one of its own
 #: Types of arrays that can be packed, by name, with the shape of an entry.
@@ -33,16 +33,16 @@ class Packing:
         self.places: dict[str, tuple[str, int, bool]] = {}  # array, entry in front, whether it is an array
         self.front = {"integers": 0, "reals": 0}
         for name, kind in members.items():
-            array = next((a for a in ARRAYS if getattr(kinds, a) is kind), None)
-            if array is None and kind not in (kinds.real, ti.i32):
+            array = next((a for a in ARRAYS if getattr(dtypes, a) is kind), None)
+            if array is None and kind not in (dtypes.real, ti.i32):
                 self.types[name] = kind
                 continue
             # An integer, or an array, whose beginning is one; or a real number.
-            held = "reals" if kind is kinds.real else "integers"
+            held = "reals" if kind is dtypes.real else "integers"
             self.places[name] = (array or held, self.front[held], array is not None)
             self.front[held] += 1
         used = {"integers", "reals"} | {place[0] for place in self.places.values()}
-        self.types.update({prefix + array: getattr(kinds, array) for array in ARRAYS if array in used})
+        self.types.update({prefix + array: getattr(dtypes, array) for array in ARRAYS if array in used})
 
     def values(self, members: Mapping[str, Any]) -> dict[str, np.ndarray]:
         """The packed arrays that hold these members."""

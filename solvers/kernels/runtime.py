@@ -47,8 +47,8 @@ def start(arch: str = "cpu", threads: int = 1) -> str:
     On the CPU vectors stay whole: by default Taichi takes them apart into numbers, and LLVM puts back together only
     what it recognises, in registers of the oldest processor where it does not know the present one. Whole vectors make
     the ring 1.5 times as fast. They are read and written at once, so arrays must be aligned
-    (``solvers.solver.arrays``); and ``abs`` and casts of a whole vector abort the process while it compiles: take its
-    entries.
+    (``solvers.solver.state_arrays``); and ``abs`` and casts of a whole vector abort the process while it compiles:
+    take its entries.
     """
     global _started
     if _started != (arch, threads):

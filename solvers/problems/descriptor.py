@@ -19,7 +19,7 @@ class OnDemand(Protocol):
     """What finds the error budget of a run beside it, where it is no effect."""
 
     def check(self, scene: Any, take_away: str) -> None:
-        """:class:`~solvers.scene.rules.SceneError` where there is none of a scene, or not without that cause."""
+        """:class:`~solvers.scene.validation.SceneError` where there is none of a scene, or not without that cause."""
 
     def series(self, scene: Any, steps: np.ndarray, take_away: str,
                on_progress: Callable[[float], None] | None) -> tuple[dict[str, np.ndarray], Solver]:

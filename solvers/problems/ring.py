@@ -17,9 +17,9 @@ from solvers.problems import ring_limits
 from solvers.problems.planar.circular import CircularScene
 from solvers.problems.planar.problem import PlanarProblem, Showing
 from solvers.scene.defaults import SceneDefaults
-from solvers.scene.option import described, option
+from solvers.scene.field_options import described, option
 from solvers.scene.remedies import COUPLED, FILTER, FROZEN
-from solvers.scene.rules import SceneError, require_number
+from solvers.scene.validation import SceneError, require_number
 
 INNER, OUTER = 0.4, 0.6
 SCALE = OUTER * (OUTER - 3 * INNER)

@@ -1,13 +1,13 @@
-"""Where an estimator of the ring is known not to hold, a row for each limit (see ``solvers.scene.limits``); and where
-its own motion is unstable."""
+"""Where an estimator of the ring is known not to hold, a row for each limit (see ``solvers.scene.estimator_limits``);
+and where its own motion is unstable."""
 
 import math
 from typing import Any
 
-from solvers.estimators.phase_lag import in_step
+from solvers.estimators.two_grid_dispersion import in_step
 from solvers.problems.planar.limits import POLAR, THREE_ACROSS
-from solvers.scene.limits import Limit
-from solvers.scene.registry import HALF_REASON, MOVING_WEIGHTS, REMEDIES_REASON
+from solvers.scene.estimator_limits import Limit
+from solvers.scene.estimator_registry import HALF_REASON, MOVING_WEIGHTS, REMEDIES_REASON
 from solvers.scene.remedies import COUPLED, FILTER, FROZEN
 
 RESONANCE = 0.115  # amplitude from which on the ring's own motion is unstable: a disturbance grows with every period

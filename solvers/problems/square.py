@@ -14,7 +14,7 @@ from solvers.motion.jets import sin
 from solvers.motion.typed_motion import MotionInputs, read_motion
 from solvers.problems.planar.box import BoxScene
 from solvers.problems.planar.problem import PlanarProblem, Showing
-from solvers.scene.option import described, option
+from solvers.scene.field_options import described, option
 from solvers.scene.typed import MaybeTyped
 
 

@@ -19,10 +19,10 @@ from solvers.problems import vortex_limits
 from solvers.problems.planar.circular import CircularScene
 from solvers.problems.planar.problem import PlanarProblem, Showing
 from solvers.scene.effects import EFFECTS
-from solvers.scene.option import described, option
+from solvers.scene.field_options import described, option
 from solvers.scene.remedies import FILTER, FROZEN
-from solvers.scene.rules import require_number
 from solvers.scene.scene import DEFAULT_CFL
+from solvers.scene.validation import require_number
 
 MOST_AMPLITUDE = 0.5 * math.pi  # with which the vortex has been studied; beyond, a ring tears on any grid that we had
 

@@ -1,4 +1,5 @@
-"""Where an estimator of the vortex is known not to hold: a row for each limit (see ``solvers.scene.limits``)."""
+"""Where an estimator of the vortex is known not to hold: a row for each limit (see
+``solvers.scene.estimator_limits``)."""
 
 import math
 from typing import Any
@@ -6,8 +7,8 @@ from typing import Any
 import numpy as np
 
 from solvers.problems.planar.limits import POLAR, THREE_ACROSS
-from solvers.scene.limits import Limit
-from solvers.scene.registry import MOVING_WEIGHTS
+from solvers.scene.estimator_limits import Limit
+from solvers.scene.estimator_registry import MOVING_WEIGHTS
 from solvers.scene.remedies import FILTER
 
 FAR_ENOUGH = 3.0  # metres in a period

@@ -11,7 +11,7 @@ from solvers.problems import PROBLEMS
 from solvers.problems.descriptor import OnDemand
 from solvers.running.result import Result
 from solvers.running.run import run
-from solvers.scene.causes import CAUSES, FIELDS, NOTHING
+from solvers.scene.error_causes import CAUSES, FIELDS, NOTHING
 from solvers.solver import budget
 from solvers.solver.soundness import LOST
 
@@ -50,7 +50,7 @@ class BudgetResult:
 def run_budget(scene: Any, cause: str = NOTHING, on_progress: Progress = lambda part: None) -> BudgetResult:
     """Run a scene that has the effect ``budget``, or whose problem has budgets on demand, and again without a cause.
 
-    Raises :class:`~solvers.scene.rules.SceneError` where there is no budget on demand of the scene.
+    Raises :class:`~solvers.scene.validation.SceneError` where there is no budget on demand of the scene.
     """
     on_demand = PROBLEMS[scene.problem].budget
     once = partial(_with_effect, scene)

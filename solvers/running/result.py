@@ -11,18 +11,18 @@ from typing import Any
 
 import numpy as np
 
-from solvers.running import saved
+from solvers.running import result_file
 from solvers.scene.effects import ALL
-from solvers.scene.rules import SceneError
 from solvers.scene.scene import Scene
-from solvers.solver import budget, norms
-from solvers.solver.checked import as_large_as_itself, checked, followed, not_checked
-from solvers.solver.norms import UNBOUNDED, finite, largest, summary
+from solvers.scene.validation import SceneError
+from solvers.solver import budget, error_norms
+from solvers.solver.error_norms import UNBOUNDED, finite, largest, summary
 from solvers.solver.rounding import rounding
 from solvers.solver.rounding import sentence as nothing_but
 from solvers.solver.samples import QUANTITIES
 from solvers.solver.snapshot import Seconds, Snapshot
 from solvers.solver.soundness import evidence
+from solvers.solver.verdict_basis import as_large_as_itself, checked, followed, not_checked
 
 SCHEMA = "mpm-lab/run/1"
 VIEWS = "mpm_lab.result"  # of the installed package, ``app``'s picture of a run and its table
@@ -87,7 +87,7 @@ class Result:
     arch: str
     threads: int
     plan: str  # how the step was spread: "serial" or "parallel"
-    #: The numbers that were wanted of the end, by name (:func:`solvers.running.goals.measured`).
+    #: The numbers that were wanted of the end, by name (:func:`solvers.running.quantities_of_interest.measured`).
     goals: dict[str, dict] = field(default_factory=dict)
 
     def __repr__(self) -> str:
@@ -97,8 +97,8 @@ class Result:
         return f"<Result of the {run}: {self.status} after {self.steps:,} steps, at t = {self.time:.6g} s{error}>"
 
     def arrays(self) -> dict[str, np.ndarray]:
-        """Everything that this is, as arrays and lines of text by name (``solvers.running.saved``)."""
-        return saved.arrays(vars(self))
+        """Everything that this is, as arrays and lines of text by name (``solvers.running.result_file``)."""
+        return result_file.arrays(vars(self))
 
     def save(self, path: str | os.PathLike[str]) -> None:
         """Write all of it to a .npz, which ``mpm-lab judge`` reads as particles too.
@@ -108,7 +108,7 @@ class Result:
         FileError
             For a name that does not end in .npz, and a run of more than 500 MB.
         """
-        saved.written(os.fspath(path), vars(self))
+        result_file.written(os.fspath(path), vars(self))
 
     @classmethod
     def load(cls, path: str | os.PathLike[str]) -> "Result":
@@ -119,7 +119,7 @@ class Result:
         FileError
             Where there is none, or not one that can be believed: one sentence that says why.
         """
-        return cls(**saved.read(os.fspath(path)))
+        return cls(**result_file.read(os.fspath(path)))
 
     def plot(self) -> Any:
         """The picture of ``mpm-lab run --plot`` as a matplotlib figure, which a notebook shows: errors over time, true
@@ -167,8 +167,8 @@ class Result:
     @property
     def error(self) -> ByQuantity:
         """The true errors over the run: ``error["x"]["max"]`` and so on, RMS over particles of x (m), v (m/s), sigma
-        (Pa), a (m/s^2) and the problem's own norm, each as :func:`solvers.solver.norms.summary` has it; None where the
-        truth was off."""
+        (Pa), a (m/s^2) and the problem's own norm, each as :func:`solvers.solver.error_norms.summary` has it; None
+        where the truth was off."""
         extra = {self.scene.EXTRA_ERROR: summary(self.series["error_extra"])}
         return ByQuantity({q: summary(self.series[f"error_{q}"]) for q in QUANTITIES} | extra)
 
@@ -191,8 +191,8 @@ class Result:
         return self._each(functools.partial(self._ratio, "distance"), None)
 
     def _ratio(self, ratio: str, estimator: str) -> dict[str, float | None]:
-        norm = f"{estimator}/{norms.RATIOS[ratio]}"
-        return {q: norms.error_index(self.series[f"{norm}_{q}"], self.series[f"error_{q}"],
+        norm = f"{estimator}/{error_norms.RATIOS[ratio]}"
+        return {q: error_norms.error_index(self.series[f"{norm}_{q}"], self.series[f"error_{q}"],
                                      rounding(self.scene, q, self.steps)) for q in QUANTITIES}
 
     def _each(self, what: Callable[[str], dict], missing: object) -> ByEstimator:
@@ -206,7 +206,7 @@ class Result:
         """Of the quantities whose true error is nothing but rounding, so that no index is a number, a sentence each."""
         limits = {q: float(rounding(self.scene, q, self.steps)) for q in QUANTITIES}
         return {q: nothing_but(limit) for q, limit in limits.items()
-                if norms.nothing_but_rounding(self.series[f"error_{q}"], limit)}
+                if error_norms.nothing_but_rounding(self.series[f"error_{q}"], limit)}
 
     def found(self, effect: str) -> Any:
         """The numbers of an effect (``solvers.scene.effects``), as in the JSON object; None where it is off."""
@@ -257,7 +257,7 @@ class Result:
 
     @property
     def verdict(self) -> dict:
-        """What status and reason rest on (``solvers.solver.checked``): ``checked``, ``not_checked`` and
+        """What status and reason rest on (``solvers.solver.verdict_basis``): ``checked``, ``not_checked`` and
         ``as_large_as_itself``."""
         held = checked(self.scene, self.not_valid, followed(self.scene, self.series))
         large = as_large_as_itself(self.scene, self.series, self.not_valid)

@@ -8,17 +8,17 @@ from dataclasses import replace
 import numpy as np
 
 from solvers.problems import PROBLEMS
-from solvers.running.goals import goals_of, measured, without
+from solvers.running.quantities_of_interest import goals_of, measured, without
 from solvers.running.result import Result
 from solvers.running.timing import estimator_shares
-from solvers.scene.rules import SceneError, require_choice
 from solvers.scene.scene import Scene
 from solvers.scene.step_bound import margin_unit
+from solvers.scene.validation import SceneError, require_choice
 from solvers.solver import samples
 from solvers.solver.base import Solver
-from solvers.solver.checked import as_large_as_itself
 from solvers.solver.snapshot import Seconds, Snapshot
 from solvers.solver.soundness import earliest, findings
+from solvers.solver.verdict_basis import as_large_as_itself
 
 SMALL_MOTION = 0.5  # of the amplitude: a picture of less shows little
 SLICE_SECONDS = 0.1  # a kernel launch cannot be interrupted: keep it short enough for progress and Ctrl-C

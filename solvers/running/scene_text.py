@@ -8,10 +8,10 @@ import math
 from dataclasses import fields
 from typing import Any
 
-from solvers.outside.quoting import FileError, quoted
 from solvers.problems import PROBLEMS
-from solvers.scene.rules import SceneError, field_key, key_field
 from solvers.scene.scene import Scene
+from solvers.scene.validation import SceneError, field_key, key_field
+from solvers.untrusted.quoting import FileError, quoted
 
 SCHEMA, FAMILY = "mpm-lab/particles/1", "mpm-lab/particles/"
 LONGEST = 4000  # letters of such a line

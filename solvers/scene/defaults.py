@@ -7,8 +7,8 @@ from typing import ClassVar
 
 import numpy as np
 
-from solvers.scene.balance import Moments
-from solvers.scene.rules import require_whole
+from solvers.scene.momentum_balance import Moments
+from solvers.scene.validation import require_whole
 
 MOST_PER_CELL = 64  # particles, along each direction
 

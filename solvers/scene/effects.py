@@ -1,9 +1,9 @@
 """Every effect there is, known once: what a scene may ask for beside the bare method, what it needs and finds.
 
-An effect is compiled in only where a scene has it (``solvers.scene.switches``), so that one that is off costs nothing.
-A new one is an :class:`Effect` here and its code, under ``ti.static(on.NAME)`` in a problem's step or as a sampler
-(:func:`samplers`). Its numbers are declared here alone: JSON objects, what ``mpm-lab run`` prints, the page's readout,
-rows and tables of sweeps, and lessons' claims have them from here. Others can be registered from outside
+An effect is compiled in only where a scene has it (``solvers.scene.kernel_options``), so that one that is off costs
+nothing. A new one is an :class:`Effect` here and its code, under ``ti.static(on.NAME)`` in a problem's step or as a
+sampler (:func:`samplers`). Its numbers are declared here alone: JSON objects, what ``mpm-lab run`` prints, the page's
+readout, rows and tables of sweeps, and lessons' claims have them from here. Others can be registered from outside
 (:func:`register`), in modules that the environment variable ``MPM_LAB_EXTENSIONS`` names.
 """
 
@@ -16,8 +16,8 @@ from typing import Any
 import numpy as np
 
 from solvers.scene import extensions
-from solvers.scene.causes import COLUMNS
-from solvers.scene.rules import SceneError
+from solvers.scene.error_causes import COLUMNS
+from solvers.scene.validation import SceneError
 
 SHARE = "%"  # the unit of a number that is told in per cent
 Series = Mapping[str, np.ndarray]

@@ -1,7 +1,7 @@
 """Every remedy there is, known once: what a scene may call for against the diseases of long and large motions.
 
 Where an effect only looks, a remedy changes the method. It is compiled in only where a scene calls for it
-(``solvers.scene.switches``). A problem names in its scene those that hold there.
+(``solvers.scene.kernel_options``). A problem names in its scene those that hold there.
 """
 
 from dataclasses import dataclass

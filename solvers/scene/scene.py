@@ -1,8 +1,8 @@
 """Scene: everything that defines a run, in one frozen object, and the rules that it must satisfy.
 
 The command line, the page and the tests all build a ``Scene``; nothing else is configured anywhere. A ``Scene`` that
-exists is valid: a bad value raises :class:`~solvers.scene.rules.SceneError` with one sentence that names the input,
-says what is wrong and what is allowed.
+exists is valid: a bad value raises :class:`~solvers.scene.validation.SceneError` with one sentence that names the
+input, says what is wrong and what is allowed.
 """
 
 from __future__ import annotations
@@ -14,13 +14,13 @@ from collections.abc import Callable
 from dataclasses import dataclass, fields
 from typing import Any, ClassVar
 
-from solvers.scene import effects, limits, registry, rules
+from solvers.scene import effects, estimator_limits, estimator_registry, validation
 from solvers.scene.defaults import SceneDefaults
 from solvers.scene.effects import ALL, EFFECTS, effects_of
-from solvers.scene.option import option
+from solvers.scene.field_options import option
 from solvers.scene.remedies import FROZEN
-from solvers.scene.rules import SceneError, field_key, require_choice, require_names, require_number, require_whole
 from solvers.scene.step_bound import SAFE, StepBound, of_scene, of_step
+from solvers.scene.validation import SceneError, field_key, require_choice, require_names, require_number, require_whole
 
 MOST_PARTICLES = 1_000_000  # on a processor
 MOST_ON_GPU = 50_000_000
@@ -78,12 +78,12 @@ class Scene(SceneDefaults, ABC):
 
     SETTING: ClassVar[str]  # where it is, in the words of its command's help
     EXTRA_ERROR: ClassVar[str]  # what its own error norm is called in the result (see ``solvers.solver.samples``)
-    LIMITS: ClassVar[tuple[limits.Limit, ...]] = ()  # beyond which an estimator is known not to hold
+    LIMITS: ClassVar[tuple[estimator_limits.Limit, ...]] = ()  # beyond which an estimator is known not to hold
     DIMENSIONS: ClassVar[int] = 1
     GENTLE_AMPLITUDE: ClassVar[float]  # at which every method's run stays sound, for timings
     HARD_AMPLITUDES: ClassVar[tuple[float, ...]]  # of a stability map
     FEWEST_CELLS: ClassVar[int] = 4
-    ESTIMATORS: ClassVar[tuple[str, ...]] = ()  # that the problem has, of those in ``solvers.scene.registry``
+    ESTIMATORS: ClassVar[tuple[str, ...]] = ()  # that the problem has, of those in ``solvers.scene.estimator_registry``
     REMEDIES: ClassVar[tuple[str, ...]] = ()
     OWN_EFFECTS: ClassVar[tuple[str, ...]] = ()  # that not every problem has
     DEFAULT_PERIODS: ClassVar[float] = 5.0
@@ -99,7 +99,7 @@ class Scene(SceneDefaults, ABC):
     def choices(cls, name: str) -> tuple[str, ...]:
         """What the field called ``name`` may be, one or several of; nothing where it is a number."""
         if name == "estimators":
-            return registry.names(cls.problem, cls.ESTIMATORS)
+            return estimator_registry.names(cls.problem, cls.ESTIMATORS)
         if name == "remedies":
             return cls.REMEDIES
         if name == "effects":
@@ -221,10 +221,10 @@ class Scene(SceneDefaults, ABC):
     @functools.cached_property
     def not_valid(self) -> dict[str, str]:
         """Why an estimator asked for is not run: a sentence for each that is known not to hold here."""
-        reasons = {name: limits.reason(self.LIMITS, name, self) for name in self.estimators}
+        reasons = {name: estimator_limits.reason(self.LIMITS, name, self) for name in self.estimators}
         if self.for_gpu:
-            reasons |= {name: registry.PROCESSOR_REASON.format(name=name) for name in self.estimators
-                        if not registry.ESTIMATORS[name].beside_gpu}
+            reasons |= {name: estimator_registry.PROCESSOR_REASON.format(name=name) for name in self.estimators
+                        if not estimator_registry.ESTIMATORS[name].beside_gpu}
         return {name: f"not valid here: {reason}" for name, reason in reasons.items() if reason}
 
     @functools.cached_property
@@ -258,10 +258,10 @@ class Scene(SceneDefaults, ABC):
 
     def _normalized(self) -> dict[str, Any]:
         """Inputs that are meant otherwise than given."""
-        return rules.normalized(self, LISTS)
+        return validation.normalized(self, LISTS)
 
     def _check_choices(self) -> None:
-        registry.require_offered(self.estimators, type(self).problem, self.choices("estimators"))
+        estimator_registry.require_offered(self.estimators, type(self).problem, self.choices("estimators"))
         effects.require_offered(self.effects, type(self).problem, self.choices("effects"))
         for name in self.__dataclass_fields__:
             if name in LISTS:

@@ -86,7 +86,8 @@ def circles(nodes: np.ndarray, gradients: np.ndarray, stiffness: np.ndarray, mas
 
 
 def stencil(method: str, position: np.ndarray, half_width: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """First of three nodes (P,), weights and slopes in 1/cell there (P, 3), as ``solvers.kernels.shapes``, in numpy.
+    """First of three nodes (P,), weights and slopes in 1/cell there (P, 3), as ``solvers.kernels.shape_functions``, in
+    numpy.
 
     Positions and half widths (P,) in cells. A weight is the mean of the hat over the domain, its slope the hat's
     difference over the domain.

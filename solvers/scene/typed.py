@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any, ClassVar
 
 from solvers.motion.formula import FormulaError
 from solvers.motion.typed_motion import LineInputs, MotionInputs, find_period, read_motion
-from solvers.scene.rules import SceneError, require_number
+from solvers.scene.validation import SceneError, require_number
 
 TYPED = "typed"  # what is compiled of such a motion where that depends on it: whatever the formula
 

@@ -8,17 +8,17 @@ from typing import Any, ClassVar
 
 import numpy as np
 
-from solvers.estimators.memory import memory_parts
+from solvers.estimators.estimator_memory import memory_parts
 from solvers.scene.estimator_hooks import NEVER, EstimatorHooks
+from solvers.scene.kernel_options import Switches
 from solvers.scene.scene import Scene
 from solvers.scene.step_bound import SAFE
-from solvers.scene.switches import Switches
-from solvers.solver.arrays import Watch
-from solvers.solver.checked import AsLarge, sentence
 from solvers.solver.samples import MARGIN, ROWS
 from solvers.solver.snapshot import Fields, Snapshot
 from solvers.solver.soundness import LOST, OK, UNSTABLE, Finding
+from solvers.solver.state_arrays import Watch
 from solvers.solver.step_breakdown import Carried, StepBreakdown
+from solvers.solver.verdict_basis import AsLarge, sentence
 
 STEP, MEASURE, REPORT = 0, 1, 2  # what a launch is for
 NOTHING: Mapping[str, AsLarge] = {}
@@ -34,10 +34,10 @@ class Solver(ABC):
 
     plan: str = "serial"
     HOOKS: ClassVar[Mapping[str, EstimatorHooks]]  # of every estimator that the problem has
-    PHASES: ClassVar[Any]  # of ``solvers.solver.loop``
+    PHASES: ClassVar[Any]  # of ``solvers.solver.run_loop``
     STATE: ClassVar[type[Watch]]
     _arrays: Watch
-    _stepping: Any  # what launches the kernels on them: such as ``solvers.solver.loop.OneThread``
+    _stepping: Any  # what launches the kernels on them: such as ``solvers.solver.run_loop.OneThread``
     _switches: Switches
 
     def __init__(self, scene: Scene):

@@ -10,11 +10,11 @@ from typing import Any
 
 import taichi as ti
 
+from solvers.scene.kernel_options import bare
 from solvers.scene.scene import Scene
-from solvers.scene.switches import bare
-from solvers.solver.arrays import Watch
 from solvers.solver.base import SOUND, Solver
-from solvers.solver.loop import CHECK_EVERY
+from solvers.solver.run_loop import CHECK_EVERY
+from solvers.solver.state_arrays import Watch
 
 
 @functools.cache

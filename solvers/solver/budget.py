@@ -4,8 +4,8 @@ from collections.abc import Mapping
 
 import numpy as np
 
-from solvers.scene.causes import CAUSES, FIELDS
-from solvers.solver.norms import UNBOUNDED, finite
+from solvers.scene.error_causes import CAUSES, FIELDS
+from solvers.solver.error_norms import UNBOUNDED, finite
 
 #: The causes' errors, in sizes of the error itself, up to which shares say who made it. Of 600 random runs, three
 #: causes taken away from each (``tests.budget``), up to 3 the budget foretold what was left of x, v and F to 0.15 of

@@ -16,9 +16,9 @@ import numpy as np
 import taichi as ti
 
 from solvers.kernels import runtime
-from solvers.kernels.kinds import reals
-from solvers.scene.rules import SceneError
-from solvers.workers.processes import ProcessDied, ask_fresh
+from solvers.kernels.dtypes import reals
+from solvers.scene.validation import SceneError
+from solvers.workers.worker_process import ProcessDied, ask_fresh
 
 CPU, GPU = "cpu", "gpu"
 KINDS = ("cuda", "vulkan")  # in the order in which "gpu" takes them

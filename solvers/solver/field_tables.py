@@ -7,7 +7,7 @@ of time, harmonic by harmonic, the mean first; then come the modes, and room for
 import numpy as np
 import taichi as ti
 
-from solvers.kernels.elementary import cos, sin
+from solvers.kernels.elementary_functions import cos, sin
 from solvers.motion.exact_solution import SECOND_FREQUENCY
 from solvers.motion.separable_field import SeparableField
 

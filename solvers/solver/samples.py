@@ -6,17 +6,18 @@ columns serve every problem, so that results, plots and the page need to know on
 
 import numpy as np
 
-from solvers.scene.balance import MODES
 from solvers.scene.effects import ALL
+from solvers.scene.kernel_options import Switches
+from solvers.scene.momentum_balance import MODES
 from solvers.scene.scene import Scene
-from solvers.scene.switches import Switches
 
 QUANTITIES = ("x", "v", "sigma", "a")
 
 #: Columns every run has. ``error_*`` are sums of squares over particles. ``error_extra`` is the problem's own norm
 #: (bar: stress as E ln F); ``neighbour_gap`` to ``displacement_mismatch`` are contradictions
 #: (``solvers.solver.soundness``) in metres, ``place`` is the particle where they are worst; ``motion_square`` and
-#: ``motion_0`` ... are sums of displacements for ``solvers.scene.balance``, ``margin`` is dt over its bound; what is
+#: ``motion_0`` ... are sums of displacements for ``solvers.scene.momentum_balance``, ``margin`` is dt over its bound;
+#: what is
 #: switched off stays NaN.
 BASE = ("step", "error_x", "error_v", "error_sigma", "error_a", "error_extra",
         "kinetic", "strain", "work", "crossings",

@@ -3,9 +3,9 @@
 A run is *unstable* where numbers themselves have gone bad (``solvers.solver.base`` stops it), *lost* where its
 particles no longer say anything about the motion, though every number is finite. Lost is what a rule below finds at a
 sample; the run goes on, for it is worth seeing. Four rules hold the particles against each other, one against the
-motion that the balance of momentum makes (``solvers.scene.balance``): it sees what is consistent with itself, such as
-a ring that turns as a whole or late waves of a free bar. All look at positions; what else was looked at or not, a run's
-``solvers.solver.checked`` says.
+motion that the balance of momentum makes (``solvers.scene.momentum_balance``): it sees what is consistent with itself,
+such as a ring that turns as a whole or late waves of a free bar. All look at positions; what else was looked at or
+not, a run's ``solvers.solver.verdict_basis`` says.
 """
 
 from collections.abc import Collection, Mapping
@@ -13,9 +13,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from solvers.scene import registry
+from solvers.scene import estimator_registry
 from solvers.scene.scene import Scene
-from solvers.solver.norms import UNBOUNDED, largest
+from solvers.solver.error_norms import UNBOUNDED, largest
 
 OK, UNSTABLE, LOST = "ok", "unstable", "lost"
 BROKEN = (UNSTABLE, LOST)
@@ -72,7 +72,7 @@ def findings(scene: Scene, series: Mapping[str, np.ndarray]) -> dict[str, Findin
     The truth, where it is on, and the estimators count from an error of half the motion's amplitude on.
     """
     series = {**series, "balance_gap": balance_gap(scene, series)}
-    A, judges = scene.motion_amplitude, [n for n in scene.active_estimators if registry.ESTIMATORS[n].judges]
+    A, judges = scene.motion_amplitude, [n for n in scene.active_estimators if estimator_registry.ESTIMATORS[n].judges]
     rules = {name: (series[name], rule.most + (scene.lattice_gap if name == "neighbour_gap" else 0.0), A, rule.sentence)
              for name, rule in CONTRADICTIONS.items()}
     rules["error_x"] = (series["error_x"], MOST_ERROR, A, "the particles have lost the solution (the true error of x "

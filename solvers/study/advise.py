@@ -15,9 +15,9 @@ from contextlib import suppress
 from dataclasses import dataclass, replace
 from itertools import product
 
-from solvers.scene.rules import SceneError
 from solvers.scene.scene import Scene
-from solvers.study.family import HIGHEST_ORDER, Family, Point
+from solvers.scene.validation import SceneError
+from solvers.study.run_family import HIGHEST_ORDER, Family, Point
 
 REACH = 2.5  # times the finest measured grid to which an error may be carried on
 MARGIN = 0.95  # of the tolerance that is aimed at, so that a run that just meets it does not need a second try

@@ -25,11 +25,11 @@ from typing import Any
 from solvers.problems import PROBLEMS
 from solvers.running.result import Result
 from solvers.scene.effects import ALL, EFFECTS
-from solvers.scene.rules import SceneError, field_key
 from solvers.scene.scene import Scene
+from solvers.scene.validation import SceneError, field_key
 from solvers.solver.soundness import BROKEN, OK
-from solvers.study.forms import NUMBER, NUMBER_OR_NONE, Each, mismatch
-from solvers.study.grid import Task
+from solvers.study.json_schema import NUMBER, NUMBER_OR_NONE, Each, mismatch
+from solvers.study.parameter_grid import Task
 
 SCHEMA = "mpm-lab/row/1"
 FAILED, REFUSED = "failed", "refused"  # and what a run ends with, ``solvers.solver.soundness``

@@ -11,13 +11,13 @@ from typing import Any
 
 from solvers.problems import PROBLEMS
 from solvers.scene.remedies import CENTRED, COUPLED, FILTER, FROZEN, PIECES
-from solvers.scene.rules import SceneError
 from solvers.scene.scene import LOOKS_A_PERIOD, Scene
 from solvers.scene.step_bound import SAFE
+from solvers.scene.validation import SceneError
 from solvers.solver.soundness import BROKEN
-from solvers.study.fit import measured
-from solvers.study.grid import Task
+from solvers.study.convergence import measured
 from solvers.study.markdown import grid
+from solvers.study.parameter_grid import Task
 
 SCHEMA = "mpm-lab/stability/1"
 NOTHING = "–"

@@ -5,12 +5,12 @@ import io
 from collections.abc import Iterable, Mapping, Sequence
 from typing import Any
 
-from solvers.outside import quoting
-from solvers.scene.causes import CAUSES
+from solvers.scene.error_causes import CAUSES
 from solvers.solver.soundness import BROKEN, OK
-from solvers.study.fit import error_of, fits, measured, pareto, series, varying
+from solvers.study.convergence import error_of, fits, measured, pareto, series, varying
 from solvers.study.markdown import grid
 from solvers.study.row import FAILED, REFUSED
+from solvers.untrusted import quoting
 
 SHOWN = ("x", "v", "sigma")
 BUDGETED = ("x", "v")  # of which the shares of each cause are shown

@@ -9,14 +9,14 @@ from typing import Any, SupportsIndex, overload
 
 import numpy as np
 
-from solvers.outside import quoting
 from solvers.problems import PROBLEMS
 from solvers.running.run import scene_of
-from solvers.scene.rules import SceneError, field_key, key_field, require_choice, require_whole
 from solvers.scene.scene import LISTS, Scene
-from solvers.study.grid import MOST_ROWS, plan
-from solvers.study.places import Here, execute
+from solvers.scene.validation import SceneError, field_key, key_field, require_choice, require_whole
+from solvers.study.executors import Here, execute
+from solvers.study.parameter_grid import MOST_ROWS, plan
 from solvers.study.summary import columns
+from solvers.untrusted import quoting
 
 #: Two ways to say one input, of which one may be given.
 ALTERNATIVES = {"dt": "cfl", "cfl": "dt", "t_end": "periods", "periods": "t_end"}

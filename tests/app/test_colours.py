@@ -13,8 +13,8 @@ from matplotlib import colormaps
 from app import colours
 from app.colours import GROUNDS, LINES, PALETTE, TEXTS, rgb
 from solvers.problems import PROBLEMS
-from solvers.scene.causes import CAUSES
-from solvers.scene.registry import ESTIMATORS
+from solvers.scene.error_causes import CAUSES
+from solvers.scene.estimator_registry import ESTIMATORS
 
 TOKENS = Path(colours.__file__).parent / "page" / "web" / "css" / "00-tokens.css"
 OURS = ("transport", "recovered", "companion", "two-grid")

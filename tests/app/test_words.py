@@ -7,9 +7,9 @@ import pytest
 
 from app import words
 from solvers.problems import PROBLEMS
-from solvers.problems.bar.patch import PATCH
+from solvers.problems.bar.patch_test import PATCH
 from solvers.problems.bar.scene import BarScene
-from solvers.scene.rules import SceneError
+from solvers.scene.validation import SceneError
 
 
 @dataclass(frozen=True)

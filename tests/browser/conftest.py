@@ -16,7 +16,7 @@ import pytest
 
 from app import state
 from app.page.visit.session import FIRST_SCENE
-from solvers.workers.processes import free_port
+from solvers.workers.worker_process import free_port
 from tests.browser.driving import PATIENCE
 from tests.browser.relay import Relay
 from tests.groups import require_group

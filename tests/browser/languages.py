@@ -5,7 +5,7 @@ from __future__ import annotations
 
 import re
 
-from solvers.scene.registry import ESTIMATORS
+from solvers.scene.estimator_registry import ESTIMATORS
 
 #: Words that every language has: names of the lab, of methods, estimators and people, and units.
 NAMES = ("mpm-lab", "mpm", "uGIMP", "cpGIMP", "GIMP", "CPDI", "B-splines?", "CFL", "RMS", "GCI", "Xing", "Stern",

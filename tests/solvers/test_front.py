@@ -8,7 +8,7 @@ import pytest
 
 import solvers
 from solvers import BarScene, FileError, Result, SceneError, judge, run, sweep
-from solvers.judging import handout
+from solvers.judging import problem_handout
 from tests.support.processes import python
 
 LIGHT = """
@@ -127,7 +127,7 @@ def test_arrays_are_judged_as_files_are(tmp_path):
     scene = BarScene(cells=20)
     X = (np.arange(80) + 0.5) / 80
     times = np.array([0.1, 0.2])
-    u = np.stack([handout.exact(scene, t).position[:, 0] - X for t in times])
+    u = np.stack([problem_handout.exact(scene, t).position[:, 0] - X for t in times])
     arrays = {"t": times, "X": X, "x": X + 1.01 * u, "cells": 20}
     np.savez(tmp_path / "run.npz", **arrays)
     told = []

@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 
 from solvers.judging.frames import Frame
-from solvers.judging.ours import framed
+from solvers.judging.reference_runs import framed
 from solvers.problems import PROBLEMS
 from solvers.running.run import build
 from solvers.scene.scene import Scene

@@ -3,11 +3,11 @@
 import socket
 from contextlib import contextmanager
 
-from app.doors.address import Addresses
-from app.doors.code import BOARD, CLASS, TEACHER
+from app.access.allowed_hosts import Addresses
+from app.access.class_code import BOARD, CLASS, TEACHER
 from app.page.features.lesson.marking import Classroom
-from app.page.serving import _start_server
-from solvers.workers.processes import free_port
+from app.page.page_server import _start_server
+from solvers.workers.worker_process import free_port
 
 
 class Link:

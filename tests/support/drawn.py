@@ -4,7 +4,7 @@ from types import SimpleNamespace
 
 import numpy as np
 
-from app.frame.marks import Room
+from app.frame.primitives import Room
 
 
 class Handle(SimpleNamespace):

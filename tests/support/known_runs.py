@@ -12,15 +12,15 @@ from typing import Any
 import numpy as np
 
 from solvers.judging.frames import Frame
-from solvers.judging.ours import framed
+from solvers.judging.reference_runs import framed
 from solvers.problems import PROBLEMS
 from solvers.running.run import run
 from solvers.scene.remedies import CENTRED, COUPLED, FILTER, FROZEN
-from solvers.scene.rules import SceneError
 from solvers.scene.scene import Scene
-from solvers.solver.checked import as_large_as_itself
+from solvers.scene.validation import SceneError
 from solvers.solver.snapshot import Snapshot
 from solvers.solver.soundness import LOST, MOST_ERROR, OK, UNSTABLE, findings
+from solvers.solver.verdict_basis import as_large_as_itself
 
 FINE = 0.1  # amplitudes: a run whose error of x never exceeds it, nor v and sigma themselves, must not be called lost
 BETWEEN = 1.2  # looks are 20 a period: between two of them an error may be larger than at either

@@ -6,7 +6,7 @@ from pathlib import Path
 
 from babel.messages.pofile import write_po
 
-from app.language.spoken import LANGUAGES, Language
+from app.language.translation import LANGUAGES, Language
 from tests.words import template
 
 CODE = "xx"

@@ -18,8 +18,8 @@ from hypothesis import strategies as st
 
 from solvers.problems import PROBLEMS
 from solvers.scene.remedies import CENTRED, COUPLED, FILTER, FROZEN
-from solvers.scene.rules import SceneError
 from solvers.scene.scene import Scene
+from solvers.scene.validation import SceneError
 
 #: Scenes asked for, with fresh seeds; None for those of every run of the tests, always the same.
 ASKED = int(os.environ["MPM_LAB_RANDOM_SCENES"]) if "MPM_LAB_RANDOM_SCENES" in os.environ else None

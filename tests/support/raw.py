@@ -10,8 +10,8 @@ from websockets.exceptions import ConnectionClosed
 from websockets.sync.client import connect
 
 from app.commands.bench.class_load import is_frame
-from app.viewer.client import packed, unpacked
-from app.viewer.wire import PROTOCOL
+from app.viewer.send_queue import PROTOCOL
+from app.viewer.websocket_client import packed, unpacked
 from tests.support.processes import HANG, until
 
 CAMERA = {"type": "ViewerCameraMessage", "wxyz": [0.0, 1.0, 0.0, 0.0], "position": [0.0, 0.0, 30.0], "fov": 0.07,

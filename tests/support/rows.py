@@ -9,7 +9,7 @@ from dataclasses import replace
 from solvers.problems.bar.scene import BarScene
 from solvers.scene.effects import EFFECTS
 from solvers.solver.samples import QUANTITIES
-from solvers.study.grid import Task
+from solvers.study.parameter_grid import Task
 from solvers.study.row import fingerprint, refused
 
 
@@ -40,8 +40,8 @@ def without_timings(row: dict) -> dict:
 
 
 class Instant:
-    """A place that needs no time, instead of ``solvers.study.places.Here``: it has each row from ``answer``; ``asked``
-    are the tasks that came."""
+    """A place that needs no time, instead of ``solvers.study.executors.Here``: it has each row from ``answer``;
+    ``asked`` are the tasks that came."""
 
     def __init__(self, answer: Callable[[Task], dict] | None = None):
         self._answer, self.asked = answer or made_up_for, []

@@ -18,8 +18,8 @@ from itertools import pairwise
 from time import monotonic
 from typing import Any
 
-from app.viewer.client import connected
-from solvers.workers.processes import HOME, LINUX, descendants, free_port, processor_seconds, proportional_bytes
+from app.viewer.websocket_client import connected
+from solvers.workers.worker_process import HOME, LINUX, descendants, free_port, processor_seconds, proportional_bytes
 
 SCHEMA = "mpm-lab/class/1"
 #: The command ``mpm-lab`` in a process of its own: this code, though the working folder may have an ``app``, too.

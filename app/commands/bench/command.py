@@ -9,7 +9,7 @@ from app.commands.flags import NumberFlag, PathFlag, Switch, default_hint
 from app.commands.output import json_target, put_result
 from app.commands.progress import working
 from app.commands.run.text import NOTHING, formatted
-from solvers.scene.rules import require_number, require_whole
+from solvers.scene.validation import require_number, require_whole
 
 MOST_VISITORS, MOST_MINUTES = 200, 600
 

@@ -9,13 +9,13 @@ from typing import Annotated, Any, ClassVar
 import tyro
 
 from app.commands import flags
-from app.commands.expected import Expectable
+from app.commands.expectations import Expectable
 from app.commands.output import Folder, json_target, json_text, put_report, put_text
 from app.commands.progress import working
 from app.templates import rendered
 from app.words import NOTHING, with_unit
-from solvers.outside.quoting import FileError, code, file_name, markdown
 from solvers.study.markdown import grid
+from solvers.untrusted.quoting import FileError, code, file_name, markdown
 
 CONTRADICTED = 3
 EXPECTABLE = Expectable("run", dict.fromkeys(("contradictions", "broken", "suspicious", "particles"), ()))

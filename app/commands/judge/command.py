@@ -10,7 +10,7 @@ import numpy as np
 import tyro
 
 from app.commands import flags
-from app.commands.expected import Expectable
+from app.commands.expectations import Expectable
 from app.commands.output import Folder, put_report, put_text
 from app.commands.progress import working
 from app.commands.scene_flags import SceneFlags
@@ -18,14 +18,14 @@ from app.lessons.claims import NORMS
 from app.problems.views import VIEWS
 from app.templates import rendered
 from app.words import NOTHING, QUANTITIES, method_name, moving, particles_per_cell, ratio, with_unit
+from solvers.judging.error_norms import QUANTITIES as JUDGED
 from solvers.judging.findings.finding import OFF
-from solvers.judging.measure import QUANTITIES as JUDGED
-from solvers.outside.quoting import FileError, code, file_name, markdown
 from solvers.problems.reference import OF_METHODS
 from solvers.study.markdown import grid
+from solvers.untrusted.quoting import FileError, code, file_name, markdown
 
 if TYPE_CHECKING:
-    from solvers.judging.verdict import Judgement  # which reads files of all kinds: --help must not wait for it
+    from solvers.judging.judgement import Judgement  # which reads files of all kinds: --help must not wait for it
 
 COMPANION = "companion"
 #: What ``--expect`` may ask for: error.x.max of each grid, last(error.x.max) of the finest; order.x, of the largest
@@ -166,7 +166,7 @@ def _errors(g: dict) -> dict:
 
 def _verdict(g: dict, values: dict) -> str:
     """A grid in two or three sentences: how large, against ours, and whether something is by itself."""
-    from solvers.judging.verdict import BY_PLACE
+    from solvers.judging.judgement import BY_PLACE
     x = _errors(g)["x"]["max"]
     sentences = [f"**{g['cells']} cells:** the error of x is up to {_size(x, 'x')}." if any(g["times"]) else
                  f"**{g['cells']} cells: only the start was given, t = 0, and nothing that was computed.**"]

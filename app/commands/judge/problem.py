@@ -12,12 +12,12 @@ from app.commands.output import Folder, json_text, say
 from app.commands.scene_flags import SceneFlags
 from app.templates import rendered
 from app.words import per_cell
-from solvers.judging.columns import column_names
-from solvers.outside.limits import LIMITS
+from solvers.judging.column_names import column_names
 from solvers.problems import PROBLEMS
 from solvers.problems.reference import OF_METHODS, Texts
-from solvers.scene.rules import field_key
 from solvers.scene.scene import Scene
+from solvers.scene.validation import field_key
+from solvers.untrusted.size_limits import LIMITS
 
 PAGE = Path(__file__).parent / "problem.md"
 TABLE_POINTS, TABLE_TIMES = 41, 81  # of the table of the body force
@@ -59,22 +59,29 @@ class ProblemCommand(SceneFlags):
 
 
 def _files(scene: Scene, times: list[float]) -> dict[str, bytes]:
-    from solvers.judging import handout, writing  # here: bad input must not wait for them
+    from solvers.judging import (
+        particle_writers,
+        problem_handout,  # here: bad input must not wait for them
+    )
 
-    start, first = handout.start(scene), handout.initial(scene)
-    more = {"volume": start.volume, "mass": handout.masses(scene), **start.more}
-    force = handout.force_table(scene, TABLE_POINTS, TABLE_TIMES)
+    start, first = problem_handout.start(scene), problem_handout.initial(scene)
+    more = {"volume": start.volume, "mass": problem_handout.masses(scene), **start.more}
+    force = problem_handout.force_table(scene, TABLE_POINTS, TABLE_TIMES)
     said: dict[str, Any] = {"problem": scene.problem, "cells": scene.cells, "ppc": scene.ppc}
     data = {"id": first.number, "material_position": _in_space(first.material_position),
             "velocity": _in_space(np.asarray(first.velocity)), **more}
-    solution = [handout.exact(scene, t) for t in times] if scene.solution_known else handout.companion(scene, times)
-    numbers, name = handout.numbers(scene), "exact" if scene.solution_known else "companion"
+    solution = (
+        [problem_handout.exact(scene, t) for t in times]
+        if scene.solution_known
+        else problem_handout.companion(scene, times)
+    )
+    numbers, name = problem_handout.numbers(scene), "exact" if scene.solution_known else "companion"
     return {
-        "particles.csv": writing.csv(writing.table([first], more), {**said, "t": 0.0}),
-        "particles.vtu": writing.vtu(first.position, data, 0.0),
-        "body_force.csv": writing.csv(force, {"problem": scene.problem}),
-        f"{name}.csv": writing.csv(writing.table(solution), said),
-        "problem.json": json_text({"schema": handout.SCHEMA, **numbers}, lines=True).encode(),
+        "particles.csv": particle_writers.csv(particle_writers.table([first], more), {**said, "t": 0.0}),
+        "particles.vtu": particle_writers.vtu(first.position, data, 0.0),
+        "body_force.csv": particle_writers.csv(force, {"problem": scene.problem}),
+        f"{name}.csv": particle_writers.csv(particle_writers.table(solution), said),
+        "problem.json": json_text({"schema": problem_handout.SCHEMA, **numbers}, lines=True).encode(),
         "problem.md": page(scene, PROBLEMS[scene.problem].reference.texts(scene), times, name).encode()}
 
 

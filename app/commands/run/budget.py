@@ -10,7 +10,7 @@ from app.commands.run.command import BROKEN, OK
 from app.commands.run.text import budget_table, take_away_table
 from app.commands.scene_flags import SceneFlags
 from solvers.problems import PROBLEMS
-from solvers.scene.causes import CAUSES, NOTHING
+from solvers.scene.error_causes import CAUSES, NOTHING
 
 _MAP = "the map of where and when an error was made has gone; --plot draws what each cause made over time"
 

@@ -15,11 +15,11 @@ from app.commands.progress import working
 from app.commands.run.text import goal_table, run_table
 from app.commands.scene_flags import SceneFlags
 from solvers.judging.frames import Frame
-from solvers.outside.limits import LIMITS
-from solvers.running.goals import goals_of
+from solvers.running.quantities_of_interest import goals_of
 from solvers.running.result import Result
 from solvers.scene.scene import Scene
 from solvers.solver.snapshot import Snapshot
+from solvers.untrusted.size_limits import LIMITS
 
 OK, FAILED, BROKEN = 0, 1, 3
 KINDS = (".npz", ".csv")  # of files of particles
@@ -46,19 +46,19 @@ class ParticleWriter:
 
     def keep(self, shot: Snapshot) -> None:
         """Keep a sample; one of a run gone bad, with what is no number, is left out."""
-        from solvers.judging.ours import framed
+        from solvers.judging.reference_runs import framed
         frame = framed(shot, self._scene)
         if all(np.isfinite(v).all() for v in (shot.position, shot.velocity, shot.deformation_gradient)):
             self._frames.append(frame)
 
     def write(self, result: Result) -> None:
-        from solvers.judging import writing
+        from solvers.judging import particle_writers
         from solvers.running.scene_text import line
         if self._target.path.lower().endswith(".npz"):
-            content = writing.npz(self._frames, self._scene, result.arrays())
+            content = particle_writers.npz(self._frames, self._scene, result.arrays())
         else:
             said = {"problem": self._scene.problem, "cells": self._scene.cells, "scene": line(self._scene)}
-            content = writing.csv(writing.table(self._frames), said)
+            content = particle_writers.csv(particle_writers.table(self._frames), said)
         self._target.write(content)
 
 

@@ -6,9 +6,9 @@ from collections.abc import Iterator, Mapping
 from app.words import QUANTITIES, particles_per_cell, unit_of
 from solvers.motion.laws.material import NEO_HOOKEAN
 from solvers.problems import PROBLEMS
-from solvers.running.goals import SAFETY
-from solvers.scene.causes import CAUSES, FIELDS
+from solvers.running.quantities_of_interest import SAFETY
 from solvers.scene.effects import ALL, EFFECTS, SHARE, Number, told
+from solvers.scene.error_causes import CAUSES, FIELDS
 from solvers.scene.scene import Scene
 from solvers.study.coverage import track_record
 

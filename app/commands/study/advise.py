@@ -12,11 +12,11 @@ from app.commands.flags import BadInput, PathFlag, RealFlag, Switch, choices_of,
 from app.commands.output import json_target, put_result, say
 from app.commands.progress import noted_interrupts, stdout_to_stderr
 from app.words import command_line, per_cell
-from solvers.scene.rules import require_choice, require_number
 from solvers.scene.scene import Scene
-from solvers.solver.norms import finite
+from solvers.scene.validation import require_choice, require_number
+from solvers.solver.error_norms import finite
 from solvers.solver.samples import QUANTITIES
-from solvers.study.jobs import COURANT_NUMBERS, PARTICLES_PER_CELL
+from solvers.study.background_jobs import COURANT_NUMBERS, PARTICLES_PER_CELL
 
 if TYPE_CHECKING:
     from solvers.study.advise import Advice

@@ -6,13 +6,13 @@ from typing import ClassVar
 
 from app.commands.flags import NumberFlag, ProcessesFlag
 from app.commands.output import json_text
-from app.commands.study.rows import StudyFlags
-from solvers.scene.rules import require_whole
+from app.commands.study.study_command import StudyFlags
 from solvers.scene.scene import Scene
-from solvers.study.coverage.draws import IDENTITY, MEASURED, Draw, failed
-from solvers.study.coverage.tally import tally
-from solvers.study.coverage.text import summary
-from solvers.study.grid import MOST_ROWS
+from solvers.scene.validation import require_whole
+from solvers.study.coverage.coverage_counts import tally
+from solvers.study.coverage.coverage_tables import summary
+from solvers.study.coverage.random_runs import IDENTITY, MEASURED, Draw, failed
+from solvers.study.parameter_grid import MOST_ROWS
 from solvers.study.row import FAILED
 
 SEED = 29  # of what ``assets/coverage.md`` shows
@@ -34,7 +34,7 @@ class Coverage(StudyFlags):
     SCENE: ClassVar[type[Scene]]
     TIMED = False
     IDENTITY, MEASURED = IDENTITY, MEASURED
-    WORK = "solvers.study.coverage.draws:measure_draw"
+    WORK = "solvers.study.coverage.random_runs:measure_draw"
 
     runs: NumberFlag = 1000
     """Runs to draw."""

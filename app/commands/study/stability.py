@@ -6,11 +6,11 @@ from typing import Annotated, Any, ClassVar
 from app import __version__
 from app.commands.flags import ProcessesFlag, RealFlag, choices_of, default_hint, number, several_of
 from app.commands.output import json_text
-from app.commands.study.rows import StudyFlags
+from app.commands.study.study_command import StudyFlags
 from app.words import unit_of
-from solvers.scene.rules import require_choice
 from solvers.scene.scene import Scene
-from solvers.study.grid import Task, combinations
+from solvers.scene.validation import require_choice
+from solvers.study.parameter_grid import Task, combinations
 from solvers.study.stability import TREATMENTS, as_dict, as_markdown, map_tasks, offered, prices
 from solvers.study.summary import csv_text
 

@@ -8,10 +8,10 @@ from app import __version__
 from app.commands.flags import NumberFlag, Switch, default_hint
 from app.commands.output import json_text
 from app.commands.scene_flags import SceneFlags
-from app.commands.study.rows import StudyFlags
-from solvers.scene.rules import require_whole
+from app.commands.study.study_command import StudyFlags
+from solvers.scene.validation import require_whole
 from solvers.study import summary as table
-from solvers.study.grid import Task, plan
+from solvers.study.parameter_grid import Task, plan
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -10,15 +10,15 @@ import tyro
 
 from app.commands.flags import BadInput, PathFlag, ProcessesFlag, Switch, TextFlag, default_hint, side_by_side
 from app.commands.output import Target, json_text, say
-from app.commands.study.rows import INCOMPLETE, Study
+from app.commands.study.study_command import INCOMPLETE, Study
 from app.words import NOTHING, QUANTITIES, method_name
 from solvers.problems import PROBLEMS
-from solvers.study.grid import Task
 from solvers.study.markdown import grid
+from solvers.study.parameter_grid import Task
 from solvers.study.row import FAILED
-from solvers.study.tables import plan
-from solvers.study.tables.document import MEASURED, PAPERS_ESTIMATOR, document, parts, results_of, runs
-from solvers.study.tables.plan import Table, digits
+from solvers.study.tables import paper_tables
+from solvers.study.tables.paper_tables import Table, digits
+from solvers.study.tables.table_runs import MEASURED, PAPERS_ESTIMATOR, document, parts, results_of, runs
 
 UNSTABLE = 3
 KINDS = ("json", "md", "png")  # of the files of a table
@@ -35,7 +35,7 @@ class Tables(Study):
 
     EXAMPLE = "mpm-lab tables 1 --out tables"
     MEASURED = MEASURED
-    WORK = "solvers.study.tables.document:measure_run"
+    WORK = "solvers.study.tables.table_runs:measure_run"
 
     table: Annotated[TextFlag, tyro.conf.Positional, tyro.conf.arg(metavar="{1,2,3,all}")] = "all"
     """Table of the paper."""
@@ -51,8 +51,10 @@ class Tables(Study):
         """Rows are of several."""
 
     def questions(self) -> list[Task]:
-        if self.table not in (*plan.NUMBERS, "all"):
-            raise BadInput("", self.table, f"is not a table of the paper; give {', '.join(plan.NUMBERS)} or all")
+        if self.table not in (*paper_tables.NUMBERS, "all"):
+            raise BadInput(
+                "", self.table, f"is not a table of the paper; give {', '.join(paper_tables.NUMBERS)} or all"
+            )
         side_by_side(self.processes)
         wanted = runs(tables := self._tables())
         self.check_place(len(wanted))
@@ -63,7 +65,10 @@ class Tables(Study):
 
     def _tables(self) -> list[Table]:
         estimators = {name: problem.estimators for name, problem in PROBLEMS.items()}
-        return [plan.make(number, estimators) for number in (plan.NUMBERS if self.table == "all" else (self.table,))]
+        return [
+            paper_tables.make(number, estimators)
+            for number in (paper_tables.NUMBERS if self.table == "all" else (self.table,))
+        ]
 
     def stages(self, tasks: Sequence[Task]) -> Iterable[Sequence[Task]]:
         return [[task for task in tasks if not task.repeats], *([task] for task in tasks if task.repeats)]

@@ -1,5 +1,5 @@
 // The colour scale that estimate and truth share. Its top is a round number that holds the largest error so far, from
-// the first period on, which a recording knows; it only grows, as in app/frame/scale.py.
+// the first period on, which a recording knows; it only grows, as in app/frame/colour_scale.py.
 
 const {tops: TOPS, decades: DECADES, beyond: BEYOND, smallest: SMALLEST} = DATA.scale;
 const {exact: TRUTH, pinned: PINNED, crossing: CROSSING, dot: DOT, axis: AXIS, grid: GRID, cell: CELL, ground: GROUND, unknown: UNKNOWN} = DATA.colours;

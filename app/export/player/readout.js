@@ -104,7 +104,7 @@ function summary(run) {
   return sentences.filter(Boolean).map((said) => `${capital(said)}.`).join(" ");
 }
 
-// How wrong it is now and whether the estimate knows it, and further facts, as app/frame/sentence.py says it.
+// How wrong it is now and whether the estimate knows it, and further facts, as app/frame/headline.py says it.
 function errors(run, view, before) {
   const said = saidOf(run, view).errors, at = pictureAt(run, stage.time), {unit} = DATA.quantities[view.quantity];
   const of = (track) => cell(run, track, at, view.quantity), truth = of("norm.true"), estimate = of(`norm.${view.estimator}`);

@@ -12,7 +12,7 @@ from typing import Any
 
 import viser
 
-from app.language.spoken import tr
+from app.language.translation import tr
 from app.viewer.widgets import allow, number
 
 LONGEST = 20_000  # characters that a browser may tell at once

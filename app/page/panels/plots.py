@@ -14,14 +14,14 @@ from viser import uplot
 
 from app.colours import PINNED, TRUTH
 from app.frame.captions import NOT_COUNTED, TRUE
-from app.frame.scale import BEYOND, largest
-from app.language.spoken import later, tr
+from app.frame.colour_scale import BEYOND, largest
+from app.language.translation import later, tr
 from app.page.panels.readout import named
 from app.page.visit.history import RunSeries
-from app.page.visit.pinned import PinnedRun
-from app.page.visit.trace import Traced
+from app.page.visit.particle_trace import Traced
+from app.page.visit.pinned_run import PinnedRun
 from app.words import QUANTITIES, number, power_of_ten, power_text
-from solvers.scene.registry import ESTIMATORS
+from solvers.scene.estimator_registry import ESTIMATORS
 from solvers.scene.scene import Scene
 
 INDEX_RANGE = (0.05, 20.0)  # of the index plot; an index above is drawn at its edge

@@ -11,18 +11,18 @@ import numpy as np
 
 from app.colours import ESTIMATE, PINNED, TRUTH
 from app.frame.captions import ESTIMATED, TRUE, why_no_numbers
-from app.language.heard import heard
-from app.language.spoken import later, tr
-from app.page.stage.worst import WorstRegion, WorstRegions
+from app.language.message_translation import heard
+from app.language.translation import later, tr
+from app.page.stage.worst_region import WorstRegion, WorstRegions
 from app.page.visit.history import History, last, until
-from app.page.visit.pinned import PinnedRun
+from app.page.visit.pinned_run import PinnedRun
 from app.page.visit.session import Session
 from app.words import NOTHING, QUANTITIES, differing, ratio, with_unit
-from solvers.engine.messages import FrameReport
-from solvers.running.goals import ENERGY, STRESS
+from solvers.engine.engine_messages import FrameReport
+from solvers.running.quantities_of_interest import ENERGY, STRESS
 from solvers.scene.effects import ALL, SHARE, Line, Number, told
-from solvers.scene.registry import ESTIMATORS
-from solvers.solver.norms import nothing_but_rounding
+from solvers.scene.estimator_registry import ESTIMATORS
+from solvers.solver.error_norms import nothing_but_rounding
 from solvers.solver.rounding import rounding
 from solvers.solver.soundness import OK, UNSTABLE
 from solvers.study.coverage import track_record

@@ -12,16 +12,16 @@ import viser
 
 from app import words
 from app.frame.captions import TRUE
-from app.frame.scale import ColourScale
-from app.language.spoken import later, tr
-from app.page.panels.bound import BoundWidgets
+from app.frame.colour_scale import ColourScale
+from app.language.translation import later, tr
 from app.page.panels.browser_store import BrowserStore
 from app.page.panels.readout import sample
+from app.page.panels.scene_widgets import BoundWidgets
 from app.page.visit.session import Session
 from app.problems.views import VIEWS
-from solvers.engine.frames import FrameArrays
+from solvers.engine.shared_frames import FrameArrays
 from solvers.problems import PROBLEMS
-from solvers.scene.registry import ESTIMATORS
+from solvers.scene.estimator_registry import ESTIMATORS
 from solvers.scene.scene import Scene
 from solvers.solver import samples
 

@@ -12,13 +12,13 @@ from viser import uplot
 
 from app.colours import LINES, PINNED
 from app.frame.captions import TRUE
-from app.frame.scale import BEYOND, largest, round_up
-from app.language.spoken import later, tr
+from app.frame.colour_scale import BEYOND, largest, round_up
+from app.language.translation import later, tr
 from app.page.panels.plots import EMPTY, finite, grey_curves, line, put
 from app.page.visit.history import RunSeries
-from app.page.visit.pinned import PinnedRun
+from app.page.visit.pinned_run import PinnedRun
 from app.words import QUANTITIES, in_periods, with_unit
-from solvers.scene.registry import ESTIMATORS
+from solvers.scene.estimator_registry import ESTIMATORS
 from solvers.scene.scene import Scene
 
 ENDS = (1, 1.5, 2, 3, 4, 5, 6, 8)  # times a power of ten: where an axis may end

@@ -12,7 +12,7 @@ from app.frame.crossings import WINDOW
 from solvers.scene.scene import Scene
 from solvers.scene.step_bound import margin_unit
 from solvers.solver import samples
-from solvers.solver.norms import RATIOS, RunningIndex
+from solvers.solver.error_norms import RATIOS, RunningIndex
 from solvers.solver.rounding import rounding
 from solvers.solver.samples import QUANTITIES
 

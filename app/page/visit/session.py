@@ -7,19 +7,19 @@ from dataclasses import asdict, replace
 from time import monotonic
 from typing import Any
 
-from app.language.heard import heard
-from app.language.spoken import later, tr
+from app.language.message_translation import heard
+from app.language.translation import later, tr
+from app.page.visit.engine_links import FASTEST, PageLinks, too_many
 from app.page.visit.history import History
-from app.page.visit.links import FASTEST, PageLinks, too_many
-from app.page.visit.notice import Notice, doubt
-from app.page.visit.pinned import PinnedRun
+from app.page.visit.pinned_run import PinnedRun
+from app.page.visit.status_message import Notice, doubt
 from app.problems.views import VIEWS
 from app.words import on_page
-from solvers.engine.frames import FrameArrays, FrameOptions
-from solvers.engine.messages import FrameReport, Pace
+from solvers.engine.engine_messages import FrameReport, Pace
+from solvers.engine.shared_frames import FrameArrays, FrameOptions
 from solvers.problems import PROBLEMS
-from solvers.scene.rules import SceneError
 from solvers.scene.scene import Scene
+from solvers.scene.validation import SceneError
 from solvers.solver.samples import QUANTITIES
 from solvers.solver.soundness import OK
 
@@ -186,7 +186,7 @@ class Session:
             self._ask(speed=speed)
 
     def show(self, **options: object) -> None:
-        """Ask that frames hold something else (:class:`~solvers.engine.frames.FrameOptions`)."""
+        """Ask that frames hold something else (:class:`~solvers.engine.shared_frames.FrameOptions`)."""
         with self._lock:
             self._frame = replace(self._frame, **options)  # type: ignore[arg-type]
             self._ask()

@@ -10,9 +10,9 @@ from matplotlib.gridspec import SubplotSpec
 from app.colours import COLOUR_MAP, ESTIMATE_INK, INK, LINE2, TRUTH, TRUTH_INK
 from app.frame.layout import Seat
 from app.problems.bar.stage import BarStage
-from app.renderers import picture
-from app.renderers.look import TRUTH_WIDTH, in_sizes
-from solvers.problems.bar import exact
+from app.renderers import panel_style
+from app.renderers.picture_style import TRUTH_WIDTH, in_sizes
+from solvers.problems.bar import exact_solution
 from solvers.problems.bar.scene import BarScene
 from solvers.running.result import Result
 
@@ -27,15 +27,15 @@ def _draw_curve(axes: Axes, result: Result) -> None:
     shown, scene = result.shown, cast(BarScene, result.scene)
     fine = np.linspace(0, 1, 801)
     even = scene.initial_velocity * shown.time if scene.is_patch else 0.0  # nobody could see the rest beside it
-    curve = exact.displacement(scene, fine, shown.time) - even
+    curve = exact_solution.displacement(scene, fine, shown.time) - even
     axes.plot(fine, curve, color=TRUTH, linewidth=TRUTH_WIDTH, label="exact", zorder=2)
-    few = picture.thinned(len(shown.position))
-    moved = picture.drawable((shown.position - shown.material_position - even)[few])
+    few = panel_style.thinned(len(shown.position))
+    moved = panel_style.drawable((shown.position - shown.material_position - even)[few])
     size = float(np.clip(1500 / len(few), 2.0, 12.0))
     axes.scatter(shown.material_position[few], moved, s=size, color=INK, linewidths=0, label="particles", zorder=3)
     name = "Displacement u − vt" if scene.is_patch else "Displacement u"
-    axes.set_title(f"{name} {picture.when_text(result)}")
-    limit = 1.4 * max(abs(curve).max(), picture.robust_size(moved)) or scene.motion_amplitude
+    axes.set_title(f"{name} {panel_style.when_text(result)}")
+    limit = 1.4 * max(abs(curve).max(), panel_style.robust_size(moved)) or scene.motion_amplitude
     axes.set(xlabel="material coordinate X; line: exact, dots: computed", xlim=(0, 1), ylim=(-limit, limit))
     in_sizes(axes.xaxis, "m", few=False)
     in_sizes(axes.yaxis, "m")
@@ -49,23 +49,23 @@ def _draw_lanes(figure: Figure, axes: Axes, result: Result) -> None:
     lanes += [(f"estimate\n({name})", np.abs(shown.estimate[name][:, 0]), ESTIMATE_INK)
               for name in result.scene.active_estimators]
     lanes = [lane for lane in lanes if lane[1] is not None] or [("particles", None, INK)]
-    few = picture.thinned(len(shown.position))
+    few = panel_style.thinned(len(shown.position))
     few = few[(position[few] >= 0) & (position[few] <= 1)]  # an unstable run leaves NaN and worse
     known = [sizes[few] for _, sizes, _ in lanes if sizes is not None]
     truth = known.pop(0) if shown.error is not None else None
-    scale = picture.shared_scale(truth, known)
+    scale = panel_style.shared_scale(truth, known)
     width = float(np.clip(700 / max(1, len(few)), 0.7, 10.0))
     for height, (_, sizes, _) in enumerate(lanes):
         look = {"color": "0.4"} if sizes is None else {"array": sizes[few], "cmap": COLOUR_MAP, "norm": scale}
         strokes = axes.vlines(position[few], height - 0.32, height + 0.32, linewidth=width, zorder=2, **look)
     if not len(few):
-        picture.say(axes, "no particle is left on the bar")
-    lined = cells <= picture.MOST_CELL_LINES
+        panel_style.say(axes, "no particle is left on the bar")
+    lined = cells <= panel_style.MOST_CELL_LINES
     if lined:
         axes.vlines(np.arange(cells + 1) / cells, -0.5, len(lanes) - 0.5, color=LINE2,
                     linewidth=min(0.8, 60 / cells), zorder=1)
-    places = BarStage.places(picture.PAPER, Seat.ALONE)
-    picture.write_places(axes, BarStage,
+    places = BarStage.places(panel_style.PAPER, Seat.ALONE)
+    panel_style.write_places(axes, BarStage,
                          lambda label: (label.x, (label.y - places.truth) / (places.estimate - places.truth)))
     axes.set_yticks(range(len(lanes)), [label for label, _, _ in lanes])
     for tick, (_, _, colour) in zip(axes.get_yticklabels(), lanes, strict=True):
@@ -74,6 +74,6 @@ def _draw_lanes(figure: Figure, axes: Axes, result: Result) -> None:
              ylim=(-0.5, len(lanes) - 0.5))
     axes.grid(visible=False)
     in_sizes(axes.xaxis, "m", few=False)
-    axes.set_title(f"Particles {picture.when_text(result)}, coloured by the size of the position's error")
+    axes.set_title(f"Particles {panel_style.when_text(result)}, coloured by the size of the position's error")
     if len(few) and lanes[0][1] is not None:
-        picture.colour_bar(figure, strokes, axes, "error of x, one scale for all lanes", "m", aspect=80)
+        panel_style.colour_bar(figure, strokes, axes, "error of x, one scale for all lanes", "m", aspect=80)

@@ -3,8 +3,8 @@
 import numpy as np
 
 from app.frame.layout import Rectangle
-from app.frame.marks import Colour, Room
-from app.frame.slow.stage import CAPTION, DOMAINS, FRONT, NODE, OTHERS, SlowStage, shape
+from app.frame.primitives import Colour, Room
+from app.frame.slow_motion.stage import CAPTION, DOMAINS, FRONT, NODE, OTHERS, SlowStage, shape
 from solvers.scene.scene import Scene
 from solvers.solver.step_breakdown import StepBreakdown
 

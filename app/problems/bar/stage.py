@@ -5,15 +5,15 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from app.frame.field import ROOM, Plotted
+from app.frame.field_plot import ROOM, Plotted
 from app.frame.layout import HALVES, Seat
-from app.frame.marks import Anchor, Dots, Label, Lines, Mark, Room, Tone, faded, in_plane, joined
+from app.frame.primitives import Anchor, Dots, Label, Lines, Mark, Room, Tone, faded, in_plane, joined
 from app.frame.stage import TOUCH, Stage, Words, Worst
-from app.language.spoken import later, tr
-from app.problems.bar.places import BarPlaces, bar_places
+from app.language.translation import later, tr
+from app.problems.bar.layout import BarPlaces, bar_places
 from app.words import brief
-from solvers.engine.frames import FrameArrays
-from solvers.problems.bar import exact
+from solvers.engine.shared_frames import FrameArrays
+from solvers.problems.bar import exact_solution
 from solvers.problems.bar.scene import BarScene
 
 LONGEST, WIDEST_LINE = 0.96, 90  # of a lane, and in letters: a line within it
@@ -27,13 +27,13 @@ BRACKET, NEAR = 7.0, 0.1  # pixels high; how far from the middle of a region wha
 
 def where(scene: BarScene, X: np.ndarray, t: float) -> np.ndarray:
     """Where the material that was at X should be."""
-    return X + exact.displacement(scene, X, t)
+    return X + exact_solution.displacement(scene, X, t)
 
 
 class BarStage(Stage[BarScene]):
     """Makes marks of frames of the bar."""
 
-    PLOT = Plotted(0.0, 1.0, ("x = 0", "1 m"), exact.field, where=where)
+    PLOT = Plotted(0.0, 1.0, ("x = 0", "1 m"), exact_solution.field, where=where)
     MOST_MARKED, HALVES = 200, later("Lanes")
 
     @staticmethod

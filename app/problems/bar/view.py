@@ -7,14 +7,14 @@ from typing import Any
 
 import numpy as np
 
-from app.language.spoken import later, tr
+from app.language.translation import later, tr
 from app.problems.bar.slow import BarSlowStage
 from app.problems.bar.stage import BarStage
 from app.problems.interface import Motion, ProblemView, Reach, Regions
-from app.problems.spark import Answer, NotNow, Offer, Ran, Spark, asked, breaking, halving
+from app.problems.suggestion import Answer, NotNow, Offer, Ran, Spark, asked, breaking, halving
 from app.state import State
 from app.words import factor, per_cent
-from solvers.problems.bar.patch import PATCH
+from solvers.problems.bar.patch_test import PATCH
 from solvers.problems.bar.scene import BarScene
 
 MOST_CELLS = 160

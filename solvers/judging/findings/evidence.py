@@ -6,8 +6,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from solvers.judging.error_norms import Errors, stress
 from solvers.judging.frames import Frame
-from solvers.judging.measure import Errors, stress
 from solvers.scene.scene import Scene
 
 MOST_FOLLOWED, MOST_TIMES = 4000, 400  # particles and times that are followed over time

@@ -8,12 +8,12 @@ from typing import Any
 
 import numpy as np
 
-from solvers.judging.columns import spelled
+from solvers.judging.column_names import spelled
 from solvers.judging.findings.finding import BROKEN, HOLDS, SUSPICIOUS, Finding
 from solvers.judging.findings.neighbours import MOST, TINY, Surroundings, surroundings
 from solvers.judging.frames import Raw, by_times, times_of
-from solvers.judging.placing import FLAT, LARGEST, LARGEST_ID
-from solvers.outside.quoting import FileError, quoted
+from solvers.judging.particle_matching import FLAT, LARGEST, LARGEST_ID
+from solvers.untrusted.quoting import FileError, quoted
 
 MOST_MOMENTS = 32  # that are looked at one by one, spread over all
 BOXES = 10  # of which a large body is looked at

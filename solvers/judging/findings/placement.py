@@ -7,12 +7,12 @@ from typing import Any
 
 import numpy as np
 
+from solvers.judging.error_norms import Errors
 from solvers.judging.findings.evidence import MOST_FOLLOWED, Evidence, kept, some
 from solvers.judging.findings.finding import HOLDS, OFF, Finding, compared, unknown
 from solvers.judging.findings.neighbours import MOST_ASKED, Nearby, departures, surroundings
-from solvers.judging.findings.over_time import rms
+from solvers.judging.findings.time_fits import rms
 from solvers.judging.frames import Frame
-from solvers.judging.measure import Errors
 from solvers.problems import PROBLEMS
 from solvers.scene.scene import Scene
 

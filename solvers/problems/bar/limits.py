@@ -1,12 +1,12 @@
-"""Where an estimator of the bar is known not to hold: a row for each limit (see ``solvers.scene.limits``)."""
+"""Where an estimator of the bar is known not to hold: a row for each limit (see ``solvers.scene.estimator_limits``)."""
 
 import math
 from typing import Any
 
-from solvers.estimators.phase_lag import in_step
-from solvers.scene.causes import NOTHING
-from solvers.scene.limits import Limit
-from solvers.scene.registry import HALF_REASON, MOVING_WEIGHTS, REMEDIES_REASON
+from solvers.estimators.two_grid_dispersion import in_step
+from solvers.scene.error_causes import NOTHING
+from solvers.scene.estimator_limits import Limit
+from solvers.scene.estimator_registry import HALF_REASON, MOVING_WEIGHTS, REMEDIES_REASON
 from solvers.scene.remedies import CENTRED, COUPLED, FILTER
 
 #: Two-grid: the error of a mapping or a force that is off by the displacement is a share of the motion, whatever the

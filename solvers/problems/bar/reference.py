@@ -4,9 +4,9 @@ from pathlib import Path
 
 import numpy as np
 
-from solvers.estimators.spectral import Elements
+from solvers.estimators.spectral_elements import Elements
 from solvers.estimators.standalone import ElasticBody
-from solvers.problems.bar import exact
+from solvers.problems.bar import exact_solution
 from solvers.problems.bar.scene import BarScene
 from solvers.problems.reference import ProblemReference, Start, Texts, read_texts
 
@@ -19,7 +19,7 @@ ORDER = 6
 class BarReference(ProblemReference):
     """The vibrating bar."""
 
-    EXACT = exact
+    EXACT = exact_solution
 
     def start(self, scene: BarScene) -> Start:
         X = (np.arange(scene.particles) + 0.5) * (scene.spacing / scene.ppc)
@@ -43,7 +43,7 @@ class BarReference(ProblemReference):
         return scene.modulus * (F - 1)
 
     def body_force(self, scene: BarScene, X: np.ndarray, t: float) -> np.ndarray:
-        return exact.body_force(scene, X, t)
+        return exact_solution.body_force(scene, X, t)
 
     def along(self, quantity: str, X: np.ndarray, x: np.ndarray, values: np.ndarray) -> np.ndarray:
         return values.reshape(len(values))
@@ -78,7 +78,7 @@ class BarCompanionBody(ElasticBody):
         mass = self._elements.assembled_weights
         mass[0] = mass[-1] = mass[0] + mass[-1]  # the last node is the image of the first
         self._inverse_mass = 1 / (scene.density / scene.initial_stretch * mass)
-        self.velocity = exact.velocity(scene, self._X, 0.0)[:, None]
+        self.velocity = exact_solution.velocity(scene, self._X, 0.0)[:, None]
         whole = np.eye(len(self._X))
         self.frequency = float(np.sqrt(np.abs(np.linalg.eigvals(
             np.stack([self._inverse_mass * self._pull(row) for row in whole], axis=1))).max()))
@@ -91,7 +91,7 @@ class BarCompanionBody(ElasticBody):
         return pull
 
     def accelerations(self, u: np.ndarray, t: float) -> np.ndarray:
-        return (exact.body_force(self._scene, self._X, t) - self._inverse_mass * self._pull(u[:, 0]))[:, None]
+        return (exact_solution.body_force(self._scene, self._X, t) - self._inverse_mass * self._pull(u[:, 0]))[:, None]
 
     def read(self, u: np.ndarray, X: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         element, values, slopes = self._elements.locate(X[:, 0])

@@ -11,17 +11,17 @@ import numpy as np
 
 from solvers.motion.line_solution import HALF_WRONG, LineSizes, line_sizes
 from solvers.motion.typed_motion import LineInputs
-from solvers.problems.bar import exact, limits, patch, step_bound
-from solvers.problems.bar.patch import PATCH, VIBRATE
-from solvers.scene.balance import Moments
-from solvers.scene.causes import CAUSES, NOTHING
+from solvers.problems.bar import exact_solution, limits, patch_test, step_bound
+from solvers.problems.bar.patch_test import PATCH, VIBRATE
 from solvers.scene.defaults import MOST_PER_CELL
-from solvers.scene.option import described, option
+from solvers.scene.error_causes import CAUSES, NOTHING
+from solvers.scene.field_options import described, option
+from solvers.scene.momentum_balance import Moments
 from solvers.scene.remedies import CENTRED, COUPLED, FILTER, FROZEN, PIECES
-from solvers.scene.rules import SceneError, require_number
 from solvers.scene.scene import Scene
 from solvers.scene.step_bound import StepBound
 from solvers.scene.typed import TYPED, MaybeTyped
+from solvers.scene.validation import SceneError, require_number
 
 #: Above this amplitude the exact bar turns inside out: F = 1 + 2 pi A cos(2 pi X) sin(wt) reaches 0.
 BAR_AMPLITUDE_LIMIT = 1 / (2 * math.pi)
@@ -46,8 +46,8 @@ class BarScene(MaybeTyped, Scene):
                            choices=("grid", "particle", "corners"))
     motion: str = option(VIBRATE, "What the bar does: vibrate, or begin evenly stretched and moving, so that exactly "
                          "nothing should happen (patch test)", choices=(VIBRATE, PATCH))
-    stretch: float = option(patch.STRETCH, "Stretch F of a patch test, no unit; not 1")
-    initial_velocity: float = option(patch.VELOCITY, "Velocity of a patch test", "m/s")
+    stretch: float = option(patch_test.STRETCH, "Stretch F of a patch test, no unit; not 1")
+    initial_velocity: float = option(patch_test.VELOCITY, "Velocity of a patch test", "m/s")
     displacement: str = option("", "Displacement u in m, a formula of X, t, A and w, in place of the built-in one",
                                hint="A*sin(2*pi*X)*sin(w*t)")
 
@@ -61,7 +61,7 @@ class BarScene(MaybeTyped, Scene):
     LIMITS = limits.LIMITS
     OWN_EFFECTS = ("budget",)
     REMEDIES = (FILTER, COUPLED, CENTRED, FROZEN, PIECES)
-    RUN_ONLY = dict.fromkeys(("motion", "stretch", "initial_velocity"), patch.NOTHING_TO_SEARCH)
+    RUN_ONLY = dict.fromkeys(("motion", "stretch", "initial_velocity"), patch_test.NOTHING_TO_SEARCH)
     STRAIN_PER_AMPLITUDE = 1 / BAR_AMPLITUDE_LIMIT
     GENTLE_AMPLITUDE = 1e-3
     HARD_AMPLITUDES = (0.025, 0.05, 0.1, 0.14)
@@ -100,7 +100,7 @@ class BarScene(MaybeTyped, Scene):
 
     @property
     def compiled_motion(self) -> str:
-        """What of its motion kernels have to know (``solvers.scene.switches``)."""
+        """What of its motion kernels have to know (``solvers.scene.kernel_options``)."""
         return TYPED if self.displacement else self.motion
 
     @property
@@ -171,7 +171,7 @@ class BarScene(MaybeTyped, Scene):
     @property
     def lost_from(self) -> dict[str, float]:
         """Of a patch test the stress counts too: it is all that there is to get wrong."""
-        return {"sigma": patch.FAILED} if self.is_patch else {}
+        return {"sigma": patch_test.FAILED} if self.is_patch else {}
 
     @property
     def budget_reference(self) -> str:
@@ -184,7 +184,7 @@ class BarScene(MaybeTyped, Scene):
         return known and super().has(effect)
 
     def balanced_motion(self, times: np.ndarray) -> Moments:
-        return exact.moments(self, times)
+        return exact_solution.moments(self, times)
 
     def to_dict(self) -> dict:
         """As every scene; None for what means nothing in this motion."""
@@ -208,7 +208,7 @@ class BarScene(MaybeTyped, Scene):
                              "the estimator companion; switch one of the two on")
         if self.take_away != NOTHING and not self.has("budget"):
             sentences.append(f"take away {self.take_away}: nothing is taken away without the effect budget")
-        if self.is_patch and (step := patch.edge_step(self, self.initial_velocity)):
+        if self.is_patch and (step := patch_test.edge_step(self, self.initial_velocity)):
             sentences.append(f"after {step} steps particles stand on cell boundaries to the last digit, where rounding "
                              "says in which cell they are: hat functions show that even with whole particles per cell; "
                              f"another velocity moves them off, such as {0.9717 * self.initial_velocity:.4g} m/s")
@@ -218,12 +218,12 @@ class BarScene(MaybeTyped, Scene):
         return step_bound.critical_time_step(self, self.initial_stretch, self.initial_velocity)
 
     def _normalized(self) -> dict[str, Any]:
-        meant = patch.normalized(self.cells, self.ppc, self.body_force) if self.motion == PATCH else {}
+        meant = patch_test.normalized(self.cells, self.ppc, self.body_force) if self.motion == PATCH else {}
         return {**super()._normalized(), **meant}
 
     def _check_per_cell(self) -> None:
         if self.is_patch:
-            return patch.check_per_cell(self.cells, self.ppc)
+            return patch_test.check_per_cell(self.cells, self.ppc)
         if isinstance(self.ppc, float) and 1 <= self.ppc <= MOST_PER_CELL:
             raise SceneError("ppc", self.ppc, f"give a whole number from 1 to {MOST_PER_CELL}; only a patch test "
                              "(motion patch) may have a part of one")
@@ -239,10 +239,10 @@ class BarScene(MaybeTyped, Scene):
 
     def _check_numbers(self) -> None:
         super()._check_numbers()
-        patch.check_numbers(self.stretch, self.initial_velocity)
+        patch_test.check_numbers(self.stretch, self.initial_velocity)
 
     def _check_combinations(self) -> None:
-        patch.check_fields(self)
+        patch_test.check_fields(self)
         if self.displacement and self.body_force != "material":
             raise SceneError("body_force", self.body_force, "does not go with a typed displacement, which is the "
                              "solution with a force at material points alone; give material")

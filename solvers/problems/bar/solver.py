@@ -5,15 +5,15 @@ import time
 import numpy as np
 
 from solvers.kernels import runtime
-from solvers.problems.bar import exact
+from solvers.problems.bar import exact_solution
 from solvers.problems.bar.scene import BarScene
 from solvers.problems.bar.state import HOOKS, BarState, WatchedBar, allocate_state, farthest
 from solvers.problems.bar.step import KERNELS, PHASES
 from solvers.problems.bar.step_breakdown import breakdown, carried
+from solvers.scene.kernel_options import switches
 from solvers.scene.remedies import CENTRED, COUPLED, FILTER, FROZEN, PIECES
-from solvers.scene.switches import switches
 from solvers.solver.base import REPORT, Solver
-from solvers.solver.loop import OneThread
+from solvers.solver.run_loop import OneThread
 from solvers.solver.snapshot import TRUTH, Fields, Snapshot, Values
 from solvers.solver.step_breakdown import Carried, StepBreakdown
 
@@ -43,11 +43,14 @@ class BarSolver(Solver):
         errors = None
         if self._switches.truth:
             before = t - scene.time_step if self.step else 0.0
-            true_a = a.acceleration - exact.acceleration(scene, X, before) \
+            true_a = a.acceleration - exact_solution.acceleration(scene, X, before) \
                 if self._switches.acceleration and self.step else np.zeros_like(X)
             with np.errstate(over="ignore", invalid="ignore"):  # a run gone bad holds anything
-                u, v = a.position - X - exact.displacement(scene, X, t), a.velocity - exact.velocity(scene, X, t)
-                stretch = F - exact.deformation_gradient(scene, X, t)
+                u, v = (
+                    a.position - X - exact_solution.displacement(scene, X, t),
+                    a.velocity - exact_solution.velocity(scene, X, t),
+                )
+                stretch = F - exact_solution.deformation_gradient(scene, X, t)
                 errors = np.stack([u, v, scene.modulus * stretch, true_a], axis=1)
         estimates = {name: a.estimate[k * len(X):(k + 1) * len(X)].copy()
                      for k, name in enumerate(self._switches.estimators)}
@@ -62,11 +65,11 @@ class BarSolver(Solver):
     def plotted(self, quantity: str) -> np.ndarray:
         scene, a, X, t = self.scene, self._arrays, self._arrays.material_position, self.time
         with np.errstate(over="ignore", invalid="ignore"):  # a run gone bad holds anything
-            moved = exact.displacement(scene, X, t) if scene.is_patch else 0.0
+            moved = exact_solution.displacement(scene, X, t) if scene.is_patch else 0.0
             values = {"x": a.position - X - moved, "v": a.velocity,
                       "sigma": a.modulus * (a.deformation_gradient - a.unstretched),
                       "a": a.acceleration if scene.has("acceleration") else np.nan}[quantity]
-            deviation = values - exact.field(scene, quantity, X, t) if scene.solution_known else np.nan
+            deviation = values - exact_solution.field(scene, quantity, X, t) if scene.solution_known else np.nan
         return np.stack(np.broadcast_arrays(values, deviation, X)[:2], axis=1)
 
     def fields(self) -> Fields:

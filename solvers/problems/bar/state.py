@@ -5,17 +5,17 @@ from dataclasses import dataclass
 import numpy as np
 import taichi as ti
 
-from solvers.estimators.memory import packing
-from solvers.problems.bar.budget.memory import BUDGET, budget
+from solvers.estimators.estimator_memory import packing
+from solvers.problems.bar.budget.budget_arrays import BUDGET, budget
 from solvers.problems.bar.estimators import companion, recovered, transport, two_grid
 from solvers.problems.bar.method.body import BarBody, body
 from solvers.problems.bar.scene import BarScene
-from solvers.scene import registry
-from solvers.scene.switches import switches
-from solvers.solver.arrays import Watch, watch
+from solvers.scene import estimator_registry
+from solvers.scene.kernel_options import switches
+from solvers.solver.state_arrays import Watch, watch
 
 #: What the solver calls of each estimator that the bar has, by name.
-HOOKS = registry.hooks_of("bar", {
+HOOKS = estimator_registry.hooks_of("bar", {
     "companion": companion.HOOKS, "recovered": recovered.HOOKS, "transport": transport.HOOKS,
     "two-grid": two_grid.HOOKS})
 

@@ -2,17 +2,17 @@
 
 import taichi as ti
 
-from solvers.estimators import running
-from solvers.problems.bar.budget import push, reference
-from solvers.problems.bar.budget.memory import with_budget
+from solvers.estimators import estimator_loop
+from solvers.problems.bar.budget import error_propagation, reference
+from solvers.problems.bar.budget.budget_arrays import with_budget
 from solvers.problems.bar.method import remedies
-from solvers.problems.bar.method.margin import step_margin
 from solvers.problems.bar.method.phases import find_weights, nodes_to_particles, update_grid
 from solvers.problems.bar.method.samples import sample
+from solvers.problems.bar.method.stability_margin import step_margin
 from solvers.problems.bar.state import HOOKS, BarState
 from solvers.scene.effects import samplers
 from solvers.scene.typed import TYPED
-from solvers.solver.loop import Phases, check, sample_effects, serial_kernels
+from solvers.solver.run_loop import Phases, check, sample_effects, serial_kernels
 
 SAMPLERS = samplers("bar", {})
 
@@ -38,21 +38,21 @@ def check_it(bar: ti.template(), step):
 def one_step(bar: ti.template(), step, on: ti.template()):
     """Step number ``step``, counted from one: that many have been taken after it."""
     update_grid(bar, (step - 1) * bar.dt, on)
-    running.in_step(bar, step, HOOKS, on)
+    estimator_loop.in_step(bar, step, HOOKS, on)
     if ti.static(on.budget):
-        push.update_grid(with_budget(bar), (step - 1) * bar.dt, on)
+        error_propagation.update_grid(with_budget(bar), (step - 1) * bar.dt, on)
     remedies.in_step(bar, step, on)
     if ti.static(on.budget):
-        push.in_step(with_budget(bar), step, on)
+        error_propagation.in_step(with_budget(bar), step, on)
     nodes_to_particles(bar, step, on)
     if ti.static(on.budget):
-        push.after_step(with_budget(bar), on)
+        error_propagation.after_step(with_budget(bar), on)
     remedies.after_step(bar, on)
-    running.after_step(bar, step, HOOKS, on)
+    estimator_loop.after_step(bar, step, HOOKS, on)
     if ti.static(on.budget and on.truth and on.motion == TYPED):
         reference.typed_after_step(with_budget(bar), step)
     elif ti.static(on.budget and not on.truth):
-        reference.companion_after_step(running.with_memory(with_budget(bar), HOOKS, "companion"), step)
+        reference.companion_after_step(estimator_loop.with_memory(with_budget(bar), HOOKS, "companion"), step)
 
 
 @ti.func
@@ -61,7 +61,7 @@ def sample_all(bar: ti.template(), row, step, looks, on: ti.template()):
     sample(bar, row, step, looks, on)
     sample_effects(bar, row, step, SAMPLERS, on)
     if ti.static(on.budget):
-        push.sample(with_budget(bar), row, step, on)
+        error_propagation.sample(with_budget(bar), row, step, on)
 
 
 PHASES = Phases(one_step, check_it, sample_all, HOOKS, find_weights, step_margin)

@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from solvers.problems.bar import patch
+from solvers.problems.bar import patch_test
 from solvers.scene.linear_stability import Configurations, Links, limits
 from solvers.scene.remedies import PIECES
 from solvers.scene.scene import Scene
@@ -62,7 +62,7 @@ def critical_time_step(scene: Any, stretch: float, velocity: float) -> StepBound
 
 def _of_patch(scene: Scene, stretch: float, velocity: float) -> StepBound:
     """That of a patch test while its particles pass through a cell; all spacings stay as they are."""
-    cells, particles = patch.group(scene)
+    cells, particles = patch_test.group(scene)
     times = max(1, min(scene.cells // cells, MOST_PARTICLES // particles))
     cells, particles = times * cells, times * particles
     X = (np.arange(particles) + 0.5) / particles

@@ -8,17 +8,17 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from solvers.estimators.spectral import Elements
+from solvers.estimators.spectral_elements import Elements
 from solvers.motion.laws.material import LAWS, NEO_HOOKEAN
 from solvers.motion.separable_field import SeparableField, separate
 from solvers.problems.planar.estimators.patch import CARTESIAN, Patch
 from solvers.problems.planar.scene import GHOSTS, PlanarScene, motion_table
-from solvers.scene.balance import MODES, Moments
-from solvers.scene.limits import Limit
-from solvers.scene.option import option
-from solvers.scene.registry import HALF_REASON, MOVING_WEIGHTS, REMEDIES_REASON
+from solvers.scene.estimator_limits import Limit
+from solvers.scene.estimator_registry import HALF_REASON, MOVING_WEIGHTS, REMEDIES_REASON
+from solvers.scene.field_options import option
+from solvers.scene.momentum_balance import MODES, Moments
 from solvers.scene.remedies import COUPLED, FILTER, FROZEN
-from solvers.scene.rules import require_number
+from solvers.scene.validation import require_number
 
 LINE, INSTANTS = 24, 16  # points a side and times of a period at which the motion is looked at
 NEWTON_STEPS, NEWTON_END = 20, 1e-9  # of the material point that has come to a node, in m: it converges quadratically

@@ -14,12 +14,12 @@ import numpy as np
 from numpy.polynomial import chebyshev
 
 from solvers.motion.separable_field import SeparableField, separate
-from solvers.problems.planar import circles
+from solvers.problems.planar import circular_diagnostics
 from solvers.problems.planar.estimators.circular_body import CircularBody
 from solvers.problems.planar.layout import on_axis
 from solvers.problems.planar.scene import GHOSTS, PlanarScene
-from solvers.scene.balance import Moments
-from solvers.scene.option import option
+from solvers.scene.field_options import option
+from solvers.scene.momentum_balance import Moments
 
 CIRCLES, INSTANTS = 32, 32  # of the means over the body and over a period
 FINE, COARSE = (8, 6), (6, 5)  # of the companion beside another code: elements across the body, their order
@@ -109,7 +109,7 @@ class CircularScene(PlanarScene):
         return self._own_sizes[quantity]
 
     def balanced_motion(self, times: np.ndarray) -> Moments:
-        return circles.of_scene(self).moments(times)
+        return circular_diagnostics.of_scene(self).moments(times)
 
 
 def plotted_frame(component: str, quantity: str, X: np.ndarray, x: np.ndarray) -> np.ndarray:

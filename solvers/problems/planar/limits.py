@@ -1,6 +1,6 @@
 """Where recovered cannot run in the plane, rather than be wrong there: rows that problems put among their own."""
 
-from solvers.scene.limits import Limit
+from solvers.scene.estimator_limits import Limit
 
 POLAR = Limit("recovered", "layout", allowed=("polar",), impossible=True, why="recovered fits the particles along the "
               "lines of a polar lattice, and could not see the error that a staircase for a boundary makes; take the "

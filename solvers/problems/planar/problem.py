@@ -20,8 +20,8 @@ class Showing(NamedTuple):
 
     ``speed`` is the lowest, the first and the highest, in periods a second. ``estimators`` are those that the page
     begins with, the first of them drawn. ``details`` are fields of the method, each with its hint. ``sparks`` are the
-    questions that the page asks, by name (``app/problems/questions.py``); ``breaking`` is the run that will not last: a
-    hint, what is otherwise in its scene, and for how many periods it may hold.
+    questions that the page asks, by name (``app/problems/plane_suggestions.py``); ``breaking`` is the run that will
+    not last: a hint, what is otherwise in its scene, and for how many periods it may hold.
     """
 
     cells: tuple[int, int, int]

@@ -18,9 +18,9 @@ from solvers.motion.separable_field import SeparableField, separate
 from solvers.problems.planar import step_bound
 from solvers.problems.planar.layout import particle_layout
 from solvers.scene.remedies import COUPLED
-from solvers.scene.rules import SceneError, require_number, require_whole
 from solvers.scene.scene import Scene
 from solvers.scene.step_bound import StepBound
+from solvers.scene.validation import SceneError, require_number, require_whole
 
 MOST_CELLS = 10_000
 GHOSTS = 2  # rows of nodes beyond a symmetry plane

@@ -10,19 +10,19 @@ from solvers.kernels import runtime
 from solvers.motion.separable_field import SeparableField
 from solvers.problems.planar.estimators import circular_companion, companion, recovered, transport, two_grid
 from solvers.problems.planar.estimators.recovered_operators import BOX, Lattice
+from solvers.problems.planar.kernel_parts import PlanarParts
 from solvers.problems.planar.method.body import WatchedBody, initial_body, watched
-from solvers.problems.planar.method.measures import measures_of
-from solvers.problems.planar.method.traits import traits_of
-from solvers.problems.planar.parts import PlanarParts
-from solvers.problems.planar.plans.on_device import BesideGpu, OnDevice
-from solvers.problems.planar.plans.step import Kernels, OnProcessor, kernels
+from solvers.problems.planar.method.diagnostic_kernels import measures_of
+from solvers.problems.planar.method.problem_kernels import traits_of
+from solvers.problems.planar.plans.cpu_plan import Kernels, OnProcessor, kernels
+from solvers.problems.planar.plans.gpu_plan import BesideGpu, OnDevice
 from solvers.problems.planar.scene import PlanarScene, motion_table
 from solvers.problems.planar.snapshot import Errors, cauchy_stress_of, plotted_field, true_fields
 from solvers.problems.planar.step_breakdown import breakdown, carried
-from solvers.scene import registry
-from solvers.scene.rules import SceneError
+from solvers.scene import estimator_registry
+from solvers.scene.kernel_options import switches
 from solvers.scene.scene import MOST_PARTICLES
-from solvers.scene.switches import switches
+from solvers.scene.validation import SceneError
 from solvers.solver import devices
 from solvers.solver.base import REPORT, Solver
 from solvers.solver.samples import column
@@ -182,7 +182,7 @@ def solver_of(kind: type[PlanarScene]) -> type[PlanarSolver]:
             "recovered": lambda: recovered.hooks(BOX if box else Lattice(closed=not kind.PLANES[0])),
             "transport": lambda: transport.hooks(traits),
             "two-grid": lambda: two_grid.hooks(traits, two_grid.BOX if box else two_grid.POLAR)}
-    hooks = registry.hooks_of(kind.problem, {name: made[name]() for name in kind.ESTIMATORS})
+    hooks = estimator_registry.hooks_of(kind.problem, {name: made[name]() for name in kind.ESTIMATORS})
     parts = PlanarParts(hooks, traits, measures_of(kind, traits.first))
     its = kernels(parts)
     return type("PlanarSolver", (PlanarSolver,), {

@@ -10,8 +10,8 @@ import numpy as np
 from solvers.problems.planar.layout import CORNERS, half_edges
 from solvers.problems.planar.method.body import WatchedBody
 from solvers.problems.planar.method.cpdi import NODES
-from solvers.problems.planar.method.kept import by_particle
 from solvers.problems.planar.method.phases import EMPTY
+from solvers.problems.planar.method.stored_weights import by_particle
 from solvers.scene.scene import Scene
 
 

@@ -19,10 +19,10 @@ from pathlib import Path
 from statistics import NormalDist
 from typing import Any
 
-from solvers.running.goals import DISPLACEMENT, SAFETY
+from solvers.running.quantities_of_interest import DISPLACEMENT, SAFETY
 from solvers.scene.scene import Scene
-from solvers.study.coverage.draws import QUANTITIES, heard, refused
-from solvers.study.coverage.tally import FACTORS, MIDDLE, NORMAL, TWO_GRIDS, regime
+from solvers.study.coverage.coverage_counts import FACTORS, MIDDLE, NORMAL, TWO_GRIDS, regime
+from solvers.study.coverage.random_runs import QUANTITIES, heard, refused
 
 FOLDER = Path(__file__).parents[3] / "assets" / "coverage"
 FEWEST = 20  # runs: of fewer nothing is said
@@ -36,7 +36,8 @@ Ends = tuple[float, float]
 
 @functools.cache
 def counted(problem: str) -> Mapping[str, Any] | None:
-    """All counts (:func:`~solvers.study.coverage.tally.tally`); None for a problem of which nobody has counted."""
+    """All counts (:func:`~solvers.study.coverage.coverage_counts.tally`); None for a problem of which nobody has
+    counted."""
     path = FOLDER / f"{problem}.json"
     return json.loads(path.read_text(encoding="utf-8")) if path.exists() else None
 

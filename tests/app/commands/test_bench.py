@@ -13,8 +13,8 @@ import pytest
 
 from app.cli import main
 from app.commands.bench.command import bench_table
-from solvers.bench import bench, limit, measure, start
-from solvers.bench.measure import QUICK, bare, priced
+from solvers.bench import bench, benchmarks, cpp_reference, start_up
+from solvers.bench.benchmarks import QUICK, bare, priced
 from solvers.kernels import runtime
 from solvers.problems import PROBLEMS
 from solvers.problems.bar.scene import BarScene
@@ -22,7 +22,7 @@ from solvers.problems.ring import RingScene
 from solvers.running import timing
 from solvers.running.run import build
 from solvers.running.timing import Stretch, rate, take_turns
-from solvers.workers.processes import ProcessDied, ask_fresh
+from solvers.workers.worker_process import ProcessDied, ask_fresh
 
 #: What an effect that is off may cost in a quick run beside other work; the bench itself, at rest, shows 0 to 3 %.
 TOLERANCE = 0.15
@@ -47,10 +47,10 @@ def printed(monkeypatch, capsys) -> dict:
         "cold": dict.fromkeys(problems, 2.0), "warm": dict.fromkeys(problems, 0.5)})
     monkeypatch.setattr(bench, "gpu", lambda quick: {"missing": "no GPU was found"})
     monkeypatch.setattr(bench, "ratios", lambda problem, quick: {"problem": problem, "missing": None, "cases": [CASE]})
-    monkeypatch.setattr(measure, "build", lambda scene: scene)
-    monkeypatch.setattr(measure, "rate", lambda scene, turns: 100.0)
-    monkeypatch.setattr(measure, "ratios", lambda pairs, turns: dict.fromkeys(pairs, 1.0))
-    monkeypatch.setattr(measure, "off", lambda problem, effort: {
+    monkeypatch.setattr(benchmarks, "build", lambda scene: scene)
+    monkeypatch.setattr(benchmarks, "rate", lambda scene, turns: 100.0)
+    monkeypatch.setattr(benchmarks, "ratios", lambda pairs, turns: dict.fromkeys(pairs, 1.0))
+    monkeypatch.setattr(benchmarks, "off", lambda problem, effort: {
         "problem": problem, "method": "ugimp", "cells": 40, "ratio": 1.01, "low": 1.0, "high": 1.02, "same": 1.0,
         "call": 1e-4, "call_stripped": 1e-4})
     return object_of(capsys)
@@ -127,10 +127,10 @@ def test_what_is_measured_makes_sense(monkeypatch, capsys):
 
 
 @pytest.fixture(scope="module")
-def bar(tmp_path_factory) -> limit.Program:
+def bar(tmp_path_factory) -> cpp_reference.Program:
     try:
-        return limit.Program("bar", tmp_path_factory.mktemp("limit"))
-    except limit.NoLimit as why:
+        return cpp_reference.Program("bar", tmp_path_factory.mktemp("limit"))
+    except cpp_reference.NoLimit as why:
         return (pytest.fail if os.environ.get("CI") else pytest.skip)(f"{why}: with one this test runs")
 
 
@@ -142,11 +142,11 @@ def test_the_limit_does_the_work(bar):
 
 def test_our_rate_over_the_limits(bar, monkeypatch):
     """One method, one turn, and C++ that is compiled."""
-    monkeypatch.setattr(limit, "QUICK_TURNS", 1)
-    monkeypatch.setattr(limit, "SECONDS", 0.01)
-    monkeypatch.setattr(limit, "cases", lambda problem: [limit.Case("ugimp", 16, (16, 2000))])
-    monkeypatch.setattr(limit, "Program", lambda problem, folder: bar)
-    found = limit.ratios("bar", quick=True)
+    monkeypatch.setattr(cpp_reference, "QUICK_TURNS", 1)
+    monkeypatch.setattr(cpp_reference, "SECONDS", 0.01)
+    monkeypatch.setattr(cpp_reference, "cases", lambda problem: [cpp_reference.Case("ugimp", 16, (16, 2000))])
+    monkeypatch.setattr(cpp_reference, "Program", lambda problem, folder: bar)
+    found = cpp_reference.ratios("bar", quick=True)
     [case] = found["cases"]
     assert found["missing"] is None and case["seconds"] > 0
     assert case["low"] == case["ratio"] == case["high"] == pytest.approx(case["rate"] / case["limit"])
@@ -154,18 +154,18 @@ def test_our_rate_over_the_limits(bar, monkeypatch):
 
 def test_what_is_missing_or_fails_is_said(monkeypatch):
     monkeypatch.setenv("CXX", "no-such-compiler")
-    found = limit.ratios("bar", quick=True)
+    found = cpp_reference.ratios("bar", quick=True)
     assert found["cases"] == [] and "no C++ compiler (no-such-compiler)" in found["missing"]
 
 
 def test_a_process_that_fails_or_hangs_is_one_line(monkeypatch):
     with pytest.raises(ProcessDied, match="status 3"):
-        start.seconds([sys.executable, "-c", "raise SystemExit(3)"])
-    monkeypatch.setattr(start, "PATIENCE", 0.2)
+        start_up.seconds([sys.executable, "-c", "raise SystemExit(3)"])
+    monkeypatch.setattr(start_up, "PATIENCE", 0.2)
     with pytest.raises(ProcessDied, match="timed out"):
-        start.seconds([sys.executable, "-c", "import time; time.sleep(60)"])
+        start_up.seconds([sys.executable, "-c", "import time; time.sleep(60)"])
     with pytest.raises(ProcessDied, match="no answer within"):
-        ask_fresh("solvers.bench.start:measure", patience=0.2)
+        ask_fresh("solvers.bench.start_up:measure", patience=0.2)
 
 
 @pytest.mark.parametrize("problem", PROBLEMS)

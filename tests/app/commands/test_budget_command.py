@@ -5,7 +5,7 @@ import json
 import pytest
 
 from app.cli import main
-from solvers.scene.causes import CAUSES, FIELDS
+from solvers.scene.error_causes import CAUSES, FIELDS
 from solvers.study.summary import csv_text, summary
 
 QUICK = ("bar", "--cells", "8", "--ppc", "2", "--periods", "0.3", "--estimator", "none", "--quiet")

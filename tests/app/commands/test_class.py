@@ -5,7 +5,7 @@ import json
 import pytest
 
 from app.commands.bench.class_load import BROKEN, SCHEMA, Control, Load, Visitor, class_load, class_table
-from solvers.workers.processes import LINUX
+from solvers.workers.worker_process import LINUX
 
 VISITORS, SECONDS = 3, 4.0
 

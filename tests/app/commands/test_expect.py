@@ -6,7 +6,7 @@ import pytest
 from app.cli import main
 from app.commands.judge.command import EXPECTABLE
 from solvers import BarScene
-from solvers.judging.handout import exact
+from solvers.judging.problem_handout import exact
 from tests.support.altered import as_files
 
 

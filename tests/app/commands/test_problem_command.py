@@ -9,8 +9,8 @@ import pytest
 
 from app.cli import main
 from solvers.estimators.standalone import solve
-from solvers.judging.handout import companion, exact
-from solvers.judging.reading import read
+from solvers.judging.particle_readers import read
+from solvers.judging.problem_handout import companion, exact
 from solvers.problems import PROBLEMS
 from solvers.problems.bar.scene import BarScene
 from solvers.problems.ring import RingScene

@@ -15,25 +15,25 @@ import pytest
 from app import state
 from app.cli import main
 from app.commands import commands
-from app.lessons import grading, progress, shelf
+from app.lessons import catalogue, grading, student_progress
 from app.lessons.claims import ClaimError, check_claim
 from app.lessons.lesson import LessonError
-from app.lessons.markup import MarkupError, html
-from app.lessons.reading import parse
-from app.page.visit.notice import Notice
+from app.lessons.lesson_parser import parse
+from app.lessons.markdown_html import MarkupError, html
+from app.page.visit.status_message import Notice
 from solvers.problems import PROBLEMS
-from solvers.scene.rules import SceneError
-from solvers.study.store import NAME, Store, StoreError
+from solvers.scene.validation import SceneError
+from solvers.study.row_store import NAME, Store, StoreError
 from solvers.study.summary import csv_text, summary
 
 EVIL = "\x1b]0;owned\x07\x1b[31m\u202e\u2066evil\x9b2J"
 TEXTS = [EVIL, EVIL * 300, "9" * 10_000, "=cmd|' /C calc'!A0\t" + EVIL, "<img src=x>![](http://evil.example)`" + EVIL]
 LONGEST = 410  # letters of a message
-SLOW = ("app.page.serving.serve", "app.commands.run.command._run",
+SLOW = ("app.page.page_server.serve", "app.commands.run.command._run",
         "app.commands.run.budget.working", "app.commands.bench.command.working", "app.commands.lesson.working",
         "app.commands.export.working", "app.commands.judge.command.working",
         "app.commands.check.command.working", "app.commands.judge.problem._files",
-        "app.commands.study.rows.Study._place", "app.commands.study.advise.Advise._search")
+        "app.commands.study.study_command.Study._place", "app.commands.study.advise.Advise._search")
 
 
 class Begun(BaseException):
@@ -127,7 +127,7 @@ def test_every_part_of_a_lesson(place, wrong, text):
 @pytest.mark.parametrize("text", TEXTS, ids=range(len(TEXTS)))
 def test_claims_pictures_names_and_notices(text):
     for act, refusal in ((lambda: check_claim(text, {}, ""), ClaimError),
-                         (lambda: shelf.called(text), shelf.UnknownLesson),
+                         (lambda: catalogue.called(text), catalogue.UnknownLesson),
                          (lambda: html(f"![]({'x' * 9000}.svg)"), MarkupError)):
         with pytest.raises(refusal) as found:
             act()
@@ -136,7 +136,14 @@ def test_claims_pictures_names_and_notices(text):
     assert said.isprintable() and "<img" not in said and len(said) < 1300
 
 
-ANSWERS = {"schema": progress.SCHEMA, "lesson": "01-one-step", "fingerprint": "", "name": "", "step": 0, "answers": {}}
+ANSWERS = {
+    "schema": student_progress.SCHEMA,
+    "lesson": "01-one-step",
+    "fingerprint": "",
+    "name": "",
+    "step": 0,
+    "answers": {},
+}
 
 
 @pytest.mark.parametrize("text", TEXTS, ids=range(len(TEXTS)))
@@ -158,9 +165,9 @@ def test_every_field_of_handed_in_answers(text, tmp_path, monkeypatch, capsys):
 
 @pytest.mark.parametrize("text", TEXTS, ids=range(len(TEXTS)))
 def test_tables_hold_no_formula_and_nothing_that_does_not_show(text):
-    lesson = shelf.lessons()["01-one-step"]
+    lesson = catalogue.lessons()["01-one-step"]
     key = next(key for key, step in lesson.questions.items())
-    found = grading.Graded(text, progress.Progress("01-one-step", "", text), lesson, lesson.questions,
+    found = grading.Graded(text, student_progress.Progress("01-one-step", "", text), lesson, lesson.questions,
                             {key: (text, None)})
     row = {"scene": {"method": text, text: text}, "asked": {}, "status": "failed", "reason": text, "index": None}
     for table in (grading.table([found]), csv_text([row])):

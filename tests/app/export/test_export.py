@@ -17,16 +17,16 @@ import pytest
 
 from app import state
 from app.cli import main
-from app.export import lattice, plan
-from app.export.lesson import lesson_page, manifest, package, rules
-from app.export.page import _titled, scene_page
+from app.export import export_plan, slider_grid
+from app.export.html_file import _titled, scene_page
+from app.export.lesson_data import lesson_page, manifest, package, rules
 from app.export.quantise import NONE, NUMBER, PLACE, SIGNED, SIZE, TOPS, Track, packed
-from app.export.record import Wanted, recording
+from app.export.recording import Wanted, recording
 from app.frame.stage import one_in
-from app.lessons.reading import parse
+from app.lessons.lesson_parser import parse
 from app.problems.views import VIEWS
 from solvers.problems.planar.layout import particle_layout
-from solvers.scene.causes import FIELDS
+from solvers.scene.error_causes import FIELDS
 from tests.app.lessons.test_lesson_format import TEXT
 
 BAR = "bar cells=10 periods=0.25 estimators=recovered,transport"
@@ -99,7 +99,7 @@ def test_a_track_of_a_run_gone_bad_is_written(kind):
     ("bar motion=patch cells=10 periods=0.1", "Patch test of the bar"), ("bar cells=10 periods=0.1", "Vibrating bar"),
     ("ring cells=12 periods=0.02", "Expanding ring")])
 def test_a_file_is_titled_by_what_it_shows(text, heading):
-    assert _titled(plan.planned(state.read(text), (), ("x",))) == heading
+    assert _titled(export_plan.planned(state.read(text), (), ("x",))) == heading
 
 
 def test_zeros_and_nothing_stay_what_they_are():
@@ -172,23 +172,26 @@ def test_of_many_particles_some_are_kept():
 @pytest.mark.parametrize("problem", ["bar", "ring"])
 def test_a_lattice_has_sixty_runs_and_stays_within_the_budget(problem):
     shown = state.read(f"{problem} estimators=recovered,transport")
-    axes = lattice.around(shown.scene, lattice.FULL)
-    one = plan.planned(shown, axes, ("x", "v", "sigma"))
+    axes = slider_grid.around(shown.scene, slider_grid.FULL)
+    one = export_plan.planned(shown, axes, ("x", "v", "sigma"))
     assert [len(axis.values) for axis in axes] == [5, 4, 3] and len(one.runs) == 60
     assert all(axis.values[axis.start] == getattr(shown.scene, axis.field) for axis in axes)
-    most = next(iter(plan.wanted([one]).values())).particles
-    assert sum(plan._bytes(one, min(state.read(text).scene.particles, most)) for text in one.runs) <= plan.BUDGET
+    most = next(iter(export_plan.wanted([one]).values())).particles
+    assert (
+        sum(export_plan._bytes(one, min(state.read(text).scene.particles, most)) for text in one.runs)
+        <= export_plan.BUDGET
+    )
 
 
 def test_what_a_lesson_names_is_on_the_sliders():
     text = "- Set **Cells** to `80`.\n- Choose **Method** `B-spline`.\n- Set **CFL number** to `0.025`.\nRead **norm**."
-    axes = {axis.field: axis.values for axis in lattice.named(state.read("bar cells=20 cfl=0.4").scene, text)}
+    axes = {axis.field: axis.values for axis in slider_grid.named(state.read("bar cells=20 cfl=0.4").scene, text)}
     assert axes == {"cells": (20, 80), "method": ("ugimp", "bspline"), "cfl": (0.025, 0.4)}
 
 
 def test_what_cannot_be_says_why():
-    axes = [lattice.SliderAxis("method", ("cpgimp", "ugimp"), 0)]
-    texts = list(lattice.scenes(state.read("bar method=cpgimp velocity=corners").scene, axes))
+    axes = [slider_grid.SliderAxis("method", ("cpgimp", "ugimp"), 0)]
+    texts = list(slider_grid.scenes(state.read("bar method=cpgimp velocity=corners").scene, axes))
     assert texts[0].startswith("bar;") and texts[1].startswith("!moves the corners")
 
 
@@ -262,7 +265,7 @@ def test_only_a_package_speaks_to_a_system(archive):
 
 def test_several_lessons_are_packed_once_each(capsys, monkeypatch, tmp_path):
     asked = []
-    monkeypatch.setattr("app.export.lesson.package", lambda lessons, *others, core: asked.extend(lessons) or b"PK")
+    monkeypatch.setattr("app.export.lesson_data.package", lambda lessons, *others, core: asked.extend(lessons) or b"PK")
     assert main(["export", "1", "04", "1", "--scorm", "--quiet", "--out", str(tmp_path / "a.zip")]) == 0
     assert [lesson.name for lesson in asked] == ["01-one-step", "04-grid-crossing"]
     assert (tmp_path / "a.zip").read_bytes() == b"PK"

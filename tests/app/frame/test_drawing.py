@@ -8,8 +8,8 @@ from dataclasses import replace
 from html import unescape
 from types import SimpleNamespace
 
-from app.frame.marks import Label
-from app.renderers.viewer import Lettering, Sheet
+from app.frame.primitives import Label
+from app.renderers.viewer_renderer import Lettering, Sheet
 
 NOTE = Label("note", "a", 0.0, 0.5, "center-center", "note")
 

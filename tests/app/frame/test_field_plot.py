@@ -6,9 +6,9 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from app.frame.field import ROOM, Axis, FieldPlot, seen
+from app.frame.field_plot import ROOM, Axis, FieldPlot, seen
 from app.frame.layout import Seat
-from app.frame.marks import Room
+from app.frame.primitives import Room
 from app.problems.bar.stage import BarStage
 from app.problems.views import VIEWS
 from solvers.problems.bar.scene import BarScene

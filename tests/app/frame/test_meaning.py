@@ -7,8 +7,8 @@ import numpy as np
 import pytest
 
 from app import words
-from app.frame.marks import Dots
-from app.frame.scale import ZERO, ColourScale
+from app.frame.colour_scale import ZERO, ColourScale
+from app.frame.primitives import Dots
 from app.frame.stage import Words
 from app.problems.views import VIEWS
 from solvers.problems import PROBLEMS

@@ -6,10 +6,10 @@ import numpy as np
 import pytest
 
 from app.frame.crossings import LEAST_SECONDS, WINDOW, ages, recent, window
-from app.frame.field import ROOM
+from app.frame.field_plot import ROOM
 from app.frame.layout import Seat, top
-from app.frame.marks import Room
-from app.frame.planar_places import AROUND, planar_labels, planar_places
+from app.frame.planar_layout import AROUND, planar_labels, planar_places
+from app.frame.primitives import Room
 from app.frame.stage import Words
 from app.problems.views import VIEWS
 from solvers.problems.bar.scene import BarScene

@@ -6,13 +6,13 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from app.frame.slow.phases import PHASES, scaled
-from app.frame.slow.stage import NUMBERS, shape
+from app.frame.slow_motion.stage import NUMBERS, shape
+from app.frame.slow_motion.step_phases import PHASES, scaled
 from app.problems.views import VIEWS
-from app.renderers.viewer import Lettering, Sheet
+from app.renderers.viewer_renderer import Lettering, Sheet
 from app.words import PREFIXES
-from solvers.engine.frames import FrameOptions
-from solvers.engine.messages import Pace, Wish
+from solvers.engine.engine_messages import Pace, Wish
+from solvers.engine.shared_frames import FrameOptions
 from solvers.problems.bar.scene import BarScene
 from solvers.problems.ring import RingScene
 from solvers.problems.vortex import VortexScene

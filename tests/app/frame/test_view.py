@@ -10,23 +10,23 @@ import pytest
 
 from app import words
 from app.frame.captions import ESTIMATE_OFF, NONE_CHOSEN, OFF, TRUTH_OFF, UNKNOWN, look
-from app.frame.scale import DECADES, MOST_TICKS, ColourScale
+from app.frame.colour_scale import DECADES, MOST_TICKS, ColourScale
 from app.frame.stage import Stage
 from app.page.panels.readout import _percent, readout
-from app.page.stage.worst import SteadyMaximum, WorstRegions
+from app.page.stage.worst_region import SteadyMaximum, WorstRegions
 from app.page.visit.session import first_scene
 from app.problems.bar.view import BAR as BAR_VIEW
 from app.problems.bar.view import LENGTHS
 from app.problems.views import VIEWS
 from app.words import with_unit
-from solvers.engine.frames import FrameArrays, FrameOptions
-from solvers.engine.messages import FrameReport
+from solvers.engine.engine_messages import FrameReport
+from solvers.engine.shared_frames import FrameArrays, FrameOptions
 from solvers.problems import PROBLEMS
 from solvers.problems.bar.scene import BarScene
 from solvers.problems.planar.layout import particle_layout
 from solvers.problems.ring import RingScene
 from solvers.problems.vortex import VortexScene
-from solvers.scene.registry import ESTIMATORS
+from solvers.scene.estimator_registry import ESTIMATORS
 
 BAR = BarScene(cells=10, ppc=2, estimators=("transport",))
 PLACES = (np.arange(20)[:, None] + 0.5) / 20

@@ -9,14 +9,14 @@ import numpy as np
 import pytest
 
 from app import words
-from app.frame import budget, captions, sentence
-from app.frame.slow.phases import PHASES
-from app.language.spoken import speaking, tr
-from app.problems.spark import NotNow
+from app.frame import budget_chart, captions, headline
+from app.frame.slow_motion.step_phases import PHASES
+from app.language.translation import speaking, tr
+from app.problems.suggestion import NotNow
 from app.problems.views import VIEWS
 from app.state import State
 from solvers.problems import PROBLEMS
-from solvers.scene.registry import ESTIMATORS
+from solvers.scene.estimator_registry import ESTIMATORS
 from solvers.scene.scene import Scene
 from tests.support.pseudo import CODE
 
@@ -55,9 +55,9 @@ def test_what_is_said_of_a_run_and_its_errors(problem):
                     no_truth = captions.why_no_truth(scene, quantity)
                     no_estimate = captions.why_no_estimate(scene, scene.not_valid, estimator, quantity)
                     told = astuple(captions.captions(quantity, estimator, estimator is None, no_estimate, no_truth))
-                    said = sentence.error_words(scene, quantity, estimator, no_estimate, no_truth)
+                    said = headline.error_words(scene, quantity, estimator, no_estimate, no_truth)
                     plot = captions.field_words(scene, stage.PLOT.component, quantity)
-                    run = sentence.errors(said, "m", 0.2, 0.1, 0.5, tr(sentence.SO_FAR))
+                    run = headline.errors(said, "m", 0.2, 0.1, 0.5, tr(headline.SO_FAR))
                     assert not outside(f"{told} {plot} {captions.counting(plot.remark, 3)} {run}")
 
 
@@ -86,7 +86,7 @@ def test_what_a_problem_says_of_itself_and_asks(problem):
 
 def test_what_is_said_of_a_step_in_slow_motion_and_of_causes():
     with speaking(CODE):
-        said = [*map(tr, (budget.QUESTION, budget.CAPTION, *budget.MEANINGS.values())),
+        said = [*map(tr, (budget_chart.QUESTION, budget_chart.CAPTION, *budget_chart.MEANINGS.values())),
                 *(tr(phase.title) for phase in PHASES), *(tr(one.name) for phase in PHASES for one in phase.columns),
                 *(phase.words(scene) for phase in PHASES for problem in PROBLEMS.values()
                   for scene in scenes(problem.scene))]

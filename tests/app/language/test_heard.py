@@ -6,14 +6,14 @@ import re
 import pytest
 
 from app.frame.captions import why_no_estimate
-from app.language.heard import LONGEST, MOST_TEXTS, Translator, heard, translator
-from app.language.spoken import speaking
+from app.language.message_translation import LONGEST, MOST_TEXTS, Translator, heard, translator
+from app.language.translation import speaking
 from app.words import brief, on_page
 from solvers import BarScene, RingScene, VortexScene
 from solvers.problems import PROBLEMS
 from solvers.scene.effects import EFFECTS
-from solvers.scene.rules import SceneError
 from solvers.scene.scene import Scene
+from solvers.scene.validation import SceneError
 from solvers.solver.soundness import CONTRADICTIONS
 from tests.sentences import PLACE, sentences
 

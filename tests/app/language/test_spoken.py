@@ -6,8 +6,8 @@ from concurrent.futures import ThreadPoolExecutor
 import polib
 import pytest
 
-from app.language import spoken
-from app.language.spoken import LANGUAGES, Language, carried, kept, language, localised, speaking, tr, trn
+from app.language import translation
+from app.language.translation import LANGUAGES, Language, carried, kept, language, localised, speaking, tr, trn
 
 WORDS = {"Play": "Los", "{n} of {all} are here": "von {all} sind {n} da"}
 
@@ -24,7 +24,7 @@ def other(tmp_path, monkeypatch):
     file.save(str(tmp_path / "zz.po"))
     monkeypatch.setitem(LANGUAGES, "zz", Language("Other", tmp_path / "zz.po"))
     yield "zz"
-    spoken.catalogue.cache_clear()
+    translation.catalogue.cache_clear()
 
 
 def test_a_text_is_what_the_language_says_and_english_is_the_code(other):
@@ -75,8 +75,8 @@ def test_a_file_has_its_translation_beside_it_or_stands_for_itself(tmp_path):
 
 
 def test_scripts_get_their_own_words(other):
-    assert spoken.catalogue(other).of_files("app/page/web/js/") == WORDS
-    assert spoken.catalogue(other).of_files("app/export/") == spoken.catalogue("en").of_files("app/") == {}
+    assert translation.catalogue(other).of_files("app/page/web/js/") == WORDS
+    assert translation.catalogue(other).of_files("app/export/") == translation.catalogue("en").of_files("app/") == {}
 
 
 @pytest.mark.parametrize(("query", "accepted", "found"), [
@@ -86,10 +86,10 @@ def test_scripts_get_their_own_words(other):
     ("lang=fr&lang=de", "", "de"), ("lang=", "", "en"), ("&&=%ff;lang", ";q=1,,;;q=", "en"),
     ("x" * 10_000 + "&lang=de", "y," * 10_000, "en")])
 def test_the_address_goes_first_then_what_the_browser_likes_best(query, accepted, found):
-    assert spoken.wished(query, accepted) == found
+    assert translation.wished(query, accepted) == found
 
 
 def test_a_cookie_tells_the_websocket_and_one_of_nobodys_tells_nothing():
-    assert spoken.of_cookie([f"mpm-lab-8080=x; {spoken.as_cookie('de').partition(';')[0]}"]) == "de"
+    assert translation.of_cookie([f"mpm-lab-8080=x; {translation.as_cookie('de').partition(';')[0]}"]) == "de"
     for cookies in ([], ["mpm-lab-language=klingon"], ["mpm-lab-language"]):
-        assert spoken.of_cookie(cookies) == "en"
+        assert translation.of_cookie(cookies) == "en"

@@ -7,12 +7,12 @@ import re
 import pytest
 
 from app import state
-from app.language.spoken import ENGLISH, speaking
-from app.lessons import shelf
+from app.language.translation import ENGLISH, speaking
+from app.lessons import catalogue
 from app.lessons.lesson import drawn, filled
-from app.page.features.lesson import acts
-from app.page.features.lesson.acts import Act, do, found, put, who, with_buttons
-from app.page.features.lesson.html import choices_html, shelf_html, step_html, text_html
+from app.page.features.lesson import action_buttons
+from app.page.features.lesson.action_buttons import Act, do, found, put, who, with_buttons
+from app.page.features.lesson.step_html import choices_html, shelf_html, step_html, text_html
 
 SAID = "\n\n".join(("Words.", "- Press **On the stage**.", "- Set **Cells** to `80`.\n- Choose **Method** `B-spline`.",
                     "- Set **Particle** to `10`.\n- Press **Pause**.", "- Tick **Slow motion**."))
@@ -64,11 +64,11 @@ def test_an_act_means_what_its_widget_would_do(act, meant):
 
 
 @pytest.mark.parametrize("core", [True, False], ids=["core", "all"])
-@pytest.mark.parametrize("name", shelf.names())
+@pytest.mark.parametrize("name", catalogue.names())
 def test_every_act_of_a_lesson_can_be_done_in_its_scene(name, core):
     """Where the step's run is on the stage the value is one that the field may have; each run has a button. In the core
     alone the stage has only what the core has put there. A lesson in another language has the same acts."""
-    for lesson in shelf.in_every_language(name):
+    for lesson in catalogue.in_every_language(name):
         with speaking(lesson.language):
             _done(lesson, core)
 
@@ -77,7 +77,7 @@ def _done(lesson, core):
     told = [[(act.verb, act.name) for act in found(text_html(step.text, drawn(lesson, "")))] for step in lesson.steps]
     with speaking(ENGLISH):
         assert told == [[(act.verb, act.name) for act in found(text_html(step.text, drawn(lesson, "")))]
-                        for step in shelf.lesson(lesson.name).steps]
+                        for step in catalogue.lesson(lesson.name).steps]
     numbers, text = drawn(lesson, ""), "bar"
     for step in lesson.walk(core):
         text = filled(step.stage, numbers) or text
@@ -90,12 +90,12 @@ def _done(lesson, core):
             else:
                 do(act, hand)
                 field, value = hand.done[-1]
-                allowed = hand.scene.choices(field) if field in acts.FIELDS.values() else ()
+                allowed = hand.scene.choices(field) if field in action_buttons.FIELDS.values() else ()
                 assert not allowed or value in allowed
 
 
 def test_answers_and_titles_are_escaped():
     html = choices_html(["<b>one", "two"], 2, False, "a'key")
     assert "&lt;b&gt;one" in html and html.count(" checked") == 1 and "data-question='a&#x27;key'" in html
-    every = shelf_html(shelf.lessons())
-    assert every.count("class='lab-open'") == len(shelf.names()) and "data-fingerprint=" in every
+    every = shelf_html(catalogue.lessons())
+    assert every.count("class='lab-open'") == len(catalogue.names()) and "data-fingerprint=" in every

@@ -6,12 +6,12 @@ import pytest
 import viser
 
 from app import state
-from app.lessons import shelf
+from app.lessons import catalogue
+from app.lessons.answer_check import mark, shown, trouble
 from app.lessons.lesson import DRAG, PREDICT
-from app.lessons.marks import mark, shown, trouble
-from app.lessons.outcomes import Outcomes
-from app.page.features.lesson.answer import AnswerWidgets, number
-from solvers.workers.processes import free_port
+from app.lessons.lesson_runs import Outcomes
+from app.page.features.lesson.answer_widgets import AnswerWidgets, number
+from solvers.workers.worker_process import free_port
 
 
 @pytest.fixture(scope="module")
@@ -23,7 +23,7 @@ def gui():
 
 @pytest.fixture(scope="module")
 def dragged():
-    lesson = shelf.lesson("04-grid-crossing")
+    lesson = catalogue.lesson("04-grid-crossing")
     [step] = [step for step in lesson.steps if step.question and step.question.kind == DRAG]
     return lesson, step
 
@@ -52,7 +52,7 @@ def test_a_prediction_of_a_control_is_a_slider(gui, dragged):
 
 
 def test_only_an_option_that_there_is_can_be_chosen(gui):
-    [step, *_] = [step for step in shelf.lesson("04-grid-crossing").steps if step.question]
+    [step, *_] = [step for step in catalogue.lesson("04-grid-crossing").steps if step.question]
     widgets = AnswerWidgets(gui, step, {}, None, False, lambda: state.read("bar").scene)
     for said in (0, 4, -1, True, 1.0, "1", None, [1], 10**9):
         widgets.choose(said)
@@ -70,7 +70,7 @@ def test_a_size_is_read_with_any_prefix(text, unit, value):
 
 
 def test_an_answer_is_shown_as_the_page_writes_sizes():
-    lesson = shelf.lesson("04-grid-crossing")
+    lesson = catalogue.lesson("04-grid-crossing")
     asked = next(step.question for step in lesson.steps if step.question and step.question.unit == "Pa")
     assert shown(asked, 0.0756) == "75.6 mPa"
     assert shown(replace(asked, kind="interval"), [0.0001, 0.025]) == "100 µPa to 25 mPa"

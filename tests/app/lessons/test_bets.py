@@ -8,15 +8,15 @@ import numpy as np
 import pytest
 
 from app import state
-from app.lessons import shelf
-from app.lessons.bet_lines import drawn
+from app.lessons import catalogue
+from app.lessons.answer_check import laid, right
+from app.lessons.bet_chart import drawn
 from app.lessons.bets import BY_ROUND, JUDGES, YOURS, Bet, Bettor, score
 from app.lessons.claims import ClaimError, check_claim, decide
 from app.lessons.lesson import LessonError
-from app.lessons.marks import laid, right
-from app.lessons.outcomes import Outcomes, work
-from app.lessons.reading import parse
-from solvers.study.coverage.draws import Draw
+from app.lessons.lesson_parser import parse
+from app.lessons.lesson_runs import Outcomes, work
+from solvers.study.coverage.random_runs import Draw
 
 HEAD = """+++
 title = "Bets"
@@ -166,7 +166,7 @@ def test_the_eight_runs_of_lesson_ten_are_those_that_were_drawn():
         return (scene.problem, scene.method, scene.cells, scene.ppc, *map(float, sizes), scene.body_force,
                 scene.linearity_preserving, scene.velocity)
 
-    lesson = shelf.lesson("10-how-sure-are-you")
+    lesson = catalogue.lesson("10-how-sure-are-you")
     bets = [step.asked.expected.split(".")[0] for step in lesson.questions.values() if step.asked.kind == "interval"]
     runs = {rounded(state.read(lesson.runs[name].texts[0]).scene) for name in bets}
     assert rounded(state.read(lesson.runs["broken"].texts[0]).scene) == rounded(Draw("bar", 10, 0).scene())

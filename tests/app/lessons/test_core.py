@@ -8,11 +8,11 @@ from dataclasses import replace
 import pytest
 
 from app.cli import main
-from app.lessons import grading, length, shelf
+from app.lessons import catalogue, duration, grading
 from app.lessons.lesson import CHOICE, EXPLAIN, OBSERVE, PREDICT, RUN, TEXT, Lesson, LessonError, Question, Step, drawn
-from app.lessons.progress import Progress, read
-from app.lessons.reading import parse
+from app.lessons.lesson_parser import parse
 from app.lessons.rounds import rounds
+from app.lessons.student_progress import Progress, read
 from tests.app.lessons.test_lesson_format import TEXT as ROUND
 
 DEEPER = """
@@ -76,7 +76,7 @@ def test_who_takes_the_core_goes_past_what_is_deeper(two):
 
 
 def lesson(*steps: Step, intro: str = "") -> Lesson:
-    return length.measured(Lesson("l", "L", (), (), intro=intro, steps=steps))
+    return duration.measured(Lesson("l", "L", (), (), intro=intro, steps=steps))
 
 
 def step(kind: str = RUN, text: str = "", **more) -> Step:
@@ -93,12 +93,12 @@ def step(kind: str = RUN, text: str = "", **more) -> Step:
 def test_what_a_step_takes(text, stage, seconds):
     """Beyond turning the page. A word is a third of a second."""
     found = step(text=text, stage=stage)
-    assert length.round_seconds((found,), lesson(found)) - length.TURN_SECONDS == pytest.approx(seconds)
+    assert duration.round_seconds((found,), lesson(found)) - duration.TURN_SECONDS == pytest.approx(seconds)
 
 
 def test_a_run_that_is_only_offered_is_not_counted():
     found = step(EXPLAIN, stage=PLAYS)
-    assert length.round_seconds((found,), lesson(found)) == length.TURN_SECONDS
+    assert duration.round_seconds((found,), lesson(found)) == duration.TURN_SECONDS
 
 
 def test_thinking_takes_longer_than_telling_and_what_is_compared_counts():
@@ -106,25 +106,29 @@ def test_thinking_takes_longer_than_telling_and_what_is_compared_counts():
     predict, observe, explain = step(PREDICT, question=asked), step(OBSERVE, question=asked), step(EXPLAIN)
 
     def seconds(*steps):
-        return length.round_seconds(steps, lesson(*steps)) - len(steps) * length.TURN_SECONDS - len(steps[:2]) * 4 / 3
+        return (
+            duration.round_seconds(steps, lesson(*steps)) - len(steps) * duration.TURN_SECONDS - len(steps[:2]) * 4 / 3
+        )
 
     assert seconds(predict, predict) == pytest.approx(120) and seconds(observe, observe) == pytest.approx(60)
     assert seconds(predict, observe, explain) == pytest.approx(60 + 30 + 2 * 10)
-    assert all(length.PREDICTING[kind] >= length.TELLING[kind] for kind in length.PREDICTING)
+    assert all(duration.PREDICTING[kind] >= duration.TELLING[kind] for kind in duration.PREDICTING)
 
 
 def test_minutes_are_whole_and_told():
     deep = step(text=WORDS, core=False)
     found = lesson(step(text=f"{WORDS} {WORDS}"), deep, intro=WORDS)
     assert (found.core_minutes, found.minutes) == (3, 4)
-    assert length.told(found) == "3 min core, 4 min in all" and length.told(lesson(deep)) == "1 min core, 1 min in all"
-    assert length.told(lesson(step(text=WORDS))) == "1 min"
+    assert (
+        duration.told(found) == "3 min core, 4 min in all" and duration.told(lesson(deep)) == "1 min core, 1 min in all"
+    )
+    assert duration.told(lesson(step(text=WORDS))) == "1 min"
 
 
-@pytest.mark.parametrize("name", shelf.names())
+@pytest.mark.parametrize("name", catalogue.names())
 def test_the_core_of_our_lessons_is_some_twenty_minutes_and_stands_by_itself(name):
     """It looks back upon nothing that is deeper by its title; and no text of a lesson says minutes of its own."""
-    found = shelf.lesson(name)
+    found = catalogue.lesson(name)
     assert 15 <= found.core_minutes <= 25 and found.core_minutes <= found.minutes
     core = "\n".join((found.intro, *(f"{step.title}\n{step.text}" for step in found.walk(core=True))))
     assert not any(step.title in core for step in found.deeper if len(step.title) > 20)
@@ -137,7 +141,7 @@ def test_the_core_of_our_lessons_is_some_twenty_minutes_and_stands_by_itself(nam
 def test_which_is_told_by_the_list(capsys):
     assert main(["lesson", "list"]) == 0
     lines = capsys.readouterr().out.splitlines()
-    for line, found in zip(lines, shelf.lessons().values(), strict=True):
+    for line, found in zip(lines, catalogue.lessons().values(), strict=True):
         assert f"{found.core_minutes} min core, {found.minutes} min in all  {found.title}" in line
 
 
@@ -171,13 +175,13 @@ def test_of_the_core_alone_its_questions_count(two):
 
 def test_the_guide_says_what_is_deeper_or_leaves_it_out(monkeypatch, capsys):
     """Of lesson 6, which has two deeper rounds; the right answers are not run here."""
-    monkeypatch.setattr("app.lessons.guide._answer", lambda *_: "42")
-    found = shelf.lesson("06-ring")
+    monkeypatch.setattr("app.lessons.teacher_guide._answer", lambda *_: "42")
+    found = catalogue.lesson("06-ring")
     title = found.deeper[0].title
     assert main(["lesson", "guide", "6", "--quiet"]) == 0
     text = capsys.readouterr().out
     assert title in text and text.count("*Deeper: the core does without this round, which takes") == 2
-    assert length.told(found) in text and text.count("*This round takes") == 3
+    assert duration.told(found) in text and text.count("*This round takes") == 3
     assert main(["lesson", "guide", "6", "--quiet", "--core"]) == 0
     text = capsys.readouterr().out
     assert title not in text and "*Deeper" not in text

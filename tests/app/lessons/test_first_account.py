@@ -12,7 +12,7 @@ from dataclasses import dataclass
 import numpy as np
 import pytest
 
-from solvers.problems.bar import exact
+from solvers.problems.bar import exact_solution
 from solvers.problems.bar.scene import BarScene
 from solvers.problems.bar.solver import BarSolver
 
@@ -56,7 +56,7 @@ class Waves:
         u, v = self.carry(u, v, self.dt)
         for at, weight in zip(*GAUSS, strict=True):
             s = 0.5 * self.dt * (1 + at)
-            b = np.fft.rfft(exact.body_force(self._scene, self.X, now + s))
+            b = np.fft.rfft(exact_solution.body_force(self._scene, self.X, now + s))
             more = self.carry(0 * b, 0.5 * self.dt * weight * b, self.dt - s)
             u, v = u + more[0], v + more[1]
         return u, v
@@ -105,7 +105,7 @@ def keep(scene: BarScene, spare: bool = False) -> Kept:
         if spare:
             a.velocity -= dt * kick
             a.position -= dt * dt * kick
-        true = u - exact.displacement(scene, a.material_position, (n + 1) * dt)
+        true = u - exact_solution.displacement(scene, a.material_position, (n + 1) * dt)
         errors.append([true, *np.fft.irfft(books[:, 0], P)])
     e, force, slope, whole = np.swapaxes(errors, 0, 1)
     return Kept(np.sqrt(np.mean(e**2)), np.abs(whole - e).max() / np.abs(e).max(), np.sum(force * e) / np.sum(e * e),

@@ -10,12 +10,12 @@ import math
 import pytest
 
 from app.cli import main
-from app.lessons import grading, shelf
+from app.lessons import catalogue, grading
+from app.lessons.answer_check import mark, shown, trouble
 from app.lessons.lesson import drawn, filled
-from app.lessons.marks import mark, shown, trouble
-from app.lessons.outcomes import Outcomes
-from app.lessons.progress import NotAnswers, Progress, read
-from app.lessons.reading import parse
+from app.lessons.lesson_parser import parse
+from app.lessons.lesson_runs import Outcomes
+from app.lessons.student_progress import NotAnswers, Progress, read
 from tests.app.lessons.test_lesson_format import TEXT, use_folder
 
 SAVED = TEXT + """
@@ -116,7 +116,7 @@ def test_marks_are_derived_from_the_runs(outcomes):
 
 
 def test_grade_makes_one_table(shelf_of_one, outcomes, tmp_path, capfd):
-    lesson = shelf.lesson("01-test")
+    lesson = catalogue.lesson("01-test")
     hers, his = (outcomes.result(filled(lesson.runs["grids"].texts[0], drawn(lesson, name)))["error"]["x"]["final"]
                  for name in ("Ada", "Émile"))
     one = answers(lesson, "Ada", what_happens=2, drag=20.0, bet=[hers / 2, hers * 2],

@@ -5,11 +5,11 @@ import re
 import pytest
 
 from app import state
-from app.lessons import classes, shelf
+from app.lessons import catalogue, class_plans
+from app.lessons.catalogue import FOLDER, UnknownLesson, called, lessons, names
 from app.lessons.lesson import EXPLAIN, LessonError, drawn, filled
-from app.lessons.reading import parse, read
-from app.lessons.shelf import FOLDER, UnknownLesson, called, lessons, names
-from solvers.scene.registry import ESTIMATORS
+from app.lessons.lesson_parser import parse, read
+from solvers.scene.estimator_registry import ESTIMATORS
 
 TEXT = """+++
 title = "A test"
@@ -63,9 +63,15 @@ Ask them.
 
 def use_folder(monkeypatch, folder):
     """Have all that reads lessons and pages for a class read those of this folder."""
-    for function in (shelf.names, shelf.called, shelf.lesson, shelf.lessons, shelf.in_every_language):
+    for function in (
+        catalogue.names,
+        catalogue.called,
+        catalogue.lesson,
+        catalogue.lessons,
+        catalogue.in_every_language,
+    ):
         monkeypatch.setattr(function, "__defaults__", (folder,))
-    for function in (classes.names, classes.page):
+    for function in (class_plans.names, class_plans.page):
         monkeypatch.setattr(function, "__defaults__", (folder / "classes",))
 
 

@@ -6,12 +6,12 @@ import re
 
 import pytest
 
-from app.lessons import classes
-from app.lessons.checking import checks
+from app.lessons import class_plans
+from app.lessons.answer_check import expressions, right
+from app.lessons.catalogue import lessons, names
 from app.lessons.lesson import CHOICE
-from app.lessons.marks import expressions, right
-from app.lessons.outcomes import Outcomes, scene_texts
-from app.lessons.shelf import lessons, names
+from app.lessons.lesson_check import checks
+from app.lessons.lesson_runs import Outcomes, scene_texts
 from solvers.problems.bar.scene import BarScene
 from solvers.problems.ring import RingScene
 from solvers.running.run import run
@@ -116,10 +116,10 @@ def test_every_claim_of_a_lesson_holds(name, outcomes):
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("name", classes.names())
+@pytest.mark.parametrize("name", class_plans.names())
 def test_every_claim_of_a_page_for_a_class_holds(name, outcomes):
     """Most of its runs are those of lessons."""
-    found = list(classes.checks(classes.page(name), lessons(), outcomes))
+    found = list(class_plans.checks(class_plans.page(name), lessons(), outcomes))
     assert [str(check) for check in found if not check.holds] == [] and len(found) > 20
 
 

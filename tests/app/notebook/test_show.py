@@ -10,8 +10,8 @@ import numpy as np
 import pytest
 
 from app import state
-from app.export import lattice
-from app.export.page import scene_page
+from app.export import slider_grid
+from app.export.html_file import scene_page
 from app.notebook import show
 from app.notebook.result import result_table
 from app.words import ratio, with_unit
@@ -50,8 +50,8 @@ def test_a_player_is_framed_and_saved_as_it_is(tmp_path):
 
 
 def test_sliders_bring_runs_around_it(monkeypatch):
-    around, told = lattice.around, []
-    monkeypatch.setattr(lattice, "around", lambda scene, counts: around(scene, {"cells": 2}))
+    around, told = slider_grid.around, []
+    monkeypatch.setattr(slider_grid, "around", lambda scene, counts: around(scene, {"cells": 2}))
     player = show(SMALL, sliders=True, processes=1, on_progress=lambda part, doing: told.append(part))
     assert told[-1] == 1.0 and len(player.page) > len(show(SMALL).page)
 

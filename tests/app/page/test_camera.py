@@ -7,7 +7,7 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from app.page.stage.probe import FlatCamera
+from app.page.stage.error_probe import FlatCamera
 
 RECTANGLE = (-0.015, 1.015, 0.0, 0.46)
 HAIR = 1e-4  # by which fits differ, for the viewer to take each

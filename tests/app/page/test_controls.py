@@ -12,7 +12,7 @@ from app import state
 from app.page.visit.session import FIRST_SCENE
 from app.words import CHOICES
 from solvers.scene.effects import ALL
-from solvers.scene.registry import ESTIMATORS
+from solvers.scene.estimator_registry import ESTIMATORS
 from solvers.scene.remedies import REMEDIES
 from tests.support import doors
 from tests.support.processes import until

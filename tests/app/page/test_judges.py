@@ -12,13 +12,13 @@ import pytest
 
 from app.frame.captions import UNKNOWN
 from app.page.panels.readout import ROUNDED, judged, place, readout
-from app.page.stage.worst import WorstRegions
+from app.page.stage.worst_region import WorstRegions
 from app.page.visit.history import History
-from app.page.visit.notice import doubt
+from app.page.visit.status_message import doubt
 from app.problems.views import VIEWS
 from solvers.problems import PROBLEMS
 from solvers.problems.bar.scene import BarScene
-from solvers.running.goals import ENERGY
+from solvers.running.quantities_of_interest import ENERGY
 from solvers.running.run import build
 from solvers.study.coverage import track_record
 from tests.app.frame.test_view import report_of

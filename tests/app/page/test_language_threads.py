@@ -10,15 +10,15 @@ from types import SimpleNamespace
 
 import pytest
 
-from app.language.spoken import as_cookie, carried, speaking, tr
-from app.page.features import background
+from app.language.translation import as_cookie, carried, speaking, tr
+from app.page.features import background_job
 from app.page.features.budget.jobs import BudgetJobs
-from app.page.serving import OVER, Visitors
-from app.page.visit.links import PageLinks
+from app.page.page_server import OVER, Visitors
+from app.page.visit.engine_links import PageLinks
 from app.page.visit.session import Session, first_scene
 from app.viewer.upload import TOO_LARGE
-from solvers.workers.pool import Slots
-from solvers.workers.processes import ProcessDied
+from solvers.workers.worker_pool import Slots
+from solvers.workers.worker_process import ProcessDied
 from tests.app.page.features.test_own_file import Sender
 from tests.support import doors
 from tests.support.processes import until
@@ -97,7 +97,7 @@ class Pool(doors.Pool):
     ("en", "the run goes bad: boom", "the background process was closed")])
 def test_what_becomes_of_a_job(monkeypatch, code, bad, died):
     pool, jobs = Pool(), BudgetJobs(Slots(1))
-    monkeypatch.setattr(background, "WorkerPool", lambda _: pool)
+    monkeypatch.setattr(background_job, "WorkerPool", lambda _: pool)
     with speaking(code):
         jobs.budget(first_scene("ring"))
     on_a_thread(pool.tell, {"bad": "boom"})

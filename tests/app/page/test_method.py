@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from app.page.panels.change import HALF_WIDTH, REACH, pictures, weights
+from app.page.panels.run_settings import HALF_WIDTH, REACH, pictures, weights
 from app.words import METHODS
 
 

@@ -9,9 +9,9 @@ import pytest
 from app.page.panels.plots import grey_curves
 from app.page.visit import session as page
 from app.words import differing
-from solvers.engine import successor
-from solvers.engine.messages import FRAME_SECONDS, Pace
-from solvers.engine.stepper import MOST_APART
+from solvers.engine import compiling_fork
+from solvers.engine.engine_messages import FRAME_SECONDS, Pace
+from solvers.engine.session_stepper import MOST_APART
 from solvers.problems.bar.scene import BarScene
 from solvers.problems.ring import RingScene
 from tests.support.listening import PATIENCE, SCENE, Listener, assert_same
@@ -99,7 +99,7 @@ def test_the_other_goes_on_when_one_stops(pair, how):
     listener.wait(lambda: periods(listener) > then + 1.0)
 
 
-@pytest.mark.skipif(not successor.POSSIBLE, reason="only Linux can fork a process that runs Taichi")
+@pytest.mark.skipif(not compiling_fork.POSSIBLE, reason="only Linux can fork a process that runs Taichi")
 def test_a_pair_outlives_its_engine_to_the_bit(pool, pair):
     """Another visitor asks for what must be compiled: the pair, paused at step 7, goes on in the new process, both are
     after 5 more steps what twelve steps are, and they are still partners: a reset begins both again."""

@@ -5,18 +5,18 @@ from dataclasses import replace
 import pytest
 
 from app import state
-from app.lessons import shelf
+from app.lessons import catalogue
 from app.lessons.lesson import filled
+from app.page.opening_tour import OPENING
 from app.page.prewarm import usual_scenes
-from app.page.story import OPENING
 from app.page.visit.session import first_scene
 from solvers.problems import PROBLEMS
-from solvers.scene.switches import combination
+from solvers.scene.kernel_options import combination
 
 
 @pytest.fixture(scope="module")
 def lessons():
-    return shelf.lessons()
+    return catalogue.lessons()
 
 
 def taught(lesson):

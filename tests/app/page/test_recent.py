@@ -8,13 +8,13 @@ import pytest
 
 from app.frame.captions import NOT_COMPARED, look
 from app.frame.crossings import WINDOW
-from app.page.features.own.run import OwnRun
+from app.page.features.upload.uploaded_run import OwnRun
+from app.page.headline import summary
 from app.page.panels.readout import readout
-from app.page.stage.worst import WorstRegions
-from app.page.summary import summary
+from app.page.stage.worst_region import WorstRegions
+from app.page.visit.frame_buffer import MOST_BYTES, MOST_FRAMES, Recent, size
 from app.page.visit.history import LAST_PERIODS, MOST_ROWS, DownsampledSeries, History, until
-from app.page.visit.recent import MOST_BYTES, MOST_FRAMES, Recent, size
-from solvers.engine.frames import FrameOptions, block_bytes, read, write
+from solvers.engine.shared_frames import FrameOptions, block_bytes, read, write
 from solvers.problems.bar.scene import BarScene
 from solvers.running.run import build
 from solvers.solver.samples import columns as columns_of

@@ -6,10 +6,10 @@ from types import SimpleNamespace
 import pytest
 
 from app import state
-from app.page.panels.sparks import Sparks, what_now
+from app.page.panels.suggestions import Sparks, what_now
 from app.page.visit.history import History
 from app.page.visit.session import first_scene
-from app.problems.spark import NotNow
+from app.problems.suggestion import NotNow
 from app.problems.views import VIEWS
 from app.state import State
 from app.words import per_cent

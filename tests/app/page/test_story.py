@@ -7,7 +7,7 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from app.page.story import BEAT, OPENING, Story
+from app.page.opening_tour import BEAT, OPENING, Story
 from app.words import per_cent
 from solvers.running.run import build
 from tests.app.frame.test_view import report_of

@@ -10,13 +10,13 @@ import pytest
 
 from app.frame.captions import NONE_CHOSEN, UNKNOWN, look
 from app.frame.crossings import WINDOW
-from app.frame.sentence import Said
+from app.frame.headline import Said
 from app.frame.stage import NOTHING
-from app.page.stage.worst import WorstRegions
-from app.page.summary import SAY_SECONDS, WAITING, Speaker, compared, summary
+from app.page.headline import SAY_SECONDS, WAITING, Speaker, compared, summary
+from app.page.stage.worst_region import WorstRegions
 from app.problems.views import VIEWS
 from app.words import per_cent
-from solvers.scene.causes import CAUSES, FIELDS
+from solvers.scene.error_causes import CAUSES, FIELDS
 from solvers.solver.soundness import LOST, UNSTABLE
 from tests.app.frame.test_view import BAR, arrays_of, report_of
 

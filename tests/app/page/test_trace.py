@@ -6,16 +6,16 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
+from app.frame.colour_scale import ColourScale
 from app.frame.layout import Seat
-from app.frame.scale import ColourScale
-from app.page.stage.probe import RADIUS, Probe, TraceRings
+from app.page.stage.error_probe import RADIUS, Probe, TraceRings
+from app.page.visit.frame_buffer import Recent
 from app.page.visit.history import LAST_PERIODS, MOST_ROWS
-from app.page.visit.recent import Recent
-from app.page.visit.trace import Trace
+from app.page.visit.particle_trace import Trace
 from app.problems.bar.stage import BarStage
 from app.problems.views import VIEWS
-from app.renderers import viewer
-from app.renderers.viewer import Lettering
+from app.renderers import viewer_renderer
+from app.renderers.viewer_renderer import Lettering
 from solvers.problems.bar.scene import BarScene
 from solvers.problems.ring import RingScene
 from solvers.running.run import build
@@ -155,7 +155,7 @@ def test_a_click_marks_and_another_ends_it(run, stage):
     clicks, scene = [], Scene()
     scene.on_click = lambda: clicks.append
     trace, client = Trace(recent), SimpleNamespace(scene=scene)
-    mark = TraceRings(client, viewer.Sheet(client, Lettering(GUI), "/trace"), trace)
+    mark = TraceRings(client, viewer_renderer.Sheet(client, Lettering(GUI), "/trace"), trace)
     mark.look(stage, arrays)
     assert not scene.made["trace"].visible
     images = stage.images(arrays, slice(5, 6))[:, 0, :2]

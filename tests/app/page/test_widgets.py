@@ -8,8 +8,8 @@ from zipfile import ZipFile
 import viser
 from viser._messages import GuiSliderProps
 
-from app.page.story import OPENING
-from app.viewer import patches
+from app.page.opening_tour import OPENING
+from app.viewer import viser_patches
 from tests.support.doors import lab
 from tests.support.processes import until
 from tests.support.raw import Raw
@@ -83,8 +83,10 @@ def test_the_story_begins_on_the_widgets_that_are_there():
 def test_icons_and_kinds_of_values_are_the_viewers():
     """Though neither is looked up anew for each widget."""
     icon = viser.Icon.SCHOOL
-    with ZipFile(patches._ICONS) as archive:
-        assert patches.icon(icon) == archive.read(f"{icon}.svg").decode() and patches.icon(icon).startswith("<svg")
+    with ZipFile(viser_patches._ICONS) as archive:
+        assert viser_patches.icon(icon) == archive.read(f"{icon}.svg").decode() and viser_patches.icon(icon).startswith(
+            "<svg"
+        )
     handle = SimpleNamespace(_impl=SimpleNamespace(props=GuiSliderProps.__new__(GuiSliderProps)))
-    found = patches.kinds_of_values(handle)
-    assert found == get_type_hints(GuiSliderProps) and found is patches.kinds_of_values(handle)
+    found = viser_patches.kinds_of_values(handle)
+    assert found == get_type_hints(GuiSliderProps) and found is viser_patches.kinds_of_values(handle)

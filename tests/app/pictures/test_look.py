@@ -8,7 +8,7 @@ from matplotlib import font_manager
 from matplotlib.figure import Figure
 
 from app.identity import FONTS
-from app.renderers.look import FAMILY, in_sizes, name_ends
+from app.renderers.picture_style import FAMILY, in_sizes, name_ends
 from app.words import PREFIXES, QUANTITIES, SUPERSCRIPTS
 
 

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from app.frame.scale import BEYOND
+from app.frame.colour_scale import BEYOND
 from app.page.panels.plots import _bounded, _time_unit
 from app.words import power_of_ten
 from solvers.problems.bar.scene import BarScene

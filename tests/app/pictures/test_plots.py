@@ -12,14 +12,14 @@ from matplotlib.colors import to_rgb
 
 from app.colours import CAUSES as CAUSE_COLOURS
 from app.colours import ESTIMATE, TRUTH
-from app.frame.budget import percent
+from app.frame.budget_chart import percent
 from app.pictures.run import png_bytes, run_figure
 from solvers.problems.bar.scene import BarScene
 from solvers.problems.ring import RingScene
 from solvers.running.result import Result
 from solvers.running.run import run, shown_step
-from solvers.scene.causes import CAUSES, FIELDS
-from solvers.scene.registry import ESTIMATORS, Estimator
+from solvers.scene.error_causes import CAUSES, FIELDS
+from solvers.scene.estimator_registry import ESTIMATORS, Estimator
 
 SCENE = BarScene(cells=8, ppc=2, periods=0.3)
 RING = RingScene(cells=12, periods=0.1)

@@ -10,9 +10,9 @@ import pytest
 from app.pictures.run import png_bytes
 from app.pictures.study import FIGURES, error_spacing_figure, error_step_figure, error_time_figure
 from app.pictures.study_parts import UNSTABLE_LOOK
-from solvers.study import fit, row
+from solvers.study import convergence, row
 from solvers.study import summary as table
-from solvers.study.grid import Task
+from solvers.study.parameter_grid import Task
 from tests.support.rows import made_up
 
 # ---- what rows say ----------------------------------------------------------------------------------------
@@ -20,39 +20,39 @@ from tests.support.rows import made_up
 
 def test_slopes_front_and_balance_of_known_data():
     h = np.array([0.1, 0.05, 0.025])
-    found = fit.slope(h, 3 * h**1.7)
+    found = convergence.slope(h, 3 * h**1.7)
     assert (found.order, found.factor, found.points) == (pytest.approx(1.7), pytest.approx(3), 3)
     assert found.pairwise == pytest.approx((1.7, 1.7))
-    assert fit.slope([0.1, 0.1], [1, 2]) is None and fit.slope([0.1, 0.2], [0, 1]) is None
-    assert fit.pareto([1, 2, 3, 4], [4, 2, 3, 1]) == [0, 1, 3]
+    assert convergence.slope([0.1, 0.1], [1, 2]) is None and convergence.slope([0.1, 0.2], [0, 1]) is None
+    assert convergence.pareto([1, 2, 3, 4], [4, 2, 3, 1]) == [0, 1, 3]
     dt = np.geomspace(1e-4, 1e-2, 7)
     for power in (1, 2):
-        found = fit.balance(dt, 1e-3 * (1 + (dt / 2e-3) ** power))
+        found = convergence.balance(dt, 1e-3 * (1 + (dt / 2e-3) ** power))
         assert (found.power, found.dt) == (power, pytest.approx(2e-3)) and found.misfit < 1e-9
-    assert fit.balance(dt, np.full(7, 2.0)).dt is None and fit.balance(dt, np.full(7, 2.0)).space_rules
-    assert not fit.balance(dt, dt).space_rules and fit.balance(dt[:2], dt[:2]) is None
+    assert convergence.balance(dt, np.full(7, 2.0)).dt is None and convergence.balance(dt, np.full(7, 2.0)).space_rules
+    assert not convergence.balance(dt, dt).space_rules and convergence.balance(dt[:2], dt[:2]) is None
 
 
 def test_the_brink_of_stability_is_no_time_error():
     dt = np.geomspace(1e-4, 6.4e-3, 7)
     error = 1e-3 * (1 + dt / 1e-3)
     error[-1] *= 1000
-    assert fit.balance(dt, error).dt == pytest.approx(1e-3)
+    assert convergence.balance(dt, error).dt == pytest.approx(1e-3)
 
 
 def test_series_are_alike_but_for_one_input():
     rows = [made_up(method, cells, cfl) for method in ("ugimp", "bspline") for cells in (40, 20) for cfl in (0.1, 0.2)]
-    lines = fit.series(rows)
+    lines = convergence.series(rows)
     assert [(line.method, line.inputs["cfl"]) for line in lines] == [
         (method, cfl) for method in ("ugimp", "bspline") for cfl in (0.1, 0.2)]
     assert [row["scene"]["cells"] for row in lines[0].rows] == [20, 40]
-    assert next(line.inputs for line in fit.series(rows, "dt")) == {"method": "ugimp", "cells": 40}
-    assert all(entry["orders"]["x"]["order"] == pytest.approx(2) for entry in fit.fits(rows))
+    assert next(line.inputs for line in convergence.series(rows, "dt")) == {"method": "ugimp", "cells": 40}
+    assert all(entry["orders"]["x"]["order"] == pytest.approx(2) for entry in convergence.fits(rows))
 
 
 def test_unstable_rows_are_not_fitted():
     rows = [made_up(cells=20), made_up(cells=40), made_up(cells=80, order=-3, status="unstable")]
-    assert fit.fits(rows)[0]["orders"]["x"]["points"] == 2
+    assert convergence.fits(rows)[0]["orders"]["x"]["points"] == 2
 
 
 def test_the_table_has_a_column_for_everything():

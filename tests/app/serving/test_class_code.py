@@ -9,10 +9,10 @@ import pytest
 from websockets.datastructures import Headers
 from websockets.exceptions import InvalidStatus
 
-from app.doors import code
-from app.doors.code import ALL, CLASS, LETTERS, ONE, ClassCode, made_up
-from app.doors.network import REMEMBERED, Bucket
-from app.lessons import shelf
+from app.access import class_code
+from app.access.class_code import ALL, CLASS, LETTERS, ONE, ClassCode, made_up
+from app.access.network_limits import REMEMBERED, Bucket
+from app.lessons import catalogue
 from app.page.features.lesson.marking import Classroom
 from tests.browser.conftest import serving
 from tests.support.doors import get, lab
@@ -66,7 +66,7 @@ def test_no_websocket_opens_without_the_code(locked):
 
 def test_the_code_opens_page_and_websocket(locked):
     """However it is written; the cookie is for this server alone and no script reads it. A wrong one is told so."""
-    assert enter(locked, "wave-4712") == (403, code.WRONG, None)
+    assert enter(locked, "wave-4712") == (403, class_code.WRONG, None)
     for guess in (CODE, "WAVE 4711", "%20wave4711"):
         status, sentence, cookie = enter(locked, guess)
         assert (status, sentence) == (200, "") and len(cookie[1].partition("=")[2]) >= 40
@@ -96,18 +96,18 @@ def test_wrong_guesses_are_limited_for_one_network_and_for_all_and_a_right_one_o
     """After so many wrong ones others are told to wait, for so long as is said; whatever was guessed, from wherever,
     the right code opens, also from there."""
     now = [0.0]
-    monkeypatch.setattr(code, "Bucket", partial(Bucket, clock=lambda: now[0]))
+    monkeypatch.setattr(class_code, "Bucket", partial(Bucket, clock=lambda: now[0]))
     door = ClassCode(CODE, 8080)
     most, all_of_them = int(ONE[0]), int(ALL[0])
     for k in range(most):
-        assert door.enter(f"wrong{k}", f"10.0.0.{k}").sentence == code.WRONG
+        assert door.enter(f"wrong{k}", f"10.0.0.{k}").sentence == class_code.WRONG
     limited = door.enter("wrong", "10.0.0.99")
     assert not limited.cookie and limited.wait == 6 and "Wait 6 s" in limited.sentence
     assert door.enter(CODE, "10.0.0.1").cookie and door.enter(CODE, "10.0.1.2").cookie
-    assert door.enter("wrong", "10.0.1.2").sentence == code.WRONG  # of another network
+    assert door.enter("wrong", "10.0.1.2").sentence == class_code.WRONG  # of another network
     now[0] += limited.wait
-    assert door.enter("wrong", "10.0.0.1").sentence == code.WRONG
-    made = sum(door.enter("wrong", f"10.1.{k // 250}.{k % 250}").sentence == code.WRONG for k in range(2000))
+    assert door.enter("wrong", "10.0.0.1").sentence == class_code.WRONG
+    made = sum(door.enter("wrong", f"10.1.{k // 250}.{k % 250}").sentence == class_code.WRONG for k in range(2000))
     assert made <= all_of_them - most + 6 * ALL[1] + 1
     assert door.enter("wrong", "10.9.9.9").wait and door.enter(CODE, "10.9.9.9").cookie  # all together had too many
     assert len(door._of) <= REMEMBERED
@@ -117,7 +117,7 @@ def test_wrong_guesses_are_limited_for_one_network_and_for_all_and_a_right_one_o
 
 
 def test_limit_reaches_the_page_and_lets_the_right_code_through(monkeypatch):
-    monkeypatch.setattr(code, "ONE", (2, 0.1))
+    monkeypatch.setattr(class_code, "ONE", (2, 0.1))
     with lab(code=CODE) as (_, address):
         assert [enter(address, guess)[0] for guess in ("a", "b", "c", CODE)] == [403, 403, 429, 200]
         assert enter(address, "d")[0] == 429 and re.search(r"Retry-After: \d+", get.head)
@@ -125,7 +125,10 @@ def test_limit_reaches_the_page_and_lets_the_right_code_through(monkeypatch):
 
 def test_the_teachers_code_opens_the_notes_and_the_class_code_does_not():
     """Where there is one; a code of use to nobody who is in already changes no cookie."""
-    with lab(code=CODE, notes=NOTES, classroom=Classroom(next(iter(shelf.lessons())), teacher=True)) as (_, address):
+    with lab(code=CODE, notes=NOTES, classroom=Classroom(next(iter(catalogue.lessons())), teacher=True)) as (
+        _,
+        address,
+    ):
         cookies = {guess: enter(address, guess)[2][1] for guess in (CODE, NOTES)}
         for guess, cookie in cookies.items():
             with Raw(address, {"Cookie": cookie}) as visitor:

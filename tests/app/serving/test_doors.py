@@ -5,9 +5,9 @@ import socket
 import pytest
 from websockets.datastructures import Headers
 
-from app.doors.address import Addresses
-from app.doors.faults import Refusals
-from app.viewer.wire import PROTOCOL
+from app.access.allowed_hosts import Addresses
+from app.access.log_limit import Refusals
+from app.viewer.send_queue import PROTOCOL
 from tests.support.doors import get
 from tests.support.processes import until
 

@@ -13,8 +13,8 @@ from websockets.http11 import Request
 
 from app.colours import ESTIMATE, TRUTH
 from app.identity import ICON, MARK
-from app.page.panels.head import ground
-from app.viewer.index import Index, has_page, unpacked_script
+from app.page.panels.page_header import ground
+from app.viewer.index_page import Index, has_page, unpacked_script
 
 BUILD = Path(viser.__file__).parent / "client" / "build"
 

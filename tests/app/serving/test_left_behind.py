@@ -15,12 +15,12 @@ from types import SimpleNamespace
 import numpy as np
 from viser import _threadpool_exceptions
 
-from app.doors.faults import Brief, place_of
-from app.doors.network import Room
+from app.access.log_limit import Brief, place_of
+from app.access.network_limits import Room
 from app.page import page
-from app.page.stage.worst import WorstRegions
-from app.page.visit.links import PageLinks
-from app.viewer import patches, upload
+from app.page.stage.worst_region import WorstRegions
+from app.page.visit.engine_links import PageLinks
+from app.viewer import upload, viser_patches
 from solvers.problems.bar.scene import BarScene
 from solvers.solver import soundness
 from tests.app.serving.test_serve import Pool
@@ -40,13 +40,13 @@ def test_what_fails_in_a_callback_is_one_line(capfd, caplog, monkeypatch):
     """Of the viewer's threads and of its loop: the kind of the error and its place, and nothing of what was said."""
     for name in ("traceback", "print"):
         monkeypatch.setattr(_threadpool_exceptions, name, None, raising=False)  # put back afterwards
-    patches.mend_callbacks()
+    viser_patches.mend_callbacks()
     with ThreadPoolExecutor(1) as thread:
         thread.submit(fail).add_done_callback(_threadpool_exceptions.print_threadpool_errors)
     try:
         fail()
     except ValueError as error:
-        patches.of_loop(None, {"message": SECRET, "exception": error})
+        viser_patches.of_loop(None, {"message": SECRET, "exception": error})
     lines = [record.getMessage() for record in caplog.records]
     place = f"ValueError in test_left_behind.py, line {fail.__code__.co_firstlineno + 1}"
     assert len(lines) == 2 and all(line.endswith(place) for line in lines), lines

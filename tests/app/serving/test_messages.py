@@ -11,10 +11,10 @@ import viser._viser
 from viser import _messages
 
 from app.page.controls import Controls
-from app.page.visit.links import FASTEST, MOST_WATCHED, too_many
+from app.page.visit.engine_links import FASTEST, MOST_WATCHED, too_many
 from app.page.visit.session import FIRST_SCENE, Session
 from app.problems.views import VIEWS
-from app.viewer import messages, server, widgets
+from app.viewer import incoming_messages, web_server, widgets
 from solvers.problems import PROBLEMS
 from tests.support.doors import Pool
 from tests.support.processes import until
@@ -185,19 +185,22 @@ def test_messages_that_no_page_sends_are_refused(here, visitor):
 
 
 def test_kinds_of_messages_are_those_of_the_viewer():
-    """If this fails, the viewer's messages have changed: put ``FIELDS`` in ``app/viewer/messages.py`` right."""
-    for kind, fields in messages.FIELDS.items():
+    """If this fails, the viewer's messages have changed: put ``FIELDS`` in ``app/viewer/incoming_messages.py``
+    right."""
+    for kind, fields in incoming_messages.FIELDS.items():
         known = set(getattr(_messages, kind).__dataclass_fields__)
         assert known == set(fields), f"{kind} has the fields {known}"
 
 
 def test_every_message_goes_through_the_check(here, visitor, monkeypatch):
     """If this fails, the viewer reads its websocket or knows its visitors otherwise than it did in 1.1.1: see
-    ``Hearing`` in ``app/viewer/messages.py`` and ``Doors._widget`` in ``app/viewer/server.py``."""
+    ``Hearing`` in ``app/viewer/incoming_messages.py`` and ``Doors._widget`` in ``app/viewer/web_server.py``."""
     one, _ = here
     heard = []
-    check = messages.refusal
-    monkeypatch.setattr(messages, "refusal", lambda message, *how: heard.append(message) or check(message, *how))
+    check = incoming_messages.refusal
+    monkeypatch.setattr(
+        incoming_messages, "refusal", lambda message, *how: heard.append(message) or check(message, *how)
+    )
     widget = visitor.find("Longest run, s")
     visitor.set(widget, "8")
     until(lambda: page_of(one)[widget].value == "8", "a value is set")
@@ -238,12 +241,12 @@ def test_problem_that_is_chosen_while_the_page_is_made(here, monkeypatch):
 
 def test_socket_that_never_speaks_is_closed(monkeypatch, here):
     """Also one that says only what is refused; who says where the camera is may then be as silent as it likes."""
-    monkeypatch.setattr(server, "SILENT", 0.5)
+    monkeypatch.setattr(web_server, "SILENT", 0.5)
     with Raw(here[1], arrive=False) as mute, Raw(here[1], arrive=False) as babbler, Raw(here[1]) as visitor:
         babbler.say(b"nothing that means anything")
         until(lambda: mute.closed and babbler.closed, "both closed")
         assert (mute.closed, babbler.closed, visitor.closed) == (1008, 1008, None)
-        assert mute.socket.close_reason == server.NOTHING_SAID
+        assert mute.socket.close_reason == web_server.NOTHING_SAID
 
 
 def test_what_is_refused_is_wished_no_longer():

@@ -14,7 +14,7 @@ import threading
 import pytest
 from websockets.exceptions import InvalidStatus
 
-from solvers.workers.processes import free_port
+from solvers.workers.worker_process import free_port
 from tests.support.doors import lab
 from tests.support.paths import ASSETS
 from tests.support.processes import HANG, until

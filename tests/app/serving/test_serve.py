@@ -9,10 +9,10 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from app.page.serving import OVER, Visitors, _engine_count
-from solvers.engine import process
-from solvers.engine.pool import EnginePool
-from solvers.engine.process import CANNOT_START
+from app.page.page_server import OVER, Visitors, _engine_count
+from solvers.engine import engine_process
+from solvers.engine.engine_pool import EnginePool
+from solvers.engine.engine_process import CANNOT_START
 from tests.support.listening import PATIENCE, SCENE, Listener
 from tests.support.processes import until
 
@@ -163,18 +163,20 @@ def test_engines_follow_the_processors_that_may_be_used(monkeypatch, processors,
 @pytest.fixture
 def starts(monkeypatch):
     """Engines that end at once; the times at which they were started."""
-    times, start = [], process.EngineProcess._start
-    monkeypatch.setattr(process, "become_engine", operator.is_)  # any function that takes two arguments and returns
-    monkeypatch.setattr(process.EngineProcess, "_start", lambda self: (times.append(monotonic()), start(self)))
+    times, start = [], engine_process.EngineProcess._start
+    monkeypatch.setattr(
+        engine_process, "become_engine", operator.is_
+    )  # any function that takes two arguments and returns
+    monkeypatch.setattr(engine_process.EngineProcess, "_start", lambda self: (times.append(monotonic()), start(self)))
     return times
 
 
 def test_engine_that_cannot_start_is_given_up(starts, monkeypatch):
     """Pauses double up to the longest; after six failures every session hears why, and again when it asks."""
-    monkeypatch.setattr(process, "FIRST_PAUSE", 0.1)
-    monkeypatch.setattr(process, "LONGEST_PAUSE", 0.4)
-    asked, restart = threading.Event(), process.EngineProcess._restart
-    monkeypatch.setattr(process.EngineProcess, "_restart", lambda self: asked.wait(PATIENCE) and restart(self))
+    monkeypatch.setattr(engine_process, "FIRST_PAUSE", 0.1)
+    monkeypatch.setattr(engine_process, "LONGEST_PAUSE", 0.4)
+    asked, restart = threading.Event(), engine_process.EngineProcess._restart
+    monkeypatch.setattr(engine_process.EngineProcess, "_restart", lambda self: asked.wait(PATIENCE) and restart(self))
     pool, listener = EnginePool(SCENE), Listener()
     try:
         link = pool.open(listener)
@@ -194,7 +196,7 @@ def test_engine_that_cannot_start_is_given_up(starts, monkeypatch):
 def test_no_engine_is_started_after_closing(starts, monkeypatch):
     """Closing in the pause before a restart ends the pause and the restarts."""
     for pause in ("FIRST_PAUSE", "LONGEST_PAUSE"):
-        monkeypatch.setattr(process, pause, 600.0)  # nothing but closing ends it
+        monkeypatch.setattr(engine_process, pause, 600.0)  # nothing but closing ends it
     before = set(threading.enumerate())
     pool = EnginePool(SCENE)
     threads = set(threading.enumerate()) - before

@@ -7,8 +7,8 @@ from time import monotonic
 import pytest
 from websockets.exceptions import ConnectionClosed, InvalidStatus
 
-from app.doors.network import Anteroom, Bucket, Buckets, network_of
-from app.viewer import line, server, upload
+from app.access.network_limits import Anteroom, Bucket, Buckets, network_of
+from app.viewer import connection, upload, web_server
 from tests.app.page.features.test_own_file import Sender
 from tests.support.doors import lab
 from tests.support.processes import starving, until
@@ -76,7 +76,7 @@ def test_half_open_lines_take_nobodys_place(address):
         lines[0].settimeout(10)
         with suppress(ConnectionResetError):
             assert lines[0].recv(1) == b""  # cut
-        lines[-1].settimeout(line.HEADS_WITHIN + 5)
+        lines[-1].settimeout(connection.HEADS_WITHIN + 5)
         with suppress(ConnectionResetError):
             assert lines[-1].recv(1) == b""  # and the others after a while
 
@@ -96,21 +96,21 @@ def test_silent_websockets_take_nobodys_place(address, monkeypatch):
     """Of one network so many may be silent at once; nothing is made for them, and others come in beside them."""
     with ExitStack() as stack:
         silent = []
-        for _ in range(line.SOCKETS[0] + 20):
+        for _ in range(connection.SOCKETS[0] + 20):
             with suppress(InvalidStatus):
                 silent.append(stack.enter_context(Raw(address, arrive=False, source_address=STRANGER)))
-        assert len(silent) > line.SOCKETS[0]
+        assert len(silent) > connection.SOCKETS[0]
         assert comes_in(address) < WITHIN
-        gone = len(silent) - line.SOCKETS[0]
+        gone = len(silent) - connection.SOCKETS[0]
         until(lambda: sum(one.closed == 1008 for one in silent) == gone, "the oldest sent away")
-        assert silent[0].closed == 1008 and silent[0].socket.close_reason == server.CROWDED
+        assert silent[0].closed == 1008 and silent[0].socket.close_reason == web_server.CROWDED
         assert silent[-1].closed is None
 
 
 def test_who_comes_and_goes_keeps_only_its_own_network_out(address, monkeypatch):
     """Websockets opened and closed again, more than it may: then its network has to wait, and no other."""
-    monkeypatch.setattr(server, "HANDSHAKES", 8)
-    monkeypatch.setattr(server, "HANDSHAKES_A_SECOND", 0.01)  # however slowly a busy machine opens them
+    monkeypatch.setattr(web_server, "HANDSHAKES", 8)
+    monkeypatch.setattr(web_server, "HANDSHAKES_A_SECOND", 0.01)  # however slowly a busy machine opens them
     refused = 0
     for _ in range(20):
         try:

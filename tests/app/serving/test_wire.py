@@ -11,8 +11,8 @@ import zstandard
 from viser._messages import GuiUpdateMessage, ReplayDoneMessage, SceneNodeUpdateMessage, SetCameraFovMessage
 from viser.infra import _infra
 
-from app.viewer.sending import SHORT, Moved, send
-from app.viewer.wire import Buffer, together
+from app.viewer.message_encoding import SHORT, Moved, send
+from app.viewer.send_queue import Buffer, together
 from tests.support.listening import PATIENCE
 from tests.support.processes import until
 

@@ -5,14 +5,14 @@ import json
 import re
 from contextlib import ExitStack, closing, contextmanager
 
-from app.lessons import shelf
+from app.lessons import catalogue
 from tests.app.serving.test_class_code import enter
 from tests.browser.conftest import FEW_FRAMES, SIZE, axe_finds, no_errors, serving
 from tests.browser.driving import downloaded, until
 from tests.browser.page.test_present import SIZES
 from tests.support.pupils import Pupil, cookie_of
 
-LESSON = shelf.lesson("04-grid-crossing")
+LESSON = catalogue.lesson("04-grid-crossing")
 STEPS, LETTERS, HEADING = LESSON.steps, 28, 40  # pixels for the last row, in a window of 1280 by 720
 ON_THE_BOARD = SIZES.replace("(document.body,", "(document.getElementById('lab-board'),")  # what is below is covered
 #: Of what is on the board, what is wider than its box.

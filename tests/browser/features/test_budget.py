@@ -6,9 +6,9 @@ from dataclasses import replace
 import pytest
 
 from app import state
-from app.frame.budget import percent
+from app.frame.budget_chart import percent
 from app.words import per_cent
-from solvers.scene.causes import CAUSES
+from solvers.scene.error_causes import CAUSES
 from tests.browser.conftest import visit
 from tests.browser.driving import scene, summary, until
 from tests.browser.page.test_axe import nothing_serious

@@ -7,10 +7,10 @@ from pathlib import Path
 
 import pytest
 
-from app.export.lesson import package
-from app.export.record import recording
+from app.export.lesson_data import package
+from app.export.recording import recording
 from app.lessons.lesson import drawn
-from app.lessons.reading import parse
+from app.lessons.lesson_parser import parse
 from tests.app.lessons.test_lesson_format import TEXT
 from tests.browser import courses
 from tests.browser.driving import until
@@ -32,7 +32,7 @@ LONG = "Ω" * 500
 @pytest.fixture(scope="module")
 def packed():
     with pytest.MonkeyPatch.context() as patch:  # a process of their own would take seconds to start
-        patch.setattr("app.export.page.recordings", lambda wanted, *others: [recording(one) for one in wanted])
+        patch.setattr("app.export.html_file.recordings", lambda wanted, *others: [recording(one) for one in wanted])
         return package(LESSONS, 1, lambda part, what: None, {})
 
 

@@ -8,18 +8,18 @@ import pytest
 
 from app import state, words
 from app.colours import TRUTH
-from app.export.lesson import lesson_page
-from app.export.page import quantities, scene_page
-from app.export.record import recording
-from app.frame.budget import CAPTION, percent
+from app.export.html_file import quantities, scene_page
+from app.export.lesson_data import lesson_page
+from app.export.recording import recording
+from app.frame.budget_chart import CAPTION, percent
 from app.frame.captions import captions, field_words, not_estimated, why_no_estimate, why_no_truth
-from app.lessons import progress
+from app.lessons import student_progress
+from app.lessons.answer_check import mark
 from app.lessons.lesson import drawn
-from app.lessons.marks import mark
-from app.lessons.outcomes import Outcomes
-from app.lessons.reading import parse
+from app.lessons.lesson_parser import parse
+from app.lessons.lesson_runs import Outcomes
 from app.problems.views import VIEWS
-from solvers.scene.causes import CAUSES
+from solvers.scene.error_causes import CAUSES
 from tests.app.lessons.test_lesson_format import TEXT
 from tests.browser.conftest import SIZE, no_errors
 from tests.browser.courses import walked
@@ -93,7 +93,7 @@ def lesson():
 def recorded_here():
     """Recordings are made by this process, which a process of their own would take seconds to start for."""
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr("app.export.page.recordings", lambda wanted, *others: [recording(one) for one in wanted])
+        patch.setattr("app.export.html_file.recordings", lambda wanted, *others: [recording(one) for one in wanted])
         yield
 
 
@@ -102,7 +102,7 @@ def lesson_file(lesson, tmp_path_factory):
     """The lesson's file, and what came of its runs."""
     path = tmp_path_factory.mktemp("export") / "lesson.html"
     with closing(Outcomes()) as outcomes, pytest.MonkeyPatch.context() as patch:
-        patch.setattr("app.export.lesson.Outcomes", lambda processes: outcomes)
+        patch.setattr("app.export.lesson_data.Outcomes", lambda processes: outcomes)
         patch.setattr(outcomes, "close", lambda: None)
         path.write_text(lesson_page(lesson, 1, silent, {}), encoding="utf-8")
         patch.undo()
@@ -230,7 +230,7 @@ def test_a_lesson_is_played_to_its_hand_in(chromium, lesson, lesson_file, tmp_pa
             page.get_by_role("button", name="Hand in").click()
         download.value.save_as(tmp_path / "answers.json")
     assert download.value.suggested_filename == "99-test-Ada.json"
-    found = progress.read((tmp_path / "answers.json").read_text(encoding="utf-8"), {lesson.name: lesson}.get)
+    found = student_progress.read((tmp_path / "answers.json").read_text(encoding="utf-8"), {lesson.name: lesson}.get)
     assert (found.name, found.fingerprint, found.answers["in-words"].last) == ("Ada", lesson.fingerprint, ATTACK)
     assert found.answers["and"].attempts == 3 and found.answers["and"].first == 1.5
     for key, is_right in (("what-happens", True), ("and", True), ("in-words", None)):
@@ -254,7 +254,7 @@ def test_the_core_of_a_lesson_is_taken_alone(chromium, lesson, lesson_file, tmp_
         download.value.save_as(tmp_path / "answers.json")
         page.get_by_role("button", name="Go deeper").click()
         assert where.inner_text() == "Step 5 of 6" and page.locator(".deeper").inner_text() == "deeper"
-    found = progress.read((tmp_path / "answers.json").read_text(encoding="utf-8"), {lesson.name: lesson}.get)
+    found = student_progress.read((tmp_path / "answers.json").read_text(encoding="utf-8"), {lesson.name: lesson}.get)
     assert found.core is True and found.answers.keys() == {"what-happens", "and"}
 
 

@@ -4,12 +4,12 @@ from contextlib import closing, contextmanager
 
 import pytest
 
-from app.export.lesson import lesson_page
-from app.export.record import recording
-from app.language.spoken import speaking
-from app.lessons import shelf
-from app.lessons.marks import TOLD_AFTER
-from app.lessons.reading import parse
+from app.export.lesson_data import lesson_page
+from app.export.recording import recording
+from app.language.translation import speaking
+from app.lessons import catalogue
+from app.lessons.answer_check import TOLD_AFTER
+from app.lessons.lesson_parser import parse
 from tests.app.lessons.test_lesson_format import TEXT
 from tests.browser.conftest import FEW_FRAMES, SIZE, no_errors, serving
 from tests.browser.driving import again_until, until
@@ -98,7 +98,7 @@ def test_nothing_on_the_page_is_said_outside_the_catalogue(chromium, address):
         look("introduction")
         onward = page.locator("[data-lab~=lab-beside][data-lab~=lab-main] + div button, "
                               "[data-lab~=lab-beside] + div + [data-lab~=lab-beside] + div button").last
-        lesson = shelf.lesson(LESSON)
+        lesson = catalogue.lesson(LESSON)
         for step in lesson.steps[:4]:
             again_until(onward.click, lambda step=step: step.title in page.locator(".lab-lesson h2").all_inner_texts(),
                         step.title)
@@ -141,7 +141,7 @@ def test_nothing_on_the_page_is_said_outside_the_catalogue(chromium, address):
 @pytest.mark.slow
 def test_nothing_in_a_file_is_said_outside_the_catalogue(chromium, tmp_path, monkeypatch):
     """A lesson, which is in English: each step, and what is said of answers."""
-    monkeypatch.setattr("app.export.page.recordings", lambda wanted, *others: [recording(one) for one in wanted])
+    monkeypatch.setattr("app.export.html_file.recordings", lambda wanted, *others: [recording(one) for one in wanted])
     path = tmp_path / "lesson.html"
     with speaking(pseudo.CODE):
         path.write_text(lesson_page(parse(TEXT, "99-test"), 1, lambda part, what: None, {}), encoding="utf-8")

@@ -7,7 +7,7 @@ import re
 
 import pytest
 
-from app.lessons import shelf
+from app.lessons import catalogue
 from app.lessons.lesson import CHOICE, EXPLAIN, INTERVAL, OBSERVE, PREDICT, RUN
 from tests.browser.conftest import axe_finds, visit
 from tests.browser.driving import again_until, tab_to, until
@@ -58,7 +58,7 @@ def answered(page, step):
 @pytest.fixture(scope="module")
 def walk(server, chromium, tmp_path_factory):
     """What was told in each step, and the file that was handed in."""
-    lesson, told = shelf.lesson(NAME), []
+    lesson, told = catalogue.lesson(NAME), []
     with visit(chromium, server[0]) as page:
         page.get_by_role("tab", name="Explore").focus()
         page.keyboard.press("ArrowRight")
@@ -91,13 +91,13 @@ def walk(server, chromium, tmp_path_factory):
 
 
 def test_a_lesson_is_done_by_keyboard_alone(walk):
-    lesson = shelf.lesson(NAME)
+    lesson = catalogue.lesson(NAME)
     assert walk["handed"]["answers"].keys() == lesson.questions.keys()
     assert walk["handed"]["step"] == len(lesson.steps) + 1 and walk["axe"] == []
 
 
 def test_the_shelf_names_every_lesson(walk):
-    for lesson in shelf.lessons().values():
+    for lesson in catalogue.lessons().values():
         assert re.search(rf'button ".*{re.escape(lesson.title)}.*{lesson.minutes} min', walk["shelf"]), lesson.title
 
 

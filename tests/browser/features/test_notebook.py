@@ -13,7 +13,7 @@ import pytest
 
 from app.notebook import show
 from solvers import BarScene
-from solvers.workers.processes import free_port
+from solvers.workers.worker_process import free_port
 from tests.browser.conftest import SIZE
 from tests.groups import require_group
 from tests.support.processes import HANG, until

@@ -8,13 +8,13 @@ import numpy as np
 import pytest
 
 from app import words
-from app.export.lesson import bet_words
-from app.export.page import PLAYER
-from app.export.vocabulary import vocabulary
-from app.frame.scale import TOPS
-from app.lessons.bet_lines import drawn
+from app.export.html_file import PLAYER
+from app.export.lesson_data import bet_words
+from app.export.player_data import vocabulary
+from app.frame.colour_scale import TOPS
+from app.lessons.bet_chart import drawn
 from app.lessons.bets import BY_ROUND, YOURS, Bet, Bettor
-from app.page.features.lesson.answer import number
+from app.page.features.lesson.answer_widgets import number
 from solvers.problems import PROBLEMS
 from tests.app.frame.test_meaning import assert_shades
 

@@ -10,8 +10,8 @@ import pytest
 from solvers.problems.bar.scene import BarScene
 from solvers.problems.bar.solver import BarSolver
 from solvers.running.budget import run_budget
-from solvers.scene.causes import CAUSES, FIELDS
-from solvers.scene.limits import reason
+from solvers.scene.error_causes import CAUSES, FIELDS
+from solvers.scene.estimator_limits import reason
 from solvers.scene.remedies import CENTRED, COUPLED, FILTER, FROZEN
 from solvers.solver import budget
 from tests.budget import EFFECTS, GOOD, drawn

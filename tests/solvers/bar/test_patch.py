@@ -6,12 +6,12 @@ import numpy as np
 import pytest
 
 from app import state
-from app.export.record import Wanted, recording
+from app.export.recording import Wanted, recording
 from app.problems.bar.view import change
-from solvers.problems.bar import exact, patch
+from solvers.problems.bar import exact_solution, patch_test
 from solvers.problems.bar.scene import BarScene
 from solvers.running.run import build, run, shown_step
-from solvers.scene.rules import SceneError
+from solvers.scene.validation import SceneError
 
 EPSILON = np.finfo(float).eps
 PATCH = BarScene(motion="patch", cells=20, modulus=1000.0, cfl=0.2, t_end=0.5, estimators=("companion",))
@@ -74,8 +74,12 @@ def test_other_estimators_say_why_they_do_not_speak():
 
 def test_the_exact_solution_is_that_nothing_happens():
     X, t = np.linspace(0, 1, 5), 0.3
-    assert exact.displacement(PATCH, X, t) == pytest.approx(.3) and exact.velocity(PATCH, X, t) == pytest.approx(1)
-    assert exact.stress(PATCH, X, t) == pytest.approx(20) and not exact.acceleration(PATCH, X, t).any()
+    assert exact_solution.displacement(PATCH, X, t) == pytest.approx(0.3) and exact_solution.velocity(
+        PATCH, X, t
+    ) == pytest.approx(1)
+    assert (
+        exact_solution.stress(PATCH, X, t) == pytest.approx(20) and not exact_solution.acceleration(PATCH, X, t).any()
+    )
     assert PATCH.size_of("sigma") == pytest.approx(20)  # errors of the stress are counted by the stress itself
     assert shown_step(PATCH) == PATCH.steps
 
@@ -125,14 +129,14 @@ def test_the_first_step_onto_a_boundary_is_known(ppc, cells_a_step, step):
     """Of particles at odd parts of a cell too, which no decimal number is: 5/6 + 2/12 = 1; 1/8 + n/12 is never whole.
     """
     scene = replace(PATCH, method="mpm", ppc=ppc)
-    assert patch.edge_step(scene, cells_a_step * scene.spacing / scene.time_step) == step
+    assert patch_test.edge_step(scene, cells_a_step * scene.spacing / scene.time_step) == step
 
 
 def test_a_bar_of_many_cells_is_looked_at_in_few():
     """A million particles or ten thousand stand alike in their cells, and so bear the same step, in cells."""
     few, many = (replace(PATCH, method="ugimp", cells=cells, ppc=10) for cells in (1000, 100_000))
     assert many.step_bound == pytest.approx(few.step_bound / 100, rel=1e-9)  # places are known to 1e5 epsilon = 2e-11
-    assert patch.group(replace(PATCH, cells=1000, ppc=2.5)) == (2, 5)
+    assert patch_test.group(replace(PATCH, cells=1000, ppc=2.5)) == (2, 5)
 
 
 def test_a_third_is_a_number_of_particles_too():

@@ -12,8 +12,8 @@ from solvers.problems.bar import step_bound
 from solvers.problems.bar.scene import BarScene
 from solvers.problems.bar.solver import BarSolver
 from solvers.running.run import run
-from solvers.scene.causes import CAUSES, FIELDS
-from solvers.scene.limits import reason
+from solvers.scene.error_causes import CAUSES, FIELDS
+from solvers.scene.estimator_limits import reason
 from solvers.scene.step_bound import SAFE
 
 PIECES = ("pieces",)

@@ -7,7 +7,7 @@ import pytest
 
 from solvers import run
 from solvers.problems.bar.scene import BarScene
-from solvers.scene.rules import SceneError
+from solvers.scene.validation import SceneError
 from solvers.solver.soundness import evidence
 
 SINE, FREE = "A*sin(2*pi*X)*sin(w*t)", "0.5*A*sin(2*pi*X)*sin(2*w*t)"  # of the free one the force is but rounding

@@ -11,9 +11,9 @@ from time import thread_time
 import numpy as np
 import pytest
 
-from solvers.engine.frames import FrameOptions
-from solvers.engine.messages import Pace, Wish
-from solvers.engine.worker import FAILED
+from solvers.engine.engine_messages import Pace, Wish
+from solvers.engine.engine_worker import FAILED
+from solvers.engine.shared_frames import FrameOptions
 from solvers.problems.bar.scene import BarScene
 from solvers.problems.ring import RingScene
 from solvers.running.run import build
@@ -38,7 +38,9 @@ class Failing(BarScene):
 
 def test_page_process_stays_free_of_taichi():
     """A kernel launch would hold the lock that the web server needs: the page never even imports Taichi."""
-    code = "import sys, app.page.page, app.page.serving, solvers.engine.pool; sys.exit('taichi' in sys.modules)"
+    code = (
+        "import sys, app.page.page, app.page.page_server, solvers.engine.engine_pool; sys.exit('taichi' in sys.modules)"
+    )
     assert subprocess.run([sys.executable, "-c", code]).returncode == 0
 
 

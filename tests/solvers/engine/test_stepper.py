@@ -8,17 +8,17 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from solvers.engine import frames as memory
-from solvers.engine import stepper
-from solvers.engine.frames import FrameOptions
-from solvers.engine.messages import FRAME_SECONDS, Pace, Wish
+from solvers.engine import session_stepper
+from solvers.engine import shared_frames as memory
+from solvers.engine.engine_messages import FRAME_SECONDS, Pace, Wish
+from solvers.engine.session_stepper import Stepper
+from solvers.engine.shared_frames import FrameOptions
 from solvers.engine.soundness_watch import SoundnessWatch
-from solvers.engine.stepper import Stepper
 from solvers.problems.bar.scene import BarScene
 from solvers.problems.bar.solver import BarSolver
-from solvers.running.goals import ENERGY, STRESS
+from solvers.running.quantities_of_interest import ENERGY, STRESS
 from solvers.running.run import run
-from solvers.scene.limits import Limit
+from solvers.scene.estimator_limits import Limit
 from solvers.solver import samples
 
 SCENE = BarScene(cells=20, periods=1)
@@ -41,7 +41,7 @@ def one_session(wish):
 def clock(monkeypatch):
     """The clock is the test's own: nothing can be slow."""
     clock = SimpleNamespace(now=100.0)
-    monkeypatch.setattr(stepper, "perf_counter", lambda: clock.now)
+    monkeypatch.setattr(session_stepper, "perf_counter", lambda: clock.now)
     return clock
 
 

@@ -11,11 +11,11 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from app.frame.scale import ColourScale
+from app.frame.colour_scale import ColourScale
 from app.problems.views import VIEWS
-from app.renderers.viewer import Lettering, Sheet
-from solvers.engine import frames as memory
-from solvers.engine.frames import FrameOptions
+from app.renderers.viewer_renderer import Lettering, Sheet
+from solvers.engine import shared_frames as memory
+from solvers.engine.shared_frames import FrameOptions
 from solvers.problems.ring import RingScene
 from solvers.running.run import build
 from tests.support.drawn import Scene

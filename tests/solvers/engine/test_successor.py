@@ -9,15 +9,15 @@ from pathlib import Path
 
 import pytest
 
-from solvers.engine import successor
-from solvers.engine.messages import Pace
-from solvers.engine.pool import EnginePool
-from solvers.engine.worker import FAILED
+from solvers.engine import compiling_fork
+from solvers.engine.engine_messages import Pace
+from solvers.engine.engine_pool import EnginePool
+from solvers.engine.engine_worker import FAILED
 from solvers.problems.ring import RingScene
 from tests.support.listening import PATIENCE, SCENE, Listener
 from tests.support.processes import children, ended, held, state, until
 
-pytestmark = pytest.mark.skipif(not successor.POSSIBLE, reason="only Linux can fork a process that runs Taichi")
+pytestmark = pytest.mark.skipif(not compiling_fork.POSSIBLE, reason="only Linux can fork a process that runs Taichi")
 #: Each compiled by one test only: the engines of this file have one more combination after each.
 OTHERS = iter([replace(SCENE, method=method, estimators=("companion",), effects=effects)
                for method in ("mpm", "ugimp", "cpgimp", "bspline")
@@ -145,10 +145,10 @@ def test_what_is_usual_is_compiled_unasked():
 def test_a_successor_that_rests_takes_over_all_the_same(monkeypatch):
     """It has compiled two scenes of three and prepared for what was announced; then it stands still when it is told,
     goes on when it is told, and does not keep its parent waiting."""
-    monkeypatch.setattr(successor, "_compile", lambda scenes: 2)
+    monkeypatch.setattr(compiling_fork, "_compile", lambda scenes: 2)
     prepared = []
-    replacement = successor.fork([SCENE] * 3, asked_for=False, prepare=prepared.append)
-    if not isinstance(replacement, successor.Successor):  # the child
+    replacement = compiling_fork.fork([SCENE] * 3, asked_for=False, prepare=prepared.append)
+    if not isinstance(replacement, compiling_fork.Successor):  # the child
         os._exit(int(prepared == ["coming"] and replacement == "all"))
     until(lambda: replacement.ready(lambda: "coming"), "its preparations")
     assert replacement.compiled == [SCENE] * 2 and prepared == []
@@ -163,10 +163,10 @@ def test_a_successor_that_rests_takes_over_all_the_same(monkeypatch):
 @pytest.mark.parametrize("answered", [False, True])
 def test_a_successor_whose_parent_has_ended_says_nothing(answered, monkeypatch, capfd):
     """As Ctrl-C while the server warms up leaves one: it ends, without a word, also if it had answered unheard."""
-    monkeypatch.setattr(successor, "_compile", len)
-    log = logging.getLogger(successor.__name__)
+    monkeypatch.setattr(compiling_fork, "_compile", len)
+    log = logging.getLogger(compiling_fork.__name__)
     monkeypatch.setattr(log, "exception", lambda *_: os.write(2, b"what it would log"))  # elsewhere in a test
-    left = successor.fork([SCENE], asked_for=True, prepare=str)
+    left = compiling_fork.fork([SCENE], asked_for=True, prepare=str)
     if answered:
         until(left.pipe.poll, "its answer")
     left.pipe.close()

@@ -6,9 +6,9 @@ from types import SimpleNamespace
 
 import pytest
 
-from solvers.engine import worker
-from solvers.engine.messages import Goodbye, Wish
-from solvers.engine.worker import Worker
+from solvers.engine import engine_worker
+from solvers.engine.engine_messages import Goodbye, Wish
+from solvers.engine.engine_worker import Worker
 from tests.support.listening import SCENE
 
 
@@ -36,10 +36,10 @@ def test_when_many_wish_at_once_some_wait_for_the_next_round(monkeypatch):
     """The oldest wishes come first, and of a session only the last; so stages move between them. Who leaves wishes
     nothing."""
     clock, done = SimpleNamespace(now=0.0), []
-    monkeypatch.setattr(worker, "perf_counter", lambda: clock.now)
+    monkeypatch.setattr(engine_worker, "perf_counter", lambda: clock.now)
 
     def accept(wished):
-        clock.now += 0.4 * worker.WISHES_SECONDS
+        clock.now += 0.4 * engine_worker.WISHES_SECONDS
         done.append((wished.session, wished.number))
 
     pipe = Pipe(*map(wish, range(1, 8)), wish(2, 2))
@@ -61,14 +61,14 @@ def test_frames_of_a_round_go_together_but_none_waits_long(turn, together, monke
     """Nor for the turn of a session that would take longer than a frame may wait. A turn is in units of that time here,
     and a frame takes two fifths of it to make."""
     clock, pipe = SimpleNamespace(now=0.0), Pipe()
-    monkeypatch.setattr(worker, "perf_counter", lambda: clock.now)
+    monkeypatch.setattr(engine_worker, "perf_counter", lambda: clock.now)
 
     def passing(part, what=None):
-        clock.now += part * worker.TOGETHER_SECONDS
+        clock.now += part * engine_worker.TOGETHER_SECONDS
         return what
 
     def stepper(session):
-        return SimpleNamespace(behind=True, ready=True, turn_seconds=turn * worker.TOGETHER_SECONDS,
+        return SimpleNamespace(behind=True, ready=True, turn_seconds=turn * engine_worker.TOGETHER_SECONDS,
                                wish=wish(session), turn=lambda: passing(turn), frame=lambda: passing(0.4, session))
 
     engine = Worker(pipe)
@@ -90,7 +90,7 @@ def test_a_successor_has_solvers_in_place_for_what_it_will_get(monkeypatch):
         assert scene != bad
         return SimpleNamespace(scene=scene)
 
-    monkeypatch.setattr(worker, "build", build)
+    monkeypatch.setattr(engine_worker, "build", build)
     engine, kept = Worker(Pipe()), SimpleNamespace(scene=SCENE)
     engine._steppers = {session: SimpleNamespace(solver=solver, close=lambda: closed.append(1))
                         for session, solver in ((1, kept), (2, SimpleNamespace(scene=SCENE)), (3, kept))}
@@ -117,11 +117,11 @@ def test_what_nobody_waits_for_is_compiled_in_what_time_is_left(late, waits, com
     """A successor that compiles what is usual rests while frames are late; not one that a visitor waits for, nor one
     that is about to take over."""
     clock, told = SimpleNamespace(now=0.0), []
-    monkeypatch.setattr(worker, "perf_counter", lambda: clock.now)
+    monkeypatch.setattr(engine_worker, "perf_counter", lambda: clock.now)
     engine = Worker(Pipe())
     engine._late, engine._waiting = late, {1: wish(1)} if waits else {}
     engine._successor = SimpleNamespace(scenes=[SCENE], compiled=compiled, rest=told.append)
-    for clock.now in (7.0, 7.0 + 0.9 * worker.SPARE, 7.0 + 1.1 * worker.SPARE):
+    for clock.now in (7.0, 7.0 + 0.9 * engine_worker.SPARE, 7.0 + 1.1 * engine_worker.SPARE):
         assert not engine._compile_aside()
     assert told == rests
 

@@ -7,9 +7,9 @@ import numpy as np
 import pytest
 
 from solvers.estimators import companion
-from solvers.estimators.memory import memory_parts
-from solvers.estimators.spectral import Elements, unresolved
-from solvers.problems.bar import exact as bar_exact
+from solvers.estimators.estimator_memory import memory_parts
+from solvers.estimators.spectral_elements import Elements, unresolved
+from solvers.problems.bar import exact_solution as bar_exact
 from solvers.problems.bar.estimators import companion as companion_bar
 from solvers.problems.bar.scene import BarScene
 from solvers.problems.planar.estimators import circular_body, circular_companion

@@ -42,8 +42,8 @@ from solvers import BarScene, run
 from solvers.problems import PROBLEMS
 from solvers.scene.effects import told
 from solvers.study import row
-from solvers.study.grid import plan as planned
-from solvers.study.tables import plan
+from solvers.study.parameter_grid import plan as planned
+from solvers.study.tables import paper_tables
 
 if __name__ == "__main__":
     found = {{"offered": {{name: [problem.estimators, problem.scene.choices("effects")]

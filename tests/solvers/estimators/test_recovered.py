@@ -6,8 +6,8 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from solvers.estimators.estimator_memory import memory_parts
 from solvers.estimators.lattice_lines import Line
-from solvers.estimators.memory import memory_parts
 from solvers.estimators.recovery import TAU
 from solvers.problems.bar.scene import BarScene
 from solvers.problems.ring import RingScene

@@ -9,7 +9,7 @@ import pytest
 from solvers.problems.bar.scene import BarScene
 from solvers.problems.ring import RingScene
 from solvers.problems.vortex import VortexScene
-from solvers.scene import registry
+from solvers.scene import estimator_registry
 from solvers.scene.scene import Scene, SceneError
 
 RECOVERED, TWO_GRID = {"estimators": ("recovered",)}, {"estimators": ("two-grid",)}
@@ -90,13 +90,13 @@ def test_two_grid_is_refused_to_the_vortex_in_words():
     with pytest.raises(SceneError, match=r"estimator two-grid: is not built for the vortex.*; give one of") as refused:
         replace(VORTEX, estimators=("two-grid",))
     assert "companion" in refused.value.sentence and refused.value.field == "estimators"
-    registry.require_offered(("two-grid",), "ring", RingScene.choices("estimators"))
+    estimator_registry.require_offered(("two-grid",), "ring", RingScene.choices("estimators"))
 
 
 @pytest.mark.parametrize("chosen", ["nobody", ("nobody",), (3,), None])
 def test_what_is_no_estimator_is_left_to_others(chosen):
     """A list of names that has none of them, and what is no list, is not this rule's business but the scene's."""
-    registry.require_offered(chosen, "vortex", VortexScene.choices("estimators"))
+    estimator_registry.require_offered(chosen, "vortex", VortexScene.choices("estimators"))
     with pytest.raises(SceneError):
         replace(VORTEX, estimators=chosen)
 

@@ -8,9 +8,9 @@ import pytest
 import taichi as ti
 
 from solvers.estimators import two_grid
-from solvers.estimators.memory import memory_parts
-from solvers.estimators.phase_lag import lag
-from solvers.kernels.kinds import matrix, pairs, quads, real, reals
+from solvers.estimators.estimator_memory import memory_parts
+from solvers.estimators.two_grid_dispersion import lag
+from solvers.kernels.dtypes import matrix, pairs, quads, real, reals
 from solvers.kernels.packing import Packing
 from solvers.problems.bar.scene import BarScene
 from solvers.problems.ring import RingScene

@@ -9,7 +9,7 @@ import pytest
 from numpy.polynomial import legendre
 
 from solvers.problems import PROBLEMS
-from solvers.problems.bar.exact import SECOND_FREQUENCY, SECOND_SIZE
+from solvers.problems.bar.exact_solution import SECOND_FREQUENCY, SECOND_SIZE
 from solvers.problems.bar.scene import BarScene
 from solvers.problems.planar.circular import CircularScene
 from solvers.problems.ring import RingScene

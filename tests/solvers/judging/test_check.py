@@ -8,7 +8,7 @@ import pytest
 
 from solvers.judging.check import CONSISTENT, check
 from solvers.judging.findings.finding import BROKEN, HOLDS, SUSPICIOUS, UNKNOWN
-from solvers.outside.quoting import FileError
+from solvers.untrusted.quoting import FileError
 from tests.findings import LOST, checked
 from tests.support.known_runs import known_runs
 

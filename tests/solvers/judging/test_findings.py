@@ -8,14 +8,14 @@ import numpy as np
 import pytest
 
 from app.cli import main
-from solvers.judging import handout
-from solvers.judging.findings.alone import NAMES
+from solvers.judging import problem_handout
+from solvers.judging.error_norms import summarised
 from solvers.judging.findings.evidence import DOUBLE, SINGLE, kept
 from solvers.judging.findings.finding import HOLDS, OFF, UNKNOWN
 from solvers.judging.findings.neighbours import outliers, surroundings
-from solvers.judging.findings.over_time import fitted, rate, shifted
-from solvers.judging.measure import summarised
-from solvers.judging.verdict import judge
+from solvers.judging.findings.outliers import NAMES
+from solvers.judging.findings.time_fits import fitted, rate, shifted
+from solvers.judging.judgement import judge
 from solvers.problems import PROBLEMS
 from tests.findings import FORMS, drawn, honest, judged, judgement
 from tests.support.altered import ALL, ALTERATIONS, as_files, files, scene_of, stepped
@@ -106,7 +106,7 @@ def test_the_list_says_what_was_compared_whatever_came_of_it(tmp_path):
 
 def exact_files(scene, parts) -> dict[str, np.ndarray]:
     """The exact particles at parts of a period, with everything that a file may have."""
-    return as_files(scene, [handout.exact(scene, part * scene.period) for part in parts])
+    return as_files(scene, [problem_handout.exact(scene, part * scene.period) for part in parts])
 
 
 def test_a_run_says_its_step_and_velocities_half_a_step_early_are_its_own(tmp_path):
@@ -128,8 +128,8 @@ def share_of(scene, **arrays) -> dict:
 @pytest.mark.parametrize("name", ["mass", "volume"])
 def test_masses_or_volumes_say_how_much_of_the_body_there_is(problem, name):
     scene = PROBLEMS[problem].scene(cells=12)
-    frame = handout.exact(scene, 0.3 * scene.period)
-    weight = handout.masses(scene) if name == "mass" else handout.start(scene).volume
+    frame = problem_handout.exact(scene, 0.3 * scene.period)
+    weight = problem_handout.masses(scene) if name == "mass" else problem_handout.start(scene).volume
     for chosen in (slice(None), slice(None, None, 2)):
         share = float(weight[chosen].sum() / weight.sum())
         found = share_of(scene, t=np.array(frame.time), X=frame.material_position[chosen], x=frame.position[chosen],
@@ -146,7 +146,7 @@ def test_another_codes_places_are_all_of_the_body_or_have_holes(problem):
     line = np.arange(-1.6, 1.6, 0.37 * scene.spacing) + 0.011
     X = line[:, None] if D == 1 else np.stack([a.ravel() for a in np.meshgrid(line, line)], axis=1)
     X = X[~reference.misplaced(scene, X)]
-    chance, start = np.random.default_rng(5).uniform(size=len(X)), handout.start(scene).material_position
+    chance, start = np.random.default_rng(5).uniform(size=len(X)), problem_handout.start(scene).material_position
     low, high = start.min(axis=0), start.max(axis=0)
     anywhere = low + np.random.default_rng(4).uniform(size=(40_000, D)) * (high - low)
     anywhere = anywhere[~reference.misplaced(scene, anywhere)][:2000]
@@ -247,7 +247,7 @@ CELLS = {"bar": 20, "ring": 12, "vortex": 16}
 def at_the_start(problem):
     """The particles of a problem before anything has moved, and its scene."""
     scene = PROBLEMS[problem].scene(cells=CELLS[problem])
-    frame = handout.initial(scene)
+    frame = problem_handout.initial(scene)
     return scene, {"t": np.array(0.0), "cells": np.array(scene.cells), "X": frame.material_position,
                    "x": frame.position, "v": frame.velocity}
 

@@ -8,15 +8,15 @@ import numpy as np
 import pytest
 
 from app.cli import main
-from solvers.judging import writing
+from solvers.judging import particle_writers
 from solvers.judging.frames import Misfit, Raw
-from solvers.judging.handout import exact
-from solvers.judging.reading import read
-from solvers.judging.verdict import judge
-from solvers.outside.quoting import FileError
+from solvers.judging.judgement import judge
+from solvers.judging.particle_readers import read
+from solvers.judging.problem_handout import exact
 from solvers.problems import PROBLEMS
 from solvers.problems.bar.scene import BarScene
 from solvers.running.scene_text import LONGEST, SCHEMA, line
+from solvers.untrusted.quoting import FileError
 
 
 def scene_of(problem: str, **more):
@@ -34,8 +34,10 @@ def own(tmp_path_factory):
     folder = tmp_path_factory.mktemp("own")
     for problem in PROBLEMS:
         frames, scene = frames_of(problem, amplitude=0.01), scene_of(problem, amplitude=0.01)
-        (folder / f"{problem}.npz").write_bytes(writing.npz(frames, scene))
-        (folder / f"{problem}.csv").write_bytes(writing.csv(writing.table(frames), {"scene": line(scene)}))
+        (folder / f"{problem}.npz").write_bytes(particle_writers.npz(frames, scene))
+        (folder / f"{problem}.csv").write_bytes(
+            particle_writers.csv(particle_writers.table(frames), {"scene": line(scene)})
+        )
     return folder
 
 
@@ -69,16 +71,16 @@ def test_what_is_asked_for_and_what_the_file_says_must_not_contradict(own, refus
 
 def test_files_of_several_scenes_are_not_one_run(own, tmp_path):
     frames = frames_of("bar", amplitude=0.02)
-    (tmp_path / "b.npz").write_bytes(writing.npz(frames, replace(scene_of("bar", amplitude=0.02), cells=12)))
+    (tmp_path / "b.npz").write_bytes(particle_writers.npz(frames, replace(scene_of("bar", amplitude=0.02), cells=12)))
     with pytest.raises(FileError, match=r"says amplitude 0\.02, and .*bar\.npz says 0\.01"):
         judge(PROBLEMS["bar"].scene(), [str(own / "bar.npz"), str(tmp_path / "b.npz")])
 
 
 def stranger(problem: str, folder: Path, **changed) -> Path:
     """A file that says nothing of its scene."""
-    columns = writing.table(frames_of(problem)) | changed
+    columns = particle_writers.table(frames_of(problem)) | changed
     file = folder / "theirs.csv"
-    file.write_bytes(writing.csv({name: values for name, values in columns.items() if values is not None}))
+    file.write_bytes(particle_writers.csv({name: values for name, values in columns.items() if values is not None}))
     return file
 
 
@@ -96,7 +98,7 @@ def test_a_strangers_file_of_two_directions_is_no_bars(problem, columns, tmp_pat
 
 def test_a_direction_in_which_nothing_reaches_is_none(tmp_path):
     """Codes write three components; the second of a bar's is rounding."""
-    still = np.full(len(writing.table(frames_of("bar"))["t"]), 0.3)
+    still = np.full(len(particle_writers.table(frames_of("bar"))["t"]), 0.3)
     file = stranger("bar", tmp_path, y=still + 1e-12 * np.arange(len(still)), z=0 * still)
     judgement = judge(scene_of("bar"), str(file))
     assert judgement.grids[0].norms["x"].max() < 1e-15 and judgement.grids[0].notes() == []
@@ -138,7 +140,7 @@ def test_ids_in_another_order_do_not_begin_where_ours_do(tmp_path):
 
 def test_a_file_that_lies_about_its_problem_is_not_believed(tmp_path, refused):
     """A bar's particles that say they are a ring's, to whomever asks."""
-    (tmp_path / "liar.npz").write_bytes(writing.npz(frames_of("bar"), scene_of("ring")))
+    (tmp_path / "liar.npz").write_bytes(particle_writers.npz(frames_of("bar"), scene_of("ring")))
     said = refused("ring", tmp_path / "liar.npz")
     assert "says that it is of the ring, and has x in one direction, and the ring has two; it fits" in said
     assert "`mpm-lab judge bar`" in said
@@ -192,8 +194,8 @@ def test_a_file_of_ours_is_judged_with_the_scene_that_it_says(tmp_path):
     for scene in (scene_of("bar", motion="patch", ppc=2.5), scene_of("ring", amplitude=0.02),
                   scene_of("vortex", body_force="two-tone")):
         frames = [exact(replace(scene, body_force="material"), 0.1 * scene.period)]
-        (tmp_path / "a.npz").write_bytes(writing.npz(frames, scene))
-        (tmp_path / "a.csv").write_bytes(writing.csv(writing.table(frames), {"scene": line(scene)}))
+        (tmp_path / "a.npz").write_bytes(particle_writers.npz(frames, scene))
+        (tmp_path / "a.csv").write_bytes(particle_writers.csv(particle_writers.table(frames), {"scene": line(scene)}))
         for kind in ("npz", "csv"):
             raw: Raw = read(str(tmp_path / f"a.{kind}"))
             [grid] = judge(PROBLEMS[scene.problem].scene(), raw).grids

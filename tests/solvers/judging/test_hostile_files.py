@@ -16,8 +16,8 @@ import pytest
 
 from app.cli import main
 from app.commands.lesson import LessonGrade
-from solvers.judging.reading import read
-from solvers.outside.quoting import FileError
+from solvers.judging.particle_readers import read
+from solvers.untrusted.quoting import FileError
 from tests.support.hostile import FILES, LARGE, TAKES_LONG, written
 from tests.support.paths import ROOT
 
@@ -66,9 +66,9 @@ def test_it_does_so_at_once_and_in_little_memory(name, problem, tmp_path):
 
 
 def test_several_files_have_no_more_together_than_one(tmp_path, capsys, monkeypatch):
-    from solvers.judging import reading
-    from solvers.outside import limits
-    monkeypatch.setattr(reading, "LIMITS", limits.Limits(10**6, 10, 10, 1000, 100))
+    from solvers.judging import particle_readers
+    from solvers.untrusted import size_limits
+    monkeypatch.setattr(particle_readers, "LIMITS", size_limits.Limits(10**6, 10, 10, 1000, 100))
     files = []
     for k in range(3):
         (tmp_path / f"{k}.csv").write_bytes(b"id,x,t\n" + b"".join(b"%d,0,%d\n" % (p, k) for p in range(4)))

@@ -10,15 +10,15 @@ import numpy as np
 import pytest
 
 from app.cli import main
-from solvers.judging import handout, writing
+from solvers.judging import particle_writers, problem_handout
+from solvers.judging.error_norms import QUANTITIES, Companions, crossings, rms
 from solvers.judging.frames import Frame
-from solvers.judging.measure import QUANTITIES, Companions, crossings, rms
-from solvers.judging.ours import compared, framed
-from solvers.judging.reading import read
-from solvers.judging.verdict import Judgement, judge
-from solvers.outside.quoting import FileError
+from solvers.judging.judgement import Judgement, judge
+from solvers.judging.particle_readers import read
+from solvers.judging.reference_runs import compared, framed
 from solvers.problems import PROBLEMS
 from solvers.running.run import run
+from solvers.untrusted.quoting import FileError
 
 #: A run of ours of each problem, and the form that its particles are written in.
 OWN = {"bar": (["--cells", "20", "--periods", "1"], "csv"), "ring": (["--cells", "12", "--periods", "0.5"], "npz"),
@@ -72,7 +72,7 @@ def test_crossings_are_counted_on_the_problems_own_grid():
     assert crossings(scene, [Frame("", 0.1, np.arange(2), X, X - 0.09)]) == 0
     assert crossings(scene, [Frame("", 0.1, np.arange(2), X, X + 0.11)]) == 2
     scene = scene_of("bar")
-    X = handout.start(scene).material_position
+    X = problem_handout.start(scene).material_position
     frames = [Frame("", t, np.arange(len(X)), X, X + shift) for t, shift in ((0.1, scene.spacing), (0.2, 0.0))]
     assert crossings(scene, frames) == 2 * len(X)
 
@@ -89,7 +89,7 @@ def test_a_companion_that_is_lost_is_told_in_a_sentence(tmp_path, capsys):
 def test_moved_particles_are_found_with_their_place(problem):
     """3 % of the exact particles, by a tenth of a cell."""
     scene = PROBLEMS[problem].scene(cells=24)
-    frame = handout.exact(scene, TIME * scene.period)
+    frame = problem_handout.exact(scene, TIME * scene.period)
     X, x = frame.material_position, frame.position.copy()
     moved = np.random.default_rng(7).choice(len(x), round(0.03 * len(x)), replace=False)
     turn = np.random.default_rng(8).normal(size=(len(moved), X.shape[1]))
@@ -108,7 +108,7 @@ def test_a_particle_is_named_by_its_id_and_not_by_its_line(tmp_path):
     columns = {name: values[::-1].copy() for name, values in table(X=None).items()}
     columns["x"][columns["id"] == 7] += 0.05 * scene.spacing
     [grid] = judge(scene, csv_file(tmp_path, columns)).to_dict()["grids"]
-    worst, X = grid["worst"]["x"], handout.start(scene).material_position
+    worst, X = grid["worst"]["x"], problem_handout.start(scene).material_position
     assert worst["particle"] == grid["neighbour_gap"]["particle"] == 7 and worst["X"] == X[7].tolist()
 
 
@@ -116,7 +116,7 @@ def test_a_particle_is_named_by_its_id_and_not_by_its_line(tmp_path):
 def test_the_exact_particles_have_no_error(problem):
     scene = scene_of(problem)
     times = [TIME * scene.period, 0.4 * scene.period]
-    [grid] = judge(scene, writing.table([handout.exact(scene, t) for t in times])).grids
+    [grid] = judge(scene, particle_writers.table([problem_handout.exact(scene, t) for t in times])).grids
     assert grid.grid.times.tolist() == times
     for q, values in grid.norms.items():
         assert values.max() < 1e-12 * scene.size_of(q), q
@@ -132,7 +132,7 @@ def test_without_a_truth_the_companion_judges(problem, force):
                                     **({"amplitude": 0.1} if problem == "vortex" else {}))
     shots = []
     result = run(scene, prices=False, on_sample=shots.append)
-    [grid] = judge(scene, writing.table([framed(shot, scene) for shot in shots])).to_dict()["grids"]
+    [grid] = judge(scene, particle_writers.table([framed(shot, scene) for shot in shots])).to_dict()["grids"]
     assert grid["error"] is None and grid["estimate"]["index"] is None
     for q in ("x", "v", "sigma"):
         own = result.estimate["companion"][q]["max"]
@@ -166,8 +166,12 @@ def test_several_grids_have_the_order_of_the_method_that_made_them(tmp_path):
 @pytest.mark.parametrize("cells", [(20,), (20, 30)], ids=["one grid", "two"])
 def test_particles_that_miss_nothing_have_their_pictures(cells, tmp_path, capsys):
     """The start, and no other time: all errors are zero, and so are those of our methods beside."""
-    files = [csv_file(tmp_path, writing.table([handout.exact(PROBLEMS["bar"].scene(cells=n), 0.0)]), f"{n}.csv")
-             for n in cells]
+    files = [
+        csv_file(
+            tmp_path, particle_writers.table([problem_handout.exact(PROBLEMS["bar"].scene(cells=n), 0.0)]), f"{n}.csv"
+        )
+        for n in cells
+    ]
     assert main(["judge", "bar", *files, "--cells", *map(str, cells), "--out", str(tmp_path / "out"), "--quiet"]) == 0
     assert (tmp_path / "out" / "order.png").exists() and not capsys.readouterr().err
 
@@ -183,9 +187,9 @@ def test_times_between_our_steps_are_met(tmp_path):
 
 def test_another_law_of_the_material_is_noticed():
     scene = scene_of("bar")
-    frame = handout.exact(scene, TIME * scene.period)
+    frame = problem_handout.exact(scene, TIME * scene.period)
     log = replace(frame, stress=scene.modulus * np.log(frame.deformation_gradient))
-    [grid] = judge(scene, writing.table([log])).to_dict()["grids"]
+    [grid] = judge(scene, particle_writers.table([log])).to_dict()["grids"]
     assert "another material" in grid["notes"][0] and grid["error"]["x"]["max"] < 1e-15 < grid["error"]["sigma"]["max"]
 
 
@@ -194,12 +198,12 @@ def test_the_companions_own_error_is_the_difference_of_its_two_meshes(problem):
     """Of exact particles, and not nothing: the two meshes are two, and differ by about the error of the coarser one."""
     scene = PROBLEMS[problem].scene(cells=12, periods=0.3)
     times = (0.1 * scene.period, 0.3 * scene.period)
-    companions, frame = Companions(scene, times), handout.exact(scene, times[1])
+    companions, frame = Companions(scene, times), problem_handout.exact(scene, times[1])
     doubt = companions.doubt(frame)
     X, found = frame.material_position, []
     for fine in (True, False):
-        body, solved = handout.solution(scene, fine, times)
-        u, v, _, sigma = handout.carried(scene, body, solved[1], X)
+        body, solved = problem_handout.solution(scene, fine, times)
+        u, v, _, sigma = problem_handout.carried(scene, body, solved[1], X)
         found.append((u, v, sigma))
     coarser = companions.errors(frame, fine=False)
     for q, one, other in zip(QUANTITIES, *found, strict=True):
@@ -224,7 +228,7 @@ def test_the_order_of_any_grids_is_that_of_their_errors(cells):
 def table(problem="bar", **changed):
     """The exact particles as columns, some of them changed or, where None, left out."""
     scene = scene_of(problem)
-    columns = writing.table([handout.exact(scene, TIME * scene.period)])
+    columns = particle_writers.table([problem_handout.exact(scene, TIME * scene.period)])
     columns |= changed
     return {name: values for name, values in columns.items() if values is not None}
 

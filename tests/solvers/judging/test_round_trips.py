@@ -6,10 +6,10 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
 
-from solvers.judging import writing
+from solvers.judging import particle_writers
 from solvers.judging.frames import Frame, Raw
-from solvers.judging.reading import read
-from solvers.judging.writing import vtu
+from solvers.judging.particle_readers import read
+from solvers.judging.particle_writers import vtu
 from solvers.problems.bar.scene import BarScene
 
 # None so small that they are not normal: where Taichi has started, the processor takes those for zero.
@@ -39,7 +39,7 @@ def assert_same(raw: Raw, made: list[Frame], keys: str) -> None:
                                   np.repeat([f.time for f in made], P) if "t" in raw.columns else made[0].time)
     np.testing.assert_array_equal(raw.columns["id"], np.tile(made[0].number, T))
     for key in keys.split():
-        written = np.concatenate([getattr(f, writing.FILE[key]) for f in made])
+        written = np.concatenate([getattr(f, particle_writers.FILE[key]) for f in made])
         np.testing.assert_array_equal(raw.columns[key].reshape(written.shape), written, err_msg=key)
 
 
@@ -50,10 +50,10 @@ def test_what_is_written_is_read(kind, tmp_path):
     def same(made):
         file = tmp_path / f"particles.{kind}"
         if kind == "csv":
-            file.write_bytes(writing.csv(writing.table(made), {"cells": 12}))
+            file.write_bytes(particle_writers.csv(particle_writers.table(made), {"cells": 12}))
             assert_same(read(str(file)), made, "X x v F sigma")
         elif kind == "npz":
-            file.write_bytes(writing.npz(made, BarScene(cells=12)))
+            file.write_bytes(particle_writers.npz(made, BarScene(cells=12)))
             assert_same(read(str(file)), made, "X x v F")
         else:  # one frame, in space; tensors as nine numbers
             one, D = made[0], made[0].position.shape[1]

@@ -6,7 +6,7 @@ import pytest
 from solvers.problems.bar.scene import BarScene
 from solvers.problems.ring import RingScene
 from solvers.running.run import build
-from solvers.solver.arrays import ALIGNMENT, aligned
+from solvers.solver.state_arrays import ALIGNMENT, aligned
 
 
 @pytest.mark.parametrize("kind", [np.int32, np.float64])

@@ -7,7 +7,7 @@ import sys
 
 import pytest
 
-from solvers.kernels import caches
+from solvers.kernels import kernel_cache
 from tests.support.paths import ROOT
 from tests.support.processes import HANG
 
@@ -30,7 +30,7 @@ def test_a_run_ends_well_and_leaves_nothing(kind, tmp_path):
     room = tmp_path / "room"
     room.mkdir()
     kept = {name: value for name, value in os.environ.items()
-            if name not in ("HOME", caches.HOME, caches.KERNELS, caches.PICTURES)}
+            if name not in ("HOME", kernel_cache.HOME, kernel_cache.KERNELS, kernel_cache.PICTURES)}
     picture = ["--plot", str(tmp_path / "x.png")] if kind == "read only" else []
     done = subprocess.run([sys.executable, "-m", "app", "run", "bar", "--cells", "8", "--periods", "0.1", "--json", "-",
                            *picture], cwd=ROOT, capture_output=True, text=True, timeout=HANG,
@@ -41,8 +41,8 @@ def test_a_run_ends_well_and_leaves_nothing(kind, tmp_path):
 
 
 def test_where_all_is_well_nothing_changes(tmp_path, monkeypatch):
-    monkeypatch.setenv(caches.HOME, str(tmp_path / "new"))
-    monkeypatch.delenv(caches.KERNELS, raising=False)
+    monkeypatch.setenv(kernel_cache.HOME, str(tmp_path / "new"))
+    monkeypatch.delenv(kernel_cache.KERNELS, raising=False)
     before = dict(os.environ)
-    caches.find_room()
+    kernel_cache.find_room()
     assert dict(os.environ) == before and not (tmp_path / "new").exists()

@@ -5,7 +5,7 @@ import pytest
 import taichi as ti
 
 from solvers.kernels import runtime
-from solvers.kernels.shapes import outer_weights, stencil
+from solvers.kernels.shape_functions import outer_weights, stencil
 from tests.support.reference import weight
 
 METHODS = ["mpm", "ugimp", "cpgimp", "bspline"]

@@ -14,7 +14,7 @@ from solvers.problems.bar.scene import BarScene
 from solvers.problems.planar.layout import particle_layout
 from solvers.problems.planar.scene import motion_table
 from solvers.problems.square import SquareScene
-from solvers.scene.rules import SceneError
+from solvers.scene.validation import SceneError
 from tests.support.random_scenes import typed_motions
 
 VALUES = {"X": 0.3, "Y": -0.7, "t": 1.2}

@@ -7,11 +7,11 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from app.commands.flags import BadInput, number, real, times_of
-from app.page.features.cost.words import NoNumber, typed
+from app.page.features.cost.cost_texts import NoNumber, typed
 from app.state import StateError
 from app.state import read as read_state
 from app.words import size_in
-from solvers.outside import numerals
+from solvers.untrusted import number_parsing
 
 NONE = ["", " ", "4_0", "４０", "٣", "0x10", "inf", "-inf", "nan", "Infinity", "1e400", "9" * 10_000, "1e", "e5", ".",
         "1,5", "--1", "1 2", "²", "1e1_0", "\x1b[31m1", "True", "None"]
@@ -19,7 +19,7 @@ NONE = ["", " ", "4_0", "４０", "٣", "0x10", "inf", "-inf", "nan", "Infinity"
 
 @pytest.mark.parametrize("text", NONE)
 def test_what_is_no_number_is_none_anywhere(text):
-    assert not numerals.is_number(text)
+    assert not number_parsing.is_number(text)
     assert number([text]) == text and real([text]) == text  # flags, of which the scene says what is wrong
     for read, refusal in ((lambda: times_of((text,), "time"), BadInput), (lambda: typed("Tolerance", text), NoNumber),
                           (lambda: read_state("bar;cells=" + text.replace(" ", "_")), StateError),
@@ -31,17 +31,17 @@ def test_what_is_no_number_is_none_anywhere(text):
 @given(st.floats(allow_nan=False, allow_infinity=False, allow_subnormal=False) | st.integers(-10**15, 10**15))
 def test_every_number_comes_back_to_the_bit(value):
     """But those that are not normal, which a process in which Taichi has run takes for 0."""
-    assert numerals.number(repr(value)) == value
-    back = numerals.real(repr(value))
+    assert number_parsing.number(repr(value)) == value
+    back = number_parsing.real(repr(value))
     assert back == value and math.copysign(1, back) == math.copysign(1, value)
 
 
 @pytest.mark.parametrize("text, value", [("1e3", 1000), ("40", 40), (" 40 ", 40), ("+7", 7), ("1e-3", 1e-3),
                                          (".5", 0.5), ("5.", 5.0), ("1E2", 100), ("1e16", 1e16)])
 def test_a_whole_number_is_one_with_an_exponent_too(text, value):
-    found = numerals.number(text)
+    found = number_parsing.number(text)
     assert found == value and type(found) is type(value)
 
 
 def test_a_count_is_digits_and_nothing_else():
-    assert [numerals.count(text) for text in ("0", "17", "-1", "1.0", "１", "1" * 10, "")] == [0, 17, *[None] * 5]
+    assert [number_parsing.count(text) for text in ("0", "17", "-1", "1.0", "１", "1" * 10, "")] == [0, 17, *[None] * 5]

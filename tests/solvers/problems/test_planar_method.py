@@ -7,21 +7,21 @@ import numpy as np
 import pytest
 import taichi as ti
 
-from solvers.estimators.memory import memory_parts
-from solvers.kernels.kinds import quads
+from solvers.estimators.estimator_memory import memory_parts
+from solvers.kernels.dtypes import quads
 from solvers.problems import PROBLEMS
 from solvers.problems.planar.layout import half_edges
 from solvers.problems.planar.method import phases
 from solvers.problems.planar.method.cpdi import NODES
-from solvers.problems.planar.method.kept import by_particle
+from solvers.problems.planar.method.stored_weights import by_particle
 from solvers.problems.planar.scene import GHOSTS
 from solvers.problems.planar.snapshot import body_force
 from solvers.problems.planar.solver import PlanarSolver
 from solvers.problems.ring import RingScene
 from solvers.problems.vortex import VortexScene
 from solvers.running.run import build
-from solvers.solver.arrays import aligned
 from solvers.solver.samples import read
+from solvers.solver.state_arrays import aligned
 
 BARE = {"cells": 16, "estimators": (), "effects": ()}
 RING, VORTEX = RingScene(**BARE), VortexScene(**BARE)

@@ -8,7 +8,7 @@ import pytest
 
 from solvers.problems.ring import RingScene
 from solvers.problems.ring_limits import expected_life
-from solvers.scene.rules import SceneError
+from solvers.scene.validation import SceneError
 from tests.closed_forms import ring
 
 METHODS = ["ugimp", "cpgimp", "cpdi"]

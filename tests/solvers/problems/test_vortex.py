@@ -9,7 +9,7 @@ import pytest
 import taichi as ti
 
 from solvers.kernels import runtime
-from solvers.kernels.kinds import reals
+from solvers.kernels.dtypes import reals
 from solvers.problems.planar import step_bound
 from solvers.problems.planar.layout import CORNERS, box_stretch, particle_layout
 from solvers.problems.planar.method.neo_hookean import FAR, logarithms
@@ -17,12 +17,12 @@ from solvers.problems.vortex import VortexScene
 from solvers.running.result import Result
 from solvers.running.run import build, run
 from solvers.scene.linear_stability import limits
-from solvers.scene.rules import SceneError
 from solvers.scene.step_bound import moments
+from solvers.scene.validation import SceneError
 from solvers.solver import samples
-from solvers.solver.arrays import aligned
-from solvers.solver.norms import largest
+from solvers.solver.error_norms import largest
 from solvers.solver.soundness import BROKEN
+from solvers.solver.state_arrays import aligned
 from tests.closed_forms import vortex as printed
 from tests.support.paths import ASSETS
 

@@ -6,11 +6,11 @@ import numpy as np
 import pytest
 
 from solvers.problems.bar.scene import BarScene
-from solvers.problems.planar.circles import CircleMotion
+from solvers.problems.planar.circular_diagnostics import CircleMotion
 from solvers.problems.planar.layout import particle_layout
 from solvers.problems.ring import RingScene
 from solvers.problems.vortex import VortexScene
-from solvers.scene.balance import Moments
+from solvers.scene.momentum_balance import Moments
 from solvers.solver.soundness import balance_gap
 
 BLIND = ("soundness",)
@@ -116,7 +116,7 @@ def test_an_earlier_time_is_found_again():
 
 
 def test_what_cannot_be_followed_is_not_held_against_a_run(simulate, monkeypatch):
-    monkeypatch.setattr("solvers.problems.planar.circles.MOST_STEPS", 30)
+    monkeypatch.setattr("solvers.problems.planar.circular_diagnostics.MOST_STEPS", 30)
     scene = VortexScene(cells=20, ppc=2, amplitude=0.25, cfl=0.2, frequency=0.3, estimators=(), effects=BLIND)
     verdict = simulate(scene).verdict
     assert verdict["checked"]["x"] == ["contradictions"]
@@ -124,6 +124,8 @@ def test_what_cannot_be_followed_is_not_held_against_a_run(simulate, monkeypatch
 
 
 def test_a_run_that_does_not_look_works_nothing_out(simulate, monkeypatch):
-    monkeypatch.setattr("solvers.problems.planar.circles.of_scene", lambda scene: pytest.fail("worked out"))
+    monkeypatch.setattr(
+        "solvers.problems.planar.circular_diagnostics.of_scene", lambda scene: pytest.fail("worked out")
+    )
     scene = VortexScene(cells=20, ppc=2, amplitude=0.25, cfl=0.2, frequency=0.35, estimators=(), effects=("truth",))
     assert simulate(scene).verdict["checked"] == {"x": ["truth"], "v": ["truth"], "sigma": ["truth"], "a": []}

@@ -13,7 +13,7 @@ from solvers.problems.planar.layout import particle_layout
 from solvers.problems.ring import RingScene
 from solvers.problems.vortex import VortexScene
 from solvers.running.run import build
-from solvers.solver.checked import as_large_as_itself
+from solvers.solver.verdict_basis import as_large_as_itself
 
 #: Both are right in x, and were called ok.
 NOISY = {"v": BarScene(method="cpgimp", cells=5, ppc=6, amplitude=0.028, cfl=0.0562, periods=40,

@@ -8,9 +8,9 @@ import pytest
 from app.commands.dispatch import dispatch
 from solvers import BarScene, RingScene, VortexScene, run
 from solvers.problems import PROBLEMS
-from solvers.running.goals import SAFETY, weights_at
+from solvers.running.quantities_of_interest import SAFETY, weights_at
 from solvers.running.result import Result
-from solvers.scene.rules import SceneError
+from solvers.scene.validation import SceneError
 
 SCENES = {"bar": (BarScene(periods=0.3, estimators=("companion",)), "displacement@0.3"),
           "ring": (RingScene(cells=24, periods=0.3, cfl=0.2, estimators=("companion",)), "displacement@0.35,0.3"),

@@ -17,16 +17,16 @@ import taichi as ti
 from app.cli import main
 from app.commands.bench.command import bench_table
 from solvers.bench import gpu
-from solvers.kernels import elementary, runtime
-from solvers.kernels.kinds import quads, reals
+from solvers.kernels import elementary_functions, runtime
+from solvers.kernels.dtypes import quads, reals
 from solvers.problems.bar.scene import BarScene
 from solvers.problems.ring import RingScene
 from solvers.problems.square import SquareScene
 from solvers.problems.vortex import VortexScene
 from solvers.running.run import build, run
 from solvers.scene.remedies import COUPLED, FILTER, FROZEN
-from solvers.scene.rules import SceneError
 from solvers.scene.scene import MOST_ON_GPU, Scene
+from solvers.scene.validation import SceneError
 from solvers.solver import devices, samples
 from solvers.solver.base import Solver
 from solvers.solver.snapshot import Snapshot
@@ -118,11 +118,18 @@ def leave_the_processor_running():
 def tabulate(x: reals, values: quads):
     """sin, cos and log of each, and in the last column twice the same, found by the kernel itself between two loops."""
     for k in range(x.shape[0]):
-        values[k] = ti.Vector([elementary.sin(x[k]), elementary.cos(x[k]), elementary.log(ti.abs(x[k])), 0.0])
-    one = elementary.cos(x[0]) + elementary.sin(x[0])
+        values[k] = ti.Vector(
+            [
+                elementary_functions.sin(x[k]),
+                elementary_functions.cos(x[k]),
+                elementary_functions.log(ti.abs(x[k])),
+                0.0,
+            ]
+        )
+    one = elementary_functions.cos(x[0]) + elementary_functions.sin(x[0])
     for k in range(x.shape[0]):
         values[k][3] = one
-    other = elementary.cos(x[0]) + elementary.sin(x[0])
+    other = elementary_functions.cos(x[0]) + elementary_functions.sin(x[0])
     for k in range(x.shape[0]):
         values[k][3] = values[k][3] - other
 

@@ -16,10 +16,10 @@ from solvers.problems.ring import RingScene
 from solvers.problems.vortex import VortexScene
 from solvers.running.budget import run_budget
 from solvers.running.run import build, run
-from solvers.scene.causes import CAUSES, FIELDS
+from solvers.scene.error_causes import CAUSES, FIELDS
 from solvers.scene.remedies import FROZEN
-from solvers.scene.rules import SceneError
 from solvers.scene.scene import Scene
+from solvers.scene.validation import SceneError
 from tests.budget import GOOD, causal, drawn
 
 BARE = {"estimators": (), "effects": ("truth",)}

@@ -9,7 +9,7 @@ from solvers.problems.bar.scene import BarScene
 from solvers.problems.ring import RingScene
 from solvers.problems.vortex import VortexScene
 from solvers.running.run import run
-from solvers.scene.rules import SceneError
+from solvers.scene.validation import SceneError
 from solvers.study.stability import offered
 
 BOTH = ("null-space-filter", "coupled-deformation")

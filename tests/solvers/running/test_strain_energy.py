@@ -6,15 +6,15 @@ import numpy as np
 import pytest
 import taichi as ti
 
-from solvers.kernels.kinds import quads, reals
+from solvers.kernels.dtypes import quads, reals
 from solvers.problems import PROBLEMS
 from solvers.problems.planar.method import material
 from solvers.problems.ring import RingScene
 from solvers.problems.square import SquareScene
 from solvers.problems.vortex import VortexScene
 from solvers.running.run import build
-from solvers.scene.switches import switches
-from solvers.solver.arrays import aligned
+from solvers.scene.kernel_options import switches
+from solvers.solver.state_arrays import aligned
 
 BARE = {"effects": (), "estimators": ()}
 SCENES = {"ring": RingScene(cells=12, modulus=3e6, density=1300.0, **BARE),

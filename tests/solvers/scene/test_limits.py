@@ -7,7 +7,7 @@ import pytest
 
 from solvers.problems import PROBLEMS
 from solvers.problems.bar.scene import BarScene
-from solvers.scene.limits import Limit, reason
+from solvers.scene.estimator_limits import Limit, reason
 
 SCENE = SimpleNamespace(cells=12, ppc=3, force="node", remedies=("a", "b"), end=6.0, period=2.0)
 

@@ -9,9 +9,9 @@ from hypothesis import strategies as st
 
 from solvers.problems import PROBLEMS
 from solvers.running.run import run
-from solvers.scene.rules import SceneError
-from solvers.solver.checked import as_large_as_itself
+from solvers.scene.validation import SceneError
 from solvers.solver.soundness import LOST, NOUNS, OK, UNSTABLE
+from solvers.solver.verdict_basis import as_large_as_itself
 from tests.support.random_scenes import ASKED, RARE, Inputs, inputs, odd_inputs, scenes_a_set, sets
 
 MOST_ERROR = 0.5  # amplitudes of the motion, of x: no run beyond it may be called ok

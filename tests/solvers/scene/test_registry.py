@@ -8,8 +8,8 @@ import pytest
 from solvers.problems import PROBLEMS
 from solvers.problems.bar.scene import BarScene
 from solvers.running.run import run
-from solvers.scene import registry
-from solvers.scene.registry import ESTIMATORS, Estimator
+from solvers.scene import estimator_registry
+from solvers.scene.estimator_registry import ESTIMATORS, Estimator
 from solvers.solver.soundness import findings
 
 
@@ -23,7 +23,7 @@ def test_only_an_estimator_that_says_so_judges():
 def test_a_naive_estimator_calls_no_good_run_lost(monkeypatch, judges):
     """One that puts the error of x at ten amplitudes: only where it may judge is that found."""
     scene = BarScene(periods=0.05, estimators=("recovered",))
-    monkeypatch.setitem(registry.ESTIMATORS, "recovered", replace(ESTIMATORS["recovered"], judges=judges))
+    monkeypatch.setitem(estimator_registry.ESTIMATORS, "recovered", replace(ESTIMATORS["recovered"], judges=judges))
     series = dict(run(scene).series)
     series["recovered/estimate_x"] = np.full_like(series["time"], 10 * scene.amplitude)
     assert set(findings(scene, series)) == ({"recovered"} if judges else set())

@@ -14,8 +14,8 @@ from solvers.problems.bar.scene import BarScene
 from solvers.problems.ring import RingScene
 from solvers.problems.vortex import VortexScene
 from solvers.scene.effects import EFFECTS
-from solvers.scene.rules import KEYS, SceneError
 from solvers.scene.scene import MOST_STEPS
+from solvers.scene.validation import KEYS, SceneError
 
 NUMBERS = [f.name for f in fields(BarScene) if f.type.split(" ")[0] in ("int", "float")]
 WHOLE = [f.name for f in fields(BarScene) if f.type.split(" ")[0] == "int"]

@@ -12,8 +12,8 @@ from solvers.problems.planar import step_bound as planar_bound
 from solvers.problems.ring import RingScene
 from solvers.problems.vortex import VortexScene
 from solvers.scene.linear_stability import limits, longest
-from solvers.scene.rules import SceneError
 from solvers.scene.step_bound import SAFE, circles, of_scene, stencil
+from solvers.scene.validation import SceneError
 
 METHODS = ("mpm", "ugimp", "cpgimp", "bspline")
 LOOKS = {"estimators": (), "effects": ("truth", "soundness", "margin")}  # of all runs, so that they share kernels

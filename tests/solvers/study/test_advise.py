@@ -12,8 +12,8 @@ from solvers.problems.ring import RingScene
 from solvers.problems.vortex import VortexScene
 from solvers.running.run import run
 from solvers.study.advise import Candidate, Goal, _runner_up, advise, families
-from solvers.study.family import Family, Point
-from solvers.study.jobs import COURANT_NUMBERS, PARTICLES_PER_CELL
+from solvers.study.background_jobs import COURANT_NUMBERS, PARTICLES_PER_CELL
+from solvers.study.run_family import Family, Point
 
 #: Nanoseconds of a particle-step, as measured once.
 STEP = {"ugimp": 15.0, "cpgimp": 10.0, "bspline": 8.5, "cpdi": 32.0, "mpm": 8.0, "cpgimp-v": 20.0}
@@ -88,7 +88,7 @@ def rates(monkeypatch):
 
     measure = Family.measure
     monkeypatch.setattr(Family, "measure", measured)
-    monkeypatch.setattr("solvers.study.family._seconds_per_particle_step", lambda scene: 1e-9 * STEP[scene.method])
+    monkeypatch.setattr("solvers.study.run_family._seconds_per_particle_step", lambda scene: 1e-9 * STEP[scene.method])
 
 
 def brute_force(choices: list[Family], goal: Goal, most: int) -> float:
@@ -192,7 +192,9 @@ def test_what_is_known_is_not_run_again(rates):
 
 def test_a_known_run_without_a_time_is_timed(monkeypatch):
     timed = []
-    monkeypatch.setattr("solvers.study.family._seconds_per_particle_step", lambda scene: timed.append(scene) or 1e-9)
+    monkeypatch.setattr(
+        "solvers.study.run_family._seconds_per_particle_step", lambda scene: timed.append(scene) or 1e-9
+    )
     one = Family(BarScene(cfl=0.1), "x", 2)
     assert one.take(Point(10, 1e-3, math.nan)).seconds_per_particle_step == 1e-9 and len(timed) == 1
     assert one.take(Point(20, 1e-4, 2e-9)).seconds_per_particle_step == 2e-9 and len(timed) == 1

@@ -9,9 +9,9 @@ from collections.abc import Iterator
 import pytest
 
 from app.cli import main
-from solvers.study import places
-from solvers.study.grid import plan
-from solvers.workers.processes import free_port
+from solvers.study import executors
+from solvers.study.parameter_grid import plan
+from solvers.workers.worker_process import free_port
 from tests.groups import require_group
 from tests.support.paths import ROOT
 from tests.support.processes import until
@@ -47,7 +47,7 @@ def workers(dask, tmp_path) -> Iterator[tuple[str, list[subprocess.Popen]]]:
             process.wait()
 
 
-def wait_for_workers(place: places.Cluster, count: int) -> None:
+def wait_for_workers(place: executors.Cluster, count: int) -> None:
     until(lambda: place.workers == count, f"{count} workers")
 
 
@@ -58,9 +58,9 @@ def test_rows_are_measured_on_a_cluster(dask):
     rows = []
     with LocalCluster(n_workers=1, threads_per_worker=1, processes=False, protocol="tcp",
                       dashboard_address=None) as one:
-        place = places.Cluster(one.scheduler_address)
+        place = executors.Cluster(one.scheduler_address)
         try:
-            places.execute(plan("bar", {"cells": [8], "periods": [1.0]}, repeats=1), place, rows.append)
+            executors.execute(plan("bar", {"cells": [8], "periods": [1.0]}, repeats=1), place, rows.append)
         finally:
             place.close()
     assert [(row["status"], row["scene"]["cells"]) for row in rows] == [("ok", 8)]
@@ -68,9 +68,9 @@ def test_rows_are_measured_on_a_cluster(dask):
 
 @pytest.mark.slow
 def test_a_killed_worker_costs_no_row(workers, monkeypatch):
-    monkeypatch.setattr(places, "ANSWER_SECONDS", 60.0)  # the scheduler may only just be starting
+    monkeypatch.setattr(executors, "ANSWER_SECONDS", 60.0)  # the scheduler may only just be starting
     address, processes = workers
-    place, rows = places.Cluster(address), []
+    place, rows = executors.Cluster(address), []
     wait_for_workers(place, 2)
 
     def keep(found: dict) -> None:
@@ -80,12 +80,12 @@ def test_a_killed_worker_costs_no_row(workers, monkeypatch):
 
     tasks = plan("bar", AXES, repeats=1)
     try:
-        places.execute(tasks, place, keep)
+        executors.execute(tasks, place, keep)
         wait_for_workers(place, 1)
     finally:
         place.close()
-    here, same = places.Here(), []
-    places.execute(tasks, here, same.append)
+    here, same = executors.Here(), []
+    executors.execute(tasks, here, same.append)
     here.close()
     both = [{found["key"]: without_timings(found) for found in measured} for measured in (rows, same)]
     assert len(rows) == len(tasks) and both[0] == both[1]
@@ -94,7 +94,7 @@ def test_a_killed_worker_costs_no_row(workers, monkeypatch):
 @pytest.mark.parametrize(("absent", "says"), [
     (False, "--scheduler tcp://127.0.0.1:1: no Dask scheduler answers"), (True, "mpm-lab[cluster]")])
 def test_no_scheduler_or_no_distributed_is_one_line(absent, says, dask, tmp_path, monkeypatch, capsys):
-    monkeypatch.setattr(places, "ANSWER_SECONDS", 0.5)
+    monkeypatch.setattr(executors, "ANSWER_SECONDS", 0.5)
     if absent:
         monkeypatch.setitem(sys.modules, "distributed", None)
     assert main(["sweep", "bar", "--scheduler", "tcp://127.0.0.1:1", "--out", str(tmp_path / "x")]) == 2

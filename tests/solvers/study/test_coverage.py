@@ -9,13 +9,23 @@ import pytest
 from app.commands.dispatch import dispatch
 from solvers import BarScene, run
 from solvers.problems import PROBLEMS
-from solvers.running.goals import ENERGY
+from solvers.running.quantities_of_interest import ENERGY
 from solvers.solver.soundness import OK
-from solvers.study.coverage import tally as bars
+from solvers.study.coverage import coverage_counts as bars
 from solvers.study.coverage import track_record
-from solvers.study.coverage.draws import BEFORE, COARSEST, IDENTITY, IMPOSSIBLE, MEASURED, REACH, Draw, coarser, measure
-from solvers.study.coverage.tally import MIDDLE, NORMAL, STAY, TWO_GRIDS, interval, regime, tally
-from solvers.study.coverage.text import summary
+from solvers.study.coverage.coverage_counts import MIDDLE, NORMAL, STAY, TWO_GRIDS, interval, regime, tally
+from solvers.study.coverage.coverage_tables import summary
+from solvers.study.coverage.random_runs import (
+    BEFORE,
+    COARSEST,
+    IDENTITY,
+    IMPOSSIBLE,
+    MEASURED,
+    REACH,
+    Draw,
+    coarser,
+    measure,
+)
 from solvers.study.coverage.track_record import JUDGES, bets, by_its_word, by_the_record
 from solvers.study.row import fault
 from tests.support.paths import ROOT
@@ -138,7 +148,7 @@ def test_the_command_keeps_its_rows(three, tmp_path, monkeypatch, capsys):
     assert {**kept, "seconds": 0} == {**three[0], "seconds": 0}
     said = capsys.readouterr()
     assert "1/1 run 0: ok" in said.err and "| companion | x | " in said.out
-    monkeypatch.setattr("solvers.study.places.Here", place)
+    monkeypatch.setattr("solvers.study.executors.Here", place)
     assert dispatch([*words, "--runs", "3", "--resume"]) == 0
     assert (out / "rows.jsonl").read_text().startswith(first) and [draw.number for draw in place.asked] == [1, 2]
     said = capsys.readouterr()

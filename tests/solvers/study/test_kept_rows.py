@@ -8,8 +8,8 @@ import sys
 import pytest
 
 from solvers.study.row import fault
-from solvers.study.store import Store, StoreError
-from solvers.study.tables.document import MEASURED
+from solvers.study.row_store import Store, StoreError
+from solvers.study.tables.table_runs import MEASURED
 from tests.support.paths import ROOT
 from tests.support.processes import HANG
 from tests.support.rows import made_up

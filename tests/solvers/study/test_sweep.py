@@ -10,11 +10,11 @@ import pytest
 from solvers import SceneError
 from solvers.problems.bar.scene import BarScene
 from solvers.study import row
-from solvers.study.grid import Task, combinations, plan
-from solvers.study.places import ATTEMPTS, Here, PlaceLost, execute
-from solvers.study.store import Store, StoreError
+from solvers.study.executors import ATTEMPTS, Here, PlaceLost, execute
+from solvers.study.parameter_grid import Task, combinations, plan
+from solvers.study.row_store import Store, StoreError
 from solvers.study.sweep import Rows
-from solvers.workers.processes import ProcessDied
+from solvers.workers.worker_process import ProcessDied
 from tests.support.rows import made_up
 
 QUICK = {"cells": 8, "ppc": 2, "periods": 0.2}

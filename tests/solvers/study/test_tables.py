@@ -9,23 +9,23 @@ from app.commands.study.tables import Tables, markdown
 from app.pictures.tables import figure
 from app.words import QUANTITIES
 from solvers.problems import PROBLEMS
-from solvers.scene.registry import ESTIMATORS
+from solvers.scene.estimator_registry import ESTIMATORS
 from solvers.study.row import failed, fault
-from solvers.study.tables import plan
-from solvers.study.tables.document import MEASURED, document, measure_run, results_of, runs
-from solvers.study.tables.plan import digits
+from solvers.study.tables import paper_tables
+from solvers.study.tables.paper_tables import digits
+from solvers.study.tables.table_runs import MEASURED, document, measure_run, results_of, runs
 from tests.support.paths import ROOT
 from tests.support.rows import Instant
 
 #: Cut-down tables: the coarsest rows, the bar for a hundredth of the time.
-CUT = {"1": plan.table_1({"bar": ("transport",)}, cells=(20,), end=0.01, long=0.02),
-       "2": plan.table_2({"ring": ("transport",)}, cells=(12,), methods=("cpdi",)),
-       "3": plan.table_3({"ring": ("transport",)}, cells=(12,), methods=("cpdi",))}
+CUT = {"1": paper_tables.table_1({"bar": ("transport",)}, cells=(20,), end=0.01, long=0.02),
+       "2": paper_tables.table_2({"ring": ("transport",)}, cells=(12,), methods=("cpdi",)),
+       "3": paper_tables.table_3({"ring": ("transport",)}, cells=(12,), methods=("cpdi",))}
 
 
 @pytest.fixture(autouse=True)
 def cut_down(monkeypatch):
-    monkeypatch.setattr(plan, "make", lambda number, estimators: CUT[number])
+    monkeypatch.setattr(paper_tables, "make", lambda number, estimators: CUT[number])
 
 
 @pytest.fixture(scope="module")
@@ -46,7 +46,7 @@ def results(measured) -> dict:
 def place(measured, monkeypatch) -> Instant:
     """Where runs are there at once."""
     place = Instant(lambda task: measured[task.key])
-    monkeypatch.setattr("solvers.study.places.Here", place)
+    monkeypatch.setattr("solvers.study.executors.Here", place)
     return place
 
 
@@ -63,18 +63,23 @@ def test_the_papers_numbers_are_those_of_the_bars_reference():
     reference = json.loads((ROOT / "assets/reference/bar.json").read_text())["table1"]
     for case in ("small", "large"):
         for cells, row in reference[case]["rows"].items():
-            printed = plan.printed_bar(reference[case]["modulus"], int(cells))
+            printed = paper_tables.printed_bar(reference[case]["modulus"], int(cells))
             assert {key: printed[key] for key in row["paper"]} == row["paper"]
             assert {q: printed[f"index_{q}"] for q in row["paper_index"]} == row["paper_index"]
-    assert plan.printed_ring_errors("cpdi", 96) == {"x": 8.9e-6, "v": 1.4e-2, "a_nodes": 7.6e1}
-    assert plan.printed_ring_index("ugimp", 12) == {"index_x": 0.69}
-    assert plan.printed_bar(4.0, 21) == plan.printed_ring_errors("cpdi", 13) == plan.printed_ring_index("mpm", 12) == {}
+    assert paper_tables.printed_ring_errors("cpdi", 96) == {"x": 8.9e-6, "v": 1.4e-2, "a_nodes": 7.6e1}
+    assert paper_tables.printed_ring_index("ugimp", 12) == {"index_x": 0.69}
+    assert (
+        paper_tables.printed_bar(4.0, 21)
+        == paper_tables.printed_ring_errors("cpdi", 13)
+        == paper_tables.printed_ring_index("mpm", 12)
+        == {}
+    )
 
 
 def test_whole_tables_have_the_papers_rows_twice(monkeypatch):
     monkeypatch.undo()
-    first, second, third = (plan.make(number, {name: PROBLEMS[name].estimators for name in ("bar", "ring")})
-                            for number in plan.NUMBERS)
+    first, second, third = (paper_tables.make(number, {name: PROBLEMS[name].estimators for name in ("bar", "ring")})
+                            for number in paper_tables.NUMBERS)
     assert (len(first.rows), len(second.rows), len(third.rows)) == (16, 24, 24)
     assert all(row.paper for table in (first, second, third) for row in table.rows)
     assert {row.name: row.scenes for row in second.rows} == {row.name: row.scenes for row in third.rows}
@@ -127,7 +132,7 @@ def retold(results):
     def table(make):
         row = CUT["3"].rows[0]
         runs = {name: result | make(result) for name, result in results[row.name].items()}
-        return document(plan.Table("3", "t", "c", (), (row,)), {row.name: runs})
+        return document(paper_tables.Table("3", "t", "c", (), (row,)), {row.name: runs})
 
     return table
 
@@ -241,7 +246,7 @@ def test_all_writes_nine_files_and_goes_on_where_it_was(place, tmp_path, monkeyp
     assert main(["tables", "3", *out]) == 0
     assert capsys.readouterr().err == "mpm-lab: 4 rows, 4 of them there already\n"
     assert len(place.asked) == 16 and (folder / "table3.md").read_text() == first
-    monkeypatch.setattr("solvers.study.store.fingerprint", lambda: "another")
+    monkeypatch.setattr("solvers.study.row_store.fingerprint", lambda: "another")
     assert main(["tables", "3", *out]) == 0
     assert len(place.asked) == 20
 

@@ -7,8 +7,8 @@ from contextlib import closing
 
 import pytest
 
-from solvers.workers.pool import WorkerPool, one_of_each_first
-from solvers.workers.processes import ProcessDied, TookTooLong
+from solvers.workers.worker_pool import WorkerPool, one_of_each_first
+from solvers.workers.worker_process import ProcessDied, TookTooLong
 from tests.support.processes import until
 
 WORK = f"{__name__}:work"

@@ -8,8 +8,8 @@ from app.commands.flags import side_by_side
 from app.commands.study.coverage import Coverage
 from app.commands.study.stability import Stability
 from app.commands.study.sweep import Sweep
-from solvers.scene.rules import SceneError
-from solvers.workers.processors import MOST_PROCESSES, processors, usual_processes
+from solvers.scene.validation import SceneError
+from solvers.workers.cpu_count import MOST_PROCESSES, processors, usual_processes
 
 
 @pytest.mark.parametrize(("there", "used"), [(1, 1), (3, 3), (MOST_PROCESSES + 1, MOST_PROCESSES)])

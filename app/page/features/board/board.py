@@ -11,14 +11,14 @@ from concurrent.futures import Future, ThreadPoolExecutor
 from dataclasses import dataclass
 from typing import Any
 
-from app.doors.faults import noted
-from app.language.spoken import later
+from app.access.log_limit import noted
+from app.language.translation import later
+from app.lessons.answer_check import Right, right
 from app.lessons.claims import ClaimError
 from app.lessons.lesson import TEXT, Lesson, Step
-from app.lessons.marks import Right, right
-from app.lessons.outcomes import Outcomes, RunFailed
-from app.lessons.progress import Progress
-from app.page.features.board.tally import Tally
+from app.lessons.lesson_runs import Outcomes, RunFailed
+from app.lessons.student_progress import Progress
+from app.page.features.board.class_answers import Tally
 
 COUNTED, SHOWN, REVEALED = range(3)  # what is shown of a question
 NEXT, BACK = "next", "back"
@@ -178,8 +178,8 @@ class Board:
 
 
 class BoardSeat:
-    """A page of the visitor with this ``key``. Steps are counted as :class:`~app.lessons.progress.Progress` counts
-    them."""
+    """A page of the visitor with this ``key``. Steps are counted as :class:`~app.lessons.student_progress.Progress`
+    counts them."""
 
     def __init__(self, board: Board, key: str):
         self._board, self._key, self._gone = board, key, False

@@ -11,9 +11,9 @@ from html import escape
 from string import ascii_lowercase
 from typing import Any
 
-from app.language.spoken import tr
+from app.language.translation import tr
+from app.lessons.answer_check import Right, fits, in_unit
 from app.lessons.lesson import CHOICE, INTERVAL, Numbers, Question, filled
-from app.lessons.marks import Right, fits, in_unit
 
 COLUMNS = 36  # of dots, across the axis
 DECADES = 1.5  # that most answers span, from which on each decade has the same room

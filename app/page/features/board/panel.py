@@ -10,11 +10,11 @@ from urllib.parse import urlsplit
 
 import viser
 
-from app.doors.address import is_loopback
-from app.doors.faults import noted
-from app.language.spoken import carried, later, tr
+from app.access.allowed_hosts import is_loopback
+from app.access.log_limit import noted
+from app.language.translation import carried, later, tr
+from app.lessons.answer_check import Right
 from app.lessons.lesson import filled
-from app.lessons.marks import Right
 from app.page.features.board.board import BACK, NEXT, REVEALED, Board, has_chart
 from app.page.features.board.chart import right_among
 from app.page.features.board.slides import Door, says_next, slide

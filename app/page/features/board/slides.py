@@ -6,11 +6,11 @@ from urllib.parse import quote
 
 import segno
 
-from app.language.spoken import later, tr, trn
-from app.lessons import shelf
+from app.language.translation import later, tr, trn
+from app.lessons import catalogue
+from app.lessons.answer_check import Right
 from app.lessons.lesson import CHOICE, INTERVAL, PREDICT, TITLES, Step, filled
-from app.lessons.marks import Right
-from app.lessons.markup import html
+from app.lessons.markdown_html import html
 from app.page.features.board import chart
 from app.page.features.board.board import COUNTED, REVEALED, Board, Place, has_chart
 
@@ -108,7 +108,7 @@ def _step(board: Board, place: Place, step: Step) -> str:
         said = tr("{come} of {here} have come to this step", come=come, here=here) if here else tr(NOBODY)
         return f"{head}<div class='lab-waits'>{_meter(said, come, here)}<p>{escape(onward)}</p></div>"
     if place.stage == COUNTED:
-        text, name = html(filled(step.text, board.numbers), shelf.FOLDER), tr("the question")
+        text, name = html(filled(step.text, board.numbers), catalogue.FOLDER), tr("the question")
         return f"{head}<div class='lab-asked' tabindex='0' role='region' aria-label='{name}'>{text}</div>" \
                f"{chart.options(step.asked, board.numbers)}{_counted(board, step, place.at)}"
     answers = board.tally.answers(step.key)

@@ -9,13 +9,13 @@ from html import escape
 import numpy as np
 
 from app.colours import cause_token
-from app.frame.budget import CAPTION, MEANINGS, UNITS, error, percent, stacked, whose
-from app.frame.scale import round_up
-from app.language.heard import heard
-from app.language.spoken import later, tr
+from app.frame.budget_chart import CAPTION, MEANINGS, UNITS, error, percent, stacked, whose
+from app.frame.colour_scale import round_up
+from app.language.message_translation import heard
+from app.language.translation import later, tr
 from app.page.visit.history import until
 from app.words import number, per_cent, with_unit
-from solvers.scene.causes import CAUSES, NOTHING
+from solvers.scene.error_causes import CAUSES, NOTHING
 from solvers.scene.scene import Scene
 from solvers.solver import budget
 

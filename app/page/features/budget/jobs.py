@@ -14,16 +14,16 @@ from typing import Any
 
 import numpy as np
 
-from app.language.heard import heard
-from app.language.spoken import later, tr
-from app.page.features.background import SLOTS, Background, JobStatus
+from app.language.message_translation import heard
+from app.language.translation import later, tr
+from app.page.features.background_job import SLOTS, Background, JobStatus
 from solvers.running.result import Result
-from solvers.scene.causes import NOTHING
-from solvers.scene.rules import SceneError
+from solvers.scene.error_causes import NOTHING
 from solvers.scene.scene import Scene
-from solvers.solver.norms import finite
-from solvers.study.grid import Task, task_of
-from solvers.workers.pool import Slots
+from solvers.scene.validation import SceneError
+from solvers.solver.error_norms import finite
+from solvers.study.parameter_grid import Task, task_of
+from solvers.workers.worker_pool import Slots
 
 PATIENCE = 180.0  # seconds that one may take
 OFTEN = 0.02  # of the work: how often it is said how far it is

@@ -11,20 +11,20 @@ from typing import Any
 
 import viser
 
-from app.frame.budget import QUESTION, divided, field_of, largest_share, percent
-from app.language.heard import heard
-from app.language.spoken import later, tr
+from app.frame.budget_chart import QUESTION, divided, field_of, largest_share, percent
+from app.language.message_translation import heard
+from app.language.translation import later, tr
+from app.page.display_source import Choice
 from app.page.features.budget.chart import Divided, chart, outcome, sentence, taken_away
 from app.page.features.budget.jobs import BudgetJobs, Found
-from app.page.measurements import Numbers
-from app.page.panels.head import marked
-from app.page.source import Choice
+from app.page.panels.page_header import marked
+from app.page.readout_panel import Numbers
 from app.page.visit.session import Session
 from app.state import State
 from app.words import differing
-from solvers.scene.causes import CAUSES, NOTHING
-from solvers.scene.rules import SceneError
+from solvers.scene.error_causes import CAUSES, NOTHING
 from solvers.scene.scene import Scene
+from solvers.scene.validation import SceneError
 
 EFFECT = "budget"
 REDRAWN = 0.9  # seconds between two charts of a run that plays

@@ -15,15 +15,15 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import asdict, dataclass, field, replace
 
 from app import __version__
-from app.language.spoken import later
-from app.page.features.background import SLOTS, Background, JobStatus
-from app.page.features.cost.runs import LIVE, SEARCH, SWEEP, NumberedRun, Runs, bare, question
+from app.language.translation import later
+from app.page.features.background_job import SLOTS, Background, JobStatus
+from app.page.features.cost.visitor_runs import LIVE, SEARCH, SWEEP, NumberedRun, Runs, bare, question
 from app.page.visit.session import Session
-from solvers.scene.rules import SceneError
 from solvers.scene.scene import Scene
-from solvers.study.grid import Task, task_of
-from solvers.study.jobs import COURANT_NUMBERS, PARTICLES_PER_CELL, READY, SearchJob
-from solvers.workers.pool import Slots, WorkerPool
+from solvers.scene.validation import SceneError
+from solvers.study.background_jobs import COURANT_NUMBERS, PARTICLES_PER_CELL, READY, SearchJob
+from solvers.study.parameter_grid import Task, task_of
+from solvers.workers.worker_pool import Slots, WorkerPool
 
 MOST_QUESTIONS, MOST_POINTS = 64, 500  # of which the least lately asked, or the oldest, goes: some 10 MB in all
 HOLDS = 3600.0  # seconds for which a time is believed
@@ -34,8 +34,8 @@ RESTS = 300.0  # seconds after which one that nobody has needed ends
 
 @dataclass
 class _Point:
-    """What is known of one run: as ``solvers.study.jobs.told`` says it, and its rates with the moments at which they
-    were taken, by whether nothing disturbed them."""
+    """What is known of one run: as ``solvers.study.background_jobs.told`` says it, and its rates with the moments at
+    which they were taken, by whether nothing disturbed them."""
 
     told: dict
     rates: dict[bool, tuple[float | None, float]] = field(default_factory=dict)
@@ -168,7 +168,7 @@ class Jobs(Background[CostStatus]):
     """What a visitor's jobs measure goes to ``runs``. Rows stay, whatever becomes of the job; what a search learns is
     ``kept`` for those of others, too."""
 
-    WORK = "solvers.study.jobs"
+    WORK = "solvers.study.background_jobs"
     BUSY = later("Other visitors' sweeps and searches keep this server busy: it does {n} at a time. Try again in a "
                  "while.")
 

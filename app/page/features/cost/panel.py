@@ -8,21 +8,21 @@ from time import monotonic
 
 import viser
 
-from app.language.spoken import tr
-from app.page.features.cost import words
+from app.language.translation import tr
+from app.page.features.cost import cost_texts
+from app.page.features.cost.cost_chart import Axes, axes, headline, line, picture
 from app.page.features.cost.jobs import CostStatus, Jobs, QuietStage, search, small_sweep, timings
-from app.page.features.cost.picture import Axes, axes, headline, line, picture
-from app.page.features.cost.runs import LIVE, LiveRows, Runs, comparable, csv_bytes, question, staged
-from app.page.panels.head import BESIDE
+from app.page.features.cost.visitor_runs import LIVE, LiveRows, Runs, comparable, csv_bytes, question, staged
+from app.page.panels.page_header import BESIDE
+from app.page.visit.engine_links import too_many
 from app.page.visit.history import History
-from app.page.visit.links import too_many
-from app.page.visit.notice import Notice
 from app.page.visit.session import Session
+from app.page.visit.status_message import Notice
 from app.words import command_line
-from solvers.engine.messages import FrameReport
-from solvers.outside import numerals
+from solvers.engine.engine_messages import FrameReport
 from solvers.scene.scene import Scene
-from solvers.study.grid import Task
+from solvers.study.parameter_grid import Task
+from solvers.untrusted import number_parsing
 
 FILE_NAME = "mpm-lab-runs.csv"
 TOLERANCE, BUDGET = "1e-3", "10"  # in the boxes at first: a part of A, and seconds of the longest run
@@ -91,7 +91,7 @@ class CostTab:
 
     def notice(self) -> Notice | None:
         """Why the stage stands still, if that is for a job's sake."""
-        return Notice("wait", tr(words.PAUSED[self.jobs.status.kind])) if self._quiet.paused else None
+        return Notice("wait", tr(cost_texts.PAUSED[self.jobs.status.kind])) if self._quiet.paused else None
 
     def _stage_word(self, status: CostStatus) -> str:
         """What disturbs the job that runs, which gives way to every stage that moves."""
@@ -100,7 +100,7 @@ class CostTab:
         others = self.jobs.others or self._session.others_playing
         if others or self._session.playing:
             self.jobs.beside()
-        return words.stage(self._quiet.paused, self._session.playing, others)
+        return cost_texts.stage(self._quiet.paused, self._session.playing, others)
 
     def _drop_what_is_old(self) -> None:
         """An advice and a remark hold for the input that they were given on; a search for another is of no use."""
@@ -172,8 +172,8 @@ class CostTab:
             self._axes[scene.problem] = inside
         drawing = picture(of_problem, comparable(of_problem, scene), scene, inside)
         self._chart.content = f"<template class='lab-cost-chart'>{drawing}</template>"
-        hidden = f"<p>{words.others(runs, scene.problem)}</p>"
-        self._table.content = f"<div class='lab-cost'>{words.table(of_problem)}{hidden}</div>"
+        hidden = f"<p>{cost_texts.others(runs, scene.problem)}</p>"
+        self._table.content = f"<div class='lab-cost'>{cost_texts.table(of_problem)}{hidden}</div>"
         self._download.disabled = not runs
         self._time.visible = bool(timings(runs))
 
@@ -185,7 +185,7 @@ class CostTab:
             self._show_runs(scene)
         says, more = headline(like, scene, tolerance, trouble, len(small_sweep(scene)), status.running)
         if status.running:
-            more = escape(f"{words.counted(status)} {stage}")
+            more = escape(f"{cost_texts.counted(status)} {stage}")
         elif status.advice:
             end = tr("The search has ended. That a run which it has not made is clearly cheaper is not expected, but "
                      "possible.") if status.advice["met"] else tr("The search has ended.")
@@ -196,8 +196,8 @@ class CostTab:
     def _wanted(self) -> tuple[float, str]:
         """The tolerance that was typed, or NaN and why it is none."""
         try:
-            return words.typed(tr("Tolerance"), self._tolerance.value), ""
-        except words.NoNumber as refusal:
+            return cost_texts.typed(tr("Tolerance"), self._tolerance.value), ""
+        except cost_texts.NoNumber as refusal:
             return math.nan, str(refusal)
 
     def _show_status(self, status: CostStatus, stage: str) -> None:
@@ -208,12 +208,12 @@ class CostTab:
             self._bar.value = min(100.0, 100.0 * share)  # type: ignore[misc]
         self._take.visible = bool(status.advice) and not status.running
         found = " class='lab-found'" * (bool(status.advice) and not status.running)
-        texts = [f"<p{look}>{escape(text)}</p>" for text, look in ((words.going(status), found), (stage, ""),
+        texts = [f"<p{look}>{escape(text)}</p>" for text, look in ((cost_texts.going(status), found), (stage, ""),
                                                                    (self._remark, "")) if text]
         self._sentence.content = f"<div class='lab-cost' role='status'>{''.join(texts)}</div>" if texts else ""
 
     def _pick(self, text: str) -> None:
-        number = numerals.count(text.partition(" ")[0])
+        number = number_parsing.count(text.partition(" ")[0])
         run = None if number is None else self.runs.find(number)
         if run:
             self._put(run.scene, tr("Run {number} is on the stage.", number=run.number))
@@ -225,12 +225,12 @@ class CostTab:
 
     def _start_search(self) -> None:
         if not self._session.scene.swings:
-            self._say(tr(words.NOTHING_TO_FIND))
+            self._say(tr(cost_texts.NOTHING_TO_FIND))
             return
         try:
-            job = search(self._session.scene, words.typed(tr("Tolerance"), self._tolerance.value),
-                         words.typed(tr("Longest run"), self._budget.value, words.LONGEST_BUDGET))
-        except words.NoNumber as refusal:
+            job = search(self._session.scene, cost_texts.typed(tr("Tolerance"), self._tolerance.value),
+                         cost_texts.typed(tr("Longest run"), self._budget.value, cost_texts.LONGEST_BUDGET))
+        except cost_texts.NoNumber as refusal:
             self._say(str(refusal))
             return
         self._remark, self._asked = "", self._question()

@@ -5,10 +5,10 @@ from collections.abc import Callable
 
 import viser
 
-from app.language.spoken import later, tr
+from app.language.translation import later, tr
 from app.lessons.lesson import Lesson
-from app.lessons.progress import Progress
-from app.page.panels.head import BESIDE
+from app.lessons.student_progress import Progress
+from app.page.panels.page_header import BESIDE
 from app.viewer.widgets import is_removed
 
 ONLY = later("Core only")

@@ -6,13 +6,13 @@ from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, field
 from typing import Any
 
-from app.language.spoken import carried, later, tr
+from app.language.translation import carried, later, tr
+from app.lessons.answer_check import TOLD_AFTER, AnswerMark, laid, mark
 from app.lessons.bets import Bettor
 from app.lessons.claims import ClaimError
 from app.lessons.lesson import EXPLAIN, PREDICT, Lesson, Step, drawn
-from app.lessons.marks import TOLD_AFTER, AnswerMark, laid, mark
-from app.lessons.outcomes import Outcomes, RunFailed
-from app.lessons.progress import Answer, Progress
+from app.lessons.lesson_runs import Outcomes, RunFailed
+from app.lessons.student_progress import Answer, Progress
 from app.page.features.board.board import BoardSeat
 
 LATER = later("could not be checked just now")

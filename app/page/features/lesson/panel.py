@@ -7,15 +7,15 @@ from time import monotonic
 import viser
 
 from app import state
-from app.language.spoken import carried, speaking, tr
-from app.lessons import progress as kept
-from app.lessons import shelf
+from app.language.translation import carried, speaking, tr
+from app.lessons import catalogue
+from app.lessons import student_progress as kept
+from app.lessons.answer_check import LONGEST, AnswerMark, trouble
 from app.lessons.lesson import EXPLAIN, PREDICT, TEXT, Lesson, Numbers, Step, drawn, filled
-from app.lessons.marks import LONGEST, AnswerMark, trouble
 from app.page.features.board.board import BoardSeat
-from app.page.features.lesson import acts, core
-from app.page.features.lesson import html as page
-from app.page.features.lesson.answer import AnswerWidgets
+from app.page.features.lesson import action_buttons, core
+from app.page.features.lesson import step_html as page
+from app.page.features.lesson.answer_widgets import AnswerWidgets
 from app.page.features.lesson.core import KEPT, MAIN, PACED, Way
 from app.page.features.lesson.marking import Classroom, Marker, asked_since, bets_ahead, comment
 from app.page.panels.browser_store import BrowserStore
@@ -28,8 +28,15 @@ class Player:
     """One visitor's, in a ``tab``, where the ``controls`` that a lesson needs stand below its text; ``on_change`` is
     called when what the browser should keep has changed. What it says through its ``store`` may be anything."""
 
-    def __init__(self, client: viser.ClientHandle, tab: viser.GuiTabHandle, classroom: Classroom, controls: acts.Hands,
-                 store: BrowserStore, on_change: Callable[[], None]):
+    def __init__(
+        self,
+        client: viser.ClientHandle,
+        tab: viser.GuiTabHandle,
+        classroom: Classroom,
+        controls: action_buttons.Hands,
+        store: BrowserStore,
+        on_change: Callable[[], None],
+    ):
         self._client, self._gui, self._tab, self._room = client, client.gui, tab, classroom
         self._controls, self._on_change = controls, on_change
         self._lock = threading.RLock()
@@ -38,7 +45,7 @@ class Player:
         self._progress = kept.Progress("", "")  # of the lesson that is open
         self._restored = False  # whether the browser has said what it keeps of this lesson
         self._answer: AnswerWidgets | None = None  # of the question that is shown
-        self._acts: list[acts.Act] = []  # that the step's text has buttons for
+        self._acts: list[action_buttons.Act] = []  # that the step's text has buttons for
         self._way: Way | None = None  # on from the step that is shown
         if classroom.seat:
             classroom.seat.listen(carried(self._step_opened))
@@ -67,7 +74,7 @@ class Player:
 
     def open(self, name: str) -> None:
         """Begin a lesson; one that is not there changes nothing."""
-        lesson = shelf.lessons().get(name)
+        lesson = catalogue.lessons().get(name)
         if lesson is None or lesson is self._lesson:
             return
         with self._lock:
@@ -125,7 +132,7 @@ class Player:
             self._paced.shows(self._progress.step)
         with self._widgets:
             if self._lesson is None:
-                self._gui.add_html(page.shelf_html(shelf.lessons()))
+                self._gui.add_html(page.shelf_html(catalogue.lessons()))
                 return
             head = self._gui.add_html(page.head_html(self._lesson, self._progress))
             if (step := self._step) is not None:
@@ -176,7 +183,7 @@ class Player:
             self._marker.lay(lesson, ahead, self._progress,
                              lambda: self._show(text, lambda: self._explained(lesson, step)))
         with speaking(lesson.language):
-            self._acts = acts.found(page.text_html(step.text, self._numbers))
+            self._acts = action_buttons.found(page.text_html(step.text, self._numbers))
         if step.question is not None:
             return self._ask(lesson, step)
         self._buttons(back=True, onward=True)
@@ -222,12 +229,12 @@ class Player:
     def _act(self, said: object) -> None:
         """The visitor has pressed what a step's text tells him to do: a step's number, and that of the act."""
         with self._lock:
-            act, step = acts.pressed(said, self._progress.step, self._acts), self._step
-            stage = filled(step.stage, self._numbers) if step and act == acts.STAGE else ""
+            act, step = action_buttons.pressed(said, self._progress.step, self._acts), self._step
+            stage = filled(step.stage, self._numbers) if step and act == action_buttons.STAGE else ""
         if stage:
             self._controls.show(state.read(stage))
-        elif isinstance(act, acts.Act):
-            acts.do(act, self._controls)
+        elif isinstance(act, action_buttons.Act):
+            action_buttons.do(act, self._controls)
 
     @property
     def _step(self) -> Step | None:
@@ -273,7 +280,7 @@ class Player:
     def _build_end(self, lesson: Lesson) -> None:
         text = self._gui.add_html(self._end(lesson))
         self._mark_all(lesson, None, text)
-        if following := shelf.after(lesson):
+        if following := catalogue.after(lesson):
             self._gui.add_html(MAIN)
             title = tr("Next lesson: {title}", title=following.title)
             self._gui.add_button(title).on_click(lambda _: self.open(following.name))

@@ -9,9 +9,9 @@ step begins with is kept.
 import taichi as ti
 
 from solvers.estimators import companion
-from solvers.problems.bar.budget.memory import keeps
+from solvers.problems.bar.budget.budget_arrays import keeps
 from solvers.problems.bar.method.samples import typed_at
-from solvers.scene.causes import CAUSES
+from solvers.scene.error_causes import CAUSES
 from solvers.solver.field_tables import MODES, MOTION, PRESENT, RANK, fact, find_functions
 
 TIME_STEP = list(CAUSES).index("time_step")  # its lane

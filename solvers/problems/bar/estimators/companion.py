@@ -6,8 +6,8 @@ Elements of the material coordinate X around the period, with P = E u_X:
 
 The body force is that of the material points, b(X, t), wherever the method samples it: at nodes it is in the wrong
 place, and that is an error to be seen. The last node is the image of the first. A bar that starts stretched counts X
-and u from there (``solvers.problems.bar.patch``); its constant stress has no effect on the periodic bar and is left
-out.
+and u from there (``solvers.problems.bar.patch_test``); its constant stress has no effect on the periodic bar and is
+left out.
 """
 
 import functools
@@ -16,10 +16,10 @@ import numpy as np
 import taichi as ti
 
 from solvers.estimators import companion as shared
-from solvers.estimators.spectral import Elements, highest_frequency
-from solvers.kernels.kinds import integers, pairs, quads, reals
+from solvers.estimators.spectral_elements import Elements, highest_frequency
+from solvers.kernels.dtypes import integers, pairs, quads, reals
 from solvers.motion.line_solution import force_table
-from solvers.problems.bar import exact
+from solvers.problems.bar import exact_solution
 from solvers.problems.bar.method.forces import force_at, tones_for
 from solvers.solver.field_tables import of_pairs, pack
 
@@ -105,19 +105,24 @@ def allocate(scene) -> dict[str, np.ndarray]:
     n, X = elements.order + 1, elements.nodes
     inverse_mass = np.zeros((len(X), 2))
     inverse_mass[:, 0] = 1 / (scene.density / scene.initial_stretch * masses(elements))
-    velocity = np.stack([exact.velocity(scene, X, 0.0), np.zeros(len(X))], axis=1)
+    velocity = np.stack([exact_solution.velocity(scene, X, 0.0), np.zeros(len(X))], axis=1)
     frequency = scene.wave_speed * scene.initial_stretch * unit_frequency(elements)  # of the bar as it starts
     particles = (np.arange(scene.particles) + 0.5) * (scene.spacing / scene.ppc)
     element, basis, _ = elements.locate(particles)
     table = of_pairs(force_table(scene, X) if scene.displacement else None)
     return {
-        **shared.start((elements.order, elements.count, 1, len(X), len(X), 1), frequency, scene.time_step, velocity,
-                       inverse_mass),
-        "companion_waves": np.stack([np.sin(exact.WAVENUMBER * X), np.cos(exact.WAVENUMBER * X)], axis=1),
+        **shared.start(
+            (elements.order, elements.count, 1, len(X), len(X), 1), frequency, scene.time_step, velocity, inverse_mass
+        ),
+        "companion_waves": np.stack(
+            [np.sin(exact_solution.WAVENUMBER * X), np.cos(exact_solution.WAVENUMBER * X)], axis=1
+        ),
         "companion_matrices": np.stack([elements.derivative.ravel(), np.repeat(elements.weights, n)], axis=1),
-        "companion_element": element, "companion_basis": basis.ravel(),
+        "companion_element": element,
+        "companion_basis": basis.ravel(),
         "companion_elements": np.zeros((elements.count * n, 4)),
-        **dict(zip(("companion_force_sizes", "companion_force"), pack(table), strict=True))}
+        **dict(zip(("companion_force_sizes", "companion_force"), pack(table), strict=True)),
+    }
 
 
 def masses(elements: Elements) -> np.ndarray:

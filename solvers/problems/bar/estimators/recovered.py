@@ -37,10 +37,10 @@ import taichi as ti
 
 from solvers.estimators import recovery
 from solvers.estimators.recovery import ALONG, BEGUN, MOVED, NEW, ROUGH, SIZE, TAU, TURNS, H
-from solvers.kernels.kinds import integers, quads, reals
+from solvers.kernels.dtypes import integers, quads, reals
 from solvers.kernels.packing import part
 from solvers.motion.line_solution import force_table
-from solvers.problems.bar import exact
+from solvers.problems.bar import exact_solution
 from solvers.problems.bar.estimators import recovered_tables
 from solvers.problems.bar.estimators.recovered_tables import DRIVE, FIT, GATHER, SMOOTHING, SPREAD, STIFFNESS, TABLES
 from solvers.problems.bar.method.forces import tones_for
@@ -285,7 +285,7 @@ def allocate(scene):
     nodes = np.zeros((4, stride, 4))
     for k in (0, 1):
         nodes[FORCE, :cells, k] = tables[GATHER](np.sin(2 * (k + 1) * np.pi * X))[:, 0]
-    nodes[MOTION, :cells, 1] = tables[GATHER](exact.velocity(scene, X, 0.0))[:, 0]
+    nodes[MOTION, :cells, 1] = tables[GATHER](exact_solution.velocity(scene, X, 0.0))[:, 0]
     table = None
     if scene.displacement:
         force = force_table(scene, X)

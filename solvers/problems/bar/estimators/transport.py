@@ -11,7 +11,7 @@ import numpy as np
 import taichi as ti
 
 from solvers.estimators.transport import doubt
-from solvers.kernels.kinds import octets, quads, real, reals
+from solvers.kernels.dtypes import octets, quads, real, reals
 from solvers.problems.bar.method import nodes
 from solvers.scene.estimator_hooks import EstimatorHooks
 

@@ -12,13 +12,13 @@ import numpy as np
 import taichi as ti
 
 from solvers.estimators import two_grid
-from solvers.kernels.kinds import quads
+from solvers.kernels.dtypes import quads
 from solvers.kernels.packing import part
 from solvers.problems.bar.limits import noisy
 from solvers.problems.bar.method.body import BarBody, body
 from solvers.problems.bar.method.phases import nodes_to_particles, update_grid
 from solvers.scene.estimator_hooks import EstimatorHooks
-from solvers.scene.switches import switches
+from solvers.scene.kernel_options import switches
 
 FIELDS = two_grid.Fields(along=(0, 0, 0, 1))  # u, v, sigma; and a, whose fits go over more cells
 MEMORY = {

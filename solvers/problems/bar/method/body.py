@@ -4,14 +4,14 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from solvers.kernels.kinds import Integer, Integers, Pairs, Quads, Real, Reals
+from solvers.kernels.dtypes import Integer, Integers, Pairs, Quads, Real, Reals
 from solvers.motion.line_solution import force_table, motion_table
-from solvers.problems.bar import exact
+from solvers.problems.bar import exact_solution
 from solvers.problems.bar.method.nodes import GHOSTS
 from solvers.problems.bar.scene import BarScene
-from solvers.scene.switches import Switches
-from solvers.solver.arrays import Members, remedy_rates, zeros
+from solvers.scene.kernel_options import Switches
 from solvers.solver.field_tables import of_pairs, of_vectors, pack
+from solvers.solver.state_arrays import Members, remedy_rates, zeros
 
 
 @dataclass
@@ -61,7 +61,7 @@ class BarBody(Members):
 
 def body(scene: BarScene, on: Switches) -> dict:
     """The members of a :class:`BarBody` at the start: particles at (p + 1/2) h/ppc, F = 1, and the velocity of the
-    exact solution. A patch test counts F from its stretch on (``solvers.problems.bar.patch``)."""
+    exact solution. A patch test counts F from its stretch on (``solvers.problems.bar.patch_test``)."""
     P, nodes, w = scene.particles, scene.cells + GHOSTS, scene.angular_frequency
     X = (np.arange(P) + 0.5) * (scene.spacing / scene.ppc)
     swings, stretch = not scene.is_patch, scene.initial_stretch
@@ -69,25 +69,45 @@ def body(scene: BarScene, on: Switches) -> dict:
     sizes, tables = pack(of_pairs(force_table(scene, X) if typed else None), of_pairs(None),
                          of_vectors(motion_table(scene) if typed and known else None))
     material = on.body_force in ("material", "two-tone")
-    at_nodes = np.sin(exact.WAVENUMBER * scene.spacing * (np.arange(nodes) - 1))
+    at_nodes = np.sin(exact_solution.WAVENUMBER * scene.spacing * (np.arange(nodes) - 1))
     return {
-        "particles": P, "cells": scene.cells, "spacing": scene.spacing, "cells_per_length": float(scene.cells),
-        "dt": scene.time_step, "modulus": scene.modulus * stretch, "density": scene.density / stretch,
-        "volume": scene.spacing / scene.ppc, "unstretched": 1 / stretch, "half_width": 0.5 / scene.ppc,
-        "amplitude": scene.motion_amplitude, "drift_velocity": 0.0 if swings else scene.initial_velocity,
-        "angular_frequency": w, "force_scale": 3 * w * w * scene.amplitude,
-        "material_position": X, "position": X,
-        "velocity": exact.velocity(scene, X, 0.0) - scene.early * exact.acceleration(scene, X, 0.0),
+        "particles": P,
+        "cells": scene.cells,
+        "spacing": scene.spacing,
+        "cells_per_length": float(scene.cells),
+        "dt": scene.time_step,
+        "modulus": scene.modulus * stretch,
+        "density": scene.density / stretch,
+        "volume": scene.spacing / scene.ppc,
+        "unstretched": 1 / stretch,
+        "half_width": 0.5 / scene.ppc,
+        "amplitude": scene.motion_amplitude,
+        "drift_velocity": 0.0 if swings else scene.initial_velocity,
+        "angular_frequency": w,
+        "force_scale": 3 * w * w * scene.amplitude,
+        "material_position": X,
+        "position": X,
+        "velocity": exact_solution.velocity(scene, X, 0.0) - scene.early * exact_solution.acceleration(scene, X, 0.0),
         "deformation_gradient": np.ones(P),
-        "sine": np.sin(exact.WAVENUMBER * X) if (on.truth and swings) or material or on.budget else zeros(1),
-        "cosine": np.cos(exact.WAVENUMBER * X) if (on.truth and swings) or on.body_force == "two-tone" else zeros(1),
-        "first_node": zeros(P, kind=np.int32), "weights": zeros(P, 4), "acceleration": zeros(P, when=on.acceleration),
-        "node_sine": at_nodes if on.body_force == "node" else zeros(1), "node_sums": zeros(nodes, 4),
+        "sine": np.sin(exact_solution.WAVENUMBER * X) if (on.truth and swings) or material or on.budget else zeros(1),
+        "cosine": np.cos(exact_solution.WAVENUMBER * X)
+        if (on.truth and swings) or on.body_force == "two-tone"
+        else zeros(1),
+        "first_node": zeros(P, kind=np.int32),
+        "weights": zeros(P, 4),
+        "acceleration": zeros(P, when=on.acceleration),
+        "node_sine": at_nodes if on.body_force == "node" else zeros(1),
+        "node_sums": zeros(nodes, 4),
         "node_moments": zeros(nodes, 4, when=on.linearity_preserving),
         "node_volume": zeros(nodes, when=on.linearity_preserving),
-        "node_motion": zeros(nodes, 2), "totals": zeros(2), "table_sizes": sizes, "tables": tables,
+        "node_motion": zeros(nodes, 2),
+        "totals": zeros(2),
+        "table_sizes": sizes,
+        "tables": tables,
         "node_stiffness": zeros(nodes, when=on.margin),
-        "corners": zeros(P, 4, when=on.pieces or on.budget), **remedy_rates(scene),
+        "corners": zeros(P, 4, when=on.pieces or on.budget),
+        **remedy_rates(scene),
         "particle_scratch": zeros(P, when=on.filtered or on.coupled),
         "node_scratch": zeros(nodes, when=on.filtered or on.coupled),
-        "node_displacement": zeros(nodes, when=on.coupled)}
+        "node_displacement": zeros(nodes, when=on.coupled),
+    }

@@ -8,7 +8,7 @@ motion lies in a table (``solvers.solver.field_tables``), whose functions of tim
 import taichi as ti
 
 from solvers.motion.exact_solution import SECOND_FREQUENCY
-from solvers.problems.bar.exact import SECOND_SIZE
+from solvers.problems.bar.exact_solution import SECOND_SIZE
 from solvers.scene.typed import TYPED
 from solvers.solver.field_tables import FORCE, find_pair_functions, pair_sum
 

@@ -5,7 +5,7 @@ Nodes are stored with periodic images: entry 1 is node 0 at x = 0, entry 0 and e
 
 import taichi as ti
 
-from solvers.kernels.shapes import stencil
+from solvers.kernels.shape_functions import stencil
 from solvers.problems.bar.method.pieces import gather_lengths
 
 GHOSTS = 4  # node arrays hold one periodic image on the left and three on the right

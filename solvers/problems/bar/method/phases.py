@@ -6,8 +6,8 @@ to nodes, nodes, nodes to particles. Equal masses cancel: v_i = sum S v / sum S.
 
 import taichi as ti
 
-from solvers.kernels.lanes import LANES, read
-from solvers.kernels.shapes import outer_weights
+from solvers.kernels.shape_functions import outer_weights
+from solvers.kernels.simd import LANES, read
 from solvers.problems.bar.method import nodes, pieces
 from solvers.problems.bar.method.forces import force_on_particle, tones
 from solvers.problems.bar.method.nodes import EMPTY, GHOSTS, MOST_HALF_WIDTH, fold, spread, stencil_of

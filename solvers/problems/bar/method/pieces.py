@@ -21,8 +21,8 @@ the last digit and is not better: over 100 periods both lose the same, and F par
 
 import taichi as ti
 
-from solvers.kernels.hoist import untranslated
-from solvers.kernels.shapes import bspline, hat
+from solvers.kernels.scalar_hoisting import untranslated
+from solvers.kernels.shape_functions import bspline, hat
 
 
 @ti.func

@@ -2,7 +2,7 @@
 
 Neighbours X_p and X_q = X_p + dX should stand dX (F_p + F_q)/2 from each other. What they miss, r_p, is looked at by
 itself (``neighbour_gap``) and summed up along the bar (``displacement_mismatch``): (x - X) less the integral of F - 1.
-Sums with sin(2 pi X) and sin(4 pi X) are held against ``solvers.problems.bar.exact.moments``.
+Sums with sin(2 pi X) and sin(4 pi X) are held against ``solvers.problems.bar.exact_solution.moments``.
 """
 
 import taichi as ti

@@ -21,7 +21,7 @@ from solvers.problems.planar.budget.moment import Moment
 from solvers.problems.planar.budget.pieces import Pieces
 from solvers.problems.planar.weights import StepWeights
 
-#: The causes that there are here, of ``solvers.scene.causes``: a body force at material points makes no error.
+#: The causes that there are here, of ``solvers.scene.error_causes``: a body force at material points makes no error.
 MAKERS = ("crossings", "coarse_grid", "time_step")
 CROSSINGS, COARSE_GRID, TIME_STEP = range(len(MAKERS))
 
@@ -81,7 +81,7 @@ class CauseErrors:
         self.deformation_gradient = np.zeros((len(MAKERS), particles, 2, 2))
 
     def fields(self) -> dict[str, np.ndarray]:
-        """By the names of ``solvers.scene.causes.FIELDS``."""
+        """By the names of ``solvers.scene.error_causes.FIELDS``."""
         return {"x": self.position, "v": self.velocity, "F": self.deformation_gradient}
 
     def push(self, weights: StepWeights, material: StressDifference, F: np.ndarray, F0: np.ndarray, volume: np.ndarray,

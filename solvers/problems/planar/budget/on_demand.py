@@ -12,11 +12,11 @@ from solvers.problems.planar.budget.moment import Moment, moment_of
 from solvers.problems.planar.budget.pieces import Lattice, Pieces
 from solvers.problems.planar.solver import PlanarSolver
 from solvers.problems.planar.weights import Grid, StepWeights
-from solvers.scene.causes import CAUSES, FIELDS, NOTHING
+from solvers.scene.error_causes import CAUSES, FIELDS, NOTHING
 from solvers.scene.remedies import FROZEN
-from solvers.scene.rules import SceneError, require_choice
+from solvers.scene.validation import SceneError, require_choice
 from solvers.solver.base import Solver
-from solvers.solver.norms import UNBOUNDED
+from solvers.solver.error_norms import UNBOUNDED
 from solvers.solver.samples import BUDGET
 
 

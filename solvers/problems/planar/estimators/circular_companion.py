@@ -27,11 +27,11 @@ import numpy as np
 import taichi as ti
 
 from solvers.estimators import companion as shared
-from solvers.kernels.kinds import integers, octets, pairs, quads, reals
+from solvers.kernels.dtypes import integers, octets, pairs, quads, reals
 from solvers.problems.planar.estimators.companion import keep_errors
 from solvers.problems.planar.layout import particle_layout
-from solvers.problems.planar.method.frames import turned, turned_tensor
 from solvers.problems.planar.method.material import cauchy_stress_of, coefficients, piola, stiffness
+from solvers.problems.planar.method.rotation import turned, turned_tensor
 from solvers.solver.field_tables import find_force_functions, force_at, of_pairs, pack
 
 

@@ -16,7 +16,7 @@ import taichi as ti
 
 from solvers.estimators import companion as shared
 from solvers.kernels import runtime
-from solvers.kernels.kinds import integers, pairs, quads
+from solvers.kernels.dtypes import integers, pairs, quads
 from solvers.problems.planar.estimators.patch import Patch
 from solvers.problems.planar.layout import particle_layout
 from solvers.problems.planar.method.material import cauchy_stress, cauchy_stress_of, coefficients, piola, stiffness

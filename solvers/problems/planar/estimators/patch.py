@@ -5,7 +5,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from solvers.estimators.spectral import Elements, highest_frequency
+from solvers.estimators.spectral_elements import Elements, highest_frequency
 from solvers.estimators.standalone import ElasticBody
 from solvers.problems.planar.body_force import body_force_of
 

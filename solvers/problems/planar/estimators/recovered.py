@@ -23,7 +23,7 @@ import taichi as ti
 
 from solvers.estimators import recovery
 from solvers.estimators.recovery import BEGUN, MOVED, NEW, SHORT, TAU, TURNS, H
-from solvers.kernels.kinds import quads, reals
+from solvers.kernels.dtypes import quads, reals
 from solvers.problems.planar.estimators import recovered_operators as op
 from solvers.problems.planar.estimators.recovered_tables import allocate, interval, verdict
 from solvers.problems.planar.method import material

@@ -23,10 +23,10 @@ import numpy as np
 import taichi as ti
 
 from solvers.estimators.transport import doubt
-from solvers.kernels.kinds import quads, real
+from solvers.kernels.dtypes import quads, real
+from solvers.problems.planar.kernel_parts import Traits
 from solvers.problems.planar.method import cpdi, gimp
-from solvers.problems.planar.method.kept import kept
-from solvers.problems.planar.parts import Traits
+from solvers.problems.planar.method.stored_weights import kept
 from solvers.scene.estimator_hooks import EstimatorHooks
 
 MOST_INTERVAL = 20  # steps of the run between two of the estimator's

@@ -18,14 +18,14 @@ import numpy as np
 import taichi as ti
 
 from solvers.estimators import two_grid
-from solvers.kernels.kinds import octets, pairs, quads
+from solvers.kernels.dtypes import octets, pairs, quads
 from solvers.kernels.packing import part
+from solvers.problems.planar.kernel_parts import Traits
 from solvers.problems.planar.method.body import PlanarBody, initial_body
 from solvers.problems.planar.method.material import cauchy_stress, cauchy_stress_of
 from solvers.problems.planar.method.phases import nodes_to_particles, update_grid
-from solvers.problems.planar.parts import Traits
 from solvers.scene.estimator_hooks import EstimatorHooks
-from solvers.scene.switches import switches
+from solvers.scene.kernel_options import switches
 
 FEWEST_CELLS = 6
 #: u, v and sigma, of which the second component is odd across the planes at the first and the last line, with the shear

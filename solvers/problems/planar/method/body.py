@@ -7,17 +7,17 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from solvers.kernels.kinds import Blocks, Integer, Integers, Octets, Pairs, Quads, Real, Reals
+from solvers.kernels.dtypes import Blocks, Integer, Integers, Octets, Pairs, Quads, Real, Reals
 from solvers.problems.planar.body_force import body_force_of
 from solvers.problems.planar.layout import particle_layout
-from solvers.problems.planar.method.kept import room
 from solvers.problems.planar.method.phases import TOTALS
+from solvers.problems.planar.method.stored_weights import room
 from solvers.problems.planar.scene import PlanarScene, motion_table
 from solvers.scene.estimator_hooks import EstimatorHooks
+from solvers.scene.kernel_options import Switches
 from solvers.scene.scene import Scene
-from solvers.scene.switches import Switches
-from solvers.solver.arrays import Members, Watch, remedy_rates, watch, zeros
 from solvers.solver.field_tables import of_motions, of_pairs, of_vectors, pack
+from solvers.solver.state_arrays import Members, Watch, remedy_rates, watch, zeros
 
 
 @dataclass
@@ -56,8 +56,8 @@ class PlanarBody(Members):
     table_sizes: Integers
     tables: Quads
     edges: Quads  # r1, r2 of the domain at the start (P, 4), for CPDI
-    weights: Blocks  # as ``solvers.problems.planar.method.kept`` lays them out, of GIMP outer weights and slopes, each
-    # in x and y; of CPDI x, then y of the corners in cells, gradients of corners 1 and 2, first node of each one's cell
+    weights: Blocks  # laid out by ``solvers.problems.planar.method.stored_weights``: of GIMP outer weights and slopes,
+    # each in x and y; of CPDI x, then y of the corners in cells, gradients of corners 1 and 2, first node of each one's cell
     first_node: Integers  # GIMP: first node of the 3 x 3 stencil (P,)
     acceleration: Pairs  # a at the particle in the last step (P, 2), with the effect
     node_sums: Octets  # momentum, force, mass of each slab and three zeros: a whole vector register (T*N, 8)

@@ -7,10 +7,10 @@ Burghardt 2011). Corners lie at x -+ r1/2 -+ r2/2 with r1, r2 the edges convecte
 
 import taichi as ti
 
-from solvers.kernels.lanes import read_component
+from solvers.kernels.simd import read_component
 from solvers.problems.planar.layout import CORNERS
-from solvers.problems.planar.method.kept import keep, kept
-from solvers.problems.planar.method.records import force_moment, force_record, scatter_add
+from solvers.problems.planar.method.node_records import force_moment, force_record, scatter_add
+from solvers.problems.planar.method.stored_weights import keep, kept
 
 #: Of what is kept, the first of four: beside those, the places of the corners in x and in y.
 GRADIENTS, NODES = 8, 12

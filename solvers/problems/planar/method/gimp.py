@@ -2,11 +2,11 @@
 
 import taichi as ti
 
-from solvers.kernels.lanes import read_component
-from solvers.kernels.shapes import outer_weights, stencil
+from solvers.kernels.shape_functions import outer_weights, stencil
+from solvers.kernels.simd import read_component
 from solvers.problems.planar.layout import MOST_HALF_WIDTH
-from solvers.problems.planar.method.kept import keep, kept
-from solvers.problems.planar.method.records import force_moment, force_record, scatter_add
+from solvers.problems.planar.method.node_records import force_moment, force_record, scatter_add
+from solvers.problems.planar.method.stored_weights import keep, kept
 
 
 @ti.func

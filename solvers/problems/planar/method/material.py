@@ -8,7 +8,7 @@ from types import FunctionType
 
 import taichi as ti
 
-from solvers.kernels.elementary import log
+from solvers.kernels.elementary_functions import log
 from solvers.motion.laws import law
 from solvers.motion.laws.material import LAWS as IN_NUMPY
 

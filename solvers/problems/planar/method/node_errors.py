@@ -5,7 +5,7 @@ from collections.abc import Callable
 
 import taichi as ti
 
-from solvers.problems.planar.method.frames import turned
+from solvers.problems.planar.method.rotation import turned
 from solvers.problems.planar.scene import PlanarScene
 from solvers.solver.field_tables import GRID, MODES, PRESENT, RANK, fact
 

@@ -8,7 +8,7 @@ import taichi as ti
 
 from solvers.kernels import runtime
 from solvers.problems.planar.method import cpdi, gimp
-from solvers.problems.planar.method.kept import BLOCK
+from solvers.problems.planar.method.stored_weights import BLOCK
 from solvers.solver.base import SOUND
 
 EMPTY = 1e-12  # share of a particle's mass below which a node carries nothing
@@ -31,7 +31,9 @@ def moving(body: ti.template()):
     """How many particles take part in a step. A GPU has steps waiting for it when a run goes bad: none in those."""
     count = body.particles
     if ti.static(not runtime.on_processor()):
-        count *= 1 - ti.min(body.verdict[0] - SOUND, 1)  # a condition would get lost (``solvers.kernels.elementary``)
+        count *= 1 - ti.min(
+            body.verdict[0] - SOUND, 1
+        )  # a condition would get lost (``solvers.kernels.elementary_functions``)
     return count
 
 

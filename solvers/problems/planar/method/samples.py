@@ -8,9 +8,9 @@ time. ``error_extra`` is the paper's "Err A": the error of the acceleration at t
 import taichi as ti
 
 from solvers.kernels import runtime
-from solvers.problems.planar.method.measures import find_exact, stress_error, vector_errors
+from solvers.problems.planar.method.diagnostic_kernels import find_exact, stress_error, vector_errors
 from solvers.problems.planar.method.phases import TOTALS
-from solvers.solver.loop import sample_effects
+from solvers.solver.run_loop import sample_effects
 from solvers.solver.samples import BASE, EACH, column
 
 

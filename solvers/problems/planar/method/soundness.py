@@ -10,8 +10,8 @@ from collections.abc import Callable
 import taichi as ti
 
 from solvers.kernels import runtime
-from solvers.problems.planar.method.records import scatter_add
-from solvers.scene.balance import MODES
+from solvers.problems.planar.method.node_records import scatter_add
+from solvers.scene.momentum_balance import MODES
 from solvers.solver import field_tables
 from solvers.solver.field_tables import MOTION, fact
 from solvers.solver.samples import column
@@ -123,8 +123,9 @@ def neighbour_gap(body: ti.template(), p, q):
 
 @ti.func
 def moments(body: ti.template(), k, along, around, inner, outer):
-    """What a circle adds to the sums that ``solvers.problems.planar.circles`` knows: its displacements ``along`` e_R
-    and ``around``, summed over its particles, times the Legendre polynomials of the radius from rim to rim."""
+    """What a circle adds to the sums that ``solvers.problems.planar.circular_diagnostics`` knows: its displacements
+    ``along`` e_R and ``around``, summed over its particles, times the Legendre polynomials of the radius from rim to
+    rim."""
     half = ti.static(MODES // 2)
     s = (2 * body.orbit_point[k][0] - inner - outer) / (outer - inner)
     sums = ti.Vector([0.0] * MODES)

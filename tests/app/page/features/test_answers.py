@@ -5,8 +5,8 @@ from types import SimpleNamespace
 
 import pytest
 
-from app.page.panels import bound
-from app.page.panels.bound import REST, TO_BE_READ, Answers
+from app.page.panels import scene_widgets
+from app.page.panels.scene_widgets import REST, TO_BE_READ, Answers
 from tests.support.processes import until
 from tests.support.raw import Raw
 
@@ -77,7 +77,7 @@ def test_a_removed_control_is_left_alone(said, clock):
 def test_what_is_refused_goes_back_on_the_page(here, monkeypatch):
     """An amplitude beyond the exact bar, as a slider and as text, and text that is no number: slider and text show what
     runs, and under the control it says why."""
-    monkeypatch.setattr(bound, "REST", 0.05)
+    monkeypatch.setattr(scene_widgets, "REST", 0.05)
     with Raw(here[1]) as visitor:
         slider, text = visitor.find("Amplitude A"), visitor.find("Amplitude A, typed")
         at, words = (visitor.widgets[one]["value"] for one in (slider, text))

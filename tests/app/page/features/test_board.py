@@ -7,15 +7,15 @@ from dataclasses import replace
 
 import pytest
 
-from app.lessons import shelf
+from app.lessons import catalogue
 from app.lessons.lesson import CHOICE, INTERVAL, TEXT
-from app.lessons.outcomes import Outcomes, RunFailed
-from app.lessons.progress import Answer
-from app.page.features.board import tally as tally_module
+from app.lessons.lesson_runs import Outcomes, RunFailed
+from app.lessons.student_progress import Answer
+from app.page.features.board import class_answers as tally_module
 from app.page.features.board.board import BACK, COUNTED, NEXT, REVEALED, SHOWN, Board
+from app.page.features.board.class_answers import Tally
 from app.page.features.board.panel import Lectern, saved
 from app.page.features.board.slides import Door, calibration, says_next, scores, slide
-from app.page.features.board.tally import Tally
 from tests.support.processes import until
 
 DOOR = Door("http://lab/", "wave-4711")
@@ -35,7 +35,7 @@ class Waiting(Outcomes):
 @pytest.fixture
 def lesson():
     """Two predictions that need no run, a step without a question, a free text and an interval."""
-    four = shelf.lesson("04-grid-crossing")
+    four = catalogue.lesson("04-grid-crossing")
     number = next(step for step in four.steps if step.key == "where-does-the-trouble-begin")
     choice = replace(four.steps[0], question=replace(four.steps[0].asked, holds=("1 < 0", "1 < 2", "2 < 1")))
     text = replace(number, key="why", title="Why?", question=replace(number.asked, kind=TEXT, expected=""))
@@ -205,7 +205,7 @@ def test_the_board_shows_the_address_by_which_a_class_comes_in(board, here, link
 
 def test_what_cannot_be_worked_out_is_said_and_ends_nothing():
     outcomes = Waiting()
-    board = Board(shelf.lesson("04-grid-crossing"), outcomes)
+    board = Board(catalogue.lesson("04-grid-crossing"), outcomes)
     press(board, NEXT, NEXT, NEXT)
     assert "being worked out" in shown(board)
     outcomes.go.set()

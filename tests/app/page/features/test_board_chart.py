@@ -4,8 +4,8 @@ import re
 
 import pytest
 
+from app.lessons.answer_check import Right
 from app.lessons.lesson import CHOICE, DRAG, INTERVAL, NUMBER, Question
-from app.lessons.marks import Right
 from app.page.features.board.chart import axis_for, chart, options, right_among
 
 OPTIONS = ("It <grows>", "It falls to {A}", "Neither")

@@ -11,17 +11,17 @@ from types import SimpleNamespace
 import numpy as np
 
 from app import state
-from app.frame.budget import MEANINGS, blamed, error, field_of, percent, stacked
+from app.frame.budget_chart import MEANINGS, blamed, error, field_of, percent, stacked
+from app.page.display_source import Choice
 from app.page.features.budget.chart import HEIGHT, MOST, WIDTH, Divided, chart
 from app.page.features.budget.panel import BudgetFold
-from app.page.measurements import Numbers
 from app.page.panels.timeline import Now
-from app.page.source import Choice
+from app.page.readout_panel import Numbers
 from app.state import State
 from app.words import differing, per_cent, with_unit
 from solvers.problems.ring import RingScene
 from solvers.running import budget as running
-from solvers.scene.causes import CAUSES, FIELDS
+from solvers.scene.error_causes import CAUSES, FIELDS
 from solvers.solver import budget
 from tests.app.page.panel import Gui
 

@@ -6,17 +6,17 @@ from dataclasses import replace
 
 import pytest
 
-from app.page.features.cost import words
+from app.page.features.cost import cost_texts
 from app.page.features.cost.jobs import timings
 from app.page.features.cost.panel import CostTab
-from app.page.features.cost.runs import LIVE, SEARCH, SWEEP, LiveRows, Runs, csv_bytes, live_row
+from app.page.features.cost.visitor_runs import LIVE, SEARCH, SWEEP, LiveRows, Runs, csv_bytes, live_row
 from app.page.visit.history import History
-from solvers.engine.messages import FrameReport
+from solvers.engine.engine_messages import FrameReport
 from solvers.engine.soundness_watch import SoundnessWatch
 from solvers.problems.bar.scene import BarScene
 from solvers.problems.ring import RingScene
 from solvers.running.run import build
-from solvers.study.grid import task_of
+from solvers.study.parameter_grid import task_of
 from solvers.study.row import failed
 from solvers.study.summary import flat
 from tests.support.rows import made_up
@@ -81,9 +81,9 @@ def test_live_run_that_goes_bad_is_a_row(status, steps, changes, said):
     """Drawn and told under its own name; one that is lost goes to the end of its scene."""
     bad = replace(SCENE, cells=40, **changes)
     run = run_of(bad, steps)
-    assert run.row["status"] == status and run.row["reason"] and run.drawable and said in words.sentence(run)
+    assert run.row["status"] == status and run.row["reason"] and run.drawable and said in cost_texts.sentence(run)
     assert run.row["t"] < bad.end_time if status == "unstable" else run.row["steps"] == bad.steps
-    assert f">{status}</td>" in words.table([run])
+    assert f">{status}</td>" in cost_texts.table([run])
 
 
 def test_run_that_is_lost_after_its_scene_is_ok():
@@ -95,7 +95,7 @@ def test_run_that_is_lost_after_its_scene_is_ok():
 def test_live_run_without_truth_has_its_estimate():
     run = run_of(replace(SCENE, body_force="two-tone"))
     assert run.error is None and run.size == run.estimate > 0 and run.drawable
-    assert f"est. {words.percent(run.estimate)}" in words.table([run])
+    assert f"est. {cost_texts.percent(run.estimate)}" in cost_texts.table([run])
 
 
 def test_runs_keep_their_numbers_and_are_bounded():
@@ -136,9 +136,9 @@ def test_scene_too_large_to_watch_is_not_loaded():
 
 @pytest.mark.parametrize("text", ["", "abc", "0", "-1", "nan", "inf", "1e999", "61"])
 def test_what_is_no_number_is_refused_in_words(text):
-    with pytest.raises(words.NoNumber, match="give a number above 0"):
-        words.typed("Longest run", text, words.LONGEST_BUDGET)
-    assert words.typed("Tolerance", " 1e-4 ") == 1e-4
+    with pytest.raises(cost_texts.NoNumber, match="give a number above 0"):
+        cost_texts.typed("Longest run", text, cost_texts.LONGEST_BUDGET)
+    assert cost_texts.typed("Tolerance", " 1e-4 ") == 1e-4
 
 
 def test_row_that_says_most_is_kept():
@@ -152,15 +152,15 @@ def test_row_that_says_most_is_kept():
 @pytest.mark.parametrize(("part", "text"), [(0.005, "0.5"), (0.12, "12"), (0.0123, "1.2"), (1.0, "100"), (0.999, "100"),
                                             (22.0, "2200"), (1e-5, "0.001"), (3.14e-9, "3.1 × 10⁻⁷")])
 def test_parts_are_said_in_percent(part, text):
-    assert words.percent(part) == f"{text}\N{NO-BREAK SPACE}%"
+    assert cost_texts.percent(part) == f"{text}\N{NO-BREAK SPACE}%"
 
 
 def test_table_is_bounded_and_says_what_is_left_out():
     """It is made anew with every run that a search makes."""
     runs = Runs()
-    for cells in range(10, 10 + words.MOST_LINES + 3):
+    for cells in range(10, 10 + cost_texts.MOST_LINES + 3):
         runs.add(made_up(cells=cells), SWEEP)
     runs.add(failed(task_of(SCENE), "lost <b>"), SWEEP)
-    listed = words.table(runs.all())
-    assert listed.count("<button") == words.MOST_LINES and "4 more are on the chart" in listed
-    assert "lost <b>" not in listed and words.table([]) == ""
+    listed = cost_texts.table(runs.all())
+    assert listed.count("<button") == cost_texts.MOST_LINES and "4 more are on the chart" in listed
+    assert "lost <b>" not in listed and cost_texts.table([]) == ""

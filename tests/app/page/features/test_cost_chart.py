@@ -8,12 +8,22 @@ import numpy as np
 import pytest
 
 from app.colours import GROUNDS, METHOD_COLOURS
-from app.page.features.cost.picture import LogAxis, around, axes, headline, line, names, picture, unnamed
-from app.page.features.cost.runs import LIVE, SEARCH, SWEEP, NumberedRun, Runs, cheapest, comparable, front, staged
-from app.page.features.cost.words import percent, seconds
-from app.page.panels.head import WEB
+from app.page.features.cost.cost_chart import LogAxis, around, axes, headline, line, names, picture, unnamed
+from app.page.features.cost.cost_texts import percent, seconds
+from app.page.features.cost.visitor_runs import (
+    LIVE,
+    SEARCH,
+    SWEEP,
+    NumberedRun,
+    Runs,
+    cheapest,
+    comparable,
+    front,
+    staged,
+)
+from app.page.panels.page_header import WEB
 from solvers.problems.bar.scene import BarScene
-from solvers.study.grid import task_of
+from solvers.study.parameter_grid import task_of
 from solvers.study.row import failed
 from tests.app.test_colours import contrast
 from tests.support.rows import made_up

@@ -10,9 +10,9 @@ from typing import ClassVar
 
 import pytest
 
-from app.page.features import background
+from app.page.features import background_job
+from app.page.features.cost import cost_texts
 from app.page.features.cost import jobs as cost_jobs
-from app.page.features.cost import words
 from app.page.features.cost.jobs import (
     HOLDS,
     MOST_POINTS,
@@ -26,13 +26,13 @@ from app.page.features.cost.jobs import (
     small_sweep,
 )
 from app.page.features.cost.panel import CostTab
-from app.page.features.cost.runs import Runs, cheapest, question
+from app.page.features.cost.visitor_runs import Runs, cheapest, question
 from solvers.problems.bar.scene import BarScene
 from solvers.problems.ring import RingScene
-from solvers.study.grid import task_of
-from solvers.study.jobs import READY
-from solvers.workers.pool import Slots
-from solvers.workers.processes import ProcessDied
+from solvers.study.background_jobs import READY
+from solvers.study.parameter_grid import task_of
+from solvers.workers.worker_pool import Slots
+from solvers.workers.worker_process import ProcessDied
 from tests.app.page.features.test_cost import SCENE
 from tests.app.page.panel import Gui
 from tests.support.processes import until
@@ -73,7 +73,7 @@ class Pool:
 def pools(monkeypatch):
     """The pools that were made, the last one last."""
     monkeypatch.setattr(Pool, "made", [])
-    monkeypatch.setattr(background, "WorkerPool", Pool)
+    monkeypatch.setattr(background_job, "WorkerPool", Pool)
     monkeypatch.setattr(cost_jobs, "WorkerPool", Pool)
     return Pool.made
 
@@ -118,17 +118,19 @@ def test_a_sweep_and_a_search_in_processes_of_their_own(jobs):
         until(lambda one=one: not one.status.running, "the end of a search")
     advice, found = searcher.status.advice, searcher.runs.all()
     assert advice["met"] and advice["error"] <= 1e-2 * SCENE.amplitude
-    assert words.going(searcher.status).startswith("Take uGIMP") and "estimate" in words.going(searcher.status)
+    assert cost_texts.going(searcher.status).startswith("Take uGIMP") and "estimate" in cost_texts.going(
+        searcher.status
+    )
     assert len(found) == advice["looks"] == searcher.status.done and searcher.status.known == 0
     assert {(run.source, run.error, run.estimator) for run in found} == {("search", None, "companion")}
     assert all(run.drawable for run in found)
     taken = cheapest(found, 1e-2)
     assert taken.row["asked"] == advice["task"]["inputs"] and taken.scene.has("truth")
     assert taken.seconds == advice["seconds"] and taken.size == advice["error"] / SCENE.amplitude
-    assert words.found({**advice, "met": False, "error": None}).startswith("Nothing within reach")
+    assert cost_texts.found({**advice, "met": False, "error": None}).startswith("Nothing within reach")
     assert other.status.known == other.status.done == searcher.status.done and other.status.task is None
     assert other.status.advice == advice and [run.row for run in other.runs.all()] == [run.row for run in found]
-    assert f"{other.status.known} of them had been made by earlier searches" in words.going(other.status)
+    assert f"{other.status.known} of them had been made by earlier searches" in cost_texts.going(other.status)
     searcher.close()
     other.close()
 
@@ -137,26 +139,26 @@ def test_a_job_is_told_of_and_makes_room(jobs, pools):
     """While one runs nothing else begins, and no other visitor's; cancelled it keeps its rows; what ends it is said."""
     jobs.sweep(small_sweep(SCENE))
     jobs.search(few(1e-2))
-    assert len(pools) == 1 and pools[0].work == "solvers.study.jobs:sweep" and len(pools[0].question) == 16
+    assert len(pools) == 1 and pools[0].work == "solvers.study.background_jobs:sweep" and len(pools[0].question) == 16
     other = Jobs(Runs(), jobs.slots)
     other.sweep(small_sweep(SCENE))
-    assert "server busy" in words.going(other.status) and not other.status.running and other.others
+    assert "server busy" in cost_texts.going(other.status) and not other.status.running and other.others
     pools[0].hear({"row": made_up()})
-    assert words.going(jobs.status) == "Sweep: 1 of 16 runs."
+    assert cost_texts.going(jobs.status) == "Sweep: 1 of 16 runs."
     jobs.cancel()
     until(lambda: not jobs.status.running, "the end of a job that was cancelled")
-    assert "cancelled" in words.going(jobs.status) and jobs.status.trouble is None and len(jobs.runs.all()) == 1
+    assert "cancelled" in cost_texts.going(jobs.status) and jobs.status.trouble is None and len(jobs.runs.all()) == 1
     for error, said in ((ProcessDied("was ended by SIGKILL"), "SIGKILL"),
                         (OSError(11, "Resource temporarily unavailable"), "temporarily unavailable")):
         jobs.sweep(small_sweep(SCENE))
         pools[-1].end(error)
-        assert said in words.going(jobs.status) and not jobs.status.running and jobs.slots.taken == 0
+        assert said in cost_texts.going(jobs.status) and not jobs.status.running and jobs.slots.taken == 0
     other.search(few(1e-2))
     pools[-1].hear({"look": 1, "certain": 2, "task": task_of(SCENE).to_dict()})
-    assert words.going(other.status).startswith("Search, run 1 of at least 2: uGIMP")
+    assert cost_texts.going(other.status).startswith("Search, run 1 of at least 2: uGIMP")
     pools[-1].hear({"trouble": "no method makes a valid scene with these settings"})
     pools[-1].end()
-    assert "no method" in words.going(other.status) and pools[0].closed
+    assert "no method" in cost_texts.going(other.status) and pools[0].closed
 
 
 def test_visitor_who_leaves_takes_the_process_along(jobs, pools):
@@ -184,7 +186,7 @@ def test_a_search_is_told_what_is_known_and_times_only_as_they_were_taken(jobs, 
 
 @pytest.fixture
 def ready(pools):
-    ready = Ready("solvers.study.jobs:search", Slots(1))
+    ready = Ready("solvers.study.background_jobs:search", Slots(1))
     yield ready
     ready.end()
 
@@ -216,7 +218,7 @@ def test_a_search_takes_the_process_that_is_ready(jobs, ready, pools):
 def test_few_processes_are_ready_and_none_for_ever(ready, pools):
     """A second visitor gets none while the first one's is there; who leaves, or takes too long, takes it along."""
     first, second = (Jobs(Runs(), Slots(1), KeptPoints()) for _ in range(2))
-    first._ready, second._ready = ready, Ready("solvers.study.jobs:search", ready._places, rests=0.1)
+    first._ready, second._ready = ready, Ready("solvers.study.background_jobs:search", ready._places, rests=0.1)
     first.prepare(few(1e-2), quiet=False)
     mine = ready._pool
     assert mine.ways == 1
@@ -354,5 +356,5 @@ def test_search_ends_when_what_was_asked_changes(tab, pools):
     tab.refresh()
     until(lambda: not tab.jobs.status.running, "the end of the search")
     tab.refresh()
-    assert words.going(tab.jobs.status) == "The search was cancelled."
+    assert cost_texts.going(tab.jobs.status) == "The search was cancelled."
     assert "What it was to find has changed." in tab.widgets.said

@@ -4,13 +4,13 @@ from __future__ import annotations
 
 import re
 
-from app.lessons import shelf
+from app.lessons import catalogue
+from app.lessons.answer_check import AnswerMark
 from app.lessons.bets import YOURS, Bet, Bettor
 from app.lessons.lesson import EXPLAIN, PREDICT, Step
-from app.lessons.marks import AnswerMark
-from app.lessons.progress import Answer
-from app.page.features.lesson.html import bets_html, compared_html
+from app.lessons.student_progress import Answer
 from app.page.features.lesson.marking import bets_ahead
+from app.page.features.lesson.step_html import bets_html, compared_html
 
 
 def test_a_picture_has_a_line_for_each_bet_and_says_it_in_words():
@@ -27,7 +27,7 @@ def test_a_picture_has_a_line_for_each_bet_and_says_it_in_words():
 
 
 def test_what_came_out_has_a_bets_score_beside_it():
-    lesson = shelf.lesson("10-how-sure-are-you")
+    lesson = catalogue.lesson("10-how-sure-are-you")
     step = next(step for step in lesson.steps if step.question)
     mark = AnswerMark(True, "44.56 nm", Bet(2e-8, 2e-7, 4.456e-8))
     html = compared_html(lesson, [step], {step.key: Answer([2e-8, 2e-7], [2e-8, 2e-7], 1, 1.0)}, {step.key: mark}, {})
@@ -36,12 +36,12 @@ def test_what_came_out_has_a_bets_score_beside_it():
 
 def test_bets_are_asked_for_from_the_run_on():
     """So that they are there when they are explained; never where somebody still predicts."""
-    lesson = shelf.lesson("10-how-sure-are-you")
+    lesson = catalogue.lesson("10-how-sure-are-you")
 
     def ends(step: Step) -> Step:
         return next(other for other in lesson.steps[lesson.steps.index(step):] if other.kind == EXPLAIN)
 
     assert [bets_ahead(lesson, step) for step in lesson.steps] == [
         None if step.kind == PREDICT else ends(step) for step in lesson.steps]
-    other = shelf.lesson("09-four-judges")
+    other = catalogue.lesson("09-four-judges")
     assert {bets_ahead(other, step) for step in other.steps} == {None}

@@ -13,22 +13,22 @@ import numpy as np
 import pytest
 
 from app.cli import main
-from app.page.features.own.judging import BUSY, Judging
-from app.page.features.own.judging import sentence as question
-from app.page.features.own.panel import TO_BE_READ, OwnCode
-from app.page.features.own.run import OwnRun, taken
-from app.page.visit.links import MOST_WATCHED
-from app.page.visit.notice import Notice
+from app.page.features.upload.judging_process import BUSY, Judging
+from app.page.features.upload.judging_process import sentence as question
+from app.page.features.upload.panel import TO_BE_READ, OwnCode
+from app.page.features.upload.uploaded_run import OwnRun, taken
+from app.page.visit.engine_links import MOST_WATCHED
+from app.page.visit.status_message import Notice
 from app.viewer import upload
-from solvers.judging import writing
-from solvers.judging.handout import exact
-from solvers.judging.measure import sizes
-from solvers.judging.show import LIMITS, Shown, ShowRequest
-from solvers.outside.quoting import file_name
+from solvers.judging import particle_writers
+from solvers.judging.error_norms import sizes
+from solvers.judging.file_view import LIMITS, Shown, ShowRequest
+from solvers.judging.problem_handout import exact
 from solvers.problems import PROBLEMS
-from solvers.study.grid import task_of
-from solvers.workers.pool import Slots
-from solvers.workers.processes import WorkerProcess
+from solvers.study.parameter_grid import task_of
+from solvers.untrusted.quoting import file_name
+from solvers.workers.worker_pool import Slots
+from solvers.workers.worker_process import WorkerProcess
 from tests.app.serving.test_messages import page_of, settle
 from tests.support.hostile import FILES
 from tests.support.processes import until
@@ -41,7 +41,7 @@ QUICK = {"bar": ["--cells", "20", "--periods", "1"], "ring": ["--cells", "12", "
 @pytest.fixture(scope="module")
 def process():
     """The process that reads files: one for all that is asked here."""
-    worker = WorkerProcess("solvers.judging.show:show")
+    worker = WorkerProcess("solvers.judging.file_view:show")
     yield worker
     worker.close()
 
@@ -92,10 +92,10 @@ def test_a_file_of_another_problem_is_asked_about_and_one_that_says_its_scene_is
     bar, ring = PROBLEMS["bar"].scene(), PROBLEMS["ring"].scene(cells=12, amplitude=0.02)
     frames = [exact(ring, 0.1 * ring.period)]
     theirs, ours, liar = (tmp_path / name for name in ("theirs.csv", "ours.npz", "liar.npz"))
-    columns = writing.table(frames)
-    theirs.write_bytes(writing.csv({name: columns[name] for name in ("t", "id", "x", "y")}, {"cells": 12}))
-    ours.write_bytes(writing.npz(frames, ring))
-    liar.write_bytes(writing.npz([exact(bar, 0.1)], replace(ring, cells=bar.cells)))
+    columns = particle_writers.table(frames)
+    theirs.write_bytes(particle_writers.csv({name: columns[name] for name in ("t", "id", "x", "y")}, {"cells": 12}))
+    ours.write_bytes(particle_writers.npz(frames, ring))
+    liar.write_bytes(particle_writers.npz([exact(bar, 0.1)], replace(ring, cells=bar.cells)))
     answers, _ = shown_of(process, theirs, bar, tmp_path)
     assert answers == {"asks": {"reason": "has positions in two directions, and the bar has one",
                                 "problems": ["ring", "vortex", "square"]}}
@@ -122,7 +122,7 @@ def test_the_field_of_exact_particles_is_on_the_exact_curve(problem, process, tm
     scene, t = PROBLEMS[problem].scene(cells=12), 0.3 * PROBLEMS[problem].scene(cells=12).period
     frame = exact(scene, t)
     file = tmp_path / "exact.csv"
-    file.write_bytes(writing.csv(writing.table([frame])))
+    file.write_bytes(particle_writers.csv(particle_writers.table([frame])))
     run, _ = run_of(process, file, scene, tmp_path)
     at = np.linalg.norm(frame.material_position, axis=1)
     for q in ("x", "v", "sigma"):
@@ -136,7 +136,9 @@ def test_where_no_solution_is_known_the_companion_alone_is_shown(process, tmp_pa
     scene = PROBLEMS["bar"].scene(cells=12, body_force="two-tone")
     frame = exact(replace(scene, body_force="material"), 0.1)
     file = tmp_path / "mine.csv"
-    file.write_bytes(writing.csv(writing.table([replace(frame, stress=None, deformation_gradient=None)])))
+    file.write_bytes(
+        particle_writers.csv(particle_writers.table([replace(frame, stress=None, deformation_gradient=None)]))
+    )
     run, _ = run_of(process, file, scene, tmp_path)
     assert run.true is None and run.missing == ["sigma"]
     _, arrays = run.frame(0, "x", False)
@@ -155,10 +157,10 @@ def test_particles_that_are_not_ours_and_not_always_the_same(process, tmp_path):
         "material_position", "position", "velocity", "deformation_gradient", "stress")})
     moved = frames[1].position + np.array([1e-3, 0.0])
     frames[1] = replace(frames[1], position=moved)
-    columns = writing.table(frames)
+    columns = particle_writers.table(frames)
     del columns["id"]
     file = tmp_path / "mine.csv"
-    file.write_bytes(writing.csv(columns))
+    file.write_bytes(particle_writers.csv(columns))
     run, _ = run_of(process, file, scene, tmp_path)
     assert [run.particles(0), run.particles(1)] == [len(frames[0].number), len(few)]
     _, arrays = run.frame(1, "x", False)
@@ -207,7 +209,7 @@ def test_memory_of_the_process_is_limited(process, tmp_path):
 
 
 def test_a_file_that_takes_too_long_or_is_not_wanted_any_more_ends_its_process(tmp_path, monkeypatch):
-    monkeypatch.setattr("app.page.features.own.judging.PATIENCE", 0.05)
+    monkeypatch.setattr("app.page.features.upload.judging_process.PATIENCE", 0.05)
     heard = []
     file = tmp_path / "coming"
     file.write_bytes(b"x")

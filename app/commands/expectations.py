@@ -1,0 +1,42 @@
+"""What ``--expect`` asks of a report, in the language of the lessons' claims: refused where no report can decide it,
+and said line by line."""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+from app.commands.flags import BadInput
+from app.commands.output import say
+from app.lessons.claims import ClaimError, Outcome, Scope, Vocabulary, check_claim, decide
+from solvers.untrusted.quoting import quoted
+
+
+@dataclass(frozen=True)
+class Expectable:
+    """The paths of a report, and what the report itself is called, which no claim has to say."""
+
+    name: str
+    vocabulary: Vocabulary
+
+    def check(self, claims: Sequence[str]) -> None:
+        """Refuse a claim that cannot be decided."""
+        for claim in claims:
+            try:
+                check_claim(claim, {self.name: None}, self.name, self.vocabulary)
+            except ClaimError as error:
+                raise BadInput("expect", claim, str(error)) from None
+
+    def told(self, claims: Sequence[str], outcomes: list[Mapping[str, Any]], over: str = "") -> int:
+        """Say of each claim what came of it; 1 where one does not hold. Several outcomes are told apart by the field
+        ``over`` of their scenes."""
+        missed = 0
+        scope = Scope({self.name: Outcome(outcomes, over)}, self.name, self.vocabulary)
+        for claim in claims:
+            try:
+                decided = decide(claim, scope)
+                holds, found = decided.holds, ", ".join(dict.fromkeys(decided.found.split(", ")))  # order: of all grids
+            except ClaimError as error:  # one that has no value here does not hold
+                holds, found = False, str(error)
+            say(f"expected {quoted(claim)}: {'holds' if holds else 'DOES NOT HOLD'} ({found})")
+            missed |= not holds
+        return int(missed)

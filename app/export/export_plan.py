@@ -1,0 +1,112 @@
+"""What a file puts on its stage: a state, the runs around it, and how finely they are recorded to stay small."""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+from typing import Any
+
+from app.export import slider_grid
+from app.export.recording import CURVE_POINTS, Wanted
+from app.export.slider_grid import SliderAxis
+from app.language.translation import language, tr
+from app.problems.views import VIEWS
+from app.state import State, read, write
+from app.words import METHODS, in_a_line, unit_of, with_unit
+from solvers.scene.error_causes import CAUSES, FIELDS
+from solvers.scene.scene import Scene
+
+LABELS = {field: name for name, field in slider_grid.CONTROLS.items()}
+BUDGET = 8_000_000  # bytes of all recordings before they are compressed, about what they take in the file afterwards
+LEAST, STRIDE = 40, 40  # particles of a run that are kept, at least, and by how many it is tried
+MOST = {1: 200, 2: 1040}  # by dimensions: more along a bar cannot be told apart
+#: Pictures of a period, at least one period's and at most so many, by the problem's dimensions.
+PICTURES = {1: (48, 240), 2: (30, 120)}
+
+
+@dataclass(frozen=True)
+class Plan:
+    """A state for the stage, the ``axes`` around it and the ``texts`` of all runs (``lattice.scenes``)."""
+
+    state: State
+    axes: tuple[SliderAxis, ...]
+    quantities: tuple[str, ...]
+    texts: tuple[str, ...]
+
+    @property
+    def scene(self) -> Scene:
+        return self.state.scene
+
+    @property
+    def pinned(self) -> str | None:
+        return None if self.state.pinned is None else write(State(ending(self.state.pinned, self.scene)))
+
+    @property
+    def pictures(self) -> int:
+        """How many pictures each of its runs has: the first and so many intervals."""
+        scene = self.scene
+        a_period, most = PICTURES[scene.DIMENSIONS]
+        return 1 + round(min(max(scene.end_time / scene.period, 1.0) * a_period, most))
+
+    @property
+    def runs(self) -> list[str]:
+        return [text for text in (*self.texts, *([self.pinned] if self.pinned else [])) if not text.startswith("!")]
+
+
+def planned(state: State, axes: Sequence[SliderAxis], quantities: Sequence[str]) -> Plan:
+    """The plan for a state; one that says no end is recorded for one period."""
+    state = replace(state, scene=ending(state.scene))
+    return Plan(state, tuple(axes), tuple(quantities), tuple(slider_grid.scenes(state.scene, axes)))
+
+
+def ending(scene: Scene, like: Scene | None = None) -> Scene:
+    """A scene that ends after one period, or sooner if its problem does, where it says nothing else, or as another."""
+    if scene.t_end is not None or scene.periods is not None:
+        return scene
+    if like is not None:
+        return replace(scene, periods=like.periods, t_end=like.t_end)
+    return replace(scene, periods=min(1.0, scene.DEFAULT_PERIODS))
+
+
+def wanted(plans: Sequence[Plan]) -> dict[tuple[int, str], Wanted]:
+    """What is to be recorded, by the number of the plan and the text of the run."""
+    counts = [(plan, min(read(text).scene.particles, MOST[plan.scene.DIMENSIONS]))
+              for plan in plans for text in plan.runs]
+    # The tracks of as many particles are kept as the budget has room for, when smaller runs need less.
+    most = next((most for most in range(max(MOST.values()), LEAST, -STRIDE)
+                 if sum(_bytes(plan, min(count, most)) for plan, count in counts) <= BUDGET), LEAST)
+    return {(number, text): Wanted(text, plan.pictures, min(most, MOST[plan.scene.DIMENSIONS]), plan.quantities,
+                                   plan.state.difference, plan.state.domains, language())
+            for number, plan in enumerate(plans) for text in plan.runs}
+
+
+def _bytes(plan: Plan, particles: int) -> int:
+    """What a recording of so many particles takes before it is compressed."""
+    scene, quantities = plan.scene, len(plan.quantities)
+    norms = 4 * (3 + 4 * (1 + 3 * len(scene.estimators)))
+    each = scene.DIMENSIONS + len(scene.estimators) * (1 + plan.state.difference)
+    parts = len(FIELDS) * (5 + len(CAUSES)) * scene.has("budget")
+    return plan.pictures * (norms + parts + 2 * CURVE_POINTS * quantities
+                            + particles * ((2 + 2 * plan.state.domains) * scene.DIMENSIONS + quantities * each))
+
+
+def described(plan: Plan, numbers: Mapping[str, int]) -> dict[str, Any]:
+    """The plan as the player reads it; ``numbers`` are those of the recorded runs, by their texts."""
+    state, scene = plan.state, plan.scene
+    return {"axes": [{"field": axis.field, "label": tr(LABELS[axis.field]), "start": axis.start, "values": axis.values,
+                      "says": [said(type(scene), axis.field, value) for value in axis.values]} for axis in plan.axes],
+            "runs": [text[1:] if text.startswith("!") else numbers[text] for text in plan.texts],
+            "says": ["" if text.startswith("!") else in_a_line(read(text).scene) for text in plan.texts],
+            "pinned": numbers[plan.pinned] if plan.pinned else None,
+            "quantities": plan.quantities, "estimators": scene.estimators, "compares": state.difference,
+            "outlines": state.domains and bool(VIEWS[scene.problem].stage.DOMAINS_HINT),
+            "view": {"quantity": state.quantity, "difference": state.difference, "domains": state.domains,
+                     "magnified": state.magnified,
+                     "logarithmic": state.logarithmic, "speed": state.speed or VIEWS[scene.problem].speed,
+                     "estimator": state.estimator or next(iter(scene.active_estimators), "")}}
+
+
+def said(kind: type[Scene], field: str, value: Any) -> str:
+    """A value of an axis of a kind of scene in words."""
+    if field == "method":
+        return str(METHODS[value])
+    unit = unit_of(kind, field)
+    return with_unit(value, unit) if unit else f"{value:g}"

@@ -1,0 +1,250 @@
+"""A lesson as data for the player: texts as html, questions with what is right, stages with runs around them; and
+lessons as a package for a course's own system: SCORM 1.2, an archive with a page a lesson and what names them."""
+
+import hashlib
+import io
+import re
+import sys
+import zipfile
+from collections.abc import Callable, Mapping, Sequence
+from contextlib import closing
+from typing import Any
+from urllib.parse import quote
+from xml.etree.ElementTree import Element, SubElement, indent, tostring
+
+from app import state
+from app.export import slider_grid
+from app.export.export_plan import Plan, planned
+from app.export.html_file import IN_A_COURSE, SCRIPTS, Progress, assembled, quantities, record
+from app.frame.budget_chart import QUESTION
+from app.language.translation import later, speaking, tr
+from app.lessons import bet_chart, catalogue, student_progress
+from app.lessons.answer_check import BARE, DIGITS, LONGEST, MOST, TOLD_AFTER, expressions, judge_ends, right
+from app.lessons.bets import BY_ROUND, OWN, YOURS, asked_before
+from app.lessons.claims import ClaimError, needed
+from app.lessons.lesson import CHOICE, DRAG, NAMES, POWERS, REACH, TEXT, Lesson, Numbers, Question, Step, filled
+from app.lessons.lesson_runs import Outcomes, RunFailed
+from app.lessons.markdown_html import html
+from app.words import QUANTITIES, SYMBOLS
+
+#: How many values of each field a stage of a lesson has beside those that its text names.
+COUNTS = {"cells": 3, "amplitude": 3, "method": 3}
+DENSE = (0.5, 0.7, 0.9, 1.2, 1.4, 1.5, 1.55, 1.6, 1.8, 2.0, 2.5, 3.0)  # times the own, where one looks for a place
+MOST_RUNS = 12  # of a stage's lattice
+#: Controls that no recording has, and how the file names them.
+ELSEWHERE = {"slow-motion": later("slow motion"), "look-back": later("look back"), "trace": later("trace"),
+             "effects": later("effects"), "details": later("details"), "pin": later("pin")}
+
+
+def lesson_page(lesson: Lesson, processes: int, on_progress: Progress, counts: Mapping[str, int] = COUNTS,
+                 core: bool = False, scripts: Sequence[str] = SCRIPTS) -> str:
+    """The page of a lesson, with so many values of each field on its sliders; it begins with the ``core`` alone where
+    that is asked for, and has these ``scripts`` of the player."""
+    plans = {  # what each step with a stage puts there, by the step's key and the number of the variant
+        (step.key, number): _plan(lesson, step, filled(step.stage, numbers), filled(step.text, numbers), counts)
+        for step in lesson.steps if step.stage for number, numbers in enumerate(lesson.variants)}
+    right = rules(lesson, processes, lambda part, what: on_progress(0.5 * part, what))
+    once = list(dict.fromkeys(plans.values()))
+    bets = judged(lesson, processes)
+    recorded = record(once, processes, lambda part, what: on_progress(0.5 + 0.5 * part, what))
+    stages = {key: once.index(plan) for key, plan in plans.items()}
+    return assembled(lesson.title, once, recorded, _data(lesson, right, stages, bets, core), scripts)
+
+
+def _plan(lesson: Lesson, step: Step, stage: str, text: str, counts: Mapping[str, int]) -> Plan:
+    """A step's state with what its text has one set, and, where there is room, with more of what the lesson offers."""
+    shown = state.read(stage)
+    kept = quantities(shown)
+    with speaking(lesson.language):
+        kept += tuple(key for key, quantity in QUANTITIES.items() if key not in kept and f"`{quantity}`" in text)
+        scene = planned(shown, (), kept).scene
+        axes = slider_grid.named(scene, text)
+    asks = [other.question for other in lesson.steps[lesson.steps.index(step) + 1:][:1]]
+    sought = asks[0].control if asks and asks[0] and asks[0].kind == DRAG else ""  # what one is to find on the stage
+    if sought and sought not in {axis.field for axis in axes}:
+        own = getattr(scene, sought) if sought != "cfl" else scene.courant_number
+        values = [type(own)(float(f"{factor * own:.3g}")) for factor in DENSE]
+        axes.append(slider_grid.axis(scene, sought, values, len(DENSE) + 1))
+    for axis in slider_grid.around(scene, counts):
+        offered = not lesson.controls or axis.field in lesson.controls
+        room = slider_grid.size((*axes, axis)) <= MOST_RUNS
+        if offered and room and axis.field not in {other.field for other in axes}:
+            axes.append(axis)
+    return planned(shown, axes, kept)
+
+
+def rules(lesson: Lesson, processes: int,
+          on_progress: Callable[[float, str], None]) -> dict[str, list[dict[str, Any] | None]]:
+    """What is right in each question with the numbers of each variant; None where it could not be found out."""
+    found = []  # the scenes of all runs that questions are about
+    for step in lesson.questions.values():
+        for numbers in lesson.variants:
+            for expression in expressions(step.asked, numbers):
+                names = needed(expression, lesson.runs, lesson.main_run(step)) - {""}
+                found += [filled(text, numbers) for name in names for text in lesson.runs[name].texts]
+    with closing(Outcomes(processes)) as outcomes:
+        outcomes.prepare(found, lambda done, total: on_progress(done / total, f"answer {done} of {total}"))
+        return {step.key: [_rule(lesson, step, numbers, outcomes) for numbers in lesson.variants]
+                for step in lesson.questions.values()}
+
+
+def _rule(lesson: Lesson, step: Step, numbers: Numbers, outcomes: Outcomes) -> dict[str, Any] | None:
+    """How the player marks an answer: ``options`` that are right, or the ``value`` and how far off one may be; and
+    what came out, in words."""
+    asked = step.question
+    assert asked is not None
+    if asked.kind == TEXT:
+        return {"told": ""}
+    try:
+        found = right(lesson, step, numbers, outcomes)
+    except (ClaimError, RunFailed):
+        return None
+    if asked.kind == CHOICE:
+        return {"options": list(found.options), "told": found.told}
+    return {"value": found.value, "tolerance": asked.tolerance, "told": found.told}
+
+
+def _data(lesson: Lesson, right: Mapping[str, list[Any]], stages: Mapping[tuple[str, int], int],
+          bets: Mapping[str, list[Any]], core: bool) -> dict[str, Any]:
+    """The lesson as the player reads it. What differs with the numbers of a variant is a list with one for each, or,
+    where all are alike, a list of one."""
+    def each(text: str) -> list[str]:
+        return _alike([html(filled(text, numbers), catalogue.FOLDER) for numbers in lesson.variants])
+
+    known = catalogue.lessons()
+    # The variant of a name is drawn as in ``app.lessons.lesson``: by Unicode's rules of case, and of where texts split.
+    letters = [chr(code) for code in range(sys.maxunicode + 1) if not 0xD800 <= code < 0xE000]
+    steps = [{"kind": step.kind, "key": step.key, "core": step.core, "html": each(step.text),
+              "title": _alike([filled(step.title, numbers) for numbers in lesson.variants]),
+              "stage": [stages[step.key, k] for k in range(len(lesson.variants))] if step.stage else None,
+              "bets": step.bets, "judged": _alike(bets.get(step.key, [{}])),
+              "question": _question(lesson, step.question, right.get(step.key, []))} for step in lesson.steps]
+    with speaking(lesson.language):
+        asks = tr(QUESTION)
+    return {
+        "name": lesson.name,
+        "title": lesson.title,
+        "minutes": lesson.minutes,
+        "core_minutes": lesson.core_minutes,
+        "begins_core": core and bool(lesson.deeper),
+        "goals": lesson.goals,
+        "needs": [known[name].title if name in known else name for name in lesson.prerequisites],
+        "fingerprint": lesson.fingerprint,
+        "variants": len(lesson.variants),
+        "intro": each(lesson.intro),
+        "elsewhere": [tr(name) for control, name in ELSEWHERE.items() if control in lesson.controls],
+        "language": lesson.language,
+        "asks": asks,
+        "steps": steps,
+        "schema": student_progress.SCHEMA,
+        "longest_name": student_progress.LONGEST_NAME,
+        "longest": LONGEST,
+        "most": MOST,
+        "bare": BARE,
+        "digits": DIGITS,
+        "told_after": TOLD_AFTER,
+        "bets": bet_words(),
+        "fold": {letter: letter.casefold() for letter in letters if letter.casefold() != letter.lower()},
+        "spaces": "".join(letter for letter in letters if letter.isspace()),
+    }
+
+
+def _alike(each: Sequence[Any]) -> list[Any]:
+    return list(each[:1] if all(one == each[0] for one in each) else each)
+
+
+def _question(lesson: Lesson, asked: Question | None, right: list[Any]) -> dict[str, Any] | None:
+    if asked is None:
+        return None
+    options = _alike([[filled(option, numbers) for option in asked.options] for numbers in lesson.variants])
+    made: dict[str, Any] = {"kind": asked.kind, "options": options, "unit": asked.unit, "rules": right,
+                            "level": asked.level}
+    if asked.kind == DRAG:
+        low, high, step = REACH[asked.control]
+        made["drag"] = {"name": f"{tr(NAMES[asked.control])} {SYMBOLS.get(asked.control, '')}".strip(), "low": low,
+                        "high": high, "step": step, "powers": asked.control in POWERS}
+    return made
+
+
+def bet_words() -> dict[str, Any]:
+    """The words and limits of the picture of bets, as ``app.lessons.bet_chart`` has them."""
+    return {"yours": YOURS, "by_round": BY_ROUND, "your_bets": tr(bet_chart.YOUR_BETS), "round": tr(bet_chart.ROUND),
+            "told": tr(bet_chart.TOLD), "some": tr(bet_chart.SOME), "none": tr(bet_chart.NONE),
+            "scored": tr(bet_chart.SCORED), "said": tr(bet_chart.SAID), "truth": tr(bet_chart.TRUTH),
+            "less": bet_chart.LESS, "more": bet_chart.MORE, "most": bet_chart.MOST}
+
+
+def judged(lesson: Lesson, processes: int) -> dict[str, list[dict[str, dict[str, Any]]]]:
+    """By the key of each step that shows judges, for each variant, their bets by judge and question."""
+    steps = [step for step in lesson.steps if set(step.bets) - {*OWN}]
+    with closing(Outcomes(processes)) as outcomes:
+        return {step.key: [{judge: {other.key: judge_ends(lesson, other, judge, numbers, outcomes)
+                                    for other in asked_before(lesson, step)}
+                            for judge in step.bets if judge not in OWN} for numbers in lesson.variants]
+                for step in steps}
+
+
+SPACES = {"xmlns": "http://www.imsproject.org/xsd/imscp_rootv1p1p2",
+          "xmlns:adlcp": "http://www.adlnet.org/xsd/adlcp_rootv1p2"}
+LONGEST_TITLE = 200  # letters of a title that every system takes
+WRITTEN = (1980, 1, 1, 0, 0, 0)  # the archive's clock: the same lessons, the same bytes
+
+
+def package(lessons: Sequence[Lesson], processes: int, on_progress: Progress,
+            counts: Mapping[str, int] = COUNTS, core: bool = False) -> bytes:
+    """The archive of lessons, each a part of its own that is opened, scored and completed by itself; it begins with the
+    ``core`` alone where that is asked for."""
+    pages = {}
+    for number, lesson in enumerate(lessons):
+        def so_far(part: float, what: str, number: int = number) -> None:
+            on_progress((number + part) / len(lessons), what)
+
+        pages[_file(lesson)] = lesson_page(lesson, processes, so_far, counts, core, IN_A_COURSE)
+    return _archive({"imsmanifest.xml": manifest(lessons), **pages})
+
+
+def manifest(lessons: Sequence[Lesson]) -> str:
+    """What a system reads first: the parts in their order, and the page of each. Identifiers are made of a lesson's
+    name and fingerprint, so that a lesson that has changed is another one."""
+    keys = [_key(lesson) for lesson in lessons]
+    whole = keys[0] if len(keys) == 1 else hashlib.sha256(" ".join(keys).encode()).hexdigest()[:24]
+    root = Element("manifest", {"identifier": f"mpm-lab-{whole}", "version": "1.0", **SPACES})
+    metadata = SubElement(root, "metadata")
+    SubElement(metadata, "schema").text = "ADL SCORM"
+    SubElement(metadata, "schemaversion").text = "1.2"
+    organizations = SubElement(root, "organizations", {"default": "lessons"})
+    organization = SubElement(organizations, "organization", {"identifier": "lessons"})
+    SubElement(organization, "title").text = _title(lessons[0]) if len(lessons) == 1 else "mpm-lab"
+    resources = SubElement(root, "resources")
+    for lesson in lessons:
+        key = _key(lesson)
+        item = SubElement(organization, "item", {"identifier": f"item-{key}", "identifierref": f"page-{key}"})
+        SubElement(item, "title").text = _title(lesson)
+        resource = SubElement(resources, "resource", {"identifier": f"page-{key}", "type": "webcontent",
+                                                      "adlcp:scormtype": "sco", "href": quote(_file(lesson))})
+        SubElement(resource, "file", {"href": quote(_file(lesson))})
+    indent(root)
+    return tostring(root, encoding="unicode", xml_declaration=True).replace("'", '"', 4) + "\n"
+
+
+def _key(lesson: Lesson) -> str:
+    return re.sub(r"[^\w.-]", "-", f"{lesson.name}-{lesson.fingerprint[:12]}")
+
+
+def _title(lesson: Lesson) -> str:
+    """Its title, without letters that XML cannot have."""
+    return "".join(letter for letter in lesson.title if letter.isprintable())[:LONGEST_TITLE]
+
+
+def _file(lesson: Lesson) -> str:
+    return f"{lesson.name}.html"
+
+
+def _archive(texts: Mapping[str, str]) -> bytes:
+    made = io.BytesIO()
+    with zipfile.ZipFile(made, "w", zipfile.ZIP_DEFLATED) as archive:
+        for name, text in texts.items():
+            entry = zipfile.ZipInfo(name, WRITTEN)
+            entry.compress_type, entry.external_attr = zipfile.ZIP_DEFLATED, 0o644 << 16
+            archive.writestr(entry, text.encode())
+    return made.getvalue()

@@ -1,0 +1,143 @@
+"""What the player shares with the live page, as data: forms of numbers, scales, colours, names of what is looked at;
+and what it says of a run, made by what makes the page's words: numbers alone are still to come."""
+
+import base64
+from collections.abc import Collection, Iterable, Mapping
+from dataclasses import asdict
+from typing import Any
+
+from app import words
+from app.colours import CAUSES, PALETTE, PINNED, colour_table
+from app.export import quantise
+from app.frame import budget_chart, captions, colour_scale, crossings, field_plot, headline, layout
+from app.frame.layout import Seat
+from app.frame.primitives import LIGHT, Label, Room
+from app.frame.stage import Stage, Words
+from app.language.translation import tr
+from app.problems.views import VIEWS
+from solvers.scene import error_causes
+from solvers.scene.estimator_registry import ESTIMATORS
+from solvers.scene.scene import Scene
+
+#: In which stages are laid out: of a window, and of one as narrow as a phone's. The player enlarges all that is in it.
+ROOMS = {"wide": Room(720.0, high=0.58, gutter=0.18), "narrow": Room(336.0, high=0.84)}
+LATER = "…"  # what a run or a frame says
+
+
+def vocabulary(problems: Iterable[str]) -> dict[str, Any]:
+    """All of it as a JSON object, with the stages of some problems."""
+    formats = {"prefixes": words.PREFIXES, "superscripts": words.SUPERSCRIPTS, "ratios": words.PLAIN_RATIOS,
+               "percents": (*words.PLAIN_PERCENT, words.WHOLE_PERCENT), "powers": words.PLAIN_POWERS,
+               "nothing": words.NOTHING}
+    return {
+        "formats": formats,
+        "codes": quantise.CODES,
+        "scale": {
+            "tops": list(colour_scale.TOPS.items()),
+            "decades": colour_scale.DECADES,
+            "beyond": colour_scale.BEYOND,
+            "smallest": colour_scale.SMALLEST,
+            "zero": tr(colour_scale.ZERO),
+        },
+        "axis": {"steps": field_plot.STEPS, "room": field_plot.ROOM, "stems": field_plot.MOST_STEMS},
+        "crossings": {"window": crossings.WINDOW, "seconds": crossings.LEAST_SECONDS},
+        "colours": _colours(),
+        "edge": layout.EDGE,
+        "quantities": {
+            key: {"noun": of.noun, "symbol": of.symbol, "unit": of.unit} for key, of in words.QUANTITIES.items()
+        },
+        "compare": (tr(captions.SIDE_BY_SIDE), tr(captions.DIFFERENCE)),
+        "unknown": captions.counting("{remark}", "{unknown}"),
+        "sentences": {
+            "unstable": tr(headline.UNSTABLE),
+            "last": tr(headline.LAST),
+            "lost": tr(headline.LOST),
+            "now": tr(headline.NOW),
+            "paused": tr(headline.PAUSED),
+            "less": tr(headline.LESS),
+            "more": tr(headline.MORE),
+            "all": headline.ALL_OF_IT,
+            "not_counted": tr(captions.NOT_COUNTED),
+        },
+        "budget": {
+            "causes": {
+                name: {"words": tr(said), "meaning": tr(budget_chart.MEANINGS[name]), "colour": CAUSES[name].light}
+                for name, said in error_causes.CAUSES.items()
+            },
+            "fields": error_causes.FIELDS,
+            "units": budget_chart.UNITS,
+            "seen": budget_chart.SEEN,
+            "caption": tr(budget_chart.CAPTION),
+            "question": tr(budget_chart.QUESTION),
+        },
+        "magnifications": words.MAGNIFICATIONS,
+        "estimators": {name: {"colour": one.colour, "dashes": one.dashes} for name, one in ESTIMATORS.items()},
+        "problems": {name: stage_data(VIEWS[name].stage) for name in sorted(problems)},
+    }
+
+
+def stage_data(stage: type[Stage]) -> dict[str, Any]:
+    """What of a stage is the same in every frame: images of the body, the axis of the field plot, and in each of the
+    ``ROOMS`` where things are, with all labels.
+
+    A label's text is ``LATER`` where it comes with a run or a frame, and "" where it is not written; x and y are on the
+    stage (``marks``).
+    """
+    return {"mirrors": stage.MIRRORS, "outlined": stage.OUTLINED, "lines": stage.LINES,
+            "plot": {"start": stage.PLOT.start, "end": stage.PLOT.end, "along": stage.PLOT.where is not None},
+            "alike": tr(captions.ALIKE).format(tr(stage.HALVES)),
+            "rooms": {name: _laid_out(stage, room.settled()) for name, room in ROOMS.items()}}
+
+
+def _laid_out(stage: type[Stage], room: Room) -> dict[str, Any]:
+    """A stage in a room."""
+    places = stage.places(room, Seat.ALONE)
+    top = layout.top(room, room.high)
+    halves = tr(captions.ESTIMATE[0]), tr(captions.TRUTH)
+    said = Words(halves, (LATER, LATER), (LATER, LATER), "", LATER, LATER, LATER)
+    labels: list[Label] = [
+        *stage.labels(said, places),
+        *field_plot.labels(places, stage.PLOT.ends, captions.FieldWords(LATER, LATER), 1, LATER, True),
+    ]
+    of = [label for label in layout.bar_labels(top, room.gutter > 0, "x", []) if label.text]
+    own = {name: value for name, value in vars(places).items() if name not in ("room", "seat", "rectangle", "field")}
+    return {"pixels": room.pixels, "high": room.high, "gutter": room.gutter, "box": asdict(places.field), **own,
+            "bar": asdict(top), "labels": [asdict(label) for label in (*of, *labels)]}
+
+
+def _colours() -> dict[str, Any]:
+    """The map as bytes, and the colours that have a meaning."""
+    marks = {name: f"rgb{colour}" for name, colour in vars(LIGHT).items()}
+    tones = {"plain": "ink2", "bold": "ink", "faint": "ink3", "estimate": "estimate-ink", "truth": "truth-ink",
+             "crossing": "cross"}
+    return {"map": base64.b64encode(colour_table().tobytes()).decode(), "pinned": PINNED, **marks,
+            "fading": (LIGHT.crossing, LIGHT.ground),
+            "tones": {tone: PALETTE[name].light for tone, name in tones.items()}}
+
+
+def texts(scene: Scene, not_valid: Mapping[str, str], silent: Mapping[str, Collection[str]],
+          difference: bool) -> dict[str, Any]:
+    """By quantity: why a row of the readout has no number, words of the field plot, and by
+    estimator ("" for none) the captions of both halves, side by side and, if wanted, as ``difference``, and what is
+    said of the errors. ``silent`` are the estimators by quantity that have no number of it."""
+    component = VIEWS[scene.problem].stage.PLOT.component
+    return {key: {"rows": captions.why_no_numbers(scene, not_valid, key, silent[key]),
+                  "field": vars(captions.field_words(scene, component, key)),
+                  "by": {name: _by(scene, not_valid, key, name, silent[key], difference)
+                         for name in scene.estimators or ("",)}} for key in silent}
+
+
+def notes(scene: Scene, every: int) -> dict[str, str]:
+    """What stands at the stage, on which one particle in ``every`` is marked where it crosses."""
+    stage = VIEWS[scene.problem].stage
+    return {"note": stage.note(scene), "marks": captions.marks_note(stage.MARKED, every)}
+
+
+def _by(scene: Scene, not_valid: Mapping[str, str], quantity: str, name: str, silent: Collection[str],
+        difference: bool) -> dict[str, Any]:
+    estimator, no_truth = name or None, captions.why_no_truth(scene, quantity)
+    no_estimate = captions.why_no_estimate(scene, not_valid, estimator, quantity) \
+        or f"{name} {captions.not_estimated(quantity)}" * (name in silent)
+    return {"captions": [vars(captions.captions(quantity, estimator, apart, no_estimate, no_truth))
+                         for apart in (False, True)[:1 + difference]],
+            "errors": vars(headline.error_words(scene, quantity, estimator, no_estimate, no_truth))}

@@ -1,0 +1,263 @@
+"""A run as a recording: the particles, their errors and all norms at so many instants, as tracks."""
+
+import base64
+import itertools
+from collections.abc import Callable, Mapping, Sequence
+from concurrent.futures import as_completed
+from contextlib import closing
+from dataclasses import asdict, dataclass, replace
+from typing import Any
+
+import numpy as np
+
+from app import state
+from app.export.player_data import notes, texts
+from app.export.quantise import NUMBER, PLACE, SIGNED, SIZE, Track, packed
+from app.frame.budget_chart import whose
+from app.frame.captions import why_no_field
+from app.frame.colour_scale import LEAST_REACH, LEAST_TOP
+from app.frame.planar import PlanarStage
+from app.frame.stage import one_in
+from app.language.translation import ENGLISH, speaking
+from app.problems.views import VIEWS
+from solvers.running.run import build
+from solvers.scene.error_causes import CAUSES, FIELDS
+from solvers.scene.kernel_options import combination
+from solvers.scene.scene import Scene
+from solvers.scene.step_bound import margin_unit
+from solvers.solver import budget, samples
+from solvers.solver.base import Solver
+from solvers.solver.error_norms import RATIOS
+from solvers.solver.rounding import rounding
+from solvers.solver.snapshot import Snapshot
+from solvers.solver.soundness import earliest, findings
+from solvers.solver.verdict_basis import AsLarge, as_large_as_itself, merged
+from solvers.workers.worker_pool import WorkerPool, one_of_each_first
+
+CURVE_POINTS = 41  # at which the exact field is kept
+FARTHEST = 2.0  # metres: particles of a run gone bad are shown there at most
+
+
+@dataclass(frozen=True)
+class Wanted:
+    """What is recorded of a scene: ``pictures`` of at most ``particles``, with errors of the ``quantities`` (keys)."""
+
+    scene: str  # as a state's text
+    pictures: int
+    particles: int
+    quantities: tuple[str, ...]
+    difference: bool = False  # whether how far the estimates are from the truth is kept for each particle
+    domains: bool = False  # whether what each particle stands for is kept, of a problem whose stage can outline it
+    language: str = ENGLISH  # in which it says what it says
+
+
+def recordings(wanted: Sequence[Wanted], processes: int, on_progress: Callable[[int], None]) -> list[dict[str, Any]]:
+    """A recording for each of the wanted ones, in their order, made side by side by processes that do nothing else;
+    ``on_progress`` is told how many there are so far.
+
+    Raises :class:`~solvers.workers.worker_process.ProcessDied` where one cannot be made.
+    """
+    with closing(WorkerPool(f"{__name__}:work", processes)) as pool:
+        # One of each kind of run first: processes begin with different ones, and each compiles its own.
+        asked = {one: pool.submit(asdict(one), kind=_compiled(one)) for one in one_of_each_first(wanted, _compiled)}
+        for done, recording in enumerate(as_completed(asked.values()), 1):
+            recording.result()
+            on_progress(done)
+        return [asked[one].result() for one in wanted]
+
+
+def _compiled(wanted: Wanted) -> tuple:
+    """What has to be compiled for it."""
+    return combination(state.read(wanted.scene).scene)
+
+
+def work(question: Mapping[str, Any], answer: Callable[[dict], None]) -> None:
+    """In a process of its own: record one scene."""
+    values = dict(question)
+    values["quantities"] = tuple(values["quantities"])
+    answer(recording(Wanted(**values)))
+
+
+def recording(wanted: Wanted) -> dict[str, Any]:
+    """The recording as a JSON object: ``head`` says what is there, ``tracks`` how to read ``data``, in base64."""
+    with speaking(wanted.language):
+        return _recorded(wanted)
+
+
+def _recorded(wanted: Wanted) -> dict[str, Any]:
+    scene = state.read(wanted.scene).scene
+    solver = build(scene)
+    solver.compile()
+    rows, own, shots = [solver.measure()], list[np.ndarray](), list[dict[str, Snapshot]]()
+    for step in np.unique(np.rint(np.linspace(0, scene.steps, wanted.pictures)).astype(int)):
+        while solver.step < step and solver.sound:
+            rows.append(solver.advance(min(int(step) - solver.step, solver.longest_advance)))
+        own.append(solver.measure())  # the picture's own norms; also a look for a run gone bad
+        shot = solver.snapshot(wanted.difference)
+        shots.append({key: replace(shot, plotted=solver.plotted(key)) for key in wanted.quantities})
+        if not solver.sound:
+            break
+    kept = _shown(scene.DIMENSIONS, _count(shots), wanted.particles)
+    marked = kept[::one_in(len(kept), VIEWS[scene.problem].stage.MOST_MARKED)]
+    tracks = _tracks(wanted, scene, kept, marked, shots)
+    regular, pictures = (samples.read(np.concatenate(some), scene, _count(shots), margin_unit(scene))
+                         for some in (rows, own))
+    tracks += _norms(scene, regular, pictures)
+    if scene.has("budget"):  # of each field the error, RMS over particles, and the part that each cause has made
+        tracks += [Track(f"budget.{field}", SIGNED, np.stack([pictures[f"budget/error_{field}"], *(
+            pictures[f"budget/part_{field}_{cause}"] for cause in CAUSES)], axis=1)) for field in FIELDS]
+    not_valid = solver.not_valid()
+    silent = {key: [name for name in scene.active_estimators if not any(
+        np.isfinite(shot[key].estimate[name][:, samples.QUANTITIES.index(key)]).any() for shot in shots)]
+        for key in wanted.quantities}
+    head = _head(wanted, scene, solver, not_valid, len(kept), shots, regular, pictures)
+    return {"head": {**head, **notes(scene, round(_count(shots) / len(marked)))},
+            "texts": texts(scene, not_valid, silent, wanted.difference),
+            "tracks": [track.header for track in tracks], "data": base64.b64encode(packed(tracks)).decode()}
+
+
+def _first(shot: Mapping[str, Snapshot]) -> Snapshot:
+    """One of the views of an instant, which differ in the plotted field alone."""
+    return next(iter(shot.values()))
+
+
+def _count(shots: list[dict[str, Snapshot]]) -> int:
+    return len(_first(shots[0]).position)
+
+
+def _shown(dimensions: int, count: int, most: int) -> np.ndarray:
+    """Which particles are kept: every one, or every k-th along the bar; of a lattice in two dimensions some by chance,
+    for every k-th would be rows of them."""
+    if dimensions == 1:
+        return np.arange(0, count, -(-count // most))
+    return np.arange(count) if count <= most else np.sort(np.random.default_rng(0).choice(count, most, replace=False))
+
+
+def _tracks(wanted: Wanted, scene: Scene, kept: np.ndarray, marked: np.ndarray,
+            shots: list[dict[str, Snapshot]]) -> list[Track]:
+    """Everything of the particles that are kept: places, errors and estimates of each quantity, exact curves and lines,
+    crossings of those that are marked."""
+    instants, stage = [_first(shot) for shot in shots], VIEWS[scene.problem].stage
+    rest = _flat(instants[0].material_position[kept])
+    position = np.stack([_flat(shot.position[kept]) for shot in instants])
+    farthest = FARTHEST if scene.swings else np.inf  # the player brings back what moves on and on
+    with np.errstate(invalid="ignore"):
+        position = np.fmax(np.fmin(position, farthest), -farthest)
+    tracks = [Track("rest", NUMBER, rest.reshape(1, -1)), Track("position", PLACE, position)]
+    if wanted.domains and issubclass(stage, PlanarStage):
+        half = [stage.domain_edges(scene, shot.deformation_gradient)[kept] for shot in instants]  # (n, 2 edges, 2) each
+        tracks.append(Track("edges", SIGNED, np.stack([one.transpose(1, 2, 0).ravel() for one in half])))
+    for key in wanted.quantities:
+        tracks += _quantity(wanted, scene, key, [shot[key] for shot in shots], kept)
+    if scene.solution_known and stage.LINES:
+        lines = [_flat(stage.exact_lines(scene, shot.time, 1)[0, ::2]) for shot in instants]
+        tracks.append(Track("line", PLACE, np.stack(lines)))
+    return tracks + _crossings(scene, instants, kept, marked)
+
+
+def _flat(points: np.ndarray) -> np.ndarray:
+    """(n,) or (n, D) as one row: x of all, then y of all."""
+    return points.T.ravel()
+
+
+def _quantity(wanted: Wanted, scene: Scene, key: str, shots: list[Snapshot], kept: np.ndarray) -> list[Track]:
+    """Of one quantity: the field's deviation from the exact one, or the field itself where that is unknown, with its
+    sign; sizes of the true and estimated errors, the true ones only where they are not those of the deviation; and the
+    exact field on a curve."""
+    column, known = samples.QUANTITIES.index(key), scene.solution_known
+    fields = np.stack([shot.plotted[kept, int(known)] for shot in shots if shot.plotted is not None])
+    tracks = [Track(f"deviation.{key}", SIGNED, fields)]
+    unknown = [[np.count_nonzero(~np.isfinite(shot.plotted[:, 0]))] for shot in shots if shot.plotted is not None]
+    if np.any(unknown) and not why_no_field(scene, key):
+        tracks.append(Track(f"unknown.{key}", NUMBER, np.array(unknown)))
+    errors = [shot.error for shot in shots]
+    if all(error is not None for error in errors):
+        sizes = np.abs(np.stack([error[kept, column] for error in errors if error is not None]))
+        if not np.allclose(sizes, np.abs(fields), rtol=1e-3, atol=0, equal_nan=True):
+            tracks.append(Track(f"error.{key}", SIZE, sizes))
+    for name in scene.active_estimators:
+        tracks.append(Track(f"estimate.{name}.{key}", SIZE,
+                            np.abs(np.stack([shot.estimate[name][kept, column] for shot in shots]))))
+        if wanted.difference and all(name in shot.difference for shot in shots):
+            tracks.append(Track(f"difference.{name}.{key}", SIZE,
+                                np.stack([shot.difference[name][kept, column] for shot in shots])))
+    if known:
+        plot = VIEWS[scene.problem].stage.PLOT
+        at = np.linspace(plot.start, plot.end, CURVE_POINTS)
+        tracks.append(Track(f"curve.{key}", PLACE, np.stack([plot.exact(scene, key, at, shot.time) for shot in shots])))
+    return tracks
+
+
+def _crossings(scene: Scene, shots: list[Snapshot], kept: np.ndarray, marked: np.ndarray) -> list[Track]:
+    """When a particle that is marked, counted among those that are kept, crossed a cell boundary: of several times
+    between two pictures the last. In the order of time."""
+    numbers = np.searchsorted(kept, marked)
+    found = []
+    for before, shot in itertools.pairwise(shots):
+        if shot.last_crossing is not None:
+            steps = shot.last_crossing[marked]
+            crossed = steps > before.step
+            found.append(np.stack([numbers[crossed], steps[crossed] * scene.time_step], axis=1))
+    events = np.concatenate(found) if found else np.empty((0, 2))
+    events = events[np.argsort(events[:, 1], kind="stable")]
+    return [Track("crossings.who", PLACE, events[:, :1]), Track("crossings.time", PLACE, events[:, 1:])]
+
+
+def _norms(scene: Scene, regular: Mapping[str, np.ndarray], pictures: Mapping[str, np.ndarray]) -> list[Track]:
+    """Norms of the true and estimated errors (pictures, 4) at each picture, and index and distance of each estimator up
+    to then, from the samples that a run takes: evenly, and one at its end."""
+    times = pictures["time"]
+    ends = np.searchsorted(regular["time"], times + 0.5 * scene.time_step)  # how many samples there were
+    alone = np.abs(regular["time"][ends - 1] - times) > 0.5 * scene.time_step  # none was taken with the picture
+    tracks = [Track("time", NUMBER, times.reshape(-1, 1)),
+              Track("crossed", NUMBER, pictures["crossings"].reshape(-1, 1)),
+              Track("margin", NUMBER, pictures["margin"].reshape(-1, 1)),
+              Track("norm.true", NUMBER, _columns(pictures, "error_{}"))]
+
+    def so_far(accumulate: np.ufunc, start: float, name: str, of: Callable[[np.ndarray], np.ndarray]) -> np.ndarray:
+        """Of a series, or of what is ``of`` it, all samples up to each picture taken together."""
+        together = np.append(start, accumulate.accumulate(of(regular[name])))[ends]
+        return accumulate(together, np.where(alone, of(pictures[name]), start))
+
+    def ratios(norm: str, key: str) -> np.ndarray:
+        """The error index (:func:`solvers.solver.error_norms.error_index`) of all samples up to each picture."""
+        true = f"error_{key}"
+        total, true_total = (so_far(np.add, 0.0, name, np.asarray) for name in (norm, true))
+        worst = so_far(np.maximum, -np.inf, true, lambda values: np.where(np.isnan(values), np.inf, values))
+        known = so_far(np.maximum, 0.0, true, np.isfinite) > 0
+        nothing = known & ~(worst > rounding(scene, key, times / scene.time_step))
+        return np.where((true_total > 0) & ~nothing, total / true_total, np.nan)
+
+    with np.errstate(all="ignore"):  # a run gone bad holds anything
+        for estimator in scene.active_estimators:
+            tracks.append(Track(f"norm.{estimator}", NUMBER, _columns(pictures, f"{estimator}/estimate_{{}}")))
+            for ratio, norm in RATIOS.items():
+                table = np.stack([ratios(f"{estimator}/{norm}_{key}", key) for key in samples.QUANTITIES], axis=1)
+                tracks.append(Track(f"{ratio}.{estimator}", NUMBER, np.where(np.isfinite(table), table, np.nan)))
+    return tracks
+
+
+def _columns(series: Mapping[str, np.ndarray], name: str) -> np.ndarray:
+    return np.stack([series[name.format(key)] for key in samples.QUANTITIES], axis=1)
+
+
+def _head(wanted: Wanted, scene: Scene, solver: Solver, not_valid: dict[str, str], shown: int,
+          shots: list[dict[str, Snapshot]], *series: Mapping[str, np.ndarray]) -> dict[str, Any]:
+    """What the player must know of a run beside its numbers."""
+    found = [finding for one in series if (finding := earliest(findings(scene, one), not_valid))]
+    large: dict[str, AsLarge] = {}
+    for one in series:
+        large = merged(large, as_large_as_itself(scene, one, not_valid))
+    status, reason, since = solver.status(min(found, key=lambda finding: finding.time, default=None), large)
+    stage = VIEWS[scene.problem].stage
+    return {"problem": scene.problem, "particles": _count(shots), "shown": shown,
+            "spacing": scene.spacing, "first_line": stage.first_line(scene), "step": scene.time_step,
+            "steps": solver.step, "period": scene.period,
+            "end": scene.end_time, "outermost": stage.outermost(scene), "ppc": scene.ppc,
+            "tile": stage.tile(scene), "known": scene.solution_known,
+            "moves_on": not scene.swings, "least": {} if scene.swings else {
+                key: [share * scene.size_of(key) for share in (LEAST_TOP, LEAST_REACH)] for key in wanted.quantities},
+            "estimators": scene.active_estimators, "not_valid": not_valid, "quantities": wanted.quantities,
+            "status": status, "reason": reason or "", "since": since, "budget": None if not scene.has("budget") else {
+                "shares": {field: budget.shares(series[0], field) for field in FIELDS}, "whose": whose(scene),
+                "not_valid": budget.not_valid(series[0])}}

@@ -1,0 +1,96 @@
+"""The error budget of a run as it is shown: which part of its error each cause has made, stacked over time, and what is
+said of it; for the page, exported files and pictures alike."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+import numpy as np
+
+from app.language.translation import later, tr
+from app.words import QUANTITIES, per_cent
+from solvers.scene.error_causes import CAUSES, FIELDS
+from solvers.scene.scene import Scene
+from solvers.solver import budget
+
+QUESTION = later("Who made this error?")
+CAPTION = later("The line is the error, RMS over particles; each colour is the part of it that one cause has made, "
+                "below zero where it makes it smaller.")
+#: What each cause is, in few words.
+MEANINGS = {"crossings": later("counted in the wrong cell"), "coarse_grid": later("cells too wide for the motion"),
+            "body_force": later("taken at nodes, not at particles"),
+            "time_step": later("steps that are not short enough")}
+UNITS = {"x": "m", "v": "m/s", "F": ""}
+SEEN = 2e-3  # of the largest error: a cause that never makes more is not drawn
+EARLY = 0.05  # periods, before which a share says nothing yet
+#: Who has made how much of an error: a fact for the sentence above the stage.
+_MADE = {"crossings": later("crossings made {share} of the error of {symbol}{whose}"),
+         "coarse_grid": later("the coarse grid made {share} of the error of {symbol}{whose}"),
+         "body_force": later("the body force made {share} of the error of {symbol}{whose}"),
+         "time_step": later("the time step made {share} of the error of {symbol}{whose}")}
+
+
+@dataclass(frozen=True)
+class Layer:
+    """What one ``cause`` has made of an error over time: between the two rows of ``above`` (2, T) where it makes the
+    error larger, of ``below`` (2, T) where it makes it smaller; in the error's unit."""
+
+    cause: str
+    above: np.ndarray
+    below: np.ndarray
+
+
+def stacked(series: Mapping[str, np.ndarray], field: str) -> list[Layer]:
+    """The layers of a field's error, each upon those before it; ``series`` of a run with the effect ``budget``. Causes
+    that never make more than a trace are left out."""
+    largest = float(np.max(np.abs(error(series, field)), initial=0.0))
+    up = down = np.zeros(len(series["time"]))
+    layers = []
+    for cause in CAUSES:
+        part = np.nan_to_num(series[f"budget/part_{field}_{cause}"], posinf=0.0, neginf=0.0)
+        if np.max(np.abs(part), initial=0.0) > SEEN * largest:
+            above, below = np.stack([up, up + np.maximum(part, 0)]), np.stack([down, down + np.minimum(part, 0)])
+            layers.append(Layer(cause, above, below))
+            up, down = above[1], below[1]
+    return layers
+
+
+def error(series: Mapping[str, np.ndarray], field: str) -> np.ndarray:
+    """The error of a field, RMS over particles, 0 where a run gone bad has none."""
+    return np.nan_to_num(series[f"budget/error_{field}"], posinf=0.0, neginf=0.0)
+
+
+def divided(series: Mapping[str, np.ndarray]) -> bool:
+    """Whether series hold a budget, of two times at least."""
+    return len(series.get("budget/error_x", ())) > 1
+
+
+def field_of(quantity: str) -> str:
+    """The field whose budget goes with a quantity on the stage: stress and acceleration come of F."""
+    return quantity if quantity in FIELDS else FIELDS[-1]
+
+
+def percent(share: float | None) -> str:
+    """A share in whole per cent: 97 %, −4 %."""
+    return "–" if share is None else f"{round(100 * share) + 0:d} %".replace("-", "−")
+
+
+def largest_share(series: Mapping[str, np.ndarray], field: str) -> tuple[str, float] | None:
+    """The cause that has made most of the error so far and its share, as far as shares mean something by now."""
+    if not divided(series) or budget.not_valid(series):
+        return None
+    known = {cause: share for cause, share in budget.shares(series, field).items() if share is not None}
+    return max(known.items(), key=lambda item: item[1]) if known else None
+
+
+def blamed(scene: Scene, series: Mapping[str, np.ndarray], quantity: str) -> str:
+    """A fact for the sentence above the stage: who has made most of the error of a quantity so far; "" where it has no
+    budget."""
+    if not scene.has("budget") or quantity not in FIELDS or not divided(series) \
+            or series["time"][-1] < EARLY * scene.period or (found := largest_share(series, quantity)) is None:
+        return ""
+    return tr(_MADE[found[0]], share=per_cent(found[1]), symbol=QUANTITIES[quantity].symbol, whose=whose(scene))
+
+
+def whose(scene: Scene) -> str:
+    """What is said behind a share where the error is not the true one."""
+    return "" if scene.has("truth") else tr(", as companion sees it")

@@ -1,0 +1,113 @@
+"""The colour scale that estimate and truth share: from sizes of errors to colours, and its numbers."""
+
+import math
+from collections.abc import Callable, Hashable, Iterable
+from time import monotonic
+
+import numpy as np
+
+from app.colours import colour_table
+from app.language.translation import later, tr
+from app.words import PREFIXES, number, with_unit
+
+#: Tops between two powers of ten, each with the number of parts into which ticks divide it, so that these are round
+#: too. Neighbours are so close that the largest error reaches three quarters of the scale or more.
+TOPS = {1.0: 4, 1.2: 4, 1.5: 3, 2.0: 4, 2.5: 5, 3.0: 3, 4.0: 4, 5.0: 5, 6.0: 3, 8.0: 4}
+MOST_TICKS = max(*TOPS.values()) + 1
+DECADES = 3  # that a logarithmic scale shows below its top
+CALM_SECONDS = 1.0  # for which the top stays, once it has grown ...
+HIDDEN = 3.0  # ... unless errors are so many times as large: they would all look alike
+ZERO = later("0, exact")
+REMEMBERED = 64  # runs whose largest error is known when they are shown again
+SMALLEST = 1e-300
+#: Where nothing should happen, of a quantity's size: the colours' top at least, for coloured round-off would say that
+#: something does, and what the axis of a plot shows at least.
+LEAST_TOP, LEAST_REACH = 1e-3, 0.1
+BEYOND = 10  # times the largest true error, from which on an estimate no longer sets a scale: it would hide both
+
+
+class ColourScale:
+    """Maps sizes of errors to colours. The top is a round number that holds the largest error of a run so far; it only
+    grows. A run that is shown again begins with what it has come to before."""
+
+    def __init__(self, clock: Callable[[], float] = monotonic) -> None:
+        self._table, self._clock = colour_table(), clock
+        self._largest: dict[Hashable, float] = {}  # errors of runs, the last one seen last
+        self._begun, self._next = False, 0.0
+        self.logarithmic = False
+        self.held = False
+        self.top, self._parts = 1.0, TOPS[1.0]
+        self.exceeded = False  # whether something is beyond the top, and so looks smaller than it is
+
+    def forget(self) -> None:
+        """Another quantity or another run: begin anew, unless held."""
+        self._begun = self._begun and self.held
+
+    def follow(self, estimated: np.ndarray | None, true: np.ndarray | None, run: Hashable = None,
+               beside: tuple[np.ndarray | None, np.ndarray | None] = (None, None), least: float = 0.0) -> None:
+        """Take in the errors of a frame of a ``run``, and of one ``beside`` it; move the top, unless held, but never
+        below ``least``."""
+        truth, estimate = max(largest(true), largest(beside[1])), max(largest(estimated), largest(beside[0]))
+        top = max(truth, min(estimate, BEYOND * truth)) if truth > 0 else estimate
+        known = self._largest.get(run, 0.0)
+        if run is not None and top > known:
+            self._largest[run] = known = top
+            if len(self._largest) > REMEMBERED:
+                del self._largest[next(iter(self._largest))]
+        if not self.held:
+            self._hold(max(top, known, least))
+        self.exceeded = max(truth, estimate) > self.top
+
+    def _hold(self, size: float) -> None:
+        """Make the top no less than a size, if it is time to."""
+        now = self._clock()
+        if size <= SMALLEST or (self._begun and size <= self.top):
+            return
+        if self._begun and now < self._next and size < HIDDEN * self.top:
+            return
+        self.top, step = round_up(size, TOPS)
+        self._parts = TOPS[step]
+        self._begun, self._next = True, now + CALM_SECONDS
+
+    def colours(self, sizes: np.ndarray) -> np.ndarray:
+        """(P, 3) colours of (P,) sizes; what is not a number counts as beyond the top. Who has such sizes has
+        numpy not warn, once for all that is drawn of them: that takes as long as the colours do."""
+        share = 1 + np.log10(sizes / self.top) / DECADES if self.logarithmic else sizes / self.top
+        row = np.fmax(np.fmin(255 * share, 255), 0)  # fmin takes the other one where one is not a number
+        return self._table.take(row.astype(np.uint8), axis=0)
+
+    def gradient(self, steps: int) -> np.ndarray:
+        """(steps, 3) colours from the scale's bottom to its top, for the colour bar."""
+        return self._table[np.linspace(0, 255, steps).astype(np.int32)]
+
+    def ticks(self, unit: str) -> list[tuple[float, str]]:
+        """Positions 0 to 1 along the scale and the numbers there: all in the unit of the last, which says it; on a
+        logarithmic scale each with its own."""
+        if self.logarithmic:
+            ticks = [(k / DECADES, with_unit(self.top * 10.0 ** (k - DECADES), unit)) for k in range(DECADES + 1)]
+        else:
+            n, end = self._parts, with_unit(self.top, unit)
+            power = math.floor(math.log10(self.top) / 3 + 1e-9)
+            size = 1000.0**power if power in PREFIXES else self.top / float(end.split()[0])
+            ticks = [(0.0, tr(ZERO)), *((k / n, number(self.top * k / n / size)) for k in range(1, n)), (1.0, end)]
+        at, text = ticks.pop()
+        return [*ticks, (at, f"≥ {text}" if self.exceeded else text)]
+
+
+def known(sizes: np.ndarray) -> bool:
+    """Whether any of some sizes, none of which is negative, is a finite number."""
+    return bool(np.fmin.reduce(sizes, initial=np.inf) < np.inf)  # fmin takes the other one where one is none
+
+
+def largest(sizes: np.ndarray | None) -> float:
+    """The largest of what is finite; 0 for nothing."""
+    if sizes is None:
+        return 0.0
+    top = float(np.maximum.reduce(sizes, initial=0.0))
+    return top if math.isfinite(top) else float(np.max(sizes[np.isfinite(sizes)], initial=0.0))
+
+
+def round_up(value: float, steps: Iterable[float]) -> tuple[float, float]:
+    """The next of ``steps`` times a power of ten, and that step: a scale that moves in few, round steps, from 1 on."""
+    power = 10.0 ** math.floor(math.log10(value))
+    return next(((step * power, step) for step in steps if value <= step * power), (10 * power, 1.0))

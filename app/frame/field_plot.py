@@ -1,0 +1,258 @@
+"""The field plot: the quantity whose error is shown, of the particles and exact, and what particles miss as stems."""
+
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from app.frame.captions import CURVE, PARTICLES, FieldWords, counting, field_words
+from app.frame.colour_scale import LEAST_REACH, SMALLEST, largest, round_up
+from app.frame.layout import Places, Seat
+from app.frame.primitives import AWAY, Dots, Label, Lines, Mark, Role, Sign, Tone, in_plane, joined
+from app.language.translation import tr
+from app.words import QUANTITIES, with_unit
+from solvers.scene.scene import Scene
+
+CURVE_POINTS = 121
+INSTANTS = 32  # of a period at which the exact field is looked at, for the axis to hold all of it from the first on
+STEPS = (1, 1.5, 2, 3, 4, 5, 6, 8)  # times a power of ten: what an axis may end at
+ROOM = 1.1  # an axis goes on so far beyond its last number, and values with it
+FADE = 0.985  # per frame: how slowly the axis follows when values shrink
+SLACK = 0.4  # of its height that values must fall below before it does
+MOST_STEMS = 2000  # particles whose errors are drawn as lengths: more would be a grey mass
+#: Pixels across: of a particle, of one of many, of one that crossed a cell boundary, and of the ground around that.
+DOT, MANY_DOTS, CROSSED, HALO = 3.4, 2.8, 6.5, 9.5
+MOST_LARGE, CROWDED = 30, 0.66  # as many that crossed are so large; more, this much smaller, do not hide the rest
+CURVE_WIDTH = 6.0
+MANY = 300
+BELOW = np.array([0, 0, 0.002], np.float32)
+NO_STEMS = Lines("field/stems", np.empty((0, 2, 3), np.float32), np.empty((0, 2, 3), np.uint8), 2.5)
+BEYOND = 0.01  # of the axis along the plot that dots may be beyond its ends
+
+
+class Axis:
+    """The axis of a plot whose values come and go: it ends at round numbers, holds all that is there and moves calmly.
+
+    It goes from -``top`` to ``top``; what is within ``ROOM`` times that is on it. Two runs side by side share one."""
+
+    def __init__(self) -> None:
+        self._peak, self.top = 0.0, 1.0
+
+    def forget(self) -> None:
+        """Begin anew with the next frame."""
+        self._peak = 0.0
+
+    def follow(self, largest: float, least: float) -> None:
+        """Take in the ``largest`` size of a frame's values; never show less than up to ``least``."""
+        begun, need = self._peak > 0, max(largest, least)
+        self._peak = max(need, FADE * self._peak)
+        if self._peak > SMALLEST and (not begun or need > ROOM * self.top or self._peak < SLACK * self.top):
+            self.top, _ = round_up(self._peak / ROOM, STEPS)
+
+
+@dataclass(frozen=True)
+class Plotted:
+    """What a plot is of: a quantity along an axis from ``start`` to ``end`` in metres, in words ``ends``.
+
+    ``exact(scene, quantity, X, t)`` is what the particles that were at X should have, and ``component`` what of it;
+    ``where(scene, X, t)`` is where along the axis those should be, and nothing where the axis is of X itself.
+    """
+
+    start: float
+    end: float
+    ends: tuple[str, str]
+    exact: Callable[[Any, str, np.ndarray, float], np.ndarray]
+    component: str = ""
+    where: Callable[[Any, np.ndarray, float], np.ndarray] | None = None
+
+
+class FieldPlot:
+    """Particles as dots around the exact curve, with a stem from where each should be, in the colour of its error;
+    those that have crossed a cell boundary in another one. Beside another plot it shares the axis of that."""
+
+    def __init__(self, plotted: Plotted, beside: "FieldPlot | None" = None):
+        self.axis: Axis
+        self._plotted, self.axis = plotted, beside.axis if beside else Axis()
+        self._drawn: tuple[Scene, str, int, Places] | None = None
+        self._said: tuple[int, float] | None = None  # of what is drawn: numbers that are none, and the axis's end
+        self._time = 0.0
+        self._dots = np.empty((0, 3), np.float32)
+
+    @property
+    def outdated(self) -> bool:
+        """Whether another plot has moved the axis since this one was drawn."""
+        return self._said is not None and self._said[1] != self.axis.top
+
+    def draw(self, places: Places, scene: Scene, quantity: str, magnified: int, at: np.ndarray, field: np.ndarray,
+             t: float, crossed: np.ndarray, shades: np.ndarray) -> Iterator[Mark]:
+        """The marks of a field.
+
+        Parameters
+        ----------
+        places
+            Where the plot stands.
+        scene
+        quantity
+            Key of x, v, sigma or a.
+        magnified
+            How many times deviations are drawn.
+        at : (P,) array, m
+            Where the particles are along the axis.
+        field : (P, 2) array, in the unit of the quantity
+            Values, and their deviations from the exact ones.
+        t : float, s
+        crossed : (P,) array of bool
+            Which have just crossed a cell boundary.
+        shades : (P, 3) array
+            Colours of the particles' errors.
+        """
+        if (now := (scene, quantity, magnified, places)) != self._drawn or t < self._time:
+            if self._drawn is None or now[:3] != self._drawn[:3] or t < self._time:
+                self.axis.forget()
+            self._said = None
+            self._begin(places, scene, quantity)
+        self._drawn, self._time = now, t
+        values = seen(scene, field, magnified)
+        known = np.isfinite(values)
+        self.axis.follow(largest(np.abs(values)), self._reach)
+        unknown = len(values) - int(np.count_nonzero(known))
+        if (said := (unknown, self.axis.top)) != self._said:
+            self._said = said
+            yield from self._axes(places, scene, quantity, magnified, unknown)
+        self._dots = self._points(at, values, known)
+        yield from self._curve(places, scene, quantity, t)
+        yield self._stems(scene, field, magnified, shades)
+        pixel = places.room.pixel
+        yield Dots("field/particles", self._dots, self._ink[0], (DOT if len(values) <= MANY else MANY_DOTS) * pixel)
+        over = self._dots[crossed]
+        over[:, 2] = 0.016
+        crowd = CROWDED if len(over) > MOST_LARGE else 1.0
+        yield Dots("field/around", over - BELOW, self._ink[1], crowd * HALO * pixel)
+        yield Dots("field/crossed", over, self._ink[2], crowd * CROSSED * pixel)
+
+    def places(self, particles: slice, count: int) -> np.ndarray:
+        """Where the dots of ``count`` particles are, (count, 3); away while none are drawn."""
+        dots = self._dots[particles]
+        return dots if len(dots) == count else np.full((count, 3), AWAY, np.float32)
+
+    def _begin(self, places: Places, scene: Scene, quantity: str) -> None:
+        """Another scene or quantity: how far the exact field reaches."""
+        self._at: np.ndarray | None = None
+        plotted, box, self._least = self._plotted, places.field, 0.5 * DOT * places.room.pixel
+        self._box, self._per_metre = box, (box.right - box.left) / (plotted.end - plotted.start)
+        self._line = np.linspace(plotted.start, plotted.end, CURVE_POINTS)
+        level = in_plane(np.linspace(box.left, box.right, CURVE_POINTS), box.middle, 0.01)
+        self._level = joined(level[:-1], level[1:])  # the curve of a field that is zero
+        self._reach = 0.0
+        if not scene.swings:  # round-off should not fill the plot
+            self._reach = LEAST_REACH * scene.size_of(quantity)
+        elif scene.solution_known:
+            times = scene.time_step + scene.period * np.arange(INSTANTS) / INSTANTS
+            self._reach = max(largest(np.abs(plotted.exact(scene, quantity, self._line, t))) for t in times)
+
+    def _axes(self, places: Places, scene: Scene, quantity: str, magnified: int, unknown: int) -> Iterator[Mark]:
+        """The axes with what is written at them."""
+        box, colours = self._box, places.room.palette
+        self._ink = [np.array(colour, np.uint8) for colour in (colours.dot, colours.ground, colours.crossing)]
+        end = ROOM * box.half
+        axes = in_plane(np.array([box.left, box.right, box.left, box.left]),
+                        box.middle + np.array([0, 0, -end, end]), -0.005).reshape(2, 2, 3)
+        yield Lines("field/axes", axes, colours.axis, 1.0)
+        words = field_words(scene, self._plotted.component, quantity)
+        number = with_unit(self.axis.top, QUANTITIES[quantity].unit)
+        yield from labels(places, self._plotted.ends, FieldWords(words.name, counting(words.remark, unknown)),
+                          magnified, number, scene.solution_known)
+
+    def _curve(self, places: Places, scene: Scene, quantity: str, t: float) -> Iterator[Mark]:
+        """What is exact, where it is known."""
+        curve = self._level[:0]
+        if scene.solution_known:
+            curve = self._level
+            if scene.swings:
+                curve = curve.copy()
+                heights = self._heights(self._plotted.exact(scene, quantity, self._line, t))
+                curve[:, 0, 1], curve[:, 1, 1] = heights[:-1], heights[1:]
+                if self._plotted.where:
+                    along = self._along(self._plotted.where(scene, self._line, t))
+                    curve[:, 0, 0], curve[:, 1, 0] = along[:-1], along[1:]
+        yield Lines("field/exact", curve, places.room.palette.exact, CURVE_WIDTH)
+
+    def _stems(self, scene: Scene, field: np.ndarray, magnified: int, shades: np.ndarray) -> Lines:
+        """From where a particle should be to where it is, as far as its dot does not hide that."""
+        dots = self._dots
+        if not scene.solution_known or len(dots) > MOST_STEMS:
+            return NO_STEMS
+        long = np.float32(self._box.half / self.axis.top * magnified) * field[:, 1]
+        drawn = np.flatnonzero(np.abs(long) > self._least)
+        if not len(drawn):
+            return NO_STEMS
+        drawn = drawn[dots[drawn, 1] > AWAY]
+        segments = np.repeat(dots[drawn, None], 2, axis=1)
+        segments[:, 0, 1] -= long[drawn]
+        segments[:, :, 2] = 0.008
+        return Lines("field/stems", segments, np.repeat(shades[drawn, None], 2, axis=1), 2.5)
+
+    def _points(self, at: np.ndarray, values: np.ndarray, known: np.ndarray) -> np.ndarray:
+        """Points of the stage (n, 3) for values at places (n,) along the axis; away where one is not ``known`` or not
+        on it."""
+        box, out = self._box, np.empty((len(values), 3), np.float32)
+        if at is not self._at:  # in the plane it stays
+            self._at, self._across = at, self._along(at)
+            self._there = np.abs(self._across - 0.5 * (box.left + box.right)) <= (0.5 + BEYOND) * (box.right - box.left)
+        out[:, 0], out[:, 2] = self._across, 0.012
+        out[:, 1] = np.where(known & self._there, self._heights(values), AWAY)
+        return out
+
+    def _along(self, at: np.ndarray) -> np.ndarray:
+        return self._box.left + self._per_metre * (at - self._plotted.start)
+
+    def _heights(self, values: np.ndarray) -> np.ndarray:
+        return self._box.middle + self._box.half / self.axis.top * values
+
+
+def labels(places: Places, ends: tuple[str, str], words: FieldWords, magnified: int, number: str,
+           exact: bool) -> Iterator[Label]:
+    """What is written at a plot, the same labels whatever there is: the ``number`` at the end of its axis, what is at
+    its ``ends``, its name, with keys of particles and of the ``exact`` curve where there is one, by how much deviations
+    are ``magnified``, and a remark."""
+    box, room = places.field, places.room
+    beside = box.left > 0 or room.gutter > 0  # else there is room for the upper number alone, within the plot
+    left = box.at is not None and box.at[0] < 0 and not box.keys  # the name stands beside the zero
+    crowded = left and 1.2 * room.extent(words.name)[0] + room.extent(" 0")[0] > room.gutter
+    for key, text, y in (("low", f"−{number.partition(' ')[0]}", -box.half), ("zero", "" if crowded else "0", 0.0)):
+        yield Label(f"field/{key}", text if beside else "", box.left - 0.01, box.middle + y, "center-right", "number")
+    yield Label("field/high", f"+{number}", box.left - 0.01 if beside else 0.01,
+                box.middle + (box.half if beside else ROOM * box.half), "center-right" if beside else "top-left",
+                "number")
+    below, written = box.below or 0.0, box.below is not None
+    if room.extent("  ".join(ends))[0] > box.right - box.left:  # too narrow for both: as one
+        ends = f"{ends[0].rpartition(' ')[0]}–{ends[1]}", ""
+    yield Label("field/start", ends[0] if written else "", box.left, below, "top-left", "number")
+    yield Label("field/end", ends[1] if written else "", box.right, below, "top-right", "number")
+    x, y, anchor = box.magnified or box.remark
+    larger = tr("error × {magnified}", magnified=magnified) if box.magnified and exact else ""
+    yield Label("field/magnified", larger, x, y, anchor, "caption")
+    x, y, anchor = box.remark
+    named = words.name if box.at is None and places.seat == Seat.ALONE else ""  # beside another one the scale says it
+    yield Label("field/remark", ": ".join(filter(None, (named, words.remark))), x, y, anchor, "caption")
+    x, y = box.at or (0.0, 0.0)
+    role: Role = "gutter" if x < 0 else "title"
+    size = 1.1 if box.keys or x >= 0 else 1.0  # without keys it stands beside the axis's numbers
+    yield Label("field/name", words.name if box.at else "", x, y, "center-left", role, size, bold=True)
+    curve = tr(CURVE) if exact else ""
+    keys: tuple[tuple[str, Tone, Sign], ...] = (tr(PARTICLES), "plain", "dot"), (curve, "truth", "line")
+    for row, (text, tone, sign) in enumerate(keys, 1):
+        yield Label(f"field/key{row}", text if box.keys else "", x, y - 1.15 * row * room.line, "center-left",
+                    "gutter" if x < 0 else "note", tone=tone, sign=sign)
+
+
+def seen(scene: Scene, field: np.ndarray, magnified: int) -> np.ndarray:
+    """Values (P,) as they are drawn: exact plus ``magnified`` times the deviation of a ``field`` (P, 2), where the
+    exact one is known. Of a motion without swings deviations alone: the rest is the same everywhere."""
+    if not scene.solution_known or (scene.swings and magnified == 1):
+        return field[:, 0]
+    with np.errstate(over="ignore", invalid="ignore"):
+        if not scene.swings:
+            return magnified * field[:, 1]
+        return field[:, 0] + (magnified - 1) * field[:, 1]

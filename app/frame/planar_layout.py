@@ -1,0 +1,142 @@
+"""Where the things of a plane problem stand: the body on the left, its halves named beside it, and the plot of the
+field on the right; two bodies stand beside each other, and their plots one above the other."""
+
+from collections.abc import Iterator
+from dataclasses import dataclass, replace
+
+from app.frame.field_plot import ROOM
+from app.frame.layout import HALVES, Box, Places, Seat, Spot, rectangle, top
+from app.frame.primitives import Anchor, Label, Role, Room, Tone
+from app.frame.stage import Words
+from app.language.translation import tr
+from app.words import brief
+
+AROUND = 1.05  # of the outermost the body should come, that its cells are drawn to
+WIDEST = {Seat.ALONE: 0.5, Seat.FIRST: 0.31, Seat.SECOND: 0.31}  # of the cells that are drawn
+FIELD = 0.28  # the least width of the plot
+LEAST = 0.3  # width of the cells that are drawn, with words beside them
+#: In pixels: between the body and what is beside it, the words there, the numbers of the plot, the room above it for
+#: its name, and the width of that with how many times the error is drawn.
+GAP, NAMES, NUMBERS, HEADING, NAME = 12.0, 112.0, 62.0, 42.0, 236.0
+
+
+@dataclass(frozen=True)
+class PlanarPlaces(Places):
+    """The middle of the body, and how far from it the ``radius`` of what should be its outermost is; nothing but the
+    bar of colours is above ``end``."""
+
+    middle: tuple[float, float]
+    radius: float
+    end: float
+
+
+def planar_places(room: Room, seat: Seat) -> PlanarPlaces:
+    """Those in a settled room."""
+    pixel, line, end, alone = room.pixel, room.line, top(room, room.high).end, seat == Seat.ALONE
+    if 1 - FIELD - (NUMBERS + NAMES) * pixel < LEAST:  # letters as large as a projector needs: names stand above
+        room = replace(room, gutter=0.0)
+    beside = NUMBERS * pixel + (NAMES * pixel if alone and room.gutter else 0.0)
+    above = 0.0 if alone and room.gutter else 1.3 * line  # words above the body,
+    under = 0.0 if room.gutter else 1.3 * line  # and below it
+    free = end - above - under - 4 * pixel
+    wide = min(free, WIDEST[seat], 1 - FIELD - beside)
+    next_one = wide + GAP * pixel
+    middle = 0.5 * wide + next_one * (seat == Seat.SECOND), under + 2 * pixel + 0.5 * free
+    left = wide + next_one * (not alone) + beside + GAP * pixel
+    low, high = (1.4 if room.gutter else 2.8) * line, end - (HEADING * pixel if room.gutter else 1.4 * line)
+    name = (min(left - 40 * pixel, 1 - NAME * pixel), high + 1.2 * line)
+    if not alone:
+        share = 0.5 * (end - low)
+        high = end - share * (seat == Seat.SECOND) - 1.6 * line
+        low += share * (seat == Seat.FIRST)
+        name = (left - 40 * pixel, high + 0.8 * line)
+    half = 0.5 * (high - low) / ROOM
+    below, named = None if seat == Seat.FIRST else low - 2 * pixel, room.gutter > 0
+    magnified: Spot = (1.0, name[1], "center-right") if room.gutter else (1.0, 0.0, "bottom-right")
+    box = Box(left, 1.0, 0.5 * (high + low), half, below, None if seat == Seat.SECOND else magnified,
+              (1.0, high if room.gutter else end, "top-right"), name if named else None)
+    return PlanarPlaces(room, seat, rectangle(room.high), box, middle, 0.5 * wide / AROUND, end)
+
+
+def planar_labels(words: Words, places: PlanarPlaces) -> Iterator[Label]:
+    """All that is written but for the scale's and the plot's numbers, and remarks."""
+    if places.seat != Seat.ALONE:
+        return _of_pair(words, places)
+    return _beside(words, places) if places.room.gutter else _above(words, places)
+
+
+def _beside(words: Words, places: PlanarPlaces) -> Iterator[Label]:
+    """The estimate's names in the gutter; the truth's, and what else there is to say, right of the body."""
+    room, (x, y), left = places.room, places.middle, -places.room.gutter
+    right = x + AROUND * places.radius + GAP * room.pixel
+    width = room.letters(NAMES * room.pixel)
+    for name, title, by, silence, at in zip(HALVES, words.titles, words.by, words.silences, (left, right), strict=True):
+        role: Role = "gutter" if at < 0 else "title"
+        yield Label(f"{name}-title", title, at, y + 0.1 * room.line, "bottom-left", role, 1.1, tone=name, bold=True)
+        yield Label(f"{name}-by", by, at, y - 0.1 * room.line, "top-left", "gutter" if at < 0 else "note")
+        narrow = min(width, room.letters(room.gutter)) if at < 0 else width
+        yield Label(f"{name}-silence", brief(silence), at, y - 1.9 * room.line, "top-left", role, width=narrow,
+                    tone="faint")
+    yield Label("alike", words.alike, right, y - 1.6 * room.line, "top-left", "note", width=width, tone="faint")
+    yield Label("size-note", words.note, right, 2 * room.pixel, "bottom-left", "note", width=width, tone="faint")
+    yield Label("run", "", right, y, "bottom-left", "name")
+    yield _crossings(words, places)
+
+
+def _above(words: Words, places: PlanarPlaces) -> Iterator[Label]:
+    """All names above the body: there is no room beside it."""
+    room, (x, y), reach = places.room, places.middle, AROUND * places.radius
+    up = y + reach + 2 * room.pixel
+    for name, title, at, anchor in _sides(words.titles, x, reach, True):
+        yield Label(f"{name}-title", title, at, up, anchor, "title", tone=name, bold=True)
+    by = x - reach + 1.25 * room.extent(words.titles[0])[0] + 6 * room.pixel
+    free = x + reach - by - 1.25 * room.extent(words.titles[1])[0] - room.extent(" ")[0]  # between the two titles
+    text, _ = room.fitting((words.by[0], words.by[0].rpartition(" ")[2]), free, room.line)
+    yield Label("estimate-by", text, by, up, "bottom-left", "note")
+    yield Label("truth-by", "", x, up, "bottom-left", "title")
+    yield from _inside(words, places)
+    for other in ("alike", "size-note", "run"):
+        yield Label(other, "", x, up, "bottom-left", "note")
+    yield _crossings(words, places)
+
+
+def _of_pair(words: Words, places: PlanarPlaces) -> Iterator[Label]:
+    """Which run it is, above the body; the halves are named in the corners that a round body leaves free."""
+    room, (x, y), reach, first = places.room, places.middle, AROUND * places.radius, places.seat == Seat.FIRST
+    for name, title, at, anchor in _sides((tr("estimate"), tr("truth")), x, reach, False):
+        yield Label(f"{name}-title", title, at, y + reach, anchor, "title", 0.9, tone=name)
+    by, gutter = words.by[0] if first else "", room.gutter > 0
+    yield Label("estimate-by", by, -room.gutter if gutter else 0.6, y if gutter else 0.0,
+                "center-left" if gutter else "bottom-center", "gutter" if gutter else "note")
+    yield Label("truth-by", "", x, y, "bottom-left", "note")
+    yield from _inside(words, places)
+    run = words.run[:1].upper() + words.run[1:]
+    yield Label("run", run, x - reach, y + reach + 2 * room.pixel, "bottom-left", "name", 1.0,
+                room.letters(2 * reach, 1.2), "plain" if first else "faint", True)
+    for other in ("alike", "size-note"):
+        yield Label(other, "", x, y, "bottom-left", "note")
+    yield _crossings(words, places)
+
+
+def _sides(titles: tuple[str, str], x: float, reach: float, up: bool) -> Iterator[tuple[Tone, str, float, Anchor]]:
+    """Of the estimate and the truth: its name, title and the corner above the body where it stands, or inside it."""
+    anchors: tuple[Anchor, Anchor] = ("bottom-left", "bottom-right") if up else ("top-left", "top-right")
+    return zip(HALVES, titles, (x - reach, x + reach), anchors, strict=True)
+
+
+def _inside(words: Words, places: PlanarPlaces) -> Iterator[Label]:
+    """Why a half is empty, in the hole of a ring."""
+    room, (x, y) = places.room, places.middle
+    sides: tuple[Anchor, Anchor] = ("center-right", "center-left")
+    for name, silence, anchor, apart in zip(HALVES, words.silences, sides, (-4, 4), strict=True):
+        text, width = room.fitting((silence, brief(silence)), 0.55 * places.radius, 1.1 * places.radius)
+        yield Label(f"{name}-silence", text, x + apart * room.pixel, y, anchor, "silence", width=width)
+
+
+def _crossings(words: Words, places: PlanarPlaces) -> Label:
+    """What the marks mean, once: in the gutter or below the body."""
+    room, note = places.room, words.crossings if places.seat != Seat.SECOND else ""
+    if room.gutter:
+        return Label("crossings-note", note, -room.gutter, 2 * room.pixel, "bottom-left", "gutter",
+                     width=max(1, room.letters(room.gutter) - 2), tone="crossing", sign="dot")
+    return Label("crossings-note", note, 0.0, 0.0, "bottom-left", "note", tone="crossing", sign="dot")

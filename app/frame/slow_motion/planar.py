@@ -1,0 +1,80 @@
+"""One step of a plane problem in slow motion: the cells around one particle, with shape functions beside them."""
+
+import numpy as np
+
+from app.frame.layout import Rectangle
+from app.frame.primitives import Colour, Room
+from app.frame.slow_motion.stage import DOMAINS, FRONT, OTHERS, SlowStage, shape
+from solvers.problems.planar.layout import CORNERS
+from solvers.scene.scene import Scene
+from solvers.solver.step_breakdown import StepBreakdown
+
+AROUND = 0.75  # of a cell, that is seen around the nodes
+HEIGHT = 0.13  # of the picture, of a shape function that is one
+BESIDE = 0.36  # of a stage that is wider than high, for words beside the picture
+POINTS = 121  # of a curve
+
+
+class PlanarSlowStage(SlowStage):
+    """Draws one step of a plane problem taken apart."""
+
+    _above, _aside = 0.02, np.array([0.0, 0.0])
+
+    def _divided(self, room: Room) -> tuple[float, Rectangle]:
+        return BESIDE, (BESIDE + 0.03, 1.0, 0.0, room.high)
+
+    def _look_at(self, a: StepBreakdown) -> None:
+        x = np.concatenate([a.nodes, a.place[:1]])
+        low, high = x.min(axis=0) - AROUND * a.spacing, x.max(axis=0) + AROUND * a.spacing
+        x0, x1, y0, y1 = self._picture
+        self._per_metre = float(min((x1 - x0) / (high[0] - low[0]), (y1 - y0) / (high[1] - low[1])))
+        self._middle, self._low, self._high = 0.5 * (low + high), low, high
+
+    def _place(self, x: np.ndarray) -> np.ndarray:
+        x0, x1, y0, y1 = self._picture
+        return np.array([0.5 * (x0 + x1), 0.5 * (y0 + y1)]) + self._per_metre * (x - self._middle)
+
+    _particle_spots = _node_spots = _place
+
+    def _aim(self, vectors: np.ndarray) -> np.ndarray:
+        return vectors
+
+    def _outline(self, x: np.ndarray, edges: np.ndarray, colour: Colour, thickness: float) -> None:
+        corners = x[:, None] + np.einsum("ce,ked->kcd", 2 * np.array(CORNERS), edges)
+        self._sketch.outline(self._place(corners), colour, thickness)
+
+    def _ground(self, a: StepBreakdown) -> None:
+        for axis in range(2):
+            h, low, high = a.spacing, self._low[axis], self._high[axis]
+            at = h * np.arange(np.ceil(low / h), np.floor(high / h) + 1)
+            ends = np.empty((2, len(at), 2))
+            ends[:, :, axis] = at
+            ends[0, :, 1 - axis], ends[1, :, 1 - axis] = self._low[1 - axis], self._high[1 - axis]
+            starts, stops = self._place(ends)
+            self._sketch.line(starts, stops, DOMAINS)
+
+    def _functions(self, scene: Scene, a: StepBreakdown, s: float) -> None:
+        """A weight is a product of a function of x and one of y, which stand below and on the left; CPDI reads the
+        grid's own at the corners of its domain."""
+        cpdi = scene.method == "cpdi"
+        feet = a.place[0] + 2 * np.array(CORNERS) @ a.edges[0] if cpdi else a.place[:1]
+        for axis in range(2):
+            reach = 0.0 if cpdi else float(a.edges[0, axis, axis]) / a.spacing
+            x = np.linspace(self._low[axis], self._high[axis], POINTS)
+            base = self._place(self._low)[1 - axis]
+
+            def beside(along: np.ndarray, value: np.ndarray, axis: int = axis, base: float = base) -> np.ndarray:
+                """Points of the stage for a function's values at places along the axis."""
+                out = np.empty((len(along), 2))
+                out[:, axis] = self._place(np.stack([along, along], axis=1))[:, axis]
+                out[:, 1 - axis] = base + s * HEIGHT * (self._picture[3] - self._picture[2]) * value
+                return out
+
+            for node in np.unique(a.nodes[:, axis].round(12)):
+                curve = beside(x, shape((x - node) / a.spacing, reach))
+                self._sketch.line(curve[:-1], curve[1:], OTHERS, 2.0)
+                read = beside(feet[:, axis], shape((feet[:, axis] - node) / a.spacing, reach))
+                self._sketch.dots(read, FRONT, 0)
+            self._sketch.line(beside(feet[:, axis], np.zeros(len(feet))), self._place(feet), FRONT)
+        if cpdi:
+            self._sketch.dots(self._place(feet), FRONT, 0)

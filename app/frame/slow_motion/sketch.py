@@ -1,0 +1,70 @@
+"""Sketch: lines, dots and words in the plane z = 0 that are drawn anew each time; what is not drawn again goes."""
+
+from collections.abc import Iterator
+
+import numpy as np
+
+from app.frame.primitives import Anchor, Colour, Dots, Label, Lines, Mark, in_plane, joined
+
+THICKNESSES = (1.0, 2.0, 3.5, 5.5, 8.0)  # pixels
+SIZES = (0.012, 0.024, 0.036)  # across, of dots
+LAYER = 1e-3  # what is drawn later lies higher
+
+
+class Sketch:
+    """Collects what is drawn until :meth:`marks` has it; points are (m, 2) of the stage."""
+
+    def __init__(self) -> None:
+        self._most = 0  # labels that there have been
+        self._clear()
+
+    def _clear(self) -> None:
+        none, shade = np.empty((0, 2, 3), np.float32), np.empty((0, 2, 3), np.uint8)
+        self._segments = [[(none, shade)] for _ in THICKNESSES]
+        self._points = [[(none[:, 0], shade[:, 0])] for _ in SIZES]
+        self._texts: list[Label] = []
+        self._depth = 0.0
+
+    def line(self, starts: np.ndarray, ends: np.ndarray, colour: Colour, thickness: float | np.ndarray = 1.0) -> None:
+        """From each start to its end, as near to so many pixels thick as there is."""
+        self._depth += LAYER
+        kind = np.abs(np.subtract.outer(np.broadcast_to(thickness, len(starts)), THICKNESSES)).argmin(axis=1)
+        segments = joined(*(in_plane(at[:, 0], at[:, 1], self._depth) for at in (starts, ends)))
+        for k, drawn in enumerate(self._segments):
+            chosen = segments[kind == k]
+            drawn.append((chosen, np.broadcast_to(np.array(colour, np.uint8), chosen.shape)))
+
+    def outline(self, corners: np.ndarray, colour: Colour, thickness: float = 1.0) -> None:
+        """Closed outlines through corners (m, c, 2)."""
+        self.line(corners.reshape(-1, 2), np.roll(corners, -1, axis=1).reshape(-1, 2), colour, thickness)
+
+    def arrow(self, starts: np.ndarray, along: np.ndarray, colour: Colour, thickness: float = 2.0) -> None:
+        """From each start along a vector, with a head of a size that goes with the length, up to a limit."""
+        ends, length = starts + along, np.hypot(*along.T)[:, None]
+        head = np.minimum(0.35, 0.022 / np.maximum(length, 1e-12)) * along
+        side = 0.55 * np.stack([-head[:, 1], head[:, 0]], axis=1)
+        self.line(np.concatenate([starts, ends, ends]), np.concatenate([ends, ends - head + side, ends - head - side]),
+                  colour, thickness)
+
+    def dots(self, at: np.ndarray, colour: Colour, size: int = 1) -> None:
+        """Of one of the ``SIZES``."""
+        self._depth += LAYER
+        self._points[size].append((in_plane(at[:, 0], at[:, 1], self._depth),
+                                   np.tile(np.array(colour, np.uint8), (len(at), 1))))
+
+    def text(self, x: float, y: float, text: str, anchor: Anchor, size: float = 0.85) -> None:
+        self._texts.append(Label(f"label{len(self._texts)}", text, float(x), float(y), anchor, "step", size))
+
+    def marks(self) -> Iterator[Mark]:
+        """All that was drawn; begins anew."""
+        for k, drawn in enumerate(self._segments):
+            segments, colours = (np.concatenate(part) for part in zip(*drawn, strict=True))
+            yield Lines(f"lines{k}", segments, colours, THICKNESSES[k])
+        for k, drawn in enumerate(self._points):
+            points, colours = (np.concatenate(part) for part in zip(*drawn, strict=True))
+            yield Dots(f"dots{k}", points, colours, SIZES[k])
+        yield from self._texts
+        for k in range(len(self._texts), self._most):
+            yield Label(f"label{k}", "", 0.0, 0.0, "top-left", "step")
+        self._most = max(self._most, len(self._texts))
+        self._clear()

@@ -1,0 +1,272 @@
+"""What the slow motion of all problems shares: how each phase of a step is drawn around one particle."""
+
+from abc import ABC, abstractmethod
+from dataclasses import replace
+
+import numpy as np
+
+from app.frame.layout import Rectangle, rectangle
+from app.frame.primitives import Anchor, Colour, Room, Sheet, wrapped
+from app.frame.slow_motion.sketch import SIZES, Sketch
+from app.frame.slow_motion.step_phases import PHASES, scaled
+from app.language.translation import tr
+from solvers.scene.scene import Scene
+from solvers.solver.step_breakdown import StepBreakdown
+
+#: Colours: the particle in front, the others, their domains, forces of stress and of the body, what moves.
+FRONT, OTHERS, DOMAINS = (0, 158, 115), (120, 127, 136), (205, 210, 216)
+STRESS, BODY, NODE = (213, 94, 0), (0, 114, 178), (24, 28, 34)
+HIGH = (0.3, 0.9)  # the least and the most that the stage is
+CAPTION, NUMBERS = 1.0, 0.9  # sizes of letters
+#: Where the numbers of a node may stand: how they are anchored, and to which side.
+SIDES: tuple[tuple[Anchor, tuple[int, int]], ...] = (
+    ("bottom-center", (0, 1)), ("top-center", (0, -1)), ("center-left", (1, 0)), ("center-right", (-1, 0)))
+DIGITS = {1: 5, 2: 4}  # of numbers beside the nodes, by directions
+LONGEST = 0.42  # of a cell, of an arrow
+WIDEST = 0.3  # of a cell, of a node's square
+THICKEST = 9.0  # pixels, of a line whose weight is one
+MAGNIFIED = 0.3  # of a cell, about how far particles are seen to move
+
+
+class SlowStage(ABC):
+    """Draws one step taken apart on a sheet. A problem says where things are drawn."""
+
+    def __init__(self, sheet: Sheet):
+        self.sheet, self._sketch = sheet, Sketch()
+        self._divide()
+
+    @property
+    def rectangle(self) -> Rectangle:
+        """Of all that is drawn."""
+        return rectangle(self._room.high)
+
+    def _divide(self) -> None:
+        """Give words and picture their places in the room that there is now."""
+        room = self.sheet.room.settled()
+        self._room = replace(room, high=min(max(room.high, HIGH[0]), HIGH[1]))
+        self._words, self._picture = self._divided(self._room)
+
+    def draw(self, scene: Scene, a: StepBreakdown, phase: int, s: float) -> None:
+        """Show a phase at ``s``, from 0 at its beginning to 1 at its end."""
+        self._divide()
+        self._look_at(a)
+        self._nodes = self._node_spots(a.nodes)
+        self._scale = self._per_metre * a.spacing  # a cell, on the stage
+        self._legend: list[str] = []
+        shift = a.after.position - a.before.position  # drawn longer than it is, to be seen
+        moved = max(1.0, _round(MAGNIFIED * a.spacing / max(np.abs(shift).max(), 1e-300)))
+        progress = {4: max(0.0, 2 * s - 1), 5: 1.0}.get(phase, 0.0)
+        self._places = a.place + moved * progress * shift
+        self._spots = self._particle_spots(self._places)
+        self._ground(a)
+        if phase < 5:
+            seen = self._seen(self._spots, self._per_metre * float(np.abs(a.edges).sum(axis=1).max()))
+            self._outline(self._places[seen], a.edges[seen], DOMAINS, 1.0)
+            self._outline(self._places[:1], a.edges[:1], FRONT, 2.0)
+        (self._functions_phase, self._gather, self._forces, self._velocities, self._scatter, self._strain)[phase](
+            scene, a, s)
+        if phase >= 4 and moved > 1:
+            self._legend.append(tr("particles' way drawn × {factor:g}", factor=moved))
+        self._sketch.dots(self._spots[1:][self._seen(self._spots[1:])], OTHERS, 1)
+        self._sketch.dots(self._spots[:1], FRONT, 2)
+        self._sketch.dots(self._nodes, NODE, 0)
+        self._numbers(a, phase)
+        which = tr("Particle {particle} in step {step}", particle=a.particle, step=a.step)
+        caption = "\n".join(wrapped(line, self.width) for line in [which, *PHASES[phase].front(scene, a)])
+        self._sketch.text(0.0, self._room.high, wrapped("; ".join(self._legend), self.width), "top-left", CAPTION)
+        self._sketch.text(0.0, 0.0, caption, "bottom-left", CAPTION)
+        self.sheet.show(*self._sketch.marks())
+
+    def _functions_phase(self, scene: Scene, a: StepBreakdown, s: float) -> None:
+        self._functions(scene, a, s)
+        self._weights(a, FRONT, s)
+        self._legend.append(tr("green: the particle; its lines to nodes are as thick as the weight"))
+
+    def _gather(self, _: Scene, a: StepBreakdown, s: float) -> None:
+        """Parcels go from particles to nodes, whose squares grow; green in them: what the particle in front gives."""
+        self._weights(a, FRONT, 1.0)
+        self._parcels(a, s, slice(None))
+        most = a.node_mass.max()
+        for mass, colour, thickness in ((a.node_mass, NODE, 2.0), (a.links.weight[0] * a.mass[0], FRONT, 3.5)):
+            half = 0.5 * WIDEST * self._scale * np.sqrt(s * np.maximum(mass, 0) / most)
+            corners = self._nodes[:, None] + half[:, None, None] * np.array([[-1, -1], [1, -1], [1, 1], [-1, 1]])
+            self._sketch.outline(corners, colour, thickness)
+        seen = self._seen(self._spots)
+        self._arrows(self._spots[seen], a.before.velocity[seen], OTHERS)
+        self._arrows(self._nodes, s * a.momentum, NODE, a.momentum)
+        self._legend.append(tr("squares: mass of the nodes (green: from the particle); arrows: v of particles, "
+                               "momentum"))
+
+    def _forces(self, _: Scene, a: StepBreakdown, s: float) -> None:
+        self._weights(a, FRONT, 1.0)
+        both = np.concatenate([a.internal_force, a.body_force])
+        self._arrows(self._nodes, s * a.internal_force, STRESS, both, 3.5)
+        self._arrows(self._nodes - 0.05 * self._scale * self._aside, s * a.body_force, BODY, both, 3.5)
+        self._legend.append(tr("orange: force of stress; blue: body force"))
+
+    def _velocities(self, _: Scene, a: StepBreakdown, s: float) -> None:
+        """The change is small beside the velocity: it has a scale of its own."""
+        old, gained = a.before_velocity, a.velocity - a.before_velocity
+        factor = _round(np.abs(a.velocity).max() / max(np.abs(gained).max(), 1e-300))
+        self._arrows(self._nodes, old, OTHERS, np.concatenate([old, a.velocity]), 2.0)
+        self._arrows(self._nodes, old + s * gained, NODE, np.concatenate([old, a.velocity]), 3.5)
+        self._arrows(self._nodes - 0.07 * self._scale * self._aside, s * gained, STRESS, gained, 3.5)
+        self._legend.append(tr("grey: old v; black: new v; orange: what is gained, drawn × {factor:g}", factor=factor))
+
+    def _scatter(self, _: Scene, a: StepBreakdown, s: float) -> None:
+        """Parcels come back in the first half, the particles move in the second."""
+        self._weights(a, FRONT, 1.0)
+        self._arrows(self._nodes, a.velocity, NODE)
+        if s < 0.5:
+            self._parcels(a, 1 - 2 * s, slice(0, 1))
+        else:
+            start = self._particle_spots(a.place)
+            seen = self._seen(start) & self._seen(self._spots)
+            self._sketch.line(start[seen], self._spots[seen], OTHERS, 2.0)
+            self._sketch.dots(start[seen], DOMAINS, 1)
+        self._legend.append(tr("black: new v of the nodes"))
+
+    def _strain(self, _: Scene, a: StepBreakdown, s: float) -> None:
+        """The material of the particle changes its shape, magnified."""
+        self._weights(a, FRONT, 1.0)
+        self._arrows(self._nodes, a.velocity, NODE)
+        F = a.before.deformation_gradient[0]
+        gained = a.after.deformation_gradient[0] @ np.linalg.pinv(F) - np.eye(len(F))
+        factor = _round(0.5 / max(np.abs(gained).max(), 1e-300))
+        edges = a.edges[0] if np.abs(a.edges[0]).max() > 0 else 0.25 * a.spacing * np.eye(len(F))
+        for share, colour, thickness in ((0.0, OTHERS, 1.0), (s * factor, FRONT, 3.5)):
+            self._outline(self._places[:1], (edges @ (np.eye(len(F)) + share * gained).T)[None], colour, thickness)
+        self._legend.append(tr("outline: the particle's material before and after, its strain in this step × "
+                               "{factor:g}", factor=factor))
+
+    def _weights(self, a: StepBreakdown, colour: Colour, s: float) -> None:
+        """Lines from the particle in front to its nodes, as thick as the weights."""
+        start = np.broadcast_to(self._spots[:1], self._nodes.shape)
+        self._sketch.line(start, start + s * (self._nodes - start), colour, THICKEST * a.links.weight[0])
+
+    def _parcels(self, a: StepBreakdown, s: float, members: slice) -> None:
+        """What is on its way between the particles and nodes that share a weight."""
+        k, n = np.nonzero(a.links.weight[members])
+        start, end = self._within(self._spots[k], self._nodes[n]), self._nodes[n]
+        if len(self._spots[members]) > 1:
+            self._sketch.line(start[k > 0], end[k > 0], DOMAINS, 1.0)
+        if 0 < s < 1:
+            at = start + s * (end - start)
+            self._sketch.dots(at[k > 0], OTHERS, 0)
+            self._sketch.dots(at[k == 0], FRONT, 1)
+
+    def _arrows(self, at: np.ndarray, vectors: np.ndarray, colour: Colour,
+                among: np.ndarray | None = None, thickness: float = 2.0) -> None:
+        """The longest ``among`` these vectors is drawn ``LONGEST``."""
+        most = np.hypot.reduce(vectors if among is None else among, axis=1).max()
+        if most > 0:
+            self._sketch.arrow(at, LONGEST * self._scale / most * self._aim(vectors), colour, thickness)
+
+    def _numbers(self, a: StepBreakdown, phase: int) -> None:
+        """The solver's own, beside each node: on the side to which its arrows point least."""
+        shown = PHASES[phase].columns[:PHASES[phase].drawn]
+        digits = DIGITS[a.nodes.shape[1]]
+        texts, units = zip(*(scaled(c.scale * c.values(a), c.unit, digits) for c in shown), strict=True)
+        arrows = [c.values(a) for c in shown] + [a.velocity - a.before_velocity] * (phase == 3)
+        taken = np.max([self._aim(values / max(np.abs(values).max(), 1e-300)) @ np.array([side for _, side in SIDES]).T
+                        if values.ndim > 1 else np.zeros((len(self._nodes), len(SIDES))) for values in arrows], axis=0)
+        away = self._above + 0.5 * WIDEST * self._scale * (phase == 1)
+        written: list[tuple[np.ndarray, np.ndarray]] = []
+        for spot, reaching, *parts in zip(self._nodes, taken, *texts, strict=True):
+            text = "\n".join(parts)
+            anchor, side = SIDES[self._free_side(spot, away, text, reaching, written)]
+            x, y = spot + away * np.array(side)
+            self._sketch.text(x, y, text, anchor, NUMBERS)
+        names = [tr("{name} in {unit}", name=tr(c.name), unit=unit) if unit else tr(c.name)
+                 for c, unit in zip(shown, units, strict=True)]
+        self._legend.insert(0, tr("numbers at the nodes: {first}, below it {second}", first=names[0], second=names[1])
+                            if len(names) > 1 else tr("numbers at the nodes: {first}", first=names[0]))
+
+    def _free_side(self, spot: np.ndarray, away: float, text: str, taken: np.ndarray,
+                   written: list[tuple[np.ndarray, np.ndarray]]) -> int:
+        """Which of the ``SIDES`` of a node suits its numbers: never over the particle in front, over what is
+        ``written`` (middles and half sizes, to which this is added) only where there is no other, and not along arrows,
+        of which ``taken`` says how far they reach to each side."""
+        half = 0.5 * self._room.extent(text, NUMBERS)
+        middles = spot + np.array([side for _, side in SIDES]) * (away + half)
+        front = np.all(np.abs(self._spots[0] - middles) < half + 0.5 * SIZES[2], axis=1)
+        others = sum((np.all(np.abs(at - middles) < half + size, axis=1) for at, size in written), np.zeros(len(SIDES)))
+        best = int((taken + 10 * others + 1000 * front).argmin())
+        written.append((middles[best], half))
+        return best
+
+    @property
+    def width(self) -> int:
+        """Letters that a line of the captions has room for."""
+        return self._room.letters(self._words, CAPTION)
+
+    def _seen(self, spots: np.ndarray, reach: float = 0.0) -> np.ndarray:
+        """Which points of the stage (m, 2) lie in the picture, with what reaches so far around them."""
+        x0, x1, y0, y1 = self._picture
+        return np.all((spots - reach >= (x0, y0)) & (spots + reach <= (x1, y1)), axis=1)
+
+    def _within(self, starts: np.ndarray, ends: np.ndarray) -> np.ndarray:
+        """Where lines from starts to ends, which lie in the picture, come into it (m, 2)."""
+        x0, x1, y0, y1 = self._picture
+        with np.errstate(divide="ignore", invalid="ignore"):
+            share = np.where(starts < (x0, y0), ((x0, y0) - starts) / (ends - starts),
+                             np.where(starts > (x1, y1), ((x1, y1) - starts) / (ends - starts), 0.0)).max(axis=1)
+        return starts + share[:, None] * (ends - starts)
+
+    #: Where a node's number is written above it, and the direction across its arrows.
+    _above: float
+    _aside: np.ndarray
+    _per_metre: float
+
+    @abstractmethod
+    def _divided(self, room: Room) -> tuple[float, Rectangle]:
+        """How wide lines of words are, above and below the picture or beside it, and the picture's x0, x1, y0, y1."""
+
+    @abstractmethod
+    def _look_at(self, a: StepBreakdown) -> None:
+        """Choose ``_per_metre`` and the place of the picture so that all of the step is in it."""
+
+    @abstractmethod
+    def _particle_spots(self, x: np.ndarray) -> np.ndarray:
+        """Points of the stage (k, 2) for particles at x (k, D) in m."""
+
+    @abstractmethod
+    def _node_spots(self, x: np.ndarray) -> np.ndarray:
+        """The same for nodes (n, D)."""
+
+    @abstractmethod
+    def _aim(self, vectors: np.ndarray) -> np.ndarray:
+        """Vectors (m, D) as they lie on the stage (m, 2), as long."""
+
+    @abstractmethod
+    def _outline(self, x: np.ndarray, edges: np.ndarray, colour: Colour, thickness: float) -> None:
+        """Draw the domains of particles at x (k, D) with half edge vectors (k, D, D)."""
+
+    @abstractmethod
+    def _ground(self, a: StepBreakdown) -> None:
+        """Draw the cells."""
+
+    @abstractmethod
+    def _functions(self, scene: Scene, a: StepBreakdown, s: float) -> None:
+        """Draw the shape functions; they grow with ``s``."""
+
+
+def shape(distance: np.ndarray, reach: float) -> np.ndarray:
+    """The hat function at a distance from its node, averaged over ``reach`` to either side, both in cells; with 1/2 it
+    is the quadratic B-spline."""
+    if reach < 1e-9:
+        return np.maximum(0.0, 1 - np.abs(distance))
+
+    def integral(x: np.ndarray) -> np.ndarray:
+        x = np.clip(x, -1, 1)
+        return x - 0.5 * x * np.abs(x)
+
+    return (integral(distance + reach) - integral(distance - reach)) / (2 * reach)
+
+
+def _round(factor: float) -> float:
+    """The largest of 1, 2, 5, 10, 20, ... that is not above ``factor``, and no less than 1."""
+    if not 1 < factor < 1e15:
+        return 1.0
+    power = 10.0 ** np.floor(np.log10(factor))
+    return float(power * max(m for m in (1, 2, 5) if m * power <= factor * (1 + 1e-12)))

@@ -1,0 +1,175 @@
+"""The phases of a step in slow motion: what each is called, in words, and the solver's numbers that belong to it."""
+
+import math
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+
+from app.language.translation import later, tr
+from app.words import PREFIXES
+from solvers.scene.remedies import PIECES
+from solvers.scene.scene import Scene
+from solvers.solver.step_breakdown import StepBreakdown
+
+#: What a node's weight is, by method.
+WEIGHT = {"mpm": later("weight S = the node's hat function at the particle"),
+          "bspline": later("weight S = the node's quadratic B-spline at the particle"),
+          "cpdi": later("weight S = the node's hat function, mean of the particle's four corners")}
+AVERAGED = later("weight S = the node's hat function, averaged over the particle's domain")
+#: The equations of some phases, by what they depend on.
+FORCE = {
+    "none": later("force of a node = − sum of slope × {volume} × stress of the particles{corrected}; no body force"),
+    "node": later("force of a node = − sum of slope × {volume} × stress of the particles{corrected} + body force at "
+                  "the node, × its mass"),
+    "": later("force of a node = − sum of slope × {volume} × stress of the particles{corrected} + sum of weight × body "
+              "force")}
+FORCE_OF_PIECES = {
+    "none": later("force of a node = sum over the corners between pieces of its function there × jump of the "
+                  "stress{corrected}; no body force"),
+    "node": later("force of a node = sum over the corners between pieces of its function there × jump of the "
+                  "stress{corrected} + body force at the node, × its mass"),
+    "": later("force of a node = sum over the corners between pieces of its function there × jump of the "
+              "stress{corrected} + sum of weight × body force")}
+MOTION = {
+    "particle": later("the particle's v grows by time step × sum of weight × a of the nodes, x by time step × its "
+                      "new v"),
+    "corners": later("the particle's v grows by time step × sum of weight × a of the nodes, x by time step × the "
+                     "nodes' new v at the ends of its domain (mean)"),
+    "": later("the particle's v grows by time step × sum of weight × a of the nodes, x by time step × sum of weight × "
+              "new v of the nodes")}
+
+
+@dataclass(frozen=True)
+class Column:
+    """A number of each node (n,) or a vector (n, D), with the unit that it has after ``scale``; its ``name`` is put
+    into the visitor's language where it is said."""
+
+    name: str
+    unit: str
+    values: Callable[[StepBreakdown], np.ndarray]
+    scale: float = 1.0
+
+
+WEIGHTS = Column(later("weight S"), "", lambda a: a.links.weight[0])
+SLOPES = Column(later("slope of S"), "1/m", lambda a: a.links.slope[0])
+MASS = Column(later("mass"), "g", lambda a: a.node_mass, 1000.0)
+MOMENTUM = Column(later("momentum"), "N s", lambda a: a.momentum)
+INTERNAL = Column(later("force of stress"), "N", lambda a: a.internal_force)
+BODY = Column(later("body force"), "N", lambda a: a.body_force)
+OLD = Column(later("old v"), "m/s", lambda a: a.before_velocity)
+NEW = Column(later("new v"), "m/s", lambda a: a.velocity)
+ACCELERATION = Column(later("acceleration a"), "m/s²", lambda a: a.acceleration)
+
+
+@dataclass(frozen=True)
+class Phase:
+    """``words`` is the equation, ``columns`` the nodes' numbers, the first ``drawn`` of them beside the nodes too;
+    ``front`` has the lines about the particle in front. The ``title`` is put into the visitor's language where it is
+    said."""
+
+    title: str
+    words: Callable[[Scene], str]
+    columns: tuple[Column, ...]
+    drawn: int
+    front: Callable[[Scene, StepBreakdown], list[str]]
+
+
+def _of_force(scene: Scene) -> str:
+    forces = FORCE_OF_PIECES if PIECES in scene.remedies else FORCE
+    words = forces.get(scene.body_force, forces[""])
+    corrected = tr(", corrected to be exact for linear stress") if scene.linearity_preserving else ""
+    volume = tr("volume at rest") if scene.frozen else tr("volume")
+    return tr(words, volume=volume, corrected=corrected)
+
+
+def _of_stress(scene: Scene) -> str:
+    if PIECES in scene.remedies:
+        return tr("F grows by time step × difference of the nodes' new v at the corners of the piece / its length × F; "
+                  "stress follows from the new F")
+    if scene.frozen:
+        return tr("F grows by time step × sum of slope × new v of the nodes; stress follows from the new F")
+    return tr("F grows by time step × sum of slope × new v of the nodes × F; stress follows from the new F")
+
+
+def _carried(_: Scene, a: StepBreakdown) -> list[str]:
+    here = a.before
+    return [f"x = {amount(here.position[0], 'm')}, v = {amount(here.velocity[0], 'm/s')}",
+            tr("mass {mass}, stress {stress}", mass=amount(1000 * a.mass[:1], "g"), stress=_tensor(here.stress[0]))]
+
+
+def _given(_: Scene, a: StepBreakdown) -> list[str]:
+    momentum = a.mass[0] * a.before.velocity[0]
+    return [tr("each node gets its weight × mass {mass}, and × momentum {momentum}",
+               mass=amount(1000 * a.mass[:1], "g"), momentum=amount(momentum, "N s"))]
+
+
+def _pulled(scene: Scene, a: StepBreakdown) -> list[str]:
+    if PIECES in scene.remedies:
+        return [tr("stress {stress}, the same in the whole piece", stress=_tensor(a.before.stress[0]))]
+    if scene.frozen:
+        return [tr("volume × stress at rest {tension}", tension=_tensor(a.tension[0], "N m", True)),
+                tr("the weights stay those of the particle at rest")]
+    return [tr("volume × stress {tension}", tension=_tensor(a.tension[0], "N m"))]
+
+
+def _moved(_: Scene, a: StepBreakdown) -> list[str]:
+    before, after = a.before, a.after
+    lines = [f"v = {change(before.velocity[0], after.velocity[0], 'm/s')}",
+             f"x = {change(before.position[0], after.position[0], 'm')}"]
+    if np.abs(a.left_over).max() > 1e-9 * np.abs(after.velocity[0]).max():  # far above round-off
+        lines.append(tr("of this v, the remedies have added {amount}", amount=amount(a.left_over, "m/s")))
+    return lines
+
+
+def _strained(_: Scene, a: StepBreakdown) -> list[str]:
+    before, after = a.before, a.after
+    return [f"F {_tensor(before.deformation_gradient[0], '', True, after.deformation_gradient[0])}",
+            tr("stress {stress}", stress=_tensor(before.stress[0], "Pa", False, after.stress[0]))]
+
+
+PHASES = (
+    Phase(later("A particle and its nodes"), lambda scene: tr(WEIGHT.get(scene.method, AVERAGED)),
+          (WEIGHTS, SLOPES), 1, _carried),
+    Phase(later("Mass and momentum go to the nodes"),
+          lambda _: tr("mass of a node = sum of weight × mass of the particles; its momentum likewise"),
+          (MASS, MOMENTUM, WEIGHTS), 2, _given),
+    Phase(later("Forces at the nodes"), _of_force, (INTERNAL, BODY, SLOPES), 2, _pulled),
+    Phase(later("New velocities of the nodes"),
+          lambda _: tr("new v of a node = momentum / mass + time step × a, with a = force / mass"),
+          (OLD, NEW, ACCELERATION), 2,
+          lambda scene, a: [tr("time step {size}", size=amount(np.array([a.time_step]), "s"))]),
+    Phase(later("Velocities come back, the particles move"),
+          lambda scene: tr(MOTION.get(scene.velocity, MOTION[""])), (NEW, ACCELERATION, WEIGHTS), 1, _moved),
+    Phase(later("Stress last"), _of_stress, (NEW, SLOPES), 1, _strained))
+
+
+def scaled(values: np.ndarray, unit: str, digits: int) -> tuple[list[str], str]:
+    """Texts of numbers (n,) or vectors (n, D) that share a power of ten, and the unit with its prefix."""
+    largest = np.abs(values[np.isfinite(values)]).max(initial=0.0)
+    power = math.floor(math.log10(largest) / 3) if largest > 0 and unit not in ("", "1/m") else 0
+    power = power if power in PREFIXES else 0
+    rows = values.reshape(len(values), -1) / 1000.0**power
+    least = 1e-12 * largest / 1000.0**power  # what is smaller beside the largest is round-off, and reads as 0
+    texts = [", ".join(f"{0.0 if abs(x) < least else x:.{digits}g}" for x in row).replace("-", "−") for row in rows]
+    return texts, PREFIXES[power] + unit
+
+
+def amount(values: np.ndarray, unit: str, digits: int = 4) -> str:
+    """A number or the components (D,) of a vector, with its unit."""
+    return change(values, None, unit, digits)
+
+
+def change(before: np.ndarray, after: np.ndarray | None, unit: str, digits: int = 6) -> str:
+    """The same before and after, with an arrow between."""
+    both = before[None] if after is None else np.stack([before, after])
+    texts, unit = scaled(both, unit, digits)
+    return " → ".join(f"({text})" if len(before) > 1 else text for text in texts) + f" {unit}".rstrip()
+
+
+def _tensor(values: np.ndarray, unit: str = "Pa", full: bool = False, after: np.ndarray | None = None) -> str:
+    """A number, or the components of a tensor (D, D), all if it is not symmetric; perhaps before and after."""
+    which = [0] if values.size == 1 else [0, 1, 2, 3] if full else [0, 1, 3]
+    name = {1: "", 3: "(xx, xy, yy) ", 4: "(xx, xy, yx, yy) "}[len(which)]
+    parts = values.ravel()[which]
+    return name + (amount(parts, unit) if after is None else change(parts, after.ravel()[which], unit))

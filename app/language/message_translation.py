@@ -1,0 +1,133 @@
+"""Sentences of the solvers, and of links that cannot be read, in the visitor's language. They are composed in English,
+often in another process, and come here as they are: which of the catalogue's templates a sentence is made of is found
+by its words, and what stands in the places of that template is looked for in the same way. Of several ways to
+understand it the one counts that understands the most letters."""
+
+import functools
+import re
+from collections.abc import Iterator, Mapping
+from itertools import islice
+from typing import NamedTuple
+
+from app.language.translation import ENGLISH, catalogue, kept, language
+
+PLACES = ("solvers/", "app/state.py")  # where such sentences are made
+LONGEST = 1000  # characters of a sentence: none of ours is as long
+MOST_WAYS = 30  # to put a sentence into a template that are tried
+MOST_TEXTS = 500  # that are looked up for one sentence: one that quotes from outside may have any number
+DEEPEST = 20  # templates within each other
+JOINTS = ("; ", ": ", ", ", " (")  # between what a sentence is made of where no template says so
+PLACE, WORD = re.compile(r"\{(\w+)\}"), re.compile(r"[^\W\d_]{2,}")
+
+
+class Understood(NamedTuple):
+    """A text in another language, and how many of its letters were ``known``."""
+
+    known: int
+    said: str
+
+
+class Template:
+    """A text with places, ``give {n} or more``, and what it is in another language. Where it is ``strict`` each place
+    takes only what is known itself, or one word."""
+
+    def __init__(self, text: str, said: str, strict: bool = False):
+        parts = PLACE.split(text)
+        self.said, self.strict, self._names, self._literals = said, strict, parts[1::2], parts[::2]
+        self.weight = sum(map(len, self._literals))
+        #: With one word of its own, or none, it has single words in its places, lest it takes whatever has that word.
+        self._short = not strict and sum(len(WORD.findall(literal)) for literal in self._literals) < 2
+
+    def ways(self, sentence: str) -> Iterator[dict[str, str]]:
+        """What may stand in the places of a sentence that is made of it."""
+        first, *between, last = self._literals
+        if not sentence.startswith(first) or not sentence.endswith(last) or len(sentence) < self.weight:
+            return
+        inner = sentence[len(first):len(sentence) - len(last)]
+        for values in islice(_cut(inner, between), MOST_WAYS):
+            if not (self._short and any(" " in value for value in values)):
+                yield dict(zip(self._names, values, strict=True))
+
+
+def _cut(text: str, literals: list[str]) -> Iterator[list[str]]:
+    """The text cut at literals that follow each other in it, wherever each is."""
+    if not literals:
+        yield [text]
+        return
+    first, *others = literals
+    for found in re.finditer(re.escape(first), text):
+        for rest in _cut(text[found.end():], others):
+            yield [text[:found.start()], *rest]
+
+
+class Translator:
+    """Puts sentences into one language; ``words`` are the texts that it knows, with what they are there."""
+
+    def __init__(self, words: Mapping[str, str]):
+        self._words = {text: said for text, said in words.items() if not PLACE.search(text)}
+        self._templates = [Template(text, said) for text, said in words.items() if text not in self._words]
+        for text, said in words.items():  # some are pieces of others
+            if text.startswith(" ") and text.endswith(" "):
+                self._templates.append(Template(f"{{a}}{text}{{b}}", f"{{a}}{said}{{b}}", strict=True))
+            elif text.endswith(" "):
+                self._templates.append(Template(f"{text}{{rest}}", f"{said}{{rest}}"))
+            elif text[0] in " ;,":
+                self._templates.append(Template(f"{{head}}{text}", f"{{head}}{said}"))
+
+    def __call__(self, sentence: str) -> str:
+        """The sentence, or itself where nobody knows it."""
+        return self._part(sentence, {}).said
+
+    def _part(self, text: str, looked: dict[str, Understood | None], depth: int = 0) -> Understood:
+        """What stands in a place: a name or a number stays as it is."""
+        return self._known(text, looked, depth) or Understood(0, text)
+
+    def _known(self, text: str, looked: dict[str, Understood | None], depth: int) -> Understood | None:
+        """A text that is known, or made of what is; None where it is not. What has been ``looked`` up is kept for the
+        rest of its sentence."""
+        if text not in looked and len(looked) < MOST_TEXTS and depth < DEEPEST:
+            looked[text] = None  # of itself it is not made
+            looked[text] = max(self._ways(text, looked, depth + 1), default=None, key=lambda way: way.known)
+        return looked.get(text)
+
+    def _ways(self, text: str, looked: dict[str, Understood | None], depth: int) -> Iterator[Understood]:
+        if text in self._words:
+            yield Understood(len(text), self._words[text])
+            return
+        for template in self._templates:
+            for places in template.ways(text):
+                known = {name: self._known(value, looked, depth) for name, value in places.items()}
+                if not (template.strict and any(known[name] is None and " " in places[name] for name in places)):
+                    parts = {name: part or Understood(0, places[name]) for name, part in known.items()}
+                    yield Understood(template.weight + sum(part.known for part in parts.values()),
+                                     template.said.format(**{name: part.said for name, part in parts.items()}))
+        for joint in JOINTS:
+            for found in re.finditer(re.escape(joint), text):
+                before, after = text[:found.start()], text[found.end():]
+                head, tail = self._known(before, looked, depth), self._known(after, looked, depth)
+                if head is None and joint == ": ":
+                    # The name of an input with its value, or of an estimator, which will do before a colon.
+                    label = max((words for words in self._words if before.startswith(f"{words} ")),
+                                key=len, default=None)
+                    if label is not None:
+                        head = Understood(len(label), self._words[label] + before.removeprefix(label))
+                    elif " " not in before:
+                        head = Understood(0, before)
+                if head is not None and tail is not None:
+                    yield Understood(head.known + tail.known, f"{head.said}{joint}{tail.said}")
+
+
+@functools.lru_cache
+def translator(code: str) -> Translator:
+    """That of a language."""
+    return Translator(catalogue(code).of_files(PLACES))
+
+
+def heard(sentence: str) -> str:
+    """A sentence of the solvers in the language that is spoken; one that nobody knows stays English."""
+    return sentence if language() == ENGLISH or not sentence or len(sentence) > LONGEST else _heard(sentence)
+
+
+@kept(1024)
+def _heard(sentence: str) -> str:
+    return translator(language())(sentence)

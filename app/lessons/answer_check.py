@@ -1,0 +1,165 @@
+"""Whether an answer is right: derived from the runs each time, never kept."""
+
+import functools
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+from app.language.translation import tr
+from app.lessons.bets import BY_ROUND, OWN, PATH, Bet, Bettor, Ends, asked_before
+from app.lessons.claims import ClaimError, decide, said, value
+from app.lessons.lesson import CHOICE, DRAG, EXPLAIN, INTERVAL, NUMBER, TEXT, Lesson, Numbers, Question, Step, filled
+from app.lessons.lesson_runs import Outcomes
+from app.words import with_unit
+
+LONGEST = 500  # characters of a text
+MOST = 1e300
+BARE, DIGITS = ("m", "m/s", "m/s²", "Pa", "N", "s"), 4
+TOLD_AFTER = 3  # attempts, after which the right answer is shown
+
+
+@dataclass(frozen=True)
+class AnswerMark:
+    """``right`` is None for an answer that nobody marks; ``expected`` says what is right, in words. An interval, which
+    is right where it holds what came out, is a ``bet`` as well."""
+
+    right: bool | None
+    expected: str
+    bet: Bet | None = None
+
+    @property
+    def points(self) -> float:
+        """What the answer counts: 1 or 0, and an interval by its score, so that width costs (:attr:`Bet.points`)."""
+        return self.bet.points if self.bet else float(bool(self.right))
+
+
+@dataclass(frozen=True)
+class Right:
+    """What is right, in words as it is ``told``: of a choice the ``options``, counted from 1, else the ``value``."""
+
+    told: str
+    options: tuple[int, ...] = ()
+    value: float | str = 0.0
+
+
+def mark(lesson: Lesson, step: Step, answer: Any, numbers: Numbers, outcomes: Outcomes) -> AnswerMark:
+    """The mark of an answer that fits the step's question; runs what it needs.
+
+    Raises :class:`~app.lessons.lesson_runs.RunFailed` and :class:`~app.lessons.claims.ClaimError`.
+    """
+    if step.asked.kind == TEXT:
+        return AnswerMark(None, "")
+    found = right(lesson, step, numbers, outcomes)
+    right_or_not = fits(step.asked, answer, found)
+    if step.asked.kind != INTERVAL:
+        return AnswerMark(right_or_not, found.told)
+    low, high = map(float, answer)
+    return AnswerMark(right_or_not, found.told, Bet(low, high, float(found.value), step.asked.level))
+
+
+def right(lesson: Lesson, step: Step, numbers: Numbers, outcomes: Outcomes) -> Right:
+    """What is right in a step's question, which is no free text; runs what it needs, and raises as :func:`mark`."""
+    asked = step.asked
+    texts = expressions(asked, numbers)
+    scope = outcomes.scope(lesson, step, numbers, texts)
+    if asked.kind == CHOICE:
+        options = (asked.correct,) if asked.correct is not None else \
+            tuple(k for k, claim in enumerate(texts, 1) if decide(claim, scope).holds)
+        told = functools.reduce(lambda one, other: tr("{one} or {other}", one=one, other=other),
+                                [filled(asked.options[k - 1], numbers) for k in options] or [""])
+        return Right(told, options)
+    expected = value(texts[-1], scope)
+    if asked.kind == INTERVAL and (isinstance(expected, str) or expected <= 0):
+        raise ClaimError(f"{texts[-1]} is {said(expected)}: intervals are bets on a size; ask for one above 0")
+    told = in_unit(asked, expected)
+    if asked.kind != INTERVAL and not isinstance(expected, str):
+        told += f" (± {100 * asked.tolerance:g} %)"
+    return Right(told, value=expected)
+
+
+def expressions(asked: Question, numbers: Numbers) -> list[str]:
+    """The claims of a question's options, or what it expects, with these numbers."""
+    return [filled(text, numbers) for text in (*asked.holds, asked.expected) if text]
+
+
+def in_unit(asked: Question, found: float | str) -> str:
+    """A value in words, with the question's unit; as the page writes it, with a prefix, where that has none."""
+    if asked.unit in BARE and not isinstance(found, str):
+        return with_unit(found, asked.unit, DIGITS)
+    return f"{said(found)} {asked.unit}".strip()
+
+
+def fits(asked: Question, answer: Any, found: Right) -> bool:
+    """Whether an answer to a question is right, or an interval holds what came out."""
+    if asked.kind == CHOICE:
+        return answer in found.options
+    if isinstance(found.value, str):
+        return answer == found.value
+    if asked.kind == INTERVAL:
+        low, high = answer
+        return low <= found.value <= high
+    return abs(answer - found.value) <= asked.tolerance * abs(found.value)
+
+
+def trouble(asked: Question, answer: Any) -> str:
+    """Why something is no answer to a question, as a sentence; "" where it is one."""
+    if asked.kind == TEXT:
+        fits = isinstance(answer, str) and 0 < len(answer.strip()) <= LONGEST
+        return "" if fits else tr("Please write one to {most} characters.", most=LONGEST)
+    if asked.kind == CHOICE:
+        fits = isinstance(answer, int) and not isinstance(answer, bool) and 1 <= answer <= len(asked.options)
+        return "" if fits else tr("Please choose one of the answers.")
+    if asked.kind == INTERVAL:
+        if not (isinstance(answer, (list, tuple)) and len(answer) == 2 and all(map(_is_real, answer))):
+            return tr("Please give two numbers, the least and the most.")
+        if answer[0] > answer[1]:
+            return tr("The first number must not be above the second.")
+        return "" if answer[0] > 0 else \
+            tr("Please give two numbers above 0: a bet is scored by factors, and 0 is infinitely far.")
+    assert asked.kind in (NUMBER, DRAG)
+    return "" if _is_real(answer) else tr("Please give a number.")
+
+
+def shown(asked: Question, answer: Any) -> str:
+    """An answer in words; what a visitor wrote stays as it is and must be escaped."""
+    if asked.kind == CHOICE:
+        return asked.options[answer - 1]
+    if asked.kind == INTERVAL:
+        low, high = (in_unit(asked, float(end)) for end in answer)
+        return tr("{low} to {high}", low=low, high=high)
+    return answer if asked.kind == TEXT else in_unit(asked, float(answer))
+
+
+def _is_real(number: Any) -> bool:
+    return isinstance(number, (int, float)) and not isinstance(number, bool) and abs(number) < MOST
+
+
+def laid(lesson: Lesson, step: Step, given: Mapping[str, Sequence[float]], numbers: Numbers,
+         outcomes: Outcomes) -> list[Bettor]:
+    """Whose bets a step shows, on what was ``given`` an answer before it, by the questions' keys. Runs what it needs,
+    and raises as :func:`app.lessons.answer_check.mark`."""
+    steps = [other for other in asked_before(lesson, step) if other.key in given]
+    truths = [float(right(lesson, other, numbers, outcomes).value) for other in steps]
+    found = []
+    for name in step.bets if steps else ():
+        ends = [given[other.key] if name in OWN else judge_ends(lesson, other, name, numbers, outcomes)
+                for other in steps]
+        bets = [None if pair is None else Bet(float(pair[0]), float(pair[1]), truth, other.asked.level)
+                for other, truth, pair in zip(steps, truths, ends, strict=True)]
+        if name == BY_ROUND:  # a student's bets apart by rounds, each of which ends where something is explained
+            explained = [sum(other.kind == EXPLAIN for other in lesson.steps[:lesson.steps.index(step)])
+                         for step in steps]
+            for number, one in enumerate(sorted(set(explained)), 1):
+                own = tuple(bet for bet, before in zip(bets, explained, strict=True) if before == one)
+                found.append(Bettor(name, own, number))
+        else:
+            found.append(Bettor(name, tuple(bets)))
+    return found
+
+
+def judge_ends(lesson: Lesson, step: Step, judge: str, numbers: Numbers, outcomes: Outcomes) -> Ends | None:
+    """What a judge bets on what a step asks; None where it does not bet."""
+    found = PATH.fullmatch(step.asked.expected)
+    assert found is not None  # has been checked
+    run = lesson.runs[found["run"] or lesson.main_run(step)]
+    return outcomes.bets(filled(run.texts[0], numbers))[found["quantity"]][judge]

@@ -1,0 +1,80 @@
+"""Bets as a picture, as data: of each bettor a sentence and a line a bet, as multiples of the truth, which is in the
+middle. Factors of ten are equally wide; ``player/bets.js`` draws the same."""
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+from app.language.translation import later, tr
+from app.lessons.answer_check import AnswerMark
+from app.lessons.bets import OWN, YOURS, Bet, Bettor
+
+MOST = 4  # factors of ten to either side; a line that goes on is cut there
+YOUR_BETS, ROUND = later("Your bets"), later("Your round {number}")  # judges are called as they are
+TOLD = later("{held} of {made} hold the truth, mean score {score}")
+SOME = later("{held} of {made} hold the truth, {left} not bet on, mean score {score}")
+NONE = later("does not bet on these")
+SCORED = later("{told}; score {score}")  # of one bet, beside what came out
+SAID = later("Bets in their order, as multiples of the truth, the line in the middle. {share} of 100 were to hold it.")
+TRUTH, LESS, MORE = later("truth"), "÷ {factor}", "× {factor}"
+
+
+@dataclass(frozen=True)
+class Lines:
+    """Of one bettor, who may be the student (``own``): a ``lines`` entry is where a bet begins and ends, in per cent of
+    the width, and whether it holds; None for one that was not made."""
+
+    name: str
+    told: str
+    own: bool
+    lines: tuple[tuple[float, float, bool] | None, ...]
+
+
+@dataclass(frozen=True)
+class Drawn:
+    """The picture: ``reach`` is how many factors of ten go to either side, ``said`` what it shows."""
+
+    reach: int
+    said: str
+    bettors: tuple[Lines, ...]
+
+    @property
+    def ticks(self) -> list[tuple[float, str]]:
+        """Places in per cent and texts along the axis."""
+        factor = f"{10**self.reach:,}"
+        return [(0.0, LESS.format(factor=factor)), (50.0, tr(TRUTH)), (100.0, MORE.format(factor=factor))]
+
+
+def drawn(bettors: Sequence[Bettor]) -> Drawn:
+    """The picture of several, of the same questions."""
+    every = [bet for bettor in bettors for bet in bettor.made]
+    farthest = max((abs(decades(end, bet)) for bet in every for end in (bet.low, bet.high)), default=0.0)
+    reach = min(max(math.ceil(farthest), 1), MOST)
+    share = sum(bet.level for bet in every) / max(1, len(every))
+    return Drawn(reach, tr(SAID, share=f"{100 * share:.0f}"), tuple(_lines(bettor, reach) for bettor in bettors))
+
+
+def decades(end: float, bet: Bet) -> float:
+    """How many factors of ten an end is above the truth."""
+    return math.log10(end) - math.log10(bet.truth)
+
+
+def scored(mark: AnswerMark) -> str:
+    """What came out, and of a bet its score."""
+    return tr(SCORED, told=mark.expected, score=score_text(mark.bet.score)) if mark.bet else mark.expected
+
+
+def score_text(score: float) -> str:
+    return f"{score:.2f}"
+
+
+def _lines(bettor: Bettor, reach: int) -> Lines:
+    def place(end: float, bet: Bet) -> float:
+        return min(max(50 + 50 * decades(end, bet) / reach, 0.0), 100.0)
+
+    made, left, score = len(bettor.made), len(bettor.bets) - len(bettor.made), bettor.score
+    told = tr(NONE) if score is None else tr(SOME if left else TOLD, held=bettor.held, made=made, left=left,
+                                             score=score_text(score))
+    name = tr(ROUND, number=bettor.round) if bettor.round else tr(YOUR_BETS) if bettor.name == YOURS else bettor.name
+    return Lines(name, told, bettor.name in OWN, tuple(
+        None if bet is None else (place(bet.low, bet), place(bet.high, bet), bet.holds) for bet in bettor.bets))

@@ -1,0 +1,121 @@
+"""The lessons that there are: a Markdown file each in ``lessons/``, and beside it perhaps one with its words in another
+language. What is asked for comes in the language that is spoken, or else in English."""
+
+import threading
+from collections.abc import Iterator
+from contextlib import suppress
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+from app.language.translation import ENGLISH, LANGUAGES, kept, language, localised, speaking
+from app.lessons.lesson import Lesson, LessonError, Step
+from app.lessons.lesson_parser import read
+from solvers.untrusted import quoting
+
+FOLDER = Path(__file__).parents[2] / "lessons"
+NO_LESSONS = ("README",)
+ALIKE = ("controls", "prerequisites", "variants")  # in every language
+_READING = threading.Lock()
+
+
+class UnknownLesson(LookupError):
+    """There is no lesson of that name; the message says which there are."""
+
+
+def names(folder: Path = FOLDER) -> list[str]:
+    """The names of the lessons, in their order: files are numbered."""
+    return sorted(path.stem for path in folder.glob("*.md")
+                  if path.stem not in NO_LESSONS and Path(path.stem).suffix.removeprefix(".") not in LANGUAGES)
+
+
+def called(name: str, folder: Path = FOLDER) -> str:
+    """The full name of a lesson; its number or its name without the number do as well."""
+    known = names(folder)
+    found = [full for full in known if name in (full, *full.split("-", 1))]
+    found = found or [full for full in known if full.split("-", 1)[0].lstrip("0") == name]
+    if len(found) != 1:
+        raise UnknownLesson(f"there is no lesson '{quoting.quoted(name)}'; give one of {', '.join(known)}")
+    return found[0]
+
+
+def lesson(name: str, folder: Path = FOLDER) -> Lesson:
+    """A lesson by its full name."""
+    return _in_its_words(read(folder / f"{name}.md"), folder)
+
+
+def in_every_language(name: str, folder: Path = FOLDER) -> Iterator[Lesson]:
+    """A lesson, and it again in each language that it has been put into."""
+    for code in LANGUAGES:
+        if code == ENGLISH or (folder / f"{name}.{code}.md").is_file():
+            with speaking(code):
+                found = lesson(name, folder)
+            yield found
+
+
+def lessons(folder: Path = FOLDER) -> dict[str, Lesson]:
+    """All lessons by their names, as their files are now, but those with a mistake (``mpm-lab lesson check``); of a
+    translation with one the original."""
+    paths = {name: folder / f"{name}.md" for name in names(folder)}
+    files = tuple((name, path.stat().st_mtime_ns, localised(path).stat().st_mtime_ns) for name, path in paths.items())
+    with _READING:  # a class that comes at once reads them once
+        return _read(folder, files)
+
+
+def after(lesson: Lesson, folder: Path = FOLDER) -> Lesson | None:
+    """The lesson that comes next, if there is one."""
+    every = list(lessons(folder).values())
+    return next(iter(every[every.index(lesson) + 1:]), None) if lesson in every else None
+
+
+@kept(4)
+def _read(folder: Path, files: tuple[tuple[str, int, int], ...]) -> dict[str, Lesson]:
+    """The lessons of files that were last changed then."""
+    found = {}
+    for name, *_ in files:
+        with suppress(LessonError):
+            found[name] = original = read(folder / f"{name}.md")
+            found[name] = _in_its_words(original, folder)
+    return found
+
+
+def _in_its_words(original: Lesson, folder: Path) -> Lesson:
+    """In the language that is spoken, if it has been put into that."""
+    path = localised(folder / f"{original.name}.md")
+    return original if path.stem == original.name else translated(original, path, language())
+
+
+def translated(original: Lesson, path: Path, language: str) -> Lesson:
+    """The ``original`` in the words of a file. It keeps its name, its steps' keys and its fingerprint, so that what has
+    been answered in one language is marked in any.
+
+    Raises :class:`LessonError` where the file has a mistake, or differs in more than words.
+    """
+    own = read(path)
+    for line, what in _differences(original, own):
+        raise LessonError(line, f"{what} differ from {original.name}.md; give the same there, for a translation has "
+                                "other words only", path.name)
+    steps = (replace(step, key=other.key) for step, other in zip(own.steps, original.steps, strict=True))
+    return replace(own, name=original.name, steps=tuple(steps), fingerprint=original.fingerprint, language=language)
+
+
+def _differences(original: Lesson, own: Lesson) -> Iterator[tuple[int, str]]:
+    """In which line of the translation what differs."""
+    for name in ALIKE:
+        if getattr(original, name) != getattr(own, name):
+            yield 1, f"the {name} of the head"
+    if len(own.goals) != len(original.goals):
+        yield 1, "the numbers of goals"
+    if [(step.kind, step.core) for step in own.steps] != [(step.kind, step.core) for step in original.steps]:
+        yield own.steps[0].line, "the kinds of the steps, or which are core,"
+        return
+    for step, other in zip(own.steps, original.steps, strict=True):
+        for name, mine, theirs in zip(("runs", "question", "claims"), _fixed(step), _fixed(other), strict=True):
+            if mine != theirs:
+                yield step.line, f"of this step the {name}"
+
+
+def _fixed(step: Step) -> tuple[Any, Any, Any]:
+    """What of a step is no words."""
+    asked = step.question and replace(step.question, line=0, options=("",) * len(step.question.options))
+    return ([replace(run, line=0) for run in step.runs], step.stage), asked, [claim.text for claim in step.claims]

@@ -1,0 +1,136 @@
+"""Pages for whoever holds a class, in ``lessons/classes/``: which cores, in which minutes, and what to say.
+
+The file begins with a head as a lesson's does: its ``title``, and the ``minutes`` of a session. A table whose columns
+are ``from``, ``minutes`` and ``what`` is a session's timetable; a row that links a lesson gives its core the time that
+it takes, and up to ``TALK`` minutes more. Blocks of ``run`` and ``claims`` are those of lessons.
+"""
+
+import re
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass, replace
+from itertools import pairwise
+from pathlib import Path
+
+from app.lessons import catalogue, fenced_blocks, lesson_check, lesson_parser
+from app.lessons.lesson import RUN, Lesson, LessonError, Step
+from app.lessons.lesson_check import Check
+from app.lessons.lesson_parser import Part, numbered, parts_of, split_head
+from app.lessons.lesson_runs import Outcomes
+
+FOLDER = catalogue.FOLDER / "classes"
+TALK = 5  # minutes that a core's row may have beyond the core
+ALLOWED = ("run", "claims")
+COLUMNS = ("from", "minutes", "what")
+LINK = re.compile(r"\]\(\.\./([\w-]+)\.md\)")
+
+
+@dataclass(frozen=True)
+class Row:
+    """One row of a timetable: its line, from which minute on and how long, and the lesson that it links, or ""."""
+
+    line: int
+    start: int
+    minutes: int
+    lesson: str
+
+
+@dataclass(frozen=True)
+class ClassPage:
+    """A page for a class. ``claims`` has its runs and claims as a lesson, ``sessions`` the rows of each timetable, by
+    the heading above it; each session takes so many ``minutes``."""
+
+    name: str
+    minutes: int
+    claims: Lesson
+    sessions: Mapping[str, tuple[Row, ...]]
+
+
+def names(folder: Path = FOLDER) -> list[str]:
+    """The names of the pages."""
+    return sorted(path.stem for path in folder.glob("*.md"))
+
+
+def page(name: str, folder: Path = FOLDER) -> ClassPage:
+    """A page by its name; :class:`LessonError` where its file has a mistake."""
+    return lesson_parser.opened(folder / f"{name}.md", lambda text: parse(text, name))
+
+
+def parse(text: str, name: str) -> ClassPage:
+    """The page of a text."""
+    head, body, first = split_head(text)
+    values = fenced_blocks.toml(head, 2)
+
+    def at(key: str) -> int:
+        return fenced_blocks.line_of(key, head, 2)
+
+    for key in values:
+        if key not in ("title", "minutes"):
+            raise LessonError(at(key), f"{key} is not known in the head of a page for a class; give title, minutes")
+    title = fenced_blocks.require(values, "title", str, "give a text", at("title"))
+    minutes = fenced_blocks.require(values, "minutes", int, "give the whole minutes of a session", at("minutes"))
+    every = parts_of(body, first)
+    claims = Lesson(name, title, (), (), steps=tuple(_step(part) for part in every))
+    lesson_parser.check_names(claims)
+    lesson_parser.check_claims(claims)
+    sessions = {part.heading.removeprefix("## "): rows for part in every if (rows := _timetable(part))}
+    if not sessions:
+        raise LessonError(first, f"no timetable: give a table with the columns {', '.join(COLUMNS)}")
+    return ClassPage(name, minutes, claims, sessions)
+
+
+def checks(found: ClassPage, lessons: Mapping[str, Lesson], outcomes: Outcomes) -> Iterator[Check]:
+    """All claims of a page, and whether its timetables add up and give each core its time."""
+    yield from lesson_check.checks(found.claims, outcomes)
+    for session, rows in found.sessions.items():
+        total = sum(row.minutes for row in rows)
+        yield Check(found.name, session, rows[0].line, f"the minutes add up to {found.minutes}",
+                    total == found.minutes, f"found {total}")
+        for before, row in pairwise(rows):
+            end = before.start + before.minutes
+            yield Check(found.name, session, row.line, f"begins at {end}", row.start == end, f"found {row.start}")
+        for row in rows:
+            if row.lesson:
+                yield _core(found, session, row, lessons)
+
+
+def _core(found: ClassPage, session: str, row: Row, lessons: Mapping[str, Lesson]) -> Check:
+    """Whether a row gives a core its time."""
+    lesson = lessons.get(row.lesson)
+    if lesson is None:
+        return Check(found.name, session, row.line, f"{row.lesson} is a lesson", False, "there is none")
+    least = lesson.core_minutes
+    return Check(found.name, session, row.line, f"the core of {row.lesson} has {least} to {least + TALK} minutes",
+                 least <= row.minutes <= least + TALK, f"found {row.minutes}")
+
+
+def _step(part: Part) -> Step:
+    """What stands under a heading, as a step with its runs and claims."""
+    title = part.heading.removeprefix("## ").strip()
+    step = Step(RUN, title, f"line-{part.line}", part.line, "\n".join(part.text).strip())
+    for kind, text, line in part.blocks:
+        if kind not in ALLOWED:
+            raise LessonError(line - 1, f"a page for a class has no {kind} block; it may have {', '.join(ALLOWED)}")
+        if kind == "run":
+            runs, stage = fenced_blocks.runs(text, line, ({},))
+            step = replace(step, runs=runs, stage=stage)
+        else:
+            step = replace(step, claims=fenced_blocks.claims(text, line))
+    return step
+
+
+def _timetable(part: Part) -> tuple[Row, ...]:
+    """The rows of the timetable in a part, or none."""
+    rows, inside = [], False
+    for line, text in numbered(part):
+        cells = [cell.strip() for cell in text.strip().strip("|").split("|")]
+        if tuple(cells) == COLUMNS:
+            inside = True
+        elif not text.startswith("|"):
+            inside = False
+        elif inside and not set(text) <= set("|:- "):
+            if len(cells) != len(COLUMNS) or not (cells[0].isdecimal() and cells[1].isdecimal()):
+                raise LessonError(line, "a row of a timetable has the minute from which it is, whole minutes, and what "
+                                        "it is")
+            link = LINK.search(cells[2])
+            rows.append(Row(line, int(cells[0]), int(cells[1]), link[1] if link else ""))
+    return tuple(rows)

@@ -1,0 +1,185 @@
+"""The fenced blocks of a lesson's step: runs, a question, claims; each mistake with its line and what was expected."""
+
+import re
+import sys
+from collections.abc import Callable, Mapping
+from typing import Any
+
+from app import state
+from app.lessons.bets import BETTORS
+from app.lessons.lesson import CHOICE, QUESTIONS, REACH, Claim, LessonError, LessonRun, Numbers, Question, filled
+from solvers.untrusted import quoting
+
+if sys.version_info >= (3, 11):
+    import tomllib
+else:
+    import tomli as tomllib
+
+NAME = re.compile(r"[a-z][a-z0-9_]*")
+STAGE = "stage"
+DRAGGED = tuple(REACH)  # fields of a scene that a student may drag
+VARIED = (*DRAGGED, "dt")  # and those that may have several values in a run
+MOST_OPTIONS = 8
+MOST_RUNS = 8  # of one block that differ in a number
+_AT = re.compile(r" \(at (?:line (\d+), column \d+|end of document)\)$")
+
+
+def toml(text: str, line: int) -> dict[str, Any]:
+    """The values of a TOML text that begins at ``line``."""
+    try:
+        return tomllib.loads(text)
+    except (RecursionError, OverflowError):
+        raise LessonError(line, "this is nested too deep; give lines such as key = 3") from None
+    except tomllib.TOMLDecodeError as error:
+        where = _AT.search(str(error))
+        last = max(0, len(text.rstrip("\n").splitlines()) - 1)
+        at = line + (int(where[1]) - 1 if where and where[1] else last)
+        raise LessonError(at, f"this is no TOML ({_AT.sub('', str(error)).lower()}); give lines such as "
+                              "key = \"text\", key = 3 or key = [\"one\", \"two\"]") from None
+    except ValueError:  # of whole numbers that have more digits than Python reads
+        raise LessonError(line, "a number here has too many digits; give lines such as key = 3") from None
+
+
+def line_of(key: str, text: str, line: int) -> int:
+    """Where a key stands in a TOML text that begins at ``line``."""
+    pattern = re.compile(rf"\s*\[*\s*[\"']?{re.escape(key)}[\"']?\s*[=\]]")
+    return next((line + k for k, row in enumerate(text.splitlines()) if pattern.match(row)), line)
+
+
+def require(values: Mapping[str, Any], key: str, kind: type | tuple[type, ...], expected: str, line: int) -> Any:
+    """A value of a kind; an error that says what was ``expected`` otherwise."""
+    found = values.get(key)
+    if not isinstance(found, kind) or isinstance(found, bool):
+        said = f"{key} is missing" if key not in values else f"{key} = {str(found)[:60]}"
+        raise LessonError(line, f"{said}: {expected}")
+    return found
+
+
+def texts(values: Mapping[str, Any], key: str, line: int) -> tuple[str, ...]:
+    """A list of texts, which may be missing."""
+    found = values.get(key, [])
+    if not isinstance(found, list) or not all(isinstance(item, str) and item.strip() for item in found):
+        raise LessonError(line, f"{key} = {str(found)[:60]}: give a list of texts, such as [\"one\", \"two\"]")
+    return tuple(found)
+
+
+def runs(text: str, line: int, variants: tuple[Numbers, ...]) -> tuple[tuple[LessonRun, ...], str]:
+    """The runs of a block and what is put on the stage: a run by its name, a scene of its own, or the first run."""
+    values, found = toml(text, line), dict[str, LessonRun]()
+    for name, scene in values.items():
+        at = line_of(name, text, line)
+        if not NAME.fullmatch(name):
+            raise LessonError(at, f"{name} is no name for a run; give small letters, digits and _, such as fine_grid")
+        if not isinstance(scene, str):
+            raise LessonError(at, f"{name} = {str(scene)[:60]}: give a scene as text, such as \"bar cells=40\"")
+        if name != STAGE:
+            found[name] = _run(name, scene, at, variants)
+    stage = values.get(STAGE, next(iter(found), ""))
+    if not stage:
+        raise LessonError(line, "a run without a scene: give lines such as hat = \"bar method=mpm cells=40\"")
+    if stage in found:
+        return tuple(found.values()), found[stage].texts[0]
+    _check_state(stage, line_of(STAGE, text, line), variants)
+    return tuple(found.values()), stage
+
+
+def _run(name: str, text: str, line: int, variants: tuple[Numbers, ...]) -> LessonRun:
+    """A run or, where one number of the scene is several with commas between, the runs that differ in it."""
+    words = text.split()
+    several = [k for k, word in enumerate(words) if "," in word and word.partition("=")[0] in VARIED]
+    if len(several) > 1:
+        raise LessonError(line, f"{name}: only one number may have several values, not {words[several[0]]} and "
+                                f"{words[several[1]]}")
+    if not several:
+        _check_state(text, line, variants)
+        return LessonRun(name, (text,), line)
+    field, _, values = words[several[0]].partition("=")
+    each = values.split(",")
+    if not 2 <= len(each) <= MOST_RUNS:
+        raise LessonError(line, f"{name}: {field} has {len(each)} values; give 2 to {MOST_RUNS}")
+    lines = tuple(" ".join((*words[:several[0]], f"{field}={one}", *words[several[0] + 1:])) for one in each)
+    for one in lines:
+        _check_state(one, line, variants)
+    return LessonRun(name, lines, line, field)
+
+
+def _check_state(text: str, line: int, variants: tuple[Numbers, ...]) -> None:
+    for numbers in variants:
+        try:
+            state.read(filled(text, numbers))
+        except state.StateError as error:
+            raise LessonError(line, str(error)) from None
+
+
+def question(text: str, line: int) -> Question:
+    """What is asked and which answer is right. What it says of runs is checked once they are all known."""
+    values = toml(text, line)
+    kind = values.pop("kind", None)
+    if kind not in QUESTIONS:
+        raise LessonError(line_of("kind", text, line), f"kind = {kind!s:.60}: give one of {', '.join(QUESTIONS)}")
+    keys = QUESTIONS[kind]
+    for key in values:
+        if key not in keys:
+            raise LessonError(line_of(key, text, line), f"{key} means nothing for a {kind}; give "
+                                                        f"{', '.join(keys) or 'nothing else'}")
+    for key, needed in keys.items():
+        if needed and key not in values:
+            raise LessonError(line, f"{key} is missing: a {kind} needs {', '.join(k for k in keys if keys[k])}")
+    asked = Question(kind, line, **{key: _READ[key](values, key, line_of(key, text, line)) for key in values})
+    return _consistent(asked) if kind == CHOICE else asked
+
+
+def _consistent(asked: Question) -> Question:
+    """A choice says which option is right, in one of two ways."""
+    if not 2 <= len(asked.options) <= MOST_OPTIONS:
+        raise LessonError(asked.line, f"there are {len(asked.options)} options; give 2 to {MOST_OPTIONS}")
+    if (asked.correct is None) == (not asked.holds):
+        raise LessonError(asked.line, "give either correct, the number of the right option counted from 1, or holds, "
+                                      "a claim for each option")
+    if asked.correct is not None and not 1 <= asked.correct <= len(asked.options):
+        raise LessonError(asked.line, f"correct = {asked.correct}: there are options 1 to {len(asked.options)}")
+    if asked.holds and len(asked.holds) != len(asked.options):
+        raise LessonError(asked.line, f"holds has {len(asked.holds)} claims for {len(asked.options)} options; give one "
+                                      "for each")
+    return asked
+
+
+def claims(text: str, line: int) -> tuple[Claim, ...]:
+    """The claims of a block, one a line; what follows a # is a remark."""
+    found = [Claim(row.partition("#")[0].strip(), line + k) for k, row in enumerate(text.splitlines())]
+    if not any(claim.text for claim in found):
+        raise LessonError(line, "no claim: give lines such as error.x.max < 1e-5")
+    return tuple(claim for claim in found if claim.text)
+
+
+def bettors(text: str, line: int) -> tuple[str, ...]:
+    """Whose bets a block lays side by side, one a line."""
+    found = tuple(row.strip() for row in text.splitlines() if row.strip())
+    if unknown := [name for name in found if name not in BETTORS]:
+        raise LessonError(line, f"'{quoting.quoted(unknown[0])}' does not bet; give {', '.join(BETTORS)}, one a line")
+    if not found:
+        raise LessonError(line, f"nobody bets here; give {', '.join(BETTORS)}, one a line")
+    return tuple(dict.fromkeys(found))
+
+
+def _fitting(kind: Any, fits: Callable[[Any], bool], expected: str) -> Callable[[Mapping[str, Any], str, int], Any]:
+    """Reads a word, or a number as a float, that ``fits``; an error says what was ``expected``."""
+    def read(values: Mapping[str, Any], key: str, line: int) -> Any:
+        found = require(values, key, kind, expected, line)
+        if not fits(found):
+            raise LessonError(line, f"{key} = {found}: {expected}")
+        return found if kind is str else float(found)
+
+    return read
+
+
+_READ: dict[str, Callable[[Mapping[str, Any], str, int], Any]] = {
+    "options": texts, "holds": texts,
+    "control": _fitting(str, DRAGGED.__contains__, f"give one of {', '.join(DRAGGED)}"),
+    "level": _fitting((int, float), lambda level: 0 < level < 1, "give a chance above 0 and below 1, such as 0.8"),
+    "tolerance": _fitting((int, float), lambda part: 0 < part <= 1,
+                          "give a part of the expected value, above 0 and up to 1, such as 0.1"),
+    "expected": lambda values, key, line: str(require(values, key, (str, int, float), "give a number or an expression "
+                                                      "such as \"error.x.max\"", line)),
+    "correct": lambda values, key, line: require(values, key, int, "give the number of the right option", line),
+    "unit": lambda values, key, line: require(values, key, str, "give a text, such as \"m\"", line)}

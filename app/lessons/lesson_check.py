@@ -1,0 +1,54 @@
+"""Running everything that a lesson claims, without a page."""
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+from app.lessons.answer_check import expressions, right
+from app.lessons.claims import ClaimError, decide
+from app.lessons.lesson import CHOICE, Lesson, Numbers, Step, filled
+from app.lessons.lesson_runs import Outcomes, RunFailed
+
+
+@dataclass(frozen=True)
+class Check:
+    """One claim of a lesson, with the numbers of a variant: whether it holds, and what was found."""
+
+    lesson: str
+    step: str
+    line: int
+    claim: str
+    holds: bool
+    found: str
+
+    def __str__(self) -> str:
+        return f"{self.lesson}, line {self.line}, step \"{self.step}\": {self.claim}: " \
+               f"{'holds' if self.holds else 'does not hold'}, {self.found}"
+
+
+def checks(lesson: Lesson, outcomes: Outcomes, variants: int | None = None) -> Iterator[Check]:
+    """All claims of a lesson with the numbers of each variant, or of the first so many."""
+    for numbers in lesson.variants[:variants]:
+        for step in lesson.steps:
+            for claim in step.claims:
+                text = filled(claim.text, numbers)
+                try:
+                    result = decide(text, outcomes.scope(lesson, step, numbers, [text]))
+                    came = result.holds, f"found {result.found}"
+                except (ClaimError, RunFailed) as error:
+                    came = False, str(error)
+                yield Check(lesson.file, step.title, claim.line, text, *came)
+            if step.question and expressions(step.question, numbers):
+                asked = step.question
+                text = "one option is right" if asked.kind == CHOICE else \
+                    f"{filled(asked.expected, numbers)} has a value"
+                yield Check(lesson.file, step.title, asked.line, text, *_question(lesson, step, numbers, outcomes))
+
+
+def _question(lesson: Lesson, step: Step, numbers: Numbers, outcomes: Outcomes) -> tuple[bool, str]:
+    try:
+        answer = right(lesson, step, numbers, outcomes)
+    except (ClaimError, RunFailed) as error:
+        return False, str(error)
+    if step.asked.kind == CHOICE:
+        return len(answer.options) == 1, "right are " + (", ".join(map(str, answer.options)) or "none")
+    return True, f"found {answer.value}"

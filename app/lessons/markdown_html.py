@@ -1,0 +1,78 @@
+"""Markdown with formulas and pictures to html, without a network: formulas become MathML, pictures part of the text;
+and what a text tells its reader to do ("Set **Cells** to `80`"), in the words of the language that is spoken."""
+
+import base64
+import functools
+import re
+from pathlib import Path
+
+import latex2mathml.converter
+from markdown_it import MarkdownIt
+from markdown_it.renderer import RendererHTML
+from mdit_py_plugins.dollarmath import dollarmath_plugin
+
+from app.language.translation import later
+from solvers.untrusted.quoting import quoted, sentence
+
+KINDS = {".svg": "image/svg+xml", ".png": "image/png"}
+#: What a text tells its reader to do, by what is done. What is named stands in bold, its value as code, and the name
+#: before its value.
+SENTENCES = {"Press": later("Press {name}"), "Set": later("Set {name} to {value}"),
+             "Choose": later("Choose {name} {value}")}
+#: Widgets that say a field of the scene, by the words that stand beside them.
+FIELDS = {later("Cells"): "cells", later("Particles / cell"): "ppc", later("Amplitude A"): "amplitude",
+          later("Modulus E"): "modulus", later("CFL number"): "cfl", later("Method"): "method",
+          later("Body force"): "body_force"}
+
+
+class MarkupError(ValueError):
+    """A formula or picture that cannot be shown. ``piece`` is what stands in the text."""
+
+    def __init__(self, piece: str, why: str):
+        self.piece = piece
+        super().__init__(sentence(why))
+
+
+def html(markdown: str, folder: Path | None = None) -> str:
+    """Html of a text; html in it is shown as text. Pictures are looked for in ``folder``."""
+    return _parser(folder).render(markdown)
+
+
+@functools.lru_cache(8)
+def _parser(folder: Path | None) -> MarkdownIt:
+    parser = MarkdownIt("commonmark", {"html": False}).enable("table")
+    parser.use(dollarmath_plugin, renderer=lambda latex, options: mathml(latex, options["display_mode"]),
+               double_inline=True)
+
+    def image(renderer: RendererHTML, tokens, index, options, environment) -> str:
+        token = tokens[index]
+        source = str(token.attrs["src"])
+        token.attrs["src"] = _data(folder, source)
+        return renderer.image(tokens, index, options, environment)
+
+    parser.add_render_rule("image", image)
+    return parser
+
+
+def mathml(latex: str, display: bool) -> str:
+    """A formula as MathML, on lines of its own (``display``) or in one; :class:`MarkupError` where it has none."""
+    latex = latex.strip()
+    try:
+        found = latex2mathml.converter.convert(latex, display="block" if display else "inline")
+    except Exception as error:  # the library raises what comes
+        raise MarkupError(latex, f"the formula ${quoted(latex)}$ cannot be shown ({type(error).__name__}); "
+                                 "give plain LaTeX such as $\\frac{h}{2}$") from None
+    if unknown := re.search(r"\\\w+", found):  # a command that nobody knows would be shown as it is typed
+        raise MarkupError(latex, f"the formula ${quoted(latex)}$ has {quoted(unknown[0])}, which cannot be "
+                                 "shown; give plain LaTeX such as $\\frac{h}{2}$")
+    return found
+
+
+def _data(folder: Path | None, source: str) -> str:
+    """A picture as part of the html."""
+    path = None if folder is None else folder / source
+    kind = KINDS.get(Path(source).suffix)
+    if kind is None or path is None or not re.fullmatch(r"[\w./-]+", source) or ".." in source or not path.is_file():
+        raise MarkupError(source, f"the picture {quoted(source)} is not there; give an .svg or .png file beside "
+                                  "the lesson")
+    return f"data:{kind};base64,{base64.b64encode(path.read_bytes()).decode()}"

@@ -1,0 +1,87 @@
+"""The teacher's guide to a lesson: its steps, notes and right answers, as Markdown or as a page to print."""
+
+from collections.abc import Callable, Iterator
+from pathlib import Path
+
+from app.language.translation import language, tr
+from app.lessons.answer_check import in_unit, right
+from app.lessons.catalogue import FOLDER
+from app.lessons.claims import ClaimError
+from app.lessons.duration import round_minutes, told
+from app.lessons.lesson import CHOICE, TEXT, TITLES, Lesson, Numbers, Step
+from app.lessons.lesson_runs import Outcomes, RunFailed
+from app.lessons.markdown_html import html
+from app.lessons.rounds import rounds
+from app.templates import rendered
+from solvers.study.markdown import grid
+
+PAGE = Path(__file__).parent / "guide.html"
+
+
+def markdown(lesson: Lesson, outcomes: Outcomes, core: bool = False) -> str:
+    """The guide as Markdown, or that to the ``core`` alone. Runs what the right answers need."""
+    length = tr("*Teacher's guide to the core, which takes {minutes} minutes, without a talk.*",
+                minutes=lesson.core_minutes) if core else \
+        tr("*Teacher's guide. {length}, without a talk.*", length=told(lesson))
+    parts = [f"# {lesson.title}", length, tr("Afterwards students can"),
+             "\n".join(f"* {goal}" for goal in lesson.goals)]
+    if lesson.prerequisites:
+        parts.append(tr("Do before: {lessons}.", lessons=", ".join(lesson.prerequisites)))
+    variants = ""
+    if names := list(lesson.variants[0]):
+        rows = ([str(k), *(f"{numbers[name]}" for name in names)] for k, numbers in enumerate(lesson.variants, 1))
+        differ = tr("Numbers differ from student to student, drawn from the name:")
+        variants = f"{differ}\n\n{grid([tr('variant'), *names], rows)}"
+    flag = " --core" if core else ""
+    parts += [tr("Open the class on it: `mpm-lab serve --lesson {name}`. Handed-in files become one table by "
+                 "`mpm-lab lesson grade {files}`.", name=f"{lesson.name}{flag}", files=f"FILES{flag}"),
+              variants, lesson.intro, _quoted(lesson.notes)]
+    numbers = {step.key: number for number, step in enumerate(lesson.walk(core), 1)}
+    for one in rounds(lesson.walk(core)):
+        takes = round_minutes(one, lesson)
+        begins = tr("*This round takes {minutes} min.*", minutes=takes) if one[0].core else \
+            tr("*Deeper: the core does without this round, which takes {minutes} min.*", minutes=takes)
+        for step in one:
+            stage = tr("On the stage: `{scene}`", scene=step.stage) if step.stage else ""
+            parts += [f"## {numbers[step.key]}. {tr(TITLES[step.kind])}: {step.title}",
+                      begins if step is one[0] else "", step.text, stage,
+                      *_question(lesson, step, outcomes), _quoted(step.notes)]
+    return "\n\n".join(part for part in parts if part.strip()) + "\n"
+
+
+def page(lesson: Lesson, outcomes: Outcomes, core: bool = False) -> str:
+    """The guide as one html file, with its pictures in it."""
+    return rendered(PAGE, language=language(), title=lesson.title, body=html(markdown(lesson, outcomes, core), FOLDER))
+
+
+def _question(lesson: Lesson, step: Step, outcomes: Outcomes) -> Iterator[str]:
+    asked = step.question
+    if asked is None:
+        return
+    if asked.options:
+        yield "\n".join(f"{k}. {option}" for k, option in enumerate(asked.options, 1))
+    if asked.kind == TEXT:
+        yield tr("**Answer:** free text, which is not marked.")
+        return
+    answers = [_answer(lesson, step, numbers, outcomes) for numbers in lesson.variants]
+    if len(set(answers)) == 1:
+        yield tr("**Answer:** {answer}", answer=answers[0])
+    else:
+        rows = ([str(k), one] for k, one in enumerate(answers, 1))
+        yield tr("**Answer:**") + "\n\n" + grid([tr("variant"), tr("answer")], rows)
+
+
+def _answer(lesson: Lesson, step: Step, numbers: Numbers, outcomes: Outcomes) -> str:
+    try:
+        found = right(lesson, step, numbers, outcomes)
+    except (ClaimError, RunFailed) as error:
+        return tr("could not be worked out: {why}", why=error)
+    return found.told if step.asked.kind == CHOICE else in_unit(step.asked, found.value)
+
+
+def _quoted(notes: str) -> str:
+    """Notes set apart from what students see."""
+    return "\n".join(f"> {line}" for line in [tr("**Teacher**"), "", *notes.splitlines()]) if notes.strip() else ""
+
+
+KINDS: dict[str, Callable[[Lesson, Outcomes, bool], str]] = {".md": markdown, ".html": page}

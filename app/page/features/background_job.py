@@ -1,0 +1,124 @@
+"""Work for one visitor in a process of its own: at most one piece at a time, and few on the whole server."""
+
+import threading
+from abc import ABC, abstractmethod
+from concurrent.futures import Future
+from dataclasses import dataclass, replace
+from typing import Any, ClassVar, Generic, TypeVar
+
+from app.language.message_translation import heard
+from app.language.translation import carried, tr
+from solvers.workers.cpu_count import processors
+from solvers.workers.worker_pool import Slots, WorkerPool
+
+MOST_JOBS = max(1, processors() // 2)  # on this server; each keeps a processor busy
+SLOTS = Slots(MOST_JOBS)
+
+
+@dataclass(frozen=True)
+class JobStatus:
+    """How a job goes. ``kind`` is "" before the first; the last one's outcome stays until the next. ``trouble`` is a
+    sentence about what went wrong."""
+
+    kind: str = ""
+    running: bool = False
+    cancelled: bool = False
+    trouble: str | None = None
+
+
+S = TypeVar("S", bound=JobStatus)
+
+
+class Background(ABC, Generic[S]):
+    """A visitor's jobs, in ``slots`` that all share, each one function of the module ``WORK``. Any thread may call."""
+
+    WORK: ClassVar[str]
+    BUSY: ClassVar[str]  # said where there is no slot left, of so many at a time
+
+    def __init__(self, idle: S, slots: Slots = SLOTS):
+        self.slots, self._idle, self._lock = slots, idle, threading.Lock()
+        self._pool: WorkerPool | None = None  # of one process, while a job runs
+        self._closed = False
+        self.status = idle
+
+    @property
+    def process_id(self) -> int | None:
+        """Of the process that runs, if one does."""
+        pool = self._pool
+        return next(iter(pool.process_ids), None) if pool else None
+
+    @property
+    def others(self) -> bool:
+        """Whether jobs of others run on this server."""
+        return self.slots.taken > self.status.running
+
+    def forget(self) -> None:
+        """What the last job has said no longer holds."""
+        with self._lock:
+            if not self.status.running:
+                self.status = self._idle
+
+    def cancel(self) -> None:
+        """End the job that runs; what it has found so far stays."""
+        with self._lock:
+            if self._pool is not None:
+                self.status = replace(self.status, cancelled=True)
+                self._pool.kill()
+
+    def give_way(self) -> None:
+        """To the stages that move, from now on."""
+        with self._lock:
+            if self._pool is not None:
+                self._pool.give_way()
+
+    def close(self) -> None:
+        """The visitor has gone."""
+        with self._lock:
+            self._closed = True
+        self.cancel()
+
+    @abstractmethod
+    def heard(self, before: S, message: dict[str, Any]) -> S:
+        """The status after a message of the job that runs."""
+
+    def _process(self, kind: str) -> WorkerPool:
+        """One for a job of this kind, which is to be asked; the lock is held."""
+        return WorkerPool(f"{self.WORK}:{kind}")
+
+    def _keeps(self, pool: WorkerPool) -> bool:
+        """Whether the process of a job that is done is to stay for the next one."""
+        return False
+
+    def _start(self, status: S, question: list | dict, patience: float | None = None) -> None:
+        """Begin a job whose first ``status`` says its kind, which is also its function's name; it may take so long."""
+        with self._lock:
+            if self.status.running or self._closed:
+                return
+            if not self.slots.take():
+                self.status = replace(status, trouble=tr(self.BUSY, n=MOST_JOBS))
+                return
+            self.status = replace(status, running=True)
+            self._pool = self._process(status.kind)
+            job = self._pool.submit(question, carried(self._hear), patience)
+        job.add_done_callback(carried(self._end))
+
+    def _hear(self, message: dict[str, Any]) -> None:
+        """There is no other job's message, because the next waits for this one's end."""
+        if trouble := message.get("trouble"):
+            message = message | {"trouble": heard(trouble)}
+        with self._lock:
+            self.status = self.heard(self.status, message)
+
+    def _end(self, job: Future[dict]) -> None:
+        """The job has ended, or could not begin."""
+        if self._pool is not None and not (job.exception() is None and self._keeps(self._pool)):
+            self._pool.close()
+        with self._lock:
+            trouble = None if self.status.cancelled else self.status.trouble
+            error = None if self.status.cancelled else job.exception()
+            if isinstance(error, OSError):
+                trouble = tr("No process could be started: {reason}.", reason=error.strerror or error)
+            elif error is not None:
+                trouble = tr("the background process {has_ended}", has_ended=heard(str(error)))
+            self.status, self._pool = replace(self.status, running=False, trouble=trouble), None
+            self.slots.give_back()

@@ -1,0 +1,307 @@
+"""Error against time, one dot a run: the chart that takes the stage's place while the Cost tab is open; and what stands
+above it: the answer in a sentence, what follows from it, and the line of the accuracy wanted.
+
+Every place is a share of the chart's box, so the browser fits it to any window and letters stay letters: lines are
+drawn in SVG, dots are buttons and names are text (``css/60-cost.css``). What is clicked is named by ``data-run``, and a
+script keeps names apart and puts the line of the accuracy that is wanted (``js/cost.js``).
+"""
+
+import functools
+import json
+import math
+from collections.abc import Callable, Iterable, Sequence
+from dataclasses import dataclass
+from html import escape
+from itertools import chain, pairwise
+
+from app.colours import METHOD_MARKS
+from app.language.translation import later, tr, trn
+from app.page.features.cost.cost_texts import called, details, percent, seconds, sentence, together, whole
+from app.page.features.cost.visitor_runs import SWEEP, NumberedRun, cheapest, front, measured, staged
+from app.words import METHODS, method_name
+from solvers.problems import PROBLEMS
+from solvers.scene.scene import Scene
+
+#: Marks of radius about 5 around (0, 0); the circle is a path too, so that all are drawn alike.
+SHAPES = {"o": "M-5 0a5 5 0 1 0 10 0a5 5 0 1 0 -10 0z", "s": "M-4.5 -4.5h9v9h-9z", "^": "M0 -5.8L5.4 4.2H-5.4z",
+          "D": "M0 -6L5.8 0L0 6L-5.8 0z", "v": "M0 5.8L5.4 -4.2H-5.4z"}
+CROSS = "M-4.5 -4.5L4.5 4.5M4.5 -4.5L-4.5 4.5"
+ROOM = 0.12  # decades around the values
+LEAST = 1.0  # decades that an axis has at least
+MINOR = (2, 5)  # times a power of ten: ticks between, for which a narrow chart has no room
+MOST_BELOW = 2  # decades below all errors to which the line of a tolerance may draw the axis
+ORDER = 2  # of the methods, in the size of a cell
+
+
+@dataclass(frozen=True)
+class Tick:
+    """A tick at ``part`` of the axis, from its low end; ``minor`` where its value is no power of ten."""
+
+    part: float
+    label: str
+    minor: bool
+
+
+@dataclass(frozen=True)
+class LogAxis:
+    """From ``low`` to ``high``, both as powers of ten."""
+
+    low: float
+    high: float
+
+    def part(self, value: float) -> float:
+        """Where a value is: 0 at the low end, 1 at the high one."""
+        return (math.log10(value) - self.low) / (self.high - self.low)
+
+    def around(self, values: Iterable[float]) -> "LogAxis":
+        """This axis, longer where values need it: what has been drawn once stays within it."""
+        other = around(values)
+        return self if other is None else LogAxis(min(self.low, other.low), max(self.high, other.high))
+
+    def ticks(self, label: Callable[[float], str]) -> list[Tick]:
+        """At powers of ten, and at 2 and 5 times those."""
+        found = []
+        for power in range(math.floor(self.low), math.ceil(self.high) + 1):
+            for factor in (1, *MINOR):
+                value = float(f"{factor}e{power}")
+                if 0 <= self.part(value) <= 1:
+                    found.append(Tick(self.part(value), label(value), factor in MINOR))
+        return found
+
+
+def around(values: Iterable[float]) -> LogAxis | None:
+    """An axis that holds these values with some room; None if there are none."""
+    logs = [math.log10(value) for value in values]
+    if not logs:
+        return None
+    middle, half = 0.5 * (min(logs) + max(logs)), max(0.5 * (max(logs) - min(logs)) + ROOM, 0.5 * LEAST)
+    return LogAxis(middle - half, middle + half)
+
+
+UNTIMED, UNMEASURED = LogAxis(-4.3, -0.7), LogAxis(-3.3, -0.7)  # axes before anything is known
+
+
+@dataclass(frozen=True)
+class Axes:
+    """Time across, if any is known, and error up; they only grow, so that what is looked at stays where it is."""
+
+    times: LogAxis | None
+    up: LogAxis
+
+    @property
+    def across(self) -> LogAxis:
+        return self.times or UNTIMED
+
+    def place(self, run: NumberedRun) -> tuple[float, float]:
+        """From the left and from the top, in percent. A broken run is at the top, for its error may be anything; one
+        that was not timed alone at the left, in a band of its own."""
+        return (_percent(self.across.part(run.seconds)) if run.alone else 0.0,
+                0.0 if run.broken else _percent(1 - self.up.part(run.size)))
+
+
+def axes(runs: Sequence[NumberedRun], tolerance: float, before: Axes | None = None) -> Axes:
+    """Those that hold the runs and the tolerance, and what was held ``before``."""
+    times = [run.seconds for run in runs if run.drawable and run.alone]
+    errors = [run.size for run in runs if run.drawable and not run.broken]
+    least = min(errors, default=1e-2) / 10**MOST_BELOW
+    wanted = [max(tolerance, least)] if math.isfinite(tolerance) else []
+    if before is None:
+        up = around([*errors, *wanted]) if errors else None
+        return Axes(around(times), up or UNMEASURED.around(wanted))
+    return Axes(before.times.around(times) if before.times else around(times), before.up.around([*errors, *wanted]))
+
+
+def picture(runs: Sequence[NumberedRun], like: Sequence[NumberedRun], scene: Scene, inside: Axes) -> str:
+    """The drawing of the runs of the scene's problem; those that are not among the ones ``like`` it are faint, and its
+    own is marked."""
+    numbers = {run.number for run in like}
+    dots = [run for run in runs if run.drawable]
+    best = front(like)
+    band = f"<div class='lab-band'><span>{tr('not timed alone')}</span></div>" * any(not run.alone for run in dots)
+    drawn = [_path(curve, inside, f"class='lab-curve' style='{_colour(curve[0])}'") for curve in curves(like)]
+    under = _path(best, inside, "class='lab-front'")
+    lines = "".join([_grid(inside), _guides(inside, scene.DIMENSIONS) if inside.times else "", under, *drawn])
+    texts = [_beside(run, inside, "lab-name", words, _colour(run)) for run, words in names(like)]
+    texts += [  # the name of a method whose runs are a cloud: at the right, as high as the most accurate of them
+        f"<span class='lab-name lab-at-edge' style='left:100%;top:{inside.place(run)[1]}%;{_colour(run)}' "
+        f"aria-hidden='true'><svg viewBox='-8 -8 16 16'><path d='{SHAPES[METHOD_MARKS[run.method]]}'/></svg>"
+        f"{escape(method_name(run.method))}</span>" for run in unnamed(like)]
+    texts += [_beside(run, inside, "lab-cells", str(run.scene.cells)) for run in [*chain(*curves(like)), *best]]
+    if own := staged(like, scene):
+        texts.append(_beside(own, inside, f"lab-on-stage{' lab-untimed' * (not own.alone)}", tr("on the stage")))
+    # What is drawn last is on top: those that count.
+    last = sorted(dots, key=lambda run: (run.number in numbers, run in best))
+    words = _titles(scene) + (_keys(dots, best, scene.DIMENSIONS) if inside.times else "")
+    return (f"{band}<svg class='lab-ruled' aria-hidden='true'>{lines}{words}</svg>{''.join(texts)}"
+            f"{''.join(_dot(run, inside, run.number not in numbers) for run in last)}")
+
+
+def curves(runs: Sequence[NumberedRun]) -> list[list[NumberedRun]]:
+    """Runs of sweeps that differ in their cells alone, by cells."""
+    groups: dict[str, list[NumberedRun]] = {}
+    for run in measured(runs):
+        if run.source == SWEEP:
+            groups.setdefault(json.dumps({**run.row["asked"], "cells": 0}, sort_keys=True), []).append(run)
+    return [sorted(group, key=lambda run: run.scene.cells) for group in groups.values()]
+
+
+def names(runs: Sequence[NumberedRun]) -> list[tuple[NumberedRun, str]]:
+    """Each curve's method at its finest run, and where several curves are of one method what they differ in."""
+    ends = [curve[-1] for curve in curves(runs)]
+    found = []
+    for end in ends:
+        others = [other for other in ends if other is not end and other.method == end.method]
+        filled = tr("{particles} per cell", particles=end.scene.ppc)
+        told = [words for words, of in ((filled, lambda run: run.scene.ppc),
+                                        (f"CFL {end.scene.courant_number:.3g}", lambda run: run.scene.courant_number))
+                if any(of(other) != of(end) for other in others)]
+        preserving = [tr("linearity-preserving")] * end.scene.linearity_preserving
+        found.append((end, ", ".join([method_name(end.method), *preserving, *told])))
+    return found
+
+
+def unnamed(runs: Sequence[NumberedRun]) -> list[NumberedRun]:
+    """The most accurate run of each method that has no curve."""
+    named = {curve[0].method for curve in curves(runs)}
+    best: dict[str, NumberedRun] = {}
+    for run in sorted(measured(runs), key=lambda run: run.size):
+        if run.method not in named:
+            best.setdefault(run.method, run)
+    return list(best.values())
+
+
+def _colour(run: NumberedRun) -> str:
+    """A variable of the style sheet, and grey for a method that it does not know."""
+    return f"--m:var(--m-{escape(run.method, quote=True)},var(--ink3))"
+
+
+def _percent(part: float) -> float:
+    return round(100 * part, 2)
+
+
+def _grid(inside: Axes) -> str:
+    parts = []
+    for tick in inside.across.ticks(seconds):
+        x, kind = _percent(tick.part), " lab-minor" * tick.minor
+        parts.append(f"<line x1='{x}%' x2='{x}%' y1='0' y2='100%' class='lab-grid{kind}'/><text x='{x}%' y='100%' "
+                     f"dy='1.6em' text-anchor='middle' class='lab-across{kind}'>{tick.label}</text>")
+    for tick in inside.up.ticks(percent):
+        y, kind = _percent(1 - tick.part), " lab-minor" * tick.minor
+        parts.append(f"<line x1='0' x2='100%' y1='{y}%' y2='{y}%' class='lab-grid{kind}'/><text x='0' y='{y}%' "
+                     f"dy='0.35em' text-anchor='end' class='lab-up{kind}'>{tick.label}</text>")
+    return "".join([*parts, "<line x1='0' x2='0' y1='0' y2='100%' class='lab-edge'/>"
+                    "<line x1='0' x2='100%' y1='100%' y2='100%' class='lab-edge'/>"])
+
+
+def _guides(inside: Axes, dimensions: int) -> str:
+    """What a method of second order would pay: faint lines."""
+    slope = ORDER / (dimensions + 1)  # cells in each direction, and steps
+    across, up = inside.across, inside.up
+    lines = []
+    for power in range(math.floor(up.low + slope * across.low), math.ceil(up.high + slope * across.high) + 1):
+        ends = [_percent(1 - (power - slope * x - up.low) / (up.high - up.low)) for x in (across.low, across.high)]
+        lines.append(f"<line x1='0' x2='100%' y1='{ends[0]}%' y2='{ends[1]}%' class='lab-guide'/>")
+    return f"<svg>{''.join(lines)}</svg>"
+
+
+def _keys(dots: Sequence[NumberedRun], best: Sequence[NumberedRun], dimensions: int) -> str:
+    """What looks differ by, where no run can be: fast and exact."""
+    judges = list(dict.fromkeys(run.estimator for run in dots if run.error is None and not run.broken))
+    keys = [tr("hollow: as {judges} estimates", judges=functools.reduce(
+        lambda before, last: tr("{before} or {last}", before=before, last=last), judges))] if judges else []
+    keys += [tr("grey: no run is better for less")] * (len(best) > 1)
+    keys.append(tr("dashed: a quarter of the error for {times} times the time", times=2 ** (dimensions + 1)))
+    lines = "".join(f"<text x='12' y='100%' dy='{-12 - 17 * k}' class='lab-key-line'>{escape(words)}</text>"
+                    for k, words in enumerate(reversed(keys)))
+    return f"<g class='lab-keys'>{lines}</g>"
+
+
+def _titles(scene: Scene) -> str:
+    length = tr("the RMS, largest in the run") if not scene.periods else tr("the RMS, largest in one period") \
+        if scene.periods == 1 else tr("the RMS, largest in {n:g} periods", n=scene.periods)
+    return (f"<text x='0' y='0' class='lab-title lab-above'>{tr('error of x, in % of {whole}', whole=whole(scene))} "
+            f"<tspan>{length}</tspan></text>"
+            f"<text x='100%' y='100%' dy='3.2em' text-anchor='end' class='lab-title'>{tr('time of one run')} "
+            f"<tspan>{tr('alone on this machine')}</tspan></text>")
+
+
+def _path(runs: Sequence[NumberedRun], inside: Axes, look: str) -> str:
+    """Lines from run to run."""
+    places = [inside.place(run) for run in runs]
+    return "".join(f"<line x1='{x}%' y1='{y}%' x2='{right}%' y2='{below}%' {look}/>"
+                   for (x, y), (right, below) in pairwise(places))
+
+
+def _dot(run: NumberedRun, inside: Axes, aside: bool) -> str:
+    x, y = inside.place(run)
+    shape = CROSS if run.broken else SHAPES[METHOD_MARKS[run.method]]
+    kinds = [kind for kind, holds in (("lab-broken", run.broken), ("lab-judged", run.error is None),
+                                      ("lab-untimed", not run.alone), ("lab-aside", aside)) if holds]
+    said = sentence(run)
+    words = escape(tr("{run}; of another scene than the one on the stage", run=said) if aside else said, quote=True)
+    return (f"<button class='{' '.join(['lab-dot', *kinds])}' data-run='{run.number}' tabindex='-1' "
+            f"style='left:{x}%;top:{y}%;{_colour(run)}' aria-label='{words}'>"
+            f"<svg viewBox='-8 -8 16 16'><path d='{shape}'/></svg></button>")
+
+
+def _beside(run: NumberedRun, inside: Axes, kind: str, words: str, style: str = "") -> str:
+    x, y = inside.place(run)
+    return f"<span class='{kind}' style='left:{x}%;top:{y}%;{style}' aria-hidden='true'>{escape(words)}</span>"
+
+
+FINAL = later("For <b>{share} of {whole}</b>, pay <strong>{seconds}</strong>: {run}.")
+PROVISIONAL = later("Cheapest so far for <b>{share} of {whole}</b>: <strong>{seconds}</strong>, {run}.")
+WORSE = 1.1  # times the error of the coarsest grid, from which on a method gets worse with finer ones
+
+
+def headline(like: Sequence[NumberedRun], scene: Scene, tolerance: float, trouble: str, sweep: int,
+             provisional: bool = False) -> tuple[str, str]:
+    """The answer and a second line, as html, out of the runs that can be compared with the scene. ``trouble`` is why
+    there is no tolerance, ``sweep`` the number of runs that a small sweep makes; ``provisional`` while more come."""
+    known, of = measured(like), whole(scene)
+    if not known:
+        begin = tr("Begin with a small sweep of {n} runs", n=sweep)
+        button = f"<button data-press='{escape(tr('Small sweep'))}'>{begin}</button>"
+        live = next((run for run in reversed(like) if run.drawable and not run.broken), None)
+        if live is None:
+            asked = tr("What does accuracy cost on the {problem}?", problem=tr(PROBLEMS[scene.problem].scene.TITLE))
+            return tr("Nothing measured yet."), f"{asked}<br>{button}"
+        untimed = tr("The run on the stage errs by {share} of {whole}, but its time was taken beside pictures and "
+                     "estimates.", share=percent(live.size), whole=of)
+        return tr("Nothing timed yet."), f"{untimed}<br>{button}"
+    if trouble:
+        return tr("How accurate must it be?"), escape(trouble)
+    best = cheapest(like, tolerance)
+    if best is None:
+        near = min(known, key=lambda run: run.size)
+        return (tr("No run so far comes below <b>{share} of {whole}</b>.", share=percent(tolerance), whole=of),
+                tr("The closest errs by {error}: {run}, {seconds}. <b>Find the cheapest run</b> looks for a better "
+                   "one.", error=_error(near), run=escape(called(near)), seconds=seconds(near.seconds)))
+    answer = PROVISIONAL if provisional else FINAL
+    worse = dict.fromkeys(str(METHODS.get(curve[0].method, curve[0].method)) for curve in curves(like)
+                          if len(curve) > 1 and curve[-1].size > WORSE * curve[0].size)
+    says = [trn("{methods} gets worse, however much you pay.", "{methods} get worse, however much you pay.", len(worse),
+                methods=escape(together(worse)))] if worse else []
+    return (tr(answer, share=percent(tolerance), whole=of, seconds=seconds(best.seconds), run=escape(called(best))),
+            " ".join([tr("Its error is {error}; {run}.", error=_error(best), run=escape(details(best))), *says]))
+
+
+def line(like: Sequence[NumberedRun], scene: Scene, tolerance: float, inside: Axes | None) -> str:
+    """The line of the accuracy wanted, as a mark that the script reads: the axis, as powers of ten, the value, its
+    words, and the run that it lights up with its price."""
+    if inside is None or not math.isfinite(tolerance):
+        return "<i class='lab-cost-line'></i>"
+    best, text = cheapest(like, tolerance), percent(tolerance)
+    price = f" data-best='{best.number}' data-price='{seconds(best.seconds)}'" if best else ""
+    found = f"{seconds(best.seconds)}, {called(best)}" if best else tr("no run so far")
+    spoken = tr("{share} of {whole}: {found}", share=text, whole=whole(scene), found=found)
+    return (f"<i class='lab-cost-line' data-low='{inside.up.low:.6g}' data-high='{inside.up.high:.6g}' "
+            f"data-value='{math.log10(tolerance):.6g}' data-text='{text}' "
+            f"data-spoken='{escape(spoken, quote=True)}'{price}></i>")
+
+
+def _error(run: NumberedRun) -> str:
+    """How wrong a run is, and whose word that is, where it is not the true error."""
+    share = percent(run.size)
+    return share if run.error is not None else tr("{share}, as {estimator} estimates", share=share,
+                                                  estimator=escape(run.estimator))

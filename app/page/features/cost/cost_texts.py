@@ -1,0 +1,222 @@
+"""Runs, jobs and advice in words: sentences and the table of the Cost tab."""
+
+import functools
+import math
+from collections.abc import Iterable, Sequence
+from html import escape
+
+from app.language.message_translation import heard
+from app.language.translation import later, tr, trn
+from app.page.features.cost.jobs import CostStatus
+from app.page.features.cost.visitor_runs import MOST_RUNS, SEARCH, SWEEP, NumberedRun
+from app.words import NOTHING, method_name, moving, on_page, particles_per_cell, per_cell, power_text, with_unit
+from solvers.problems import PROBLEMS
+from solvers.scene.remedies import REMEDIES
+from solvers.scene.scene import Scene
+from solvers.solver.soundness import BROKEN, LOST, UNSTABLE
+from solvers.study.parameter_grid import Task
+from solvers.study.row import FAILED
+from solvers.untrusted import number_parsing, quoting
+
+LONGEST_BUDGET = 60.0
+TOGETHER = "\N{NO-BREAK SPACE}"  # between a number and its unit: they stand in sentences
+LEAST_PLAIN, MOST_PLAIN = -5, 3  # powers of ten of a percentage that are written out
+MOST_LINES = 40  # of the table: it is made anew with every run
+NOTHING_TO_FIND = later("There is nothing to find in a patch test: its error is round-off, or does not fall with the "
+                        "cells. Compare methods and particles per cell instead.")
+ENDS = {LOST: later("lost"), UNSTABLE: later("unstable"), FAILED: later("failed")}  # of runs that have no error
+#: What is said of a job, of a sweep and of a search.
+STARTING = {SWEEP: later("Sweep: starting."), SEARCH: later("Search: starting.")}
+ON_THE_WAY = {SWEEP: later("Sweep: {done} of {total} runs."),
+              SEARCH: later("Search: {done} of at least {total} runs.")}
+DONE = {SWEEP: later("Sweep: {done} runs."),
+        SEARCH: later("Search: {done} runs. It ends when none that has not been made promises to be cheaper.")}
+CANCELLED = {SWEEP: later("The sweep was cancelled."), SEARCH: later("The search was cancelled.")}
+ENDED = {SWEEP: later("The sweep ended: {trouble}."), SEARCH: later("The search ended: {trouble}.")}
+PAUSED = {SWEEP: later("The stage is paused while your sweep takes times, and goes on by itself. Play lets it go on "
+                       "now."),
+          SEARCH: later("The stage is paused while your search takes times, and goes on by itself. Play lets it go on "
+                        "now.")}
+BOUNDED = later("{name} '{typed}': give a number above 0 and up to {most:g}.")
+POSITIVE = later("{name} '{typed}': give a number above 0, such as 1e-3.")
+
+
+class NoNumber(ValueError):
+    """What was typed cannot be used; the message says why."""
+
+
+def typed(name: str, text: str, most: float = math.inf) -> float:
+    """A positive number that a visitor typed."""
+    try:
+        value = number_parsing.real(text.strip())
+    except ValueError:
+        value = math.nan
+    if not 0 < value <= most:
+        raise NoNumber(tr(BOUNDED if math.isfinite(most) else POSITIVE, name=name, most=most,
+                          typed=quoting.quoted(text.strip(), 20)))
+    return value
+
+
+def setting(scene: Scene) -> str:
+    """A scene in short."""
+    method = method_name(scene.method)
+    if scene.linearity_preserving:
+        method = tr("linearity-preserving {method}", method=method)
+    if scene.remedies:
+        method = tr("{method} with {remedies}", method=method,
+                    remedies=together([tr(REMEDIES[name].label) for name in scene.remedies]))
+    return tr("{method}, {cells} cells, {particles}, CFL {number:.3g}", method=method, cells=scene.cells,
+              particles=particles_per_cell(scene.problem, scene.ppc), number=scene.courant_number)
+
+
+def together(names: Iterable[str]) -> str:
+    """One and another."""
+    return functools.reduce(lambda before, last: tr("{before} and {last}", before=before, last=last), names)
+
+
+def sentence(run: NumberedRun) -> str:
+    """A run in short, one fact after the other."""
+    scene = run.scene
+    parts = [tr("run {number}: {run}", number=run.number, run=called(run)), details(run),
+             f"{moving(scene)}, E {with_unit(scene.modulus, 'Pa')}"]
+    if run.status in (*BROKEN, FAILED):
+        return "; ".join([*parts, f"{tr(ENDS[run.status])}: {heard(run.row['reason'] or '')}"])
+    of = whole(scene)
+    if run.error is not None:
+        parts.append(tr("true error of x {share} of {whole}", share=percent(run.error), whole=of))
+    if run.estimate is not None:
+        parts.append(tr("{share} of {whole} as {estimator} estimates", share=percent(run.estimate), whole=of,
+                        estimator=run.estimator))
+    time = seconds(run.seconds)
+    return "; ".join([*parts, tr("{time} alone", time=time) if run.alone else tr("{time} on the stage", time=time)])
+
+
+def called(run: NumberedRun) -> str:
+    """Its method and cells."""
+    return tr("{method} on {cells} cells", method=method_name(run.method), cells=run.scene.cells)
+
+
+def details(run: NumberedRun) -> str:
+    """What else was chosen, and how many steps that makes."""
+    scene = run.scene
+    chosen = tr("{particles} per cell, CFL {number:.3g}, {steps:,} steps", particles=per_cell(scene.problem, scene.ppc),
+                number=scene.courant_number, steps=scene.steps)
+    return ", ".join([chosen, *[tr("linearity-preserving")] * scene.linearity_preserving,
+                      *(tr(REMEDIES[name].label) for name in scene.remedies)])
+
+
+def whole(scene: Scene) -> str:
+    """What an error is a part of."""
+    moved = "amplitude" in scene.moved_by and scene.size_of("x") == scene.amplitude
+    return "A" if moved else tr("the largest displacement")
+
+
+def percent(value: float | None) -> str:
+    """A part as a percentage of two digits: 12 %, 0.5 %, 3.1 × 10⁻⁶ %."""
+    if value is None:
+        return NOTHING
+    digits, _, power = f"{100 * value:.1e}".partition("e")
+    if not LEAST_PLAIN <= int(power) <= MOST_PLAIN:
+        return f"{digits} × {power_text(int(power)).strip()}{TOGETHER}%"
+    plain = f"{float(f'{digits}e{power}'):.{max(0, 1 - int(power))}f}"
+    return (plain.rstrip("0").rstrip(".") if "." in plain else plain) + f"{TOGETHER}%"
+
+
+def seconds(value: float | None) -> str:
+    """A time of two digits, with the prefix that keeps it short."""
+    if value is None or not math.isfinite(value):
+        return NOTHING
+    return (f"{value:.0f} s" if value >= 99.5 else with_unit(value, "s", 2)).replace(" ", TOGETHER)
+
+
+def table(runs: Sequence[NumberedRun]) -> str:
+    """The newest runs as a table, the newest first; their numbers are buttons."""
+    if not runs:
+        return ""
+    said = [tr("Errors of x in % of {whole}: the RMS, largest over time.", whole=whole(runs[-1].scene)),
+            *[tr("{n} more are on the chart and in the file.", n=len(runs) - MOST_LINES)] * (len(runs) > MOST_LINES),
+            tr("The newest {n} runs are kept.", n=MOST_RUNS)]
+    lines = "".join(_line(run) for run in list(reversed(runs))[:MOST_LINES])
+    heads = "".join(f"<th>{head}</th>" for head in (tr("run"), tr("method, cells"), tr("error"), tr("time")))
+    return f"<table class='lab-runs'><thead><tr>{heads}</tr></thead>{lines}</table><p>{' '.join(said)}</p>"
+
+
+def _line(run: NumberedRun) -> str:
+    small = [details(run)]
+    if run.status in (*BROKEN, FAILED):
+        error = f"<td class='lab-bad'>{tr(ENDS[run.status])}</td>"
+    else:
+        estimated = tr("est. {share}", share=percent(run.estimate))
+        error = f"<td>{estimated if run.error is None else percent(run.error)}</td>"
+        small += [f"{run.estimator}: {percent(run.estimate)}"] * (run.estimate is not None)
+    small += [tr("timed on the stage")] * (not run.alone)
+    load = tr("load run {number}", number=run.number)
+    return (f"<tbody title='{escape(sentence(run), quote=True)}'><tr><td rowspan=2><button data-run='{run.number}' "
+            f"aria-label='{load}'>{run.number}</button></td><td>{escape(method_name(run.method))}, "
+            f"{run.scene.cells}</td>{error}<td>{seconds(run.seconds)}</td></tr>"
+            f"<tr><td colspan=3 class='lab-details'>{escape('; '.join(small))}</td></tr></tbody>")
+
+
+def others(runs: Sequence[NumberedRun], problem: str) -> str:
+    """That there are runs of another problem than the one on the stage, if so."""
+    hidden = [run for run in runs if run.row["problem"] != problem]
+    if not hidden:
+        return ""
+    name = PROBLEMS[hidden[0].row["problem"]].scene.TITLE
+    return trn("And {count} run of the {problem}: shown when that problem is chosen; the CSV file has all.",
+               "And {count} runs of the {problem}: shown when that problem is chosen; the CSV file has all.",
+               len(hidden), problem=tr(name))
+
+
+def counted(status: CostStatus) -> str:
+    """How far a job has come that runs."""
+    if not status.total:
+        return tr(STARTING[status.kind])
+    said = ON_THE_WAY if status.done < status.total else DONE
+    return tr(said[status.kind], done=status.done, total=status.total)
+
+
+def going(status: CostStatus) -> str:
+    """How a job goes, or how it ended."""
+    if status.running:
+        if status.kind == SWEEP or status.task is None:
+            return counted(status)
+        run = setting(status.task.scene())
+        if status.done < status.total:
+            return tr("Search, run {number} of at least {total}: {run}.", number=status.done + 1, total=status.total,
+                      run=run)
+        return tr("Search, run {number}: {run}.", number=status.done + 1, run=run)
+    if status.cancelled:
+        kept = [tr("The {n} runs that were done are kept.", n=status.done)] if status.done else []
+        return " ".join([tr(CANCELLED[status.kind]), *kept])
+    if status.trouble:
+        return status.trouble if status.trouble.endswith(".") else tr(ENDED[status.kind], trouble=status.trouble)
+    if status.advice:
+        known = trn("{count} of them had been made by an earlier search on this server.",
+                    "{count} of them had been made by earlier searches on this server.", status.known)
+        return f"{found(status.advice)} {known}" if status.known else found(status.advice)
+    return tr("The sweep is done: {n} runs.", n=status.done) if status.kind == SWEEP else ""
+
+
+def stage(paused: bool, playing: bool, others: bool) -> str:
+    """What the stages do to the times while a job runs: the visitor's own and those of ``others``."""
+    own = tr("Your stage is paused meanwhile, so that it does not disturb the times.") if paused else \
+        tr("Your stage runs beside it: times come out longer. Pause makes them true.") if playing else ""
+    theirs = tr("Other visitors use this server at the same time: times may come out longer.") if others else ""
+    return f"{own} {theirs}".strip()
+
+
+def found(advice: dict) -> str:
+    """The recommendation."""
+    scene = Task(**advice["task"]).scene()
+    size = scene.size_of("x")
+    error = tr("no usable error") if advice["error"] is None else tr(
+        "an error of {size}, {share} of {whole}", size=with_unit(advice["error"], "m"),
+        share=percent(advice["error"] / size), whole=whole(scene))
+    known = tr("by its own estimate") if advice["measured"] else tr("expected, not run")
+    run = tr("{run}: {error} ({known}), {seconds} for the bare run", run=setting(scene), error=error, known=known,
+             seconds=seconds(advice["seconds"]))
+    runner_up = tr("Runner-up: {why}.", why=on_page(advice["why"])) if advice["why"] else ""
+    taken = tr("Take {run}.", run=run) if advice["met"] else \
+        tr("Nothing within reach meets that. The closest is {run}.", run=run)
+    return f"{taken} {runner_up} {tr('{n} runs were tried.', n=advice['looks'])}"

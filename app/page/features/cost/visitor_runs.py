@@ -1,0 +1,231 @@
+"""A visitor's runs, one row each, numbered: those of small sweeps, those that a search has made, and those that came to
+their end on the stage. Which of them can be compared, which none beats, and which is the cheapest that is accurate
+enough."""
+
+import functools
+import math
+import threading
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from app import __version__
+from app.page.visit.history import History
+from solvers.engine.engine_messages import FrameReport
+from solvers.scene.scene import Scene
+from solvers.solver.error_norms import RATIOS, summary
+from solvers.solver.samples import QUANTITIES
+from solvers.solver.soundness import BROKEN, LOST, OK, UNSTABLE
+from solvers.study import summary as table
+from solvers.study.convergence import pareto
+from solvers.study.parameter_grid import Task, task_of
+from solvers.study.row import FAILED, of_scene
+
+MOST_RUNS = 300  # then the oldest is forgotten
+LIVE, SEARCH, SWEEP = "live", "search", "sweep"
+CHOSEN = {"method", "linearity_preserving", "cells", "ppc", "cfl"}  # by a search, of what a run can be
+KNOWN = {LIVE: 0, SEARCH: 1, SWEEP: 2}  # of one scene the row with more to say is kept: that with a time measured alone
+
+
+@dataclass(frozen=True)
+class NumberedRun:
+    """A row (``solvers.study.row``) with its number and where it comes from. What follows from the row is found once:
+    all runs are drawn anew with every one that is added."""
+
+    number: int
+    source: str
+    row: dict
+
+    @functools.cached_property
+    def scene(self) -> Scene:
+        return Task(self.row["problem"], self.row["asked"]).scene()
+
+    @functools.cached_property
+    def error(self) -> float | None:
+        """The largest RMS error of x over A, None if it is not known."""
+        return self._relative(self.row.get("error") or {})
+
+    @functools.cached_property
+    def estimate(self) -> float | None:
+        """The same by :attr:`estimator`."""
+        return self._relative((self.row.get("estimate") or {}).get(self.estimator) or {})
+
+    @property
+    def estimator(self) -> str:
+        """The first of the estimators that hold, "" if none does."""
+        return next(iter(self.row.get("estimate") or {}), "")
+
+    @property
+    def size(self) -> float:
+        """Where its dot goes: the error, or the estimate where no error is known; NaN if neither is."""
+        size = self.estimate if self.error is None else self.error
+        return math.nan if size is None else size
+
+    @property
+    def seconds(self) -> float:
+        """Of the bare run where it was timed alone, of a live one those of everything that was computed; NaN if not
+        known."""
+        seconds = self.row.get("seconds") or {}
+        return seconds.get("min") or seconds.get("full") or math.nan
+
+    @property
+    def alone(self) -> bool:
+        """Whether it was timed by itself, and not on a stage: beside drawing, estimates and other visitors."""
+        return self.source != LIVE
+
+    @property
+    def method(self) -> str:
+        return self.row["scene"]["method"]
+
+    @property
+    def status(self) -> str:
+        return self.row["status"]
+
+    @property
+    def broken(self) -> bool:
+        """Whether it went unstable or was lost: its error says nothing."""
+        return self.status in BROKEN
+
+    @property
+    def drawable(self) -> bool:
+        """Whether it can be a dot: a broken run, whose error is out of bounds, goes to the edge."""
+        return 0 < self.seconds < math.inf and (self.broken or (self.status == OK and self.size > 0))
+
+    def _relative(self, norms: dict) -> float | None:
+        largest = (norms.get("x") or {}).get("max")
+        return None if largest is None or not math.isfinite(largest) else largest / self.scene.size_of("x")
+
+
+class Runs:
+    """The rows of one visitor. Any thread may add and read; ``version`` grows with every change."""
+
+    def __init__(self, most: int = MOST_RUNS):
+        self._lock, self._most = threading.Lock(), most
+        self._runs: dict[str, NumberedRun] = {}
+        self._numbers = self.version = 0
+
+    def add(self, row: dict, source: str) -> None:
+        """Take a row in. A scene that is there keeps its number and the row that says most (``KNOWN``), and a row that
+        was lost replaces none."""
+        key = row["key"]
+        with self._lock:
+            before = self._runs.get(key)
+            if before and (KNOWN[before.source] > KNOWN[source] or row["status"] == FAILED):
+                return
+            if before is None:
+                self._numbers += 1
+                if len(self._runs) >= self._most:
+                    del self._runs[next(iter(self._runs))]
+            self._runs[key] = NumberedRun(before.number if before else self._numbers, source, row)
+            self.version += 1
+
+    def all(self) -> list[NumberedRun]:
+        """Every run, by number."""
+        with self._lock:
+            return sorted(self._runs.values(), key=lambda run: run.number)
+
+    def find(self, number: int) -> NumberedRun | None:
+        return next((run for run in self.all() if run.number == number), None)
+
+
+def csv_bytes(runs: Sequence[NumberedRun]) -> bytes:
+    """The rows as ``mpm-lab sweep`` writes them, after the number and the source."""
+    return table.csv_text({"run": run.number, "source": run.source, **run.row} for run in runs).encode()
+
+
+class LiveRows:
+    """Watches the frames of one session. The stage runs on for ever; a row covers the scene's own length."""
+
+    def __init__(self) -> None:
+        self._done = False
+
+    def follow(self, report: FrameReport, history: History) -> dict | None:
+        """The run's row when this frame ends it or it has stopped, once; else None. A lost run goes to its end."""
+        if report.fresh:
+            self._done = False
+        if self._done:
+            return None
+        scene = report.scene
+        ended = report.time >= scene.end_time - 0.5 * scene.time_step
+        if not (ended or report.status == UNSTABLE) or history.scene != scene or not report.step:
+            return None
+        self._done = True
+        return live_row(report, history)
+
+
+def live_row(report: FrameReport, history: History) -> dict:
+    """A row like those of ``solvers.study.row``, with the errors up to the end of the scene. Its seconds are those of
+    all that the engine computes; the bare method's are not known."""
+    scene, series = report.scene, history.series
+    status = report.status
+    if report.since is None or report.since > scene.end_time:
+        status = OK
+    elif status == UNSTABLE and report.time > scene.end_time:  # at the end of the scene it was lost only
+        status = LOST
+    steps = report.step if status == UNSTABLE else scene.steps
+    within = series["time"] <= (steps + 0.5) * scene.time_step
+    valid = [name for name in scene.active_estimators if name not in report.not_valid]
+    seconds = 1e-6 * steps * report.particles / report.rate if report.rate > 0 else None
+    task = task_of(scene, version=__version__)
+    return {
+        **of_scene(task, scene), "status": status, "reason": None if status == OK != report.status else report.reason,
+        "t": steps * scene.time_step, "steps": steps,
+        "particles": report.particles, "particle_steps": steps * report.particles,
+        "error": {q: summary(series[f"error_{q}"][within]) for q in QUANTITIES},
+        "estimate": {name: {q: summary(series[f"{name}/estimate_{q}"][within]) for q in QUANTITIES} for name in valid},
+        **{ratio: {name: {q: _last(series[f"{name}/{ratio}_{q}"][within]) for q in QUANTITIES} for name in valid}
+           for ratio in RATIOS},
+        "not_valid": dict(report.not_valid), "effects": list(scene.effects),
+        "seconds": {"full": seconds}, "rate": report.rate or None, "arch": report.arch, "version": __version__}
+
+
+def _last(values: np.ndarray) -> float | None:
+    return float(values[-1]) if len(values) and np.isfinite(values[-1]) else None
+
+
+def bare(scene: Scene) -> Scene:
+    """The scene without what a search brings with it."""
+    return replace(scene, velocity="grid", estimators=(), effects=(), dt=None, sample_every=None)
+
+
+@functools.lru_cache(maxsize=1000)  # asked again and again, of each run
+def question(scene: Scene) -> dict:
+    """What an advice depends on, of the scene that it is asked for."""
+    return {"problem": scene.problem} | {name: value for name, value in task_of(bare(scene)).inputs.items()
+                                         if name not in CHOSEN}
+
+
+def comparable(runs: Sequence[NumberedRun], scene: Scene) -> list[NumberedRun]:
+    """Those that compute what the scene computes, by whatever method and remedies: the others' errors and times are
+    answers to another question."""
+    asked = question(replace(scene, remedies=()))
+    return [run for run in runs if run.row["problem"] == scene.problem
+            and question(replace(run.scene, remedies=())) == asked]
+
+
+def staged(runs: Sequence[NumberedRun], scene: Scene) -> NumberedRun | None:
+    """The one that computes the very scene, whatever else is asked of it: where it was timed alone, if so."""
+    own = [run for run in runs if run.drawable and _computed(run.scene) == _computed(scene)]
+    return next((run for run in own if run.alone), own[0] if own else None)
+
+
+@functools.lru_cache(maxsize=1000)
+def _computed(scene: Scene) -> tuple[Scene, float]:
+    return replace(scene, estimators=(), effects=(), dt=None, cfl=None, sample_every=None), scene.time_step
+
+
+def measured(runs: Sequence[NumberedRun]) -> list[NumberedRun]:
+    """Those that have an error or an estimate, and a time that was taken alone."""
+    return [run for run in runs if run.alone and run.drawable and not run.broken]
+
+
+def front(runs: Sequence[NumberedRun]) -> list[NumberedRun]:
+    """Those that none beats in both error and time, by time."""
+    known = measured(runs)
+    return [known[k] for k in pareto([run.seconds for run in known], [run.size for run in known])]
+
+
+def cheapest(runs: Sequence[NumberedRun], tolerance: float) -> NumberedRun | None:
+    """The cheapest with an error of ``tolerance`` times A at most."""
+    return next((run for run in front(runs) if run.size <= tolerance), None)

@@ -1,0 +1,162 @@
+"""What a lesson tells its reader to do, as buttons that do it: "Set **Cells** to `80`" on a line of its own. The words
+are those of the language that is spoken: a lesson's own."""
+
+import itertools
+import re
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from html import unescape
+from typing import Protocol
+
+import viser
+
+from app import words
+from app.frame.budget_chart import QUESTION
+from app.language.translation import ENGLISH, carried, kept, language, later, speaking, tr
+from app.lessons.markdown_html import FIELDS, SENTENCES
+from app.state import State
+from app.words import size_in, unit_of
+from solvers.scene.scene import Scene
+
+
+class Hands(Protocol):
+    """The controls, as :class:`~app.page.controls.Controls` has them."""
+
+    @property
+    def state(self) -> State:
+        """What the visitor sees."""
+
+    def show(self, state: State) -> None:
+        """Put all of a state on the stage."""
+
+    def offer(self, controls: tuple[str, ...], place: viser.GuiFolderHandle | None = None) -> None:
+        """Show only these controls, in another place than their own tab; all, and there, where nothing is given."""
+
+    def change(self, field: str, said: str, meant: Callable[[Scene], object]) -> None:
+        """Set a field of the scene to what the lesson has ``said``."""
+
+    def look(self, quantity: str = "", estimator: str = "") -> None:
+        """Show the error of a quantity, or as an estimator sees it."""
+
+    def press(self, name: str) -> None:
+        """What the button of this name in the deck does."""
+
+
+STAGE = later("On the stage")  # pressed it puts the step's run there; chosen, an estimator
+LOOKS, PRESSED = (later("Error of"), STAGE), (later("Play"), later("Pause"), later("Reset"), later("Step"))
+ASKED = QUESTION  # pressed it opens the error budget, by the page's script (``js/budget.js``)
+NAMES = (*FIELDS, *LOOKS, *PRESSED, ASKED)
+
+
+@dataclass(frozen=True)
+class Act:
+    """Such as to "Set" what is called "Cells" to "80"; what is pressed has no value. Verb and name are English, the
+    value is in the ``language`` of the text."""
+
+    verb: str
+    name: str
+    value: str
+    language: str = ENGLISH
+
+    @property
+    def known(self) -> bool:
+        """Whether a button can do it; the reader does the rest."""
+        if self.verb == "Press":
+            return self.name in PRESSED
+        return bool(self.value) and (self.name in FIELDS or self.name in LOOKS)
+
+
+def put() -> str:
+    """The button that puts a step's run on the stage."""
+    return f"<button type='button' class='lab-act lab-put' data-act='stage'>{tr(STAGE)}</button>"
+
+
+def who() -> str:
+    """The button that asks who made the error."""
+    return f"<button type='button' class='lab-act' data-act='budget'>{tr(ASKED)}</button>"
+
+
+def found(html: str) -> list[Act]:
+    """What can be done of what a step's html asks for, in its order."""
+    return [act for act in map(_act, _lines().finditer(html)) if act.known]
+
+
+def with_buttons(html: str) -> str:
+    """The html with a button in the place of each act that :func:`found` gives, of the one that puts the step's run on
+    the stage, and of that which asks who made its error."""
+    count = itertools.count()
+
+    def button(line: re.Match[str]) -> str:
+        act = _act(line)
+        if (act.verb, act.name) == ("Press", STAGE):
+            return f"<li class='lab-to-do'>{put()}</li>"
+        if (act.verb, act.name) == ("Press", ASKED):
+            return f"<li class='lab-to-do'>{who()}</li>"
+        if not act.known:
+            return line[0]
+        name, value = (f"<b>{part}</b>" for part in _parts(line))
+        return f"<li class='lab-to-do'><button type='button' class='lab-act' data-act='{next(count)}'>" \
+               f"{tr(SENTENCES[act.verb]).format(name=name, value=value)}</button></li>"
+
+    return _lines().sub(button, html)
+
+
+@kept(8)
+def _lines() -> re.Pattern[str]:
+    """The lines of html that are acts."""
+    patterns = {verb: re.escape(tr(sentence)).replace(r"\{name\}", rf"<strong>(?P<{verb}_name>[^<]+)</strong>").replace(
+        r"\{value\}", rf"<code>(?P<{verb}_value>[^<]+)</code>") for verb, sentence in SENTENCES.items()}
+    told = "|".join(f"(?P<{verb}>{pattern})" for verb, pattern in patterns.items())
+    return re.compile(rf"<li>\s*(?:<p>)?(?:{told})\.?(?:</p>)?\s*</li>")
+
+
+def _parts(line: re.Match[str]) -> tuple[str, str]:
+    """Name and value as they stand there."""
+    said = line.groupdict()
+    return said[f"{line.lastgroup}_name"], said.get(f"{line.lastgroup}_value") or ""
+
+
+def pressed(said: object, step: int, known: Sequence[Act]) -> Act | str | None:
+    """What of the step that is shown a browser says is pressed, by the step's number and the act's, which may be
+    anything: one of the acts, or :data:`STAGE` for the step's run."""
+    if not isinstance(said, list) or len(said) != 2 or said[0] != step:
+        return None
+    number = said[1]
+    if number == "stage":
+        return STAGE
+    return known[number] if type(number) is int and 0 <= number < len(known) else None
+
+
+def _act(line: re.Match[str]) -> Act:
+    name, value = map(unescape, _parts(line))
+    known = {tr(one): one for one in NAMES}
+    return Act(f"{line.lastgroup}", known.get(name, name), value, language())
+
+
+def do(act: Act, controls: Hands) -> None:
+    """Do it as the reader would with the widget."""
+    if act.verb == "Press":
+        controls.press(act.name)
+    elif act.name in LOOKS:
+        with speaking(act.language):
+            quantities = {str(quantity): key for key, quantity in words.QUANTITIES.items()}
+        if act.name == "Error of":
+            controls.look(quantity=quantities[act.value])
+        else:
+            controls.look(estimator=act.value)
+    else:
+        controls.change(FIELDS[act.name], f"{tr(act.name)} {act.value}", carried(_meant(act), act.language))
+
+
+def _meant(act: Act) -> Callable[[Scene], object]:
+    """What the value is of a scene's field; ValueError where it has none such."""
+    field = FIELDS[act.name]
+
+    def of(scene: Scene) -> object:
+        names = words.choices(type(scene), field)
+        if names:
+            return next((code for code, name in names.items() if name == act.value), act.value)
+        number = size_in(act.value, unit_of(type(scene), field))
+        return int(number) if number.is_integer() and field in ("cells", "ppc") else number
+
+    return of

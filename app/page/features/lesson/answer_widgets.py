@@ -1,0 +1,132 @@
+"""The widgets by which a question of a lesson is answered."""
+
+import math
+from collections.abc import Callable
+from contextlib import suppress
+from typing import Any
+
+import viser
+
+from app.language.translation import tr
+from app.lessons import lesson
+from app.lessons.lesson import Numbers, Question, Step, filled
+from app.page.features.lesson import step_html as page
+from app.words import PREFIXES, SYMBOLS, size_in, with_unit
+from solvers.scene.scene import Scene
+from solvers.untrusted import number_parsing
+
+SHORT = 4  # digits of a number that is read beside a stage
+LOGARITHMIC = "<i class='lab-logarithmic'></i>"  # a slider whose number box would show a logarithm, and is hidden
+
+
+class AnswerWidgets:
+    """Made where the gui stands. ``value`` is what they say now: None, or a text, where it is no answer yet. A control
+    that has been moved on the stage is answered with what the ``stage`` has. ``lang`` is html's attribute of that name
+    for what the lesson says, or ""."""
+
+    def __init__(self, gui: viser.GuiApi, step: Step, numbers: Numbers, answer: Any, fixed: bool,
+                 stage: Callable[[], Scene], lang: str = ""):
+        self._asked, self._stage = step.asked, stage
+        self._chosen: int | None = answer if self._asked.kind == lesson.CHOICE else None
+        self.texts: list[viser.GuiTextHandle] = []
+        self._said: viser.GuiHtmlHandle | None = None
+        self._slider: Any = None
+        asked = self._asked
+        if asked.kind == lesson.CHOICE:
+            options = [filled(option, numbers) for option in asked.options]
+            gui.add_html(page.choices_html(options, answer, fixed, step.key, lang))
+        elif asked.kind == lesson.DRAG:
+            self._said = gui.add_html("")
+            if step.kind == lesson.PREDICT:  # of a run that has not been yet
+                self._build_slider(gui, answer, fixed)
+            self.refresh()
+        elif asked.kind == lesson.INTERVAL:
+            ends = answer or ("", "")
+            self.texts = [gui.add_text(f"{side}{f', {asked.unit}' * bool(asked.unit)}", _shown(end), disabled=fixed,
+                                       hint=_hint(asked))
+                          for side, end in zip((tr("At least"), tr("At most")), ends, strict=True)]
+        else:
+            label = tr("Answer, {unit}", unit=asked.unit) if asked.unit else tr("Answer")
+            self.texts = [gui.add_text(label, _shown(answer), multiline=asked.kind == lesson.TEXT, disabled=fixed,
+                                       hint=_hint(asked))]
+
+    @property
+    def value(self) -> Any:
+        asked = self._asked
+        if asked.kind == lesson.CHOICE:
+            return self._chosen
+        if asked.kind == lesson.DRAG:
+            return self._there
+        found = [text.value if asked.kind == lesson.TEXT else number(text.value, asked.unit) for text in self.texts]
+        return found if asked.kind == lesson.INTERVAL else found[0]
+
+    def choose(self, option: Any) -> None:
+        """The visitor has chosen an option, counted from 1: believed only as far as there is one."""
+        if self._asked.kind == lesson.CHOICE and type(option) is int and 1 <= option <= len(self._asked.options):
+            self._chosen = option
+
+    def refresh(self) -> None:
+        """Say what the stage has now."""
+        if self._said is None:
+            return
+        there, name = self._there, _called(self._asked.control)
+        if there is None:
+            told = tr("The stage has no {name}: put the run there first.", name=name)
+        else:
+            value = in_unit(there, self._asked.unit)
+            told = tr("You say {name} = <b>{value}</b>", name=name, value=value) if self._slider else \
+                tr("The stage has {name} = <b>{value}</b>", name=name, value=value)
+        self._said.content = f"<div class='lab-lesson lab-there'>{told}</div>"
+
+    @property
+    def _there(self) -> float | None:
+        """The control's value, in the question's unit, which is the scene's own."""
+        control = self._asked.control
+        if self._slider is not None:
+            at = float(self._slider.value)
+            return float(f"{10**at:.3g}") if control in lesson.POWERS else round(at)
+        scene = self._stage()
+        if control == "amplitude" and control not in scene.moved_by:
+            return None
+        found = scene.courant_number if control == "cfl" else getattr(scene, control)
+        return None if found is None else float(found)
+
+    def _build_slider(self, gui: viser.GuiApi, answer: Any, fixed: bool) -> None:
+        control = self._asked.control
+        low, high, step = lesson.REACH[control]
+        start = 0.5 * (low + high) if answer is None else math.log10(answer) if control in lesson.POWERS else answer
+        start = low + step * round((start - low) / step)
+        if control in lesson.POWERS:
+            gui.add_html(LOGARITHMIC)
+        self._slider = gui.add_slider(_called(control), low, high, step, start, disabled=fixed)
+        self._slider.on_update(lambda _: self.refresh())
+
+
+def in_unit(value: float, unit: str) -> str:
+    return with_unit(value, unit, SHORT) if unit else f"{value:.{SHORT}g}"
+
+
+def number(text: str, unit: str) -> float | None:
+    """A number, also with a decimal comma, or a size as the page writes it: 2.75 mm/s."""
+    plain = text.strip().replace(",", ".").replace("−", "-")
+    with suppress(ValueError):
+        return number_parsing.real(plain)
+    for power, prefix in PREFIXES.items():  # that unit, or another of its prefixes: 330 nm where µm are asked for
+        with suppress(ValueError):
+            if unit.startswith(prefix) and unit != prefix:
+                return size_in(plain, unit.removeprefix(prefix)) / 1000.0**power
+    return None
+
+
+def _shown(answer: Any) -> str:
+    return "" if answer is None else answer if isinstance(answer, str) else f"{answer:g}"
+
+
+def _hint(asked: Question) -> str | None:
+    return tr("a number in {unit}; as the page writes it, with its unit, will do", unit=asked.unit) if asked.unit \
+        else None
+
+
+def _called(control: str) -> str:
+    """What is dragged, with its symbol."""
+    return f"{tr(lesson.NAMES[control])} {SYMBOLS.get(control, '')}".strip()

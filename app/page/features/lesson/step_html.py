@@ -1,0 +1,185 @@
+"""Html of a lesson's steps. What a visitor has written is escaped here, and nowhere is it put in otherwise."""
+
+import re
+from collections.abc import Mapping, Sequence
+from html import escape
+from string import ascii_lowercase
+
+from app.language.translation import language, later, speaking, tr, trn
+from app.lessons import catalogue
+from app.lessons.answer_check import AnswerMark, shown
+from app.lessons.bet_chart import Lines, drawn, scored
+from app.lessons.bets import Bettor
+from app.lessons.duration import told
+from app.lessons.lesson import CHOICE, TEXT, TITLES, Lesson, Numbers, Step, filled
+from app.lessons.markdown_html import html
+from app.lessons.student_progress import Answer, Progress
+from app.page.features.lesson import action_buttons, core
+
+FIGURE = re.compile(r"(<img [^>]*>)")
+#: Of marks the name in the style, the sign, and what it says.
+SIGNS = {True: ("right", "✓", later("right")), False: ("wrong", "✗", later("not so")), None: ("unmarked", "", "")}
+
+
+def shelf_html(lessons: Mapping[str, Lesson]) -> str:
+    """What there is to choose from. How far one has come in each only the browser knows (``js/lessons.js``)."""
+    in_core = {name: " ".join(str(number) for number, step in enumerate(lesson.steps, 1) if step.core)
+               for name, lesson in lessons.items()}
+    rows = "".join(
+        f"<li><button type='button' class='lab-open' data-lesson='{escape(name)}' data-steps='{len(lesson.steps)}' "
+        f"data-core='{in_core[name]}' data-fingerprint='{lesson.fingerprint}'>"
+        f"<span class='lab-number'>{k}</span><b{lang(lesson)}>{escape(lesson.title)}</b>"
+        f"<small>{told(lesson)}</small><small class='lab-come'></small></button></li>"
+        for k, (name, lesson) in enumerate(lessons.items(), 1))
+    return f"<div class='lab-lesson lab-shelf'><p>{tr('You predict, run, observe, and then read why.')}</p>" \
+           f"<div class='lab-go-on'></div><ol>{rows}</ol></div>"
+
+
+def lang(lesson: Lesson) -> str:
+    """The attribute of what a lesson says where that is not in the language that is spoken."""
+    return "" if lesson.language == language() else f" lang='{lesson.language}'"
+
+
+def head_html(lesson: Lesson, progress: Progress) -> str:
+    """Title, and how far one has come."""
+    return f"<div class='lab-lesson lab-lesson-head'><i class='lab-studying'></i>" \
+           f"<b{lang(lesson)}>{escape(lesson.title)}</b>{core.where(lesson, progress)}</div>"
+
+
+def intro_html(lesson: Lesson, numbers: Numbers, teacher: bool) -> str:
+    """The lesson's beginning: what it is for, and its first words."""
+    goals = "".join(f"<li>{escape(goal)}</li>" for goal in lesson.goals)
+    known = catalogue.lessons()
+    before = [f"<span{lang(known[name])}>{escape(known[name].title)}</span>" if name in known and lang(known[name]) else
+              escape(known[name].title if name in known else name) for name in lesson.prerequisites]
+    first = tr("Do before: {lessons}.", lessons="; ".join(before))
+    needs = f"<p>{first}</p>" if before else ""
+    only = f"<p>{tr('This lesson is in English.')}</p>" if lang(lesson) else ""
+    return f"<div class='lab-lesson'>{only}<p>{core.takes(lesson)}</p><ul{lang(lesson)}>{goals}</ul>{needs}" \
+           f"{_own(lesson, text_html(lesson.intro, numbers))}{_notes(lesson, lesson.notes, teacher)}</div>"
+
+
+def step_html(lesson: Lesson, step: Step, numbers: Numbers, before: str, teacher: bool) -> str:
+    """A step's text, below what is said ``before`` it, which is html. What it asks for is a button that does it."""
+    kind = f"<span class='lab-kind lab-kind-{step.kind}'>{tr(TITLES[step.kind])}</span>"
+    deeper = "" if step.core else core.deeper()
+    title = f"<h2{lang(lesson)}>{escape(filled(step.title, numbers))}</h2>"
+    with speaking(lesson.language):
+        text = action_buttons.with_buttons(text_html(step.text, numbers))
+        if step.stage and action_buttons.put() not in text:
+            text += f"<p>{tr('The run that this is about:')}</p>{action_buttons.put()}"
+    return f"<div class='lab-lesson' data-step='{lesson.steps.index(step) + 1}'>{kind}{deeper}{title}" \
+           f"{before}{_own(lesson, text)}{_notes(lesson, step.notes, teacher)}</div>"
+
+
+def choices_html(options: Sequence[str], chosen: int | None, fixed: bool, key: str, lang: str = "") -> str:
+    """A question's options, of which one is ``chosen``, counted from 1; ``key`` tells them from those of another,
+    ``lang`` is html's attribute of that name, or ""."""
+    rows = "".join(
+        f"<label class='lab-choice'><input type='radio' name='lab-answer' value='{k}' data-question='{escape(key)}'"
+        f"{' checked' * (k == chosen)}{' disabled' * fixed}><span{lang}><b>{letter})</b> {escape(option)}</span>"
+        "</label>"
+        for k, (letter, option) in enumerate(zip(ascii_lowercase, options, strict=False), 1))
+    return f"<div class='lab-lesson lab-choices' role='radiogroup' aria-label='{tr('Answer')}'>{rows}</div>"
+
+
+def compared_html(lesson: Lesson, steps: Sequence[Step], answers: Mapping[str, Answer],
+                  marks: Mapping[str, AnswerMark | str], numbers: Numbers) -> str:
+    """Each answer beside what came out; ``marks`` has a sentence where there is no mark yet."""
+    rows, own = [], lang(lesson)
+    for step in steps:
+        asked, answer = step.question, answers.get(step.key)
+        if asked is None or answer is None:
+            continue
+        mark = marks.get(step.key, tr("being worked out …"))
+        if isinstance(mark, str):
+            out = f"<td colspan='2'>{escape(mark)}</td>"
+        else:
+            kind, sign, word = SIGNS[mark.right]
+            came = tr("for your teacher") if asked.kind == TEXT else escape(scored(mark))
+            word = tr(word) if word else ""
+            out = f"<td{own if asked.kind == CHOICE else ''}>{came}</td>" \
+                  f"<td class='lab-{kind}' title='{word}' aria-label='{word}'>{sign}</td>"
+        said = escape(filled(shown(asked, answer.first), numbers))
+        rows.append(f"<tr><th scope='row'{own}>{escape(filled(step.title, numbers))}</th>"
+                    f"<td{own if asked.kind == CHOICE else ''}>{said}</td>{out}</tr>")
+    if not rows:
+        return ""
+    heads = "".join(f"<th scope='col'>{name}</th>" for name in (tr("question"), tr("you said"), tr("came out"),
+                                                                 tr("mark")))
+    return f"<table class='lab-compared'><tr>{heads}</tr>{''.join(rows)}</table>"
+
+
+def taken_html(lesson: Lesson, step: Step, answer: Answer, numbers: Numbers, comment: str, right: bool | None) -> str:
+    """That the answer of a step has been taken: what it was, and what is to be said of it. It is read out by
+    ``js/lesson_aloud.js``."""
+    said, own = filled(shown(step.asked, answer.last), numbers), lang(lesson) if step.asked.kind == CHOICE else ""
+    kind, sign, word = SIGNS[right]
+    mark = f" <span class='lab-{kind}'>{sign} {tr(word)}</span>" if sign else ""
+    return f"<div class='lab-lesson lab-recorded'>{tr('Your answer:')} <b{own}>{escape(said)}</b>{mark} " \
+           f"{escape(comment)}</div>"
+
+
+def end_html(lesson: Lesson, progress: Progress, marks: Mapping[str, AnswerMark | str], numbers: Numbers,
+             paced: bool) -> str:
+    """The end: all answers, what to do with them, in a class that is ``paced`` by a board or without, and what there is
+    more."""
+    table = compared_html(lesson, list(lesson.questions.values()), progress.answers, marks, numbers)
+    missing = sum(step.question is not None and step.key not in progress.answers for step in lesson.walk(progress.core))
+    open_ones = trn("{count} question is still open; go back to answer.",
+                    "{count} questions are still open; go back to answer.", missing)
+    left = f"<p>{open_ones}</p>" if missing else ""
+    more = core.left(lesson) if progress.core and not paced else ""
+    what = tr("<b>Hand in</b> saves a file with your answers and times, and your name if you have given one. Nothing "
+              "is sent to anybody.")
+    if paced:
+        what = tr("<b>Hand in</b> saves a file with your answers and times, without a name; they are not kept "
+                  "otherwise.")
+    return f"<div class='lab-lesson'><h2>{tr('The end')}</h2>{left}{table}<p>{what}</p>{more}</div>"
+
+
+def text_html(markdown: str, numbers: Numbers) -> str:
+    """Of a lesson, its figures as buttons that show them large."""
+    name, short = tr("enlarge the figure"), tr("enlarge")
+    return FIGURE.sub(rf"<button type='button' class='lab-enlarge' aria-label='{name}'>\1"
+                      rf"<span aria-hidden='true'>{short}</span></button>",
+                      html(filled(markdown, numbers), catalogue.FOLDER))
+
+
+def _notes(lesson: Lesson, notes: str, teacher: bool) -> str:
+    return f"<aside class='lab-teacher'><b>{tr('Teacher')}</b>{_own(lesson, html(notes, catalogue.FOLDER))}</aside>" \
+        if notes and teacher else ""
+
+
+def _own(lesson: Lesson, words: str) -> str:
+    """What a lesson says, as html, so that a browser knows in which language it is."""
+    return f"<div{lang(lesson)}>{words}</div>" if lang(lesson) else words
+
+
+WAITED_FOR = later("Bets are being laid beside the truth …")
+ROW, OWN_ROW = 7, 12  # pixels from a line to the next: of a judge, of the visitor
+
+
+def bets_html(bettors: Sequence[Bettor] | str) -> str:
+    """The picture, or the sentence that stands in its place; "" of nobody."""
+    if isinstance(bettors, str):
+        return f"<p class='lab-bets-later'>{escape(tr(bettors))}</p>"
+    if not bettors:
+        return ""
+    picture = drawn(bettors)
+    rows = "".join(map(_row, picture.bettors))
+    axis = "".join(f"<span>{text}</span>" for _, text in picture.ticks)
+    return f"<figure class='lab-bets'><figcaption>{picture.said}</figcaption>{rows}" \
+           f"<div class='lab-bets-axis' aria-hidden='true'>{axis}</div></figure>"
+
+
+def _row(bettor: Lines) -> str:
+    """One bettor: who, how it went, and the lines."""
+    high = OWN_ROW if bettor.own else ROW
+    lines = "".join(
+        f"<line class='{'lab-held' if line[2] else 'lab-missed'}' x1='{line[0]:.2f}%' x2='{line[1]:.2f}%' "
+        f"y1='{(k + 0.5) * high:g}' y2='{(k + 0.5) * high:g}'/>" for k, line in enumerate(bettor.lines) if line)
+    label = escape(f"{bettor.name}: {bettor.told}", quote=True)
+    return f"<div class='lab-bettor'><b>{escape(bettor.name)}</b> <span>{escape(bettor.told)}</span>" \
+           f"<svg role='img' aria-label='{label}' height='{high * len(bettor.lines)}'>" \
+           f"<line class='lab-bets-truth' x1='50%' x2='50%' y1='0' y2='100%'/>{lines}</svg></div>"

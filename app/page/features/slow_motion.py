@@ -1,0 +1,243 @@
+"""One step in slow motion: the panel that walks through its phases, and the thread that moves the picture."""
+
+import logging
+import threading
+from collections.abc import Callable
+from dataclasses import replace
+from html import escape
+
+import viser
+
+from app.frame.headline import Said
+from app.frame.layout import Rectangle
+from app.frame.primitives import Room
+from app.frame.slow_motion.stage import DIGITS, SlowStage
+from app.frame.slow_motion.step_phases import PHASES, scaled
+from app.language.translation import carried, tr
+from app.page.canvas import Canvas
+from app.page.display_source import Choice, Picture, Sight, Source
+from app.page.panels.page_header import BARE
+from app.page.visit.session import Session
+from app.problems.views import VIEWS
+from solvers.engine.engine_messages import FrameReport
+from solvers.scene.scene import Scene
+from solvers.solver.step_breakdown import StepBreakdown
+
+NO_BREAK = "\N{NO-BREAK SPACE}"
+TICK = 0.06  # seconds between two pictures
+SECONDS = (1.0, 10.0, 3.0)  # that a phase takes: least, most, at first
+MOVING = 0.7  # share of them in which things move; then they rest, to be read
+LAST = len(PHASES) - 1
+
+
+class SlowMotion:
+    """The mode of one visitor. While it is ``on`` the run rests; while it is ``showing`` a step, the ordinary stage is
+    to be hidden, and ``on_view`` is called when that changes. It ends when something else moves the run on."""
+
+    def __init__(self, client: viser.ClientHandle, canvas: Canvas, session: Session, on_view: Callable[[], None]):
+        self._client, self._canvas, self._session, self._on_view = client, canvas, session, on_view
+        self._lock = threading.RLock()
+        self._over = threading.Event()  # of the thread that draws while the mode is on
+        self._stages: dict[str, SlowStage] = {}  # made when they are first needed
+        self._step: tuple[Scene, StepBreakdown] | None = None
+        self.on = self._walking = False
+        self.sentence = Said()  # that says what is on the stage, while the mode is on
+        self._phase, self._s, self._seconds, self._asked = 0, 0.0, SECONDS[2], 0
+        self._drawn: tuple[int, float, Room] | None = None  # phase, how far it is, and in which room
+
+    @property
+    def showing(self) -> bool:
+        """Whether there is a step on the stage."""
+        return self._step is not None
+
+    @property
+    def rectangle(self) -> Rectangle | None:
+        """Of what is drawn while there is a step on the stage."""
+        step = self._step  # without the lock: who draws asks, whom those wait for that hold it
+        return None if step is None else self._stages[step[0].problem].rectangle
+
+    def build(self, gui: viser.GuiApi) -> None:
+        """Make the widgets, for the session's present scene."""
+        least, most, _ = SECONDS
+        with self._lock, gui.add_folder(tr("One step in slow motion"), expand_by_default=False):
+            self._box = gui.add_checkbox(tr("Slow motion"), self.on, hint=tr(
+                "pause, take one time step and show its phases on the stage, around one particle; every number is the "
+                "solver's own"))
+            acts = {tr("Back"): self.back, tr("Forward"): self.forward, tr("Walk"): lambda: self._walk(True),
+                    tr("Hold"): lambda: self._walk(False)}
+            gui.add_html(BARE)
+            buttons = gui.add_button_group(tr("Phase"), tuple(acts))
+            seconds = gui.add_slider(tr("Seconds a phase"), least, most, 0.5, self._seconds,
+                                     hint=tr("how long Walk shows each phase, before it goes on by itself"))
+            particles = self._session.scene.particles
+            self._particle = gui.add_number(tr("Particle"), particles // 3, min=0, max=particles - 1, step=1,
+                                            hint=tr("the one in front of the others"))
+            self._text = gui.add_html("")
+        self._box.on_update(lambda event: self._switch(event.target.value) if event.client else None)
+        buttons.on_click(lambda event: acts[event.target.value]())
+        seconds.on_update(lambda event: self._pace(event.target.value))
+        self._particle.on_update(lambda event: self._again() if event.client else None)
+
+    def follow(self, report: FrameReport) -> None:
+        """A frame has come: perhaps with a step to show, perhaps because the run has gone on."""
+        with self._lock:
+            if not self.on or report.number < self._asked:
+                return
+            if report.breakdown is not None:
+                problem = report.scene.problem
+                if problem not in self._stages:
+                    self._stages[problem] = VIEWS[problem].slow(self._canvas.sheet(f"/slow-{problem}"))
+                before, self._step, self._drawn = self._step, (report.scene, report.breakdown), None
+                if before is None or (before[0], before[1].step) != (report.scene, report.step):
+                    self._phase, self._s = 0, 0.0
+                if before is None:
+                    self._on_view()
+            elif report.fresh and not report.playing:  # another scene, or from the start
+                self._take()
+            else:
+                self._leave()
+
+    def forward(self) -> None:
+        """The next phase, or the next step."""
+        with self._lock:
+            if not self.on:
+                self._enter()
+            elif self._phase < LAST:
+                self._phase, self._s = self._phase + 1, 0.0
+            elif self._step is not None:
+                self._take()
+
+    def back(self) -> None:
+        """The phase before, as it ended."""
+        with self._lock:
+            self._walking = False
+            if self._phase > 0:
+                self._phase, self._s = self._phase - 1, 1.0
+
+    def end(self) -> None:
+        """Something else takes the stage."""
+        self._switch(False)
+
+    def close(self) -> None:
+        """The visitor has gone."""
+        self._over.set()
+
+    def _switch(self, on: bool) -> None:
+        with self._lock:
+            if on and not self.on:
+                self._enter()
+            elif not on and self.on:
+                self._leave()
+
+    def _walk(self, walking: bool) -> None:
+        with self._lock:
+            self._walking = walking
+            if walking and not self.on:
+                self._enter()
+
+    def _pace(self, seconds: float) -> None:
+        self._seconds = seconds
+
+    def _again(self) -> None:
+        """The same step, around another particle."""
+        with self._lock:
+            if self.on:
+                self._take(step=self._step is None)
+
+    def _enter(self) -> None:
+        self.on, self._box.value, self._over = True, True, threading.Event()  # type: ignore[misc]
+        self._take()
+        threading.Thread(target=carried(self._draw_loop), args=(self._over,), name="slow-motion", daemon=True).start()
+
+    def _leave(self) -> None:
+        self.on = self._walking = self._box.value = False  # type: ignore[misc]
+        self._over.set()
+        self._text.content, self.sentence = "", Said()
+        self._step = self._drawn = None
+        for stage in self._stages.values():
+            stage.sheet.visible = False
+        self._session.break_down(None)
+        self._on_view()
+
+    def _take(self, step: bool = True) -> None:
+        """Ask for the next step, or for the last one again; that is shown until the answer comes."""
+        particle = max(0, min(int(self._particle.value), self._session.scene.particles - 1))
+        self._asked = self._session.break_down(particle, step)
+
+    def _draw_loop(self, over: threading.Event) -> None:
+        while not over.wait(TICK):
+            try:
+                with self._lock:
+                    if not over.is_set() and self._step is not None:
+                        self._go_on(*self._step)
+            except Exception:  # one bad picture must not end the mode
+                logging.getLogger(__name__).exception("the step could not be drawn")
+
+    def _go_on(self, scene: Scene, step: StepBreakdown) -> None:
+        """Draw what there is to see after another tick."""
+        stage = self._stages[scene.problem]
+        now = self._phase, self._s, stage.sheet.room
+        if now != self._drawn:
+            if self._drawn is None or self._phase != self._drawn[0]:
+                self._text.content = _table(scene, step, self._phase)
+                phase = PHASES[self._phase]  # what happens in it, for above the stage
+                self.sentence = Said.of(tr("{n} of {all}: {title}.", n=self._phase + 1, all=len(PHASES),
+                                           title=tr(phase.title)), phase.words(scene))
+            along = min(1.0, self._s / MOVING)
+            with self._client.atomic():
+                stage.draw(scene, step, self._phase, along * along * (3 - 2 * along))
+                for problem, other in self._stages.items():
+                    other.sheet.visible = problem == scene.problem
+            self._canvas.lettering.send()
+            self._client.flush()
+            self._drawn = now
+        if self._s < 1:
+            self._s = min(1.0, self._s + TICK / self._seconds)
+        elif self._walking and (report := self._session.report) is not None and self._asked <= report.number:
+            self.forward()
+
+
+class SlowStep:
+    """The step that is shown (:class:`~app.page.display_source.Source`), on a stage of its own. What is said is of its
+    phase; the numbers are those of the ``run`` that rests meanwhile, which is drawn where nobody sees it."""
+
+    def __init__(self, slow: SlowMotion, run: Source):
+        self._slow, self._run = slow, run
+        self.numbers, self.notice = run.numbers, run.notice
+
+    @property
+    def on(self) -> bool:
+        return self._slow.showing
+
+    @property
+    def at_once(self) -> bool:
+        return bool(self._slow.sentence)
+
+    def sight(self, choice: Choice) -> Sight | None:
+        sight = self._run.sight(choice)
+        return sight and replace(sight, hidden=self._slow.rectangle)
+
+    def sentence(self, choice: Choice, picture: Picture) -> Said:
+        said = self._run.sentence(choice, picture)
+        return said and (self._slow.sentence or said)
+
+
+def _table(scene: Scene, a: StepBreakdown, phase: int) -> str:
+    """All the numbers of a phase: the equation in words, those of the particle, and the nodes' in a table."""
+    what = PHASES[phase]
+    names, rows = [tr("node at, m")], [[", ".join(f"{x:.4g}".replace("-", "−") for x in place) for place in a.nodes]]
+    for column in what.columns:
+        texts, unit = scaled(column.scale * column.values(a), column.unit, DIGITS[a.nodes.shape[1]])
+        name = tr(column.name)
+        names.append(f"{name}, {unit.replace(' ', NO_BREAK)}" if unit else name)
+        rows.append(texts)
+    head = "".join(f"<th>{escape(name)}</th>" for name in names)
+    body = "".join("<tr>" + "".join(f"<td>{escape(text)}</td>" for text in row) + "</tr>"
+                   for row in zip(*rows, strict=True))
+    front = "<br>".join(map(escape, what.front(scene, a)))
+    kind = "lab-slow lab-plane" if a.nodes.shape[1] > 1 else "lab-slow"
+    title = tr("Step {step}, phase {n} of {all}: {title}", step=a.step, n=phase + 1, all=len(PHASES),
+               title=escape(tr(what.title)))
+    return (f"<div class='{kind}'><b>{title}</b>"
+            f"<p>{tr('Particle {particle}: {numbers}', particle=a.particle, numbers=front)}</p>"
+            f"<table><tr>{head}</tr>{body}</table></div>")

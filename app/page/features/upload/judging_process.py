@@ -1,0 +1,126 @@
+"""A visitor's file while it is judged, in a process that nobody else needs, for a limited time; and the question of
+which problem its particles are, where they are not those of the problem on the stage."""
+
+import functools
+import secrets
+import threading
+from collections.abc import Callable
+from concurrent.futures import Future
+from dataclasses import asdict
+from html import escape
+from pathlib import Path
+
+import viser
+
+from app.language.message_translation import heard
+from app.language.translation import carried, later, tr
+from app.page.features.background_job import MOST_JOBS
+from app.page.visit.engine_links import MOST_WATCHED
+from app.words import on_page
+from solvers.judging.file_view import ShowRequest
+from solvers.judging.particle_readers import KINDS
+from solvers.problems import PROBLEMS
+from solvers.scene.scene import Scene
+from solvers.study.parameter_grid import task_of
+from solvers.untrusted.quoting import file_name
+from solvers.workers.worker_pool import Slots, WorkerPool
+from solvers.workers.worker_process import ProcessDied, TookTooLong
+
+PATIENCE = 180.0  # seconds that a file may take
+SLOTS = Slots(MOST_JOBS)  # files that are judged at once on this server
+ONE_THREAD = {"OPENBLAS_NUM_THREADS": "1", "OMP_NUM_THREADS": "1"}  # each would take its part of the memory
+BUSY = later("Other visitors' files keep this server busy; give yours again in a while")
+TOO_LONG = later("The file {file} takes more than {seconds:g} s to judge; give fewer times, or judge it with `mpm-lab "
+                 "judge`")
+FIRST = -1e9  # in the order of what stands in the panel
+ASKED, NEITHER = later("Which problem is your file of?"), later("None of these")
+
+
+class Judging:
+    """One file under way. ``on_message`` hears what the process says (``solvers.judging.file_view``), from another
+    thread, and a refusal where it is lost; nothing once it is :meth:`cancelled <cancel>`. A scene that was ``chosen``
+    holds whatever the file says."""
+
+    def __init__(self, name: str, file: Path, scene: Scene, on_message: Callable[["Judging", dict], None],
+                 slots: Slots = SLOTS, chosen: bool = False):
+        self.name, self._on_message, self._slots = file_name(name), on_message, slots
+        kind = Path(name).suffix.lower()
+        say = carried(self._say)
+        self.file = file.replace(file.with_name(f"particles{kind if kind in KINDS else '.unknown'}"))
+        self.table = file.with_name(f"table-{secrets.token_hex(4)}")
+        self._pool, self._cancelled = (
+            WorkerPool("solvers.judging.file_view:show", environment=ONE_THREAD),
+            threading.Event(),
+        )
+        if slots.take():
+            question = ShowRequest(str(self.file), self.name, task_of(scene).to_dict(), str(self.table), MOST_WATCHED,
+                                   chosen)
+            judged = self._pool.submit(asdict(question), say, PATIENCE)
+            self._pool.give_way()  # to the stages, which are everybody's
+            judged.add_done_callback(carried(self._end))
+        else:
+            threading.Thread(target=say, args=({"refused": tr(BUSY)},), name="judge", daemon=True).start()
+
+    @property
+    def process_id(self) -> int | None:
+        return next(iter(self._pool.process_ids), None)
+
+    def cancel(self) -> None:
+        """Nobody wants to know any more."""
+        self._cancelled.set()
+        self._pool.kill()
+
+    def _say(self, message: dict) -> None:
+        if not self._cancelled.is_set():
+            self._on_message(self, message)
+
+    def _end(self, judged: Future[dict]) -> None:
+        error = judged.exception()
+        if isinstance(error, TookTooLong):
+            self._say({"refused": tr(TOO_LONG, file=self.name, seconds=PATIENCE)})
+        elif isinstance(error, ProcessDied):
+            self._say({"refused": tr("The file {file} could not be judged: the process {has_ended}", file=self.name,
+                                      has_ended=heard(str(error)))})
+        elif isinstance(error, OSError):
+            self._say({"refused": tr("No process could be started: {reason}", reason=error.strerror or error)})
+        self._pool.close()
+        self._slots.give_back()
+
+
+def sentence(name: str, reason: str, problems: tuple[str, ...]) -> str:
+    """What is asked: why the file is not judged yet, and of what it could be."""
+    *others, last = (tr(PROBLEMS[problem].scene.TITLE) for problem in problems)
+    titles = last
+    if others:
+        before = functools.reduce(lambda before, next: tr("{before}, the {next}", before=before, next=next), others)
+        titles = tr("{before} or the {last}", before=before, last=last)
+    return tr("The file {file} {reason}. Is it of the {problems}?", file=name, reason=on_page(reason), problems=titles)
+
+
+class Question:
+    """Buttons with the problems that a file fits; ``on_choice`` is called with the one that is meant, or with None."""
+
+    def __init__(self, gui: viser.GuiApi, on_choice: Callable[[str | None], None]):
+        self._folder = gui.add_folder(tr(ASKED), order=FIRST, visible=False)
+        with self._folder:
+            self._text = gui.add_html("")
+            hint = tr("judge the file as a run of this problem")
+            self._buttons = {name: gui.add_button(tr("It is the {problem}", problem=tr(kind.scene.TITLE)), hint=hint)
+                             for name, kind in PROBLEMS.items()}
+            neither = gui.add_button(tr(NEITHER), hint=tr("leave the file aside"))
+        for problem, button in self._buttons.items():
+            button.on_click(lambda _, problem=problem: on_choice(problem))  # type: ignore[misc]
+        neither.on_click(lambda _: on_choice(None))
+
+    @property
+    def asked(self) -> bool:
+        return self._folder.visible
+
+    def ask(self, sentence: str, problems: tuple[str, ...]) -> None:
+        self._text.content = f"<div class='lab-own' role='status'><p>{escape(sentence)}</p></div>"
+        for problem, button in self._buttons.items():
+            button.visible = problem in problems
+        self._folder.visible = True
+
+    def end(self) -> None:
+        self._folder.visible = False

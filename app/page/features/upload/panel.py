@@ -1,0 +1,286 @@
+"""Your own code: a file of particles given to the page, its frames on the stage, and the way back."""
+
+import contextlib
+import threading
+from collections.abc import Callable
+from html import escape
+from pathlib import Path
+from time import monotonic
+
+import viser
+
+from app.frame.captions import NO_INDEX
+from app.frame.headline import Said
+from app.language.translation import carried, later, tr
+from app.page.display_source import Choice, Picture, Sight
+from app.page.features.upload.judging_process import FIRST, Judging, Question, sentence
+from app.page.features.upload.uploaded_run import JUDGE, OwnRun, headline, readout, scene_of, taken
+from app.page.panels.page_header import BARE
+from app.page.panels.timeline import Now
+from app.page.readout_panel import Numbers
+from app.page.stage.worst_region import WorstRegions
+from app.page.visit.session import Session, first_scene
+from app.page.visit.status_message import Notice
+from app.viewer.upload import LARGEST, TOO_LARGE, Upload
+from app.words import on_page
+from solvers.judging.file_view import Shown
+from solvers.judging.particle_readers import KINDS
+from solvers.scene.scene import Scene
+from solvers.study.parameter_grid import Task
+
+TO_BE_READ = 30.0  # seconds that a refusal is said; it stays beside the button
+FRAME_SECONDS = (0.12, 0.6)  # that a frame is seen, at least and at most
+LAST = 0.9e9  # in the order of what stands in the panel
+BACK, BACK_HINT = later("Back to our run"), later("go back to what was on the stage before")
+BUSY, ONE = later("A file is still on its way; wait until it is here."), later("Give one file at a time.")
+WHAT = later("Drop a file of particles anywhere on this page, or choose it ({kinds}; at most {most:g} MB): of the "
+             "problem and the settings above, run with any code, or a run of ours, which says its scene. It is judged, "
+             "and shown on the stage. <code>mpm-lab problem</code> writes all that a code needs.")
+
+
+class OwnCode:
+    """One visitor's. ``on_view`` is called when something else is to be drawn, ``on_begin`` before a file takes the
+    stage, ``on_scene`` with the scene of one that is of another problem than the stage. While one is :attr:`shown`
+    (:class:`~app.page.display_source.Source`), in the colours of all its times, the run rests; that ends when
+    something moves the run on."""
+
+    def __init__(self, client: viser.ClientHandle, session: Session, on_view: Callable[[], None],
+                 on_begin: Callable[[], None], on_scene: Callable[[Scene], None]):
+        gui = client.gui
+        self._session, self._on_view, self._on_begin, self._on_scene = session, on_view, on_begin, on_scene
+        self._lock = threading.RLock()
+        self._judging: Judging | None = None
+        self._run: OwnRun | None = None
+        self._k, self.playing, self._resumes = 0, False, False
+        self._moves: tuple = ()  # of the run that rests meanwhile
+        self._turn = threading.Event()  # ends the wait of the thread that plays
+        self._news: tuple[float, Notice] | None = None
+        large, busy, one = (escape(tr(text), quote=True) for text in (TOO_LARGE, BUSY, ONE))
+        gui.add_html(f"<i class='lab-upload' data-largest='{LARGEST}' data-too-large='{large}.' data-busy='{busy}' "
+                     f"data-one='{one}'></i>")
+        button = gui.add_upload_button(tr("file of particles"), mime_type=",".join(KINDS))
+        self._upload = Upload(gui, button, carried(self._arrived), carried(lambda text: self._refuse(tr(text))))
+
+    def build(self, gui: viser.GuiApi) -> None:
+        """Make the widgets, in their tab."""
+        with gui.add_folder(tr("Your own code, judged"), order=LAST, expand_by_default=False):
+            what = tr(WHAT, kinds=", ".join(KINDS), most=LARGEST / 1e6)
+            gui.add_html(f"<div class='lab-own'>{what}</div>")
+            gui.add_html("<i class='lab-choose'></i>")
+            gui.add_button(tr("Choose a file"), icon=viser.Icon.UPLOAD,
+                           hint=tr("of particles, as any code may write them"))
+            self._back = gui.add_button(tr(BACK), icon=viser.Icon.ARROW_BACK_UP, visible=False, hint=tr(BACK_HINT))
+            self._text = gui.add_html("")
+        self._back.on_click(lambda _: self.leave())
+        self._question = Question(gui, self._answer)
+        self._folder = gui.add_folder(tr("Your file on the stage"), order=FIRST, visible=False)
+        with self._folder:
+            self._slider = gui.add_slider(tr("Frame"), 1, 2, 1, 1,
+                                          hint=tr("the times in the file, one after the other"))
+            gui.add_html(BARE)
+            acts = {tr("Play"): lambda: self._play(True), tr("Pause"): lambda: self._play(False), tr(BACK): self.leave}
+            buttons = gui.add_button_group(tr("File"), tuple(acts), hint=tr(
+                "play the times in the file, or go back to what was on the stage before"))
+        self._slider.on_update(lambda event: self._go_to(event.target.value) if event.client else None)
+        buttons.on_click(lambda event: acts[event.target.value]())
+        self._upload.open()
+
+    @property
+    def shown(self) -> tuple[OwnRun, int] | None:
+        """The file on the stage and which of its frames is seen."""
+        run = self._run
+        return None if run is None else (run, min(self._k, len(run) - 1))
+
+    def follow(self) -> None:
+        """A frame of our run has come: if that is to move on, it is wanted."""
+        with self._lock:
+            if self._run is not None and self._session.moves != self._moves:
+                self._resumes = False
+                self.leave()
+
+    def notice(self) -> Notice | None:
+        """What is to be read now of a file, if anything."""
+        judging, news = self._judging, self._news
+        if coming := self._upload.coming:
+            return Notice("wait", f"{coming}.")
+        if judging is not None and self._run is None and not self._question.asked:
+            return Notice("wait", tr("The file {file} is being read and judged.", file=judging.name))
+        if news is None or (age := monotonic() - news[0]) > TO_BE_READ or self._session.untouched < age:
+            return None  # what the visitor has done since has its own answer
+        return news[1]
+
+    def leave(self) -> None:
+        """Back to our run, as it was."""
+        with self._lock:
+            if self._run is None:
+                return
+            self._let_go()
+            self._folder.visible = self._back.visible = False
+            self._say("")
+            if self._resumes:
+                self._session.play(True)
+        self._on_view()
+
+    def close(self) -> None:
+        """The visitor has gone."""
+        self._upload.close()  # first, and without the lock, for which a file that comes just now may wait
+        with self._lock:
+            self._let_go()
+        self._upload.clear()
+
+    def _let_go(self) -> None:
+        self._forget()
+        self._run, self.playing = None, False
+        self._turn.set()
+
+    def _forget(self) -> None:
+        """What is being judged; of what is seen already, the table stays until it is seen no more."""
+        if self._judging is not None:
+            self._judging.cancel()
+            with contextlib.suppress(OSError):
+                self._judging.table.unlink()
+        self._judging = None
+
+    def _arrived(self, name: str, file: Path) -> None:
+        with self._lock:
+            self._forget()
+            self._question.end()
+            self._news = None
+            self._judging = Judging(name, file, self._session.scene, self._hear)
+            self._say(tr("The file {file} is being read and judged …", file=self._judging.name))
+
+    def _hear(self, judging: Judging, message: dict) -> None:
+        if "frames" in message and judging is self._judging:
+            # A file that says another problem takes the page with it, whose controls are then of that.
+            own = Task(**Shown(**message["frames"]).task).scene()
+            if own.problem != self._session.scene.problem:
+                self._on_scene(scene_of(own, first_scene(own.problem)))
+        with self._lock:
+            if judging is not self._judging:
+                return
+            if sentence := message.get("refused"):
+                self._refuse(sentence)
+                if self._run is not None and self._run.table == judging.table:
+                    self._run.trouble = on_page(sentence)
+                else:
+                    self._forget()
+            elif asks := message.get("asks"):
+                self._ask(judging.name, asks["reason"], tuple(asks["problems"]))
+            elif "frames" in message:
+                self._show(OwnRun(judging.name, Shown(**message["frames"]), judging.table))
+            elif self._run is not None and "estimate" in message:
+                self._run.estimated(message["estimate"])
+            elif self._run is not None:
+                self._run.verdict = message["verdict"]
+        self._on_view()
+
+    def _ask(self, name: str, reason: str, problems: tuple[str, ...]) -> None:
+        """A file that is not of the problem on the stage: it waits for an answer."""
+        said = sentence(name, reason, problems)
+        self._news = monotonic(), Notice("refused", tr("{question} Say it at the top of Explore.", question=said))
+        self._question.ask(said, problems)
+        self._say(said)
+
+    def _answer(self, problem: str | None) -> None:
+        """Which problem the waiting file is of, or that it is of none."""
+        with self._lock:
+            waiting, self._news = self._judging, None
+            self._question.end()
+            self._say("")
+            self._forget()
+            if waiting is None or problem is None:
+                return
+        self._on_scene(first_scene(problem))  # whose controls say what the file is judged with
+        with self._lock:
+            self._judging = Judging(waiting.name, waiting.file, self._session.scene, self._hear, chosen=True)
+
+    def _show(self, run: OwnRun) -> None:
+        if self._run is None:
+            self._on_begin()
+            self._resumes = self._session.playing
+            self._session.play(False)
+            self._moves = self._session.moves
+        self._run, self._k = run, 0
+        self._say(taken(run, self._session.scene))
+        self._slider.max, self._slider.value = max(2, len(run)), 1  # type: ignore[misc]
+        self._slider.disabled = len(run) < 2
+        self._folder.visible = self._back.visible = True
+        self._play(True)
+
+    def _refuse(self, sentence: str) -> None:
+        sentence = on_page(sentence).rstrip(".") + "."
+        self._news = monotonic(), Notice("refused", sentence)
+        self._say(sentence)
+
+    def _say(self, sentence: str) -> None:
+        self._text.content = f"<div class='lab-own' role='status'><p>{escape(sentence)}</p></div>" if sentence else ""
+
+    def _go_to(self, number: float) -> None:
+        with self._lock:
+            self._play(False)
+            self._k = round(number) - 1
+        self._on_view()
+
+    def _play(self, playing: bool) -> None:
+        with self._lock:
+            run = self._run
+            self._turn.set()  # whatever plays now
+            self.playing = playing and run is not None and len(run) > 1
+            if self.playing and run is not None:
+                self._k = self._k if self._k < len(run) - 1 else 0
+                self._turn = threading.Event()
+                threading.Thread(target=carried(self._go_on), args=(run, self._turn), name="own-run",
+                                 daemon=True).start()
+
+    def _go_on(self, run: OwnRun, over: threading.Event) -> None:
+        """Show one frame after the other, to the last."""
+        while not over.wait(self._seconds(run)):
+            with self._lock:
+                if over.is_set():
+                    return
+                if not self._session.watched:
+                    continue
+                self._k += 1
+                self._slider.value = self._k + 1  # type: ignore[misc]
+                self.playing = self._k < len(run) - 1
+            self._on_view()
+            if not self.playing:
+                return
+
+    def _seconds(self, run: OwnRun) -> float:
+        """Until the next frame: as at the speed of our run, within what an eye follows."""
+        ahead = run.times[min(self._k + 1, len(run) - 1)] - run.times[self._k]
+        least, most = FRAME_SECONDS
+        return float(min(most, max(least, ahead / (self._session.speed * run.scene.period))))
+
+    @property
+    def on(self) -> bool:
+        return self.shown is not None
+
+    @property
+    def at_once(self) -> bool:
+        return not self.playing
+
+    def sight(self, choice: Choice) -> Sight | None:
+        if (shown := self.shown) is None:
+            return None
+        run, k = shown
+        report, arrays = run.frame(k, choice.quantity, self.playing)
+        picture = Picture(report, arrays, run.view(arrays, choice.quantity, choice.difference), 1.0, foreign=True)
+        return Sight(picture, run.largest(choice.quantity), (run.name, choice.quantity))
+
+    def numbers(self, choice: Choice, picture: Picture | None, probed: str | None) -> Numbers | None:
+        if (shown := self.shown) is None:
+            return None
+        run, k = shown
+        return Numbers(readout(run, k, choice.quantity, probed), None if run.estimate is None else run,
+                       (JUDGE,), (JUDGE,), JUDGE, Now(run.times[k], (run.times[0], run.times[-1]), self.playing),
+                       "" if run.true is not None else tr(NO_INDEX))
+
+    def sentence(self, choice: Choice, picture: Picture) -> Said:
+        shown = self.shown
+        if shown is None or not picture.foreign or picture.report.scene != shown[0].scene:
+            return Said()
+        worst = WorstRegions()  # of this frame: at another time a file may have other particles
+        worst.look(picture.report, picture.arrays, picture.view, choice.quantity)
+        return headline(*shown, picture.view, worst, choice.quantity)

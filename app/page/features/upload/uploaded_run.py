@@ -1,0 +1,204 @@
+"""A visitor's file as a run: its frames, as the stage draws them, its norms over time, as the plots do, and what is
+said of it: the sentence above the stage, and the numbers beside it."""
+
+from collections.abc import Mapping, Sequence
+from contextlib import suppress
+from dataclasses import fields, replace
+from html import escape
+from pathlib import Path
+
+import numpy as np
+
+from app.frame.captions import TRUE, UNKNOWN, View, view
+from app.frame.headline import Said, error_words, errors
+from app.language.message_translation import heard
+from app.language.translation import later, tr
+from app.page.panels.readout import DRAG, Readout, named, row, table
+from app.page.stage.worst_region import WorstRegions
+from app.page.visit.history import RunSeries
+from app.words import NOTHING, QUANTITIES, differing, number, ratio, with_unit
+from solvers.engine.engine_messages import FrameReport
+from solvers.engine.shared_frames import FrameArrays, FrameOptions
+from solvers.judging.file_view import Shown, columns, open_table
+from solvers.judging.scene_metadata import NOT_OF_THE_PROBLEM
+from solvers.scene.scene import Scene
+from solvers.scene.validation import SceneError
+from solvers.solver.error_norms import RunningIndex
+from solvers.solver.rounding import rounding
+from solvers.solver.samples import QUANTITIES as KEYS
+from solvers.study.parameter_grid import Task
+
+JUDGE = "companion"  # which estimates the errors of a file
+COMING = later("the companion is being solved")
+NO_ACCELERATION = later("a file is not judged by its acceleration")
+
+
+class OwnRun(RunSeries):
+    """T frames of a file called ``name``. What the companion and the judge say comes later: ``estimate`` has norms over
+    the times by quantity, ``verdict`` the judge's report on the grid."""
+
+    def __init__(self, name: str, shown: Shown, table: Path):
+        self.scene = Task(**shown.task).scene()
+        super().__init__(self.scene.period)
+        self.table = table
+        self.name, self.times, self.missing = name, np.array(shown.times), shown.missing
+        self._crossed = np.array(shown.crossed)
+        self._starts = np.cumsum([0, *shown.counts])
+        self._columns = columns(self.scene.DIMENSIONS)
+        self._rows = open_table(table, shown.counts, self.scene.DIMENSIONS)
+        self.true = None if shown.norms is None else _arrays(shown.norms)
+        self.estimate: dict[str, np.ndarray] | None = None
+        self._tops: dict[tuple[str, bool], tuple[np.ndarray, np.ndarray]] = {}
+        self.verdict: dict | None = None
+        self.trouble = ""  # why there will be no verdict
+
+    def __len__(self) -> int:
+        return len(self.times)
+
+    def estimated(self, norms: Mapping[str, Sequence[float | None]]) -> None:
+        """The companion's estimate is in the table."""
+        estimate, none = _arrays(norms), np.full(len(self), np.nan)
+        new = {"time": self.times}
+        for q in KEYS:
+            new[f"error_{q}"] = none if self.true is None else self.true.get(q, none)
+            new[f"{JUDGE}/estimate_{q}"] = estimate.get(q, none)
+            new[f"{JUDGE}/index_{q}"] = RunningIndex().extend(new[f"{JUDGE}/estimate_{q}"], new[f"error_{q}"], rounding(
+                self.scene, q, self.scene.steps))
+        self.append(new)
+        self.estimate = estimate
+
+    def particles(self, k: int) -> int:
+        return int(self._starts[k + 1] - self._starts[k])
+
+    def frame(self, k: int, quantity: str, playing: bool) -> tuple[FrameReport, FrameArrays]:
+        """The frame k, with the field of a quantity."""
+        rows = np.array(self._rows[self._starts[k]:self._starts[k + 1]])
+        part = {name: rows[:, which] for name, which in self._columns.items()}
+        P, q = len(rows), KEYS.index(quantity)
+        arrays = FrameArrays(part["position"], part["displacement"], np.zeros((P, 0), np.float32),
+                             part["crossed"][:, 0] - 1, part["error"], {JUDGE: part["estimate"]},
+                             {JUDGE: part["difference"]}, part["field"][:, 2 * q:2 * q + 2])
+        report = FrameReport(0, 0, "", self.scene, False, playing, P, k, float(self.times[k]), np.empty((0, 0)), None,
+                             0.0, None, "", holds=FrameOptions(plotted=quantity))
+        return report, arrays
+
+    def view(self, arrays: FrameArrays, quantity: str, difference: bool) -> View:
+        """What the two halves show."""
+        column = KEYS.index(quantity)
+        lacks = tr(NO_ACCELERATION) if quantity == "a" else \
+            tr("the file has no {quantity}", quantity=QUANTITIES[quantity].noun) if quantity in self.missing else ""
+        no_truth = lacks or (tr(UNKNOWN) if self.true is None else "")
+        no_estimate = lacks or (tr(COMING) if self.estimate is None else "")
+        true = None if no_truth else arrays.error[:, column]
+        estimated = None if no_estimate else arrays.estimate[JUDGE][:, column]
+        return view(quantity, JUDGE, estimated, true, no_estimate, no_truth, difference,
+                    arrays.difference[JUDGE][:, column])
+
+    def largest(self, quantity: str) -> tuple[np.ndarray, np.ndarray]:
+        """The largest estimated and true sizes of all times, (1,) each: the colours of a file stay as they are."""
+        known = quantity, self.estimate is not None
+        if known not in self._tops:
+            columns = (self._columns[name].start + KEYS.index(quantity) for name in ("estimate", "error"))
+            estimated, true = (np.fmax.reduce(self._rows[:, column], initial=0.0) for column in columns)
+            self._tops[known] = np.array([estimated]), np.array([true])
+        return self._tops[known]
+
+    def crossings_per_second(self, series: dict[str, np.ndarray]) -> tuple[np.ndarray, np.ndarray]:
+        """Those that are known of: between two times of a file a particle may cross and come back."""
+        return self.times[1:], self._crossed[1:] / np.diff(self.times)
+
+
+def _arrays(norms: Mapping[str, Sequence[float | None]]) -> dict[str, np.ndarray]:
+    return {q: np.array([np.nan if value is None else value for value in values]) for q, values in norms.items()}
+
+
+HINTS = {later("now"): later("root of the mean square over the particles, at the time that is shown"),
+         later("largest"): later("of all times in the file after the start"),
+         later("index"): later("estimated over true error, summed over the times; 1 is perfect")}
+
+
+def headline(run: OwnRun, k: int, view: View, worst: WorstRegions, quantity: str) -> Said:
+    true, estimated = (_now(norms, k, quantity) for norms in (run.true, run.estimate))
+    words = error_words(run.scene, quantity, JUDGE, view.left.silence if estimated is None else "",
+                        view.right.silence if true is None else "")
+    wrong, says = (np.nan if norm is None else norm for norm in (true, estimated))
+    said = errors(words, QUANTITIES[quantity].unit, wrong, says, says / wrong if wrong else np.nan,
+                  tr("at t = {time} s in {file} ", time=number(run.times[k]), file=run.name))
+    region = worst.by_truth or worst.by_estimate
+    return replace(said, facts=(*said.facts, tr("worst at {region}", region=region.name)) if region else said.facts)
+
+
+def scene_of(own: Scene, page: Scene) -> Scene:
+    """The page's scene of a file's problem, with all that matters to a judge as in the file's own."""
+    with suppress(SceneError):  # a method may not bear it
+        return replace(page, **{f.name: getattr(own, f.name) for f in fields(page) if f.name not in NOT_OF_THE_PROBLEM})
+    return page
+
+
+def taken(run: OwnRun, page: Scene) -> str:
+    """That a file is on the stage, and with what it is judged where that is not what the page shows."""
+    said = differing(scene_of(run.scene, page), page) if run.scene.problem == page.problem else ""
+    return tr("The file {file} is on the stage, judged with {settings}.", file=run.name, settings=said) if said else \
+        tr("The file {file} is on the stage.", file=run.name)
+
+
+def readout(run: OwnRun, k: int, quantity: str, probed: str | None) -> Readout:
+    verdict = run.verdict or {}
+    rows = [(tr("file"), f"<b>{escape(run.name)}</b>"),
+            (tr("frame"), tr("{n} of {all}", n=k + 1, all=len(run))),
+            (tr("time"), tr("{time:.4g} s = {periods:.2f} periods", time=run.times[k],
+                            periods=run.times[k] / run.scene.period)),
+            (tr("grid"), tr("{cells} cells, h = {spacing}", cells=run.scene.cells,
+                            spacing=with_unit(run.scene.spacing, "m"))), (tr("particles"), f"{run.particles(k):,}"),
+            *([(tr("crossings"), tr("{n:,} at least", n=verdict["crossings_at_least"]))] if verdict else []),
+            (tr("region"), escape(probed or tr(DRAG)))]
+    run_of = table("".join(f"<tr><td>{name}</td>\n<td>{text}</td></tr>\n" for name, text in rows))
+    found = "".join(f"<p>{escape(text)}</p>" for text in _found(run, quantity))
+    return Readout(f"{_errors(run, k, quantity)}<div class='lab-own'>{found}</div>", run_of)
+
+
+def _errors(run: OwnRun, k: int, quantity: str) -> str:
+    """A line for the truth and one for the companion."""
+    words = QUANTITIES[quantity]
+    heads = (f"<span title=\"{escape(tr(hint))}\">{tr(head)}</span>" for head, hint in HINTS.items())
+    rows = [row("head", tr("error of {symbol}", symbol=words.symbol), *heads)]
+    if quantity in run.missing or quantity == "a":
+        return table("".join([*rows, row("", named(TRUE), tr("not in the file"))]), "lab-numbers lab-estimates")
+    for name, norms in ((TRUE, run.true), (JUDGE, run.estimate)):
+        last = run.series.get(f"{JUDGE}/index_{quantity}", np.zeros(0))[-1:]
+        index = "" if name != JUDGE else ratio(float(last[0])) if np.isfinite(last).any() else NOTHING
+        values = np.zeros(0) if norms is None or quantity not in norms else \
+            norms[quantity][run.times > 0 if (run.times > 0).any() else ...]
+        largest = float(values.max()) if len(values) and np.isfinite(values).all() else None
+        rows.append(row("", named(name), *(NOTHING if value is None else with_unit(value, words.unit, 2) for value in (
+            _now(norms, k, quantity), largest)), index))
+    return table("".join(rows), "lab-numbers lab-estimates")
+
+
+def _found(run: OwnRun, quantity: str) -> list[str]:
+    """What the judge says, sentence by sentence."""
+    if run.verdict is None:
+        return [tr("There is no verdict: {reason}", reason=run.trouble) if run.trouble else
+                tr("The judge is still at work.")]
+    found, worst = [], run.verdict["worst"].get(quantity)
+    if worst:
+        size = with_unit(worst["size"], QUANTITIES[quantity].unit)
+        found.append(tr("Worst of all: {size}, particle {particle} at {place}, t = {time} s.", size=size,
+                        particle=worst["particle"], place=_place(worst["X"]), time=number(worst["t"])))
+    if gap := run.verdict["neighbour_gap"]:
+        found.append(tr("{count:,} particles ({share:.2g} %) are not where their neighbours are, by up to {apart:.2g} "
+                        "h, at t = {time} s: the farthest is particle {particle} at {place}.", count=gap["count"],
+                        share=100 * gap["share"], apart=gap["farthest_over_h"], time=number(gap["t"]),
+                        particle=gap["particle"], place=_place(gap["X"])))
+    notes = map(heard, run.verdict["notes"])
+    return [*found, *(f"{note[:1].upper()}{note[1:]}." for note in notes)]
+
+
+def _place(X: list[float]) -> str:
+    place = ", ".join(f"{c:.3g}" for c in X)
+    return f"X = ({place}) m" if len(X) > 1 else f"X = {place} m"
+
+
+def _now(norms: dict[str, np.ndarray] | None, k: int, quantity: str) -> float | None:
+    value = np.nan if norms is None or quantity not in norms else norms[quantity][k]
+    return float(value) if np.isfinite(value) else None

@@ -1,0 +1,149 @@
+"""What is seen now, in a headline and a few facts made from the numbers: for the eye, and what a screen reader gets."""
+
+import json
+import math
+from collections.abc import Callable
+from html import escape
+from time import monotonic
+
+import numpy as np
+import viser
+
+from app.frame.budget_chart import blamed
+from app.frame.captions import View
+from app.frame.crossings import recent, window
+from app.frame.headline import BACK, LAST, LOST, PAUSED, SO_FAR, UNSTABLE, Said, error_words, errors, fill
+from app.language.translation import later, tr, trn
+from app.page.stage.worst_region import WorstRegions
+from app.page.visit.history import last, until
+from app.words import QUANTITIES, differing, factor, number, on_page
+from solvers.engine.engine_messages import FrameReport
+from solvers.engine.shared_frames import FrameArrays
+from solvers.scene.scene import Scene
+from solvers.solver import soundness
+
+WAITING = later("Waiting for the first frame")
+SAY_SECONDS = 2.0  # between two sentences, which would else be replaced before they are read
+MOST_DIFFERING = 40  # characters, of what a pinned run is where the other is not
+
+
+class Speaker:
+    """Says sentences calmly: a new one only, and not soon after the last. ``verdict.js`` shows them, and reads aloud
+    those of another moment. That there is one lifts the page's ground (``ground.html``)."""
+
+    def __init__(self, gui: viser.GuiApi, clock: Callable[[], float] = monotonic):
+        self._html, self._clock = gui.add_html(""), clock
+        self._last, self._next, self._aloud = Said(), 0.0, 0
+
+    def say(self, said: Said, at_once: bool = False) -> None:
+        """Say something, if there is anything and it is time; ``at_once`` for the answer to a click."""
+        now, other = self._clock(), said.moment != self._last.moment
+        if not said or str(said) == str(self._last) or (now < self._next and not at_once and not other):
+            return
+        self._next, self._aloud = now + SAY_SECONDS, self._aloud + (at_once or other)
+        self._last = said
+        spans = escape(json.dumps([said.shown, said.sentences], ensure_ascii=False))
+        self._html.content = f"<i class='lab-says' data-sentence=\"{escape(str(said))}\" data-spans=\"{spans}\" " \
+                             f"data-aloud='{self._aloud}'></i>"
+
+
+def summary(report: FrameReport | None, arrays: FrameArrays | None, view: View | None, worst: WorstRegions,
+            series: dict[str, np.ndarray], quantity: str, drawn: str | None, ago: float = 0.0,
+            beside: str = "", speed: float = 0.0) -> Said:
+    """What is said of a frame, the ``view`` of it, its worst regions and the run's sampled ``series``.
+
+    A run that plays is told as it has been so far, one that stands or is lost as it is now: of each, its error and its
+    estimate alike. ``quantity`` is a key, ``drawn`` the estimator on the stage, ``ago`` how many periods before now the
+    frame was, ``beside`` what is to be said of a pinned run (:func:`compared`), ``speed`` how many simulated seconds go
+    by in one of the visitor's.
+    """
+    if report is None or arrays is None or view is None:
+        return Said.of(tr(WAITING))
+    series, when = until(series, report.time), number(report.time)
+    moment = report.scene, report.playing, report.status, ago
+    if report.status == soundness.UNSTABLE:
+        return Said((("bad", fill(tr(UNSTABLE), time=when)),), (*_reason(report), tr(LAST)), moment)
+    lost = report.status == soundness.LOST
+    of_now = not report.playing or lost
+    true, estimate = map(_norm, (view.true, view.estimated)) if of_now else (
+        _mean(series, name) for name in (f"error_{quantity}", f"{drawn}/estimate_{quantity}"))
+    words = error_words(report.scene, quantity, drawn, view.left.silence if view.estimated is None else "",
+                        view.right.silence if view.true is None else "")
+    before = "" if lost else tr(SO_FAR)
+    if not report.playing:
+        before = fill(tr(BACK), ago=f"{ago:.2f}") if ago else fill(tr(PAUSED), time=when)
+    index = estimate / true if true else math.nan
+    said = errors(words, QUANTITIES[quantity].unit, true, estimate,
+                  index if of_now else last(series, f"{drawn}/index_{quantity}"), before)
+    region = None if true <= words.least else worst.by_truth or worst.by_estimate
+    who = blamed(report.scene, series, quantity)
+    facts = [*said.facts[:1], who, *said.facts[1:],
+             tr("worst at {region}", region=region.name) if region else "", *_crossings(report, arrays, speed)]
+    if beside:  # in place of what it is compared with
+        facts[:1] = [*said.facts[1:], beside]
+    headline = said.headline
+    if lost:
+        facts = _reason(report) or facts
+        headline = ("bad", fill(tr(LOST), since=f"{report.since or 0.0:.4g}")), ("", ": "), *headline
+    return Said(headline, tuple(filter(None, facts)), moment)
+
+
+def compared(live: dict[str, np.ndarray], pinned: dict[str, np.ndarray], quantity: str, scenes: tuple[Scene, Scene],
+             ) -> str:
+    """Which of the live and the pinned run errs more, and how many times, each as a mean over the periods that both
+    have; nothing where either is not known. ``scenes`` are the two runs'."""
+    larger = in_common(live, pinned, f"error_{quantity}", scenes)
+    if not math.isfinite(larger) or larger <= 0:
+        return ""
+    said = differing(scenes[1], scenes[0])
+    if not 0 < len(said) <= MOST_DIFFERING:
+        return tr("{factor} times as wrong as the pinned run", factor=factor(larger)) if larger >= 1 else \
+            tr("the pinned run is {factor} times as wrong", factor=factor(1 / larger))
+    return tr("{factor} times as wrong as the pinned run, {run}", factor=factor(larger), run=said) if larger >= 1 else \
+        tr("the pinned run, {run}, is {factor} times as wrong", factor=factor(1 / larger), run=said)
+
+
+def in_common(live: dict[str, np.ndarray], pinned: dict[str, np.ndarray], name: str,
+              scenes: tuple[Scene, Scene]) -> float:
+    """A live run's series over a pinned run's, both as means over the periods that both have; NaN where either is not
+    known."""
+    periods = min(periods_of(series, scene) for series, scene in zip((live, pinned), scenes, strict=True))
+    mine, other = (_mean(until(series, periods * scene.period * (1 + 1e-9)), name)
+                   for series, scene in zip((live, pinned), scenes, strict=True))
+    return mine / other if other else math.nan
+
+
+def periods_of(series: dict[str, np.ndarray], scene: Scene) -> float:
+    """How long series are, in periods of their scene."""
+    times = series.get("time", np.zeros(0))
+    return float(times[-1]) / scene.period if len(times) else 0.0
+
+
+def _reason(report: FrameReport) -> list[str]:
+    """Why a run is lost, without when: the headline has that."""
+    reason = on_page(report.reason or "")
+    return [reason.partition(": ")[2] or reason] if reason else []
+
+
+def _norm(sizes: np.ndarray | None) -> float:
+    """The root of the mean square of errors' sizes (P,)."""
+    with np.errstate(all="ignore"):  # a run gone bad holds anything
+        return math.nan if sizes is None else float(np.sqrt(np.mean(sizes.astype(float) ** 2)))
+
+
+def _mean(series: dict[str, np.ndarray], name: str) -> float:
+    values = series.get(name, np.zeros(0))
+    with np.errstate(all="ignore"):  # a run gone bad holds anything
+        return float(np.mean(values)) if len(values) else math.nan
+
+
+def _crossings(report: FrameReport, arrays: FrameArrays, speed: float) -> list[str]:
+    """How many particles have crossed a cell boundary within the window in which that is marked."""
+    if not report.scene.has("crossings"):
+        return []
+    count = int(np.count_nonzero(recent(arrays.steps_since_crossing, report.scene, speed)))
+    seconds = number(window(report.scene, speed))
+    if not count:
+        return [tr("no particle crossed a cell boundary in the last {seconds} s", seconds=seconds)]
+    return [trn("{count:,} particle crossed a cell boundary in the last {seconds} s",
+                "{count:,} particles crossed a cell boundary in the last {seconds} s", count, seconds=seconds)]

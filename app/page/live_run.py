@@ -1,0 +1,93 @@
+"""The visitor's run as what is on the stage: now or looked back on, alone or beside a pinned one."""
+
+from collections.abc import Callable
+
+from app.frame.captions import View, look, why_no_index
+from app.frame.colour_scale import LEAST_TOP
+from app.frame.headline import Said
+from app.language.translation import tr
+from app.page.display_source import Choice, Picture, Sight
+from app.page.headline import compared, summary
+from app.page.panels.readout import readout
+from app.page.panels.timeline import Now
+from app.page.readout_panel import Numbers
+from app.page.stage.worst_region import WorstRegions
+from app.page.visit.frame_buffer import Recent
+from app.page.visit.particle_trace import Trace
+from app.page.visit.session import Session
+from app.page.visit.status_message import Notice
+from app.words import differing
+from solvers.engine.engine_messages import FrameReport
+from solvers.engine.shared_frames import FrameArrays
+from solvers.solver.soundness import UNSTABLE
+
+
+class LiveRun:
+    """What is on the stage as long as nothing else is (:class:`~app.page.display_source.Source`). ``further`` gives a
+    notice where the session has none."""
+
+    on, at_once = True, False
+
+    def __init__(self, session: Session, recent: Recent, trace: Trace, further: Callable[[], Notice | None]):
+        self._session, self._recent, self._trace, self._further = session, recent, trace, further
+        self._worst = WorstRegions()
+
+    def sight(self, choice: Choice) -> Sight | None:
+        """The frame that is looked at; None for one from before differences were asked for: the next is on its way."""
+        if (last := self._recent.shown) is None:
+            return None
+        (report, arrays), back = last, self._recent.back > 0
+        scene, asked = report.scene, (choice.quantity, choice.estimator, choice.difference)
+        if choice.difference and scene.has("truth") and scene.active_estimators \
+                and not (report.holds.differences or back):
+            return None
+        pinned = self._session.pinned
+        if pinned and pinned.scene.problem != scene.problem:
+            pinned = None  # it goes with the next frame
+        said = differing(scene, pinned.scene) if pinned else ""
+        name = tr("this run: {run}", run=said) if said else tr("this run") if pinned else ""
+        picture = self._picture(report, arrays, look(report, arrays, *asked), name)
+        if not report.playing:  # while it moves, words that change with each frame could not be read
+            self._worst.look(report, arrays, picture.view, choice.quantity)
+        beside: Picture | str | None = None  # a pinned run, or before its first frame that there will be one
+        if pinned:
+            run, view = differing(pinned.scene, scene) or tr("the same so far"), pinned.view(*asked)
+            beside = tr("pinned: {run}, being prepared", run=run) if view is None or pinned.last is None else \
+                self._picture(*pinned.last, view, tr("pinned: {run}", run=run))
+        return Sight(picture, (picture.view.left.sizes, picture.view.right.sizes), asked,
+                     0.0 if scene.swings else LEAST_TOP * scene.size_of(choice.quantity), back,
+                     beside, self._worst.remarks(scene))
+
+    def numbers(self, choice: Choice, picture: Picture | None, probed: str | None) -> Numbers | None:
+        """Those of the frame that is looked at, and plots of all that has come in."""
+        session, recent, quantity = self._session, self._recent, choice.quantity
+        if picture is not None and not picture.foreign:
+            self._worst.look(picture.report, picture.arrays, picture.view, quantity)
+        history, pinned, traced, shown = session.history, session.pinned, self._trace.traced, recent.shown
+        if shown is None or shown[0].scene != history.scene:
+            return None
+        report = shown[0]
+        scene, valid = report.scene, report.valid_estimators
+        text = readout(session, history, report, quantity, choice.estimator, probed, self._worst, recent.ago)
+        moves = session.playing and not session.ended and not recent.back and report.status != UNSTABLE
+        now = Now(report.time, recent.span, moves, report.since,
+                  report.status == UNSTABLE and (report.since or 0.0) >= report.time - scene.time_step)
+        return Numbers(text, history, scene.active_estimators, valid, choice.estimator, now,
+                       why_no_index(scene, valid, quantity), pinned, traced, scene)
+
+    def sentence(self, choice: Choice, picture: Picture) -> Said:
+        """What is seen, and how a pinned run compares."""
+        history, pinned, report = self._session.history, self._session.pinned, picture.report
+        if picture.foreign or not history.scene == report.scene == self._worst.scene:
+            return Said()  # another run has begun just now
+        beside = "" if pinned is None else compared(history.series, pinned.history.series, choice.quantity,
+                                                    (report.scene, pinned.scene))
+        return summary(report, picture.arrays, picture.view, self._worst, history.series, choice.quantity,
+                       choice.estimator, self._recent.ago, beside, picture.speed)
+
+    def notice(self) -> Notice | None:
+        """What the session has to say, or else something further."""
+        return self._session.notice() or self._further()
+
+    def _picture(self, report: FrameReport, arrays: FrameArrays, view: View, name: str) -> Picture:
+        return Picture(report, arrays, view, self._session.speed * report.scene.period, name)

@@ -1,0 +1,146 @@
+"""The story of the opening in four beats, whose numbers are the runs' own; and the
+pause at its end, also for those who are told none."""
+
+import math
+from collections.abc import Callable
+from time import monotonic
+from typing import Any
+
+import numpy as np
+import viser
+
+from app import state
+from app.frame.headline import Said
+from app.language.translation import tr, trn
+from app.page.visit.frame_buffer import Frame
+from app.page.visit.pinned_run import PinnedRun
+from app.page.visit.session import Session
+from app.words import METHODS, per_cent, with_unit
+from solvers.engine.engine_messages import FrameReport
+from solvers.engine.shared_frames import FrameArrays
+from solvers.solver import samples
+
+HALF_WAY = 0.125  # periods, of the first beat
+BEAT = 10.0  # seconds of each of the last two
+LAST = 4
+SIGMA = samples.QUANTITIES.index("sigma")
+WIDE = 1.0 + 1e-6  # cells from a particle that has crossed, within which an error is told as its
+
+#: What a visitor sees first who has followed no link: hat functions beside B-splines, slowly, for the quarter of a
+#: period in which the first particles change their cell and the stress is wrong there; then it stops. At larger
+#: amplitudes, where all cross again and again, those that crossed err no more than the others.
+OPENING = state.read("bar;method=mpm;amplitude=0.0034;periods=0.25;estimators=recovered,transport;error-of=sigma;"
+                     "speed=0.0125;stops;"
+                     "pinned;method=bspline;amplitude=0.0034;periods=0.25;estimators=recovered,transport")
+
+class Story:
+    """One visitor's. ``open_on`` puts the opening on the stage, ``hurry`` asks for the usual speed; the browser
+    (``story.js``) asks for the story, or that it be left."""
+
+    def __init__(self, gui: viser.GuiApi, session: Session, open_on: Callable[[], None], hurry: Callable[[], None],
+                 clock: Callable[[], float] = monotonic):
+        self._session, self._open_on, self._hurry, self._clock = session, open_on, hurry, clock
+        self._mark = gui.add_html("")
+        self._opened, self._restarts = True, 0  # the opening is on the stage, before its quarter, begun so many times
+        self.beat = 0  # 1 to LAST while the story is told
+        self._since = 0.0
+
+    def hear(self, said: Any) -> None:
+        """The browser asks for the story, or the visitor wants to leave it."""
+        if said == "play":
+            self._open_on()
+            self._opened, self.beat = True, 1
+        elif said == "skip" and self.beat:
+            self._end()
+
+    def follow(self, playable: bool) -> None:
+        """Go on with it, now and then; anything else on the stage ends it. Nothing is ``playable`` over a lesson."""
+        session, report = self._session, self._session.report
+        pinned, restarts = session.pinned.scene if session.pinned else None, session.moves[1]
+        if (session.scene, pinned) != (OPENING.scene, OPENING.pinned) or not playable:
+            if self._opened and restarts == self._restarts:  # it was changed, and not another one chosen
+                session.open_end()
+            self._opened = False
+            self._end()
+        if report is None or report.scene != OPENING.scene:
+            return
+        self._restarts, periods = restarts, report.time / report.scene.period
+        # A pinned run that is compiled late begins both anew, and they would stand at t = 0 if the first were paused.
+        if self._opened and session.ended and ((other := session.pinned) is None or other.shortfall() or (
+                other.last is not None and other.last[0].step >= other.scene.steps)):
+            self._opened = False
+            session.open_end()
+            self._hurry()
+        if self.beat == 1 and periods >= HALF_WAY:
+            self._go(2)
+        elif (self.beat == 2 and not self._opened) or (self.beat == 3 and self._clock() > self._since + BEAT):
+            self._go(self.beat + 1)
+        elif self.beat == LAST and self._clock() > self._since + BEAT:
+            self._end()
+        self._show()
+
+    def said(self, frame: Frame | None) -> Said:
+        """What the present beat says of the runs; nothing where none is told."""
+        if not self.beat or frame is None or frame[0].scene != OPENING.scene:
+            return Said()
+        headline, facts, places = _beat(self.beat, *frame, self._session.pinned)
+        said = Said.of(headline, *facts, **places)
+        return Said(said.headline, said.facts, ("beat", self.beat))
+
+    def _go(self, beat: int) -> None:
+        self.beat, self._since = beat, self._clock()
+
+    def _end(self) -> None:
+        if self.beat:
+            self.beat = 0
+            if self._opened:  # the rest of the quarter at once
+                self._hurry()
+        self._show()
+
+    def _show(self) -> None:
+        self._mark.content = f"<i class='lab-story' data-beat='{self.beat}'></i>"
+
+
+def _beat(beat: int, report: FrameReport, arrays: FrameArrays, pinned: PinnedRun | None,
+          ) -> tuple[str, list[str], dict[str, str]]:
+    """A beat's headline, its facts, and what is in the headline's places."""
+    scene, size = report.scene, report.scene.size_of("sigma")
+    error = arrays.error[:, SIGMA].astype(float)
+    wrong, crossed = math.sqrt(np.mean(error**2)) / size, arrays.steps_since_crossing >= 0
+    if beat == 1:
+        return (tr("We know the exact stress of every point of this bar: the blue line."),
+                [tr("The bar swings by {amplitude}. What is computed are dots: will they stay on the line?",
+                    amplitude=with_unit(scene.amplitude, "m"))], {})
+    if beat == 2 and not crossed.any():
+        return (tr("{by}, the oldest way: does the stress stay on the line?"),
+                [tr("No particle has changed its cell yet. Watch for the magenta dots.")],
+                {"by": str(METHODS[scene.method])})
+    if beat == 2:
+        # The share of the squared error within a cell's width of particles that have changed their cell.
+        count = int(crossed.sum())
+        x, square = arrays.position[:, 0].astype(float), arrays.error[:, SIGMA].astype(float) ** 2
+        near = np.abs(x[:, None] - x[arrays.steps_since_crossing >= 0]).min(axis=1) <= WIDE * OPENING.scene.spacing
+        told = trn("{count} particle has changed its cell: {share} of the squared error lies within a cell's width.",
+                   "{count} particles have changed their cell: {share} of the squared error lies within a cell's "
+                   "width.", count, share=per_cent(float(square[near].sum() / square.sum()))) if square.sum() else \
+            trn("{count} particle has changed its cell: all of the squared error lies within a cell's width.",
+                "{count} particles have changed their cell: all of the squared error lies within a cell's width.",
+                count)
+        return (tr("The stress is {wrong} {off}: it leaves the line where a particle changes its cell."),
+                [told], {"wrong": per_cent(wrong), "off": tr("wrong")})
+    if beat == 3:
+        estimate = arrays.estimate.get("recovered", np.full_like(arrays.error, np.nan))[:, SIGMA].astype(float)
+        index = math.sqrt(np.mean(estimate**2)) / (wrong * size) if wrong else math.nan
+        return (tr("{by} that does not know the line finds {wrong} of that error."),
+                [tr("It is called recovered, and smooths the particles' own motion. Upper lane: what it says; lower "
+                    "lane: the truth.")], {"by": tr("An estimator"), "wrong": per_cent(index)})
+    if pinned is None or pinned.last is None:
+        return tr("The same bar with B-splines is being prepared."), [], {}
+    other = pinned.last[1]
+    its = math.sqrt(np.mean(other.error[:, SIGMA].astype(float)**2)) / size
+    same = int((other.steps_since_crossing >= 0).sum())
+    places = {"by": tr("B-splines"), "wrong": per_cent(its), "off": tr("wrong")}
+    headline = trn("{by}: {wrong} {off}, though a particle has, too.",
+                   "{by}: {wrong} {off}, though {count} particles have changed their cell there, too.", same,
+                   **{name: f"{{{name}}}" for name in places})
+    return headline, [tr("At what price? Ask one of the questions that come now, or open Cost.")], places

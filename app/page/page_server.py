@@ -1,0 +1,311 @@
+"""Serving the page: engines, the web server and one :class:`~app.page.page.Page` per visitor."""
+
+import contextlib
+import io
+import logging
+import signal
+import socket
+import sys
+import threading
+import warnings
+from collections.abc import Callable, Mapping
+from concurrent.futures import ThreadPoolExecutor
+from dataclasses import replace
+from time import sleep
+from typing import Any
+from urllib.parse import quote
+
+from app.access.allowed_hosts import Addresses
+from app.access.class_code import BOARD, CLASS, TEACHER, ClassCode, Guest, made_up
+from app.access.log_limit import Brief
+from app.identity import ICON
+from app.language.translation import carried, later, tr
+from app.lessons import catalogue
+from app.page.features.board.board import Board
+from app.page.features.lesson.marking import Classroom
+from app.page.opening_tour import OPENING
+from app.page.prewarm import usual_scenes
+from app.page.shutdown import ending, in_background
+from app.page.visit.engine_links import PageLinks, Tally
+from solvers.engine.engine_messages import FRAME_SECONDS
+from solvers.engine.engine_pool import EnginePool
+from solvers.workers.cpu_count import processors
+
+EVERYWHERE, HERE = ("", "0.0.0.0"), "127.0.0.1"
+HEARS_WITHIN, TOLD_WITHIN = 0.2, 0.5  # seconds until it hears of its end, and has told all others at most
+CLOSED_WITHIN, ENDS_WITHIN = 0.3, 1.3  # seconds in which pages close, and after which it ends as it is
+MAKERS = 2  # pages that are made at once; each takes some 30 ms of a processor
+MOST_ENGINES = 4  # each holds its own copy of Taichi and of every kernel; more gain little
+
+FULL = later("Every place on this server is taken. This page tries again by itself; nothing needs to be done.")
+OVER = later("The lab has been closed. Once it is open again, this page comes back by itself.")
+FAILED = later("The page could not be made. Reload it, or see the terminal for the reason.")
+AGAIN = "<i class='lab-again'></i>"  # has the page loaded anew after a while
+
+
+class ServeError(Exception):
+    """The page cannot be served; the message says why."""
+
+
+class Visitors:
+    """Who is here: a page for each of at most ``places`` visitors, closed when its visitor leaves.
+
+    A client is known by its ``client_id``; ``make_page`` gets it and what opens lines to the engines. Whom the lab
+    ``expects`` needs no place to be free. The web server calls from many threads: a visitor may leave while the page is
+    being made, or even before :meth:`connect`.
+    """
+
+    def __init__(self, pool: EnginePool, places: int, make_page: Callable[[Any, PageLinks], Any],
+                 show: Callable[[Any, str], None], expects: Callable[[Any], bool] = lambda client: False):
+        self._pool, self._places, self._make_page, self._show = pool, places, make_page, show
+        self._expects = expects
+        self._lock, self._frames = threading.Lock(), Tally()
+        self._pages: dict[int, Any] = {}  # places taken; None while the page is being made
+        self._pageless: set[int] = set()  # here, but refused or with a page that failed
+        self._left: set[int] = set()  # gone before ``connect``, or while their page was being made
+        self._over = False  # goodbye has been said: pages that are still being made are for nobody
+
+    def connect(self, client: Any) -> None:
+        """Take a visitor in, or say why not."""
+        visitor = client.client_id
+        with self._lock:
+            if visitor in self._left:
+                self._left.discard(visitor)
+                return
+            over, admitted = self._over, not self._over and (len(self._pages) < self._places or self._expects(client))
+            if admitted:
+                self._pages[visitor] = None
+            else:
+                self._pageless.add(visitor)
+        if admitted:
+            self._admit(client)
+        else:
+            self._show(client, tr(OVER) if over else tr(FULL) + AGAIN)
+
+    def disconnect(self, client: Any) -> None:
+        """Close the visitor's page, now or as soon as it is made."""
+        visitor = client.client_id
+        with self._lock:
+            if visitor in self._pageless:
+                self._pageless.remove(visitor)
+                return
+            page = self._pages.get(visitor)
+            if page is None:
+                self._left.add(visitor)
+                return
+            del self._pages[visitor]
+        page.close()
+
+    def attend(self, token: str, watched: bool) -> bool:
+        """The browser with this token shows its page, or no longer. Whether there is such a page."""
+        with self._lock:
+            page = next((page for page in self._pages.values() if page and page.token == token), None)
+        if page is not None:
+            page.attend(watched)
+        return page is not None
+
+    def say_goodbye(self) -> list[threading.Thread]:
+        """Tell all who are here that the lab closes, and close their pages, each on a thread, which are given back.
+        Those whose pages are being made are told by who makes them."""
+        with self._lock:
+            pages, self._over = list(filter(None, self._pages.values())), True
+            self._pages = {visitor: page for visitor, page in self._pages.items() if page is None}
+        closing = [threading.Thread(target=carried(self._send_home, page.language), args=(page,), daemon=True)
+                   for page in pages]
+        for thread in closing:
+            thread.start()
+        return closing
+
+    def all_told(self) -> bool:
+        """After the goodbye: whether no page is being made any more whose visitor is still to hear it."""
+        return not self._pages
+
+    def health(self) -> dict[str, Any]:
+        """How the server does: for whoever watches it."""
+        return {"ready": self._pool.wait_ready(0), "sessions": len(self._pages), "places": self._places,
+                "engines": len(self._pool.process_ids), "playing": self._pool.playing,
+                "frames_per_second": self._frames.a_second}
+
+    def _send_home(self, page: Any) -> None:
+        page.fall_silent()
+        self._show(page.client, tr(OVER))
+        page.client.flush()
+        page.close()
+
+    def _admit(self, client: Any) -> None:
+        """Make the page of a visitor who has a place; one that fails leaves nothing behind."""
+        visitor, links, page = client.client_id, PageLinks(self._pool, self._frames), None
+        try:
+            page = self._make_page(client, links)
+        except Exception:
+            logging.getLogger(__name__).exception("the page of visitor %d could not be made", visitor)
+            links.close()
+        with self._lock:
+            gone, over = visitor in self._left, self._over
+            self._left.discard(visitor)
+            if page is not None and not (gone or over):
+                self._pages[visitor] = page
+                return
+            if not gone:
+                self._pageless.add(visitor)
+        if page is not None:
+            page.close()
+        if not gone:
+            self._show(client, tr(OVER if over else FAILED))
+        with self._lock:
+            self._pages.pop(visitor, None)
+
+
+def serve(host: str, port: int, max_sessions: int, warm_up: bool = True, code: str = "",
+          names: tuple[str, ...] = (), frames: float = 1 / FRAME_SECONDS, lesson: str = "",
+          teacher: bool = False, core: bool = False, board: bool = False) -> None:
+    """Serve the page until interrupted; with ``warm_up`` usual scenes are compiled beside it. Each visitor gets so many
+    ``frames`` a second, if they can be had.
+
+    Visitors need the class ``code``; without one it is made up where others than this machine's users can come in.
+    ``names`` are those of proxies before the lab. Everyone is opened on the ``lesson``, if there is one. With
+    ``teacher`` its notes are shown: where others can come in, to those who know the teacher's own code. With ``core``
+    every lesson begins with its core alone. A ``board`` shows what the class says to the lesson to those who know its
+    own code; visitors are told apart by cookies, which a code gives, so that there always is a class code then. Raises
+    :class:`ServeError` when host and port cannot be had.
+    """
+    addresses = Addresses(host, names)
+    code = code or (made_up() if board or not addresses.private else "")
+    codes = {CLASS: code, TEACHER: made_up() if teacher and code else "", BOARD: made_up() if board else ""}
+    _require_free(host, port)
+    # The engines start before the page's imports: they need longest.
+    pool, server = EnginePool(OPENING.scene, _engine_count(), 1 / frames), None
+    classroom = Classroom(lesson, teacher, core=core)
+    shared = Board(catalogue.lesson(lesson), classroom.outcomes, core) if board else None
+    signal.signal(signal.SIGTERM, signal.default_int_handler)  # it ends as by Ctrl-C
+    log = logging.StreamHandler()
+    log.addFilter(Brief())
+    logging.getLogger().addHandler(log)
+    try:
+        server = _start_server(host, port, pool, max_sessions, addresses, codes, classroom, shared)
+        _announce(f"{HERE if host in EVERYWHERE else host}:{server.get_port()}",
+                  f"http://{_outside(host)}:{server.get_port()}/", codes)
+        lessons = catalogue.lessons()  # while nothing else is to be done: the first visitor wants them
+        if warm_up:
+            pool.expect(usual_scenes(lessons, lesson))
+        while True:  # the system may give Ctrl-C to any thread, and does not wake this one for it then
+            sleep(HEARS_WITHIN)
+    finally:
+        with ending(ENDS_WITHIN):
+            pool.dismiss()  # first: it takes them longest
+            closing = [] if server is None else server.visitors.say_goodbye()
+            closing.append(in_background(classroom.outcomes.close))
+            if shared is not None:
+                shared.close()
+            if server is not None:
+                server.wait_until_told(TOLD_WITHIN)
+            pool.close(CLOSED_WITHIN)
+            for thread in closing:
+                thread.join(CLOSED_WITHIN / max(1, len(closing)))
+            if server is not None:
+                with contextlib.redirect_stdout(io.StringIO()):
+                    server.stop()
+
+
+def _start_server(host: str, port: int, pool: EnginePool, max_sessions: int, addresses: Addresses,
+                  codes: Mapping[str, str], classroom: Classroom, board: Board | None = None) -> Any:
+    from app.page.features.board.panel import Door, Lectern
+    from app.page.page import Page
+    from app.page.panels.page_header import ground, set_up
+    from app.viewer import viser_patches
+    from app.viewer.index_page import Index
+    from app.viewer.send_queue import mend, together
+    from app.viewer.web_server import Doors, Lab
+
+    mend()
+    pool.gather(together)
+    viser_patches.mend_callbacks()
+    # A frame may be drawn for a visitor who left a moment ago; that is nobody's fault.
+    warnings.filterwarnings("ignore", message="Queued a .* on a closed connection")
+    code = codes[CLASS]
+    doors = Doors(addresses, ClassCode(code, port, codes[TEACHER], codes[BOARD]) if code else None)
+    # The viewer would announce itself in a box of its own.
+    with contextlib.redirect_stdout(io.StringIO()), doors.guarding(Index(ground, ICON)):
+        server = Lab(host=host, port=port, verbose=False)
+    set_up(server.gui)
+
+    def make_page(client: Any, links: PageLinks) -> Any:
+        whose, key = doors.guest(client.client_id) or Guest(CLASS)
+        seat = board.seat(key) if board and whose == CLASS else None
+        lectern = Lectern(board, Door(f"http://{_outside(host)}:{port}/", code)) if board and whose == BOARD else None
+        try:
+            return Page(client, links, replace(classroom, teacher=classroom.teacher and whose == TEACHER, seat=seat),
+                        lectern)
+        except Exception:
+            if seat:
+                seat.leave()
+            raise
+
+    def expects(client: Any) -> bool:
+        """The lecturer's page has a place, however many are here."""
+        return (doors.guest(client.client_id) or Guest(CLASS)).whose == BOARD
+
+    visitors = Visitors(pool, max_sessions, make_page, _show, expects)
+    doors.watch(server, visitors)
+    server.on_client_disconnect(visitors.disconnect)  # first: nobody who is let in may leave unnoticed
+    # On threads of their own: callbacks of those who are here need not wait for the pages of those who come.
+    makers = ThreadPoolExecutor(MAKERS, "page")
+
+    def connect(client: Any) -> None:
+        makers.submit(carried(visitors.connect, doors.language(client.client_id)), client)
+
+    server.on_client_connect(connect)
+    return server
+
+
+def _announce(address: str, link: str, codes: Mapping[str, str]) -> None:
+    """Say where the lab is for this machine and, by its ``link``, for others, and with which codes one comes in."""
+    print(f"mpm-lab is at http://{address} (Ctrl-C ends it)", file=sys.stderr, flush=True)
+    if code := codes[CLASS]:
+        link_of_class = f"{link}#code={quote(code)}"
+        print(f"the class code is {code}; {link_of_class} brings it along", file=sys.stderr, flush=True)
+        if sys.stderr.isatty():
+            import segno  # for a QR code of block characters, to be put on the board
+
+            out = io.StringIO()
+            segno.make(link_of_class, error="l", micro=False).terminal(out, compact=True)
+            print(out.getvalue(), file=sys.stderr, flush=True)
+    if notes := codes[TEACHER]:
+        print(f"the teacher's code, which shows the notes too, is {notes}; {link}#code={quote(notes)} brings it along",
+              file=sys.stderr, flush=True)
+    if own := codes[BOARD]:
+        print(f"the board's code, for the lecturer alone, is {own}; {link}#code={quote(own)} opens the board",
+              file=sys.stderr, flush=True)
+
+
+def _show(client: Any, sentence: str) -> None:
+    """Nothing but a sentence: whatever had been put on the page goes."""
+    client.gui.reset()
+    client.scene.reset()
+    client.gui.add_html(f"<div class='lab-notice lab-refused lab-alone'>{sentence}</div>")
+
+
+def _outside(host: str) -> str:
+    """Under which address others find this machine, as far as can be known: of all its own the one that leads out."""
+    if host not in EVERYWHERE:
+        return host
+    with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as trial, contextlib.suppress(OSError):
+        trial.connect(("192.0.2.1", 9))  # nobody's (RFC 5737): nothing is sent, only a way out looked for
+        return str(trial.getsockname()[0])
+    return HERE
+
+
+def _engine_count() -> int:
+    """One engine fewer than the processors that this process may use, so that the page keeps one."""
+    return min(MOST_ENGINES, max(1, processors() - 1))
+
+
+def _require_free(host: str, port: int) -> None:
+    """The web server would silently take the next port; a person who typed a number means it."""
+    try:
+        with socket.socket() as trial:
+            trial.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
+            trial.bind((host, port))
+    except OSError as error:
+        raise ServeError(f"cannot listen on {host}:{port} ({(error.strerror or str(error)).lower()}); "
+                         "choose another with --port or --host") from error

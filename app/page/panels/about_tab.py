@@ -1,0 +1,42 @@
+"""The tab to read: About, for someone who sees the page for the first time."""
+
+import viser
+
+from app.language.translation import ENGLISH, language, localised, tr
+from app.page.panels.page_header import WEB, links
+from app.problems.views import VIEWS
+from solvers.problems import PROBLEMS
+from solvers.scene.estimator_registry import ESTIMATORS
+from solvers.scene.remedies import REMEDIES
+from solvers.scene.step_bound import SAFE
+from solvers.solver.soundness import CONTRADICTIONS, MOST_ERROR
+
+
+def add_about(gui: viser.GuiApi) -> None:
+    """Fill the tab: something to try, the page, each estimator behind its name, and what to believe."""
+    gui.add_html(_text("try.html"))
+    gui.add_html(_text("about.html").format(problems="".join(view.about for view in VIEWS.values()),
+                              divisions=", ".join(tr(view.division) for view in VIEWS.values())))
+    for estimator in ESTIMATORS.values():
+        with gui.add_folder(tr("The estimator {title}", title=estimator.title), expand_by_default=False):
+            gui.add_html(f"<div class='lab-about lab-explanation'>{estimator.explained(language())}</div>")
+    own = "" if language() == ENGLISH else f" lang='{language()}'"  # what it stands in may be English
+    rules, remedies = "", ""
+    for rule in CONTRADICTIONS.values():
+        size = tr("more than {most:g}", most=rule.most)
+        rules += f"<li{own}>{tr(rule.sentence, size=size)}</li>"
+    for remedy in REMEDIES.values():
+        titles = [tr(problem.scene.TITLE) for problem in PROBLEMS.values() if remedy.name in problem.scene.REMEDIES]
+        label = tr(remedy.label)
+        if len(titles) < len(PROBLEMS):
+            label = tr("{label} ({problems} only)", label=label, problems=", ".join(titles))
+        remedies += f"<dt{own}>{label}</dt><dd{own}>{tr(remedy.explanation)}.</dd>"
+    gui.add_html(_text("trust.html").format(rules=rules, remedies=remedies, error=MOST_ERROR, safe=SAFE))
+    gui.add_html(f"<div class='lab-about lab-languages'>{links()}</div>")
+
+
+def _text(name: str) -> str:
+    """A text of the web folder; one that is there in English only says so."""
+    path = localised(WEB / name)
+    text = path.read_text(encoding="utf-8")
+    return text if language() == ENGLISH or path.name != name else f"<div lang='{ENGLISH}'>{text}</div>"

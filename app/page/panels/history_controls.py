@@ -1,0 +1,178 @@
+"""Looking back and closer: a slider through the last frames, the traced particle, how much the plots show, and what is
+drawn: how estimate and truth are compared and coloured, and the particles' domains."""
+
+from collections.abc import Callable
+
+import viser
+
+from app.frame.captions import DIFFERENCE, SIDE_BY_SIDE
+from app.frame.colour_scale import ColourScale
+from app.language.translation import later, tr
+from app.page.visit.frame_buffer import Recent
+from app.page.visit.history import LAST_PERIODS
+from app.page.visit.particle_trace import Trace
+from app.page.visit.session import Session
+from app.problems.views import VIEWS
+from solvers.untrusted import number_parsing, quoting
+
+ALL, LATEST = later("all"), later("last {n} periods")
+LINEAR, LOGARITHMIC = later("linear"), later("logarithmic")
+
+
+class Looking:
+    """Widgets of one visitor among the controls. ``on_view`` is called when another frame or particle is shown."""
+
+    def __init__(self, session: Session, recent: Recent, trace: Trace, on_view: Callable[[], None]):
+        self._session, self._recent, self._trace, self._on_view = session, recent, trace, on_view
+        self.latest = False  # whether plots show the last periods only
+        self._refused = False
+
+    def build_slider(self, gui: viser.GuiApi) -> viser.GuiSliderHandle[int]:
+        """Make the slider: to the left is the past."""
+        self._slider = gui.add_slider(tr("Look back"), -1, 0, 1, 0, disabled=True, hint=_hint(0, 0.0))
+        self._slider.on_update(self._moved)
+        self._at = 0
+        return self._slider
+
+    def build_trace(self, gui: viser.GuiApi) -> None:
+        """Make what belongs to the plots over time."""
+        shown = tr(ALL), tr(LATEST, n=LAST_PERIODS)
+        show = gui.add_dropdown(tr("Plots show"), shown, initial_value=shown[self.latest],
+                                hint=tr("how much of the run the plots over time show"))
+        self._number = gui.add_text(tr("Trace particle"), "", hint=tr(
+            "its number, or click it on the stage: its error, its estimates and its crossings are plotted over time; "
+            "empty for none"))
+        self._end = gui.add_button(tr("Trace no more"), visible=False, color="gray",
+                                   hint=tr("take its mark and its plot away"))
+        show.on_update(lambda _: setattr(self, "latest", show.value == shown[True]))
+        self._number.on_update(self._typed)
+        self._end.on_click(lambda _: self._choose(None))
+        self._followed: int | None = None
+
+    @property
+    def traced(self) -> int | None:
+        """The number of the particle that is traced, if any."""
+        return None if self._trace.traced is None else self._trace.traced.particle
+
+    def trace(self, particle: int | None) -> None:
+        """Trace a particle of the run that begins next, or none."""
+        self._trace.choose(particle, in_next_run=True)
+
+    def refresh(self) -> None:
+        """Show which particle is traced and how far back one can go, once each: see ``Controls.refresh``."""
+        report, (most, periods), back = self._session.report, self._recent.reach, self._recent.back
+        paused = report is not None and not report.playing and most > 0
+        self._slider.disabled = not paused
+        if paused:
+            self._slider.min, self._slider.hint = -most, _hint(most, periods)
+        if back != self._at:
+            self._at, self._slider.value = back, -back  # type: ignore[misc]
+        traced = self._trace.traced
+        followed = None if traced is None else traced.particle
+        self._end.visible = traced is not None
+        if followed != self._followed:
+            self._followed = followed
+            self._number.value = "" if followed is None else str(followed)  # type: ignore[misc]
+
+    def seek(self, time: float) -> None:
+        """Pause, and show the frame nearest to a time in s."""
+        if not self._recent.seek(time):
+            self._session.play(False)
+        self._on_view()
+
+    def back_to(self, time: float) -> bool:
+        """As :meth:`seek`, where the frames that are kept reach as far back; whether they do."""
+        first, last = self._recent.span
+        if kept := first <= time <= last:
+            self.seek(time)
+        return kept
+
+    def _moved(self, event: viser.GuiEvent) -> None:
+        if event.client is not None:  # else it is the page that has shown where the run is
+            self._at = -round(event.target.value)
+            self._recent.go_back(self._at)
+            self._on_view()
+
+    def _typed(self, event: viser.GuiEvent) -> None:
+        if event.client is None or self._session.report is None:
+            return
+        text, particles = self._number.value.strip(), self._session.report.particles
+        if text and not ((number := number_parsing.count(text)) is not None and number < particles):
+            self._session.refuse(tr("Trace particle: '{typed}' is not the number of one; give one from 0 to {last}, or "
+                                    "nothing", typed=quoting.quoted(text, 20), last=particles - 1))
+            self._refused = True
+            return
+        if self._refused:
+            self._session.refuse("")
+            self._refused = False
+        self._choose(int(text) if text else None)
+
+    def _choose(self, particle: int | None) -> None:
+        self._trace.choose(particle)
+        self._on_view()
+
+
+def _hint(frames: int, periods: float) -> str:
+    if not frames:
+        return tr("while paused: earlier frames, numbered back from the last one, 0.")
+    return tr("while paused: earlier frames, numbered back from the last one, 0. The last {frames} frames are kept, "
+              "{periods:.2g} periods.", frames=frames, periods=periods)
+
+
+class Drawn:
+    """Widgets of one visitor. ``part`` gives room for a control that a lesson may do without; ``on_view`` is called
+    when the drawing changes."""
+
+    def __init__(self, session: Session, scale: ColourScale, looking: Looking, on_view: Callable[[], None]):
+        self._session, self._scale, self._looking, self._on_view = session, scale, looking, on_view
+        self.difference = self.domains = False
+
+    @property
+    def words(self) -> str:
+        """What is drawn otherwise than usual, or what could be."""
+        traced = self._looking.traced
+        said = [tr("difference")] * self.difference + [tr(LOGARITHMIC)] * self._scale.logarithmic \
+            + [tr("colours held")] * self._scale.held + [tr("domains")] * self.domains \
+            + [tr("particle {particle}", particle=traced)] * (traced is not None)
+        return ", ".join(said) or tr("colours, trace, comparison")
+
+    def build(self, gui: viser.GuiApi, part: Callable[[str], viser.GuiFolderHandle]) -> None:
+        """Make the widgets, for the session's present scene."""
+        scale = self._scale
+        with part("estimators"):
+            compare = gui.add_dropdown(
+                tr("Compare"), (tr(SIDE_BY_SIDE), tr(DIFFERENCE)),
+                initial_value=tr(DIFFERENCE if self.difference else SIDE_BY_SIDE),
+                hint=tr("estimate − truth is drawn as the size of what the estimate misses, direction and all; its "
+                        "norm over that of the truth is the distance"))
+        with part("colours"):
+            kind = gui.add_dropdown(tr("Colours"), (tr(LINEAR), tr(LOGARITHMIC)),
+                                    hint=tr("of estimate and truth alike"),
+                                    initial_value=tr(LOGARITHMIC if scale.logarithmic else LINEAR))
+            hold = gui.add_checkbox(tr("Hold colours"), scale.held,
+                                    hint=tr("keep the colour scale while settings change"))
+        with part("trace"):
+            self._looking.build_trace(gui)
+        if hint := VIEWS[self._session.scene.problem].stage.DOMAINS_HINT:
+            with part("domains"):
+                domains = gui.add_checkbox(tr("Show domains"), self.domains, hint=tr(hint))
+
+            def outlined(_: viser.GuiEvent) -> None:
+                self.domains = domains.value
+                self._on_view()
+
+            domains.on_update(outlined)
+
+        def compared(_: viser.GuiEvent) -> None:
+            self.difference = compare.value == tr(DIFFERENCE)
+            self._session.show(differences=self.difference)
+            self._on_view()
+
+        def coloured(_: viser.GuiEvent) -> None:
+            scale.logarithmic, scale.held = kind.value == tr(LOGARITHMIC), hold.value
+            scale.forget()
+            self._on_view()
+
+        for widget in (kind, hold):
+            widget.on_update(coloured)
+        compare.on_update(compared)

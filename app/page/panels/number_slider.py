@@ -1,0 +1,132 @@
+"""A number of any size, as a slider whose steps are factors and as text to read and type."""
+
+import threading
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+import viser
+
+from app.language.translation import carried, later, tr
+from app.page.panels.page_header import mark
+from app.page.panels.scene_widgets import BoundWidgets
+from app.words import size_in, with_unit
+from solvers.untrusted import quoting
+
+TYPING = 0.8  # seconds without another key, after which what has been typed counts
+STEP = 0.005  # of the slider, in powers of ten
+DIGITS = 6
+TYPE_SIZE, TYPE = later("type a number in {unit}, or with a prefix: {example}"), later("type a number: {example}")
+NO_SIZE = later("{name}: '{typed}' is not a number above 0 in {unit}; give one such as {example}")
+NO_NUMBER = later("{name}: '{typed}' is not a number above 0; give one such as {example}")
+
+
+@dataclass(frozen=True)
+class Size:
+    """What the number is: name, unit, the reach of its slider, the default, which the slider meets exactly, a hint, and
+    plain ``words`` beside the name. The style may lay the two widgets elsewhere by the name of a ``place``."""
+
+    name: str
+    unit: str
+    reach: tuple[float, float]
+    default: float
+    hint: str
+    words: str = ""
+    place: str = ""
+
+
+class SizeControl:
+    """Two widgets that show one number. ``act`` is called with a number that the visitor has set; text that is none is
+    refused in a sentence. What cannot be goes back to what is."""
+
+    def __init__(self, gui: viser.GuiApi, bound: BoundWidgets, size: Size, value: float, act: Callable[[float], None]):
+        self._bound, self._size, self._act = bound, size, act
+        self._typed: threading.Timer | None = None
+        self._value = value  # what is, as far as is known
+        low, high = _ends(size, value)
+        marks = [mark(gui, "lab-logarithmic", *filter(None, [size.place]), words=size.words)]
+        self._slider = gui.add_slider(size.name, low, high, STEP, float(np.log10(value)), hint=size.hint)
+        marks.append(mark(gui, "lab-typed", *filter(None, [size.place])))
+        self._text = gui.add_text(
+            tr("{name}, typed", name=size.name), self._shown(value),
+            hint=tr(TYPE_SIZE if size.unit else TYPE, unit=size.unit, example=self._shown(size.default)))
+        # A mark that stayed where its widget has gone would mark what comes next.
+        self._parts: tuple[Any, ...] = (*marks, self._slider, self._text)
+        self._read_in_turn = bound.in_turn(self._read)
+        bound.heed(self._slider, self._moved)
+        bound.heed(self._text, self._keyed)
+        bound.on_enter(self._text, self._entered)
+
+    def begin(self, size: Size, value: float) -> None:
+        """Show a number of another reach."""
+        self._size = size
+        self._slider.min, self._slider.max = _ends(size, value)
+        self.show(value)
+
+    def show(self, value: float) -> None:
+        """Show another value, which nobody has set by hand."""
+        self._value = value
+        self._place(value)
+        self._text.value = self._shown(value)  # type: ignore[misc]
+
+    @property
+    def visible(self) -> bool:
+        return self._slider.visible
+
+    @visible.setter
+    def visible(self, visible: bool) -> None:
+        for part in self._parts:
+            part.visible = visible
+
+    def _place(self, value: float) -> None:
+        self._slider.value = float(  # type: ignore[misc]
+            np.clip(np.log10(value), self._slider.min, self._slider.max))
+
+    def _shown(self, value: float) -> str:
+        return with_unit(value, self._size.unit, DIGITS) if self._size.unit else f"{value:.{DIGITS}g}"
+
+    def _moved(self, logarithm: float) -> None:
+        default = self._size.default
+        near = abs(logarithm - np.log10(default)) < 0.5 * STEP
+        value = default if near else float(f"{10**logarithm:.3g}")
+        self._text.value = self._shown(value)  # type: ignore[misc]
+        self._try(value)
+
+    def _try(self, value: float) -> None:
+        if self._bound.ask(self._slider, lambda: self._act(value), lambda: self.show(self._value)):
+            self._value = value
+
+    def _keyed(self, text: str) -> None:
+        """Wait for the rest: half a number is another number."""
+        if self._typed:
+            self._typed.cancel()
+        self._typed = threading.Timer(TYPING, carried(self._read_in_turn), (text,))
+        self._typed.daemon = True
+        self._typed.start()
+
+    def _entered(self) -> None:
+        """The visitor is done with typing: it counts at once, and is written as all numbers are."""
+        if self._typed and self._typed.is_alive():
+            self._typed.cancel()
+            self._read(self._text.value)
+        self._text.value = self._shown(self._value)  # type: ignore[misc]
+
+    def _read(self, text: str) -> None:
+        if self._text.value != text:  # the slider has been moved since
+            return
+        try:
+            value = size_in(text, self._size.unit)
+        except ValueError:
+            size = self._size
+            refusal = tr(NO_SIZE if size.unit else NO_NUMBER, name=size.name, typed=quoting.quoted(text, 20),
+                         unit=size.unit, example=self._shown(size.default))
+            self._bound.ask(self._slider, lambda: self._bound.refuse(refusal), lambda: self.show(self._value))
+            return
+        self._place(value)
+        self._try(value)
+
+
+def _ends(size: Size, value: float) -> tuple[float, float]:
+    """Of a slider that shows this value, too: logarithms."""
+    return float(np.log10(min(*size.reach, value))), float(np.log10(max(*size.reach, value)))

@@ -1,0 +1,128 @@
+"""The head of the page: style, theme, links to other languages, and marks before widgets, by which the style and the
+scripts know them. The viewer lets style be set by html of one's own only, and gives widgets no names. And its buttons:
+the presenter's view, for a talk on a projector (headline, stage and one plot, in letters for the last row), and which
+problem moves."""
+
+import colorsys
+import json
+from collections.abc import Callable
+from html import escape
+from pathlib import Path
+from typing import Any
+
+import viser
+
+from app.colours import TEXTS, rgb
+from app.identity import MARK, faces
+from app.language.translation import LANGUAGES, catalogue, language, later, tr
+from app.page.panels.browser_store import BrowserStore
+from app.templates import rendered
+from app.words import in_a_line
+from solvers.problems import PROBLEMS
+from solvers.scene.scene import Scene
+
+CONTROLS_WIDTH = 368  # pixels, of the viewer's panel until the style lays it out
+
+# Marks for the style, each put before a widget:
+BESIDE = "<i class='lab-beside'></i>"  # each of two buttons that stand in a row
+BARE = "<i class='lab-bare'></i>"  # a row of buttons that needs all of the width
+WEB = Path(__file__).parents[1] / "web"
+
+
+def _web(folder: str, ending: str) -> str:
+    """All files of a folder, one after the other in the order of their names."""
+    return "".join(path.read_text(encoding="utf-8") for path in sorted((WEB / folder).glob(f"*.{ending}")))
+
+
+def ground() -> str:
+    """What the html that a browser loads first has of ours: all style, the page's own frame, the scripts, and what
+    these say in the language that is spoken."""
+    words = json.dumps(catalogue(language()).of_files("app/page/web/js/"), ensure_ascii=False).replace("<", "\\u003c")
+    frame = rendered(WEB / "ground.html", mark=MARK, languages=links())
+    return f"<style>\n{faces()}{_web('css', 'css')}</style>\n{frame}" \
+        + f"<script type='application/json' id='lab-words'>{words}</script>\n<script>\n{_web('js', 'js')}</script>"
+
+
+def set_up(gui: viser.GuiApi, dark: bool = False) -> None:
+    """Theme and panel of a page."""
+    # The theme colour for which buttons come out as the accent: they are drawn two shades lighter.
+    hue, light, full = colorsys.rgb_to_hls(*(part / 255 for part in rgb(TEXTS["accent"][dark])))
+    red, green, blue = colorsys.hls_to_rgb(hue, max(0.0, 0.9 - (0.9 - light) * 8 / 6), full)
+    gui.configure_theme(dark_mode=dark, show_logo=False, show_share_button=False,
+                        brand_color=(round(255 * red), round(255 * green), round(255 * blue)))
+    gui.main_panel.dock_right()
+    gui.main_panel.set_width(CONTROLS_WIDTH)
+    gui.set_panel_label("mpm-lab: how wrong is it?")
+
+
+def links() -> str:
+    """Html of the links to all languages but the one that is spoken (``js/languages.js``: it keeps what is seen)."""
+    return " ".join(f"<a class='lab-language' href='?lang={code}' lang='{code}' hreflang='{code}'>{other.name}</a>"
+                    for code, other in LANGUAGES.items() if code != language())
+
+
+def mark(gui: viser.GuiApi, *names: str, words: str = "") -> viser.GuiHtmlHandle:
+    """A mark with names, for the widget that is made next. ``words`` are written beside its label, or at the right of a
+    folder's (``js/beside.js``); set the handle's content to :func:`marked` for others."""
+    return gui.add_html(marked(*names, words=words))
+
+
+def marked(*names: str, words: str = "") -> str:
+    """The html of a mark."""
+    return f"<i class='{' '.join(('lab-words', *names))}' data-words='{escape(words)}'></i>"
+
+
+_BUTTON, _ON = "<i class='lab-present'></i>", "<i class='lab-present lab-presenting'></i>"
+PRESENT, END = later("Present"), later("End")
+
+
+class Presenter:
+    """A button that turns the view on and off; so do Escape and an address that ends in ``?present`` (``present.js``).
+    The style (``70-present.css``) follows a mark in the page."""
+
+    def __init__(self, gui: viser.GuiApi):
+        self.on = False
+        self._scene: Scene | None = None
+        self._named = gui.add_html("")
+        self._mark = gui.add_html(_BUTTON)
+        self._button = gui.add_button(
+            tr(PRESENT), hint=tr("for a projector: stage and one plot, large text; ? lists the keys"))
+        self._button.on_click(lambda _: self._turn())
+
+    def name(self, scene: Scene) -> None:
+        """Say which scene it is that is seen."""
+        if scene != self._scene:
+            self._scene = scene
+            self._named.content = f"<i class='lab-named' data-scene='{escape(in_a_line(scene))}'></i>"
+
+    def begin(self) -> None:
+        """Show the view, if it is not."""
+        if not self.on:
+            self._turn()
+
+    def _turn(self) -> None:
+        self.on = not self.on
+        self._mark.content = _ON if self.on else _BUTTON
+        self._button.label = tr(END if self.on else PRESENT)
+
+
+TITLES = {problem: kind.scene.TITLE for problem, kind in PROBLEMS.items()}
+
+
+class ProblemButtons:
+    """One visitor's; in a narrow window the dropdown is there in their place. ``choose`` is called with the name of
+    another problem."""
+
+    def __init__(self, gui: viser.GuiApi, store: BrowserStore, choose: Callable[[str], None]):
+        self._html, self._choose = gui.add_html(""), choose
+        store.heard["problem"] = self._hear
+
+    def show(self, chosen: str, offered: bool) -> None:
+        """Mark the one that is chosen; a lesson may offer none."""
+        titles = {problem: tr(title) for problem, title in TITLES.items() if offered}
+        said = json.dumps({"titles": titles, "chosen": chosen})
+        self._html.content = f"<i class='lab-problems' data-said='{escape(said)}'></i>"
+
+    def _hear(self, said: Any) -> None:
+        if isinstance(said, str) and said in TITLES:
+            self._choose(said)

@@ -1,0 +1,189 @@
+"""What a run is made of, always there: method, cells, particles in a cell, amplitude, modulus and time step. A method
+is shown by the weight that a particle has at a node, over its place."""
+
+from collections.abc import Callable
+from html import escape
+from typing import Any
+
+import numpy as np
+import viser
+
+from app import words
+from app.language.translation import later, tr
+from app.page.panels.browser_store import BrowserStore
+from app.page.panels.number_slider import Size, SizeControl
+from app.page.panels.page_header import mark, marked
+from app.page.panels.scene_widgets import BoundWidgets
+from app.page.visit.session import Session
+from app.problems.views import VIEWS
+from app.words import METHODS, Method, with_unit
+from solvers.scene.scene import AUTO, DEFAULT_CFL
+from solvers.scene.step_bound import SAFE, stencil
+
+CFL = (0.01, 2.0)
+
+# Pictures of methods:
+REACH = 1.6  # cells at either side of the node
+POINTS = 81
+WIDTH, HEIGHT = 44.0, 22.0  # of a picture, in its own units
+HALF_WIDTH = 0.125  # of a particle at rest, in cells: four in each
+STRETCHED = 0.32  # of one that is stretched, for methods whose particles follow the motion: wide enough to be seen
+FOLLOWS = ("cpgimp", "cpgimp-v", "cpdi")
+NAMES = {"mpm": later("hat")}  # where the picture has another name than the method
+
+
+class RunWidgets:
+    """Widgets of one visitor. ``part`` gives room for a control that a lesson may do without."""
+
+    def __init__(self, session: Session, bound: BoundWidgets, store: BrowserStore):
+        self._session, self._bound = session, bound
+        store.heard["method"] = self._choose_method
+
+    def build(self, gui: viser.GuiApi, part: Callable[[str], viser.GuiFolderHandle]) -> None:
+        """Make the widgets, for the session's present scene."""
+        session, scene, view = self._session, self._session.scene, VIEWS[self._session.scene.problem]
+        default = type(scene)()
+        gui.add_html(f"<h2 class='lab-h2'>{tr('Change the run')}<small>{tr('answers at once')}</small></h2>")
+        with part("method"):
+            self._method(gui)
+        with part("cells"):
+            self._cells(gui)
+        with part("ppc"):
+            low, high = view.reach.ppc
+            step, hint = (1, tr("in each direction")) if scene.swings else (0.5, tr("need not be whole here"))
+            mark(gui, words=tr("how fine the body is"))
+            per_cell = gui.add_slider(tr("Particles / cell"), low, max(high, scene.ppc), step, scene.ppc, hint=hint)
+            self._bound.follow(per_cell, lambda count: session.set(ppc=count))
+        if "amplitude" in scene.moved_by:
+            with part("amplitude"):
+                amplitude = Size(tr("Amplitude A"), words.unit_of(type(scene), "amplitude"), view.reach.amplitude,
+                                 default.amplitude, tr(view.amplitude_hint), tr("how far it swings"))
+                SizeControl(gui, self._bound, amplitude, scene.amplitude, lambda value: session.set(amplitude=value))
+        elif view.motion and not scene.swings:
+            with part("stretch"):
+                self._bound.sliders(view.motion.sliders)
+        with part("modulus"):
+            modulus = Size(tr("Modulus E"), "Pa", view.reach.modulus, default.modulus, tr(view.modulus_hint),
+                           tr("how stiff it is"))
+            SizeControl(gui, self._bound, modulus, scene.modulus, lambda value: session.set(modulus=value))
+        with part("step"):
+            self._step(gui)
+
+    def _method(self, gui: viser.GuiApi) -> None:
+        scene = self._session.scene
+        self._names = words.choices(type(scene), "method")
+        codes = {name: code for code, name in self._names.items()}
+        self._shown_method = gui.add_dropdown(
+            tr("Method"), tuple(codes), initial_value=self._names[scene.method],
+            hint=tr("shape functions that carry data between particles and grid"))
+        self._pictured = scene.method
+        self._pictures = gui.add_html(pictures(tuple(self._names), scene.method))
+        self._bound.follow(self._shown_method, lambda name: self._session.set(method=codes[name]))
+
+    def _choose_method(self, method: Any) -> None:
+        """A picture has been clicked."""
+        with self._bound.turn:
+            if isinstance(method, str) and method in self._names and self._shown_method.visible:
+                self._shown_method.value = self._names[method]  # type: ignore[misc]
+                self._bound.ask(self._shown_method, lambda: self._session.set(method=method), lambda: setattr(
+                    self._shown_method, "value", self._names[self._session.scene.method]))
+
+    def _cells(self, gui: viser.GuiApi) -> None:
+        scene = self._session.scene
+        across = scene.cells * scene.spacing
+
+        def label(count: int) -> str:
+            return tr("Cells, h = {across:g}/{count}", across=across, count=count)
+
+        def size(count: int) -> str:
+            return tr("{size} each", size=with_unit(across / count, "m", 3))
+
+        low, high, step = VIEWS[scene.problem].reach.cells
+        high = max(high, scene.cells)  # of a scene that was loaded
+        words_beside = mark(gui, words=size(scene.cells))
+        cells = gui.add_slider(label(scene.cells), low, high, step, scene.cells,
+                               hint=tr("grid cells across {across:g} m", across=across))
+
+        def changed(count: int) -> None:
+            cells.label, words_beside.content = label(count), marked(words=size(count))
+            self._session.set(cells=count)
+
+        self._bound.follow(cells, changed)
+
+    def _step(self, gui: viser.GuiApi) -> None:
+        """The step as a number of one's own, or as long as the motion ahead bears: the slider shows that too."""
+        session, scene = self._session, self._session.scene
+
+        def by_hand(cfl: float) -> None:
+            self._auto.value = False  # type: ignore[misc]
+            session.set(cfl=cfl, dt=None)
+
+        def automatic(wanted: bool) -> None:
+            if wanted:
+                session.set(cfl=None, dt=AUTO)
+            else:  # the step stays as it was
+                by_hand(float(f"{session.scene.courant_number:.3g}"))
+
+        mark(gui, "lab-auto")
+        self._auto = gui.add_checkbox(tr("Auto step"), scene.dt == AUTO, hint=tr(
+            "take {safe:g} of the longest step that the motion ahead bears by linear theory; the slider shows it",
+            safe=SAFE))
+        self._shown_step = scene.courant_number
+        self._step_size = SizeControl(gui, self._bound,
+            Size(tr("CFL number"), "", CFL, DEFAULT_CFL,
+                 tr("time step as a share of the time a wave takes through a cell"), tr("time step")),
+            scene.courant_number, by_hand)
+        self._bound.follow(self._auto, automatic)
+
+    def refresh(self) -> None:
+        """Show the step that "auto" makes of the present scene, and its method: other settings change them.
+
+        Once for each: a slider that is set while the visitor moves it would forget where to.
+        """
+        scene = self._session.scene
+        if scene.dt == AUTO and scene.courant_number != self._shown_step:
+            self._shown_step = scene.courant_number
+            self._step_size.show(scene.courant_number)
+        if scene.method != self._pictured:
+            self._pictured = scene.method
+            self._pictures.content = pictures(tuple(self._names), scene.method)
+
+
+def weights(method: str) -> tuple[np.ndarray, np.ndarray]:
+    """Places (S,) in cells from a node, and the weight (S,) there of a particle of a method. CPDI takes the hat at the
+    corners of its domain, the other methods that average do so over the whole of it."""
+    at = np.linspace(-REACH, REACH, POINTS)
+    half = np.full_like(at, STRETCHED if method in FOLLOWS else HALF_WIDTH)
+    if method == "cpdi":
+        return at, 0.5 * (_weight("mpm", at - half, half) + _weight("mpm", at + half, half))
+    return at, _weight(method, at, half)
+
+
+def _weight(method: str, at: np.ndarray, half_width: np.ndarray) -> np.ndarray:
+    """Of the node at 0."""
+    first, values, _ = stencil(method.removesuffix("-v"), at, half_width)
+    here = np.clip(-first, 0, 2)
+    return np.where((first <= 0) & (first > -3), values[np.arange(len(at)), here], 0.0)
+
+
+def pictures(methods: tuple[str, ...], chosen: str) -> str:
+    """Html of a picture for each method, the ``chosen`` one marked. For pointers only: who hears the page, or has keys,
+    takes the dropdown above, which says the same."""
+    def name(method: str) -> str:
+        return tr(NAMES[method]) if method in NAMES else (METHODS[method].name if method in METHODS else method)
+
+    return "<div class='lab-methods' aria-hidden='true'>" + "".join(
+        f"<span class='lab-method{' lab-chosen' * (method == chosen)}' data-method='{escape(method)}' "
+        f"title='{escape(str(METHODS.get(method) or Method(method)))}'>{_curve(method)}{escape(name(method))}</span>"
+        for method in methods) + "</div>"
+
+
+def _curve(method: str) -> str:
+    if method not in (*METHODS,):
+        return ""
+    at, weight = weights(method)
+    points = " ".join(f"{(x / REACH + 1) / 2 * WIDTH:.1f},{HEIGHT - 3 - (HEIGHT - 6) * w:.1f}"
+                      for x, w in zip(at, weight, strict=True))
+    nodes = "".join(f"<circle cx='{(x / REACH + 1) / 2 * WIDTH:.1f}' cy='{HEIGHT - 3:.0f}' r='1.5'/>"
+                    for x in (-1, 0, 1))
+    return f"<svg viewBox='0 0 {WIDTH:.0f} {HEIGHT:.0f}'><polyline points='{points}'/>{nodes}</svg>"

@@ -1,0 +1,220 @@
+"""Widgets that are bound to the session: what a visitor changes is wished of the scene, and waits for a compiler; and
+what is said under the control that was changed last: that its wish is being compiled, or why it cannot be met."""
+
+import functools
+import threading
+from collections.abc import Callable, Mapping
+from dataclasses import replace
+from html import escape
+from time import monotonic
+from typing import Any
+
+import viser
+
+from app import words
+from app.language.message_translation import heard
+from app.language.translation import tr
+from app.page.panels.page_header import mark
+from app.page.visit.session import Session, first_scene
+from app.problems.interface import LinearSlider
+from app.problems.views import VIEWS
+from app.viewer.widgets import allow, identity, is_removed
+from solvers.motion.formula import MOST_CHARACTERS
+from solvers.scene.effects import Effect
+from solvers.scene.remedies import Remedy
+from solvers.scene.scene import Scene
+from solvers.scene.validation import SceneError, field_label
+
+REST = 0.7  # seconds without another refusal, after which the control goes back: not under the hand that moves it
+TO_BE_READ = 8.0  # seconds that a refusal stands there
+
+
+class Answers:
+    """One visitor's. Call :meth:`refresh` a few times a second; the browser lays the words (``js/answers.js``)."""
+
+    def __init__(self, gui: viser.GuiApi, clock: Callable[[], float] = monotonic):
+        self._html, self._clock = gui.add_html(""), clock
+        self._lock = threading.Lock()
+        self._last: Any = None  # the widget that was changed last
+        self._refusal: tuple[float, str] | None = None
+        self._back: Callable[[], None] | None = None
+
+    def changed(self, widget: Any) -> None:
+        """The visitor has changed a widget."""
+        with self._lock:
+            self._last, self._refusal, self._back = widget, None, None
+
+    def refuse(self, widget: Any, sentence: str, back: Callable[[], None]) -> None:
+        """What a widget says cannot be, for a reason; ``back`` has it say again what is."""
+        with self._lock:
+            self._last, self._refusal, self._back = widget, (self._clock(), sentence), back
+
+    def refresh(self, compiling: bool) -> None:
+        """Say what there is to say, and put a refused widget back."""
+        with self._lock:
+            widget, back, now = self._last, None, self._clock()
+            since, sentence = self._refusal or (now, "")
+            if self._back and now > since + REST:
+                back, self._back = self._back, None
+            if now > since + TO_BE_READ:
+                self._refusal = None
+        if widget is None or is_removed(widget):
+            content = ""
+        elif self._refusal:
+            content = _said(widget, "refused", f"{sentence[:1].upper()}{sentence[1:]}.")
+        else:
+            content = _said(widget, "compiling", tr("compiling …")) if compiling else ""
+        self._html.content = content
+        if back and not is_removed(widget):
+            back()
+
+
+def _said(widget: Any, kind: str, sentence: str) -> str:
+    return f"<i class='lab-answer' data-of='{identity(widget)}' data-kind='{kind}' data-says='{escape(sentence)}'></i>"
+
+
+class BoundWidgets:
+    """Makes them for one visitor. Callbacks run side by side: they take ``turn``, so that what is read last is asked
+    for last, and so do those who make the widgets anew."""
+
+    def __init__(self, gui: viser.GuiApi, session: Session, answers: Answers, turn: threading.RLock):
+        self._gui, self._session, self._answers = gui, session, answers
+        self.turn, self._made = turn, object()
+        self._enters: dict[str, Callable[[], None]] = {}
+
+    def forget(self) -> None:
+        """The widgets are about to be removed: from now on nothing that was asked by one of them is done."""
+        self._made = object()
+        self._enters = {}
+
+    def on_enter(self, text: viser.GuiTextHandle, act: Callable[[], None]) -> None:
+        """Call ``act`` when the visitor is done with a text: has pressed Enter, or gone elsewhere."""
+        self._enters[identity(text)] = self.in_turn(act)
+
+    def enter(self, text: str) -> None:
+        """The visitor is done with the text of this identity, if it is one of these."""
+        if act := self._enters.get(text):
+            act()
+
+    def in_turn(self, act: Callable[..., None]) -> Callable[..., None]:
+        """``act``, for a widget of now to call: it waits for its turn, and does nothing if the widget has gone by then,
+        for what it would change has gone too."""
+        made = self._made
+
+        def acted(*arguments: Any) -> None:
+            with self.turn:
+                if made is self._made:
+                    act(*arguments)
+
+        return acted
+
+    def boxes(self, field: str, kinds: Mapping[str, Effect] | Mapping[str, Remedy]) -> None:
+        """A box for each of the names that the scene's field may hold, several at a time."""
+        session, scene = self._session, self._session.scene
+        boxes = {}
+        for name in scene.choices(field):
+            boxes[name] = self._gui.add_checkbox(tr(kinds[name].label), name in getattr(scene, field),
+                                                 hint=tr(kinds[name].explanation))
+        for box in boxes.values():
+            self.follow(box, lambda _: session.set(**{field: tuple(name for name, b in boxes.items() if b.value)}))
+
+    def follow(self, widget: Any, act: Callable[[Any], None]) -> None:
+        """Call ``act`` with the widget's value whenever the visitor has changed it, for one widget at a time. A value
+        that the session refuses goes back to the one before."""
+        met = [widget.value]
+
+        def wish(value: Any) -> None:
+            if self.ask(widget, lambda: act(value), lambda: setattr(widget, "value", met[0])):
+                met[0] = value
+
+        self.heed(widget, wish)
+        widget.on_update(lambda event: met.__setitem__(0, widget.value) if event.client is None else None)
+
+    def heed(self, widget: Any, act: Callable[[Any], None]) -> None:
+        """Call ``act`` with the widget's value whenever the visitor has changed it, for one widget at a time."""
+        asked = self.in_turn(lambda: act(widget.value))
+
+        def changed(event: viser.GuiEvent) -> None:
+            if event.client is not None:  # else the page has shown something, and nobody wishes anything
+                self._answers.changed(widget)
+                asked()
+
+        widget.on_update(changed)
+
+    def ask(self, widget: Any, act: Callable[[], None], back: Callable[[], None]) -> bool:
+        """Do what a widget asks for, and whether the session has not refused it: then ``back`` has the widget show
+        again what is, when the visitor's hand has come to rest."""
+        before = self._session.refused
+        act()
+        refused = self._session.refused
+        if refused is None or refused is before:
+            return True
+        self._answers.refuse(widget, refused[1], self.in_turn(back))
+        return False
+
+    def field(self, field: str, hint: str) -> None:
+        """A dropdown of what the scene's field may be, in words; a box for one that is true or false."""
+        scene, label, hint = self._session.scene, tr(field_label(field)), tr(hint)
+        label = label[:1].upper() + label[1:]
+        value, names = getattr(scene, field), words.choices(type(scene), field)
+        codes = {name: code for code, name in names.items()}
+        widget = self._gui.add_dropdown(label, tuple(codes), hint=hint, initial_value=names[value]) if names \
+            else self._gui.add_checkbox(label, value, hint=hint)
+        self.follow(widget, lambda shown: self._session.set(**{field: codes.get(shown, shown)}))
+
+    def formula(self, field: str, label: str, hint: str) -> None:
+        """A text for a formula of the scene. While it is typed what is wrong with it is said below; it counts when the
+        visitor is done with it, and stays where it is refused."""
+        mark(self._gui, "lab-formula")
+        text = self._gui.add_text(tr(label), getattr(self._session.scene, field), hint=tr(hint))
+        allow(text, MOST_CHARACTERS)
+        said = self._gui.add_html("")
+
+        def check(typed: str) -> None:
+            said.content = ""
+            try:
+                replace(self._session.scene, **dict[str, Any]({field: typed}))
+            except SceneError as error:
+                sentence = heard(error.sentence)
+                said.content = f"<p class='lab-formula-says'>{escape(sentence[:1].upper() + sentence[1:])}.</p>"
+
+        self.heed(text, check)
+
+        def wish() -> None:
+            self.ask(text, lambda: self._session.set(**{field: text.value}), lambda: None)
+
+        self.on_enter(text, wish)
+
+    def sliders(self, sliders: Mapping[str, LinearSlider]) -> None:
+        """A slider for each of the scene's fields."""
+        values = self._session.scene.to_dict()
+        for field, (label, low, high, step, hint) in sliders.items():
+            value = values[field]
+            slider = self._gui.add_slider(tr(label), min(low, value), max(high, value), step, value, hint=tr(hint))
+            self.follow(slider, functools.partial(self._set, field))
+
+    def _set(self, field: str, value: float) -> None:
+        self._session.set(**{field: value})
+
+    def motions(self, move: Callable[[Scene, str | None, float | None], None]) -> None:
+        """A dropdown of what the problem does, where it can do several things; ``move`` gets another motion's scene,
+        and the quantity and the speed that it begins with, None for no change and for the usual."""
+        scene = self._session.scene
+        motion = VIEWS[scene.problem].motion
+        if motion is None:
+            return
+        names = words.choices(type(scene), "motion")
+        shown = self._gui.add_dropdown(tr("Motion"), tuple(names.values()), hint=tr(motion.hint),
+                                       initial_value=names[scene.to_dict()["motion"]])
+
+        def chosen(_: viser.GuiEvent) -> None:
+            now = self._session.scene
+            code = next(code for code, name in names.items() if name == shown.value)
+            changed = motion.change(now, code, first_scene(now.problem).estimators)
+            move(changed, *((None, None) if changed.swings else (motion.quantity, motion.speed)))
+
+        shown.on_update(chosen)
+
+    def refuse(self, sentence: str) -> None:
+        """What a widget says means nothing."""
+        self._session.refuse(sentence, "number")

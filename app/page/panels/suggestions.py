@@ -1,0 +1,201 @@
+"""Sparks under the headline: three questions of the problem, an answer from the runs' own numbers, and ways on from a
+run that is lost: to the moment it broke, with what cures it, or by another method. The page's script (``sparks.js``)
+makes buttons of them and says which was pressed."""
+
+import json
+import math
+from collections.abc import Callable
+from dataclasses import asdict, dataclass, replace
+from html import escape
+
+import viser
+
+from app.language.message_translation import heard
+from app.language.translation import later, tr
+from app.page.headline import in_common, periods_of
+from app.page.visit.history import until
+from app.page.visit.session import Session
+from app.problems.suggestion import Answer, NotNow, Ran, Spark, asked
+from app.problems.views import VIEWS
+from app.state import State
+from app.words import METHODS, number
+from solvers.engine.engine_messages import FrameReport
+from solvers.scene.remedies import COUPLED, FILTER, FROZEN, REMEDIES
+from solvers.scene.scene import AUTO, Scene
+from solvers.solver.soundness import OK, UNSTABLE
+
+BEFORE = 0.03  # periods before a run broke, to which one goes back: more than half of what lies between frames
+#: Methods that bear more than hat functions do, the first choice first, and what they are.
+OTHERS = {"ugimp": later("the same {problem}, small intervals"), "cpdi": later("the same {problem}, boxes that deform"),
+          "bspline": later("the same {problem}, smooth functions")}
+SHORT = {COUPLED: later("coupled F")}  # where a label is too long for a button
+TWO, ONE = (FILTER, COUPLED), (FROZEN,)  # remedies that go together, and what there is where they do not
+
+
+@dataclass(frozen=True)
+class Card:
+    """A button: its ``key`` comes back when it is pressed. It has been pressed before where it is ``done``, and cannot
+    be pressed now where it is ``off``."""
+
+    key: str
+    icon: str
+    title: str
+    hint: str
+    done: bool = False
+    off: bool = False
+
+
+def what_now(state: State, report: FrameReport, seek: Callable[[float], bool], show: Callable[[State], None],
+             ) -> list[tuple[Card, Callable[[], None]]]:
+    """Buttons, and what each does. ``seek`` looks back to a time in s and says whether it is kept."""
+    scene = report.scene
+    back = max(scene.time_step, (report.since or report.time) - BEFORE * scene.period)
+
+    def look() -> None:
+        if not seek(back):  # it is not kept: run again until then
+            show(replace(state, scene=replace(scene, periods=None, t_end=back), speed=None, stops=True))
+
+    other = next(name for name in OTHERS if name in scene.choices("method") and name != scene.method)
+    hint = tr("back to t = {time} s, paused", time=number(back))
+    return [(Card("back", "back", tr("See the moment it broke"), hint), look),
+            _changed("cure", "filter", state, show, *_cure(scene)),
+            _changed("other", "halve", state, show, tr("Take {method} instead", method=METHODS[other].name),
+                     tr(OTHERS[other], problem=scene.problem), {"method": other})]
+
+
+def _changed(key: str, icon: str, state: State, show: Callable[[State], None], title: str, hint: str,
+             changes: dict[str, object]) -> tuple[Card, Callable[[], None]]:
+    """A button that starts the scene again with changes, where it can be that."""
+    try:
+        wanted = asked(state, changes, pinned=False)
+    except NotNow as reason:
+        return Card(key, icon, title, heard(str(reason)), off=True), lambda: None
+    return Card(key, icon, title, hint, off=not changes), lambda: show(wanted)
+
+
+def _cure(scene: Scene) -> tuple[str, str, dict[str, object]]:
+    """A step that the motion bears, or the remedies that are not on yet."""
+    if scene.time_step > scene.step_bound:
+        return tr("Take a step that holds"), tr("Auto step: what the motion bears"), {"dt": AUTO, "cfl": None}
+    names = TWO if all(name in scene.REMEDIES for name in TWO) else ONE
+    missing = tuple(name for name in names if name not in scene.remedies)
+    hint = ", ".join(tr(SHORT.get(name, REMEDIES[name].label)) for name in names)
+    title = tr("Switch on two remedies") if len(names) > 1 else tr("Switch on a remedy")
+    return title, hint if missing else tr("it is on already"), {"remedies": names} if missing else {}
+
+
+TRY, COMPARING, ANSWER, LOST = later("Try one"), later("Comparing …"), later("The answer"), later("What now?")
+WHOLE = 1e-9  # by which rounding may keep a run from its last period
+
+
+class Sparks:
+    """Those of one visitor. ``show`` puts a state on the stage; ``seek`` pauses and looks back to a time in s, if that
+    is kept, and says whether it is."""
+
+    def __init__(self, gui: viser.GuiApi, session: Session, state: Callable[[], State], show: Callable[[State], None],
+                 seek: Callable[[float], bool]):
+        self._session, self._state, self._show, self._seek = session, state, show, seek
+        self._html = gui.add_html("")
+        self._done: set[str] = set()
+        self._asked: tuple[Spark, State, State] | None = None  # a spark, what was on the stage, and what it put there
+        self._answers: dict[str, Answer] = {}  # by quantity
+        self._ways: dict[str, Callable[[], None]] = {}  # out of a run that is lost
+
+    def press(self, key: object) -> None:
+        """The visitor has pressed a button."""
+        if isinstance(key, str) and key in self._ways:
+            self._asked, ways, self._ways = None, self._ways, {}
+            ways[key]()
+            return
+        base = self._base()
+        spark = next((spark for spark in VIEWS[base.scene.problem].sparks(base) if spark.key == key), None)
+        if spark is None:
+            return
+        try:
+            state = spark.offer(base).state
+        except NotNow:
+            return
+        self._done.add(f"{base.scene.problem} {spark.key}")
+        self._asked, self._answers = None, {}
+        self._show(state)
+        self._asked = spark, base, state  # from now on: while it was put there, something else was
+
+    def refresh(self, offered: bool) -> None:
+        """Show what there is to be pressed or read now; nothing where sparks are not ``offered``."""
+        content = ""
+        if offered and self._session.report is not None:
+            label, answer, cards = self._now()
+            said = json.dumps({"label": tr(label), "answer": answer, "cards": [asdict(card) for card in cards]},
+                              ensure_ascii=False)
+            content = f"<i class='lab-sparks' data-sparks=\"{escape(said)}\"></i>"
+        self._html.content = content
+
+    def _now(self) -> tuple[str, Answer | None, list[Card]]:
+        self._forget()
+        report, asked = self._session.report, self._asked
+        assert report is not None
+        here = report.scene == self._session.scene
+        lost = here and report.status != OK
+        answer = self._answer() if asked and here and not (lost and asked[0].breaks) else None
+        if lost and answer is None and (asked is None or asked[0].breaks or report.status == UNSTABLE):
+            ways = what_now(self._state(), report, self._seek, self._show)
+            self._ways = {card.key: act for card, act in ways}
+            return LOST, None, [card for card, _ in ways]
+        self._ways = {}
+        cards = self._cards(self._base())
+        if asked is None:
+            return TRY, None, cards
+        if answer is None:
+            return COMPARING, None, [replace(card, off=card.off or card.key == asked[0].key) for card in cards]
+        keys = [card.key for card in cards]
+        at = keys.index(asked[0].key)
+        following = next((card for card in (*cards[at + 1:], *cards[:at]) if not card.off), None)
+        return ANSWER, answer, [] if following is None else [
+            replace(following, title=tr("Next: {title}", title=following.title))]
+
+    def _cards(self, base: State) -> list[Card]:
+        cards = []
+        for spark in VIEWS[base.scene.problem].sparks(base):
+            done = f"{base.scene.problem} {spark.key}" in self._done
+            try:
+                offer = spark.offer(base)
+                cards.append(Card(spark.key, spark.icon, offer.title, offer.hint, done))
+            except NotNow as reason:
+                cards.append(Card(spark.key, spark.icon, tr(spark.title), heard(str(reason)), done, off=True))
+        return cards
+
+    def _base(self) -> State:
+        """What a spark changes: what is on the stage, or was before the spark that has put it there."""
+        self._forget()
+        return self._state() if self._asked is None else self._asked[1]
+
+    def _forget(self) -> None:
+        """A spark is over as soon as anything else is on the stage."""
+        if self._asked:
+            shown, pinned = self._asked[2], self._session.pinned
+            if shown.scene != self._session.scene or shown.pinned != (pinned and pinned.scene):
+                self._asked = None
+
+    def _answer(self) -> Answer | None:
+        """The answer for the quantity on the stage, once both runs have come far enough."""
+        assert self._asked is not None
+        spark, _, state = self._asked
+        quantity = self._state().quantity
+        if quantity not in self._answers and (ran := self._ran(spark, replace(state, quantity=quantity))):
+            self._answers[quantity] = spark.answer(ran)
+        return self._answers.get(quantity)
+
+    def _ran(self, spark: Spark, state: State) -> Ran | None:
+        session = self._session
+        report, pinned, scene = session.report, session.pinned, state.scene
+        histories = [session.history, *([pinned.history] if pinned else [])]
+        scenes = [scene, *([state.pinned] if state.pinned else [])]
+        if report is None or [history.scene for history in histories] != scenes:
+            return None
+        series = [history.series for history in histories]
+        if min(map(periods_of, series, scenes)) < spark.periods - WHOLE:
+            return None
+        series = [until(one, spark.periods * its.period * (1 + WHOLE)) for one, its in zip(series, scenes, strict=True)]
+        ratio = math.nan if pinned is None or state.pinned is None else \
+            in_common(series[0], series[1], f"error_{state.quantity}", (scene, state.pinned))
+        return Ran(state, series[0], series[1] if pinned else {}, ratio, report.not_valid)

@@ -1,0 +1,81 @@
+"""The instrument of time: what lets the run go, stand, go back, stay and be seen slowly. It is laid below the stage,
+whatever tab is open (``css/20-deck.css``), and so it is made once, before the tabs."""
+
+from collections.abc import Callable
+from typing import Any
+
+import viser
+
+from app.language.translation import later, tr
+from app.page.features.slow_motion import SlowMotion
+from app.page.panels.history_controls import Looking
+from app.page.panels.number_slider import Size, SizeControl
+from app.page.panels.scene_widgets import BoundWidgets
+from app.page.visit.session import Session
+from app.problems.views import VIEWS
+from solvers.scene.scene import Scene
+
+PLAY, PAUSE, STEP, RESET = later("Play"), later("Pause"), later("Step"), later("Reset")
+PIN, UNPIN = later("Pin this run"), later("Unpin")
+SLOW, NOT_SLOW = later("Slow motion"), later("Normal speed")
+
+
+class Transport:
+    """Widgets of one visitor. ``on_view`` is called when only the drawing changes."""
+
+    def __init__(self, gui: viser.GuiApi, session: Session, looking: Looking, slow: SlowMotion, bound: BoundWidgets,
+                 on_view: Callable[[], None]):
+        self._session, self._slow, self._on_view = session, slow, on_view
+        self.acts = {PLAY: lambda: session.play(True), PAUSE: lambda: session.play(False),
+                     STEP: lambda: session.play(False, single_steps=1), RESET: session.reset}
+        shown = {tr(name): act for name, act in self.acts.items()}
+        gui.add_html("<i class='lab-at-run'></i>")
+        buttons = gui.add_button_group(tr("Run"), tuple(shown))
+        buttons.on_click(lambda event: shown[event.target.value]())
+        self._speed = SizeControl(gui, bound, self._pace, session.speed, session.set_speed)
+        pin_mark = gui.add_html("<i class='lab-at-pin'></i>")
+        self._pin = gui.add_button(tr(PIN), hint=tr("keep the run on the stage beside what you change: both begin at "
+                                               "t = 0 and go on together, period by period"))
+        self._pin.on_click(lambda _: self._turn())
+        back_mark = gui.add_html("<i class='lab-at-back'></i>")
+        self._back = looking.build_slider(gui)
+        slow_mark = gui.add_html("<i class='lab-at-slow'></i>")
+        self._slowly = gui.add_button(tr(SLOW), hint=tr("pause, and walk through one time step phase by phase"))
+        self._slowly.on_click(lambda _: slow.end() if slow.on else slow.forward())
+        # A mark that stayed where its widget has gone would mark what comes next.
+        self.parts: dict[str, tuple[Any, ...]] = {
+            "pin": (pin_mark, self._pin), "look-back": (back_mark, self._back),
+            "slow-motion": (slow_mark, self._slowly), "speed": (self._speed,)}
+
+    def pin(self, scene: Scene | None = None) -> None:
+        """Keep the run on the stage, or one of a scene, beside what follows."""
+        self._session.pin(self._pinned_drawn, scene)
+
+    def show(self) -> None:
+        """Show what belongs to the session's present scene."""
+        self._speed.begin(self._pace, self._session.speed)
+        self.refresh()
+
+    def refresh(self) -> None:
+        """Show what the session has come to by itself."""
+        self._pin.label = tr(PIN if self._session.pinned is None else UNPIN)
+        self._slowly.label = tr(NOT_SLOW if self._slow.on else SLOW)
+
+    @property
+    def _pace(self) -> Size:
+        view = VIEWS[self._session.scene.problem]
+        return Size(tr("Speed"), "", view.reach.speed, view.speed,
+                    tr("periods of the exact vibration in a second of yours"), place="lab-at-speed")
+
+    def _turn(self) -> None:
+        if self._session.pinned is None:
+            self.pin()
+        else:
+            self._session.unpin()
+        self.refresh()
+        self._on_view()
+
+    def _pinned_drawn(self) -> None:
+        """The pinned run has a frame: while both play, it is drawn with the other's."""
+        if not (self._session.report and self._session.report.playing):
+            self._on_view()

@@ -1,0 +1,80 @@
+"""What is to be read of a run: its error over time below the stage, and all further numbers and plots in a fold."""
+
+import json
+from dataclasses import asdict, dataclass
+from html import escape
+
+import viser
+
+from app.language.translation import tr
+from app.page.panels.plots import Plots
+from app.page.panels.readout import Readout
+from app.page.panels.timeline import Now, Timeline
+from app.page.visit.history import RunSeries
+from app.page.visit.particle_trace import Traced
+from app.page.visit.pinned_run import PinnedRun
+from solvers.scene.scene import Scene
+
+PLOT_HEIGHT = 110  # pixels, of a plot in the fold
+
+
+@dataclass(frozen=True)
+class Numbers:
+    """What is to be read of a run: its ``readout`` and its ``past`` as plots, with a line for each of the
+    ``estimators``, drawn of those that are ``valid``.
+
+    ``drawn`` is the estimator on the stage, and the run is at ``now``; ``no_index`` says why there is no error index. A
+    ``pinned`` run is plotted too, and a ``traced`` particle. Whoever reads the page by a program is told the ``scene``.
+    """
+
+    readout: Readout
+    past: RunSeries | None
+    estimators: tuple[str, ...]
+    valid: tuple[str, ...]
+    drawn: str | None
+    now: Now
+    no_index: str
+    pinned: PinnedRun | None = None
+    traced: Traced | None = None
+    scene: Scene | None = None
+
+
+class Measurements:
+    """One visitor's. Call :meth:`show` a few times a second."""
+
+    def __init__(self, client: viser.ClientHandle):
+        self._client, gui = client, client.gui
+        self._running = gui.add_html("")  # the scene, for whoever reads the page by a program
+        self._described: Scene | None = None
+        self.timeline = Timeline(gui)
+        self.reading = False  # whether the errors stay in view: a lesson has them read, a file is judged
+
+    def build(self, gui: viser.GuiApi) -> None:
+        """Make the fold, before the tabs: the style lays it below them, for lessons have their numbers read there, and
+        of these what an error is by each judge stays in view while one is open (``css/33-numbers.css``)."""
+        gui.add_html(f"<i class='lab-numbers' data-words='{escape(tr('time, energy, steps'))}'></i>")
+        fold = gui.add_folder(tr("All numbers of this run"), expand_by_default=False)
+        with fold:
+            self._readout = gui.add_html(f"<div class='lab-readout'>{tr('waiting for the first frame')}</div>")
+        self._plots = Plots(self._client, fold)
+        gui.add_html("<i class='lab-estimates-foot'></i>")
+        self._foot = gui.add_html("")
+
+    def show(self, numbers: Numbers, quantity: str, latest: bool) -> None:
+        """Show numbers, and plots of a quantity's errors or of their ``latest`` periods."""
+        past, traced, scene = numbers.past, numbers.traced, numbers.scene
+        if scene is not None and scene != self._described:
+            self._described = scene
+            self._running.content = f"<i class='lab-scene' data-scene='{escape(json.dumps(asdict(scene)))}'></i>"
+        self._readout.content = numbers.readout.html
+        self._foot.content = numbers.readout.errors if self.reading else ""
+        self.timeline.have(numbers.estimators, numbers.pinned is not None)
+        self._plots.have(numbers.estimators, PLOT_HEIGHT, traced is not None, numbers.pinned is not None)
+        if past is None or len(past.series.get("time", ())) < 2:
+            self.timeline.clear(numbers.now)
+            self._plots.clear()
+            return
+        self.timeline.show(past, numbers.valid, quantity, latest, numbers.pinned, numbers.drawn, numbers.now)
+        self._plots.show(past, numbers.valid, quantity, numbers.no_index, latest, numbers.pinned, numbers.drawn)
+        if traced is not None and traced.scene == past.scene:
+            self._plots.show_trace(traced, numbers.valid, quantity, latest, numbers.now.time)

@@ -1,0 +1,184 @@
+"""Pointing at the stage: drag a rectangle and read the errors of the particles in it (one without any puts it away), or
+click a particle and it is traced, and ringed wherever it is drawn. And the camera that looks flat at a rectangle of the
+plane z = 0: all of the canvas shows it and nothing else.
+
+The viewer has no orthographic camera; one far away with a small field of view is as good. Nobody turns, moves or
+enlarges the picture: what is written over it would be left behind. The page shapes the canvas like
+the rectangle (``stage.js``), so where the camera stands depends on that alone, however large the window is. The
+viewer skips values that it believes unchanged, so a fit is repeated while things settle, each time changed by a hair.
+"""
+
+import math
+import threading
+from time import monotonic
+
+import numpy as np
+import viser
+
+from app.frame.primitives import Lines, in_plane, joined
+from app.frame.stage import Stage
+from app.language.translation import later, tr
+from app.page.visit.particle_trace import Trace
+from app.renderers.viewer_renderer import Sheet
+from app.words import with_unit
+from solvers.engine.shared_frames import FrameArrays
+
+FIELD_OF_VIEW = math.radians(4.0)
+SETTLE_SECONDS = 1.5
+REPEAT_SECONDS = 0.5
+
+Rectangle = tuple[float, float, float, float]
+
+
+class FlatCamera:
+    """Keeps ``rectangle`` = (x0, x1, y0, y1) in a client's view."""
+
+    def __init__(self, client: viser.ClientHandle, rectangle: Rectangle):
+        self._client, self._rectangle = client, rectangle
+        self._lock = threading.Lock()
+        self._size: tuple[int, int] | None = None
+        self._target: np.ndarray | None = None
+        self._settle_until = self._next_fit = 0.0
+        self._hair = 0
+        client.camera.on_update(lambda _: self.fit())
+        self.fit(force=True)
+
+    def show(self, rectangle: Rectangle) -> None:
+        """Look at another rectangle from now on."""
+        if rectangle != self._rectangle:
+            self._rectangle = rectangle
+            self.fit(force=True)
+
+    def settle(self) -> None:
+        """Call now and then: repeats the fit while the canvas is settling."""
+        now = monotonic()
+        if now < self._settle_until + 1 and now > self._next_fit:
+            self._next_fit = now + REPEAT_SECONDS
+            self.fit(force=True)
+
+    def on_stage(self, screen: tuple[float, float]) -> tuple[float, float]:
+        """The point of the plane z = 0 at a place of the canvas, (0, 0) top left to (1, 1) bottom right."""
+        camera = self._client.camera
+        x, y, distance = (float(v) for v in camera.position)
+        height = 2 * distance * math.tan(camera.fov / 2)
+        width = height * camera.image_width / max(1, camera.image_height)
+        return x + (screen[0] - 0.5) * width, y + (0.5 - screen[1]) * height
+
+    def fit(self, force: bool = False) -> None:
+        """Look straight at the rectangle if the canvas changed, the view was turned, or ``force``."""
+        with self._lock:
+            camera = self._client.camera
+            size = (camera.image_width, camera.image_height)
+            if size != self._size:
+                self._settle_until = monotonic() + SETTLE_SECONDS
+            turn = viser.transforms.SO3(camera.wxyz).as_matrix()
+            turned = turn[2, 2] > -0.9999 or abs(turn[0, 0]) < 0.9999
+            astray = self._target is None or not np.allclose(camera.position, self._target, rtol=1e-3, atol=1e-3)
+            if force or size != self._size or turned or astray:
+                self._size = size
+                self._look()
+
+    def _look(self) -> None:
+        x0, x1, y0, y1 = self._rectangle
+        self._hair = (self._hair + 1) % 7
+        distance = 0.5 * (y1 - y0) * (1 + 1e-5 * self._hair) / math.tan(FIELD_OF_VIEW / 2)
+        x, y = (x0 + x1) / 2, (y0 + y1) / 2
+        self._target = np.array((x, y, distance))
+        camera = self._client.camera
+        with self._client.atomic():
+            camera.near, camera.far, camera.fov = 0.05 * distance, 20 * distance, FIELD_OF_VIEW
+            camera.min_orbit_distance, camera.max_orbit_distance = 1e-6, 1e6  # each must stay within the other
+            camera.min_orbit_distance, camera.max_orbit_distance = 0.999 * distance, 1.001 * distance
+            camera.up_direction = (0.0, 1.0, 0.0)
+            camera.position, camera.look_at = (x, y, distance), (x, y, 0.0)
+
+
+ESTIMATED, TRUE = later("estimated mean {mean}, worst {worst}"), later("true mean {mean}, worst {worst}")
+RADIUS = 0.018  # on the stage
+#: Above all that is drawn there: the ground's colour beneath that of dots is seen on every colour of the map.
+RINGS = ("ground", 5.0, 0.04), ("dot", 2.0, 0.045)
+_ANGLES = np.linspace(0, 2 * np.pi, 25)
+_RING = RADIUS * np.stack([np.cos(_ANGLES), np.sin(_ANGLES), 0 * _ANGLES], axis=1).astype(np.float32)
+
+
+class Probe:
+    """One visitor's selected region and what was read in it."""
+
+    def __init__(self, client: viser.ClientHandle, sheet: Sheet, camera: FlatCamera):
+        self._rectangle: tuple[tuple[float, float], tuple[float, float]] | None = None
+        self._sheet = sheet
+        self.text: str | None = None
+        # Rectangle selection also takes the left drag, which would otherwise rotate the view.
+        client.scene.on_rect_select()(lambda event: self._select(camera, event))
+
+    def look(self, stage: Stage, arrays: FrameArrays, estimated: np.ndarray | None, true: np.ndarray | None,
+             unit: str) -> None:
+        """Read mean and worst error, estimated and true (P,) in a ``unit``, of the particles in the region."""
+        rectangle = self._rectangle
+        if rectangle is None:
+            self.text = None
+            return
+        inside = stage.region(*rectangle, arrays)
+        if not inside.any():
+            self._rectangle, self.text = None, None
+            self._show(np.empty((0, 2, 3), np.float32))
+            return
+        parts = [tr("{n} particles", n=np.count_nonzero(inside))]
+        for said, sizes in ((ESTIMATED, estimated), (TRUE, true)):
+            if sizes is not None and np.isfinite(sizes[inside]).any():
+                mean, worst = (with_unit(float(of(sizes[inside])), unit) for of in (np.nanmean, np.nanmax))
+                parts.append(tr(said, mean=mean, worst=worst))
+        self.text = "; ".join(parts)
+
+    def _select(self, camera: FlatCamera, event: viser.SceneRectSelectEvent) -> None:
+        ends = camera.on_stage(event.screen_min), camera.on_stage(event.screen_max)
+        (left, right), (bottom, top) = (sorted(coordinates) for coordinates in zip(*ends, strict=True))
+        self._rectangle = (left, bottom), (right, top)
+        corners = in_plane(np.array([left, right, right, left]), np.array([bottom, bottom, top, top]), 0.03)
+        self._show(joined(corners, np.roll(corners, -1, axis=0)))
+
+    def _show(self, frame: np.ndarray) -> None:
+        self._sheet.show(Lines("rectangle", frame, self._sheet.room.palette.dot, 1.5))
+
+
+class TraceRings:
+    """Rings around one visitor's traced particle. A click on it, or into an empty place, ends the trace."""
+
+    def __init__(self, client: viser.ClientHandle, sheet: Sheet, trace: Trace):
+        self._trace = trace
+        self._seen: tuple[Stage, FrameArrays] | None = None
+        self._sheet = sheet
+        client.scene.on_click()(lambda event: self._click(_on_stage(event)))
+
+    def look(self, stage: Stage, arrays: FrameArrays) -> None:
+        """Ring the particle in the frame that is drawn, if it is traced."""
+        self._seen, traced = (stage, arrays), self._trace.traced
+        if traced is None or traced.particle >= len(arrays.position):
+            self._sheet.visible = False
+            return
+        middles = stage.images(arrays, slice(traced.particle, traced.particle + 1))[:, 0]
+        around = middles[:, None] + _RING  # (images, angles, 3)
+        for name, width, height in RINGS:
+            around[:, :, 2] = height
+            self._sheet.show(Lines(name, joined(around[:, :-1].reshape(-1, 3), around[:, 1:].reshape(-1, 3)),
+                                   getattr(self._sheet.room.palette, name), width))
+        self._sheet.visible = True
+
+    def hide(self) -> None:
+        """Something else is on the stage, of which no particle is traced."""
+        self._seen = None
+        self._sheet.visible = False
+
+    def _click(self, point: tuple[float, float]) -> None:
+        if self._seen is None:
+            return
+        stage, arrays = self._seen
+        particle, traced = stage.nearest(point, arrays), self._trace.traced
+        self._trace.choose(None if traced is not None and particle == traced.particle else particle)
+        self.look(stage, arrays)
+
+
+def _on_stage(event: viser.SceneClickEvent) -> tuple[float, float]:
+    """Where the ray of a click meets the plane z = 0: what the visitor saw there, also while the camera settles."""
+    (x, y, z), (dx, dy, dz) = event.ray_origin, event.ray_direction
+    return x - z * dx / dz, y - z * dy / dz

@@ -1,0 +1,110 @@
+"""Where the error is worst: of the regions into which a problem's material is divided, the one with the largest error.
+
+A region's error is the root of the mean square over its particles, so that one odd particle does not make it the worst.
+"""
+
+import threading
+from dataclasses import dataclass
+
+import numpy as np
+
+from app.frame.captions import View
+from app.frame.headline import ROUND_OFF
+from app.frame.stage import NOTHING, Remarks, Worst
+from app.problems.views import VIEWS
+from app.words import QUANTITIES, with_unit
+from solvers.engine.engine_messages import FrameReport
+from solvers.engine.shared_frames import FrameArrays
+from solvers.scene.scene import Scene
+from solvers.solver import soundness
+from solvers.solver.rounding import rounding
+
+ALIKE = 0.8, 1.25  # an estimate over the truth, both as norms, that is right for the eye
+LEAD = 1.05  # by which another region must be worse to take over: a tie must not flicker
+
+
+class SteadyMaximum:
+    """The number of the worst region, kept until another one is clearly worse."""
+
+    def __init__(self) -> None:
+        self._last: int | None = None
+
+    def of(self, errors: np.ndarray) -> int | None:
+        """The region with the largest of the errors; None where there is no error to speak of."""
+        known = np.where(np.isfinite(errors), errors, 0.0)
+        worst = int(np.argmax(known))
+        if not known[worst] > 0:
+            self._last = None
+        elif self._last is None or known[worst] > LEAD * known[self._last]:
+            self._last = worst
+        return self._last
+
+
+@dataclass(frozen=True, eq=False)
+class WorstRegion:
+    """A region's name, its particles (P,), and its errors, estimated and true; None where one is not known."""
+
+    name: str
+    particles: np.ndarray
+    estimated: float | None
+    true: float | None
+
+
+class WorstRegions:
+    """Where one visitor's run is worst, by the estimate that is drawn and by the truth. Any thread may look."""
+
+    def __init__(self) -> None:
+        self._lock = threading.Lock()
+        self.scene: Scene | None = None  # of which they are
+        self.by_estimate: WorstRegion | None = None
+        self.by_truth: WorstRegion | None = None
+        self._remarks: tuple[Scene | None, Remarks] = None, NOTHING  # and whose: another thread may look meanwhile
+
+    def remarks(self, scene: Scene) -> Remarks:
+        """What is to be written into a picture of a scene."""
+        whose, remarks = self._remarks
+        return remarks if scene == whose else NOTHING
+
+    def look(self, report: FrameReport, arrays: FrameArrays, view: View, quantity: str) -> None:
+        """Find both in a frame, of the errors of a quantity by its key."""
+        with self._lock, np.errstate(all="ignore"):  # a run gone bad holds anything
+            self._look(report, arrays, view, quantity)
+
+    def _look(self, report: FrameReport, arrays: FrameArrays, view: View, quantity: str) -> None:
+        if report.scene != self.scene:
+            self.by_estimate = self.by_truth = None
+            self.scene, self._worst = report.scene, (SteadyMaximum(), SteadyMaximum())
+            at_rest = np.nan_to_num(arrays.position - arrays.displacement)
+            self._regions = VIEWS[report.scene.problem].regions(at_rest)
+        if len(self._regions.number) != len(arrays.position):
+            return  # the view is of another frame
+        self._remarks = None, NOTHING
+        errors = [None if sizes is None or len(sizes) != len(arrays.position) else self._regions.errors(sizes)
+                  for sizes in (view.estimated, view.true)]
+        self.by_estimate, self.by_truth = (self._region(worst, own, errors)
+                                           for worst, own in zip(self._worst, errors, strict=True))
+        estimate, truth = self.by_estimate, self.by_truth
+        scene, unit = report.scene, QUANTITIES[quantity].unit
+        least = 0.0 if scene.swings else max(ROUND_OFF * scene.size_of(quantity),
+                                             rounding(scene, quantity, scene.steps))
+
+        def told(region: WorstRegion | None, estimated: bool) -> Worst | None:
+            size = (region.estimated if estimated else region.true) if region else None
+            return Worst(region.particles, with_unit(size, unit, 2)) if region and size and size > least else None
+
+        alike = False  # whether the estimate is as large as the truth, as far as one can see
+        if view.estimated is not None and view.true is not None:
+            known = np.isfinite(view.estimated) & np.isfinite(view.true)
+            index = float(np.linalg.norm(view.estimated[known]) / np.linalg.norm(view.true[known]))
+            alike = ALIKE[0] <= index <= ALIKE[1]
+        self._remarks = scene, Remarks(
+            (told(estimate, True) if view.left.sizes is view.estimated else None,
+             told(truth, False)), report.status != soundness.OK, alike)
+
+    def _region(self, worst: SteadyMaximum, own: np.ndarray | None,
+                errors: list[np.ndarray | None]) -> WorstRegion | None:
+        at = None if own is None else worst.of(own)
+        if at is None:
+            return None
+        return WorstRegion(self._regions.names[at], self._regions.number == at,
+                           *(None if e is None else float(e[at]) for e in errors))

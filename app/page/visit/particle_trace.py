@@ -1,0 +1,100 @@
+"""The trace: one particle's true error, its estimates and its crossings over time."""
+
+import threading
+from collections.abc import Sequence
+
+import numpy as np
+
+from app.language.translation import tr
+from app.page.visit.frame_buffer import Frame, Recent
+from app.page.visit.history import MOST_ROWS, RunSeries
+from solvers.engine.engine_messages import FrameReport
+from solvers.engine.shared_frames import FrameArrays
+from solvers.solver.samples import QUANTITIES
+
+
+class Traced(RunSeries):
+    """A particle of one run, by its number, and what frames said of it. Its series are called as those of a history are
+    (``app.page.visit.history``), with the sizes of its own errors in place of norms."""
+
+    def __init__(self, particle: int, frames: Sequence[Frame]):
+        report, arrays = frames[-1]
+        super().__init__(report.scene.period)
+        self.particle, self.scene = particle, report.scene
+        self.at_rest = rest(arrays)[particle]  # (D,) in metres
+        self._step = -1
+        self._crossings: tuple[int, ...] = ()  # steps
+        for frame in frames:
+            self.add(*frame)
+
+    def add(self, report: FrameReport, arrays: FrameArrays) -> None:
+        """Take in a later frame. Of several crossings between two frames only the last is known."""
+        if report.step <= self._step:
+            return
+        self._step, p = report.step, self.particle
+        new = {"time": np.array([report.time])}
+        for q, name in enumerate(QUANTITIES):
+            new[f"error_{name}"] = np.abs(arrays.error[p:p + 1, q].astype(float))
+            for estimator, estimate in arrays.estimate.items():
+                new[f"{estimator}/estimate_{name}"] = np.abs(estimate[p:p + 1, q].astype(float))
+        self.append(new)
+        since = arrays.steps_since_crossing[p]
+        crossed = report.step - int(since) if since >= 0 else -1
+        if crossed > max(self._crossings, default=-1):
+            self._crossings = (*self._crossings, crossed)[-MOST_ROWS:]
+
+    def crossed(self, times: np.ndarray) -> np.ndarray:
+        """Which of the times (n,) of a series is the first after a crossing: (n,) of bool."""
+        crossings = np.array(self._crossings) * self.scene.time_step
+        after = np.searchsorted(times, crossings[crossings >= times[0]] - 0.5 * self.scene.time_step)
+        marks = np.zeros(len(times), bool)
+        marks[after[after < len(times)]] = True
+        return marks
+
+    @property
+    def title(self) -> str:
+        digits = 5 - len(self.at_rest)  # one line of the narrowest panel
+        place = ", ".join(f"{x:.{digits}g}" for x in self.at_rest)
+        return tr("particle {particle}, X = {place} m", particle=self.particle,
+                  place=f"({place})" if len(self.at_rest) > 1 else place)
+
+
+class Trace:
+    """The particle that one visitor follows, if any. Frames come on one thread, choices on any."""
+
+    def __init__(self, recent: Recent):
+        self._recent, self._lock = recent, threading.Lock()
+        self.traced: Traced | None = None
+        self._next: int | None = None  # to be followed in the next run
+
+    def choose(self, particle: int | None, in_next_run: bool = False) -> None:
+        """Follow a particle, from the earliest frame that is remembered, or from the next run's first; None follows
+        none."""
+        with self._lock:
+            frames = () if in_next_run else self._recent.frames
+            self._next = particle if in_next_run else None
+            self.traced = None
+            if particle is not None and frames and particle < frames[-1][0].particles:
+                self.traced = Traced(particle, frames)
+
+    def follow(self, report: FrameReport, arrays: FrameArrays) -> None:
+        """Take in the newest frame. Another run goes on with the particle that was at rest nearest to this one."""
+        with self._lock:
+            if report.fresh and self._next is not None and self._next < report.particles:
+                self.traced, self._next = Traced(self._next, [(report, arrays)]), None
+                return
+            traced = self.traced
+            if traced is None:
+                return
+            if not report.fresh:
+                traced.add(report, arrays)
+            elif report.scene.problem != traced.scene.problem:
+                self.traced = None
+            else:
+                squares = ((rest(arrays) - traced.at_rest) ** 2).sum(axis=1)
+                self.traced = Traced(int(np.argmin(squares)), [(report, arrays)])
+
+
+def rest(arrays: FrameArrays) -> np.ndarray:
+    """Where the particles were at rest, (P, D) in metres."""
+    return np.nan_to_num(arrays.position.astype(float) - arrays.displacement)

@@ -1,0 +1,72 @@
+"""The pinned run: what was on the stage when the visitor pinned it, run again beside what the controls change."""
+
+from collections.abc import Callable
+from dataclasses import replace
+
+from app.frame.captions import View, look
+from app.language.message_translation import heard
+from app.language.translation import tr
+from app.page.visit.history import History
+from solvers.engine.engine_messages import FrameReport, Pace
+from solvers.engine.engine_pool import Listener, SessionLink
+from solvers.engine.shared_frames import FrameArrays, FrameOptions
+from solvers.scene.scene import Scene
+from solvers.solver.soundness import UNSTABLE
+
+
+class PinnedRun:
+    """A scene that stays, the last frame of it and its history. The engine keeps it together with the visitor's session
+    (:class:`~solvers.engine.engine_messages.Wish`, ``partner``) and starts it again with that."""
+
+    def __init__(self, open_link: Callable[[Listener], SessionLink], scene: Scene, on_frame: Callable[[], None]):
+        self.scene, self._on_frame = scene, on_frame
+        self.history = History(scene, scene.particles)
+        self.last: tuple[FrameReport, FrameArrays] | None = None
+        self._trouble: str | None = None
+        self._link = open_link(self)
+
+    def follow(self, pace: Pace, frame: FrameOptions) -> None:
+        """Do as the visitor's session is asked to; but steps are taken apart on the stage, and not beside it."""
+        self._trouble = None
+        self._link.ask(self.scene, replace(pace, restarts=0), replace(frame, broken_down=None))
+
+    def close(self) -> None:
+        self._link.close()
+
+    def estimator(self, drawn: str | None) -> str | None:
+        """The estimator on the visitor's stage, or the first where this run has not got it."""
+        return drawn if drawn in self.scene.estimators else next(iter(self.scene.estimators), None)
+
+    def view(self, quantity: str, drawn: str | None, difference: bool) -> View | None:
+        """What the stage shows of the last frame; nothing before there is one that holds what is asked for."""
+        if self.last is None:
+            return None
+        report, arrays = self.last
+        estimator = self.estimator(drawn)
+        return look(report, arrays, quantity, estimator, difference and estimator in arrays.difference)
+
+    def shortfall(self) -> str | None:
+        """Why it does not go on, in few words; None while it does."""
+        if self._trouble:
+            return heard(self._trouble)
+        report = self.last[0] if self.last else None
+        if report is None or report.status != UNSTABLE:
+            return None
+        return tr("went unstable and has stopped at {periods:.2f} periods", periods=report.time / self.scene.period)
+
+    def on_frame(self, report: FrameReport, arrays: FrameArrays) -> None:
+        """From the engine's reader thread, as the three below."""
+        if report.fresh:
+            self.history = History(report.scene, report.particles)
+        self.history.add(report.rows)
+        self.last = report, arrays
+        self._on_frame()
+
+    def on_compiling(self, number: int) -> None:
+        """It is on the stage as soon as it can be."""
+
+    def on_trouble(self, sentence: str) -> None:
+        self._trouble = sentence
+
+    def on_engine_lost(self) -> None:
+        """The link asks again by itself."""

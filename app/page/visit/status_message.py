@@ -1,0 +1,41 @@
+"""What a visitor should read now, in a sentence; and doubts of a run that is sound in itself."""
+
+from dataclasses import dataclass
+
+from app.language.translation import tr
+from app.page.visit.history import History
+from app.words import on_page, ratio
+from solvers.untrusted.quoting import as_html
+
+LONGEST = 1000  # letters of a sentence; refusals have less
+BROKEN = 30.0  # error index from which on an estimate is no estimate
+
+
+@dataclass(frozen=True)
+class Notice:
+    """A sentence for the visitor. ``kind`` is "refused", "unstable", "lost", "wait" or "trouble"; one that is ``seen``
+    elsewhere, under the control that it is of, is here for screen readers only."""
+
+    kind: str
+    sentence: str
+    seen: bool = False
+
+    @property
+    def html(self) -> str:
+        """As it stands at the bottom of the stage."""
+        return (f"<div class='lab-notice lab-{self.kind}{' lab-seen' * self.seen}' role='status'>"
+                f"{as_html(self.sentence[:1].upper() + self.sentence[1:], LONGEST)}</div>")
+
+
+def doubt(history: History, valid: tuple[str, ...]) -> Notice | None:
+    """A run may be sound and an estimate of it not, or its scene may have surprises ahead."""
+    series, scene = history.series, history.scene
+    if not len(series.get("error_x", ())):
+        return None
+    for estimator in valid:
+        index = series[f"{estimator}/index_x"][-1]
+        if index > BROKEN:
+            return Notice("refused", tr("The estimate {estimator} has broken down: it is {index} times the true error "
+                                        "of x. Do not trust it here.", estimator=estimator, index=ratio(index)))
+    warnings = scene.warnings()
+    return Notice("refused", f"{on_page(warnings[0])}.") if warnings else None

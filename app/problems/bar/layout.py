@@ -1,0 +1,68 @@
+"""Where the bar's things stand: two lanes with crossings between them and the plot of the field below, along one axis;
+beside a pinned run, for each of the two a plot with its lanes below."""
+
+from dataclasses import dataclass
+
+from app.frame.field_plot import ROOM
+from app.frame.layout import Box, Places, Seat, Spot, rectangle, top
+from app.frame.primitives import Room
+
+#: In pixels: what stands above the upper and below the lower lane; the least lane and gap, that of a strip, and between
+#: two runs; half of a plot that has room for keys; and what the number at the end of its axis takes.
+BRACKET, LEAST_LANE, LEAST_GAP, STRIP, APART, KEYS, END = 26.0, 26.0, 20.0, 14.0, 10.0, 44.0, 36.0
+LANE, MOST_LANE, GAP = 0.155, 96.0, 0.62  # of the height below the numbers; in pixels; of a lane
+
+
+@dataclass(frozen=True)
+class BarPlaces(Places):
+    """The middles of the lanes of the estimate and the truth and how high a lane is; where the crossings are, if they
+    have a place of their own; and the lowest line of a heading."""
+
+    estimate: float
+    truth: float
+    lane: float
+    crossings: float | None
+    heading: float
+
+
+def bar_places(room: Room, seat: Seat) -> BarPlaces:
+    """Those in a settled room."""
+    return _alone(room) if seat == Seat.ALONE else _paired(room, seat)
+
+
+def _alone(room: Room) -> BarPlaces:
+    pixel, end = room.pixel, top(room, room.high).end
+    lane = min(max(LANE * end, LEAST_LANE * pixel), MOST_LANE * pixel)
+    gap = max(GAP * lane, LEAST_GAP * pixel)
+    estimate = end - BRACKET * pixel - 0.5 * lane
+    truth = estimate - lane - gap
+    low = 1.3 * room.line  # for the numbers below the plot
+    high = truth - 0.5 * lane - BRACKET * pixel - 0.4 * room.line
+    half = 0.5 * (high - low) / ROOM
+    middle = 0.5 * (high + low)
+    keys = half > KEYS * pixel  # of what is drawn, below its name; beside the axis's numbers, wherever it stands
+    at = (-room.gutter, middle + 1.55 * room.line * keys) if room.gutter else None
+    below = low - 2 * pixel
+    remark: Spot = (0.78, below, "top-center") if room.gutter else (1 - END * pixel, below, "top-right")
+    box = Box(0.0, 1.0, middle, half, below, (0.5, below, "top-center"), remark, at, keys)
+    return BarPlaces(room, Seat.ALONE, rectangle(room.high), box, estimate, truth, lane,
+                     0.5 * (estimate + truth), end - room.line)
+
+
+def _paired(room: Room, seat: Seat) -> BarPlaces:
+    """Each run has half the height: a heading, its plot, and two strips that touch each other."""
+    pixel, end, second = room.pixel, top(room, room.high).end, seat == Seat.SECOND
+    low = 1.2 * room.line  # for the numbers below both
+    each = 0.5 * (end - low - APART * pixel)
+    start = end - (each + APART * pixel) * second
+    heading = start - 1.2 * room.line
+    strip = max(STRIP * pixel, 0.1 * each)
+    lowest = start - each
+    truth, estimate = lowest + 0.5 * strip, lowest + 1.5 * strip
+    half = 0.5 * (heading - estimate - 0.5 * strip - 6 * pixel) / ROOM
+    middle = heading - ROOM * half - 2 * pixel
+    at = -room.gutter, middle + 0.5 * half
+    below = low - 6 * pixel if second else None
+    box = Box(0.0, 1.0, middle, half, below, (0.5, below, "top-center") if below else None,
+              (1.0, middle + ROOM * half, "top-right"), at if room.gutter else None)
+    return BarPlaces(room, seat, rectangle(room.high), box, estimate, truth, strip, None, heading)

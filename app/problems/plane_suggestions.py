@@ -1,0 +1,91 @@
+"""The questions that are put of plane problems, by name; the file of each problem says which are its own
+(``Showing.sparks``)."""
+
+from dataclasses import replace
+
+from app.language.message_translation import heard
+from app.language.translation import later, tr
+from app.problems.suggestion import Answer, NotNow, Offer, Ran, Spark, asked, breaking, halving, work
+from app.state import State
+from app.words import factor, per_cent, ratio
+from solvers.problems.planar.problem import Showing
+
+
+def questions(showing: Showing) -> tuple[Spark, ...]:
+    """Those of a problem, which its sliders bound."""
+    fewest, most, _ = showing.cells
+    known = (halving(most), _widening(2 * fewest), breaking(*showing.breaking), TRANSPORT, STAIRCASE, TILE)
+    by_name = {spark.key: spark for spark in known}
+    return tuple(by_name[name] for name in showing.sparks)
+
+
+def _ask_transport(state: State) -> Offer:
+    judges = state.scene.estimators
+    if (state.estimator or next(iter(judges), None)) == "transport":
+        raise NotNow(tr("it is on the stage"))
+    changed = asked(state, {"estimators": (*judges, *({"transport"} - set(judges)))}, pinned=False)
+    return Offer(tr("Ask transport, too"), tr("the method's own equations"), replace(changed, estimator="transport"))
+
+
+def _says(ran: Ran) -> Answer:
+    if "transport" in ran.not_valid:
+        return tr("Transport says: {reason}.", reason=heard(ran.not_valid["transport"])), \
+            tr("It does not hold here, and says so.")
+    index, companion = ran.index("transport"), ran.index("companion")
+    if index != index:
+        return tr("Transport does not estimate the {noun}.", noun=ran.noun), tr("It says so in place of a number.")
+    said = tr("Transport says {times} times what the error is.", times=ratio(index)) if index >= 1 else \
+        tr("Transport says {share} of what the error is.", share=per_cent(index))
+    if companion == companion:
+        return said, tr("Companion says {times} times. Which of them would you believe without the truth?",
+                        times=ratio(companion))
+    return said, tr("Which of them would you believe without the truth?")
+
+
+TRANSPORT = Spark("transport", "judge", later("Ask transport, too"), _ask_transport, _says, 0.5)
+
+
+def _widening(fewest: int) -> Spark:
+    """Cells twice as wide, down to so many of them."""
+    def offer(state: State) -> Offer:
+        if state.scene.cells < 2 * fewest:
+            raise NotNow(tr("{fewest} cells are the fewest here", fewest=fewest))
+        return Offer(tr("Double the cells' width"), tr("the textbook: 4 times as wrong"),
+                     asked(state, {"cells": state.scene.cells // 2}))
+
+    return Spark("widen", "halve", later("Double the cells' width"), offer, _widened, 0.2)
+
+
+def _widened(ran: Ran) -> Answer:
+    return tr("It errs {factor} times as much; second order says 4.", factor=factor(ran.ratio)), \
+        tr("It takes {factor} of the particle steps: fewer particles, and fewer steps.", factor=factor(work(ran)))
+
+
+def _staircase(state: State) -> Offer:
+    if getattr(state.scene, "layout", "") == "cartesian":
+        return Offer(tr("Rims that are round"), tr("particles along circles"), asked(state, {"layout": "polar"}))
+    return Offer(tr("Rims like a staircase"), tr("particles along the grid"), asked(state, {"layout": "cartesian"}))
+
+
+def _stepped(ran: Ran) -> Answer:
+    return tr("It errs {factor} times as much.", factor=factor(ran.ratio)), \
+        tr("Only where particles begin differs: see the rims.")
+
+
+STAIRCASE = Spark("staircase", "stairs", later("Rims like a staircase"), _staircase, _stepped, 0.2)
+
+
+def _untile(state: State) -> Offer:
+    if state.scene.method == "ugimp":
+        return Offer(tr("Domains that tile"), tr("CPDI's parallelograms"), asked(state, {"method": "cpdi"}))
+    return Offer(tr("Boxes that do not tile"), tr("uGIMP: boxes keep their size"), asked(state, {"method": "ugimp"}))
+
+
+def _untiled(ran: Ran) -> Answer:
+    said = tr("It errs {factor} times as much.", factor=factor(ran.ratio))
+    if ran.state.scene.method == "ugimp":
+        return said, tr("Boxes that keep their size leave gaps where the material stretches. Would smaller cells help?")
+    return said, tr("Parallelograms follow the material and leave no gap.")
+
+
+TILE = Spark("tile", "tile", later("Boxes that do not tile"), _untile, _untiled)

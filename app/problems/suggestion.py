@@ -1,0 +1,139 @@
+"""Sparks: questions that a problem puts to whoever looks at it. One click asks, and the runs' own numbers answer."""
+
+import math
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, replace
+from typing import Any
+
+import numpy as np
+
+from app.language.message_translation import heard
+from app.language.translation import later, tr
+from app.state import State
+from app.words import QUANTITIES, factor, number, ratio
+from solvers.scene.validation import SceneError
+
+QUARTER = (0.22, 0.28)  # what still goes as a quarter
+SAME = 0.005  # by which a ratio may miss 1 and go as 1.00
+
+
+class NotNow(Exception):
+    """Why a spark has nothing to ask of what is on the stage, in a few words."""
+
+
+@dataclass(frozen=True)
+class Offer:
+    """What a spark would do with what is on the stage: its ``title`` and a ``hint`` of a few words, and the ``state``
+    that asks the question; the run that it is compared with is pinned there."""
+
+    title: str
+    hint: str
+    state: State
+
+
+@dataclass(frozen=True)
+class Ran:
+    """What has come of a ``state``: its ``series`` and those of the pinned run, over the periods asked for, and the
+    error ``ratio`` of the quantity on the stage, the run's over the pinned one's, each as a mean over time;
+    ``not_valid`` has a sentence for each estimator that does not hold."""
+
+    state: State
+    series: Mapping[str, np.ndarray]
+    pinned: Mapping[str, np.ndarray]
+    ratio: float
+    not_valid: Mapping[str, str]
+
+    def index(self, estimator: str) -> float:
+        """The error index of an estimator, of the quantity on the stage."""
+        values = self.series.get(f"{estimator}/index_{self.state.quantity}", np.zeros(0))
+        return float(values[-1]) if len(values) else math.nan
+
+    @property
+    def noun(self) -> str:
+        return QUANTITIES[self.state.quantity].noun
+
+
+Answer = tuple[str, str]  # a sentence, and what there is to think about
+
+
+@dataclass(frozen=True)
+class Spark:
+    """A question, with a ``title`` for when it cannot be asked, which is put into the visitor's language where it is
+    said.
+
+    ``offer`` says what it does with a state, or raises :class:`NotNow`; ``answer`` is made once the runs have come to
+    ``periods``; a run that is lost goes without one where that is what was asked for (``breaks``). ``icon`` is the name
+    of a drawing (``sparks.js``).
+    """
+
+    key: str
+    icon: str
+    title: str
+    offer: Callable[[State], Offer]
+    answer: Callable[[Ran], Answer]
+    periods: float = 1.0
+    breaks: bool = False
+
+
+def asked(state: State, changes: Mapping[str, Any], pinned: bool = True, **view: Any) -> State:
+    """What is on the stage with changes to its scene, from t = 0 at the usual speed and without an end; the run before
+    the changes is pinned beside it unless that is not wanted."""
+    before = replace(state.scene, periods=None, t_end=None)
+    try:
+        after = replace(before, **changes)
+    except SceneError as error:
+        raise NotNow(heard(error.sentence)) from None
+    return replace(state, **{"scene": after, "pinned": before if pinned and after != before else None, "speed": None,
+                             "stops": False, "traced": None, "magnified": 1, "difference": False, **view})
+
+
+def work(ran: Ran) -> float:
+    """How many times the particle steps of the pinned run a period of the other takes."""
+    def a_period(scene: Any) -> float:
+        return scene.particles * scene.period / scene.time_step
+
+    return math.nan if ran.state.pinned is None else a_period(ran.state.scene) / a_period(ran.state.pinned)
+
+
+def fell(ran: Ran) -> Answer:
+    """What has become of the error with cells half as wide."""
+    by, hint = ran.ratio, tr("In the first period. Second order: 0.25, at {work} times the particle steps.",
+                             work=number(work(ran)))
+    if not math.isfinite(by):
+        return tr("Nobody knows: there is no true error to compare."), hint
+    if by >= 1 + SAME:
+        return tr("It rose to {factor} times as much. Why?", factor=factor(by)), hint
+    if QUARTER[0] <= by <= QUARTER[1]:
+        return tr("It fell to {factor}: a quarter.", factor=factor(by)), hint
+    return tr("It fell to {factor}, not to a quarter. Why?", factor=factor(by)), hint
+
+
+def halving(most: int) -> Spark:
+    """Cells half as wide, up to so many of them."""
+    def offer(state: State) -> Offer:
+        cells = 2 * state.scene.cells
+        if cells > most:
+            raise NotNow(tr("{most} cells are the most here", most=most))
+        return Offer(tr("Halve the cells"), tr("the textbook says: a quarter"), asked(state, {"cells": cells}))
+
+    return Spark("halve", "halve", later("Halve the cells"), offer, fell)
+
+
+def breaking(hint: str, changes: Mapping[str, Any], periods: float) -> Spark:
+    """A run that will not last."""
+    title = later("Break it")
+
+    def offer(state: State) -> Offer:
+        wanted = changes if "companion" not in state.scene.choices("estimators") else {
+            **changes, "estimators": ("companion",), "remedies": ()}
+        if all(getattr(state.scene, name) == value for name, value in wanted.items()):
+            raise NotNow(tr("it is on the stage"))
+        return Offer(tr(title), tr(hint), asked(state, wanted, pinned=False, quantity="x", estimator=None))
+
+    def answer(ran: Ran) -> Answer:
+        index = ran.index("companion")
+        said = ratio(index) if math.isfinite(index) else ""
+        knows = tr("Companion says {index} times what the error is.", index=said) if said else ""
+        return tr("It has held for {periods:g} periods. Go on?", periods=periods), knows
+
+    return Spark("break", "break", title, offer, answer, periods, breaks=True)

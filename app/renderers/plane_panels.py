@@ -1,0 +1,157 @@
+"""A plane problem's panels in a run's picture: particles, estimate on the left half and truth on the right, and the
+profile of the error over a coordinate."""
+
+from collections.abc import Callable, Iterable
+from typing import NamedTuple
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.cm import ScalarMappable
+from matplotlib.figure import Figure
+from matplotlib.gridspec import SubplotSpec
+
+from app.colours import COLOUR_MAP, ESTIMATE_INK, INK, INK3, LINE, TRUTH, TRUTH_INK
+from app.frame.captions import EMPTY_HALVES, NOTHING_TO_SHOW
+from app.frame.layout import Seat
+from app.frame.planar import PlanarStage
+from app.renderers import panel_style
+from app.renderers.picture_style import ESTIMATE_WIDTH, TRUTH_WIDTH, in_sizes, name_ends
+from solvers.running.result import Result
+from solvers.scene.scene import Scene
+
+UNKNOWN_COLOUR = "0.7"  # of particles whose error nobody has computed
+MOST_BINS = 60  # of the profile over R; finer ones hold too few particles to average
+
+
+class Profile(NamedTuple):
+    """What a profile of the error is over: the ``coordinate`` (P,) of material positions (P, 2), and words."""
+
+    coordinate: Callable[[np.ndarray], np.ndarray]
+    across: str
+    symbol: str
+    label: str
+
+
+OVER_RADIUS = Profile(lambda X: np.linalg.norm(X, axis=1), "the thickness", "R",
+                      "material radius R, from the inner surface to the outer")
+OVER_WIDTH = Profile(lambda X: X[:, 0], "the width", "X", "material coordinate X, from the left side to the right")
+
+
+def draw_profile(axes: Axes, result: Result, stage: type[PlanarStage], over: Profile = OVER_RADIUS) -> None:
+    """Where between the ends of a coordinate the error is: each particle, and the RMS over a thin shell."""
+    at, inner, outer = result.shown, stage.PLOT.start, stage.PLOT.end
+    radius = over.coordinate(at.material_position)
+    lines = [] if at.error is None else [("true", at.error[:, 0], TRUTH, "-")]
+    lines += [(name, at.estimate[name][:, 0], *look) for name, *look in panel_style.styled(result)]
+    few, drawn, ends = panel_style.thinned(len(radius)), [], []
+    for name, sizes, colour, style in lines:
+        shown = panel_style.positive(sizes)
+        if not np.isfinite(shown).any():
+            continue
+        size = float(np.clip(2000 / len(few), 1.0, 8.0))
+        axes.scatter(radius[few], shown[few], s=size, color=colour, alpha=0.25, linewidths=0)
+        at_radius, in_shell = _shells(result, radius, shown, inner, outer)
+        axes.plot(at_radius, in_shell, color=colour, linestyle=style, zorder=3,
+                  linewidth=TRUTH_WIDTH if name == "true" else ESTIMATE_WIDTH)
+        drawn.append(shown)
+        ends.append((name, in_shell, colour))
+    axes.set_title(
+        f"Error of x over {over.across} {panel_style.when_text(result)}: particles, and RMS at {over.symbol}"
+    )
+    axes.set(xlabel=over.label, xlim=(inner, outer))
+    in_sizes(axes.xaxis, "m", few=False)
+    if not drawn:
+        axes.set_yticks([])
+        panel_style.say(axes, NOTHING_TO_SHOW)
+        return
+    low, high = np.nanpercentile(drawn, 1) / 2, 2 * np.nanmax(drawn)
+    axes.set(yscale="log", ylim=(low, high))
+    in_sizes(axes.yaxis, "m")
+    name_ends(axes, ends, apart=0.1)
+
+
+def _shells(result: Result, radius: np.ndarray, sizes: np.ndarray, inner: float,
+            outer: float) -> tuple[np.ndarray, np.ndarray]:
+    """Mean radius and RMS of the sizes in thin shells, about a particle thick; empty shells are left out."""
+    scene = result.scene
+    thickness = outer - inner
+    count = int(np.clip(round(thickness * scene.ppc / scene.spacing), 2, MOST_BINS))
+    shell = np.clip(((radius - inner) / thickness * count).astype(int), 0, count - 1)
+    known = np.isfinite(sizes)
+    shell, radius, sizes = shell[known], radius[known], sizes[known]
+    held = np.bincount(shell, minlength=count)
+    there = held > 0
+    with np.errstate(over="ignore"):  # a run gone bad
+        squares = np.bincount(shell, weights=sizes**2, minlength=count)
+    return (np.bincount(shell, weights=radius, minlength=count)[there] / held[there],
+            np.sqrt(squares[there] / held[there]))
+
+
+def draw_halves(figure: Figure, place: SubplotSpec, result: Result, stage: type[PlanarStage], reach: float,
+                lines: Iterable[np.ndarray], told: str, per_metre: float) -> None:
+    """The particles out to ``reach`` metres, once an estimator, on one scale.
+
+    Of a body that its stage mirrors at x = 0 the estimate is the left image and the truth the right one; else each half
+    has its own particles. ``lines`` (n, 2) in metres are exact, ``told`` says which; a metre is ``per_metre`` points.
+    """
+    shown, mirrored = result.shown, (-1, 1) in stage.MIRRORS
+    few = panel_style.thinned(len(shown.position))
+    few = few[np.isfinite(shown.position[few]).all(axis=1)]  # an unstable run leaves NaN
+    x, y = panel_style.drawable(shown.position[few]).T
+    truth = None if shown.error is None else shown.error[few, 0]
+    estimates = {name: shown.estimate[name][few, 0] for name in result.scene.active_estimators}
+    scale = panel_style.shared_scale(truth, list(estimates.values()))
+    names = list(estimates) or [""]
+    panels = place.subgridspec(1, len(names)).subplots(squeeze=False)[0]
+    # A dot is about as wide as the particles are apart, in points of the picture, not so wide that they merge.
+    apart = result.scene.spacing / result.scene.ppc * np.sqrt(result.particles / max(1, len(few)))
+    area = float(np.clip((0.8 * apart * (per_metre / len(names) ** 0.5)) ** 2, 0.5, 64.0))
+    for axes, name in zip(panels, names, strict=True):
+        _frame(axes, result.scene, stage, reach, lines, told)
+        for side, sizes, title, colour, silence in (
+                (-1, estimates.get(name), f"estimate ({name})", ESTIMATE_INK, EMPTY_HALVES[0]),
+                (1, truth, "truth", TRUTH_INK, EMPTY_HALVES[1])):
+            own = slice(None) if mirrored else (x < 0) == (side < 0)
+            look = {"color": UNKNOWN_COLOUR} if sizes is None else {"c": sizes[own], "cmap": COLOUR_MAP, "norm": scale}
+            axes.scatter(side * x[own] if mirrored else x[own], y[own], linewidths=0, zorder=2, s=area, **look)
+            axes.text(0.5 + 0.485 * side, 0.95 if mirrored else 0.985, silence if sizes is None else title,
+                      transform=axes.transAxes, color=INK3 if sizes is None else colour, fontsize=11,
+                      fontweight="bold", va="top", ha="right" if side > 0 else "left", bbox=panel_style.GROUND)
+        if not len(few):
+            panel_style.say(axes, "no particle is left")
+        coloured = ", coloured by the size of the position's error" if estimates or truth is not None else ""
+        axes.set_title(f"Particles {panel_style.when_text(result)}{coloured}" if axes is panels[0] else "")
+    if len(few) and (estimates or truth is not None):
+        panel_style.colour_bar(figure, ScalarMappable(scale, COLOUR_MAP), list(panels),
+                           "error of x, one scale for both halves", "m", aspect=60, shrink=0.75)
+
+
+def _frame(axes: Axes, scene: Scene, stage: type[PlanarStage], reach: float, lines: Iterable[np.ndarray],
+           told: str) -> None:
+    """Cell lines, what is exact and the line between the halves; equal scales, so that a circle is one."""
+    least, mirrored = (0.0, ", the estimate mirrored") if (-1, 1) in stage.MIRRORS else (-reach, "")
+    cells = _draw_cells(axes, scene, reach, least, stage.first_line(scene))
+    for line in lines:
+        axes.plot(*line.T, color=INK, linewidth=0.9, zorder=3)
+    axes.axvline(0, color=INK, linewidth=0.9, linestyle=(0, (6, 3)), zorder=3)
+    axes.set(xlim=(-reach, reach), ylim=(least, reach), aspect="equal",
+             xlabel=f"x{mirrored}{cells}; dark lines: {told}")
+    axes.grid(visible=False)
+    in_sizes(axes.xaxis, "m", few=False)
+    in_sizes(axes.yaxis, "m")
+    places = stage.places(panel_style.PAPER, Seat.ALONE)
+    (x, y), metres = places.middle, stage.outermost(scene) / places.radius
+    panel_style.write_places(axes, stage, lambda label: (metres * (label.x - x), metres * (label.y - y)))
+
+
+def _draw_cells(axes: Axes, scene: Scene, reach: float, least: float, start: float) -> str:
+    """Lines between cells out to ``reach`` metres from the middle, above y = ``least``; a line is at ``start``. Returns
+    what the label of an axis says of them."""
+    if scene.cells > panel_style.MOST_CELL_LINES:
+        return ""
+    lines = np.arange(-scene.cells, scene.cells + 1) * scene.spacing + start
+    lines = lines[np.abs(lines) <= reach]
+    width = min(0.7, 20 / scene.cells)
+    axes.vlines(lines, least, reach, color=LINE, linewidth=width, zorder=0)
+    axes.hlines(lines[lines >= least], -reach, reach, color=LINE, linewidth=width, zorder=0)
+    return "; grey lines: cells"

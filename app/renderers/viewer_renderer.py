@@ -1,0 +1,168 @@
+"""The viewer as a renderer: marks as points and lines of a client's scene, in the plane z = 0, and labels over them."""
+
+import json
+from html import escape
+from threading import RLock
+from typing import Any
+
+import numpy as np
+import viser
+
+from app.frame.layout import EDGE
+from app.frame.primitives import AWAY, Dots, Label, Lines, Mark, Room, wrapped
+from app.viewer.widgets import put_arrays
+
+USUAL = (736.0, 358.0, 120.0)  # pixels of the free box and of the gutter left of it, until the browser says
+
+
+class Lettering:
+    """The labels of a client's sheets, and the box of the stage that they are in.
+
+    ``high`` is the height of what is drawn for a length of one, to which the page shapes the canvas. Nothing is sent
+    before :meth:`send`, and then only what has changed.
+    """
+
+    def __init__(self, gui: viser.GuiApi):
+        self._html = gui.add_html("")
+        self._lock = RLock()
+        self._labels: dict[str, dict[str, Label]] = {}  # under the names of sheets
+        self._hidden: set[str] = set()
+        self._changed = True
+        self._box, self._letters, self.dark = USUAL, 1.0, False
+        self._of: tuple | None = None  # box, letters and ground that the room was made of
+        self._rectangle = (-EDGE, 1 + EDGE, 0.0, 0.5)
+
+    @property
+    def room(self) -> Room:
+        """As much as the browser has free; asked for several times with every frame."""
+        now = self._box, self._letters, self.dark
+        if now != self._of:
+            (width, height, gutter), self._of = self._box, now
+            self._room = Room(width, self._letters, height / width, gutter / width, self.dark)
+        return self._room
+
+    def fit(self, width: float, height: float, gutter: float, letters: float = 1.0) -> bool:
+        """The browser has so many pixels free for x from 0 to 1, and in the gutter left of it, and draws letters so
+        many times as large as usual; whether that is news."""
+        before = self._box, self._letters
+        self._box, self._letters = (max(120.0, width), max(60.0, height), max(0.0, gutter)), max(0.5, letters)
+        return before != (self._box, self._letters)
+
+    def look(self, rectangle: tuple[float, float, float, float]) -> None:
+        """The stage is this much of the plane."""
+        if rectangle != self._rectangle:
+            self._rectangle, self._changed = rectangle, True
+
+    def write(self, sheet: str, label: Label) -> None:
+        """Put a label on a sheet, or another in its place; without a text it goes."""
+        with self._lock:
+            labels = self._labels.setdefault(sheet, {})
+            if labels.get(label.name) == label or not (label.text or label.name in labels):
+                return
+            labels[label.name] = label
+            if not label.text:
+                del labels[label.name]
+            self._changed = True
+
+    def show(self, sheet: str, visible: bool) -> None:
+        """Whether the labels of a sheet, and of those that belong to it, are seen."""
+        with self._lock:
+            if visible == (sheet in self._hidden):
+                (self._hidden.discard if visible else self._hidden.add)(sheet)
+                self._changed = True
+
+    @property
+    def written(self) -> list[tuple[str, Label]]:
+        """All labels that are seen, each with the name of its sheet."""
+        return [(sheet, label) for sheet, labels in self._labels.items()
+                if not any(sheet == hidden or sheet.startswith(f"{hidden}/") for hidden in self._hidden)
+                for label in labels.values()]
+
+    def send(self) -> None:
+        """Have the page show what is written now."""
+        with self._lock:
+            if not self._changed:
+                return
+            self._changed = False
+            x0, x1, y0, y1 = self._rectangle
+            labels = [self._placed(sheet, label, x0, y1, x1 - x0, y1 - y0) for sheet, label in self.written]
+            high = round((1 + 2 * EDGE) * (y1 - y0) / (x1 - x0), 4)
+            said = json.dumps({"high": high, "labels": labels}, separators=(",", ":"))
+        self._html.content = f"<i class='lab-stage' data-said='{escape(said)}'></i>"
+
+    def _placed(self, sheet: str, label: Label, left: float, top: float, width: float, height: float) -> dict:
+        """A label as the page gets it, its place in parts of the stage's box."""
+        said = {"name": f"{sheet}/{label.name}", "text": wrapped(label.text, label.width), "role": label.role,
+                "x": round((label.x - left) / width, 4), "y": round((top - label.y) / height, 4),
+                "anchor": label.anchor}
+        further = {"size": (label.size, 1.0), "tone": (label.tone, "plain"), "bold": (label.bold, False),
+                   "sign": (label.sign, "")}
+        return said | {name: value for name, (value, usual) in further.items() if value != usual}
+
+
+class Sheet:
+    """Draws marks under the name ``at`` of one client's scene; only what has changed is sent."""
+
+    def __init__(self, client: viser.ClientHandle, lettering: Lettering, at: str):
+        self._client, self._lettering, self._at = client, lettering, at
+        self._root, self._visible = client.scene.add_frame(at, show_axes=False), True
+        self._drawn: dict[str, tuple[Any, Mark]] = {}  # with its handle what was last seen under each name
+
+    @property
+    def visible(self) -> bool:
+        return self._visible
+
+    @visible.setter
+    def visible(self, visible: bool) -> None:
+        if visible != self._visible:  # said with every frame
+            self._root.visible = self._visible = visible
+            self._lettering.show(self._at, visible)
+
+    @property
+    def room(self) -> Room:
+        return self._lettering.room
+
+    def child(self, name: str) -> "Sheet":
+        return Sheet(self._client, self._lettering, f"{self._at}/{name}")
+
+    def show(self, *marks: Mark) -> None:
+        changed, turned = [], []
+        for mark in marks:
+            if isinstance(mark, Label):
+                self._lettering.write(self._at, mark)
+                continue
+            handle, before = self._drawn.get(mark.name, (None, None))
+            seen = len(mark) > 0
+            if seen and mark is not before:
+                handle = handle or self._made(mark)
+                changed.append((handle, self._arrays(handle, mark, before)))
+                self._drawn[mark.name] = handle, mark
+            if handle is not None and handle.visible != seen:
+                turned.append((handle, seen))
+        if changed:
+            put_arrays(changed)
+        for handle, seen in turned:
+            handle.visible = seen
+
+    def _made(self, mark: Dots | Lines) -> Any:
+        s, name = self._client.scene, f"{self._at}/{mark.name}"
+        match mark:
+            case Lines():
+                return s.add_line_segments(name, np.full((1, 2, 3), AWAY, np.float32), (0, 0, 0),
+                                           thickness=mark.thickness, thickness_units="screen")
+            case Dots():
+                return s.add_point_cloud(name, np.full((1, 3), AWAY, np.float32), np.zeros((1, 3), np.uint8),
+                                         point_size=mark.size / 2, point_shape=mark.shape, point_shading="flat",
+                                         precision="float16" if mark.points.dtype == np.float16 else "float32")
+
+    def _arrays(self, handle: Any, mark: Dots | Lines, before: Any) -> dict[str, np.ndarray]:
+        """What of a thing's arrays is to be sent; all else is set here."""
+        arrays = {"points": mark.segments if isinstance(mark, Lines) else mark.points}
+        if before is None or mark.colours is not before.colours:
+            arrays["colors"] = np.asarray(mark.colours, np.uint8)
+        if isinstance(mark, Dots):
+            if before is None or mark.size != before.size:
+                handle.point_size = mark.size / 2  # the viewer counts from the middle
+            if before is None or mark.origin != before.origin:
+                handle.position = (*mark.origin, 0.0)
+        return arrays

@@ -1,0 +1,195 @@
+"""Messages: what a browser may say over its websocket, field by field. All else is refused before the viewer sees it,
+and comes at a browser's pace.
+
+The viewer believes its clients: it would set any attribute of any widget to anything, and open a tunnel on request.
+"""
+
+import asyncio
+import math
+from collections.abc import Callable
+from time import monotonic
+from typing import Any
+
+import msgspec
+from websockets.exceptions import ConnectionClosed
+from websockets.frames import CloseCode
+
+from app.access.log_limit import Refusals
+from app.access.network_limits import Bucket
+from app.viewer import upload, widgets
+from app.viewer.connection import send_away
+
+MOST_BYTES = 32_000  # of a message that is read at all; honest ones have some hundred
+LONGEST_NAME = 1000  # letters of a file's name
+NEAR = 1e-6  # between a camera and what it looks at
+FAR = 1e6  # no camera, and no place of the canvas, is further out
+LARGEST_CANVAS = 32_768  # pixels
+STEEP = 1e-6  # part of a click's ray across the stage; one along the stage never meets it
+# A browser sends 20 values of a widget and 50 camera messages a second at most, and some in one go after a pause.
+MESSAGES, A_SECOND, PATIENCE = 200, 100, 4.0  # at once, in the long run; seconds for which more are put up with
+BYTES_AS_ONE, REFUSED_AS = 1000, 3  # what large and refused messages count as
+PART_AS = 4  # and a part of a file that is taken
+PARTS, PARTS_A_SECOND = 64, 25  # of files, of all of one network: one of 32 MB at once, 13 MB a second in the long run
+TOO_MUCH = "too many messages"
+
+Rule = Callable[[Any], bool]
+
+
+def _numbers(count: int, reach: float = FAR) -> Rule:
+    return lambda value: (type(value) is list and len(value) == count
+                          and all(widgets.number(part, -reach, reach) for part in value))
+
+
+def _between(low: float, high: float) -> Rule:
+    return lambda value: widgets.number(value, low, high)
+
+
+def _whole(low: int, high: int) -> Rule:
+    return lambda value: type(value) is int and low <= value <= high
+
+
+def _text(longest: int) -> Rule:
+    return lambda value: type(value) is str and len(value) <= longest
+
+
+def _or_none(rule: Rule) -> Rule:
+    return lambda value: value is None or rule(value)
+
+
+def _turn(value: Any) -> bool:
+    """A rotation, as four numbers whose squares add up to one."""
+    return _numbers(4, 1.01)(value) and abs(math.hypot(*value) - 1) < 0.01
+
+
+_SPACE, _words = _numbers(3), _text(widgets.LONGEST_TEXT)
+#: Every kind of message that the page needs, with all of its fields.
+FIELDS: dict[str, dict[str, Rule]] = {
+    "GuiUpdateMessage": {  # of all that a widget has, a visitor changes the value only
+        "uuid": _words, "updates": lambda value: type(value) is dict and list(value) == ["value"]},
+    "ViewerCameraMessage": {
+        "wxyz": _turn, "position": _SPACE, "fov": _between(1e-3, math.pi), "near": _between(0, FAR),
+        "far": _between(0, FAR), "image_height": _whole(1, LARGEST_CANVAS), "image_width": _whole(1, LARGEST_CANVAS),
+        "look_at": _SPACE, "up_direction": _SPACE},
+    "ScenePointerMessage": {
+        "event_type": lambda value: value in ("click", "rect-select"), "ray_origin": _or_none(_SPACE),
+        "ray_direction": _or_none(lambda value: _SPACE(value) and abs(value[2]) > STEEP),
+        "screen_pos": lambda value: type(value) is list and len(value) <= 2 and all(map(_numbers(2), value)),
+        "modifier": _or_none(_words)},
+    upload.START: {
+        "source_component_uuid": _words, "transfer_uuid": _words, "filename": _text(LONGEST_NAME),
+        "mime_type": _words, "part_count": _whole(0, 2**53), "size_bytes": _whole(0, 2**53)},
+    upload.PART: {
+        "source_component_uuid": _words, "transfer_uuid": _words, "part_index": _whole(0, 2**53),
+        "content": lambda value: type(value) is bytes},
+    "FileTransferPartAck": {
+        "source_component_uuid": _or_none(_words), "transfer_uuid": _words,
+        "transferred_bytes": _whole(0, 2**53), "total_bytes": _whole(0, 2**53)}}
+
+
+def refusal(message: bytes | str, find: Callable[[str], Any], who: str = "") -> str | None:
+    """Why a message from an IP address is refused, if it is; ``find`` gives a widget by its id. A part of a file is
+    taken in."""
+    part_of_file = upload.kind_of(message)
+    most = upload.LARGEST_PART if part_of_file == upload.PART else MOST_BYTES
+    if not isinstance(message, bytes) or len(message) > most:
+        return "a message that is no message of the page"
+    try:
+        said = msgspec.msgpack.decode(message)
+    except (ValueError, RecursionError, TypeError):
+        return "a message that is no message of the page"
+    kind = said.pop("type", None) if type(said) is dict else None
+    fields = FIELDS.get(kind) if type(kind) is str else None
+    if fields is None:
+        return "a message of a kind that the page has no use for"
+    if kind in upload.HEADS and kind != part_of_file:
+        return "a file that no page sends"
+    if said.keys() != fields.keys() or not all(rule(said[name]) for name, rule in fields.items()):
+        return f"a {kind} with fields that it cannot have"
+    if kind == "ViewerCameraMessage" and math.dist(said["position"], said["look_at"]) < NEAR:
+        return "a camera that looks nowhere"
+    if kind == "ScenePointerMessage":
+        return None if _pointer(said) else "a place that nobody can point at"
+    if part_of_file:
+        box = upload.of(find(said["source_component_uuid"]))
+        return "a file that nobody has asked for" if box is None else box.take(part_of_file, said, who)
+    if kind == "GuiUpdateMessage":
+        widget = find(said["uuid"])
+        return "a widget that is not there" if widget is None else widgets.refusal(widget, said["updates"]["value"])
+    return None
+
+
+def _pointer(said: dict[str, Any]) -> bool:
+    """A click has a ray and a place, a rectangle two corners."""
+    if said["event_type"] == "click":
+        return said["ray_origin"] is not None and said["ray_direction"] is not None and len(said["screen_pos"]) == 1
+    return len(said["screen_pos"]) == 2
+
+
+class Hearing:
+    """Gives the viewer only what a browser may say: of one websocket, whose ``recv`` it takes the place of.
+
+    Parameters
+    ----------
+    connection, who
+        The websocket, and the IP address at its other end.
+    refusals
+        Where it is noted what is refused.
+    parts
+        What it shares with others of its network: parts of files that are taken.
+    find
+        Gives a widget of the page behind it by its id, or None.
+    keep_away
+        Is told the address of one that says what no browser does.
+    """
+
+    def __init__(self, connection: Any, who: str, refusals: Refusals, parts: Bucket, find: Callable[[str], Any],
+                 keep_away: Callable[[str], None]):
+        self._connection, self._who, self._refusals = connection, who, refusals
+        self._parts, self._find, self._keep_away = parts, find, keep_away
+        self._receive, self._rate, self._calm = connection.recv, Bucket(MESSAGES, A_SECOND), monotonic()
+        self._first: bytes | None = None
+        connection.recv = self._next
+
+    async def first_word(self) -> None:
+        """Until something has been said that a browser may say; the viewer hears it later. Raises what ``recv`` raises
+        when the websocket is closed."""
+        self._first = await self._next()
+
+    async def _next(self, *args: Any, **options: Any) -> Any:
+        if self._first is not None:
+            first, self._first = self._first, None
+            return first
+        while True:
+            message = await self._received(*args, **options)
+            why = refusal(message, self._find, self._who)
+            of_file = why is None and upload.kind_of(message)
+            self._rate.pay(PART_AS if of_file else 1 + len(message) / BYTES_AS_ONE + (REFUSED_AS if why else 0))
+            await self._keep_pace()
+            if of_file:
+                self._parts.pay()
+                await asyncio.sleep(self._parts.wait(0))
+            if why is not None:
+                self._refusals.note(why, self._who)
+            elif not of_file:
+                return message
+
+    async def _received(self, *args: Any, **options: Any) -> Any:
+        try:
+            return await self._receive(*args, **options)
+        except ConnectionClosed as closed:
+            if closed.sent and closed.sent.code == CloseCode.MESSAGE_TOO_BIG:
+                self._refusals.note("a message above 1 MB", self._who)
+                self._keep_away(self._who)
+            raise
+
+    async def _keep_pace(self) -> None:
+        """Wait for a while after too much; who goes on with it is sent away."""
+        if self._rate.left > 0.25 * self._rate.most:
+            self._calm = monotonic()
+        elif monotonic() - self._calm > PATIENCE:
+            self._refusals.note(TOO_MUCH, self._who)
+            self._keep_away(self._who)
+            await send_away(self._connection, TOO_MUCH)
+            raise self._connection.protocol.close_exc
+        if self._rate.left < 0:
+            await asyncio.sleep(self._rate.wait(0))

@@ -1,0 +1,158 @@
+"""The html that a browser loads first: the viewer's, with our title and icon, and a calm ground until there is a stage.
+
+All else of the page comes over the wire later; until then the viewer would show its own panel and a half-drawn stage.
+The viewer's own way of answering, which looks for a file, is not gone: but as all of the page is one text and what
+comes over its websocket, no part of a path is ever looked for on the disk. Here is which paths have a page, and what a
+browser is told that it may do with it.
+"""
+
+import base64
+import gzip
+import hashlib
+import re
+from collections.abc import Callable
+from http import HTTPStatus
+from pathlib import Path
+
+import numpy as np
+import viser
+import zstandard
+from websockets.datastructures import Headers
+from websockets.http11 import Request, Response
+
+from app.language.translation import LANGUAGES, as_cookie, carried
+
+PATHS = ("/", "/index.html")
+SCRIPT = r"<script\b[^>]*>(.*?)</script>"
+
+#: What every answer says: it is what it says it is, is shown in no frame, and tells other sites no address.
+ALWAYS = {"X-Content-Type-Options": "nosniff", "X-Frame-Options": "DENY", "Referrer-Policy": "same-origin"}
+_NOTHING = "default-src 'none'; frame-ancestors 'none'; base-uri 'none'; form-action 'none'"
+
+
+def has_page(path: str) -> bool:
+    """Whether this path of a request, without its query, is one of the page."""
+    return path in PATHS
+
+
+def policy(html: str = "", host: str = "", more: tuple[str, ...] | None = (), unpacks: bool = False) -> str:
+    """What a page may do, as Content-Security-Policy.
+
+    Parameters
+    ----------
+    html
+        Of the page: its scripts run and no others.
+    host
+        Under which it has been asked for, with the port: some browsers take a websocket there for another place.
+    more
+        Scripts beside, which those of the page make; None where they are not known: then any in the page run.
+    unpacks
+        Whether the page is the lab with its packed scripts, workers and pictures, and not just words.
+    """
+    scripts = "'unsafe-inline'" if more is None else " ".join(
+        f"'sha256-{_digest(script)}'" for script in (*re.findall(SCRIPT, html, re.DOTALL), *more))
+    allowed = {"script-src": scripts, "style-src": "'unsafe-inline'", "img-src": "data:", "connect-src": "'self'"}
+    if unpacks:
+        allowed["script-src"] += " 'wasm-unsafe-eval'"
+        allowed |= {"worker-src": "blob:", "font-src": "data:", "img-src": "data: blob:",
+                    "connect-src": f"'self' ws://{host} wss://{host} data:"}
+    parts = (f"{kind} {where}" for kind, where in allowed.items()) if html else ()
+    return "; ".join((_NOTHING, *parts))
+
+
+def _digest(script: str) -> str:
+    """As a browser computes it: of what it has read, in which every end of a line is one character."""
+    plain = script.replace("\r\n", "\n").replace("\r", "\n")
+    return base64.b64encode(hashlib.sha256(plain.encode()).digest()).decode()
+
+
+POLICY = "Content-Security-Policy"
+_VIEWERS = Path(viser.__file__).parent / "client" / "build" / "index.html"
+_DIGITS = "!#$%()*+,-./0123456789:;=?@ABCDEFGHIJKLMNOPQRSTUVWXYZ[\\]^_abcdefghijklmnopqrstuvwxyz{|}~"
+_GROUP, _BYTES = 5, 4  # five digits, of as many kinds as there are above, are four bytes
+_PACKED = re.compile(r'<script data-p="([^"]*)" data-ss="(\d+)" data-cs="(\d+)">')
+
+
+def said(status: HTTPStatus, text: str, kind: str = "text/plain", cookie: str = "", wait: float = 0) -> Response:
+    """An answer of our own, which nobody keeps."""
+    body = text.encode() + (b"\n" if kind == "text/plain" and text else b"")
+    headers = Headers({"Content-Type": f"{kind}; charset=utf-8", "Content-Length": str(len(body)),
+                       "Cache-Control": "no-store", "Connection": "close"})
+    if kind == "text/html":
+        headers[POLICY] = policy(text)
+    if cookie:
+        headers["Set-Cookie"] = cookie
+    if wait:
+        headers["Retry-After"] = str(max(1, round(wait)))
+    return Response(status.value, status.phrase, headers, body)
+
+
+def dressed(connection: object, request: Request, response: Response) -> Response:
+    """Any answer, and what all say."""
+    for name, value in {**ALWAYS, POLICY: policy()}.items():
+        if name not in response.headers:
+            response.headers[name] = value
+    return response
+
+
+class Index:
+    """The viewer's html with what ``ground`` gives in it, in every language, for the viewer has no setting for any;
+    ``icon`` is an address."""
+
+    def __init__(self, ground: Callable[[], str], icon: str):
+        self._pages = {code: _Page(code, carried(ground, code)(), icon) for code in LANGUAGES}
+
+    def answer(self, request: Request, code: str) -> Response:
+        """What a request for a page gets, which has one well-formed host, in a language."""
+        if not has_page(request.path.partition("?")[0]):
+            return said(HTTPStatus.NOT_FOUND, "There is no such page.")
+        return self._pages[code].answer(request)
+
+
+class _Page:
+    """In one language."""
+
+    def __init__(self, code: str, own: str, icon: str):
+        self._code = code
+        html = _VIEWERS.read_text(encoding="utf-8")
+        script = unpacked_script(html)
+        html = re.sub(r"<title>.*?</title>", "<title>mpm-lab</title>", html, count=1)
+        html = re.sub(r'(rel="icon"\s+href=)"[^"]*"', lambda found: f'{found[1]}"{icon}"', html, count=1)
+        html = re.sub(r'<html lang="\w+"', f'<html lang="{code}"', html, count=1)
+        html = html.replace('<div id="root"></div>', f'<div id="root"></div>\n{own}', 1)
+        self._body = html.encode()
+        self._packed = gzip.compress(self._body)
+        self._policy = policy(html, "{host}", None if script is None else (script,), unpacks=True)
+
+    def answer(self, request: Request) -> Response:
+        packs = "gzip" in ",".join(request.headers.get_all("Accept-Encoding"))
+        sent = self._packed if packs else self._body
+        headers = Headers({"Content-Type": "text/html; charset=utf-8", "Content-Length": str(len(sent)),
+                           "Content-Encoding": "gzip" if packs else "identity", "Connection": "close",
+                           POLICY: self._policy.replace("{host}", request.headers["Host"]),
+                           "Content-Language": self._code, "Set-Cookie": as_cookie(self._code)})
+        return Response(HTTPStatus.OK.value, HTTPStatus.OK.phrase, headers, sent)
+
+
+def unpacked_script(html: str) -> str | None:
+    """The script that the viewer's html unpacks and runs, which a browser that runs no others must know; None where
+    that is not packed as in 1.1."""
+    found = _PACKED.search(html)
+    if found is None:
+        return None
+    style, script = int(found[2]), int(found[3])
+    whole = zstandard.ZstdDecompressor().decompress(_bytes(found[1]), max_output_size=style + script)
+    return whole[style:style + script].decode("utf-8")
+
+
+def _bytes(text: str) -> bytes:
+    """What the digits mean; a group that is not whole is a byte shorter than it has digits."""
+    value = np.zeros(128, dtype=np.int64)
+    value[[ord(digit) for digit in _DIGITS]] = range(len(_DIGITS))
+    digits = value[np.frombuffer(text.encode("ascii"), dtype=np.uint8)]
+    whole = len(digits) // _GROUP * _GROUP
+    groups = digits[:whole].reshape(-1, _GROUP) @ len(_DIGITS) ** np.arange(_GROUP)[::-1]
+    rest = 0
+    for digit in digits[whole:]:
+        rest = rest * len(_DIGITS) + int(digit)
+    return groups.astype(f">u{_BYTES}").tobytes() + rest.to_bytes(max(0, len(digits) - whole - 1), "big")

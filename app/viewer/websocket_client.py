@@ -1,0 +1,49 @@
+"""The browser's end of the page's websocket, for who speaks it without a browser."""
+
+from collections.abc import AsyncIterator, Mapping
+from contextlib import asynccontextmanager
+from typing import Any
+
+import msgspec
+import websockets.asyncio.client as client
+import zstandard
+
+from app.viewer.send_queue import PROTOCOL
+
+LARGEST = 50 * 2**20  # bytes of a message
+PATIENCE = 60.0  # seconds for the server to answer at all
+
+
+class Connection:
+    """A websocket that is open: messages are sent one by one, and come several together."""
+
+    def __init__(self, socket: client.ClientConnection):
+        self._socket = socket
+
+    async def send(self, message: dict[str, Any]) -> None:
+        await self._socket.send(packed(message))
+
+    async def __aiter__(self) -> AsyncIterator[list[dict[str, Any]]]:
+        async for raw in self._socket:
+            assert isinstance(raw, bytes)
+            yield unpacked(raw)
+
+
+@asynccontextmanager
+async def connected(address: str, headers: Mapping[str, str] | None = None) -> AsyncIterator[Connection]:
+    """A connection to the page at ``address`` (host:port), asked for with these headers too, closed in the end."""
+    async with client.connect(f"ws://{address}", max_size=LARGEST, compression=None, open_timeout=PATIENCE,
+                              additional_headers=headers, subprotocols=[client.Subprotocol(PROTOCOL)]) as socket:
+        yield Connection(socket)
+
+
+def packed(message: dict[str, Any]) -> bytes:
+    """A message as a browser sends it."""
+    return msgspec.msgpack.encode(message)
+
+
+def unpacked(raw: bytes) -> list[dict[str, Any]]:
+    """The messages that came together, without their arrays: in front of these is their size, packed and not."""
+    size, length = (int.from_bytes(raw[k:k + 8], "little") for k in (0, 8))
+    words = zstandard.ZstdDecompressor().decompress(raw[16:16 + length], max_output_size=size)
+    return msgspec.msgpack.decode(words)["messages"]

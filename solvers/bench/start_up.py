@@ -1,0 +1,59 @@
+"""How long it takes from nothing to a solver that can step: imports, Taichi's start, compiling. Wall time.
+
+Cold means that Taichi's cache of compiled kernels is empty, as after an installation; warm that a process has filled it
+before.
+"""
+
+import subprocess
+import tempfile
+import time
+from collections.abc import Callable, Sequence
+from pathlib import Path
+
+from solvers.workers.worker_process import ProcessDied, ask_fresh
+
+CACHE = "TI_OFFLINE_CACHE_FILE_PATH"  # the variable by which Taichi is told where its cache is
+ROOT = Path(__file__).resolve().parents[2]  # where the packages lie, so that -m finds them
+TURNS = 3
+PATIENCE = 120.0  # seconds
+
+
+def start_times(command: Sequence[str], problems: Sequence[str]) -> dict:
+    """Seconds of a command, to import, to start Taichi and to compile the default scenes of the ``problems``, cold and
+    warm; all None, with a reason, where a process fails."""
+    try:
+        ready = min(seconds(command) for _ in range(TURNS))
+        with tempfile.TemporaryDirectory(prefix="mpm-lab-bench-", ignore_cleanup_errors=True) as cache:
+            question, environment = {"problems": list(problems)}, {CACHE: cache}
+            cold, warm = (ask_fresh(f"{__name__}:measure", question, environment) for _ in range(2))
+    except ProcessDied as error:
+        return dict.fromkeys(("command", "import", "taichi", "cold", "warm")) | {"failed": str(error)}
+    return {"command": ready, "import": warm["import"], "taichi": warm["taichi"], "cold": cold["compile"],
+            "warm": warm["compile"], "failed": None}
+
+
+def seconds(command: Sequence[str]) -> float:
+    begun = time.perf_counter()
+    try:
+        subprocess.run(command, cwd=ROOT, capture_output=True, stdin=subprocess.DEVNULL, timeout=PATIENCE, check=True)
+    except (OSError, subprocess.SubprocessError) as error:
+        raise ProcessDied(" ".join(str(error).split())) from None
+    return time.perf_counter() - begun
+
+
+def measure(question: dict, answer: Callable[[dict], None]) -> None:
+    begun = time.perf_counter()
+    from solvers.kernels import runtime
+    from solvers.problems import PROBLEMS
+    from solvers.running.run import build
+    imported = time.perf_counter()
+    runtime.start()
+    started = time.perf_counter()
+    compiled = {}
+    for name in question["problems"]:
+        solver = build(PROBLEMS[name].scene())
+        built = time.process_time()  # of the processor: work only, whatever else the machine does
+        solver.compile()
+        compiled[name] = time.process_time() - built
+    runtime.ti.reset()  # writes the cache, which a process that is ended in the middle of things would not
+    answer({"import": imported - begun, "taichi": started - imported, "compile": compiled})

@@ -1,0 +1,245 @@
+"""EngineProcess: one engine as the page sees it: a process, a thread that reads and a thread that writes.
+
+Writing has a thread of its own, so that a callback of the page never waits for an engine that is compiling,
+and only a session's newest wish is sent.
+"""
+
+import logging
+import multiprocessing
+import os
+import threading
+from collections import deque
+from collections.abc import Callable, Sequence
+from contextlib import AbstractContextManager, nullcontext, suppress
+from multiprocessing.connection import Connection
+from time import monotonic, sleep
+from typing import Protocol
+
+from solvers.engine import engine_messages
+from solvers.engine.engine_messages import FrameReport, Goodbye, Wish
+from solvers.engine.shared_frames import FrameArrays
+from solvers.scene.scene import Scene
+from solvers.workers import worker_process
+
+FIRST_PAUSE = 0.5  # seconds before the next start when an engine dies before it is ready; doubles every time
+LONGEST_PAUSE = 10.0
+FAILURES_ALLOWED = 6  # engines in a row that die before they are ready, until none is started any more
+BURIED_WITHIN = 2.0  # seconds in which a process that is killed is gone
+CANNOT_START = "the simulation process cannot be started; see the terminal"
+
+
+class Listener(Protocol):
+    """What a session hears. Called from the engine's reader thread: be quick."""
+
+    def on_frame(self, report: FrameReport, arrays: FrameArrays) -> None: ...
+    def on_compiling(self, number: int) -> None: ...
+    def on_trouble(self, sentence: str) -> None: ...
+    def on_engine_lost(self) -> None: ...
+
+
+class Link(Protocol):
+    """A session's line, as its engine knows it; see :class:`~solvers.engine.engine_pool.SessionLink`."""
+
+    listener: Listener
+    wish: Wish | None
+
+    def receive(self, report: FrameReport) -> None: ...
+    def engine_lost(self, had_worked: bool) -> None: ...
+    def close(self) -> None: ...
+
+
+def become_engine(pipe: Connection, warm_up: Scene, usual: Sequence[Scene]) -> None:
+    """Where an engine process begins. Taichi is imported there and only there: the page's process stays light."""
+    from solvers.engine import engine_worker
+
+    engine_worker.main(pipe, warm_up, usual)
+
+
+class EngineProcess:
+    """Starts the process, restarts it when it dies, and passes messages to and from ``links``, by session. The process
+    may put a successor in its place (:class:`~solvers.engine.engine_messages.Moved`): the pipe is the same. Of frames
+    that come at once sessions hear ``together``, in a context that this gives."""
+
+    def __init__(self, warm_up: Scene):
+        self.together: Callable[[], AbstractContextManager] = nullcontext
+        self.ready = threading.Event()
+        self.given_up = False  # whether it kept dying before it was ready: then it serves nobody any more
+        self.links: dict[int, Link] = {}
+        self._failures = 0
+        self._leaving: list[int] = []  # processes that were engines, or will end soon
+        self._successor = 0  # the process that the engine has forked last, if any
+        self._warm_up = warm_up
+        self._usual: tuple[Scene, ...] = ()
+        self._closing = False
+        self._news = threading.Condition()
+        self._outbox: deque[Goodbye | engine_messages.Prewarm] = deque()
+        self._wishes: dict[int, Wish] = {}
+        self._start()
+        for work in (self._read, self._write):
+            threading.Thread(target=work, name=f"engine{work.__name__}", daemon=True).start()
+
+    def expect(self, usual: Sequence[Scene]) -> None:
+        """Have the process, and any that takes its place, compile what is ``usual`` beside its work."""
+        with self._news:
+            self._usual = tuple(usual)
+            self._outbox.append(engine_messages.Prewarm(self._usual))
+            self._news.notify_all()
+
+    def send(self, message: Wish | Goodbye) -> None:
+        """Queue a message; never waits. A newer wish of a session takes the place of an older one."""
+        with self._news:
+            if self.given_up:
+                return
+            if isinstance(message, Wish):
+                self._wishes[message.session] = message
+            else:
+                self._outbox.append(message)
+            if isinstance(message, Goodbye):  # a wish sent after it would bring the session back
+                self._wishes.pop(message.session, None)
+            self._news.notify_all()
+
+    @property
+    def dismissed(self) -> bool:
+        """Whether the process is to end, or has ended, for good."""
+        return self._closing
+
+    def dismiss(self) -> None:
+        """Have the process end; a second time does nothing."""
+        with self._news:
+            if not self._closing:
+                self._leaving.append(self.process_id)
+            self._closing = True
+            self._news.notify_all()  # the writer sends None, at which the process ends
+
+    def close(self, patience: float) -> None:
+        """Have the process end, and end it if it has not after so many seconds."""
+        self.dismiss()
+        end = monotonic() + patience
+        while self._unburied() and monotonic() < end:
+            sleep(0.01)
+        for process_id in self._leaving:
+            with suppress(OSError):  # it has ended
+                os.kill(process_id, worker_process.KILL)
+        while self._unburied() and monotonic() < end + BURIED_WITHIN:
+            sleep(0.01)
+
+    def _read(self) -> None:
+        while not (self._closing or self.given_up):
+            try:
+                message = self._pipe.recv()
+            except (EOFError, OSError):
+                if not self._closing:
+                    self._restart()
+                continue
+            _tell(self._dispatch, message)
+
+    def _write(self) -> None:
+        while True:
+            with self._news:
+                self._news.wait_for(lambda: self._closing or self._outbox or self._wishes)
+                queued = [None] if self._closing else [*self._outbox, *self._wishes.values()]
+                self._outbox.clear()
+                self._wishes.clear()
+                pipe = self._pipe
+            with suppress(OSError):  # the process died; the reader notices, restarts it and sends the wishes again
+                for message in queued:
+                    pipe.send(message)
+            if self._closing:
+                return
+
+    def _start(self) -> None:
+        context = multiprocessing.get_context("spawn")  # a fork would copy the locks of the page's threads
+        ours, theirs = context.Pipe()
+        process = context.Process(None, become_engine, "mpm-lab-engine", (theirs, self._warm_up, self._usual),
+                                  daemon=True)
+        process.start()
+        theirs.close()
+        self._pipe, self._process, self.process_id = ours, process, process.pid or 0  # it is started at once
+
+    def _restart(self) -> None:
+        """Replace a dead process: at once if it had been ready, else after a pause, and not for ever."""
+        self._process.join(1)
+        self._leaving.append(self.process_id)
+        with suppress(ChildProcessError):  # it had ended before
+            if self._successor and os.waitpid(self._successor, os.WNOHANG) == (0, 0):
+                self._leaving.append(self._successor)
+        self._successor = 0
+        had_worked = self.ready.is_set()
+        self.ready.clear()
+        self._failures += not had_worked
+        if self._failures >= FAILURES_ALLOWED:
+            return self._give_up()
+        pause = min(LONGEST_PAUSE, FIRST_PAUSE * 2 ** (self._failures - 1)) if self._failures else 0.0
+        with self._news:
+            if self._news.wait_for(lambda: self._closing, pause):
+                return  # a process started now would outlive the pool
+            self._outbox.clear()
+            self._wishes.clear()
+            try:
+                self._start()
+            except OSError:  # the old pipe stays and fails again: one more failure, and a longer pause
+                logging.getLogger(__name__).exception("the simulation process could not be started")
+        for link in list(self.links.values()):
+            _tell(link.engine_lost, had_worked)
+
+    def _give_up(self) -> None:
+        with self._news:
+            self.given_up = True
+            self._outbox.clear()
+            self._wishes.clear()
+        logging.getLogger(__name__).error("%d simulation processes in a row ended before they were ready; "
+                                          "no more are started", self._failures)
+        for link in list(self.links.values()):
+            _tell(link.listener.on_trouble, CANNOT_START)
+
+    def _unburied(self) -> list[int]:
+        """Those that are leaving and have not left yet. Successors are children of the page's process once the engine
+        before them has ended, where the system knows such a thing."""
+        def here(process_id: int) -> bool:
+            if process_id == self._process.pid:
+                return self._process.is_alive()
+            try:
+                return os.waitpid(process_id, os.WNOHANG) == (0, 0)
+            except ChildProcessError:  # its parent has not quite ended, or buries it
+                return os.path.exists(f"/proc/{process_id}")
+
+        self._leaving = [process_id for process_id in self._leaving if here(process_id)]
+        return self._leaving
+
+    def _dispatch(
+        self,
+        message: engine_messages.Frames
+        | engine_messages.Compiling
+        | engine_messages.Forked
+        | engine_messages.Moved
+        | engine_messages.Trouble
+        | engine_messages.Ready,
+    ) -> None:
+        if self._leaving:
+            self._unburied()
+        if isinstance(message, engine_messages.Frames):
+            with self.together():
+                for report in message.reports:
+                    if link := self.links.get(report.session):
+                        _tell(link.receive, report)
+        elif isinstance(message, engine_messages.Ready):
+            self._failures = 0
+            self.ready.set()
+        elif isinstance(message, engine_messages.Moved):
+            self._leaving.append(self.process_id)
+            self.process_id, self._successor = message.process_id, 0
+        elif isinstance(message, engine_messages.Forked):
+            self._successor = message.process_id
+        elif link := self.links.get(message.session):
+            if isinstance(message, engine_messages.Compiling):
+                link.listener.on_compiling(message.number)
+            else:
+                link.listener.on_trouble(message.sentence)
+
+
+def _tell(hear: Callable, what: object) -> None:
+    """Log what a session raises: a page that fails to draw must not stop the others' frames."""
+    try:
+        hear(what)
+    except Exception:
+        logging.getLogger(__name__).exception("a session could not take a message")

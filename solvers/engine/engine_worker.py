@@ -1,0 +1,270 @@
+"""The engine process: one thread that does everything with Taichi, and one pipe to the page.
+
+Sessions are served in fair turns: each that is behind its clock gets one short slice, then the next. Wishes are
+read before every round, and of a session's only the last counts, so a dragged slider never leaves stale work in a
+queue; when many sessions wish at once, some wait for the next round, so that no stage stands still for the others'
+new scenes. What has to be compiled first is left to a successor, who then takes over; what visitors usually ask for is
+compiled before they do.
+"""
+
+import gc
+import logging
+import os
+import signal
+from collections.abc import Callable, Iterable, Sequence
+from contextlib import suppress
+from dataclasses import replace
+from functools import partial
+from multiprocessing import connection
+from multiprocessing.connection import Connection
+from time import perf_counter
+
+from solvers.engine import compiling_fork, engine_messages
+from solvers.engine.compiling_fork import Successor
+from solvers.engine.engine_messages import FrameReport, Wish
+from solvers.engine.session_stepper import BlockGone, Stepper
+from solvers.kernels import runtime
+from solvers.running.run import build
+from solvers.scene.kernel_options import combination
+from solvers.scene.scene import Scene
+from solvers.solver.base import Solver
+
+IDLE_SECONDS = 0.5
+WISHES_SECONDS = 0.03  # of a round for new wishes, after which the next has to wait; a new scene takes some 10 ms
+TOGETHER_SECONDS = 0.006  # that a frame waits for others to go with, in a round of many sessions
+SPARE = 0.2  # seconds of each second in which what nobody waits for is compiled though frames come late
+NO_MEMORY = "this scene needs more memory than there is: choose fewer particles"
+FAILED = "the simulation of this scene failed; change a setting"
+
+
+def main(pipe: Connection, warm_up: Scene, usual: Sequence[Scene]) -> None:
+    """Serve sessions until the page goes away, or a successor takes over. ``warm_up`` is compiled before the first
+    visitor comes, what is ``usual`` when there is time."""
+    signal.signal(signal.SIGINT, signal.SIG_IGN)  # Ctrl-C is the page's to handle; the pipe then closes
+    if compiling_fork.POSSIBLE:
+        runtime.allow_forks()
+    runtime.start()
+    build(warm_up).compile()
+    first = os.getpid()
+    # Until the page is gone, and so is the reason to be here.
+    with suppress(EOFError, BrokenPipeError, ConnectionResetError):
+        pipe.send(engine_messages.Ready())
+        Worker(pipe, {combination(warm_up)}, usual).serve()
+    if os.getpid() != first:
+        runtime.leave()
+
+
+class Worker:
+    """The sessions of one engine. One that fails is dropped and told; its next wish begins it anew."""
+
+    def __init__(self, pipe: Connection, compiled: Iterable[tuple] = (), usual: Sequence[Scene] = ()):
+        self._pipe, self._compiled = pipe, set(compiled)
+        self._usual = list(usual)
+        self._steppers: dict[int, Stepper] = {}
+        self._wishes: dict[int, Wish] = {}  # that have been read, and not been acted on, by session
+        self._waiting: dict[int, Wish] = {}  # for the compiler, by session
+        self._prepared: dict[int, Solver] = {}  # in a successor, for sessions that it will get
+        self._successor: Successor | None = None
+        self._frames: list[FrameReport] = []  # that go together, soon
+        self._first = 0.0  # when the first of them was made, by perf_counter
+        self._late = False  # whether most sessions that move get their frames late
+
+    def serve(self) -> None:
+        """Until a successor has taken over; raises EOFError when the page has gone."""
+        while True:
+            self._read_messages()
+            self._fulfil()
+            self._pair()
+            busy = [self._serve_one(stepper) for stepper in list(self._steppers.values())]
+            self._send_frames()
+            if self._successor and self._handed_over(self._successor):
+                return
+            inherited = compiling_fork.POSSIBLE and self._compile_aside()
+            if not (any(busy) or inherited or self._wishes):  # sleep until a message comes or a frame or step is due
+                due = min((s.next_due for s in self._steppers.values()), default=float("inf"))
+                pipes = [self._pipe, *([self._successor.pipe] if self._successor else [])]
+                connection.wait(pipes, min(IDLE_SECONDS, max(0.001, due - perf_counter())))
+
+    def _serve_one(self, stepper: Stepper) -> bool:
+        """One turn of one session; says whether there was anything to do."""
+        busy = False
+
+        def work() -> FrameReport | None:
+            nonlocal busy
+            busy = stepper.behind
+            takes = stepper.turn_seconds if busy else 0.0
+            if self._frames and perf_counter() + takes > self._first + TOGETHER_SECONDS:
+                self._send_frames()
+            if busy:
+                stepper.turn()
+            return stepper.frame() if stepper.ready else None
+
+        report = self._contain(stepper.wish, work)
+        if report is not None:
+            self._first = self._first if self._frames else perf_counter()
+            self._frames.append(report)
+        return busy or report is not None
+
+    def _send_frames(self) -> None:
+        if self._frames:
+            self._pipe.send(engine_messages.Frames(tuple(self._frames)))
+            self._frames.clear()
+
+    def _read_messages(self) -> None:
+        """Take all messages; of a session's wishes only the last counts, in the place of the first."""
+        while self._pipe.poll(0):
+            message = self._pipe.recv()
+            match message:
+                case Wish():
+                    self._wishes[message.session] = message
+                case None:
+                    raise EOFError  # the pool closes
+                case engine_messages.Prewarm():
+                    self._usual = list(message.scenes)
+                case engine_messages.Goodbye():
+                    self._wishes.pop(message.session, None)
+                    self._drop(message.session)
+
+    def _fulfil(self) -> None:
+        """Act on wishes, the oldest first, for a short time: the others wait for the next round."""
+        begun = perf_counter()
+        while self._wishes and perf_counter() - begun < WISHES_SECONDS:
+            wish = self._wishes.pop(next(iter(self._wishes)))
+            self._contain(wish, partial(self._accept, wish))
+
+    def _accept(self, wish: Wish) -> None:
+        """Act on a wish. One for the compiler waits, but for what of it concerns the scene before."""
+        self._waiting.pop(wish.session, None)
+        stepper = self._steppers.get(wish.session)
+        anew = False
+        if compiling_fork.POSSIBLE and combination(wish.scene) not in self._compiled:
+            self._waiting[wish.session] = wish
+            self._pipe.send(engine_messages.Compiling(wish.session, wish.number))
+            if stepper:
+                now = stepper.wish
+                stepper.accept(replace(
+                    now, pace=replace(now.pace, playing=wish.pace.playing, speed=wish.pace.speed),
+                    frame=replace(wish.frame, broken_down=now.frame.broken_down)))
+        elif stepper:
+            anew = stepper.accept(wish)
+        else:
+            self._steppers[wish.session] = Stepper(wish)
+            anew = True
+        partner = next((stepper for session, stepper in self._steppers.items()
+                        if session == wish.partner or stepper.wish.partner == wish.session), None)
+        if anew and partner:
+            self._contain(partner.wish, partner.rebuild)
+
+    def _pair(self) -> None:
+        """Let sessions know how many of them move, and partners each other: anyone may have come, left or failed. And
+        find out whether most of them get their frames late."""
+        running = [stepper.late for stepper in self._steppers.values() if stepper.running]
+        moving, self._late = len(running), 2 * sum(running) > len(running)
+        for stepper in self._steppers.values():
+            stepper.partner, stepper.sessions = None, max(1, moving)
+        for stepper in self._steppers.values():
+            if partner := self._steppers.get(stepper.wish.partner or 0):
+                stepper.partner, partner.partner = partner, stepper
+
+    def _compile_aside(self) -> bool:
+        """Have a successor compile what a visitor waits for, or else what is usual: that is given up for a visitor, and
+        does little while frames come late.
+
+        Says whether this process is the successor and has taken over just now.
+        """
+        wanted = [wish.scene for wish in self._waiting.values()]
+        if self._successor:
+            soon = bool(self._successor.compiled)  # it prepares to take over: what is wanted now comes next
+            if soon or not wanted or combination(self._successor.scenes[0]) in map(combination, wanted):
+                urgent = soon or bool(wanted) or not self._late
+                self._successor.rest(not urgent and perf_counter() % 1.0 > SPARE)
+                return False
+            self._successor.end()
+            self._successor = None
+        elif not wanted and self._usual:
+            self._usual = [scene for scene in self._usual if combination(scene) not in self._compiled]
+        if scenes := wanted[:1] or self._usual:
+            answer = compiling_fork.fork(scenes, bool(wanted), self._prepare)
+            if not isinstance(answer, Successor):
+                self._take_state(*answer)
+                return True
+            self._successor = answer
+            self._pipe.send(engine_messages.Forked(answer.process_id))
+        return False
+
+    def _handed_over(self, replacement: Successor) -> bool:
+        """Whether the successor had compiled and has taken over everything: then this process has nothing left."""
+        try:
+            if not replacement.ready(lambda: {session: stepper.solver.scene
+                                              for session, stepper in self._steppers.items()}):
+                return False
+            states = {session: (stepper.wish, stepper.state()) for session, stepper in self._steppers.items()}
+            replacement.take_over((states, {**self._waiting, **self._wishes},
+                                   self._compiled | set(map(combination, replacement.compiled)), self._usual))
+            return True
+        except MemoryError:
+            self._give_up(replacement, NO_MEMORY)
+        except (EOFError, OSError):
+            self._give_up(replacement, FAILED)
+        return False
+
+    def _give_up(self, replacement: Successor, sentence: str) -> None:
+        """The successor could not compile: say so to those who wait for it, and do not try again unasked."""
+        replacement.end()
+        self._successor, failed = None, combination(replacement.scenes[0])
+        self._usual = [scene for scene in self._usual if combination(scene) != failed]
+        for wish in [wish for wish in self._waiting.values() if combination(wish.scene) == failed]:
+            del self._waiting[wish.session]
+            self._pipe.send(engine_messages.Trouble(wish.session, wish.number, sentence))
+
+    def _prepare(self, announced: dict[int, Scene]) -> None:
+        """Have solvers in place for the sessions that this successor will get, while they go on elsewhere; those that
+        it had when it forked are as good as new ones. And tidy up, which takes long where much is there: what stays
+        is not looked through again."""
+        for session, scene in announced.items():
+            stepper = self._steppers.get(session)
+            with suppress(Exception):  # it will be tried again, and whoever it fails for is told
+                self._prepared[session] = stepper.solver if stepper and stepper.solver.scene == scene else build(scene)
+        for stepper in self._steppers.values():  # as they were when it forked
+            stepper.close()
+        self._steppers.clear()
+        gc.unfreeze()
+        gc.collect()
+        gc.freeze()
+
+    def _take_state(self, states: dict[int, tuple[Wish, dict]], wishes: dict[int, Wish], compiled: set[tuple],
+                 usual: list[Scene]) -> None:
+        """Take over what the engine had that this process is a fork of. ``wishes`` have still to be acted on, also
+        those that waited for the compiler."""
+        self._wishes, self._waiting, self._successor = wishes, {}, None
+        self._compiled, self._usual = compiled, usual
+        self._pipe.send(engine_messages.Moved(os.getpid()))
+        for wish, state in states.values():
+            self._contain(wish, partial(self._resume, state))
+        self._prepared.clear()
+
+    def _resume(self, state: dict) -> None:
+        session = state["wish"].session
+        self._steppers[session] = Stepper.resumed(state, self._prepared.get(session))
+
+    def _contain(self, wish: Wish, work: Callable[[], FrameReport | None]) -> FrameReport | None:
+        """Do a piece of one session's work; what goes wrong in it costs that session alone."""
+        sentence = None
+        try:
+            return work()
+        except BlockGone:
+            pass
+        except MemoryError:
+            sentence = NO_MEMORY
+        except Exception:
+            logging.getLogger(__name__).exception("session %d failed and is dropped: %s", wish.session, wish.scene)
+            sentence = FAILED
+        self._drop(wish.session)  # only now: the exception's frames may have held views of the block
+        if sentence:
+            self._pipe.send(engine_messages.Trouble(wish.session, wish.number, sentence))
+        return None
+
+    def _drop(self, session: int) -> None:
+        self._waiting.pop(session, None)
+        if stepper := self._steppers.pop(session, None):
+            stepper.close()

@@ -1,0 +1,280 @@
+"""One session inside an engine: a solver, a clock that says how far it should be, and its frames."""
+
+import contextlib
+from dataclasses import replace
+from multiprocessing.shared_memory import SharedMemory
+from time import perf_counter
+from typing import Any
+
+import numpy as np
+
+from solvers.engine import shared_frames
+from solvers.engine.engine_messages import FrameReport, Wish
+from solvers.engine.soundness_watch import SoundnessWatch
+from solvers.running.quantities_of_interest import ENERGY, STRESS, Goal, measured, without
+from solvers.running.run import build
+from solvers.scene.scene import MOST_STEPS
+from solvers.solver.base import Solver
+from solvers.solver.step_breakdown import StepBreakdown
+
+SLICE_SECONDS = 0.008  # one turn of one session: short, because a launch cannot be interrupted
+ROUND_SECONDS = 0.05  # in which every session of a full engine should have had its turn and frame: shorter ones then
+SHORTEST_SLICE = 0.0004  # some ten launches' worth
+FRAME_WEIGHT = 0.1  # of the last frame in what frames cost, and in how late they go out
+LATE = 0.25  # of the time between two frames, by which they are then late
+MOST_APART = 1 / 40  # of a period: partners, at speeds that are too high for one of them
+LAG_SECONDS = 0.1  # with more work than this in arrears the clock gives them up: the session is capped
+SPEED_WINDOW = 1.0  # seconds over which the real speed is measured
+GOAL_SECONDS = 0.5  # between two looks at numbers of the whole body, while it moves
+LOOK_SECONDS = 0.002  # between two looks whether the page has taken a frame that the next one waits for
+EXPECTED_RATE = 3e7  # particle-steps per second, before the first measurement
+LAST_STEP = MOST_STEPS - 1_000_000_000  # a page left open for days stops here
+
+
+class BlockGone(Exception):
+    """The page has freed the block that a wish names: its visitor has left, and nobody waits for an answer."""
+
+
+class Stepper:
+    """Steps a session's solver towards its wish, a slice at a time. Lives in the engine's one thread."""
+
+    def __init__(self, wish: Wish):
+        self.wish = wish
+        self.sessions = 1  # that share the engine and move
+        self._seconds_a_frame = self._lateness = 0.0
+        self.partner: Stepper | None = None  # keeps together with this one (``Wish.partner``), if it is there
+        self._block = _attach(wish.memory)
+        shared_frames.clear(self._block)  # of what an engine has left there that has died
+        try:
+            self.rebuild()
+        except BaseException:
+            self.close()
+            raise
+
+    def rebuild(self) -> None:
+        """Begin the scene at t = 0."""
+        self.solver = build(self.wish.scene)
+        self.solver.compile()
+        self._watch = SoundnessWatch(self.solver.scene)
+        self._rows = [self.solver.measure()]  # samples since the last frame
+        self._measured = 0  # the last step that was measured without a sample being due
+        self._fresh, self._due = True, 0.0  # no frame since the build; when the next one goes out, by perf_counter
+        self._goals: dict[str, dict] = {}
+        self._goals_due = 0.0  # when these numbers are worked out anew, by perf_counter
+        self._real_speed: float | None = None
+        self._breakdown: StepBreakdown | None = None  # of the last step
+        self._before_step: tuple[int, dict[str, np.ndarray]] | None = None  # where that step began
+        self._kernel_seconds, self._kernel_steps = 0.0, 0
+        self._seconds_a_step = self.wish.scene.particles / EXPECTED_RATE
+        self._start_clock()
+
+    def _start_clock(self) -> None:
+        self._anchor = self._window = (perf_counter(), self.solver.time)
+        self._frame_wanted = True
+
+    def accept(self, wish: Wish) -> bool:
+        """Take over a newer wish; rebuild if it is another scene or a restart. After an exception: use no more.
+
+        Says whether it was rebuilt.
+        """
+        old, self.wish = self.wish, wish
+        if self._block.name != wish.memory:
+            self.close()
+            self._block = _attach(wish.memory)
+        steps, particle = wish.pace.single_steps - old.pace.single_steps, wish.frame.broken_down
+        anew = old.scene != wish.scene or old.pace.restarts != wish.pace.restarts
+        if anew:
+            self.rebuild()
+        elif steps > 0 and self.solver.sound and not wish.pace.playing:
+            self._advance(min(steps, self.solver.longest_advance), particle)
+            self._sample()  # who takes single steps looks at each
+        elif old.pace.playing and not wish.pace.playing:
+            self._sample()  # and so does who looks at one moment
+        elif particle is not None and particle != old.frame.broken_down and self._before_step:
+            self.solver.put(*self._before_step)
+            self._breakdown = self.solver.break_down(particle)[1]
+        self._start_clock()
+        return anew
+
+    def state(self) -> dict[str, Any]:
+        """All that a stepper in another process needs to go on from here (:meth:`resumed`); clocks are shared."""
+        return {**{name: value for name, value in vars(self).items()
+                   if name not in ("solver", "partner", "_block")},
+                "solver": self.solver.state()}
+
+    @classmethod
+    def resumed(cls, state: dict[str, Any], prepared: Solver | None) -> "Stepper":
+        """The stepper that had this state, to the bit. A solver that has been ``prepared`` is taken if it is of the
+        scene."""
+        stepper, scene = cls.__new__(cls), state["wish"].scene
+        solver = prepared if prepared and prepared.scene == scene else build(scene)
+        vars(stepper).update(state, solver=solver, partner=None, _block=_attach(state["wish"].memory))
+        stepper.solver.put(*state["solver"])
+        return stepper
+
+    def close(self) -> None:
+        with contextlib.suppress(BufferError):  # an exception still holds a view: it goes with that
+            self._block.close()
+
+    @property
+    def behind(self) -> bool:
+        """Whether it is time to step: a frame is due, or there is a whole slice of work to catch up with."""
+        if not self.running or (self._frame_due() and self._unseen):
+            return False
+        if self._frame_due():
+            return self._steps_wanted() >= 1
+        enough = self._slice
+        if self.partner is not None:  # half of what a partner that waits is ahead
+            enough = max(1, min(enough, int(0.5 * self._lead / self.solver.scene.time_step)))
+        return self._steps_wanted() >= enough
+
+    @property
+    def ready(self) -> bool:
+        """Whether a frame can go: the last was seen and this one is due. A turn before it catches up what it can."""
+        return (self._frame_wanted or (self.running and self._frame_due())) and not self._unseen
+
+    @property
+    def next_due(self) -> float:
+        """When the session next has something to do, by ``perf_counter``; soon, to see whether the page has taken the
+        last frame, where another has to wait for that."""
+        if not (self.running or self._frame_wanted):
+            return float("inf")
+        return max(self._due, perf_counter() + LOOK_SECONDS) if self._unseen else self._due
+
+    def turn(self) -> None:
+        """Step for at most one slice towards the clock's time."""
+        wanted = self._steps_wanted()
+        self._advance(max(1, min(wanted, self._slice, self.solver.longest_advance)))
+        if wanted * self._seconds_a_step > LAG_SECONDS:
+            self._anchor = (perf_counter(), self.solver.time)
+        if self.wish.pace.ends and self.solver.step == self._last_step:
+            self._sample()  # what a run has come to is read at its end
+            self._frame_wanted = True
+
+    def _sample(self) -> None:
+        """Measure this step, unless that has been done or was due; there may have been a sample shortly before."""
+        if self.solver.step != self._measured and self.solver.step % self.solver.scene.sample_interval:
+            self._rows.append(self.solver.measure())
+            self._measured = self.solver.step
+
+    def frame(self) -> FrameReport:
+        """Write the particles into the block and report. Call when ``next_due`` has come."""
+        now, solver, wished = perf_counter(), self.solver, self.wish.frame
+        shot = solver.snapshot(wished.differences, wished.plotted)
+        shared_frames.write(self._block, solver.scene, shot)
+        wall, simulated = self._window
+        if now - wall > 0.2:
+            self._real_speed = (solver.time - simulated) / (now - wall)
+        if now - wall > SPEED_WINDOW:
+            self._window = (now, solver.time)
+        particle_steps = self._kernel_steps * solver.scene.particles  # since the build
+        rows, not_valid = np.concatenate(self._rows), self._watch.doubted(solver.time, solver.not_valid())
+        self._watch.look(rows, len(shot.position), self.running)
+        status, reason, since = self._watch.tell(solver, not_valid)
+        report = FrameReport(
+            session=self.wish.session, number=self.wish.number, memory=self._block.name, scene=solver.scene,
+            fresh=self._fresh, playing=self.running, particles=len(shot.position), step=solver.step, time=solver.time,
+            rows=rows, reason=reason, status=status, since=since, not_checked=self._watch.not_checked(not_valid),
+            rate=1e-6 * particle_steps / self._kernel_seconds if particle_steps else 0.0, real_speed=self._real_speed,
+            arch=solver.arch, not_valid=not_valid, holds=replace(wished, differences=bool(shot.difference)),
+            breakdown=self._breakdown if wished.broken_down is not None else None,
+            goals=without(self._goals_at(now), not_valid))
+        if not self._frame_wanted:  # else it may have stood still since it was due
+            self._lateness += FRAME_WEIGHT * (now - self._due - self._lateness)
+        self._rows = [report.rows[:0]]
+        self._fresh, self._frame_wanted = False, False
+        # Counted from when this frame was due, not from when a turn had ended and it went out: else every frame is
+        # late by what the last one was, and 30 a second become 24. Within limits, so that frames come evenly.
+        apart = self.wish.frame_seconds
+        self._due = min(max(self._due + apart, now + 0.5 * apart), now + apart)
+        self._seconds_a_frame += FRAME_WEIGHT * (perf_counter() - now - self._seconds_a_frame)
+        return report
+
+    def _goals_at(self, now: float) -> dict[str, dict]:
+        """Numbers of the whole body: of this moment, or while it moves of one shortly before."""
+        if now >= self._goals_due or not self.running:
+            solver, self._goals_due = self.solver, now + GOAL_SECONDS
+            fields = solver.fields()
+            self._goals = {name: measured(Goal(name), fields, solver.scene, solver.step) for name in (ENERGY, STRESS)}
+        return self._goals
+
+    @property
+    def late(self) -> bool:
+        """Whether frames have lately gone out later than was asked for."""
+        return self._lateness > LATE * self.wish.frame_seconds
+
+    @property
+    def _unseen(self) -> bool:
+        return shared_frames.unseen(self._block)
+
+    @property
+    def running(self) -> bool:
+        return self.wish.pace.playing and self.solver.sound and self.solver.step < self._last_step
+
+    @property
+    def _speed(self) -> float:
+        """In simulated seconds a second."""
+        return self.wish.pace.speed * self.wish.scene.period
+
+    @property
+    def _last_step(self) -> int:
+        return self.solver.scene.steps if self.wish.pace.ends else LAST_STEP
+
+    @property
+    def _slice(self) -> int:
+        """Steps that fit into one turn: in a full engine frames come first, and runs are slower than they were asked
+        to be."""
+        share = ROUND_SECONDS / self.sessions - self._seconds_a_frame
+        seconds = max(SHORTEST_SLICE, min(SLICE_SECONDS, share))
+        return max(1, int(seconds / self._seconds_a_step))
+
+    @property
+    def turn_seconds(self) -> float:
+        """How long a turn takes at most, as far as is known."""
+        return self._slice * self._seconds_a_step
+
+    def _frame_due(self) -> bool:
+        return perf_counter() >= self._due
+
+    def _steps_wanted(self) -> int:
+        """Whole steps from here to the time that the clock shows. The clock waits for a partner that cannot keep up:
+        what it has lost is not made good later, when the partner stops or leaves."""
+        now, (wall, simulated) = perf_counter(), self._anchor
+        target, partner = simulated + (now - wall) * self._speed, self.partner
+        if partner is not None and partner.running:  # no farther than ``_lead`` beyond its number of periods
+            bound = partner.solver.time / partner.solver.scene.period * self.solver.scene.period + self._lead
+            if bound < target:
+                target = bound
+                self._anchor = (now, bound)
+        return min(int((target - self.solver.time) / self.solver.scene.time_step), self._last_step - self.solver.step)
+
+    @property
+    def _lead(self) -> float:
+        """How far ahead of its partner a session may be, in s: a frame's worth, but not so far that one would see it at
+        high speeds; and two steps in any case, so that the one behind can always take one."""
+        scene = self.solver.scene
+        return max(min(self.wish.frame_seconds * self._speed, MOST_APART * scene.period), 2 * scene.time_step)
+
+    def _advance(self, steps: int, broken_down: int | None = None) -> None:
+        """Take steps, the last of them apart around the particle ``broken_down``, if any."""
+        begun, self._breakdown, self._before_step = perf_counter(), None, None
+        if broken_down is None:
+            self._rows.append(self.solver.advance(steps))
+        else:
+            self._rows.append(self.solver.advance(steps - 1))
+            if self.solver.sound:
+                self._before_step = self.solver.state()
+                rows, self._breakdown = self.solver.break_down(broken_down)
+                self._rows.append(rows)
+        took = max(perf_counter() - begun, 1e-7)
+        self._seconds_a_step = took / steps
+        self._kernel_seconds += took
+        self._kernel_steps += steps
+        self._frame_wanted |= not self.solver.sound  # the last frame says why
+
+
+def _attach(name: str) -> SharedMemory:
+    try:
+        return shared_frames.attach(name)
+    except FileNotFoundError as error:
+        raise BlockGone(name) from error

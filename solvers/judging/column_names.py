@@ -1,0 +1,229 @@
+"""What columns and arrays of particles may be called, what they mean, and how they are put together.
+
+A quantity has one key here: ``t``, ``id``, ``X`` (material position), ``x`` (position), ``v``, ``F``, ``sigma``,
+``mass`` and ``volume``. A file has it as an array or as one column for each component.
+"""
+
+import itertools
+import re
+from collections.abc import Mapping
+from dataclasses import replace
+from typing import Any, cast
+
+import numpy as np
+
+from solvers.judging.frames import Raw
+from solvers.judging.scene_metadata import read_line
+from solvers.untrusted.quoting import FileError, quoted
+from solvers.untrusted.size_limits import LIMITS, Limits, check_name
+
+#: What else each quantity may be called. X and x, which differ only in size, are the only names whose size counts.
+NAMES = {"t": ("t", "time", "timevalue"),
+         "id": ("id", "ids", "particle_id", "particle", "pid", "global_id"),
+         "X": ("X", "X0", "x0", "material_position", "initial_position", "reference_position"),
+         "x": ("x", "position", "positions", "points", "coordinates", "coords"),
+         "v": ("v", "velocity", "velocities"),
+         "F": ("f", "deformation_gradient", "defgrad"),
+         "sigma": ("sigma", "stress", "cauchy_stress", "s"),
+         "mass": ("mass", "masses", "particle_mass"), "volume": ("volume", "volumes", "particle_volume")}
+LETTERS = "xyz"
+SCALARS, VECTORS, TENSORS = ("t", "id", "mass", "volume"), ("X", "x", "v"), ("F", "sigma")
+SEPARATORS = ("", "_", ":", ".", "-")
+
+
+def _components() -> dict[str, tuple[str, tuple[int, ...]]]:
+    """Every column's name with its quantity and component."""
+    found: dict[str, tuple[str, tuple[int, ...]]] = {}
+    for key, names in NAMES.items():
+        for name, separator in itertools.product(names, SEPARATORS):
+            if key in VECTORS and name not in ("x", "X"):
+                found |= {f"{name}{separator}{mark}": (key, (k,)) for k in range(3) for mark in (LETTERS[k], str(k))}
+            if key in TENSORS:
+                pairs = list(itertools.product(range(3), range(3)))
+                found |= {f"{name}{separator}{LETTERS[i]}{LETTERS[j]}": (key, (i, j)) for i, j in pairs}
+                found |= {f"{name}{separator}{i}{j}": (key, (i, j)) for i, j in pairs}
+    for key, letters in (("X", "XYZ"), ("x", LETTERS)):
+        found |= {letter: (key, (k,)) for k, letter in enumerate(letters)}
+    return found
+
+
+COMPONENTS = _components()
+WHOLE = {name: (key, None) for key, names in NAMES.items() for name in names}
+
+
+def meaning(name: str) -> tuple[str, tuple[int, ...] | None] | None:
+    """The quantity of a column or an array, and its component where it is only that; None for any other. A unit in
+    brackets at the end says nothing."""
+    bare = re.sub(r"\s*[\[(][^\])]*[\])]\s*$", "", name.strip().strip('"'))
+    tables: tuple[Mapping[str, Any], ...] = (COMPONENTS, WHOLE)
+    return next((table[text] for table in tables for text in (bare, bare.lower()) if text in table), None)
+
+
+def spelled(key: str, dimensions: int) -> str:
+    """What the columns of a quantity are called in a file of so many dimensions, for a sentence."""
+    return ", ".join(name for name in column_names(key, dimensions) if name != "syx")  # one of sxy and syx is enough
+
+
+def column_names(key: str, dimensions: int) -> list[str]:
+    """The columns that we write for a quantity, in the order of its components."""
+    letters = LETTERS[:dimensions]
+    if key in VECTORS:
+        return [{"X": letter.upper(), "x": letter, "v": f"v{letter}"}[key] for letter in letters]
+    return [f"{'s' if key == 'sigma' else 'F'}{i}{j}" for i in letters for j in letters]
+
+
+def gathered(path: str, named: dict[str, np.ndarray], time: float | None, cells: int | None,
+             limits: Limits = LIMITS) -> Raw:
+    """The table of named arrays (n, ...): components put together, the rest left out."""
+    known_ones = [array for name, array in named.items() if meaning(name)]
+    limits.check_rows(path, max((len(array) for array in known_ones if array.ndim), default=0))
+    limits.check_numbers(path, sum(array.size for array in known_ones))
+    columns: dict[str, np.ndarray] = {}
+    parts: dict[str, dict[tuple[int, ...], np.ndarray]] = {}
+    for name, array in named.items():
+        known = meaning(name)
+        if known is None:
+            continue
+        key, component = known
+        values = np.asarray(array, float)
+        if name in VECTORS and values.ndim > 1:
+            component = None  # a whole vector, called as its first component is
+        if component is None and not (values.ndim == 1 and key in VECTORS + TENSORS):
+            if key in columns:
+                raise FileError(path, f"has {key} twice, the second time as {quoted(name)}; give it once")
+            columns[key] = _shaped(path, key, name, values)
+        else:
+            where = component or ((0,) if key in VECTORS else (0, 0))
+            if where in parts.setdefault(key, {}):
+                raise FileError(path, f"has the same component of {key} twice, the second time as {quoted(name)}; "
+                                      "give it once")
+            parts[key][where] = values
+    for key, pieces in parts.items():
+        if key in columns:
+            raise FileError(path, f"has {key} as a whole and in components; give one of the two")
+        columns[key] = _joined(path, key, pieces)
+    lengths = {key: len(array) for key, array in columns.items()}
+    if len(set(lengths.values())) > 1:
+        told = ", ".join(f"{key} has {n}" for key, n in lengths.items())
+        raise FileError(path, f"has columns of several lengths ({told}); give a row for each particle in all of them")
+    if 0 in lengths.values():
+        raise FileError(path, "holds no particles: its columns are empty; give a row for each particle in all of them")
+    if not columns.keys() - {"mass", "volume"}:
+        some = ", ".join(quoted(name, 30) for name in list(named)[:8]) or "nothing"
+        raise FileError(path, f"holds no particles that are known by name, but {some}; give columns such as id, x, vx")
+    if "t" in columns:
+        limits.check_times(path, len(np.unique(columns["t"])))
+    return Raw(path, columns, tuple(named), time, cells)
+
+
+def _shaped(path: str, key: str, name: str, values: np.ndarray) -> np.ndarray:
+    """An array (n, ...) as (n,), (n, d) or (n, d, d)."""
+    if key in SCALARS:
+        if values.ndim != 1:
+            raise FileError(path, f"has {quoted(name)} of the shape {values.shape}; give one number for each particle")
+        return values
+    if key in VECTORS and values.ndim == 2 and values.shape[1] in (1, 2, 3):
+        return values
+    if key in TENSORS:
+        if values.ndim == 3 and values.shape[1] == values.shape[2] and values.shape[1] in (1, 2, 3):
+            return values
+        size = {1: 1, 4: 2, 9: 3}.get(values.shape[1] if values.ndim == 2 else 0)
+        if size:
+            return values.reshape(-1, size, size)
+        if values.ndim == 2 and values.shape[1] == 6 and key == "sigma":  # VTK's order: xx, yy, zz, xy, yz, xz
+            return values[:, [0, 3, 5, 3, 1, 4, 5, 4, 2]].reshape(-1, 3, 3)
+    raise FileError(path, f"has {quoted(name)} of the shape {values.shape}; give a row for each particle, with 1 "
+                          "to 3 numbers of a vector, and 1, 4 or 9 of a tensor, row by row")
+
+
+def _joined(path: str, key: str, pieces: dict[tuple[int, ...], np.ndarray]) -> np.ndarray:
+    """Components (n,) as a vector (n, d) or a tensor (n, d, d); of a stress one of xy and yx is enough."""
+    size = 1 + max(max(where) for where in pieces)
+    n = len(next(iter(pieces.values())))
+    out, rows = np.full((n, size) if key in VECTORS else (n, size, size), np.nan), cast(Any, (slice(None),))
+    for where, values in pieces.items():
+        if values.shape != (n,):
+            raise FileError(path, f"has components of {key} of several lengths; give a number for each particle")
+        out[rows + where] = values
+        if key == "sigma" and where[::-1] not in pieces:
+            out[rows + where[::-1]] = values
+    shape = out.shape[1:]
+    missing = [w for w in np.ndindex(*shape) if w not in pieces and not (key == "sigma" and w[::-1] in pieces)]
+    if size == 3:  # what concerns the third direction is not needed in the plane
+        missing = [w for w in missing if 2 not in w]
+        out = np.where(np.isnan(out), 0.0, out) if not missing and all(np.isfinite(v).all() for v in pieces.values()) \
+            else out
+    if missing:
+        letters = "".join("xyz"[k] for k in missing[0])
+        raise FileError(path, f"has some components of {key} but not {letters}; give all of them or none")
+    return out
+
+
+def wanted(name: str) -> bool:
+    """Whether an array of this name is looked at."""
+    return bool(meaning(name)) or name in ("cells", "scene")
+
+
+def from_arrays(path: str, arrays: Mapping[str, np.ndarray], limits: Limits = LIMITS) -> Raw:
+    """The table of named arrays, as they stand in a .npz; ``path`` is what messages call it."""
+    limits.check_columns(path, len(arrays))
+    for name, array in arrays.items():
+        check_name(path, name)
+        if meaning(name) and array.dtype.kind not in "iuf":
+            raise FileError(path, f"has no numbers in {quoted(name)}; give numbers, real and not objects or texts")
+    scalars = {name: array.item() for name, array in arrays.items() if array.size == 1 and array.dtype.kind in "iuf"}
+    cells = scalars.get("cells")
+    times = next((arrays[name] for name in arrays if _key(name) == "t"), None)
+    many = {name: array for name, array in arrays.items() if meaning(name) and array.ndim > 0}
+    place = next((array for name, array in many.items() if _key(name) == "x"), None)
+    # Positions of T times are (T, P) or (T, P, D), those of one table (n,) or (n, D).
+    stacked = place is not None and (place.ndim == 3 or (place.ndim == 2 and place.shape[1] > 3))
+    line = arrays["scene"].item() if "scene" in arrays and arrays["scene"].size == 1 else None
+    if times is None or times.ndim == 0 or not stacked:
+        time = None if times is None or times.ndim else float(times)
+        return with_scene(gathered(path, many, time, whole(path, cells), limits), line)
+    rows = _unstacked(path, many, times, limits)
+    return with_scene(gathered(path, rows, None, whole(path, cells), limits), line)
+
+
+def with_scene(raw: Raw, line: object) -> Raw:
+    """The file with what it says of its scene."""
+    said = read_line(raw.file, line, raw.cells)
+    return raw if said is None else replace(raw, said=said, cells=said.inputs.get("cells", raw.cells), step=said.step)
+
+
+def _unstacked(path: str, many: dict[str, np.ndarray], times: np.ndarray, limits: Limits) -> dict[str, np.ndarray]:
+    """Arrays (T, P, ...) as rows, one for every time and particle; what is known once for all, ids and material
+    positions, is repeated."""
+    T = len(times)
+    place = next(array for name, array in many.items() if _key(name) == "x")
+    P = place.shape[1] if place.ndim > 1 else 0
+    if len(place) != T or P == 0:
+        raise FileError(path, f"has {T} times and positions of the shape {place.shape}; give positions of the shape "
+                              "(times, particles, dimensions)")
+    limits.check_times(path, T)
+    limits.check_rows(path, T * P)
+    shapes = (array.shape[2 if array.shape[:2] == (T, P) else 1:] for array in many.values())  # in a row
+    limits.check_numbers(path, T * P, sum(int(np.prod(shape, dtype=object)) for shape in shapes))
+    rows: dict[str, np.ndarray] = {}
+    for name, array in many.items():
+        if _key(name) == "t":
+            rows[name] = np.repeat(array, P)
+        elif array.shape[:2] == (T, P):
+            rows[name] = array.reshape(T * P, *array.shape[2:])
+        elif len(array) == P and _key(name) in ("id", "X", "mass", "volume"):
+            rows[name] = np.tile(array, (T,) + (1,) * (array.ndim - 1))
+        else:
+            raise FileError(path, f"has {quoted(name)} of the shape {array.shape} beside {T} times of {P} particles; "
+                                  f"give ({T}, {P}, ...)")
+    return rows
+
+
+def _key(name: str) -> str:
+    return (meaning(name) or ("",))[0]
+
+
+def whole(path: str, value: float | None) -> int | None:
+    if value is not None and not float(value).is_integer():
+        raise FileError(path, f"says that it has {value} cells; give a whole number")
+    return None if value is None else int(value)

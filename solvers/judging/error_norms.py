@@ -1,0 +1,161 @@
+"""How wrong particles are: errors against the truth or the companion, their norms over time, and where they are worst.
+
+Errors are computed minus exact at a material point, their sizes Euclidean and Frobenius norms, a norm the root of the
+mean square over the particles that are there: as in our own runs (``solvers.solver.samples``).
+"""
+
+import functools
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from solvers.estimators.standalone import ElasticBody
+from solvers.judging.frames import Frame
+from solvers.judging.problem_handout import carried, solution
+from solvers.problems import PROBLEMS
+from solvers.scene.scene import Scene
+from solvers.solver.error_norms import error_index, finite, summary
+from solvers.solver.rounding import rounding
+
+QUANTITIES = ("x", "v", "sigma")
+Errors = dict[str, np.ndarray]  # (P, D) or (P, D, D) by quantity, for those that the file has
+
+
+def truth(scene: Scene, frame: Frame) -> Errors:
+    reference, X, t = PROBLEMS[scene.problem].reference, frame.material_position, frame.time
+    return _errors(scene, frame, reference.displacement(scene, X, t), reference.velocity(scene, X, t),
+                   reference.exact_stress(scene, X, t))
+
+
+def stress(scene: Scene, frame: Frame) -> np.ndarray | None:
+    """The Cauchy stress: the file's own, or what F gives."""
+    if frame.stress is not None or frame.deformation_gradient is None:
+        return frame.stress
+    with np.errstate(all="ignore"):
+        return PROBLEMS[scene.problem].reference.stress(scene, frame.deformation_gradient)
+
+
+def sizes(error: np.ndarray) -> np.ndarray:
+    """Lengths and Frobenius norms (P,) of errors (P, ...)."""
+    return np.sqrt(np.sum(error.reshape(len(error), -1) ** 2, axis=1))
+
+
+def rms(error: np.ndarray) -> float:
+    return float(np.sqrt(np.sum(error**2) / len(error)))
+
+
+@dataclass(frozen=True)
+class Companions:
+    """A companion at some times, on two meshes: the difference is what it does not know itself."""
+
+    scene: Scene
+    times: tuple[float, ...]
+
+    @functools.cached_property
+    def _solved(self) -> list[tuple[ElasticBody, list[tuple[np.ndarray, np.ndarray]]]]:
+        return [solution(self.scene, fine, self.times) for fine in (True, False)]
+
+    def errors(self, frame: Frame, fine: bool = True) -> Errors:
+        """The errors of a frame as the companion sees them."""
+        return _errors(self.scene, frame, *self._fields(frame, fine))
+
+    def doubt(self, frame: Frame) -> dict[str, float]:
+        """How far the companion's two meshes are apart at the frame's particles."""
+        return {q: rms(one - other) for q, one, other in zip(QUANTITIES, self._fields(frame, True),
+                                                             self._fields(frame, False), strict=True)}
+
+    def _fields(self, frame: Frame, fine: bool) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+        body, solved = self._solved[0 if fine else 1]
+        motion = solved[self.times.index(frame.time)]
+        u, v, _, sigma = carried(self.scene, body, motion, frame.material_position)
+        return u, v, sigma
+
+
+def _errors(scene: Scene, frame: Frame, u: np.ndarray, v: np.ndarray, sigma: np.ndarray) -> Errors:
+    found = {"x": frame.position - frame.material_position - u}
+    if frame.velocity is not None:
+        found["v"] = frame.velocity - v
+    own = stress(scene, frame)
+    if own is not None:
+        found["sigma"] = own - sigma
+    return found
+
+
+def series(errors: Sequence[Errors]) -> dict[str, np.ndarray]:
+    """The norms over time of each quantity, NaN where a file does not have it."""
+    return {q: np.array([rms(e[q]) if q in e else np.nan for e in errors]) for q in QUANTITIES}
+
+
+def listed(norms: dict[str, np.ndarray]) -> dict[str, list[float | None]]:
+    """Norms over time as JSON has them, None where one is not known."""
+    return {q: [finite(value) for value in values] for q, values in norms.items()}
+
+
+def summarised(times: np.ndarray, norms: dict[str, np.ndarray]) -> dict[str, dict[str, float | None]]:
+    """Final, largest and mean norms over the times after the start, as those of our runs; None without any."""
+    return {q: summary(np.concatenate([[np.nan], values[times > 0]])) for q, values in norms.items()}
+
+
+@dataclass(frozen=True)
+class WorstParticle:
+    """The largest error of a quantity: its size, whose it is, where and when."""
+
+    size: float
+    particle: int
+    place: tuple[float, ...]
+    time: float
+    file: str
+
+    def to_dict(self) -> dict:
+        return {"size": finite(self.size), "particle": self.particle, "X": list(self.place), "t": self.time,
+                "file": self.file}
+
+
+def worst(frames: Sequence[Frame], errors: Sequence[Errors], quantity: str) -> WorstParticle | None:
+    """The largest error of all times; None where no file has the quantity."""
+    found = [(float(sizes(e[quantity]).max()), k) for k, e in enumerate(errors) if quantity in e]
+    if not found:
+        return None
+    size, k = max(found)
+    p = int(np.argmax(sizes(errors[k][quantity])))
+    place = tuple(map(float, frames[k].material_position[p]))
+    return WorstParticle(size, int(frames[k].number[p]), place, frames[k].time, frames[k].file)
+
+
+def crossed(scene: Scene, frames: Sequence[Frame]) -> Iterator[np.ndarray]:
+    """Which particles (P,) of each frame are in another cell than at the time before, or than where they began."""
+    before, corner = None, PROBLEMS[scene.problem].reference.grid_corner(scene)
+    for frame in frames:
+        order = np.lexsort(frame.material_position.T)
+        X, x = frame.material_position[order], frame.position[order]
+        if before is None or before[0].shape != X.shape or not np.array_equal(before[0], X):
+            before = X, X
+        was, now = (np.floor((place - corner) / scene.spacing) for place in (before[1], x))
+        moved = np.empty(len(X), bool)
+        moved[order] = (now != was).any(axis=1)
+        yield moved
+        before = X, x
+
+
+def crossings(scene: Scene, frames: Sequence[Frame]) -> int:
+    """Times that a particle was in another cell than at the time before: at least so many crossings, for between two
+    times it may have gone to and fro."""
+    return sum(int(moved.sum()) for moved in crossed(scene, frames))
+
+
+def index(estimated: dict[str, np.ndarray], true: dict[str, np.ndarray],
+          scene: Scene | None = None) -> dict[str, float | None]:
+    """Estimated over true error; with a scene, None where the true one is nothing but rounding."""
+    return {q: error_index(estimated[q], true[q], rounding(scene, q, scene.steps) if scene else 0.0)
+            for q in QUANTITIES}
+
+
+def differences(estimates: Sequence[Errors], errors: Sequence[Errors]) -> list[Errors]:
+    """Estimates minus true errors, particle by particle."""
+    return [{q: mine[q] - theirs[q] for q in mine} for mine, theirs in zip(estimates, errors, strict=True)]
+
+
+def distances(estimates: Sequence[Errors], errors: Sequence[Errors]) -> dict[str, float | None]:
+    """How far estimates are from the truth particle by particle, over the size of the truth."""
+    return index(series(differences(estimates, errors)), series(errors))

@@ -1,0 +1,188 @@
+"""A file of particles made ready to be looked at, in a process of its own: whoever shows it never opens the file.
+
+The process says, one after the other::
+
+    {"frames": {...}}     the file can be judged: what :class:`Shown` needs; the truth is in the table
+    {"estimate": {...}}   the companion's estimate is in the table too: its norms over time
+    {"verdict": {...}}    the grid's part of the judge's report
+    {"refused": sentence} it cannot be judged, and nothing more comes
+    {"asks": {...}}       its particles are of another problem: the ``reason``, and the ``problems`` that they fit
+
+The table lies in a file, so that it takes nobody's memory but while a frame is looked at.
+"""
+
+import contextlib
+import itertools
+import sys
+from collections.abc import Callable, Sequence
+from dataclasses import asdict, dataclass, replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from solvers.judging.error_norms import Companions, Errors, crossed, differences, listed, series, sizes, stress
+from solvers.judging.frames import Frame, Grid, Misfit
+from solvers.judging.judgement import GridJudgement
+from solvers.judging.particle_matching import own_scene, placed
+from solvers.judging.particle_readers import read
+from solvers.problems import PROBLEMS
+from solvers.scene.scene import Scene
+from solvers.scene.validation import SceneError
+from solvers.solver.samples import QUANTITIES
+from solvers.study.parameter_grid import Task, task_of
+from solvers.untrusted.quoting import FileError
+from solvers.untrusted.size_limits import Limits
+
+#: Of a file, so that a page can show it.
+LIMITS = Limits(bytes=400_000_000, columns=1000, rows=2_000_000, numbers=25_000_000, times=2000,
+                otherwise=", or judge it with `mpm-lab judge`")
+MEMORY = 3_000_000_000  # bytes that the process may ask for
+TOO_LARGE = "needs more memory than a page gives it; give fewer times, or judge it with `mpm-lab judge`"
+
+
+@dataclass(frozen=True)
+class ShowRequest:
+    """A ``file`` that its owner calls ``name``, the task of the scene that it is judged with, where its ``table`` goes,
+    and the particles of one time that can be looked at. A scene that its owner has ``chosen`` holds whatever the file
+    says; else what the file says holds."""
+
+    file: str
+    name: str
+    task: dict
+    table: str
+    most: int
+    chosen: bool = False
+
+
+@dataclass(frozen=True)
+class Shown:
+    """What is on the table: the scene, T times in s, at each the number of particles and of those that have ``crossed``
+    a cell boundary since the time before, and the norms of the true error over the times by quantity, None where it is
+    not known. ``missing`` are quantities that the file does not have."""
+
+    task: dict
+    times: list[float]
+    counts: list[int]
+    crossed: list[int]
+    norms: dict[str, list[float | None]] | None
+    missing: list[str]
+
+
+def columns(dimensions: int) -> dict[str, slice]:
+    """Which columns of the table (rows, width) hold what; the last one ends at its width. ``field`` has two for each
+    quantity: a component for a plot and its deviation from the exact one; ``crossed`` is 1 where the particle was in
+    another cell at the time before. Sizes of errors go by quantity."""
+    widths = {"position": dimensions, "displacement": dimensions, "crossed": 1, "error": len(QUANTITIES),
+              "estimate": len(QUANTITIES), "difference": len(QUANTITIES), "field": 2 * len(QUANTITIES)}
+    ends = np.cumsum([0, *widths.values()]).tolist()
+    return {name: slice(start, end) for name, start, end in zip(widths, ends[:-1], ends[1:], strict=True)}
+
+
+def show(question: dict, tell: Callable[[dict], None]) -> None:
+    asked = ShowRequest(**question)
+    if sys.platform == "linux":  # a file may unpack to more than it seems: it is not the machine that is to run out
+        import resource
+        resource.setrlimit(resource.RLIMIT_AS, (MEMORY, MEMORY))
+    try:
+        _show(asked, tell)
+    except Misfit as misfit:
+        if misfit.problems:
+            tell({"asks": {"reason": misfit.reason, "problems": list(misfit.problems)}})
+        else:
+            tell({"refused": f"The file {asked.name} {misfit.sentence}"})
+    except FileError as error:
+        tell({"refused": f"The file {asked.name} {error.sentence}"})
+    except SceneError as error:
+        tell({"refused": f"The file {asked.name} cannot be judged with these settings: {error}"})
+    except MemoryError:
+        tell({"refused": f"The file {asked.name} {TOO_LARGE}"})
+
+
+def _show(asked: ShowRequest, tell: Callable[[dict], None]) -> None:
+    raw = replace(read(asked.file, LIMITS), file=asked.name)
+    raw = replace(raw, said=None) if asked.chosen else raw
+    scene, [grid] = placed([raw], own_scene(raw, Task(**asked.task).scene()), [], [])
+    del raw
+    own = replace(scene, cells=grid.cells)
+    most = max(own.particles, *(len(frame.number) for frame in grid.frames))
+    if most > asked.most:
+        raise FileError(asked.name, f"belongs to {most:,} particles, too many to watch; give at most {asked.most:,} at "
+                                    "a time, or judge it with `mpm-lab judge`")
+    judged = GridJudgement(own, grid, Companions(own, tuple(grid.times.tolist())))
+    judged.check()  # where no truth is known only the companion can tell whether the origin is right
+    true = judged.true
+    table = _Table(own, grid, asked.table)
+    table.put_frames()
+    table.put("error", true)
+    counts = [len(frame.number) for frame in grid.frames]
+    missing = [q for q in ("v", "sigma") if any(
+        (frame.velocity if q == "v" else stress(own, frame)) is None for frame in grid.frames)]
+    shown = replace(own, estimators=("companion",), effects=("truth", "estimate", "crossings"), remedies=(), dt=None,
+                    cfl=None, sample_every=None)
+    with contextlib.suppress(SceneError):  # to its usual end, or where that is too many steps to its own
+        shown = replace(shown, t_end=None, periods=None)
+    tell({"frames": asdict(Shown(task_of(shown).to_dict(), grid.times.tolist(), counts, table.crossed,
+                                 listed(series(true)) if true else None, missing))})
+    if true:
+        table.put("difference", differences(judged.estimated, true))
+    table.put("estimate", judged.estimated)
+    tell({"estimate": listed(series(judged.estimated))})
+    tell({"verdict": judged.to_dict()})
+
+
+class _Table:
+    """The rows of all frames, one frame after the other, in single precision, on disk."""
+
+    def __init__(self, scene: Scene, grid: Grid, path: str):
+        self._scene, self._grid, self._columns = scene, grid, columns(scene.DIMENSIONS)
+        ends = np.cumsum([0, *(len(frame.number) for frame in grid.frames)]).tolist()
+        self._rows = [slice(start, end) for start, end in itertools.pairwise(ends)]
+        self.crossed: list[int] = []
+        width = max(part.stop for part in self._columns.values())
+        self._values = np.memmap(path, np.float32, "w+", shape=(ends[-1], width))
+        for name in ("error", "estimate", "difference", "field"):
+            self._values[:, self._columns[name]] = np.nan
+
+    def put_frames(self) -> None:
+        """Where particles are, and the component of each quantity that is plotted."""
+        frames = self._grid.frames
+        for rows, frame, moved in zip(self._rows, frames, crossed(self._scene, frames), strict=True):
+            self.crossed.append(int(moved.sum()))
+            self._values[rows, self._columns["crossed"]] = moved[:, None]
+            self._values[rows, self._columns["position"]] = frame.position
+            self._values[rows, self._columns["displacement"]] = frame.position - frame.material_position
+            first = self._columns["field"].start
+            for q, (own, deviation) in self._fields(frame).items():
+                column = first + 2 * QUANTITIES.index(q)
+                self._values[rows, column], self._values[rows, column + 1] = own, deviation
+
+    def put(self, name: str, errors: Sequence[Errors]) -> None:
+        """The sizes of errors."""
+        for rows, error in zip(self._rows, errors, strict=False):  # there may be none
+            for q, values in error.items():
+                self._values[rows, self._columns[name].start + QUANTITIES.index(q)] = sizes(values)
+        self._values.flush()
+
+    def _fields(self, frame: Frame) -> dict[str, tuple[np.ndarray, Any]]:
+        """Of each quantity that the frame has: the component, and its deviation where the exact one is known."""
+        scene, X, x, t = self._scene, frame.material_position, frame.position, frame.time
+        reference = PROBLEMS[scene.problem].reference
+        own = {"x": x - X, "v": frame.velocity, "sigma": stress(scene, frame)}
+        if not scene.solution_known:
+            return {q: (reference.along(q, X, x, values), np.nan) for q, values in own.items() if values is not None}
+        u = reference.displacement(scene, X, t)
+        exact = {"x": u, "v": reference.velocity(scene, X, t), "sigma": reference.exact_stress(scene, X, t)}
+        found = {}
+        for q, values in own.items():
+            if values is not None:
+                along, right = reference.along(q, X, x, values), reference.along(q, X, X + u, exact[q])
+                drift = right if q == "x" and not scene.swings else 0.0  # what carries all alike is not plotted
+                found[q] = along - drift, along - right
+        return found
+
+
+def open_table(path: Path, counts: Sequence[int], dimensions: int) -> np.ndarray:
+    """The table (rows, width) of a file that has so many particles at its times, as far as it has been filled."""
+    width = max(part.stop for part in columns(dimensions).values())
+    return np.memmap(path, np.float32, "r", shape=(sum(counts), width))

@@ -1,0 +1,87 @@
+"""All that is looked at, in the order in which it is told: of a motion alone, and of a run against its problem."""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+
+from solvers.judging.findings import completeness, constitutive_law, deformation, outliers, placement, time_consistency
+from solvers.judging.findings.evidence import Evidence, kept, some
+from solvers.judging.findings.finding import HOLDS, OFF, Finding, unknown
+from solvers.judging.findings.motion import Motion
+from solvers.judging.findings.outliers import Apart
+from solvers.judging.findings.time_fits import rms
+
+FIGURES = "rounding of the positions in the files"
+ROUNDED = 0.1  # of the error, from where on rounding is part of what is judged
+
+
+@dataclass(frozen=True)
+class Kind:
+    """Findings by their names that are looked for together in the motion of any particles, where the files have what
+    it ``needs`` beside positions."""
+
+    names: tuple[str, ...]
+    look: Callable[[Motion], list[Finding]]
+    needs: str = "x"
+
+    def found(self, motion: Motion) -> list[Finding]:
+        if motion.get(self.needs) is None:
+            what = "F" if self.needs == "gradient" else self.needs
+            return [unknown(name, f"no {what} in the files (or not always a number)") for name in self.names]
+        return self.look(motion)
+
+
+def _of_each(look: Callable[[Motion, str], Finding], key: str) -> Callable[[Motion], list[Finding]]:
+    return lambda motion: [look(motion, key)]
+
+
+INSIDE_OUT = Kind((deformation.INSIDE_OUT,), lambda motion: [deformation.inside_out(motion)], "F")
+#: What is looked at of particles that have neighbours.
+OF_A_MOTION = (
+    Kind((deformation.OVERTAKEN,), lambda motion: [deformation.overtaken(motion)]),
+    Kind(deformation.NAMES_OF_F, deformation.of_f, "gradient"),
+    Kind(time_consistency.NAMES_OF_V, time_consistency.of_v, "v"),
+    *(Kind((name,), _of_each(outliers.beside_others, key), key) for key, name in outliers.NAMES_OF_MOTION.items()),
+    *(Kind((), _of_each(outliers.rough, key)) for key in ("v", "sigma")))
+
+
+def of_a_run(evidence: Evidence) -> tuple[list[Finding], Apart | None]:
+    """What is looked at of a run against its problem; and the frame in which most particles are not where their
+    neighbours are. A mean over particles that are lost among the others says nothing."""
+    with np.errstate(all="ignore"):  # files may have any numbers, and what is made of the largest may be none
+        places, axes, beside = placement.places(evidence), placement.axes(evidence), outliers.of_places(evidence)
+        order, drift = (unknown(name, "particles are not where they belong")
+                        for name in (placement.ORDER, placement.DRIFT))
+        if OFF not in (axes.verdict, places.verdict):
+            order = placement.order(evidence)
+        if order.verdict == HOLDS and not (beside and beside.most):
+            drift = placement.drift(evidence)
+        fewest = min(evidence.frames, key=lambda frame: len(frame.number))
+        return [
+            completeness.check(evidence.scene, fewest),
+            _figures(evidence),
+            places,
+            placement.speeds(evidence),
+            axes,
+            order,
+            drift,
+            outliers.told("x", beside),
+            *(outliers.told(q, outliers.of_values(evidence, q)) for q in ("v", "sigma")),
+            outliers.masses(evidence.frames[0]),
+            time_consistency.clock(evidence),
+            time_consistency.velocity(evidence),
+            time_consistency.stress(evidence),
+            constitutive_law.check(evidence),
+        ], beside.most if beside else None
+
+
+def _figures(evidence: Evidence) -> Finding:
+    """Rounding beside the error of x: errors that are smaller than what the file keeps cannot be seen in it."""
+    places = some([f.position for f in evidence.frames])
+    figures = kept(places)
+    size = max(float(rms(error["x"])) for error in evidence.errors)
+    rounding = rms(figures.rounding(places)) / np.sqrt(3)  # of rounding that may be anything up to half a unit
+    if rounding <= ROUNDED * size:
+        return Finding(FIGURES, HOLDS, rounding, ROUNDED * size, "m", figures.words)
+    return unknown(FIGURES, f"{figures.words}: the error of x is little or nothing but rounding", rounding, "m")

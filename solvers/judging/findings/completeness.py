@@ -1,0 +1,133 @@
+"""Whether the particles in the files are all of the body, by what they weigh or by how they lie."""
+
+from dataclasses import dataclass, replace
+from typing import Any
+
+import numpy as np
+
+from solvers.judging.findings.finding import Finding, compared, unknown
+from solvers.judging.findings.neighbours import MOST_ASKED, Nearby
+from solvers.judging.frames import Frame
+from solvers.problems import PROBLEMS
+from solvers.problems.reference import ProblemReference
+from solvers.scene.scene import Scene
+from solvers.scene.validation import SceneError
+
+NAME, UNIT = "part of the body that no particle stands for", "of the body"
+ON_LATTICE = 1e-3  # of the distance of particles: a place that is nearer to one of a lattice is that one
+MOST_EMPTY = 20  # times as many places as particles: with more of them empty the lattice is none of theirs
+MOST_PLACES, FEW = 2_000_000, 100  # of a lattice that is tried; particles that it is tried with first
+MOST_EACH_WAY = 8  # particles in a cell of lattices that are tried
+STAIRS = 0.5  # of a particle may be too much or too little at each place of a rim, by chance
+LEAST = 0.02  # of the body that is missed without a word
+FOURTH = 4  # of the nearest others: on any lattice, and by chance, little of the body is far beyond its distance
+VACANT = 0.35  # of their distance: a place where a particle should be, with none so near
+AT_A_HOLE = 1.5  # times the particles' distance: farther from the next is a hole
+POINTS = 4000  # of the body, about, from which holes are looked for
+
+
+@dataclass(frozen=True)
+class Share:
+    """The ``share`` of the body and how it is known; ``least`` is what sound particles may have."""
+
+    share: float
+    least: float
+    how: str
+
+    def check(self, count: int) -> Finding:
+        return compared(NAME, abs(1 - self.share), 1 - self.least, UNIT,
+                        f"the {count:,} particles stand for {100 * self.share:.3g} % of the body ({self.how}): the "
+                        "norms are over these alone", self.how)
+
+
+def check(scene: Scene, frame: Frame) -> Finding:
+    """Of the frame with the fewest particles."""
+    reference, count = PROBLEMS[scene.problem].reference, len(frame.number)
+    found = _by_weight(scene, reference, frame) or _by_lattice(scene, reference, frame.material_position) \
+        or _by_holes(scene, reference, frame.material_position)
+    return found.check(count) if found else unknown(
+        NAME, f"of {count:,} particles, without masses, volumes or a lattice")
+
+
+def _by_weight(scene: Scene, reference: ProblemReference, frame: Frame) -> Share | None:
+    """By masses or volumes in the file."""
+    weights, word = (frame.volume, "volumes") if frame.mass is None else (frame.mass, "masses")
+    if weights is None:
+        return None
+    start = reference.start(scene)
+    size = float(start.volume.sum())
+    F = reference.initial_deformation_gradient(scene, start.material_position)
+    whole = size if word == "volumes" else scene.density * float(np.sum(start.volume / np.linalg.det(F)))
+    across = float(np.ptp(start.material_position, axis=0).max())
+    D, P = frame.material_position.shape[1], len(weights)
+    side = (size / P) ** (1 / D)
+    rims = STAIRS * side**2 * np.sqrt(2 * np.pi * across / side) / size if D > 1 else 0.0
+    return Share(float(np.sum(weights)) / whole, 1 - max(LEAST, rims), f"by the {word} in the files")
+
+
+def _by_lattice(scene: Scene, reference: ProblemReference, X: np.ndarray) -> Share | None:
+    """Where all places are those of one of our layouts: which of them are taken. Of several the one of the fewest
+    particles."""
+    fitting: list[tuple[np.ndarray, np.ndarray, Scene]] = []
+    few = X[::-(-len(X) // FEW)]
+    for candidate in _lattices(scene):
+        # of a Cartesian one about so many
+        if candidate != scene and not 0.5 * len(X) <= candidate.particles <= min(MOST_EMPTY * len(X), MOST_PLACES):
+            continue
+        places = reference.start(candidate).material_position
+        if len(places) < len(X) or (fitting and len(places) >= len(fitting[0][0])):
+            continue
+        near = (candidate.spacing / candidate.ppc) * ON_LATTICE
+        lattice = Nearby(places)
+        if (lattice.nearest(few, 1)[0] > near).any():
+            continue
+        far, who = lattice.nearest(X, 1)
+        if (far <= near).all() and len(np.unique(who)) == len(X):
+            fitting = [(places, who, candidate)]
+    if not fitting:
+        return None
+    places, who, candidate = fitting[0]
+    short = len(places) - len(X)
+    weight = reference.start(candidate).volume
+    share = float(weight[who[:, 0]].sum() / weight.sum())
+    return Share(share, 1 - 0.5 / len(places), f"{short:,} of the {len(places):,} places of a lattice of "
+                 f"{candidate.ppc:g} a cell in each direction are empty")
+
+
+def _lattices(scene: Scene) -> list[Scene]:
+    tried = [scene]
+    layouts = type(scene).choices("layout") if "layout" in type(scene).__dataclass_fields__ else (None,)
+    for ppc in dict.fromkeys((scene.ppc, *range(1, MOST_EACH_WAY + 1))):
+        for layout in layouts:
+            try:
+                more: dict[str, Any] = {} if layout is None else {"layout": layout}
+                tried.append(replace(scene, ppc=ppc, **more))
+            except SceneError:
+                continue
+    return tried
+
+
+def _by_holes(scene: Scene, reference: ProblemReference, X: np.ndarray) -> Share | None:
+    """By places between particles where none is, and by parts of the body with none near."""
+    P, D = X.shape
+    if P < 8 * D:
+        return None
+    around = Nearby(X)
+    some = np.arange(0, P, -(-P // MOST_ASKED))
+    far, who = (found[:, 1:] for found in around.nearest(X[some], FOURTH + 1))  # without itself
+    side, apart = float(np.median(far[:, 0])), float(np.median(far[:, -1]))
+    if not np.isfinite(apart):
+        return None
+    cells = max(type(scene).FEWEST_CELLS, min(scene.cells, round(0.5 * POINTS ** (1 / scene.DIMENSIONS))))
+    points = reference.start(replace(scene, cells=cells, ppc=2)).material_position
+    distance = Nearby(X, max(around.width, AT_A_HOLE * apart)).nearest(points, 1)[0][:, 0]
+    bare = float(np.mean(distance > AT_A_HOLE * apart))
+    vacant = 0.0
+    if np.quantile(far[:, 0], 0.75) <= 1.1 * np.quantile(far[:, 0], 0.25):  # a lattice: what is beside one is opposite
+        beside = np.nonzero(far <= 1.2 * side)  # the nearest
+        step = X[some[beside[0]]] - X[who[beside]]
+        place = X[some[beside[0]]] + step
+        inside = ~(reference.misplaced(scene, place) | reference.misplaced(scene, place + 0.6 * step))
+        if inside.any():
+            vacant = float(np.mean(around.nearest(place[inside], 1)[0] > VACANT * side))
+    return Share(1 - max(bare, vacant), 1 - LEAST, "by the holes between them")

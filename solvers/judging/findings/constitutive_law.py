@@ -1,0 +1,144 @@
+"""The stress in the files against what their F gives by the problem's law, and what it is where it is not that."""
+
+from collections.abc import Callable, Iterator
+from dataclasses import replace
+
+import numpy as np
+
+from solvers.judging.error_norms import rms
+from solvers.judging.findings import time_fits
+from solvers.judging.findings.evidence import Evidence, Tracks, kept, some
+from solvers.judging.findings.finding import HOLDS, OFF, Finding, unknown
+from solvers.judging.findings.time_fits import rate, shifted
+from solvers.problems import PROBLEMS
+from solvers.scene.scene import Scene
+from solvers.scene.validation import SceneError
+
+NAME = "stress against the law of the material"
+UNIT = "of the stress"
+OTHER_LAW = 1e-3  # of the run's stress: a file whose stress is farther from what its F gives has another law
+ROUNDINGS = 2.0  # times what rounding makes of it may be off
+EXPLAINS = 0.3  # of the difference, at most, is left by what explains it
+RATIOS = np.linspace(0.0, 0.49, 50)  # Poisson's ratios that are tried
+
+
+def check(evidence: Evidence) -> Finding:
+    scene, frames = evidence.scene, evidence.frames
+    both = [(f.deformation_gradient, f.stress) for f in frames
+            if f.stress is not None and f.deformation_gradient is not None]
+    if not both:
+        return unknown(NAME, "the files do not have both F and the stress: another material shows in the motion alone, "
+                             "or not at all")
+    stress, law = PROBLEMS[scene.problem].reference.stress, []
+    figures_F, figures_sigma = (kept(some(values)) for values in zip(*both, strict=True))
+    off, rounding = [], []
+    chance = np.random.default_rng(0)
+    for F, sigma in both:
+        own = stress(scene, F)
+        if not np.isfinite(own).all():
+            return unknown(NAME, "some F turn the material inside out, so that there is no stress by the law")
+        law.append(rms(own))
+        off.append(rms(sigma - own))
+        nudged = F + chance.choice([-1.0, 1.0], F.shape) * figures_F.rounding(F)
+        rounding.append(rms(stress(scene, nudged) - own) + rms(figures_sigma.rounding(sigma)))
+    size = float(np.sqrt(np.mean(np.square(law))))
+    measured, tolerance = max(off) / size if size > 0 else np.nan, OTHER_LAW + ROUNDINGS * max(rounding) / (size or 1)
+    if not np.isfinite(measured + tolerance):
+        return unknown(NAME, "there is no stress by the law, or it is too large")
+    if measured <= tolerance:
+        return Finding(NAME, HOLDS, measured, tolerance, UNIT)
+    told = _explained(evidence, size) or "another material, or another measure of stress"
+    return Finding(NAME, OFF, measured, tolerance, UNIT,
+                   f"the stress in the files is up to {measured:.2g} of the run's stress off what their F gives by the "
+                   f"problem's law: {told}")
+
+
+def _explained(evidence: Evidence, size: float) -> str | None:
+    """What the stress is, where something fits it far better than the law of the problem."""
+    tracks = evidence.tracks
+    if tracks is None or "stress" not in tracks.own or "F" not in tracks.own:
+        return None
+    scene, sigma = evidence.scene, tracks.own["stress"]
+    law = _law(scene, tracks)
+    before = time_fits.rms(sigma - law)
+    found = [(time_fits.rms(rest) / before, words)
+             for rest, words in _candidates(scene, tracks, sigma, law, evidence.step)]
+    left, words = min(found, key=lambda one: one[0])
+    return f"{words}, which leaves {left * before / size:.2g}" if left < EXPLAINS else None
+
+
+def _candidates(scene: Scene, tracks: Tracks, sigma: np.ndarray, law: np.ndarray,
+                step: float) -> Iterator[tuple[np.ndarray, str]]:
+    """What is left of the stress, and what it would be."""
+    if len(tracks.time) >= 3:
+        late = shift(tracks.time, sigma, law)
+        when = "earlier" if late > 0 else "later"
+        inside, moved = shifted(tracks.time, law, late)
+        whole = time_fits.rms(sigma - law) / max(time_fits.rms((sigma - law)[inside]), 1e-300)
+        yield ((sigma[inside] - moved) * whole,
+               f"it fits the F of {abs(late):.3g} s {when} better (a step is {step:.3g} s), so that the "
+               "stress is of another moment than F")
+    if tracks.material_position.shape[1] > 1:
+        yield sigma - _law(scene, tracks, np.swapaxes(tracks.own["F"], -1, -2)), "it fits the transpose of F"
+    if (np.linalg.det(tracks.own["F"]) != 0).all():
+        for words, other in MEASURES.items():
+            yield sigma - other(tracks.own["F"], law), f"it fits as {words}"
+    factor = float(np.sum(sigma * law) / np.sum(law * law))
+    yield sigma - factor * law, f"it fits E = {factor * scene.modulus:.4g} Pa, not {scene.modulus:.4g} Pa"
+    if "law" in scene.__dataclass_fields__:
+        for name in scene.choices("law"):
+            yield sigma - _law(replace(scene, law=name), tracks), f"it fits the law {name}"  # type: ignore[call-arg]
+    if hasattr(scene, "poisson_ratio"):
+        yield from _moduli(scene, tracks, sigma)
+
+
+def _moduli(scene: Scene, tracks: Tracks, sigma: np.ndarray) -> Iterator[tuple[np.ndarray, str]]:
+    """Of an E and a Poisson's ratio, both free."""
+    for ratio in RATIOS:
+        try:
+            law = _law(replace(scene, poisson_ratio=float(ratio)), tracks)  # type: ignore[call-arg]  # some have one
+        except SceneError:
+            continue
+        factor = float(np.sum(sigma * law) / np.sum(law * law))
+        yield (sigma - factor * law,
+               f"it fits Poisson's ratio {ratio:.2g} with E = {factor * scene.modulus:.4g} Pa, not "
+               f"{scene.poisson_ratio:.2g} with {scene.modulus:.4g} Pa")  # type: ignore[attr-defined]
+
+
+def shift(times: np.ndarray, sigma: np.ndarray, law: np.ndarray) -> float:
+    """By how many seconds the stress is late behind the law's, by least squares."""
+    slope = rate(times, law)
+    late = -float(np.sum((sigma - law) * slope)) / max(float(np.sum(slope * slope)), 1e-300)
+    steps = float(np.median(np.diff(times)))
+    tried = {late, steps, -steps}
+    for _ in range(3):  # of Gauss and Newton
+        inside, moved = shifted(times, law, late)
+        if inside.sum() < 2:
+            break
+        late -= float(np.sum((sigma[inside] - moved) * slope[inside])) / max(float(np.sum(slope[inside] ** 2)), 1e-300)
+        tried.add(late)
+
+    def left(one: float) -> float:
+        inside, moved = shifted(times, law, one)
+        return time_fits.rms(sigma[inside] - moved) if inside.sum() >= 2 else np.inf
+
+    return min(tried, key=left)
+
+
+def _law(scene: Scene, tracks: Tracks, F: np.ndarray | None = None) -> np.ndarray:
+    F = tracks.own["F"] if F is None else F
+    return PROBLEMS[scene.problem].reference.stress(scene, F.reshape(-1, *F.shape[2:])).reshape(F.shape)
+
+
+def _of_plane(measure: Callable[[np.ndarray, np.ndarray, np.ndarray], np.ndarray]) -> Callable:
+    def other(F: np.ndarray, sigma: np.ndarray) -> np.ndarray:
+        return measure(np.linalg.det(F)[..., None, None], np.linalg.inv(F), sigma)
+    return other
+
+
+#: Other stresses that a code may have written, from F and the Cauchy stress.
+MEASURES: dict[str, Callable[[np.ndarray, np.ndarray], np.ndarray]] = {
+    "the stress with the other sign": lambda F, sigma: -sigma,
+    "the Kirchhoff stress": _of_plane(lambda J, G, sigma: J * sigma),
+    "the first Piola-Kirchhoff stress": _of_plane(lambda J, G, sigma: J * sigma @ np.swapaxes(G, -1, -2)),
+    "the second Piola-Kirchhoff stress": _of_plane(lambda J, G, sigma: J * G @ sigma @ np.swapaxes(G, -1, -2))}

@@ -1,0 +1,228 @@
+"""Whether what a file has at one time is all of one moment, whether its clock is right, and whether v is dx/dt.
+
+A quantity that is late by tau has the error -tau times its rate. That is found by least squares over all particles and
+times, beside what a grid's smoothing and a wrong size would leave; where no solution is known, of v against x alone.
+"""
+
+import numpy as np
+
+from solvers.judging.findings.evidence import Evidence
+from solvers.judging.findings.finding import BROKEN, HOLDS, OFF, SUSPICIOUS, Finding, unknown
+from solvers.judging.findings.motion import Motion
+from solvers.judging.findings.time_fits import fitted, rate, rms, spread
+
+FEWEST_TIMES = 5
+SURE, SMOOTHED = 6.0, 3.0  # times that uncertainty; times what smoothing can make of the error of v
+UNSURE = "less hides in the errors, or between the few times"
+VELOCITY, STRESS, CLOCK = ("moment of the velocities before that of the positions",
+                           "moment of F or the stress before that of the positions", "times against the motion")
+STEPS = "steps"
+HALF = 0.5  # of a step: what leapfrog's velocities are of, and 0 what others' are
+DISPERSION = 1 / 6  # of (k h)^2: by so much waves of a grid may be slower; 1/24 with hats and lumped masses
+SLACK = 0.25  # of a step
+CLOCK_OFF, TELLS = 2e-3, 2.5  # of the time; times the error that is left, which a clock must make to be told
+#: The same of a motion that is faster than its times, which no grid makes: masses that are lumped slow waves down. Of
+#: 65 sound runs drawn at random none was fast by more than 3.6 times the uncertainty and .2 % at once; of 74 others,
+#: which these numbers were not set on, none was called fast.
+FAST_SURE, FAST_TELLS = 4.0, 1.0
+TOO_LARGE = "the errors are too large"
+FEW = f"fewer than {FEWEST_TIMES} times, or not the same particles at all of them"
+NAMES_OF_V = "v against dx/dt", "moment of v before that of x", "the middle against the mean of v"
+SPEED, MOMENT, CENTRE = NAMES_OF_V
+#: Of the velocity, RMS: what is left between v and dx/dt, of which the particles' own noise in a sound run of ours
+#: makes up to 0.2 (the grid moves them, and is smoother than they are), from where on it is none.
+MOST, NOTHING_LEFT = 0.4, 0.8
+TOLD = 0.06  # of the velocity: where the trapezoid rule itself is off by more, moments are too far apart
+FARTHER = 0.6  # of the way that the particles have gone at most
+AROUND = 3  # intervals
+RULE = 2.0  # times what the change of v's change says of that rule
+OTHER_UNIT = 0.3  # of a power of ten
+STEADY = 8.0  # times its own scatter over the intervals: a drift that stays the same
+CHANGING = 0.5  # of the mean square of v: its variance over time
+LEAST_DRIFT = 1e-5  # of the motion
+EXPLAINS = 0.5  # of what v and dx/dt differ by, at most, is left by a lag
+FEWEST = 6  # moments, for what is fitted within a motion
+
+
+def velocity(evidence: Evidence) -> Finding:
+    """Positions grow by the velocities: over each interval the trapezoid rule of the errors of v is held against what
+    the error of x grows by. Both are small and smooth in time, so that few times are enough."""
+    tracks, step = evidence.tracks, evidence.step
+    if tracks is None or len(tracks.time) < FEWEST_TIMES or "v" not in tracks.exact:
+        return unknown(VELOCITY, FEW if "v" in evidence.errors[0] else "no velocities in the files")
+    x, v = (tracks.own[q] - tracks.exact[q] for q in ("x", "v"))
+    interval = np.diff(tracks.time)[:, None, None]
+    gap = 0.5 * interval * (v[1:] + v[:-1]) - np.diff(x, axis=0)
+    moved, gained = np.diff(tracks.exact["x"], axis=0), np.diff(tracks.exact["v"], axis=0)
+    late, sure = fitted(gap, [-gained, moved])
+    slack = (SURE * sure[0] + _of_size(late[0, 1], v, rate(tracks.time, tracks.exact["v"]))) / step
+    return _told(VELOCITY, late[0, 0] / step, slack, (-SLACK, HALF + SLACK), step, "the velocities are")
+
+
+def stress(evidence: Evidence) -> Finding:
+    """What the errors of the stress and of x say of how late each is."""
+    tracks, step = evidence.tracks, evidence.step
+    if tracks is None or len(tracks.time) < FEWEST_TIMES or "sigma" not in tracks.exact:
+        return unknown(STRESS, FEW if "sigma" in evidence.errors[0] else "no F and no stress in the files")
+    sigma, x = (tracks.own[q] - tracks.exact[q] for q in ("sigma", "x"))
+    speed = rate(tracks.time, tracks.exact["x"])
+    parts = [-rate(tracks.time, tracks.exact["sigma"]), tracks.exact["sigma"]]
+    of_place = [-speed, tracks.exact["x"] - tracks.material_position]
+    outwards = np.argsort(np.linalg.norm(tracks.material_position - tracks.material_position.mean(axis=0), axis=1),
+                          kind="stable")
+    late = [(fitted(turn(sigma), [turn(part) for part in parts])[0]
+             - fitted(turn(x), [turn(part) for part in of_place])[0])[:, 0] / step
+            for turn in (lambda values: values, lambda values: np.moveaxis(values[:, outwards], 0, 1))]
+    # What is really late is so at all times and everywhere, and of the right size.
+    slack = SURE * max(map(spread, late)) + _of_size(fitted(sigma, parts)[0][0, 1], sigma, parts[0]) / step
+    return _told(STRESS, float(late[0][0]), slack, (-HALF, HALF), step, "F or the stress is")
+
+
+def clock(evidence: Evidence) -> Finding:
+    """A clock that runs fast or slow leaves an error that grows with time as the motion's rate does."""
+    tracks = evidence.tracks
+    if tracks is None or len(tracks.time) < FEWEST_TIMES:
+        return unknown(CLOCK, FEW)
+    x, speed = tracks.own["x"] - tracks.exact["x"], rate(tracks.time, tracks.exact["x"])
+    growing = tracks.time[:, None, None] * speed
+    found, sure = fitted(x, [-speed, -growing])
+    late, slow = found[0]
+    rest = x + late * speed + slow * growing
+    apart, _ = fitted(growing, [speed])  # what of a growing lag is not a lag that stays
+    alone = growing - apart[0, 0] * speed
+    size = rms(alone)
+    scene = evidence.scene
+    grid = DISPERSION * (scene.angular_frequency * scene.spacing / scene.wave_speed) ** 2
+    left = rms(rest) / size if size > 0 else np.inf
+    tolerance = max(CLOCK_OFF, grid, TELLS * left) if slow > 0 else \
+        max(CLOCK_OFF, FAST_SURE * float(sure[1]), FAST_TELLS * left)
+    if not np.isfinite(tolerance + slow):
+        return unknown(CLOCK, TOO_LARGE if size > 0 else "nothing moves by which a clock could be told")
+    if abs(slow) <= tolerance:
+        return Finding(CLOCK, HOLDS, abs(slow), tolerance, "of the time",
+                       "one that is less off hides in the error of x, or in the waves of the grid")
+    pace = "slower" if slow > 0 else "faster"
+    return Finding(CLOCK, OFF, abs(slow), tolerance, "of the time",
+                   f"the motion is {100 * abs(slow):.2g} % {pace} than its times say: with {1 - slow:.4f} times each "
+                   f"the error of x would be {rms(rest) / rms(x):.2g} of what it is; the times are others, or what "
+                   "sets the pace")
+
+
+def _of_size(part: float, error: np.ndarray, slope: np.ndarray) -> float:
+    """In s, what may look late and is none: a grid smooths the motion by a ``part``, and its errors by such a part."""
+    return SMOOTHED * abs(part) * rms(error) / max(rms(slope), 1e-300)
+
+
+def _told(name: str, steps: float, slack: float, allowed: tuple[float, float], step: float, who: str) -> Finding:
+    """Late by so many ``steps``, where so many are ``allowed`` and ``slack`` is how sure that is."""
+    if not np.isfinite(steps + slack):
+        return unknown(name, TOO_LARGE)
+    least, most = allowed
+    tolerance = slack + abs(least if steps < 0.5 * (least + most) else most)
+    if least - slack <= steps <= most + slack:
+        return Finding(name, HOLDS, steps, tolerance, STEPS, UNSURE if slack > HALF else "")
+    when = "before" if steps > 0 else "after"
+    return Finding(name, OFF, steps, tolerance, STEPS,
+                   f"{who} of a moment {abs(steps) * step:.3g} s {when} that of the positions, {abs(steps):.2g} "
+                   f"times the step ({step:.3g} s)")
+
+
+def of_v(motion: Motion) -> list[Finding]:
+    """What a particle moves between two moments is its velocity's mean, times what parts them."""
+    if len(motion.times) < 3 or not motion.speed > 0:
+        why = "fewer than three moments" if len(motion.times) < 3 else "v is zero"
+        return [unknown(name, why) for name in NAMES_OF_V]
+    v, interval = motion.fields["v"], np.diff(motion.times)[:, None, None]
+    moved = np.diff(motion.x, axis=0)
+    told = 0.5 * interval * (v[1:] + v[:-1])
+    second = np.empty_like(v)  # differences, by which the trapezoid rule errs
+    second[1:-1] = v[2:] - 2 * v[1:-1] + v[:-2]
+    second[0], second[-1] = second[1], second[-2]
+    gap, bend = told - moved, interval / 12 * np.maximum(np.abs(second[1:]), np.abs(second[:-1]))
+    return [_speed(motion, gap, bend, interval, told, moved), _moment_of_v(motion, gap, moved, np.diff(v, axis=0)),
+            _centre(motion, moved)]
+
+
+def _sizes(values: np.ndarray, interval: np.ndarray) -> np.ndarray:
+    """RMS over particles (T - 1,) of what is moved over each interval, as a velocity."""
+    return np.sqrt(np.mean(np.sum(values**2, axis=2), axis=1)) / interval[:, 0, 0]
+
+
+def _speed(motion: Motion, gap: np.ndarray, bend: np.ndarray, interval: np.ndarray, told: np.ndarray,
+           moved: np.ndarray) -> Finding:
+    doubt = RULE * _sizes(bend, interval) / motion.speed
+    wide = np.pad(doubt, AROUND, mode="edge")
+    near = np.max([wide[k:k + len(doubt)] for k in range(2 * AROUND + 1)], axis=0)
+    sure = np.maximum(near, float(np.median(doubt))) <= TOLD  # others look smooth here and there
+    if not sure.any():
+        return unknown(SPEED, f"the moments are too far apart: between two of them v itself changes so that its mean "
+                              f"is unknown by {doubt.min():.2g} of it")
+    reach = float(np.sqrt(np.max(np.mean(np.sum((motion.x - motion.x[0]) ** 2, axis=2), axis=1))))
+    sure &= interval[:, 0, 0] * motion.speed <= FARTHER * reach  # moments a period apart look smooth everywhere
+    if not sure.any():
+        return unknown(SPEED, "between two moments v would carry the particles farther than they ever are: the moments "
+                              "are too far apart, or v is in another unit")
+    off = np.where(sure, _sizes(gap, interval) / motion.speed - doubt, -1.0)
+    k = int(np.argmax(off))
+    size = float(np.sum(told[sure] * moved[sure]) / max(float(np.sum(told[sure] ** 2)), 1e-300))
+    at = motion.at(k + 1, int(np.argmax(np.sum(gap[k] ** 2, axis=1))))
+    when = f"between t = {motion.times[k]:.4g} and {motion.times[k + 1]:.4g} s"
+    if size > 0 and abs(np.log10(size)) > OTHER_UNIT:
+        return Finding(SPEED, BROKEN, float(off[k]), MOST, "of v",
+                       f"dx/dt is {size:.4g} times v: x, v or the times are in another unit ({when})", **at)
+    if off[k] <= MOST:
+        return Finding(SPEED, HOLDS, float(off[k]), MOST, "of v")
+    return Finding(SPEED, BROKEN if off[k] > NOTHING_LEFT else SUSPICIOUS, float(off[k]), MOST, "of v",
+                   f"the particles do not move as their v says {when}: what is left is {off[k]:.2g} of v (RMS)", **at)
+
+
+def _moment_of_v(motion: Motion, gap: np.ndarray, moved: np.ndarray, gained: np.ndarray) -> Finding:
+    """By how much v is late: what is left then goes with what v gains. The trapezoid rule's own error goes with what is
+    moved, and is fitted beside."""
+    if len(motion.times) < FEWEST:
+        return unknown(MOMENT, f"fewer than {FEWEST} moments")
+    found, sure = fitted(gap, [-gained, moved])
+    late, doubt = float(found[0, 0]), SURE * float(sure[0])
+    left = rms(gap + late * gained - found[0, 1] * moved) / max(rms(gap), 1e-300)
+    if not np.isfinite(late + doubt):
+        return unknown(MOMENT, "v or x are too large")
+    if motion.step is None:
+        between = float(np.median(np.diff(motion.times)))
+        most = SLACK * between + HALF * between + doubt
+        wrong = abs(late) > most
+        told = "the files do not say the step, of which half is usual"
+    else:
+        wrong = not -SLACK * motion.step - doubt <= late <= (HALF + SLACK) * motion.step + doubt
+        most, told = (HALF + SLACK) * motion.step + doubt, f"a step is {motion.step:.3g} s"
+    wrong &= left < EXPLAINS
+    when = "before" if late > 0 else "after"
+    says = f"v is of a moment {abs(late):.3g} s {when} that of x ({told})" if wrong or abs(late) > doubt else ""
+    return Finding(MOMENT, SUSPICIOUS if wrong else HOLDS, late, most, "s", says)
+
+
+def _centre(motion: Motion, moved: np.ndarray) -> Finding:
+    """The middle of mass moves by the momentum over the mass; walls and rims make that inexact, but never by the same
+    at all times."""
+    mass = motion.fields.get("mass")
+    weight = (np.ones(len(motion.number)) if mass is None else mass[0])[:, None]
+    if len(motion.times) < FEWEST or not motion.amplitude > 0 or not weight.sum() > 0:
+        return unknown(CENTRE, f"fewer than {FEWEST} moments, nothing moves, or no mass")
+    changing = float(np.mean(motion.fields["v"].var(axis=0))) / max(float(np.mean(motion.fields["v"] ** 2)), 1e-300)
+    if changing < CHANGING:
+        return unknown(CENTRE, "v is nearly the same at all moments, so that what goes with it cannot be told from a "
+                               "drift")
+    interval = np.diff(motion.times)[:, None]
+    v = np.sum(motion.fields["v"] * weight, axis=1) / weight.sum()
+    a = rate(motion.times, v)  # with which the trapezoid rule is of fourth order
+    told = 0.5 * interval * (v[1:] + v[:-1]) - interval**2 / 12 * (a[1:] - a[:-1])
+    drift = (np.sum(moved * weight, axis=1) / weight.sum() - told) / interval
+    mean, scatter = drift.mean(axis=0), float(np.sqrt(np.sum(drift.var(axis=0))))
+    far = float(np.linalg.norm(mean)) * float(motion.times[-1] - motion.times[0]) / motion.amplitude
+    steady = float(np.linalg.norm(mean)) / max(scatter, 1e-300)
+    if far <= LEAST_DRIFT or steady <= STEADY:
+        return Finding(CENTRE, HOLDS, far, LEAST_DRIFT, "of the motion")
+    way = ", ".join(f"{value:.3g}" for value in mean)
+    return Finding(CENTRE, SUSPICIOUS, far, LEAST_DRIFT, "of the motion",
+                   f"the middle of the particles drifts by {way} m/s beyond the mean of their v, the same at all "
+                   "times",
+                   time=float(motion.times[-1]))

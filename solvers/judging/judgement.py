@@ -1,0 +1,226 @@
+"""The judgement of particles: all that is known of how wrong they are, as an object and as JSON."""
+
+from __future__ import annotations
+
+import functools
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass, field, replace
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from solvers.judging import error_norms
+from solvers.judging.error_norms import QUANTITIES, Companions, Errors, WorstParticle
+from solvers.judging.findings import outliers
+from solvers.judging.findings.all_findings import of_a_run
+from solvers.judging.findings.evidence import Evidence
+from solvers.judging.findings.finding import Finding
+from solvers.judging.findings.outliers import Apart
+from solvers.judging.frames import Grid
+from solvers.judging.particle_matching import SAME, check_origin, placed
+from solvers.judging.particle_readers import Particles, listed, read_all
+from solvers.scene.scene import Scene
+from solvers.scene.validation import SceneError
+from solvers.solver.error_norms import finite
+from solvers.study.convergence import slope
+
+if TYPE_CHECKING:
+    from solvers.judging.reference_runs import Ours
+
+SCHEMA = "mpm-lab/judge/1"
+Progress = Callable[[float, str], None]
+
+
+@dataclass(frozen=True)
+class GridJudgement:
+    """One grid's particles, judged when it is asked for. Errors are in the order of the frames."""
+
+    scene: Scene
+    grid: Grid
+    companions: Companions
+    ours: list[Ours] = field(default_factory=list)
+
+    @functools.cached_property
+    def true(self) -> list[Errors]:
+        """The true errors; empty where none is known."""
+        return [error_norms.truth(self.scene, frame) for frame in self.grid.frames] if self.scene.solution_known else []
+
+    @functools.cached_property
+    def estimated(self) -> list[Errors]:
+        """The errors as the companion sees them."""
+        return [self.companions.errors(frame) for frame in self.grid.frames]
+
+    @functools.cached_property
+    def _found(self) -> tuple[list[Finding], Apart | None]:
+        again = functools.partial(error_norms.truth, self.scene) if self.true else self.companions.errors
+        return of_a_run(Evidence(self.scene, self.grid.frames, self.best, again,
+                                 self.grid.step or self.scene.time_step))
+
+    @property
+    def checks(self) -> list[Finding]:
+        """What was compared beside the errors, with what tolerance."""
+        return self._found[0]
+
+    @property
+    def apart(self) -> Apart | None:
+        """The frame in which most particles are not where their neighbours are."""
+        return self._found[1]
+
+    @property
+    def best(self) -> list[Errors]:
+        """The errors against the best that is known: the truth, or the companion."""
+        return self.true or self.estimated
+
+    @property
+    def norms(self) -> dict[str, np.ndarray]:
+        return error_norms.series(self.best)
+
+    def check(self) -> None:
+        """Refuse particles that are shifted as a whole."""
+        for frame, error in zip(self.grid.frames, self.best, strict=True):
+            check_origin(frame, error["x"], self.scene)
+
+    def worst(self, quantity: str) -> WorstParticle | None:
+        return error_norms.worst(self.grid.frames, self.best, quantity)
+
+    def to_dict(self) -> dict:
+        times, frames = self.grid.times, self.grid.frames
+        estimates = error_norms.series(self.estimated)
+        true = error_norms.series(self.true) if self.true else None
+        doubts = [self.companions.doubt(frame) for frame in frames]
+        return {
+            "cells": self.grid.cells,
+            "h": self.scene.spacing,
+            "files": list(dict.fromkeys(f.file for f in frames)),
+            "particles": len(frames[-1].number),
+            "times": times.tolist(),
+            "notes": self.notes(),
+            "checks": [one.as_check() for one in self.checks],
+            "error": None if true is None else error_norms.summarised(times, true),
+            "norms": None if true is None else error_norms.listed(true),
+            "estimate": {
+                "companion": error_norms.summarised(times, estimates),
+                "norms": error_norms.listed(estimates),
+                "own_error": {q: finite(float(np.max([doubt[q] for doubt in doubts]))) for q in QUANTITIES},
+                "index": None if true is None else error_norms.index(estimates, true, self.scene),
+                "distance": None if true is None else error_norms.distances(self.estimated, self.true),
+            },
+            "worst": {q: None if (found := self.worst(q)) is None else found.to_dict() for q in QUANTITIES},
+            "neighbour_gap": None if self.apart is None else self.apart.to_dict(self.scene),
+            "crossings_at_least": error_norms.crossings(self.scene, frames),
+            "ours": [run.to_dict() for run in self.ours],
+        }
+
+    def notes(self) -> list[str]:
+        """Sentences about what was found in the files."""
+        missing = [q for q in QUANTITIES if any(q not in e for e in self.best)]
+        wrong = [one.says for one in self.checks if one.wrong and one.name != BY_PLACE]
+        return [*self.grid.notes, *(f"no {NAMES[q]} in the files (or not at every time), so it is not judged"
+                                    for q in missing), *wrong]
+
+
+BY_PLACE = outliers.NAMES["x"]  # which is told in its own words
+NAMES = {"x": "position", "v": "velocity", "sigma": "stress (nor F)"}
+
+
+@dataclass(frozen=True)
+class Judgement:
+    """Everything about the files given, coarse grids first."""
+
+    scene: Scene
+    grids: list[GridJudgement]
+
+    def common_times(self) -> list[float]:
+        """Times that all grids have."""
+        first, *others = (g.grid.times for g in self.grids)
+        near = SAME * self.scene.period
+        return [float(t) for t in first if all(np.abs(other - t).min() <= near for other in others)]
+
+    def largest(self, judged: GridJudgement, quantity: str) -> float:
+        """The largest norm over the times that all grids have, without the start; NaN without any."""
+        common, near = np.array([t for t in self.common_times() if t > 0]), SAME * self.scene.period
+        at = [k for k, t in enumerate(judged.grid.times) if (np.abs(common - t) <= near).any()]
+        values = judged.norms[quantity][at]
+        return float(values.max()) if len(values) and np.isfinite(values).all() else float("nan")
+
+    def orders(self) -> dict[str, dict | None] | None:
+        """The order in h of each quantity's largest norm over the common times; None with one grid."""
+        if len(self.grids) < 2:
+            return None
+        h = [g.scene.spacing for g in self.grids]
+        found = {q: slope(h, [self.largest(g, q) for g in self.grids]) for q in QUANTITIES}
+        return {q: None if fit is None else {"order": fit.order, "pairwise": list(fit.pairwise)}
+                for q, fit in found.items()}
+
+    def to_dict(self) -> dict:
+        return {"schema": SCHEMA, "problem": self.scene.problem, "scene": self.scene.to_dict(),
+                "against": "truth" if self.scene.solution_known else "companion",
+                "grids": [g.to_dict() for g in self.grids], "common_times": self.common_times(), "order": self.orders()}
+
+
+def judge(scene: Scene, files: Particles | Sequence[Particles], *, cells: Sequence[int] = (),
+          times: Sequence[float] = (), compare: bool = False,
+          on_progress: Progress = lambda part, what: None) -> Judgement:
+    """Judge the particles of any code that ran a scene's problem: how wrong they are, where, and of which order.
+
+    Parameters
+    ----------
+    scene
+        What was run: the problem and its numbers. Methods, estimators, effects and remedies do not matter here. Files
+        of ours say their scene themselves, which holds for whatever stands at its default here.
+    files
+        A path (.csv, .npz, .vtk, .vtu, .vtp), a mapping from names to arrays, or several of these, of one grid or more.
+        Arrays are (P,), (P, D) or (P, D, D) of one time ``t``, or (T, P, ...) of T times (T,), in SI units: ``x`` and
+        ``id`` or ``X``, and ``v``, ``F``, ``sigma`` as there are; ``cells`` may say the grid.
+    cells
+        Cells of the grid, one number for all files or one for each, where files do not say it; left out, the scene's.
+    times
+        The time of each file in s, where files do not say it.
+    compare
+        Whether our own methods run on the same grids, to be held beside.
+    on_progress
+        Called now and then with the part done (0 to 1) and a word on what is being done.
+
+    Returns
+    -------
+    Judgement
+        Its ``to_dict()`` is the object of ``mpm-lab judge``'s report.json.
+
+    Raises
+    ------
+    FileError
+        For files, or arrays, that cannot be judged; :class:`~solvers.judging.frames.Misfit` for those of another
+        problem.
+    SceneError
+        Where ``cells`` or ``times`` do not fit the files, or a companion is lost.
+    """
+    sources = listed(files)
+    for name, given, counts in (("cells", cells, {1, len(sources)}), ("time", times, {len(sources)})):
+        if given and len(given) not in counts:
+            raise SceneError(name, " ".join(map(str, given)), f"is {len(given)} numbers for {len(sources)} files; give "
+                             "one for each")
+    scene, found = placed(read_all(sources), scene, cells or [scene.cells], times)
+    every = tuple(sorted({frame.time for grid in found for frame in grid.frames}))
+    companions = Companions(scene, every)
+    judged: list[GridJudgement] = []
+    for k, grid in enumerate(found):
+        one = GridJudgement(replace(scene, cells=grid.cells), grid, companions)
+        on_progress(k / len(found), f"{grid.cells} cells: companion")
+        one.check()
+        assert one.estimated  # worked out here, where it may fail and is waited for
+        if compare:
+            one.ours.extend(_compared(one, lambda part, what: on_progress((len(judged) + part) / len(found), what)))
+        judged.append(one)
+    return Judgement(scene, judged)
+
+
+def _compared(one: GridJudgement, on_progress: Progress) -> Iterator[Ours]:
+    """Our own methods on a grid, at the same times."""
+    from solvers.judging.reference_runs import compared, of_scene  # here: nobody else waits for Taichi
+
+    scenes = of_scene(one.scene)
+    for n, scene in enumerate(scenes):
+        def tell(part: float, n: int = n, method: str = scene.method) -> None:
+            on_progress((n + part) / len(scenes), f"{one.grid.cells} cells: our {method}")
+
+        yield compared(scene, one.grid.times.tolist(), None if one.true else one.companions, tell)

@@ -1,0 +1,286 @@
+"""From files to grids of particles: of which problem and scene they are, whose material points, and at what times."""
+
+import contextlib
+import itertools
+from collections.abc import Iterator, Sequence
+from dataclasses import replace
+
+import numpy as np
+
+from solvers.estimators.standalone import longest_step
+from solvers.judging.column_names import spelled
+from solvers.judging.frames import Frame, Grid, Misfit, Raw, by_times, times_of
+from solvers.judging.scene_metadata import HINT, scene_said, settled
+from solvers.problems import PROBLEMS
+from solvers.problems.reference import ProblemReference
+from solvers.scene.scene import Scene
+from solvers.scene.validation import SceneError
+from solvers.untrusted.quoting import FileError, quoted
+
+SAME = 1e-9  # of a period: two times that are nearer are one
+FLAT = 1e-6  # of the longest reach of all positions: a direction in which they reach no farther is none
+SURE = 0.5  # of a cell: at the time 0 particles that are farther from where they begin are others
+MOST_STEPS = {1: 400_000, 2: 60_000}  # of the companion, by directions: a minute or two; 680 periods of the bar
+LARGEST, LARGEST_ID = 1e100, 2.0**53  # of what a particle may have; beyond, squares are no numbers, and ids not exact
+MOST_TRIED = 400  # cells of a grid that is looked for
+COUNTS = ("no", "one", "two", "three")
+RIGID = 10.0  # times the rest of the error: from there on a shift is that of an origin, and no error of a method
+
+
+def placed(files: Sequence[Raw], asked: Scene, cells: Sequence[int],
+           times: Sequence[float]) -> tuple[Scene, list[Grid]]:
+    """The scene that files are judged with, and their runs (:func:`grids`).
+
+    Raises
+    ------
+    Misfit
+        Where the particles are not those of the scene, or the file says another problem: its ``problems`` are those
+        that the particles fit.
+    FileError
+        Where they can be judged with no scene.
+    """
+    listed = list(files)
+    own, notes = _settled(listed, asked)
+    try:
+        found = grids(listed, own, cells, times)
+    except Misfit as misfit:
+        number = next(k for k, raw in enumerate(listed) if raw.file == misfit.file)
+        raise _told(misfit, listed[number], own, times[number:number + 1]) from None
+    return own, [replace(grid, notes=(*notes, *grid.notes)) for grid in found]
+
+
+def own_scene(raw: Raw, asked: Scene) -> Scene:
+    """The scene that a file says that it is of, or the one asked for where it says none."""
+    return asked if raw.said is None else scene_said(raw.file, raw.said)
+
+
+def _settled(files: list[Raw], asked: Scene) -> tuple[Scene, list[str]]:
+    """What the files say, where the particles bear it out."""
+    try:
+        return settled(files, asked)
+    except Misfit as misfit:
+        raw = next(raw for raw in files if raw.file == misfit.file)
+        if _fits(raw, scene_said(raw.file, raw.said), ()):  # type: ignore[arg-type]  # it says one
+            raise
+        raise FileError(raw.file, f"{misfit.reason}, and its particles are not; {HINT}") from None
+
+
+def _told(misfit: Misfit, raw: Raw, asked: Scene, times: Sequence[float]) -> Misfit:
+    """The same with the problems that the file fits: on the usual grid or the one asked for, or, where it knows its
+    particles by ids alone, on some grid."""
+    others = tuple(name for name in PROBLEMS if name != asked.problem and any(
+        _fits(raw, other, times) for other in _usual(name, asked.cells)))
+    if not others and "X" not in raw.columns:
+        others = tuple(name for name, problem in PROBLEMS.items()
+                       if name != asked.problem and len(problem.reference.axes) == directions(raw))
+    if raw.said is None:
+        return Misfit(misfit.file, misfit.reason, misfit.allowed, others)
+    return Misfit(misfit.file, f"says that it is of the {asked.problem}, and {misfit.reason}", HINT, others)
+
+
+def _usual(problem: str, cells: int) -> Iterator[Scene]:
+    yield PROBLEMS[problem].scene()
+    with contextlib.suppress(SceneError):
+        yield PROBLEMS[problem].scene(cells=cells)
+
+
+def _fits(raw: Raw, asked: Scene, times: Sequence[float]) -> bool:
+    """Whether a file's particles can be those of a scene, whatever else is wrong with it."""
+    with contextlib.suppress(FileError, SceneError):
+        return bool(grids([raw], asked, [asked.cells], times))
+    return False
+
+
+def grids(files: Sequence[Raw], scene: Scene, cells: Sequence[int], times: Sequence[float]) -> list[Grid]:
+    """The runs in the files, coarse ones first.
+
+    ``cells`` is the scene's own number, or one for each file, and holds where a file says none; ``times`` are those of
+    the files in their order, or nothing where the files say them.
+    """
+    reference = PROBLEMS[scene.problem].reference
+    frames: dict[int, list[Frame]] = {}
+    notes: dict[int, list[str]] = {}
+    steps: dict[int, float | None] = {}
+    for k, raw in enumerate(files):
+        asked = (cells or [scene.cells])[k if len(cells) > 1 else 0]
+        if raw.cells not in (None, asked) and asked != type(scene)().cells:
+            raise FileError(raw.file, f"says that it has {raw.cells} cells, and --cells says {asked}; give what was "
+                                      "run, or nothing of it")
+        count = asked if raw.cells is None else raw.cells
+        try:
+            own = replace(scene, cells=count)
+        except SceneError as error:
+            raise FileError(raw.file, f"belongs to a grid of {quoted(count)} cells, which cannot be: {error}") from None
+        found, said = _frames(raw, own, reference, times[k] if times else None)
+        frames.setdefault(count, []).extend(found)
+        notes.setdefault(count, []).extend(said)
+        steps[count] = raw.step if raw.step is not None else steps.get(count)
+    return [Grid(count, _in_order(frames[count], scene), tuple(dict.fromkeys(notes[count])), steps[count])
+            for count in sorted(frames)]
+
+
+def _frames(raw: Raw, scene: Scene, reference: ProblemReference, given: float | None) -> tuple[list[Frame], list[str]]:
+    """A file's particles, time by time, and what is to be noted of them."""
+    D, columns = len(reference.axes), raw.columns
+    if "x" not in columns:
+        raise FileError(raw.file, f"has no positions ({spelled('x', D)} or position); its columns are "
+                                  f"{', '.join(quoted(name, 20) for name in raw.names[:12])}")
+    if "id" not in columns and "X" not in columns:
+        raise FileError(raw.file, "says of no particle which it is: give id, from 0 in the order of `mpm-lab problem`, "
+                                  f"or the material position ({spelled('X', D)})")
+    times = times_of(raw, given)
+    check_length(raw.file, scene, float(times.max()))
+    whole: dict[str, np.ndarray] = {key: _in_plane(raw, key, scene, D)
+                                    for key in ("x", "X", "v", "F", "sigma") if key in columns}
+    whole.update({key: columns[key] for key in ("mass", "volume") if key in columns})
+    for key, values in whole.items():
+        _check_finite(raw, key, values, times)
+    _check_directions(raw, scene, D)
+    notes, x = list[str](), whole["x"]
+    X, number = _material(raw, scene, reference, whole.get("X"))
+    moved = reference.unwrapped(scene, X, x, times)
+    if (turned := int((moved != x).any(axis=1).sum())) > 0:
+        notes.append(f"{turned:,} positions were moved back by a period of the grid")
+    found = []
+    for at in by_times(times):
+        part = {key: values[at] for key, values in whole.items()}
+        who = number[at] if "id" in columns else np.arange(len(times[at]))
+        frame = Frame(raw.file, float(times[at][0]), who, X[at], moved[at], part.get("v"), part.get("F"),
+                      part.get("sigma"), part.get("mass"), part.get("volume"))
+        _check_once(frame)
+        if "X" not in columns and frame.time == 0:
+            off = np.sum((frame.position - frame.material_position) ** 2, axis=1)
+            if (far := float(np.sqrt(np.mean(off)))) > SURE * scene.spacing:
+                raise Misfit(frame.file, f"has particles at t = 0 that are not where those of the {scene.problem} "
+                                         f"begin, by {far:.3g} m", "give ids in the order of `mpm-lab problem`, the "
+                                                                   "right --cells and --ppc, or material positions")
+        found.append(frame)
+    return found, notes
+
+
+def check_length(file: str, scene: Scene, time: float) -> None:
+    """Refuse a time that the companion would take too many steps to."""
+    a_step = longest_step(PROBLEMS[scene.problem].reference.companion(scene, True))
+    most = MOST_STEPS[scene.DIMENSIONS]
+    if not time <= most * a_step:
+        raise FileError(file, f"has the time {time:.6g} s, to which the companion that it is compared with takes "
+                              f"{time / a_step:.3g} steps; at most {most:,} are allowed, so give times up to "
+                              f"{most * a_step:.4g} s")
+
+
+def _in_plane(raw: Raw, key: str, scene: Scene, D: int) -> np.ndarray:
+    """A quantity (n, D) or (n, D, D) in the directions of the problem. What a file has beyond them is left out."""
+    values = raw.columns[key]
+    size = values.shape[1]
+    if size < D:
+        raise Misfit(raw.file, f"has {key} in {_directions(size)}, and the {scene.problem} has {COUNTS[D]}",
+                     f"give {spelled(key, D)}")
+    return values[:, :D] if values.ndim == 2 else values[:, :D, :D]
+
+
+def _check_directions(raw: Raw, scene: Scene, D: int) -> None:
+    """Refuse positions that reach in more directions than the problem has, or in fewer."""
+    found = directions(raw)
+    if found is not None and found != D and (found > D or len(raw.columns["x"]) > D):
+        more = f"{_directions(found)}, and the {scene.problem} has {COUNTS[D]}"
+        raise Misfit(raw.file, f"has positions in {more}", f"give {spelled('x', D)} and nothing beyond"
+                     if found > D else f"give {spelled('x', D)} of particles that are not all on one line")
+
+
+def directions(raw: Raw) -> int | None:
+    """In how many directions the positions of a file reach; None where nothing tells."""
+    x = raw.columns.get("x", np.empty((0, 1)))
+    reach = np.ptp(x, axis=0) if len(x) > 1 else np.zeros(1)
+    return 1 + int(np.flatnonzero(reach > FLAT * reach.max())[-1]) if 0 < reach.max() < np.inf else None
+
+
+def _directions(count: int) -> str:
+    return f"{COUNTS[count]} direction{'s' * (count != 1)}"
+
+
+def _check_finite(raw: Raw, key: str, values: np.ndarray, times: np.ndarray) -> None:
+    bad = ~(np.abs(values.reshape(len(values), -1)) < LARGEST).all(axis=1)
+    if bad.any():
+        row = int(np.argmax(bad))
+        who = f"particle {raw.columns['id'][row]:g}" if "id" in raw.columns else f"row {row + 1}"
+        what = f"beyond {LARGEST:g}" if np.isfinite(values[bad]).all() else "no number"
+        raise FileError(raw.file, f"has {int(bad.sum()):,} rows whose {key} is {what}, first {who} at t = "
+                                  f"{times[row]:g} s; leave times out at which the run had gone bad")
+
+
+def _material(raw: Raw, scene: Scene, reference: ProblemReference,
+              X: np.ndarray | None) -> tuple[np.ndarray, np.ndarray]:
+    """Material position (n, D) and number (n,) of each row."""
+    ids = raw.columns.get("id")
+    if ids is not None and not ((np.abs(ids) < LARGEST_ID).all() and (ids == np.round(ids)).all()):
+        raise FileError(raw.file, "has ids that are no whole numbers; give 0, 1, 2 and so on")
+    if X is not None:
+        n = len(X)
+        if (wrong := reference.misplaced(scene, X)).any():
+            low, high = X.min(axis=0), X.max(axis=0)
+            reach = ", ".join(f"{a:.4g} to {b:.4g} m" for a, b in zip(low, high, strict=True))
+            points = reference.start(scene).material_position
+            begin = " and ".join(f"{axis.upper()} from {a:.3g} to {b:.3g} m" for axis, a, b in zip(
+                reference.axes, points.min(axis=0), points.max(axis=0), strict=True))
+            raise Misfit(raw.file, f"has {int(wrong.sum()):,} of {n:,} material positions outside the {scene.problem} "
+                                   f"(they reach from {reach}): its origin may be shifted",
+                         f"particles begin at {begin}")
+        return X, np.arange(n) if ids is None else ids.astype(int)
+    assert ids is not None
+    start, number = reference.start(scene), ids.astype(int)
+    count = len(start.volume)
+    fitting = _fitting_cells(scene, number)
+    if fitting or number.min() < 0 or number.max() >= count:
+        reason = f"has ids from {number.min()} to {number.max()}, and {scene.cells} cells with {scene.ppc:g} " \
+                 f"particles each way have 0 to {count - 1}"
+        if fitting:
+            raise FileError(raw.file, f"{reason}; give the right --cells and --ppc (so many are those of {fitting} "
+                                      "cells), or material positions")
+        raise Misfit(raw.file, reason, "give those of `mpm-lab problem`, the right --cells and --ppc, or material "
+                                       "positions")
+    return start.material_position[number], number
+
+
+def _fitting_cells(scene: Scene, number: np.ndarray) -> int:
+    """Which other number of cells has exactly these particles; 0 where none has."""
+    count = int(number.max()) + 1
+    if count == scene.particles or len(np.unique(number)) != count:
+        return 0
+    for cells in range(scene.FEWEST_CELLS, MOST_TRIED + 1):
+        with contextlib.suppress(SceneError):
+            if (other := replace(scene, cells=cells)).particles == count:
+                return other.cells
+    return 0
+
+
+def _check_once(frame: Frame) -> None:
+    number, counts = np.unique(frame.number, return_counts=True)
+    if counts.max() > 1:
+        raise FileError(frame.file, f"has particle {number[np.argmax(counts)]} {counts.max()} times at t = "
+                                    f"{frame.time:g} s; give each once at each time")
+    _, first, counts = np.unique(frame.material_position, axis=0, return_index=True, return_counts=True)
+    if counts.max() > 1:
+        place = ", ".join(f"{c:.6g}" for c in frame.material_position[first[np.argmax(counts)]])
+        raise FileError(frame.file, f"has {counts.max()} particles with the material position {place} at t = "
+                                    f"{frame.time:g} s; give each its own")
+
+
+def _in_order(frames: list[Frame], scene: Scene) -> tuple[Frame, ...]:
+    frames = sorted(frames, key=lambda frame: frame.time)
+    for one, other in itertools.pairwise(frames):
+        if other.time - one.time <= SAME * scene.period:
+            raise FileError(other.file, f"has the time {other.time:g} s, which {quoted(one.file)} has too, on one "
+                                        "grid; give each time of a grid once, and --cells with one number for each "
+                                        "file of several grids")
+    return tuple(frames)
+
+
+def check_origin(frame: Frame, error: np.ndarray, scene: Scene) -> None:
+    """Refuse particles that are shifted as a whole: ``error`` (P, D) of x is nearly the same for all of them, and more
+    than a cell."""
+    mean = error.mean(axis=0)
+    rest = float(np.sqrt(np.mean(np.sum((error - mean) ** 2, axis=1))))
+    if np.linalg.norm(mean) > max(scene.spacing, RIGID * rest):
+        told = ", ".join(f"{c:.4g}" for c in mean)
+        raise FileError(frame.file, f"has all positions shifted by {told} m at t = {frame.time:g} s: its origin is "
+                                    "another; give positions from the same origin as the material positions")

@@ -1,0 +1,197 @@
+"""Files of particles, as any code may write them: CSV, NPZ, and VTK, VTU and VTP; or the same in arrays."""
+
+import itertools
+import os
+import re
+from collections.abc import Iterator, Mapping, Sequence
+from pathlib import Path
+from typing import Any, TextIO
+
+import numpy as np
+
+from solvers.judging.column_names import from_arrays, gathered, wanted, whole, with_scene
+from solvers.judging.frames import Raw
+from solvers.judging.vtk_common import NotVTK, Points
+from solvers.judging.vtk_legacy import LegacyReader
+from solvers.judging.vtk_xml import XmlReader
+from solvers.scene.validation import SceneError
+from solvers.untrusted import number_parsing
+from solvers.untrusted.npz_reader import arrays
+from solvers.untrusted.quoting import FileError, quoted
+from solvers.untrusted.size_limits import LIMITS, LONGEST_LINE, Limits, check_name
+
+KINDS = (".csv", ".npz", ".vtk", ".vtu", ".vtp")
+COMMENT = re.compile(r"#\s*([A-Za-z]\w*)\s*[=:]\s*(\S+)\s*$")
+SAID = ("t", "time", "cells", "scene")  # by comments
+MOST_REMARKS = 100_000  # lines that are no rows
+LARGEST = 250_000_000  # bytes of such a file: its text is in memory once, and what it says
+OF_KIND = {".vtu": "UnstructuredGrid", ".vtp": "PolyData"}
+TIMES = ("TimeValue", "TIME", "Time", "time", "t")
+
+Particles = str | os.PathLike | Mapping[str, Any] | Raw  # what they may be given as
+
+
+def listed(files: Particles | Sequence[Particles]) -> list[Particles]:
+    """One or several, as a list; :class:`SceneError` for none."""
+    sources = [files] if isinstance(files, (str, os.PathLike, Mapping, Raw)) else list(files)
+    if not sources:
+        raise SceneError("files", "none", "give one or several files of particles, or their arrays")
+    return sources
+
+
+def read_all(files: Particles | Sequence[Particles]) -> list[Raw]:
+    """What the files hold, all of them together within the limits."""
+    left, found = LIMITS, list[Raw]()
+    for k, source in enumerate(listed(files)):
+        if isinstance(source, Mapping):
+            name = f"arrays {k + 1}"
+            try:
+                raw = from_arrays(name, {key: np.asarray(array) for key, array in source.items()}, left)
+            except ValueError as error:
+                raise error if isinstance(error, FileError) else FileError(name, f"are no arrays: {error}") from None
+        else:
+            raw = source if isinstance(source, Raw) else read(os.fspath(source), left)
+        found.append(raw)
+        left = left.less(found[-1].columns)
+    return found
+
+
+def read(path: str, limits: Limits = LIMITS) -> Raw:
+    """Read a file of particles.
+
+    Parameters
+    ----------
+    path
+        .csv, .npz, .vtk, .vtu or .vtp; names of columns as in ``solvers.judging.column_names``.
+    limits
+        What it may have at most.
+
+    Raises
+    ------
+    FileError
+        Where it holds no particles that can be judged.
+    """
+    kind = Path(path).suffix.lower()
+    if kind not in KINDS:
+        raise FileError(path, f"is of no kind that is known; give a file that ends in {', '.join(KINDS)}")
+    try:
+        size = os.stat(path).st_size
+        if not os.path.isfile(path):
+            raise FileError(path, f"is not a file; give files that end in {', '.join(KINDS)}")
+        if size == 0:
+            raise FileError(path, "is empty; give a file with particles in it")
+        limits.check_bytes(path, size)
+        if kind == ".npz":
+            return from_arrays(path, arrays(path, wanted, limits), limits)
+        return read_csv(path, limits) if kind == ".csv" else read_vtk(path, limits)
+    except (OSError, ValueError) as error:
+        if isinstance(error, FileError):
+            raise
+        if isinstance(error, OSError) or "\0" in path:
+            why = quoted((getattr(error, "strerror", None) or str(error)).lower())
+            raise FileError(path, f"cannot be read: {why}; give a file that exists and may be read") from None
+        raise
+
+
+def read_csv(path: str, limits: Limits = LIMITS) -> Raw:
+    """Names in the first line, a particle a line, commas, semicolons, tabs or spaces between; lines such as
+    ``# t = 0.1`` or ``# cells = 40`` say what holds for all, ``# scene = ...`` the scene
+    (``solvers.judging.scene_metadata``)."""
+    said: dict[str, str] = {}
+    try:
+        with open(path, encoding="utf-8-sig") as text:
+            rows = _rows(path, text, said, limits)
+            head, first = next(rows, ""), next(rows, None)
+            if first is None:
+                raise FileError(path, "holds no particles; give names in the first line and a particle in each other")
+            mark = next((mark for mark in ",;\t" if mark in head), None)
+            names = _names(path, head, mark, limits)
+            if (width := _width(first, mark)) != len(names):  # the first line says how many are read of all others
+                raise FileError(path, f"has {len(names)} names and {width} numbers in a line; give as many of both")
+            counted = _counted(path, itertools.chain([first], rows), width, limits)
+            values = np.loadtxt(counted, delimiter=mark, ndmin=2, dtype=float)
+    except UnicodeDecodeError:
+        raise FileError(path, "is no text; a .csv file has names in its first line and a particle in each "
+                              "other") from None
+    except ValueError as error:
+        if isinstance(error, FileError):
+            raise
+        raise FileError(path, f"has a line that is no row of {len(names)} numbers ({quoted(error, 100)}); give a "
+                              "number in every column of every line") from None
+    columns = {name: values[:, k] for k, name in enumerate(names)}
+    time, cells = _number(path, said, "t", "time"), _number(path, said, "cells")
+    return with_scene(gathered(path, columns, time, whole(path, cells), limits), said.get("scene"))
+
+
+def _rows(path: str, text: TextIO, said: dict[str, str], limits: Limits) -> Iterator[str]:
+    """The lines that are names or numbers; what comments say is put into ``said``, the last of each name."""
+    remarks = 0
+    while line := text.readline(LONGEST_LINE):
+        if len(line) >= LONGEST_LINE:
+            raise FileError(path, f"has a line of more than {LONGEST_LINE:,} letters; give a line for each particle")
+        if (bare := line.strip()) and not bare.startswith("#"):
+            yield line
+            continue
+        if (remarks := remarks + 1) > MOST_REMARKS:
+            raise FileError(path, f"has more than {MOST_REMARKS:,} lines that are no particles; leave them out")
+        if (found := COMMENT.match(line)) and found[1].lower() in SAID:
+            said[found[1].lower()] = found[2]
+
+
+def _width(line: str, mark: str | None) -> int:
+    bare = line.partition("#")[0]
+    return bare.count(mark) + 1 if mark else len(bare.split())
+
+
+def _names(path: str, head: str, mark: str | None, limits: Limits) -> list[str]:
+    limits.check_columns(path, _width(head, mark))
+    names = [name.strip().strip('"') for name in head.split(mark)]
+    if all(map(number_parsing.is_number, names)):
+        raise FileError(path, "has no names in its first line; begin with a line such as id,x,vx")
+    for name in names:
+        check_name(path, name)
+    twice = next((name for name in names if names.count(name) > 1), None)
+    if twice is not None:
+        raise FileError(path, f"has two columns called {quoted(twice)}; give each its own name")
+    return names
+
+
+def _counted(path: str, rows: Iterator[str], width: int, limits: Limits) -> Iterator[str]:
+    """The rows, as long as they are not too many."""
+    most = min(limits.rows, limits.numbers // width)
+    for count, row in enumerate(rows, 1):
+        if count > most:
+            limits.check_rows(path, count)
+            limits.check_numbers(path, count, width)
+        yield row
+
+
+def _number(path: str, said: dict[str, str], *names: str) -> float | None:
+    """What a comment says of the time or the cells; None where it says nothing."""
+    text = next((said[name] for name in names if name in said), None)
+    if text is not None and not number_parsing.is_number(text):
+        raise FileError(path, f"says {names[0]} = {quoted(text)}; give a number")
+    return None if text is None else number_parsing.real(text)
+
+
+def read_vtk(path: str, limits: Limits = LIMITS) -> Raw:
+    """Points are positions, data of points the rest; the time may be among the data of the field (``TimeValue``)."""
+    kind = Path(path).suffix.lower()
+    with open(path, "rb") as file:
+        if (size := file.seek(0, 2)) > LARGEST:
+            raise FileError(path, f"has {size / 1e6:,.0f} MB; give at most {LARGEST / 1e6:,.0f} MB of this kind, with "
+                                  "fewer data for example, or a .npz")
+        file.seek(0)
+        found = Points(path, limits)
+        try:
+            (LegacyReader(file, found) if kind == ".vtk" else XmlReader(file, OF_KIND[kind], kind, found)).read()
+        except (FileError, OSError):
+            raise
+        except Exception as error:  # what a broken file makes of a parser
+            why = str(error) if isinstance(error, NotVTK) else type(error).__name__
+            raise FileError(path, f"cannot be read as {kind} ({why}); write points with data, in text or "
+                                  "binary") from None
+    fields = found.fields
+    time, cells = (next((float(fields[name][0]) for name in names if len(fields.get(name, ()))), None)
+                   for names in (TIMES, ("cells",)))
+    return gathered(path, found.columns(), time, whole(path, cells), limits)

@@ -1,0 +1,110 @@
+"""Our own methods on the same grid, at the same times."""
+
+import math
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from solvers.judging.error_norms import Companions, Errors, series, summarised, truth
+from solvers.judging.frames import Frame
+from solvers.running.run import build
+from solvers.scene.scene import Scene
+from solvers.solver.snapshot import Snapshot
+
+LONGEST = 2e9  # particle-steps of one comparison: a minute or so
+ON_A_STEP = 1e-6  # of a step: a time that is nearer to one is that of the step
+LONGEST_STRETCH = 4096  # steps between two looks at the progress
+
+
+@dataclass(frozen=True)
+class Ours:
+    """A run of ours: its scene, the norms at the times that it reached, and whether these are all."""
+
+    scene: Scene
+    times: np.ndarray
+    norms: dict[str, np.ndarray]
+    status: str  # "ok", or why there is nothing more
+
+    def to_dict(self) -> dict:
+        return {"method": self.scene.method, "linearity_preserving": self.scene.linearity_preserving,
+                "cells": self.scene.cells, "cfl": self.scene.courant_number, "status": self.status,
+                "error": summarised(self.times, self.norms)}
+
+
+def of_scene(scene: Scene) -> list[Scene]:
+    """A scene for each of our methods on the grid of a scene, where one can be."""
+    return [replace(scene, method=method, linearity_preserving=lp, estimators=(), effects=(), remedies=())
+            for method, lp in scene.candidates()]
+
+
+def compared(scene: Scene, times: Sequence[float], companions: Companions | None = None,
+             on_progress: Callable[[float], None] | None = None) -> Ours:
+    """Run a scene and measure it at the times: against the truth, or against a companion where there is none."""
+    steps = [round(t / scene.time_step) for t in times]
+    if scene.particles * steps[-1] > LONGEST:
+        return Ours(scene, np.array([]), series([]),
+                    f"not run: {scene.particles * steps[-1]:.2g} particle-steps are too many for a comparison")
+    stepper = _Stepper(scene, on_progress, steps[-1])
+    errors: list[Errors] = []
+    for time in times:
+        frame = stepper.frame(time)
+        if frame is None:
+            break
+        errors.append(truth(scene, frame) if companions is None else companions.errors(frame))
+    status = "ok" if len(errors) == len(times) else f"unstable at {stepper.solver.time:.3g} s"
+    return Ours(scene, np.array(times[:len(errors)]), series(errors), status)
+
+
+class _Stepper:
+    """A run of ours, looked at at times that need not be its own."""
+
+    def __init__(self, scene: Scene, on_progress: Callable[[float], None] | None, last: int):
+        self._scene, self._tell, self._last = scene, on_progress or (lambda part: None), max(1, last)
+        self.solver = build(scene)
+        self.solver.compile()
+        self._held: dict[int, Snapshot] = {}
+
+    def frame(self, time: float) -> Frame | None:
+        """The particles at a time: those of a step, or between two by cubic Hermite polynomials in x and straight lines
+        in the rest; None where the run did not get there."""
+        turns = time / self._scene.time_step
+        whole = abs(turns - round(turns)) < ON_A_STEP
+        first = round(turns) if whole else math.floor(turns)
+        shot = self._at(first)
+        later = shot if whole else self._at(first + 1)
+        if shot is None or later is None or not (np.isfinite(shot.position) & np.isfinite(later.position)).all():
+            return None
+        if whole:
+            return framed(shot, self._scene, time)
+        return _between(framed(shot, self._scene), framed(later, self._scene), time)
+
+    def _at(self, step: int) -> Snapshot | None:
+        while step not in self._held and self.solver.step < step and self.solver.sound:
+            self.solver.advance(min(step - self.solver.step, LONGEST_STRETCH, self.solver.longest_advance))
+            self._tell(self.solver.step / self._last)
+        if not self.solver.sound:
+            return None
+        if step not in self._held:
+            self._held = {n: shot for n, shot in self._held.items() if n == step - 1} | {step: self.solver.snapshot()}
+        return self._held[step]
+
+
+def _between(one: Frame, other: Frame, time: float) -> Frame:
+    """Two frames of a run, a step apart, at a time between them."""
+    H = other.time - one.time
+    s = (time - one.time) / H
+    left = 1 - s
+    assert one.velocity is not None and other.velocity is not None
+    assert one.deformation_gradient is not None and other.deformation_gradient is not None
+    x = (1 + 2 * s) * left**2 * one.position + s * left**2 * H * one.velocity \
+        + s * s * (3 - 2 * s) * other.position - s * s * left * H * other.velocity
+    return replace(one, time=time, position=x, velocity=left * one.velocity + s * other.velocity,
+                   deformation_gradient=left * one.deformation_gradient + s * other.deformation_gradient)
+
+
+def framed(shot: Snapshot, scene: Scene, time: float | None = None) -> Frame:
+    """A snapshot of a run of ours as a frame, at its own time or one that is the same but for rounding."""
+    D, P = scene.DIMENSIONS, len(shot.position)
+    return Frame("", shot.time if time is None else time, np.arange(P), shot.material_position.reshape(P, D),
+                 shot.position.reshape(P, D), shot.velocity.reshape(P, D), shot.deformation_gradient.reshape(P, D, D))

@@ -1,0 +1,81 @@
+"""What a file of particles says of the scene that it was run with: one line of JSON, in our own files and in any other.
+
+It is believed in nothing: whatever is not a scene is refused, and a scene that the particles do not fit is no answer
+(``solvers.judging.particle_matching``).
+"""
+
+from dataclasses import fields, replace
+from typing import Any
+
+from solvers.judging.frames import Misfit, Raw, Said
+from solvers.problems import PROBLEMS
+from solvers.problems.reference import OF_METHODS
+from solvers.running.scene_text import FAMILY, HINT, parsed, scene_of
+from solvers.scene.scene import Scene
+from solvers.scene.validation import SceneError, field_flag, field_label, key_field
+from solvers.untrusted.quoting import FileError, quoted
+
+NOT_OF_THE_PROBLEM = OF_METHODS | {"t_end", "periods"}  # what does not matter to a judge
+
+
+def read_line(file: str, text: object, cells: int | None) -> Said | None:
+    """What a file says in a line; None where that is none of ours. ``cells`` is what it says beside."""
+    if not isinstance(text, str) or FAMILY not in text[:100]:
+        return None
+    problem, inputs = parsed(file, text)
+    given = {key_field(key): value for key, value in inputs.items()}
+    try:
+        step = PROBLEMS[problem].scene(**given).time_step
+    except (SceneError, TypeError, ValueError, OverflowError):
+        step = None
+    said = Said(problem, {name: value for name, value in given.items() if name not in NOT_OF_THE_PROBLEM}, step)
+    own = scene_said(file, said)
+    if "cells" in said.inputs and cells is not None and cells != own.cells:
+        raise FileError(file, f"says that it has {cells} cells, and {own.cells} in its scene; {HINT}")
+    return said
+
+
+def scene_said(file: str, said: Said) -> Scene:
+    """The scene that is said; :class:`FileError` where there is none such."""
+    return scene_of(file, said.problem, dict(said.inputs))
+
+
+def settled(files: list[Raw], asked: Scene) -> tuple[Scene, list[str]]:
+    """The scene to judge files with, and what is to be noted of that: what they say of it holds where ``asked`` stands
+    at its defaults, but for the number of cells, which each file has its own of.
+
+    Raises :class:`Misfit` where a file says another problem, :class:`FileError` where it says something else than was
+    asked for, or than another file.
+    """
+    notes: list[str] = []
+    by: dict[str, str] = {}  # which file said a field first
+    default, settled_scene = type(asked)(), asked
+    for raw in files:
+        if raw.said is None:
+            continue
+        if raw.said.problem != asked.problem:
+            raise Misfit(raw.file, f"says that it is of the {raw.said.problem}", HINT, (raw.said.problem,))
+        own, taken = scene_said(raw.file, raw.said), dict[str, Any]()
+        names = [f.name for f in fields(own) if f.name not in NOT_OF_THE_PROBLEM]
+        for name in names:
+            value, now = getattr(own, name), getattr(settled_scene, name)
+            if name == "cells" or value == now:
+                continue
+            if name in by or now != getattr(default, name):
+                says = f"{by[name]} says" if name in by else f"--{field_flag(name)} says"
+                raise FileError(raw.file, f"says {field_label(name)} {_plain(value)}, and {says} {_plain(now)}; give "
+                                          "what was run, or nothing of it")
+            taken[name] = value
+        by |= dict.fromkeys(names, raw.file)
+        if taken:
+            try:
+                settled_scene = replace(settled_scene, **taken)
+            except SceneError as error:
+                raise FileError(raw.file, f"says a scene that cannot be with the rest: {error}; {HINT}") from None
+            told = ", ".join(f"{field_label(name)} {_plain(value)}" for name, value in taken.items())
+            notes.append(f"judged with what {quoted(raw.file)} says of its scene: {told}")
+    return settled_scene, notes
+
+
+def _plain(value: object) -> str:
+    return f"{value:g}" if isinstance(value, float) else str(value)

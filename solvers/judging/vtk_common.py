@@ -1,0 +1,85 @@
+"""What the readers of VTK's formats share: what they find, within limits, and numbers from text."""
+
+import warnings
+from collections import defaultdict
+
+import numpy as np
+
+from solvers.judging.column_names import wanted
+from solvers.untrusted.quoting import FileError, quoted
+from solvers.untrusted.size_limits import Limits, check_name
+
+POINTS = "points"
+MOST_FIELD = 1000  # numbers of an array that is not of points
+
+
+class NotVTK(ValueError):
+    """No file of this format; the message says why, in few words."""
+
+
+class Points:
+    """What has been found of a file called ``path``: positions and data of points, piece by piece, and ``fields``,
+    which are none of a point's. Whoever reads asks before it does."""
+
+    def __init__(self, path: str, limits: Limits):
+        self.path, self.fields = path, dict[str, np.ndarray]()
+        self._limits, self._pieces = limits, defaultdict[str, list[np.ndarray]](list)
+        self._rows, self._numbers, self._names, self._other = 0, 0, 0, set[str]()
+
+    def begin_piece(self, rows: int) -> None:
+        """So many points begin."""
+        self._other = set()
+        if rows < 0:
+            raise NotVTK("fewer than no points")
+        self._limits.check_rows(self.path, self._rows + rows)
+        self._rows += rows
+
+    def wants(self, name: str, rows: int, width: int) -> bool:
+        """Whether an array of points (rows, width) is to be read; refuses what is too much or has been there."""
+        self._names += 1
+        self._limits.check_columns(self.path, self._names)
+        check_name(self.path, name)
+        if name in self._other:
+            raise FileError(self.path, f"has two arrays called {quoted(name)}; give each its own name")
+        self._other.add(name)
+        if min(rows, width) < 0:
+            raise NotVTK("an array of fewer than no numbers")
+        if not (wanted(name) or name == POINTS):
+            self._pieces.setdefault(name, [])
+            return False
+        self._numbers += rows * width
+        self._limits.check_numbers(self.path, self._numbers)
+        return True
+
+    def wants_field(self, name: str, numbers: int) -> bool:
+        """The same for one that is none of a point's."""
+        return self.wants(name, 1, 0 if numbers > MOST_FIELD else numbers) and 0 < numbers <= MOST_FIELD
+
+    def put(self, name: str, values: np.ndarray, width: int) -> None:
+        """What such an array holds, in rows of so many."""
+        rows = values.reshape(-1, width) if width != 1 else values
+        if self._pieces[name] and self._pieces[name][0].shape[1:] != rows.shape[1:]:
+            raise NotVTK(f"pieces with different components of {quoted(name, 20)}")
+        self._pieces[name].append(rows)
+
+    def columns(self) -> dict[str, np.ndarray]:
+        """All pieces together; of arrays that are not wanted the names alone."""
+        if POINTS not in self._pieces:
+            raise FileError(self.path, "has no points; write points with data, in text or binary")
+        return {name: pieces[0] if len(pieces) == 1 else np.concatenate(pieces) if pieces else np.empty(0)
+                for name, pieces in self._pieces.items()}
+
+
+def from_text(text: bytes, count: int) -> np.ndarray:
+    """So many numbers with blanks between."""
+    if not count:
+        return np.empty(0)
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")  # by which it tells of what is no number
+        try:
+            values = np.fromstring(text, dtype=float, sep=" ", count=count)
+        except (ValueError, DeprecationWarning):
+            values = np.empty(0)
+    if len(values) != count:
+        raise NotVTK(f"no {count:,} numbers where so many are announced")
+    return values

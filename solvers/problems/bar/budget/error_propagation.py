@@ -1,0 +1,255 @@
+"""The errors of each cause, carried on by the run's own step (see the package), and their norms in a sample.
+
+Remedies do to them the same as to the run, for they are linear with the weights given, but for the coupling's
+1/(1 - G), which is divided exactly. What they take from the reference itself, because the grid cannot hold it, is the
+coarse grid's.
+"""
+
+import taichi as ti
+
+from solvers.problems.bar.budget.budget_arrays import FORCE, PIECES, STRESS, VELOCITY
+from solvers.problems.bar.budget.error_sources import particles_to_nodes, update_nodes
+from solvers.problems.bar.budget.reference import moment, motion, slopes
+from solvers.problems.bar.method.nodes import EMPTY, GHOSTS, fold, spread, stencil_of
+from solvers.problems.bar.method.phases import half_width
+from solvers.problems.bar.method.pieces import at_corner, piece_length
+from solvers.problems.bar.method.remedies import MOST_GRADIENT, PASSES
+from solvers.problems.bar.method.samples import exact_now, true_error
+from solvers.scene.error_causes import CAUSES, FIELDS
+from solvers.solver.samples import BUDGET, column
+
+COARSE_GRID = list(CAUSES).index("coarse_grid")  # its lane
+SCRATCH = 3  # layer of ``cause_errors``, behind those of x, v and F
+SHORTEST = 1e-12  # of a piece's length, in cells, by which the slope in it is still divided
+EACH_FIELD = len(BUDGET) // len(FIELDS)  # columns
+
+
+@ti.func
+def update_grid(bar: ti.template(), t, on: ti.template()):
+    """The first half of the budget's step, from time t, when the run's nodes have their new motion."""
+    particles_to_nodes(bar, t, moment(bar, t), on)
+    update_nodes(bar, t, on)
+    if bar.taken_away >= 0:
+        spread(bar.node_motion, bar.cells)
+
+
+@ti.func
+def in_step(bar: ti.template(), step, on: ti.template()):
+    """The second half, of step number ``step``, when the remedies have had their turn and before particles move."""
+    now = moment(bar, (step - 1) * bar.dt)
+    if ti.static(on.filtered or on.coupled):  # after their own turn, of which the coupling takes the displacement
+        if step % bar.remedy_interval == 0:
+            if ti.static(on.filtered):
+                filter_null_space(bar, now, on)
+            if ti.static(on.coupled):
+                couple_deformation(bar, now, on)
+    nodes_to_particles(bar, now, on)
+
+
+@ti.func
+def after_step(bar: ti.template(), on: ti.template()):
+    """Take from the particles what the cause that is taken away has given to them, beside what it gave to nodes."""
+    if ti.static(on.centred):
+        centre(bar)
+    if bar.taken_away >= 0:
+        for p in range(bar.particles):
+            bar.position[p] -= bar.removed[p][0]
+            bar.velocity[p] -= bar.removed[p][1]
+            bar.deformation_gradient[p] -= bar.removed[p][2]
+
+
+@ti.func
+def nodes_to_particles(bar: ti.template(), now, on: ti.template()):
+    """Each cause's errors after the step, with what it gives at the particles:
+
+    coarse grid: the way of v + dt a and a to the nodes and back, and the slope of hats in a piece;
+    crossings: the slope that a particle sees, less that in its piece; time step: what symplectic Euler misses.
+    """
+    P, M, dt = bar.particles, bar.cells + GHOSTS, bar.dt
+    left = at_corner(bar, bar.budget_nodes, 0, 0, on)[0]
+    for p in range(P):
+        S, dS = stencil_of(bar, p)
+        i = bar.first_node[p]
+        right = at_corner(bar, bar.budget_nodes, 0, p + 1, on)[0]
+        back, slope = ti.Vector([0.0, 0.0, 0.0, 0.0]), 0.0
+        A, V, G = 0.0 * back, 0.0 * back, 0.0 * back
+        for k in ti.static(range(3)):
+            reference = bar.budget_nodes[i + k]
+            velocity = bar.budget_nodes[VELOCITY * M + i + k]
+            back += S[k] * reference
+            slope += dS[k] * reference[0]
+            A += S[k] * bar.budget_nodes[FORCE * M + i + k]
+            V += S[k] * velocity
+            G += dS[k] * velocity
+        piece_slope, length = slope, piece_length(bar, p)
+        if abs(length) > SHORTEST * bar.spacing:
+            piece_slope = (right - left) / length
+            if ti.static(on.pieces):
+                slope = piece_slope
+                G = (at_corner(bar, bar.budget_nodes, VELOCITY * M, p + 1, on)
+                     - at_corner(bar, bar.budget_nodes, VELOCITY * M, p, on)) / length
+        left = right
+        m, s = motion(bar, p, now, on), slopes(bar, p, now, on)
+        F, F0, stretch = bar.deformation_gradient[p], s[0], bar.cause_errors[2 * P + p]
+        stretched = F * G + slope * stretch
+        if ti.static(on.frozen):
+            F0, stretched = 1.0, G
+        give_x = ti.Vector([0.0, dt * (back[0] - m[0]), 0.0, m[2]])
+        give_v = ti.Vector([0.0, dt * (back[1] - m[1]), 0.0, m[3]])
+        give_F = ti.Vector([dt * F0 * (slope - piece_slope), dt * (F0 * piece_slope - s[1]), 0.0, s[2]])
+        if ti.static(on.velocity == "particle"):
+            give_x[1] = dt * give_v[1]
+            V = bar.cause_errors[P + p] + dt * A
+        if ti.static(on.velocity == "corners"):
+            V, carried = between_corners(bar, p, on)
+            give_x[1] = dt * (carried - m[0])
+        if bar.taken_away >= 0:
+            for c in ti.static(range(4)):
+                if bar.taken_away == c:
+                    bar.removed[p] = ti.Vector([give_x[c], give_v[c], give_F[c], 0.0])
+                    give_x[c], give_v[c], give_F[c] = 0.0, 0.0, 0.0
+        bar.cause_errors[p] += dt * V + give_x
+        bar.cause_errors[P + p] += dt * A + give_v
+        bar.cause_errors[2 * P + p] += dt * stretched + give_F
+
+
+@ti.func
+def between_corners(bar: ti.template(), p, on: ti.template()):
+    """Where the corners of its domain move a particle: the causes' velocity, and that of the reference."""
+    reach, M = half_width(bar, bar.deformation_gradient[p], on) * bar.spacing, bar.cells + GHOSTS
+    velocity, reference = ti.Vector([0.0, 0.0, 0.0, 0.0]), 0.0
+    for side in ti.static((-1, 1)):
+        x = bar.position[p] + side * reach
+        s = (x - ti.floor(x)) * bar.cells_per_length
+        i = ti.cast(ti.min(ti.max(ti.floor(s), 0.0), bar.cells), ti.i32)
+        for k in ti.static(range(2)):
+            weight = 0.5 * (s - i if k else 1 - (s - i))
+            velocity += weight * bar.budget_nodes[VELOCITY * M + i + 1 + k]
+            reference += weight * bar.budget_nodes[i + 1 + k][0]
+    return velocity, reference
+
+
+@ti.func
+def centre(bar: ti.template()):
+    """Every step's end: take the mean velocity out."""
+    P = bar.particles
+    mean = ti.Vector([0.0, 0.0, 0.0, 0.0])
+    for p in range(P):
+        mean += bar.cause_errors[P + p]
+    mean = mean / P
+    for p in range(P):
+        bar.cause_errors[P + p] = bar.cause_errors[P + p] - mean
+
+
+@ti.func
+def filter_null_space(bar: ti.template(), now, on: ti.template()):
+    """e_v -= rate (I - S S^+)^2 (e_v + v), v the reference's for the coarse grid."""
+    P = bar.particles
+    for p in range(P):
+        m = motion(bar, p, now, on)
+        bar.cause_errors[SCRATCH * P + p] = bar.cause_errors[P + p] + ti.Vector([0.0, m[0] - bar.dt * m[1], 0.0, 0.0])
+    for _ in range(2):
+        scratch_to_nodes(bar)
+        leave_unseen(bar)
+    for p in range(P):
+        unseen = bar.cause_errors[SCRATCH * P + p]
+        if bar.taken_away == COARSE_GRID:  # it has no errors then: this is the reference's part
+            bar.velocity[p] += bar.remedy_rate * unseen[COARSE_GRID]
+            unseen[COARSE_GRID] = 0.0
+        bar.cause_errors[P + p] = bar.cause_errors[P + p] - bar.remedy_rate * unseen
+
+
+@ti.func
+def couple_deformation(bar: ti.template(), now, on: ti.template()):
+    """e_F += rate (G_c/((1 - G)(1 - G0)) - e_F), G the run's gradient, G0 = G - sum G_c the reference's; the coarse
+    grid has rate (1/(1 - G0) - F0) too."""
+    P, M = bar.particles, bar.cells + GHOSTS
+    for i in range(M):
+        bar.budget_nodes[STRESS * M + i] = ti.Vector([0.0, 0.0, 0.0, 0.0])
+    for p in range(P):
+        bar.cause_errors[SCRATCH * P + p] = bar.cause_errors[p]
+    for _ in range(PASSES):
+        scratch_to_nodes(bar)
+        for i in range(M):
+            bar.budget_nodes[STRESS * M + i] += bar.budget_nodes[PIECES * M + i]
+        leave_unseen(bar)
+    for p in range(P):
+        _, dS = stencil_of(bar, p)
+        i, G = bar.first_node[p], 0.0
+        parts = ti.Vector([0.0, 0.0, 0.0, 0.0])
+        for k in ti.static(range(3)):
+            G += dS[k] * bar.node_displacement[i + k]
+            parts += dS[k] * bar.budget_nodes[STRESS * M + i + k]
+        if G < MOST_GRADIENT:
+            G0, stretch = G - parts.sum(), bar.cause_errors[2 * P + p]
+            change = parts / ((1 - G) * (1 - G0)) - stretch
+            change[COARSE_GRID] += 1 / (1 - G0) - slopes(bar, p, now, on)[0]
+            if bar.taken_away == COARSE_GRID:
+                bar.deformation_gradient[p] -= bar.remedy_rate * change[COARSE_GRID]
+                change[COARSE_GRID] = 0.0
+            bar.cause_errors[2 * P + p] = stretch + bar.remedy_rate * change
+
+
+@ti.func
+def scratch_to_nodes(bar: ti.template()):
+    """S^+ of the scratch, into the layer that pieces had."""
+    P, M = bar.particles, bar.cells + GHOSTS
+    for i in range(M):
+        bar.budget_nodes[PIECES * M + i] = ti.Vector([0.0, 0.0, 0.0, 0.0])
+    for p in range(P):
+        S, _ = stencil_of(bar, p)
+        i = bar.first_node[p]
+        for k in ti.static(range(3)):
+            bar.budget_nodes[PIECES * M + i + k] += S[k] * bar.cause_errors[SCRATCH * P + p]
+    fold(bar.budget_nodes, bar.cells, PIECES * M)
+    for i in range(1, bar.cells + 1):
+        weight = bar.node_sums[i][0]
+        share = 1 / weight if weight > EMPTY else 0.0
+        bar.budget_nodes[PIECES * M + i] = share * bar.budget_nodes[PIECES * M + i]
+    spread(bar.budget_nodes, bar.cells, PIECES * M)
+
+
+@ti.func
+def leave_unseen(bar: ti.template()):
+    """Take from the scratch what the nodes have of it."""
+    P, M = bar.particles, bar.cells + GHOSTS
+    for p in range(P):
+        S, _ = stencil_of(bar, p)
+        i, unseen = bar.first_node[p], bar.cause_errors[SCRATCH * P + p]
+        for k in ti.static(range(3)):
+            unseen = unseen - S[k] * bar.budget_nodes[PIECES * M + i + k]
+        bar.cause_errors[SCRATCH * P + p] = unseen
+
+
+@ti.func
+def sample(bar: ti.template(), row, step, on: ti.template()):
+    """Write them; F is counted from the bar at rest."""
+    out = ti.static(bar.samples)
+    P = bar.particles
+    now = exact_now(bar, step, on)
+    base = 0
+    if ti.static(not on.truth):
+        base = ti.static(on.estimators.index("companion")) * P
+    for f in ti.static(range(3)):
+        unit = 1.0
+        if ti.static(f == 2):
+            unit = 1 / bar.unstretched
+        square = 0.0
+        shared, own = ti.Vector([0.0, 0.0, 0.0, 0.0]), ti.Vector([0.0, 0.0, 0.0, 0.0])
+        for p in range(P):
+            e = 0.0
+            if ti.static(on.truth):
+                e = true_error(bar, p, now, on)[f]
+            else:
+                e = bar.estimate[base + p][f]
+            if ti.static(f == 2):
+                e /= bar.modulus
+            causes = bar.cause_errors[f * P + p]
+            square += e * e
+            shared += e * causes
+            own += causes * causes
+        at = ti.static(column(BUDGET[0], on) + EACH_FIELD * f)
+        out[row, at] = unit * unit * square
+        for c in ti.static(range(4)):
+            out[row, at + 1 + c] = unit * unit * shared[c]
+            out[row, at + 5 + c] = unit * unit * own[c]

@@ -1,0 +1,133 @@
+"""What particles give to nodes for the budget, and the accelerations of nodes that each cause makes.
+
+With f the method's force of the reference's stress, f~ that of the same stress in pieces (``method.pieces``), and
+"down" the mass-weighted mean over the particles of a node, the reference put through the step misses its own
+acceleration by
+
+    crossings    (f - f~)/m              a particle, or its box, is counted whole where a part of it is in the next cell
+    coarse grid  f~/m - down(a0 - b)     pieces of constant stress, and hats or B-splines to see them with
+    body force   b_i - down(b)           0 for a force at material points.
+"""
+
+import taichi as ti
+
+from solvers.problems.bar.budget.budget_arrays import FORCE, PIECES, REFERENCE, STRESS, VELOCITY
+from solvers.problems.bar.budget.reference import motion, slopes
+from solvers.problems.bar.method.forces import force_on_particle, tones
+from solvers.problems.bar.method.nodes import DEGENERATE, EMPTY, GHOSTS, divergence_form, fold, spread, stencil_of
+from solvers.problems.bar.method.pieces import corner_nodes, corner_of, find_corners, place
+
+
+@ti.func
+def particles_to_nodes(bar: ti.template(), t, now, on: ti.template()):
+    """Sum the reference, the stress in pieces, and the errors of each cause at the nodes."""
+    M, P = bar.cells + GHOSTS, bar.particles
+    for i in range(5 * M):
+        bar.budget_nodes[i] = ti.Vector([0.0, 0.0, 0.0, 0.0])
+    size = tones(bar, t, on)
+    if ti.static(not on.pieces):
+        find_corners(bar, on)
+    last = place(bar, -1, on)
+    stress_before = bar.modulus * (slopes(bar, P - 1, now, on)[0] - bar.unstretched)
+    for p in range(P):
+        this = place(bar, p, on)
+        stress = bar.modulus * (slopes(bar, p, now, on)[0] - bar.unstretched)
+        corner_to_nodes(bar, p, stress - stress_before, this - last, on)
+        particle_to_nodes(bar, p, stress, size, now, on)
+        last, stress_before = this, stress
+    for layer in ti.static((REFERENCE, PIECES, VELOCITY, FORCE, STRESS)):
+        if ti.static(layer != STRESS or on.linearity_preserving):
+            fold(bar.budget_nodes, bar.cells, layer * M)
+
+
+@ti.func
+def corner_to_nodes(bar: ti.template(), p, jump, length, on: ti.template()):
+    """The left corner of particle p: the jump of stress there, and what linearity preservation makes of its length."""
+    i, B, _ = corner_of(bar, p)
+    given = ti.Vector([jump, length, 0.0, 0.0])
+    M, P = bar.cells + GHOSTS, bar.particles
+    for k in ti.static(range(corner_nodes(on))):
+        bar.budget_nodes[PIECES * M + i + k] += B[k] * given
+        if ti.static(on.pieces):  # the errors' own stress pulls as the run's does
+            before = bar.cause_errors[2 * P + (p + P - 1) % P]
+            bar.budget_nodes[FORCE * M + i + k] += B[k] * bar.modulus * (bar.cause_errors[2 * P + p] - before)
+
+
+@ti.func
+def particle_to_nodes(bar: ti.template(), p, stress, size, now, on: ti.template()):
+    """What particle p adds: S (v + dt a, a, b) and the force of the reference's stress; velocity and force of errors.
+
+    F P is quadratic: F P - F0 P0 = E (F + F0 - F_rest) e_F exactly. Linearity preservation divides by sums of F, which
+    so belong to the weights: there the run's own F is the geometry of either.
+    """
+    S, dS = stencil_of(bar, p)
+    i, M, P = bar.first_node[p], bar.cells + GHOSTS, bar.particles
+    F, F0 = bar.deformation_gradient[p], slopes(bar, p, now, on)[0]
+    m = motion(bar, p, now, on)
+    geometry, secant = F0, F + F0 - bar.unstretched
+    if ti.static(on.linearity_preserving):
+        geometry, secant = F, F
+    if ti.static(on.frozen):
+        geometry, secant = 1.0, 1.0
+    given = ti.Vector([m[0], m[1], 0.0, 0.0])
+    if ti.static(on.body_force == "node"):
+        given[2] = force_on_particle(bar, p, size, on)
+    force = ti.Vector([0.0, 0.0, 0.0, -geometry * bar.volume * stress])
+    velocity = bar.cause_errors[P + p]
+    stretch = bar.cause_errors[2 * P + p]
+    pull = -bar.modulus * secant * bar.volume * stretch
+    for k in ti.static(range(3)):
+        bar.budget_nodes[i + k] += S[k] * given + dS[k] * force
+        bar.budget_nodes[VELOCITY * M + i + k] += S[k] * velocity
+        if ti.static(not on.pieces):
+            bar.budget_nodes[FORCE * M + i + k] += dS[k] * pull
+        if ti.static(on.linearity_preserving):
+            bar.budget_nodes[PIECES * M + i + k] += S[k] * ti.Vector([0.0, 0.0, stress, 0.0])
+            bar.budget_nodes[STRESS * M + i + k] += S[k] * (bar.modulus * stretch)
+
+
+@ti.func
+def update_nodes(bar: ti.template(), t, on: ti.template()):
+    """Of each cause, velocity after the step and acceleration, its source with it; of the reference v + dt a and a.
+
+    What is taken away leaves the run's own nodes here, and gives to nobody's error.
+    """
+    M, size = bar.cells + GHOSTS, tones(bar, t, on)
+    for i in range(1, bar.cells + 1):
+        reference, pieces = bar.budget_nodes[i], bar.budget_nodes[PIECES * M + i]
+        velocity, force = bar.budget_nodes[VELOCITY * M + i], bar.budget_nodes[FORCE * M + i]
+        sums = bar.node_sums[i]
+        if sums[0] > EMPTY:
+            mass = bar.density * bar.volume * sums[0]
+            method, whole = reference[3], pieces[0]
+            if ti.static(on.linearity_preserving):
+                mean, scale = divergence_form(bar, i, on)
+                method = (method - mean * pieces[2]) * scale
+                force = (force - mean * bar.budget_nodes[STRESS * M + i]) * scale
+                volume = bar.node_volume[i]
+                if pieces[1] > DEGENERATE * volume and volume > DEGENERATE * bar.spacing:
+                    whole *= volume / pieces[1]
+            if ti.static(on.pieces):
+                method = whole
+            body, wanted = 0.0, 0.0
+            if ti.static(on.body_force in ("material", "two-tone")):
+                body = sums[3] / sums[0]
+                wanted = body
+            if ti.static(on.body_force == "node"):
+                body, wanted = size[0] * bar.node_sine[i], reference[2] / sums[0]
+            made = ti.Vector([(method - whole) / mass, whole / mass - reference[1] / sums[0] + wanted,
+                              body - wanted, 0.0])
+            if bar.taken_away >= 0:
+                for c in ti.static(range(3)):
+                    if bar.taken_away == c:
+                        bar.node_motion[i] += made[c] * ti.Vector([-bar.dt, -1.0])
+                        made[c] = 0.0
+            force = force / mass + made
+            velocity = velocity / sums[0] + bar.dt * force
+            reference /= sums[0]
+        else:
+            reference, velocity, force = 0.0 * reference, 0.0 * velocity, 0.0 * force
+        bar.budget_nodes[i] = reference
+        bar.budget_nodes[VELOCITY * M + i], bar.budget_nodes[FORCE * M + i] = velocity, force
+    for layer in ti.static((REFERENCE, VELOCITY, FORCE)):
+        spread(bar.budget_nodes, bar.cells, layer * M)

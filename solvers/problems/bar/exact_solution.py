@@ -1,0 +1,120 @@
+"""The bar's exact solution (eqs 29-34), and its patch test's, as functions of the material coordinate X and the time t.
+
+u = A sin(2 pi X) sin(wt), w = c pi, solves rho0 u_tt = P_X + rho0 b with P = E(F - 1) and
+b = 3 w^2 u per unit mass (the paper's eq 34 prints another A: u already carries it). Without the body force the
+same initial velocity gives the free vibration u = (A/2) sin(2 pi X) sin(2wt); ``BarScene.motion_amplitude`` and
+``BarScene.angular_frequency`` are those of whichever solution holds. In a patch test X is where a particle begins, and
+u = v0 t, F = F0 for ever. Where a displacement is typed, all follows from that (``solvers.motion.line_solution``).
+"""
+
+import math
+from typing import Any
+
+import numpy as np
+
+from solvers.motion.exact_solution import SECOND_FREQUENCY
+from solvers.motion.line_solution import motion_table
+from solvers.scene.momentum_balance import Moments
+
+WAVENUMBER = 2 * np.pi
+SECOND_SIZE = 0.5  # of the force's second tone, of the first
+
+
+def displacement(scene: Any, X: np.ndarray, t: float) -> np.ndarray:
+    """u(X, t) in metres."""
+    if scene.is_patch:
+        return np.full_like(X, scene.initial_velocity * t)
+    if scene.displacement:
+        return scene.typed_solution.displacement(scene, X, t)
+    return scene.motion_amplitude * np.sin(WAVENUMBER * X) * np.sin(scene.angular_frequency * t)
+
+
+def velocity(scene: Any, X: np.ndarray, t: float) -> np.ndarray:
+    """v = u_t in m/s."""
+    if scene.is_patch:
+        return np.full_like(X, scene.initial_velocity)
+    if scene.displacement:
+        return scene.typed_solution.velocity(scene, X, t)
+    w = scene.angular_frequency
+    return scene.motion_amplitude * w * np.sin(WAVENUMBER * X) * np.cos(w * t)
+
+
+def acceleration(scene: Any, X: np.ndarray, t: float) -> np.ndarray:
+    """a = u_tt = -w^2 u in m/s^2."""
+    if scene.is_patch:
+        return np.zeros_like(X)
+    if scene.displacement:
+        return scene.typed_solution.acceleration(scene, X, t)
+    return -scene.angular_frequency**2 * displacement(scene, X, t)
+
+
+def deformation_gradient(scene: Any, X: np.ndarray, t: float) -> np.ndarray:
+    """F = 1 + u_X."""
+    if scene.is_patch:
+        return np.full_like(X, scene.stretch)
+    if scene.displacement:
+        return scene.typed_solution.deformation_gradient(scene, X, t)
+    return 1 + WAVENUMBER * scene.motion_amplitude * np.cos(WAVENUMBER * X) * np.sin(scene.angular_frequency * t)
+
+
+def stress(scene: Any, X: np.ndarray, t: float) -> np.ndarray:
+    """P = E(F - 1) in pascals (eq 29)."""
+    return scene.modulus * (deformation_gradient(scene, X, t) - 1)
+
+
+def field(scene: Any, quantity: str, X: np.ndarray, t: float) -> np.ndarray:
+    """A quantity by its key (``samples.QUANTITIES``), u for x, as a method has it after the time t: its acceleration is
+    the one that its last step used, which began a step before. Of a patch test u - v0 t, beside which v0 t would hide
+    all else."""
+    if scene.is_patch and quantity == "x":
+        return np.zeros_like(X)
+    if quantity == "a":
+        return acceleration(scene, X, max(0.0, t - scene.time_step))
+    return {"x": displacement, "v": velocity, "sigma": stress}[quantity](scene, X, t)
+
+
+def body_force(scene: Any, X: np.ndarray, t: float) -> np.ndarray:
+    """b per unit mass, in m/s^2: 3 w^2 u (eq 34, corrected); with two tones 1.5 w^2 A sin(4 pi X) sin(1.7 wt) beside
+    it; zero for the free bar."""
+    if scene.body_force == "none":
+        return np.zeros_like(X)
+    if scene.displacement:
+        return scene.typed_solution.body_force(scene, X, t)
+    w = scene.angular_frequency
+    force = 3 * w**2 * displacement(scene, X, t)
+    if scene.body_force == "two-tone":
+        size = SECOND_SIZE * 3 * w**2 * scene.amplitude * np.sin(SECOND_FREQUENCY * w * t)
+        force += size * np.sin(2 * WAVENUMBER * X)
+    return force
+
+
+def moments(scene: Any, times: np.ndarray) -> Moments:
+    """The moments (see ``solvers.problems.bar.method.soundness``) at the times (T,) of the motion that the balance of
+    momentum makes (see ``solvers.scene.momentum_balance``).
+
+    P = E(F - 1) is linear, so that the modes sin(2 pi X) and sin(4 pi X), which start and body force feed, swing each
+    for itself: q'' = -(n w0)^2 q + b_n(t), w0 = 2 pi c, n = 1 and 2. With w the frequency of the force,
+
+        b_1 = 3 w^2 A sin(wt):  q_1 = A sin(wt), or A/2 sin(2wt) without force (both start at the velocity A w);
+        b_2 = S sin(nu t), the second tone:  q_2 = S/((2 w0)^2 - nu^2) (sin(nu t) - nu/(2 w0) sin(2 w0 t)).
+
+    All other modes rest, and so does a patch test, seen from where it should be. A force that a method puts at its
+    nodes is meant for the material points too. A typed motion, without its mean, is sum_k T_k M_k.
+    """
+    P, w, A = scene.particles, scene.angular_frequency, scene.motion_amplitude
+    X = (np.arange(P) + 0.5) / P
+    shapes = np.sin(2 * np.pi * np.outer((1, 2), X))  # (2, P)
+    inverse, trusted = np.linalg.pinv(shapes @ shapes.T, hermitian=True), np.ones(len(times), bool)
+    if scene.displacement:
+        motion = motion_table(scene)
+        modes, T = motion.modes[:P, :, 0] - motion.modes[P, :, 0], np.stack([motion.time_functions(t) for t in times])
+        return Moments(T @ (shapes @ modes).T, np.einsum("tk,kl,tl->t", T, modes.T @ modes, T), inverse, P, trusted)
+    size = np.zeros((len(times), 2))
+    if not scene.is_patch:
+        size[:, 0] = A * np.sin(w * times)
+    if scene.body_force == "two-tone":
+        own, tone = 4 * math.pi * scene.wave_speed, SECOND_FREQUENCY * w
+        force = SECOND_SIZE * 3 * w * w * scene.amplitude
+        size[:, 1] = force / (own * own - tone * tone) * (np.sin(tone * times) - tone / own * np.sin(own * times))
+    gram = shapes @ shapes.T
+    return Moments(size @ gram, np.einsum("tm,mn,tn->t", size, gram, size), inverse, P, trusted)

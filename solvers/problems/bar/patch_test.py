@@ -1,0 +1,112 @@
+"""The patch test of the bar: evenly stretched and moving at constant speed, so that exactly nothing should happen.
+
+A bar of rest length 1/F0 is stretched by F0 until it fills the periodic metre, and moves at v0: the stress stays
+E (F0 - 1), the acceleration zero, whatever the grid. Particles stand evenly, as many to a cell as one likes: with a
+whole number each cell holds equally many at all times, and whatever a method does wrong at a cell's boundary cancels.
+
+Solver and exact solution count from the stretched bar, in which X is where a particle begins: with G = F/F0 the
+deformation since then, the stress is E F0 (G - 1/F0), the density rho/F0, and all else as in a bar at rest. So a scene
+has a modulus, a density and a deformation at rest as the solver sees them; of a vibrating bar F0 = 1.
+
+Source: Bardenhagen & Kober (2004) for hats and GIMP; Steffen, Kirby & Berzins (2008) for B-splines.
+"""
+
+import functools
+import math
+from typing import Any
+
+import numpy as np
+
+from solvers.scene.defaults import MOST_PER_CELL
+from solvers.scene.remedies import PIECES
+from solvers.scene.scene import Scene
+from solvers.scene.validation import SceneError, require_number
+
+VIBRATE, PATCH = "vibrate", "patch"
+STRETCH, VELOCITY = 1.02, 1.0  # F0, and v0 in m/s, of a patch test that is told nothing else
+STRETCHES = (0.1, 10.0)
+LEAST_STRAIN = 1e-6  # below it round-off is no longer small beside the stress
+MOST_VELOCITY = 1000.0  # m/s
+WHOLE = 1e-6  # of a particle, by which their number may miss a whole one: 2.3333333 is 7/3
+NOTHING_TO_SEARCH = ("a patch test has nothing to search for or to map: its error is round-off, or does not fall with "
+                     "the cells; compare methods with mpm-lab sweep bar --motion patch")
+ON_EDGE = 1e-10  # cells
+MOST_EDGE_STEPS = 10_000  # that are looked ahead
+FAILED = 0.1  # of the stress: an error beyond which a patch test counts as failed
+
+
+def normalized(cells: object, ppc: object, body_force: object) -> dict[str, Any]:
+    """What a patch test's inputs mean: no body force where none was asked for, 2.3333333 particles in each of 30 cells
+    are 70, and 4.0 are 4."""
+    meant: dict[str, Any] = {"body_force": "none"} if body_force == "material" else {}
+    if isinstance(ppc, float) and math.isfinite(ppc) and type(cells) is int and cells > 0:
+        count = round(cells * ppc)
+        if abs(cells * ppc - count) <= WHOLE:
+            meant["ppc"] = count // cells if count % cells == 0 else count / cells
+    return meant
+
+
+def check_per_cell(cells: int, ppc: object) -> None:
+    """Particles per cell need not be whole, but all of them together."""
+    allowed = f"give a number from 1 to {MOST_PER_CELL}"
+    require_number("ppc", ppc, 0, math.inf, allowed)
+    assert isinstance(ppc, (int, float))
+    if not 1 <= ppc <= MOST_PER_CELL:
+        raise SceneError("ppc", ppc, allowed)
+    count = cells * ppc
+    if abs(count - round(count)) > WHOLE:
+        below, above = math.floor(count), math.ceil(count)
+        nearest = [f"{number / cells:.7g} ({number})" for number in (below, above)
+                   if cells <= number <= MOST_PER_CELL * cells]
+        raise SceneError("ppc", ppc, f"{cells} cells would hold {count:.7g} particles, and they must be a whole "
+                         f"number; give {' or '.join(nearest)}, or other cells")
+
+
+def check_numbers(stretch: float, velocity: float) -> None:
+    """Refuse a stretch or a velocity that no patch test can have."""
+    least, most = STRETCHES
+    allowed = f"give a number from {least:g} to {most:g}, but not 1"
+    require_number("stretch", stretch, 0, math.inf, allowed)
+    if not least <= stretch <= most:
+        raise SceneError("stretch", stretch, allowed)
+    if abs(stretch - 1) < LEAST_STRAIN:
+        raise SceneError("stretch", stretch, "leaves the bar without stress, so that nothing could go "
+                         f"wrong; {allowed}")
+    require_number("initial_velocity", velocity, -math.inf, math.inf,
+                   allowed := f"give a number from {-MOST_VELOCITY:g} to {MOST_VELOCITY:g}")
+    if abs(velocity) > MOST_VELOCITY:
+        raise SceneError("initial_velocity", velocity, allowed)
+
+
+def check_fields(scene: Any) -> None:
+    """Refuse for a patch test what means nothing in it, and for a vibrating bar what only a patch test has."""
+    names: tuple[str, ...] = ("stretch", "initial_velocity")
+    why = "is for the patch test; give motion patch, or leave it out"
+    if scene.is_patch:
+        names = ("amplitude", "body_force", "displacement")
+        why = ("means nothing in a patch test (motion patch), in which nothing vibrates and no force acts; leave it "
+               "out")
+    for name in names:
+        if getattr(scene, name) != ("none" if name == "body_force" else getattr(type(scene), name)):
+            raise SceneError(name, getattr(scene, name), why)
+
+
+def group(scene: Scene) -> tuple[int, int]:
+    """The fewest cells after which particles stand in cells as before, and how many particles these hold."""
+    times = math.gcd(scene.cells, scene.particles)
+    return scene.cells // times, scene.particles // times
+
+
+@functools.lru_cache(maxsize=64)  # the page asks again and again
+def edge_step(scene: Scene, velocity: float) -> int | None:
+    """The first step after which a particle stands on a cell boundary but for rounding, which then says in which cell
+    it is. Of hat functions that is a force too many or too few, even where the count fits; None where there is none."""
+    a_step = velocity * scene.time_step / scene.spacing  # in cells
+    places = group(scene)[1]  # in a cell, at which particles begin
+    held = scene.linearity_preserving or scene.frozen or PIECES in scene.remedies
+    if scene.method != "mpm" or held or not a_step or places > MOST_PER_CELL:
+        return None
+    starts = (np.arange(places) + 0.5) / scene.ppc % 1
+    after = starts + a_step * np.arange(1, min(scene.steps, MOST_EDGE_STEPS) + 1)[:, None]
+    on_edge = (np.abs(after - np.round(after)) < ON_EDGE).any(axis=1)
+    return int(np.argmax(on_edge)) + 1 if on_edge.any() else None

@@ -1,0 +1,78 @@
+"""What kernels know of a plane body from the tables of its exact motion: errors of particles, and its spin."""
+
+import taichi as ti
+
+from solvers.problems.planar.kernel_parts import Measures
+from solvers.problems.planar.method.material import cauchy_stress, cauchy_stress_of, strain_energy
+from solvers.problems.planar.method.node_errors import circular_node_error, node_error
+from solvers.problems.planar.method.phases import TOTALS
+from solvers.problems.planar.method.rotation import turned, turned_tensor
+from solvers.problems.planar.method.soundness import look_at_circles, look_at_modes
+from solvers.problems.planar.scene import PlanarScene
+from solvers.scene.effects import samplers
+from solvers.solver.field_tables import GRID, MODES, MOTION, PRESENT, RANK, fact, find_functions
+from solvers.solver.samples import column
+
+
+@ti.func
+def find_exact(body: ti.template(), step, on: ti.template()):
+    """Find the exact solution at the orbits' points, and the functions of time of the nodes' acceleration, after so
+    many steps; the acceleration at the step before, whose acceleration was used."""
+    w = body.angular_frequency
+    now = w * body.dt * step
+    before = ti.max(0.0, now - w * body.dt)
+    for number in range(MOTION, GRID + 1):  # one loop, for its code is compiled once
+        find_functions(body.tables, body.table_sizes, number, w, now, before)
+    rank, modes, out = fact(body, MOTION, RANK), fact(body, MOTION, MODES), fact(body, MOTION, PRESENT)
+    for k in range(body.orbits):
+        motion, a, F = ti.Vector([0.0] * 4), ti.Vector([0.0] * 4), ti.Vector([1.0, 0.0, 0.0, 1.0])
+        for n in range(rank):
+            at = modes + 2 * (k * rank + n)
+            T, u = body.tables[out + n], body.tables[at]
+            motion += ti.Vector([T[0] * u[0], T[0] * u[1], T[1] * u[0], T[1] * u[1]])
+            a += T[2] * u
+            F += T[0] * body.tables[at + 1]
+        sigma = cauchy_stress_of(body, F, on)
+        body.exact[3 * k], body.exact[3 * k + 1] = motion, a
+        body.exact[3 * k + 2] = ti.Vector([sigma[0], sigma[1], sigma[2], 0.0])
+
+
+@ti.func
+def vector_errors(body: ti.template(), p, on: ti.template()):
+    """Errors of x and v as one vector of four, and of a, at particle p."""
+    at, e, X, q = 3 * body.orbit[p], body.direction[p], body.material_position[p], body.position_velocity[p]
+    f = body.exact[at]
+    u, v = turned(e, f[0], f[1]), turned(e, f[2], f[3])
+    a = ti.Vector([0.0, 0.0])
+    if ti.static(on.acceleration):
+        g = body.exact[at + 1]
+        a = body.acceleration[p] - turned(e, g[0], g[1])
+    return ti.Vector([q[0] - X[0] - u[0], q[1] - X[1] - u[1], q[2] - v[0], q[3] - v[1]]), a
+
+
+@ti.func
+def stress_error(body: ti.template(), p, on: ti.template()):
+    """Error of the Cauchy stress, as xx, xy, yy."""
+    f = body.exact[3 * body.orbit[p] + 2]
+    return cauchy_stress(body, p, on) - turned_tensor(body.direction[p], f[0], f[1], f[2])
+
+
+@ti.func
+def sample_angular_momentum(body: ti.template(), row, step, on: ti.template()):
+    """Angular momentum, and the impulse of the body force's torque so far."""
+    momentum, torque = 0.0, 0.0
+    for p in range(body.particles):
+        q = body.position_velocity[p]
+        momentum += body.mass[p] * (q[0] * q[3] - q[1] * q[2])
+    for slab in range(body.slabs):
+        torque += body.totals[ti.static(TOTALS) * slab + 2]
+    body.samples[row, ti.static(column("spin/momentum", on))] = momentum
+    body.samples[row, ti.static(column("spin/torque", on))] = torque
+
+
+def measures_of(kind: type[PlanarScene], first: int) -> Measures:
+    """Of a problem by the class of its scene; nodes before ``first`` in a row lie beyond a symmetry plane."""
+    nodes = circular_node_error(kind, first) if kind.CIRCULAR else node_error(first if kind.PLANES[1] else 0)
+    look = look_at_circles(kind.INNER, kind.OUTER, kind.PLOTTED == "angular") if kind.CIRCULAR else look_at_modes
+    spin = {"spin": sample_angular_momentum} if "spin" in kind.OWN_EFFECTS else {}
+    return Measures(nodes, strain_energy, look, samplers(kind.problem, spin))

@@ -1,0 +1,67 @@
+"""A problem's own part of the phases of a step: what pushes its particles, and where they may be."""
+
+import taichi as ti
+
+from solvers.problems.planar.kernel_parts import Traits
+from solvers.problems.planar.method.material import LAWS, determinant, kirchhoff, piola
+from solvers.problems.planar.method.neo_hookean import find_volumetric
+from solvers.problems.planar.method.rotation import turned
+from solvers.problems.planar.method.symmetry_planes import symmetry_planes
+from solvers.problems.planar.scene import PlanarScene
+from solvers.solver.field_tables import find_force_functions, force_at
+
+
+def traits_of(kind: type[PlanarScene]) -> Traits:
+    """Of a problem by the class of its scene."""
+    circular, volumetric, low = kind.CIRCULAR, kind.VOLUMETRIC, kind.PLANES[0]
+
+    @ti.func
+    def forces(body: ti.template(), t, on: ti.template()):
+        """The body force per mass at time t: its functions of time, and at the circles itself, for there are few."""
+        find_force_functions(body.tables, body.table_sizes, body.angular_frequency * t, on)
+        if ti.static(circular and on.body_force != "none"):
+            for k in range(body.orbits):
+                body.orbit_force[k] = force_at(body.tables, body.table_sizes, k, on)
+
+    @ti.func
+    def prepare(body: ti.template(), start, end, on: ti.template()):
+        """lambda ln J, and where each particle is an orbit the force, of the particles from ``start`` to ``end``."""
+        if ti.static(volumetric and LAWS[on.law].logarithmic):
+            find_volumetric(body, start, end)
+        if ti.static(not circular and on.body_force != "none"):
+            for p in range(start, end):
+                body.orbit_force[p] = force_at(body.tables, body.table_sizes, p, on)
+
+    @ti.func
+    def body_force_on(body: ti.template(), p):
+        """The body force on a particle, in N."""
+        f = body.orbit_force[body.orbit[p]]
+        if ti.static(circular):
+            f = turned(body.direction[p], f[0], f[1])
+        return body.mass[p] * f
+
+    @ti.func
+    def stress(body: ti.template(), p, on: ti.template()):
+        """J sigma as (xx, xy, yx, yy), or P where the weights stay those of rest."""
+        F, bulk, full = body.deformation_gradient[p], 0.0, ti.Vector([0.0] * 4)
+        if ti.static(volumetric and LAWS[on.law].logarithmic):
+            bulk = body.volumetric[p]
+        J = determinant(F)
+        q, r, _, _ = LAWS[on.law].coefficients(F, J, bulk, body.lame_modulus, body.shear_modulus)
+        if ti.static(on.frozen):
+            full[0], full[1], full[2], full[3] = piola(F, q, (r - q) / J)
+        else:
+            full[0], full[1], full[3] = kirchhoff(F, q, r)
+            full[2] = full[1]
+        return full
+
+    @ti.func
+    def has_escaped(body: ti.template(), p, step):
+        """Whether a particle is where none of a sound run can be."""
+        q, X = body.position_velocity[p], body.material_position[p]
+        least = -body.spacing if ti.static(low) else -body.farthest
+        inside = q[0] > least and q[1] > least and q[0] < body.farthest and q[1] < body.farthest
+        return not (inside and (q[0] - X[0]) ** 2 + (q[1] - X[1]) ** 2 < body.farthest_move ** 2)
+
+    return Traits(forces=forces, prepare=prepare, body_force_on=body_force_on, stress=stress, has_escaped=has_escaped,
+                  **symmetry_planes(*kind.PLANES))

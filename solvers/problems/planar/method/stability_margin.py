@@ -1,0 +1,135 @@
+"""The margin of the step: dt over the bound of ``solvers.scene.step_bound``, from the weights of the last step."""
+
+import taichi as ti
+
+from solvers.kernels import runtime
+from solvers.problems.planar.method import cpdi
+from solvers.problems.planar.method.material import tangent
+from solvers.problems.planar.method.stored_weights import kept, kept_number
+
+
+@ti.func
+def step_margin(body: ti.template(), traits: ti.template(), on: ti.template()):
+    """Write dt over the bound; NaN before the first step. On a GPU to be called from a kernel itself: nodes cannot keep
+    there what belongs to one of the particles at work side by side, and it is worked out where it is needed."""
+    for node in range(body.nodes):
+        body.node_scratch[node] = ti.Vector([0.0, 0.0, 0.0, 0.0])
+    if ti.static(on.method == "cpdi" and runtime.on_processor()):
+        add_corners(body, traits, on)
+    else:
+        for p in range(body.particles):
+            stiffness, metric = tangent(body, p, on)
+            total = 0.0
+            for k in range(ti.static(16 if on.method == "cpdi" else 9)):
+                node, gradient = node_gradient(body, p, k, on)
+                total += scaled_size(body, traits, metric, gradient, node)
+            for k in range(ti.static(16 if on.method == "cpdi" else 9)):
+                node, gradient = node_gradient(body, p, k, on)
+                circle = stiffness * total * scaled_size(body, traits, metric, gradient, node)
+                ti.atomic_add(body.node_scratch[traits.image(body, node)][3], circle)
+    largest = 0.0
+    for node in range(body.nodes):
+        ti.atomic_max(largest, body.node_scratch[node][3])
+    body.step_margin[0] = 0.5 * body.dt * ti.sqrt(largest) if largest > 0 else ti.math.nan
+
+
+@ti.func
+def add_corners(body: ti.template(), traits: ti.template(), on: ti.template()):
+    """The circles of CPDI on a processor, where looking for corners that share a node would take several times as long.
+
+    A node's record: grad S of the present particle (two numbers), |grad S|/sqrt(m), Gershgorin's sum. Loops are not
+    unrolled: this runs seldom, and would take longer to compile.
+    """
+    for p in range(body.particles):
+        total, g = 0.0, cpdi.corner_gradients(body, p, on)
+        for k in range(16):
+            node, a = corner_node(body, p, k, on), 2 * (k // 4 % 2)
+            gradient = corner_hat(body, p, k, on) * ti.Vector([g[a], g[a + 1], 0.0, 0.0])
+            body.node_scratch[node] = body.node_scratch[node] + gradient
+        stiffness, metric = tangent(body, p, on)
+        for k in range(16):
+            total += take_gradient(body, traits, metric, corner_node(body, p, k, on))
+        stiffness *= total
+        for k in range(16):
+            add_circle(body, traits, corner_node(body, p, k, on), stiffness)
+
+
+@ti.func
+def take_gradient(body: ti.template(), traits: ti.template(), metric, node):
+    """|grad S|/sqrt(m) of the present particle at a node, kept there in place of the gradient: corners of a domain that
+    share the node ask again, and then find 0."""
+    record = body.node_scratch[node]
+    scaled = scaled_size(body, traits, metric, ti.Vector([record[0], record[1]]), node)
+    if scaled > 0:
+        body.node_scratch[node] = ti.Vector([0.0, 0.0, scaled, record[3]])
+    return scaled
+
+
+@ti.func
+def scaled_size(body: ti.template(), traits: ti.template(), metric, gradient, node):
+    """|grad S|/sqrt(m) at a node, 0 where it carries nothing."""
+    along, across = gradient[0] * gradient[0], gradient[1] * gradient[1]
+    size = ti.sqrt(ti.max(0.0, metric[0] * along + metric[2] * across + 2 * metric[1] * gradient[0] * gradient[1]))
+    mass = body.node_mass[traits.image(body, node)]
+    scaled = 0.0
+    if size > 0 and mass > 0:
+        scaled = size / ti.sqrt(mass)
+    return scaled
+
+
+@ti.func
+def add_circle(body: ti.template(), traits: ti.template(), node, stiffness):
+    """Add the present particle's part to the sum of a node, once."""
+    scaled = body.node_scratch[node][2]
+    body.node_scratch[node][2] = 0.0
+    body.node_scratch[traits.image(body, node)][3] += stiffness * scaled
+
+
+@ti.func
+def node_gradient(body: ti.template(), p, k, on: ti.template()):
+    """The particle's k-th node and the gradient of its weight there; of CPDI, where several corners may share a node,
+    the whole gradient where the node comes first and none where it comes again."""
+    node, gradient = 0, ti.Vector([0.0, 0.0])
+    if ti.static(on.method == "cpdi"):
+        g = cpdi.corner_gradients(body, p, on)
+        node = corner_node(body, p, k, on)
+        for other in range(16):
+            if corner_node(body, p, other, on) == node:
+                pair = ti.Vector([g[0], g[1]]) if other // 4 % 2 == 0 else ti.Vector([g[2], g[3]])
+                gradient += corner_hat(body, p, other, on) * pair
+        for other in range(k):
+            if corner_node(body, p, other, on) == node:
+                gradient = ti.Vector([0.0, 0.0])
+    else:
+        w, = ti.static([kept(body, p, on)])
+        i, j = k % 3, k // 3
+        S, dS = entry(i, w[0], w[2]), slope_entry(i, w[4], w[6])
+        R, dR = entry(j, w[1], w[3]), slope_entry(j, w[5], w[7])
+        node, gradient = body.first_node[p] + j * body.row + i, ti.Vector([dS * R, S * dR])
+    return node, gradient
+
+
+@ti.func
+def corner_node(body: ti.template(), p, k, on: ti.template()):
+    """The k-th of the sixteen nodes of the corners of a particle."""
+    return ti.cast(kept_number(body, p, cpdi.NODES + k // 4, on), ti.i32) + (k % 4 // 2) * body.row + k % 2
+
+
+@ti.func
+def corner_hat(body: ti.template(), p, k, on: ti.template()):
+    """The hat function of its corner at the k-th of those nodes, with the sign of the corner's gradient."""
+    c = k // 4
+    x, y = kept_number(body, p, c, on), kept_number(body, p, c + 4, on)
+    return (x if k % 2 == 1 else 1 - x) * (y if k % 4 // 2 == 1 else 1 - y) * (1.0 if c < 2 else -1.0)
+
+
+@ti.func
+def entry(i, left, right):
+    """Weight i of three, of which the outer two are given."""
+    return left if i == 0 else (right if i == 2 else 1 - left - right)
+
+
+@ti.func
+def slope_entry(i, left, right):
+    """Slope i of three, of which the outer two are given."""
+    return left if i == 0 else (right if i == 2 else -left - right)

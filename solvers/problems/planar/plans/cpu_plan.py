@@ -1,0 +1,148 @@
+"""Steps of a plane body on a processor, by two plans that run the same phases, and the other kernels of a run.
+
+One kernel takes any number of steps on one thread (``solvers.solver.run_loop``), ``step_in_slabs`` one on several
+threads, with slabs of particles side by side; ``solvers.problems.planar.plans.gpu_kernels`` has the kernels of a GPU.
+"""
+
+from typing import Any, NamedTuple
+
+import taichi as ti
+
+from solvers.estimators import estimator_loop
+from solvers.estimators.estimator_memory import packing
+from solvers.kernels.launch import Launch
+from solvers.problems.planar.kernel_parts import PlanarParts
+from solvers.problems.planar.method import phases, remedies, stability_margin
+from solvers.problems.planar.method.body import WatchedBody
+from solvers.problems.planar.method.samples import sample
+from solvers.problems.planar.plans.gpu_kernels import KernelsAtOnce, kernels_at_once
+from solvers.scene.kernel_options import Switches
+from solvers.scene.scene import Scene
+from solvers.solver.base import MEASURE, REPORT, SOUND, STEP
+from solvers.solver.run_loop import CHECK_EVERY, OneThread, Phases, SerialKernels, check, serial_kernels
+
+TASK = 512  # indices that a parallel loop never splits between threads
+
+
+class Kernels(NamedTuple):
+    """The kernels of a problem, and the type of the ``state`` that they take; ``on`` are the switches of a scene."""
+
+    state: Any
+    phases: Phases
+    serial: SerialKernels
+    step_in_slabs: Any  # (step, slabs, state, on)
+    inspect: Any  # (step, line, purpose, state, on)
+    at_once: KernelsAtOnce  # those for a GPU
+
+
+def kernels(parts: PlanarParts) -> Kernels:
+    HOOKS, TRAITS, MEASURES = parts.hooks, parts.traits, parts.measures
+    # Numbers and arrays as one argument: nothing of a scene is baked into compiled code but its switches.
+    State = ti.types.argpack(**WatchedBody.types(), **packing(HOOKS).types)
+
+    @ti.func
+    def one_step(body: ti.template(), step, on: ti.template()):
+        """Step number ``step``, counted from one, on one thread: that many have been taken after it."""
+        phases.update_grid(body, (step - 1) * body.dt, TRAITS, on)
+        estimator_loop.in_step(body, step, HOOKS, on)
+        remedies.in_step(body, step, TRAITS, on)
+        phases.nodes_to_particles(body, 0, step, TRAITS, on)
+        estimator_loop.after_step(body, step, HOOKS, on)
+
+    @ti.func
+    def sample_it(body: ti.template(), row, step, looks, on: ti.template()):
+        sample(body, row, step, looks, MEASURES, on)
+
+    @ti.func
+    def check_it(body: ti.template(), step):
+        check(body, step, phases.flatness, TRAITS.has_escaped)
+
+    @ti.func
+    def find_weights(body: ti.template(), on: ti.template()):
+        phases.find_weights(body, 0, body.particles, on)
+
+    @ti.func
+    def find_margin(body: ti.template(), on: ti.template()):
+        stability_margin.step_margin(body, TRAITS, on)
+
+    in_turn = Phases(one_step, check_it, sample_it, HOOKS, find_weights, find_margin)
+
+    @ti.kernel
+    def step_in_slabs(step: ti.i32, slabs: ti.i32, body: State, on: ti.template()):
+        """One step on as many threads as there are slabs; ``slabs`` = 0 only compiles."""
+        for _ in range(ti.min(slabs, 1)):
+            TRAITS.forces(body, step * body.dt, on)
+        for task in range(TASK * slabs):
+            if task % TASK == 0:
+                phases.particles_to_nodes(body, task // TASK, TRAITS, on)
+        for task in range(TASK * slabs):
+            if task % TASK == 0:
+                first, last = phases.slab_range(body.active, task // TASK, body.slabs)
+                for j in range(first, last):
+                    phases.sum_slabs(body, j)
+        for _ in range(ti.min(slabs, 1)):
+            TRAITS.fold(body, phases.fold_sums)
+        for task in range(TASK * slabs):
+            if task % TASK == 0:
+                first, last = phases.slab_range(body.active - TRAITS.first, task // TASK, body.slabs)
+                for j in range(first, last):
+                    phases.update_nodes(body, TRAITS.first + j, TRAITS, on)
+        for _ in range(ti.min(slabs, 1)):
+            TRAITS.mirror(body, body.node_motion)
+            estimator_loop.in_step(body, step + 1, HOOKS, on)
+            remedies.in_step(body, step + 1, TRAITS, on)
+        for task in range(TASK * slabs):
+            if task % TASK == 0:
+                phases.nodes_to_particles(body, task // TASK, step + 1, TRAITS, on)
+        for _ in range(ti.min(slabs, 1)):
+            estimator_loop.after_step(body, step + 1, HOOKS, on)
+
+    @ti.kernel
+    def inspect(step: ti.i32, line: ti.i32, purpose: ti.i32, body: State, on: ti.template()):
+        """Beside ``step_in_slabs``: check the state unless it is to ``REPORT``, and sample it into ``line`` unless that
+        is negative, with a look for contradictions where one is due or it is to ``MEASURE``."""
+        ti.loop_config(serialize=True)
+        for _ in range(1):
+            if purpose != REPORT and body.verdict[0] == SOUND:
+                check_it(body, step)
+            if line >= 0:
+                estimator_loop.report(body, step, HOOKS, on)
+            if line >= 0 and purpose != REPORT:
+                sample(body, line, step, purpose == MEASURE or step % body.look_interval == 0, MEASURES, on)
+
+    return Kernels(State, in_turn, serial_kernels(State, in_turn), step_in_slabs, inspect,
+                   kernels_at_once(State, parts))
+
+
+class OnProcessor(OneThread):
+    """Steps the arrays as they are, on so many ``threads``; on one with the serial kernel unless ``parallel``."""
+
+    def __init__(self, kernels: Kernels, scene: Scene, arrays: WatchedBody, on: Switches, parallel: bool, threads: int):
+        super().__init__(kernels.serial, kernels.state(**arrays.members()), on)
+        self._scene, self._arrays, self._parallel, self._threads = scene, arrays, parallel, threads
+        self._step, self._inspect = (Launch(one, self.pack, on) for one in (kernels.step_in_slabs, kernels.inspect))
+
+    def compile(self) -> None:
+        if self._parallel:
+            self._step(0, 0)
+            self._inspect(0, -1, REPORT)
+
+    def run(self, before: int, steps: int) -> None:
+        if not self._parallel:
+            super().run(before, steps)
+            return
+        interval, row = self._scene.sample_interval, 0
+        for step in range(before, before + steps):
+            self._step(step, self._threads)
+            sampled = (step + 1) % interval == 0
+            if sampled or (step + 1) % CHECK_EVERY == 0:
+                self._inspect(step + 1, row if sampled else -1, STEP)
+                row += sampled
+            if self._arrays.verdict[0] != SOUND:
+                break
+
+    def look(self, step: int, purpose: int) -> None:
+        if self._parallel:
+            self._inspect(step, 0, purpose)
+        else:
+            super().look(step, purpose)

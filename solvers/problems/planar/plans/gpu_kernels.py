@@ -1,0 +1,141 @@
+"""Steps of a plane body with all particles at once, as a GPU takes them, and the other kernels of such a run.
+
+They call the phases that the plans of a processor call, from the kernel itself: there, Taichi makes every loop a launch
+of as many threads as it has turns, in functions too. So nothing here may call them under an ``if``, which would leave
+a single thread to do it all; what is to be done is decided by who launches
+(``solvers.problems.planar.plans.gpu_plan``).
+"""
+
+from typing import Any, NamedTuple
+
+import taichi as ti
+
+from solvers.estimators import estimator_loop
+from solvers.problems.planar.kernel_parts import PlanarParts
+from solvers.problems.planar.method import phases, remedies, stability_margin
+from solvers.problems.planar.method.samples import sample_sums
+from solvers.problems.planar.method.soundness import SAME
+from solvers.solver.base import CRUSHED, ESCAPED, INVERTED
+from solvers.solver.run_loop import FLATTEST, NO_NUMBER
+
+
+class KernelsAtOnce(NamedTuple):
+    """The kernels of a problem on a GPU; ``on`` are the switches of a scene."""
+
+    to_nodes: Any  # (step, state, on)
+    to_particles: Any  # (step, state, on)
+    begin_remedies: Any  # (state, on)
+    sharpen: Any  # (pass number, state, on)
+    end_remedies: Any  # (state, on)
+    check: Any  # (step, state, on)
+    sample: Any  # (step, line, state, on)
+    look: Any  # (line, state, on)
+    report: Any  # (step, state, on)
+    freeze: Any  # (state, on)
+    find_margin: Any  # (state, on)
+
+
+@ti.func
+def update_nodes(body: ti.template(), side, traits: ti.template(), on: ti.template()):
+    """The new motion of the nodes, ``side`` in each direction, from their sums."""
+    traits.fold(body, phases.fold_sums)
+    least = phases.EMPTY * body.density * body.spacing * body.spacing
+    for place in range(side * side):
+        i, j = place % body.active, place // body.active
+        if i >= traits.first and j >= traits.first:
+            phases.update_node(body, i, j, least, traits, on)
+    traits.mirror(body, body.node_motion)
+
+
+@ti.func
+def check_at_once(body: ti.template(), step, has_escaped: ti.template()):
+    """``solvers.solver.run_loop.check`` where all particles are looked at side by side, and the same particle: of
+    several that are not numbers the last."""
+    flattest, rank = FLATTEST, body.particles
+    for p in range(phases.moving(body)):
+        J = numbered_flatness(body, p)
+        if J < FLATTEST:
+            ti.atomic_min(flattest, J)
+    for p in range(phases.moving(body)):
+        if flattest < FLATTEST:
+            if numbered_flatness(body, p) <= flattest + SAME * ti.abs(flattest):
+                ti.atomic_min(rank, p if flattest > NO_NUMBER else body.particles - 1 - p)
+        elif has_escaped(body, p, step):
+            ti.atomic_min(rank, p)
+    if rank < body.particles:
+        body.verdict[0] = ESCAPED if flattest == FLATTEST else (CRUSHED if flattest > 0 else INVERTED)
+        body.verdict[1] = step
+        body.verdict[2] = rank if flattest > NO_NUMBER else body.particles - 1 - rank
+
+
+@ti.func
+def numbered_flatness(body: ti.template(), p):
+    """det F of a particle, or what stands for one that is not a number."""
+    J = phases.flatness(body, p)
+    return NO_NUMBER if ti.math.isnan(J) else J
+
+
+def kernels_at_once(State: Any, parts: PlanarParts) -> KernelsAtOnce:
+    """The kernels of a problem whose state has the type ``State``."""
+    HOOKS, TRAITS, MEASURES = parts.hooks, parts.traits, parts.measures
+
+    @ti.kernel
+    def to_nodes(step: ti.i32, body: State, on: ti.template()):
+        """The first half of the step after ``step`` steps: particles to nodes, and the nodes' new motion."""
+        count = phases.moving(body)
+        side = body.active * ti.min(count, 1)  # a run gone bad keeps its last nodes
+        for place in range(side * side):
+            body.node_sums[place // body.active * body.row + place % body.active] = ti.Vector([0.0] * 8)
+        TRAITS.forces(body, step * body.dt, on)
+        for p in range(count):
+            phases.map_to_nodes(body, p, p + 1, 0, TRAITS, on)
+        update_nodes(body, side, TRAITS, on)
+
+    @ti.kernel
+    def to_particles(step: ti.i32, body: State, on: ti.template()):
+        """The second half of step number ``step``, counted from one."""
+        phases.nodes_to_particles(body, 0, step, TRAITS, on)
+
+    @ti.kernel
+    def begin_remedies(body: State, on: ti.template()):
+        remedies.begin(body, on)
+
+    @ti.kernel
+    def sharpen(pass_number: ti.i32, body: State, on: ti.template()):
+        remedies.sharpen(body, pass_number, TRAITS, on)
+
+    @ti.kernel
+    def end_remedies(body: State, on: ti.template()):
+        remedies.end(body, on)
+
+    @ti.kernel
+    def check(step: ti.i32, body: State, on: ti.template()):
+        """Stop a run that has gone bad."""
+        check_at_once(body, step, TRAITS.has_escaped)
+
+    @ti.kernel
+    def sample(step: ti.i32, line: ti.i32, body: State, on: ti.template()):
+        """Sample the state into ``line``, but for contradictions."""
+        sample_sums(body, line, step, MEASURES, on)
+
+    @ti.kernel
+    def look(line: ti.i32, body: State, on: ti.template()):
+        """Look for contradictions, into ``line``."""
+        MEASURES.look(body, line)
+
+    @ti.kernel
+    def report(step: ti.i32, body: State, on: ti.template()):
+        """Fill the estimates of the companion, whose nodes have been brought to the step."""
+        estimator_loop.report_at_once(body, step, HOOKS, on)
+
+    @ti.kernel
+    def freeze(body: State, on: ti.template()):
+        """Find the weights of a body that keeps them."""
+        phases.find_weights(body, 0, body.particles, on)
+
+    @ti.kernel
+    def find_margin(body: State, on: ti.template()):
+        stability_margin.step_margin(body, TRAITS, on)
+
+    return KernelsAtOnce(to_nodes, to_particles, begin_remedies, sharpen, end_remedies, check, sample, look, report,
+                         freeze, find_margin)

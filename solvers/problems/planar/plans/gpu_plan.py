@@ -1,0 +1,190 @@
+"""The plan of a plane body on a GPU: its arrays stay there, and steps are queued without waiting for any. A companion
+is solved by the processor beside them, and read at their samples."""
+
+import contextlib
+import copy
+from collections.abc import Mapping
+from typing import Any
+
+import numpy as np
+import taichi as ti
+
+from solvers.estimators.companion import MOST_INTERVAL, NOW
+from solvers.estimators.standalone import ElasticBody, Lost, NystromIntegrator
+from solvers.kernels import runtime
+from solvers.kernels.launch import Launch
+from solvers.problems.planar.method import remedies
+from solvers.problems.planar.method.body import WatchedBody
+from solvers.problems.planar.plans.gpu_kernels import KernelsAtOnce
+from solvers.scene.estimator_hooks import NEVER
+from solvers.scene.kernel_options import Switches
+from solvers.scene.scene import Scene
+from solvers.solver.base import MEASURE, REPORT
+from solvers.solver.run_loop import CHECK_EVERY
+
+KEPT = 8  # instants to which the companion can go back, as for timings, which take some steps again; and the start
+NODES = "companion_nodes"  # what the processor brings to each sample
+WATCHED = ("verdict", "samples", "step_margin", "memory_reals")  # what is fetched whenever steps have been taken
+
+
+class BesideGpu:
+    """A ``body`` whose nodes are those of the ``memory`` of a companion, and steps of ``dt`` seconds."""
+
+    def __init__(self, body: ElasticBody, memory: Mapping[str, np.ndarray], dt: float):
+        self._body, self._nodes, self._dt = body, memory["companion_nodes"], dt
+        self._kept = [NystromIntegrator(body, MOST_INTERVAL * dt)]
+
+    def bring_to(self, step: int) -> None:
+        """Fill the layer ``NOW`` of ``companion_nodes``: u and v after so many steps, and a one step before; not a
+        number where the companion itself is lost."""
+        integrator = self._at(max(0, step - 1))
+        a = integrator.a
+        if step:
+            integrator = self._at(step)
+        N = len(integrator.u)
+        self._nodes[NOW * N:(NOW + 1) * N, :6] = np.concatenate([integrator.u, integrator.v, a], axis=1)
+
+    def _at(self, step: int) -> NystromIntegrator:
+        """The body after so many steps, from the last instant before that it knows."""
+        time = step * self._dt
+        while self._kept[-1].time > time:
+            self._kept.pop()
+        integrator = copy.copy(self._kept[-1])
+        with np.errstate(all="ignore"), contextlib.suppress(Lost):
+            integrator.to(time)
+        self._kept.append(integrator)
+        if len(self._kept) > KEPT:
+            del self._kept[1]
+        return integrator
+
+
+class DeviceArrays:
+    """Copies on the GPU of ``arrays`` by name, which have the types of a kernel's argument.
+
+    They take their memory with them when they go: Taichi 1.7.4 by itself frees no array of vectors that is let go of,
+    and other arrays when Python comes to it, by their address, at which the next program may have put another by then.
+    """
+
+    def __init__(self, arrays: dict[str, np.ndarray], types: dict[str, Any]):
+        self.arrays = arrays
+        self.copies: dict[str, ti.Ndarray] = {}
+        self.copies = {name: ti.ndarray(types[name].dtype, array.shape[:types[name].ndim])
+                       for name, array in arrays.items()}
+        runtime.holders.add(self)
+        self.upload(*arrays)
+
+    def __del__(self) -> None:
+        self.forget()
+
+    def fetch(self, *names: str) -> None:
+        """Bring the arrays up to date."""
+        for name in names:
+            self.arrays[name][...] = self.copies[name].to_numpy()
+
+    def upload(self, *names: str) -> None:
+        """Bring the copies up to date."""
+        for name in names:
+            self.copies[name].from_numpy(self.arrays[name])
+
+    def forget(self) -> None:
+        """Free the copies: nobody uses them any more, or Taichi is about to end."""
+        if self.copies:
+            ti.sync()  # what is queued may use them
+            program = ti.lang.impl.get_runtime().prog
+            for device_copy in self.copies.values():
+                program.delete_ndarray(device_copy.arr)
+                device_copy.arr = None
+            self.copies = {}
+
+
+class OnDevice:
+    """Steps copies of the arrays on a GPU. The arrays themselves are what was there when they were last fetched; after
+    steps, that is the verdict and the samples.
+
+    An estimator that runs ``beside`` is carried on by the processor while the GPU works through what is queued. Nodes'
+    sums are made by atomic additions.
+    """
+
+    def __init__(self, kernels: KernelsAtOnce, State: Any, scene: Scene, arrays: WatchedBody, on: Switches,
+                 beside: BesideGpu | None):
+        self._scene, self._arrays, self._on, self._beside = scene, arrays, on, beside
+        members = arrays.members()
+        self._names = [name for name, value in members.items() if isinstance(value, np.ndarray)]
+        self._own = DeviceArrays({name: members[name] for name in self._names}, State.members)
+        self.pack = State(**{**members, **self._own.copies})
+        self._kernels = KernelsAtOnce(*(Launch(kernel, self.pack, on) for kernel in kernels))
+        runtime.holders.add(self)
+        if on.frozen:
+            self._kernels.freeze()
+
+    def forget(self) -> None:
+        """Keep nothing that Taichi has made: it is about to end."""
+        self.pack = None
+
+    def compile(self) -> None:
+        """Compile what steps and samples, without stepping."""
+        kernels, on = self._kernels, self._on
+        for launch in (kernels.to_nodes, kernels.to_particles, kernels.check):
+            launch.compile(0)
+        kernels.sample.compile(0, 0)
+        if on.soundness:
+            kernels.look.compile(0)
+        if on.filtered or on.coupled:
+            kernels.begin_remedies.compile()
+            kernels.sharpen.compile(0)
+            kernels.end_remedies.compile()
+        if self._beside:
+            kernels.report.compile(0)
+
+    def run(self, before: int, steps: int) -> None:
+        """Take steps after ``before`` of them; after a check that finds the run gone bad the others do nothing."""
+        kernels, scene, line = self._kernels, self._scene, 0
+        for step in range(before + 1, before + steps + 1):
+            kernels.to_nodes(step - 1)
+            if (self._on.filtered or self._on.coupled) and step % self._arrays.remedy_interval == 0:
+                kernels.begin_remedies()
+                for pass_number in range(remedies.PASSES if self._on.coupled else 1):
+                    kernels.sharpen(pass_number)
+                kernels.end_remedies()
+            kernels.to_particles(step)
+            if step % CHECK_EVERY == 0:
+                kernels.check(step)
+            if step % scene.sample_interval == 0:
+                self._sample(step, line, step % scene.look_interval == 0)
+                line += 1
+        self._own.fetch(*WATCHED)
+
+    def look(self, step: int, purpose: int) -> None:
+        """Sample the state, after ``step`` steps, into line 0, or only bring the estimates up to date."""
+        if purpose == MEASURE:
+            self._kernels.check(step)
+        if purpose == REPORT:
+            self._report(step)
+        else:
+            self._sample(step, 0, True)
+            self._own.fetch(*WATCHED)
+
+    def find_margin(self) -> None:
+        self._kernels.find_margin()
+        self._own.fetch(*WATCHED)
+
+    def fetch(self) -> None:
+        """Bring the arrays up to date."""
+        self._own.fetch(*self._names)
+
+    def upload(self) -> None:
+        """Have the GPU go on from the arrays as they are here."""
+        self._own.upload(*self._names)
+
+    def _sample(self, step: int, line: int, looks: bool) -> None:
+        self._report(step)
+        self._kernels.sample(step, line)
+        if looks and self._on.soundness:
+            self._kernels.look(line)
+
+    def _report(self, step: int) -> None:
+        """Bring the estimates up to date. The processor carries its part on while the GPU has work in its queue."""
+        if self._beside and self._arrays.estimate_intervals[0] != NEVER:
+            self._beside.bring_to(step)
+            self._own.upload(NODES)
+            self._kernels.report(step)

@@ -1,0 +1,136 @@
+"""Numbers that somebody wants of a run, each with the error that the truth and the estimators say it has.
+
+A goal is a function J of the particles at the end. With values q whose errors are said to be e, the goal has the error
+J(q) - J(q - e), in full and not only to first order. Cancellation between particles counts: a mean may be far better
+than the particles that it is of.
+"""
+
+import math
+import re
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from solvers.problems import PROBLEMS
+from solvers.scene.scene import Scene
+from solvers.scene.validation import SceneError
+from solvers.solver.error_norms import UNBOUNDED, finite
+from solvers.solver.rounding import rounding
+from solvers.solver.snapshot import TRUTH, Fields, Values
+
+#: How many times the estimated error the bar around a value is long. Not fitted: twice, as in two standard deviations.
+#: What such a bar keeps is measured in ``assets/coverage.md``.
+SAFETY = 2.0
+DISPLACEMENT, STRESS, ENERGY = "displacement", "mean-stress", "kinetic-energy"
+UNITS = {DISPLACEMENT: "m", STRESS: "Pa", ENERGY: "J"}
+POINT = re.compile(rf"{DISPLACEMENT}@([^,@]+)(?:,([^,@]+))?")
+#: Particles around a point, and the degree of the polynomial through them, by dimensions: its error is of an order
+#: more than the second, of the method.
+AROUND, DEGREE = {1: 4, 2: 12}, {1: 3, 2: 2}
+
+
+@dataclass(frozen=True)
+class Goal:
+    """One number, by the ``name`` that asks for it: "kinetic-energy", "mean-stress" (sigma along the bar, half the
+    trace in the plane, over the volume at the start) or "displacement@X" ("displacement@X,Y" in the plane: its length),
+    at the material point with these coordinates in m."""
+
+    name: str
+    point: tuple[float, ...] = ()
+
+    @property
+    def unit(self) -> str:
+        return UNITS[self.name.partition("@")[0]]
+
+    def of(self, fields: Fields) -> Callable[[Values], float]:
+        """The number as a function of what the particles are."""
+        if self.point:
+            weights = weights_at(fields.material_position, np.array(self.point))
+            size: Callable = np.linalg.norm if len(self.point) > 1 else np.squeeze  # of one component with its sign
+            return lambda q: float(size(weights @ q.displacement))
+        if self.name == ENERGY:
+            return lambda q: 0.5 * float(fields.mass @ np.sum(q.velocity**2, axis=1))
+        return lambda q: float(np.average(q.stress[:, [0, -1]].mean(axis=1), weights=fields.volume))
+
+    def rounding(self, scene: Scene, steps: int, value: float, mass: float) -> float:
+        """The largest error that rounding alone may make of this ``value``; energy is m v^2/2, and dE = m v dv."""
+        if self.name == ENERGY:
+            return math.sqrt(2 * abs(value) * mass) * float(rounding(scene, "v", steps))
+        return float(rounding(scene, "x" if self.point else "sigma", steps))
+
+
+def goals_of(scene: Scene, names: Sequence[str]) -> list[Goal]:
+    """The goals with these names, each once.
+
+    Raises
+    ------
+    SceneError
+        For a name that is none, and a point that is not of the body.
+    """
+    return [_goal(scene, name) for name in dict.fromkeys(names)]
+
+
+def _goal(scene: Scene, name: str) -> Goal:
+    if name in (STRESS, ENERGY):
+        return Goal(name)
+    coordinates = ["X", "X,Y"][scene.DIMENSIONS - 1]
+    found = POINT.fullmatch(name) if isinstance(name, str) else None
+    if found is None:
+        raise SceneError("goal", name, f"is no goal; give {ENERGY}, {STRESS} or {DISPLACEMENT}@{coordinates} with the "
+                                       "coordinates of a material point in m")
+    try:
+        point = tuple(float(word) for word in found.groups() if word is not None)
+    except ValueError:
+        point = ()
+    if len(point) != scene.DIMENSIONS or not all(map(math.isfinite, point)):
+        raise SceneError("goal", name, f"needs {scene.DIMENSIONS} coordinate{'s' * (scene.DIMENSIONS > 1)} in m: give "
+                                       f"{DISPLACEMENT}@{coordinates}")
+    if PROBLEMS[scene.problem].reference.misplaced(scene, np.array([point])).any():
+        raise SceneError("goal", name, "is at no point of the body at rest: " + scene.SETTING.rstrip("."))
+    return Goal(name, point)
+
+
+@UNBOUNDED
+def measured(goal: Goal, fields: Fields, scene: Scene, steps: int) -> dict[str, Any]:
+    """What a goal is after so many steps, as in the JSON object: ``value`` in its ``unit``, ``true_error``, what
+    ``rounding`` alone may make of it, and by estimator the signed ``estimated_error`` and the ``bar``, :data:`SAFETY`
+    times its size. None where there is no such number."""
+    number = goal.of(fields)
+    value = number(fields.values)
+    errors = {name: finite(value - number(fields.values.less(e))) for name, e in fields.errors.items()}
+    truth = errors.pop(TRUTH, None)
+    bars = {name: None if error is None else SAFETY * abs(error) for name, error in errors.items()}
+    return {"value": finite(value), "unit": goal.unit, "true_error": truth,
+            "rounding": finite(goal.rounding(scene, steps, value, float(fields.mass.sum()))), "estimated_error": errors,
+            "bar": bars}
+
+
+def without(goals: Mapping[str, dict], refused: Mapping[str, str]) -> dict[str, dict]:
+    """The same, with None for estimators that do not hold."""
+    def said(of: dict) -> dict:
+        return {name: None if name in refused else value for name, value in of.items()}
+    return {name: {**goal, "estimated_error": said(goal["estimated_error"]), "bar": said(goal["bar"])}
+            for name, goal in goals.items()}
+
+
+def weights_at(X: np.ndarray, point: np.ndarray) -> np.ndarray:
+    """Weights (P,) with which values at particles X (P, D) give the value at a point (D,): those of the polynomial that
+    fits the nearest best."""
+    dimensions = X.shape[1]
+    away = X - point
+    near = np.argsort(np.sum(away**2, axis=1), kind="stable")[:AROUND[dimensions]]
+    scale = np.abs(away[near]).max() or 1.0
+    terms = _monomials(away[near] / scale, DEGREE[dimensions])
+    weights = np.zeros(len(X))
+    weights[near] = np.linalg.pinv(terms)[0]  # the constant term is the value at the point
+    return weights
+
+
+def _monomials(away: np.ndarray, degree: int) -> np.ndarray:
+    if away.shape[1] == 1:
+        return away ** np.arange(degree + 1)
+    x, y = away.T
+    return np.stack([x**i * y**j for total in range(degree + 1) for i in range(total, -1, -1) for j in [total - i]],
+                    axis=1)

@@ -1,0 +1,119 @@
+"""Every estimator there is, known once: how it is called and drawn, and what it says of itself.
+
+A problem's scene names those of this list that it has (``ESTIMATORS``), its ``state.py`` has their hooks, which the
+solver calls. Others can be registered from outside (:func:`register`), in modules that the environment variable
+``MPM_LAB_EXTENSIONS`` names, which every process imports. Needs no Taichi, so that the command line and the page can
+ask.
+"""
+
+import functools
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from pathlib import Path
+
+from solvers.scene import extensions
+from solvers.scene.estimator_hooks import EstimatorHooks
+from solvers.scene.estimator_limits import Limit
+from solvers.scene.validation import SceneError
+
+EXPLANATIONS = Path(__file__).parents[1] / "estimators" / "explanations"
+#: Transport's defects are those of weights that follow the particles.
+MOVING_WEIGHTS = Limit("transport", "frozen", allowed=(False,), why="transport follows the errors of weights that are "
+                       "computed anew each step, and with frozen-weights reads 2 to 20,000 times the error; leave that "
+                       "remedy out, or take recovered or companion")
+#: Why an estimator is known not to hold, in sentences that several problems say.
+PROCESSOR_REASON = ("{name} works on the particles in every step, which is not built for a GPU; take companion, which "
+                    "the processor solves beside them, or --arch cpu")
+HALF_REASON = "the second run has half the cells, and half of {scene.cells} is too few; give {least} or more"
+REMEDIES_REASON = "the second run takes no remedies, so that it is a run of another method; leave {names} out"
+
+
+@dataclass(frozen=True)
+class Estimator:
+    """One estimator, whatever the problem.
+
+    ``colour`` is a warm one, for the truth is blue, and differs from the others' in lightness too; ``dashes`` are
+    pixels drawn and left out (none: unbroken), ``symbol`` is its mark in pictures (``o``, ``s``, ``^``, ``D``, ``v``,
+    ``P``, ``X``, ``*``). ``summary`` is a line, ``page`` is html that explains it in full, by default that of the file
+    ``explanations/NAME.html``. ``hooks`` are those of problems that do not have it themselves. ``refusals`` tells of
+    problems that have it not why not, as the end of a sentence: "is not ...".
+    """
+
+    name: str
+    summary: str
+    colour: str
+    dashes: tuple[int, ...] = ()
+    symbol: str = "o"
+    label: str = ""
+    page: str = ""
+    hooks: Mapping[str, EstimatorHooks] = field(default_factory=dict)
+    refusals: Mapping[str, str] = field(default_factory=dict)
+    beside_gpu: bool = False  # whether the processor can run it beside particles that are on a GPU
+    judges: bool = False
+
+    @property
+    def title(self) -> str:
+        """What people call it."""
+        return self.label or self.name
+
+    @property
+    def explanation(self) -> str:
+        """Html for a student: what it is, assumes, sees and misses."""
+        return self.explained("en")
+
+    def explained(self, language: str) -> str:
+        """The same in a language by its code, ``de``; where there is none in it, in English."""
+        files = (EXPLANATIONS / f"{self.name}.{language}.html", EXPLANATIONS / f"{self.name}.html")
+        file = next((file for file in files if file.exists()), None)
+        return self.page or (file.read_text(encoding="utf-8") if file else f"<p>{self.summary}</p>")
+
+
+ESTIMATORS: dict[str, Estimator] = {estimator.name: estimator for estimator in (
+    Estimator("transport", "the paper's: sends the error of the gradient mapping through the method's own equations",
+              colour="#cf5a00", symbol="o"),  # judges nothing: its size is often off by several times
+    Estimator("recovered", "makes the particles' own motion smooth and holds it against the equation of motion",
+              colour="#6b2a00", dashes=(7, 3), symbol="s", judges=True),
+    Estimator("companion", "a hidden solve of the same problem, of higher order, that the particles are measured "
+              "against", colour="#c97d00", dashes=(3, 3), symbol="^", beside_gpu=True, judges=True),
+    Estimator("two-grid", "the same run on cells twice as wide beside it, and Richardson's extrapolation",
+              colour="#b0156b", dashes=(9, 3, 2, 3), symbol="D", judges=True,
+              refusals={"vortex": "is not built for the vortex, where companion tells more for less: it solves for one "
+                        "radius, two-grid runs a second ring"}),
+)}
+
+
+def register(estimator: Estimator) -> None:
+    """Make an estimator known to scenes, solvers, page and pictures.
+
+    Raises
+    ------
+    RuntimeError
+        Where a solver that it is for has been imported: its kernels name what estimators keep. Register first.
+    """
+    extensions.require_early(estimator.name, estimator.hooks)
+    ESTIMATORS[estimator.name] = estimator
+    names.cache_clear()
+
+
+@functools.cache  # every scene asks
+def names(problem: str, own: tuple[str, ...]) -> tuple[str, ...]:
+    """The estimators that a problem has: its ``own``, and others from outside;
+    :class:`~solvers.scene.extensions.ExtensionError` where one of these cannot be imported."""
+    extensions.load_extensions()
+    return tuple(name for name, estimator in ESTIMATORS.items() if name in own or problem in estimator.hooks)
+
+
+def require_offered(chosen: object, problem: str, offered: tuple[str, ...]) -> None:
+    """Refuse, with a :class:`SceneError` in its own words, an estimator that other problems have and this has not."""
+    for name in chosen if isinstance(chosen, tuple) else ():
+        estimator = ESTIMATORS.get(name) if isinstance(name, str) else None
+        if estimator and name not in offered and problem in estimator.refusals:
+            raise SceneError("estimators", name, f"{estimator.refusals[problem]}; give one of "
+                             f"{', '.join((*offered, 'none'))}")
+
+
+def hooks_of(problem: str, own: Mapping[str, EstimatorHooks]) -> dict[str, EstimatorHooks]:
+    """The hooks of all estimators that a problem has, by name: its ``own``, and others from outside."""
+    found = names(problem, tuple(own))  # loads the extensions
+    extensions.COLLECTED.add(problem)
+    return {name: ESTIMATORS[name].hooks.get(problem) or own[name] for name in found}

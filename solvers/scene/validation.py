@@ -1,0 +1,93 @@
+"""What a value must satisfy to be an input of a scene, and the one sentence that says so where it does not."""
+
+import math
+import sys
+from typing import Any
+
+import numpy as np
+
+from solvers.untrusted import number_parsing, quoting
+
+KEYS = {"estimators": "estimator"}  # where a field's name and its key in the JSON object differ
+
+
+class SceneError(ValueError):
+    """A value that no run can have. ``field`` names the input, ``sentence`` says what is wrong and allowed."""
+
+    def __init__(self, field: str, value: object, sentence: str):
+        self.field, self.value, self.sentence = field, value, quoting.sentence(sentence)
+        # A number that came as text stands in its quotes, without which it would look like the number.
+        shown = repr(value) if isinstance(value, str) and number_parsing.is_number(value) else value
+        super().__init__(quoting.sentence(f"{field_label(field)} {quoting.quoted(shown)}: {sentence}"))
+
+
+def field_key(field: str) -> str:
+    """The name of a field in the JSON object: ``estimators`` is ``estimator``."""
+    return KEYS.get(field, field)
+
+
+def key_field(key: str) -> str:
+    """The field that a key stands for: :func:`field_key` undone."""
+    return next((field for field, other in KEYS.items() if other == key), key)
+
+
+def field_flag(field: str) -> str:
+    """The name of a field's flag: ``body_force`` is ``body-force``."""
+    return field_key(field).replace("_", "-")
+
+
+def field_label(field: str) -> str:
+    """The name of a field as a person reads it: ``body_force`` is ``body force``."""
+    return field_key(field).replace("_", " ")
+
+
+def require_choice(field: str, value: object, allowed: tuple[str, ...], also: str = "") -> None:
+    """:class:`SceneError` for anything but an allowed name; ``also`` is named in its sentence too."""
+    if value not in allowed:
+        names = ", ".join((*allowed, also) if also else allowed)
+        near = quoting.meant(value, allowed) if isinstance(value, str) else ""
+        raise SceneError(field, value, f"is not known{near}; give {'one of ' if ',' in names else ''}{names}")
+
+
+def normalized(scene: Any, lists: tuple[str, ...]) -> dict[str, Any]:
+    """Inputs of a scene as they are meant: it must be hashable, numbers of NumPy are numbers, and in its ``lists`` one
+    text holds several names, and names that begin with + are added to the default."""
+    given = {name: getattr(scene, name) for name in scene.__dataclass_fields__}
+    return {name: value.item() for name, value in given.items() if isinstance(value, np.generic)} | {
+        name: _names_of(name, given[name], scene.__dataclass_fields__[name].default) for name in lists}
+
+
+def _names_of(field: str, given: Any, default: tuple[str, ...]) -> Any:
+    if not isinstance(given, (str, list, tuple)):
+        return given
+    names = tuple(given.replace(",", " ").split() if isinstance(given, str) else given)
+    added = [item for item in names if str(item).startswith("+")]
+    if added and len(added) < len(names):
+        raise SceneError(field, " ".join(map(str, names)), "mixes names with a +, which are added to the default, with "
+                                                           "others; give all names with a +, or none")
+    return (*default, *(item[1:] for item in added if item[1:] not in default)) if added else names
+
+
+def require_names(field: str, chosen: object, allowed: tuple[str, ...]) -> None:
+    """:class:`SceneError` for anything but a tuple of allowed names, each once."""
+    if not isinstance(chosen, tuple):
+        raise SceneError(field, chosen, f"give a list of names out of {', '.join((*allowed, 'none'))}")
+    for item in chosen:
+        require_choice(field, item, allowed, also="none")
+    if len(set(chosen)) != len(chosen):
+        raise SceneError(field, " ".join(chosen), "names something twice; give each name once")
+
+
+def require_whole(field: str, value: object, least: int, most: int) -> None:
+    """:class:`SceneError` for anything but a whole number from ``least`` to ``most``."""
+    if isinstance(value, bool) or not isinstance(value, int) or not least <= value <= most:
+        raise SceneError(field, value, f"give a whole number from {least:,} to {most:,}")
+
+
+def require_number(field: str, value: object, above: float, most: float, allowed: str = "") -> None:
+    """:class:`SceneError` for anything but a number above ``above`` and up to ``most``; ``allowed`` says so in other
+    words."""
+    if isinstance(value, bool) or not isinstance(value, (int, float)) or not abs(value) <= sys.float_info.max \
+            or not above < value <= most:  # also NaN, infinity, and integers beyond all floats
+        upper = "" if math.isinf(most) else f" and up to {most:g}"
+        raise SceneError(field, value, allowed or f"give a number above {above:g}{upper}")

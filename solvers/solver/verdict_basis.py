@@ -1,0 +1,107 @@
+"""What a run's verdict rests on: which quantities were held against anything, and which are as wrong as they are large.
+
+A verdict looks at positions (``solvers.solver.soundness``). Velocity, stress and acceleration can be off by as much as
+they are large while positions hold: where the truth or an estimator that judges knows, that is said of each; where
+nobody knows, that is said too.
+"""
+
+from collections.abc import Collection, Mapping
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from solvers.scene import estimator_registry
+from solvers.scene.scene import Scene
+from solvers.solver.error_norms import UNBOUNDED, largest
+from solvers.solver.samples import QUANTITIES
+from solvers.solver.soundness import NOUNS, balance_gap
+
+AS_LARGE = 1.0  # an error, as RMS over particles, over the quantity's own RMS over particles and a period
+POSITIONS_HOLD = "positions hold, but "
+SELDOM = 0.2  # periods from one sample to the next, beyond which errors come and go unseen
+
+
+@dataclass(frozen=True)
+class AsLarge:
+    """A quantity whose error has been as large as the quantity itself: since when in s, the largest error so far over
+    the quantity's own RMS (``scene.rms_of``), and who says so, "truth" or an estimator."""
+
+    since: float
+    size: float
+    by: str
+
+
+@UNBOUNDED
+def as_large_as_itself(scene: Scene, series: Mapping[str, np.ndarray],
+                       not_valid: Collection[str] = ()) -> dict[str, AsLarge]:
+    """Of v, sigma and a those that were once as wrong as they are large, by the truth where it is on, else by an
+    estimator that judges and holds."""
+    judges = [
+        name for name in scene.active_estimators if estimator_registry.ESTIMATORS[name].judges and name not in not_valid
+    ]
+    found = {}
+    for quantity in NOUNS:
+        unit = scene.rms_of(quantity)
+        known = [("truth", f"error_{quantity}")] if scene.has("truth") else \
+            [(name, f"{name}/estimate_{quantity}") for name in judges]
+        for who, name in known:
+            beyond = np.flatnonzero(series[name] > AS_LARGE * unit)
+            if len(beyond):
+                size = largest(series[name]) or np.inf
+                found[quantity] = AsLarge(float(series["time"][beyond[0]]), size / unit, who)
+                break
+    return found
+
+
+def merged(before: Mapping[str, AsLarge], now: Mapping[str, AsLarge]) -> dict[str, AsLarge]:
+    """What was found in earlier samples and in later ones, as if all had been judged together."""
+    return {**now, **{quantity: replace(one, size=max(one.size, now[quantity].size if quantity in now else 0.0))
+                      for quantity, one in before.items()}}
+
+
+def sentence(found: Mapping[str, AsLarge]) -> str | None:
+    """What a verdict that is ok for the positions says of the others; None where there is nothing to say."""
+    parts = [f"the {NOUNS[quantity]} is off by up to {one.size:.2g} times its own size, from t = {one.since:.4g} s on"
+             + f" ({one.by} says so)" * (one.by != "truth") for quantity, one in found.items()]
+    return f"{POSITIONS_HOLD}{'; '.join(parts)}" if parts else None
+
+
+def checked(scene: Scene, not_valid: Collection[str], balance: bool) -> dict[str, list[str]]:
+    """For each of x, v, sigma and a what it was held against: "truth", estimators that judge and hold, and for x
+    "contradictions" and, among them, the ``balance`` of momentum, if it was :func:`followed`."""
+    judges = [
+        name for name in scene.active_estimators if estimator_registry.ESTIMATORS[name].judges and name not in not_valid
+    ]
+    held = {q: ["truth"] * scene.has("truth") + judges for q in QUANTITIES}
+    if not scene.has("acceleration"):
+        held["a"] = []
+    if scene.has("soundness"):
+        held["x"] += ["contradictions"] + ["balance"] * balance
+    return held
+
+
+def not_checked(scene: Scene, held: Mapping[str, list[str]]) -> str | None:
+    """What of :func:`checked` is missing, in one sentence; None where each quantity was held against something."""
+    if not held["x"]:
+        return ("nothing was checked but that numbers stay finite and no particle turns inside out: switch on the "
+                "effect soundness or truth, or the estimator companion")
+    parts = []
+    if held["x"] == ["contradictions"]:
+        parts.append("positions were held against each other alone, not against the balance of momentum, whose motion "
+                     "could not be followed to the end")
+    alone = [NOUNS[q] for q in ("v", "sigma", "a") if not held[q] and (q != "a" or scene.has("acceleration"))]
+    if alone:
+        parts.append(f"{' and '.join(', '.join(alone).rsplit(', ', 1))} were held against nothing: the effect truth or "
+                     "the estimator companion would")
+    apart = scene.sample_interval * scene.time_step / scene.period
+    if apart > SELDOM and scene.sample_interval > 1:
+        parts.append(f"what happened between two samples, {apart:.2g} periods apart, was not looked at: give a smaller "
+                     "--sample-every")
+    return "; ".join(parts) or None
+
+
+def followed(scene: Scene, series: Mapping[str, np.ndarray]) -> bool:
+    """Whether the motion that the balance of momentum makes was known at the last look for contradictions."""
+    looked = np.flatnonzero(~np.isnan(series["motion_square"]))[-1:]
+    last = {name: series[name][looked] for name in series if name == "time" or name.startswith("motion_")}
+    return bool(np.isfinite(balance_gap(scene, last)).any())

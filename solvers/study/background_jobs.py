@@ -1,0 +1,113 @@
+"""A whole sweep or search as the work of one process (``solvers.workers``), which says how it goes. Its messages::
+
+    {"row": a row}                                   of a sweep
+    {"row": a row, "known": bool, "point": {...}}    of a search: what it knows of a run that it has made, or that was
+                                                     known; the point, where something has been measured, is what
+                                                     another search may be told
+    {"look": n, "certain": m, "task": a task}        of a search: run n begins; m at least will be made or are known
+    {"advice": {...}}                                what the search found; its task has every effect
+    {"trouble": a sentence}                          why nothing can be found
+"""
+
+import math
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, field, replace
+
+from solvers.scene.effects import EFFECTS
+from solvers.scene.scene import Scene
+from solvers.solver.error_norms import finite
+from solvers.solver.soundness import OK
+from solvers.study.advise import COARSE, Goal, advise, families, scouts
+from solvers.study.parameter_grid import Task, task_of
+from solvers.study.row import measure, of_scene
+from solvers.study.run_family import ESTIMATOR, Family, Point, forget_rates
+
+#: What a search chooses from unless it is told: the cheapest runs are often those of one particle per cell, or of steps
+#: near the longest that are stable.
+PARTICLES_PER_CELL, COURANT_NUMBERS = (1, 2, 3, 4), (0.1, 0.3, 0.4, 0.5, 0.6)
+READY = "ready"  # beside the fields of a job: its process shall only get ready
+NO_CHOICE = "no method makes a valid scene with these settings"
+
+
+@dataclass(frozen=True)
+class SearchJob:
+    """Find the cheapest run like ``base`` (a task) that meets a tolerance, in the unit of ``quantity``. ``known`` are
+    points of other searches for the same quantity, by the keys of their rows; one without a rate is timed anew."""
+
+    base: dict
+    methods: Sequence[tuple[str, bool]]
+    ppc: Sequence[int]
+    courant_numbers: Sequence[float]
+    quantity: str
+    tolerance: float
+    budget: float
+    known: dict[str, dict] = field(default_factory=dict)
+
+
+def sweep(tasks: Sequence[dict], tell: Callable[[dict], None]) -> None:
+    """What the process of a sweep does: measure tasks in their order."""
+    for task in tasks:
+        tell({"row": measure(Task(**task))})
+
+
+def search(fields: dict, tell: Callable[[dict], None]) -> None:
+    """What the process of a search does: the job of these fields; or it gets ready for one like that, of which it says
+    nothing."""
+    ready = fields.pop(READY, False)
+    job = SearchJob(**fields)
+    base = Task(**job.base).scene()
+    choices = families(base, job.methods, job.ppc, job.courant_numbers, job.quantity)
+    if not choices:
+        tell({"trouble": NO_CHOICE})
+        return
+    if ready:
+        scouts(choices)[0].compile(COARSE[base.DIMENSIONS])
+        return
+    forget_rates()  # of an earlier search by this process: its times were given away with its points
+    recalled: set[str] = set()
+
+    def recall(family: Family, cells: int) -> Point | None:
+        key = to_watch(family.member(cells)).key
+        if key not in job.known:
+            return None
+        recalled.add(key)
+        found = job.known[key]
+        rate = found.get("rate", math.nan)  # it is yet to be timed
+        return Point(cells, math.inf if found["error"] is None else found["error"],
+                     math.inf if rate is None else rate, found["status"], found["reason"])
+
+    def look(looks: int, certain: int, scene: Scene) -> None:
+        tell({"look": looks, "certain": certain, "task": task_of(scene).to_dict()})
+
+    def keep(family: Family, point: Point) -> None:
+        row = point_row(family, point)
+        known = row["key"] in recalled
+        message: dict = {"row": row, "known": known}
+        if not known or "rate" not in job.known[row["key"]]:  # None for what went bad
+            message["point"] = {"error": finite(point.error), "rate": finite(point.seconds_per_particle_step),
+                                "status": point.status, "reason": point.reason}
+        tell(message)
+
+    advice = advise(choices, Goal(job.quantity, job.tolerance, job.budget), look, keep, recall)
+    chosen = advice.chosen
+    tell({"advice": {"met": advice.met, "task": to_watch(chosen.scene).to_dict(), "measured": chosen.measured,
+                     "error": finite(chosen.error), "seconds": chosen.seconds, "why": advice.why,
+                     "looks": advice.looks}})
+
+
+def point_row(family: Family, point: Point) -> dict:
+    """A row (``solvers.study.row``) with what is known of the run: the estimate of one quantity, and the time of the
+    bare run out of its steps, its particles and a rate that was measured alone. It has no true error: a search does
+    without. Its task is :func:`to_watch`."""
+    scene = family.member(point.cells)
+    task, seconds = to_watch(scene), finite(family.seconds(point.cells))
+    estimate = {ESTIMATOR: {family.quantity: {"max": point.error}}} if math.isfinite(point.error) else {}
+    return {**of_scene(task, scene), "status": point.status, "reason": None if point.status == OK else point.reason,
+            "t": scene.end_time, "steps": scene.steps, "particles": scene.particles,
+            "particle_steps": scene.steps * scene.particles, "error": {}, "estimate": estimate,
+            "effects": list(scene.effects), "seconds": {} if seconds is None else {"min": seconds}}
+
+
+def to_watch(scene: Scene) -> Task:
+    """The task of a scene with the estimator that a search goes by, and with every effect."""
+    return task_of(replace(scene, estimators=(ESTIMATOR,), effects=tuple(EFFECTS)))

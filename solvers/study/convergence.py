@@ -1,0 +1,198 @@
+"""What rows say together: lines of rows that differ in one input, the order of convergence, the Pareto front, and where
+time and space error balance."""
+
+import itertools
+import json
+from collections.abc import Iterable, Sequence
+from dataclasses import asdict, dataclass
+
+import numpy as np
+
+from solvers.solver.error_norms import UNBOUNDED
+from solvers.solver.samples import QUANTITIES
+from solvers.solver.soundness import OK
+
+WIDEST = 1e12  # errors of one study over each other: beyond, none of them says anything about the others
+TIME_INPUTS = ("dt", "cfl")
+STEEP = 1.5  # times the growth of second order, beyond which a step is at the brink of stability
+
+
+@dataclass(frozen=True)
+class Slope:
+    """A straight line through log(error) over log(h): ``order``, its factor, and the orders between neighbours."""
+
+    order: float
+    factor: float
+    points: int
+    pairwise: tuple[float, ...]
+
+    def at(self, h: np.ndarray) -> np.ndarray:
+        return self.factor * np.asarray(h) ** self.order
+
+
+@UNBOUNDED
+def slope(spacings: Sequence[float], errors: Sequence[float]) -> Slope | None:
+    """Least squares through the points with a positive error; None with fewer than two different h, and
+    where the line is too steep for numbers."""
+    h, error = _usable(spacings, errors)
+    if len(np.unique(h)) < 2:
+        return None
+    order, intercept = np.polyfit(np.log(h), np.log(error), 1)
+    pairs = itertools.pairwise(zip(h, error, strict=True))
+    orders = tuple(float((np.log(f) - np.log(e)) / np.log(b / a)) for (a, e), (b, f) in pairs if a != b)
+    factor = float(np.exp(intercept))
+    return Slope(float(order), factor, len(h), orders) if 0 < factor < np.inf else None
+
+
+def pareto(seconds: Sequence[float], error: Sequence[float]) -> list[int]:
+    """The indices of the points that none beats in both time and error, by time."""
+    by_time = sorted(range(len(seconds)), key=lambda k: (seconds[k], error[k]))
+    best_before = itertools.accumulate((error[k] for k in by_time), min, initial=np.inf)
+    return [k for k, best in zip(by_time, best_before, strict=False) if error[k] < best]
+
+
+@dataclass(frozen=True)
+class Balance:
+    """error = space + factor dt^power over the steps from ``least`` to ``most``; ``dt`` is where both parts are equal,
+    None if that is not within these steps; ``misfit`` is the RMS of the relative residual."""
+
+    space: float
+    factor: float
+    power: int
+    least: float
+    most: float
+    misfit: float
+
+    def at(self, dt: np.ndarray) -> np.ndarray:
+        return self.space + self.factor * np.asarray(dt) ** self.power
+
+    @property
+    def dt(self) -> float | None:
+        if not self.space > 0 or not self.factor > 0:
+            return None
+        dt = (self.space / self.factor) ** (1 / self.power)
+        return dt if self.least <= dt <= self.most else None
+
+    @property
+    def space_rules(self) -> bool:
+        """Whether the error of space is the larger part at the longest step."""
+        return self.space > self.factor * self.most**self.power
+
+
+@UNBOUNDED
+def balance(steps: Sequence[float], errors: Sequence[float]) -> Balance | None:
+    """Split the error at one h into what the step makes and what is left for dt -> 0, of first or second order.
+
+    Relative residuals count, so that small errors do too. From where the error grows faster than any such power on, at
+    the brink of stability, it is not looked at. None with fewer than three different steps, or errors too far apart.
+    """
+    dt, error = _usable(steps, errors)
+    steep = error[1:] > STEEP * error[:-1] * (dt[1:] / dt[:-1]) ** 2
+    sound = int(np.argmax(steep)) + 1 if steep.any() else len(dt)
+    dt, error = dt[:sound], error[:sound]
+    if len(np.unique(dt)) < 3 or not error.max() / error.min() < WIDEST:
+        return None
+    return min((_split(dt, error, power) for power in (1, 2)), key=lambda fit: fit.misfit)
+
+
+def _split(dt: np.ndarray, error: np.ndarray, power: int) -> Balance:
+    unit = float(error.max())
+    columns = np.stack([np.ones_like(dt), dt**power], axis=1) / (error / unit)[:, None]
+    space, factor = _not_negative(columns)
+    misfit = float(np.sqrt(np.mean((columns @ (space, factor) - 1) ** 2)))
+    return Balance(space * unit, factor * unit, power, float(dt[0]), float(dt[-1]), misfit)
+
+
+def _not_negative(columns: np.ndarray) -> tuple[float, float]:
+    """Least squares of columns @ (a, b) = 1 with a, b >= 0: both, or the better of one alone."""
+    ones = np.ones(len(columns))
+    scale = np.linalg.norm(columns, axis=0)
+    a, b = np.linalg.lstsq(columns / scale, ones, rcond=None)[0] / scale
+    if a >= 0 and b >= 0:
+        return float(a), float(b)
+    alone = [float(column @ ones / (column @ column)) for column in columns.T]
+    rest = [float(np.sum((column * value - 1) ** 2)) for column, value in zip(columns.T, alone, strict=True)]
+    return (alone[0], 0.0) if rest[0] <= rest[1] else (0.0, alone[1])
+
+
+def _usable(x: Sequence[float], y: Sequence[float]) -> tuple[np.ndarray, np.ndarray]:
+    """Finite positive pairs, by x."""
+    pairs = np.array(sorted((a, b) for a, b in zip(x, y, strict=True)
+                            if a and b and np.isfinite(a) and np.isfinite(b) and a > 0 and b > 0)).reshape(-1, 2)
+    return pairs[:, 0], pairs[:, 1]
+
+
+@dataclass(frozen=True)
+class Series:
+    """``rows`` differ in one input, by which they are sorted; ``inputs`` are the others that vary in the study."""
+
+    rows: tuple[dict, ...]
+    inputs: dict
+
+    @property
+    def method(self) -> str:
+        return self.rows[0]["scene"]["method"]
+
+    @property
+    def variant(self) -> tuple:
+        """What tells it from other series of the same method."""
+        return tuple((name, value) for name, value in self.inputs.items() if name != "method")
+
+    def label(self, names: dict[str, str] | None = None) -> str:
+        """Its inputs in words; ``names`` spells methods out."""
+        method = (names or {}).get(self.method, self.method)
+        words = {"amplitude": "A", "modulus": "E"}
+        return ", ".join([method, *(f"{words.get(name, name.replace('_', ' '))} {_shown(value)}"
+                                    for name, value in self.variant)])
+
+    def fit(self, quantity: str, norm: str = "max") -> Slope | None:
+        """The order of the error in h, over the rows that stood."""
+        rows = [row for row in self.rows if row["status"] == OK]
+        return slope([row["h"] for row in rows], [error_of(row, quantity, norm) or 0 for row in rows])
+
+
+def error_of(row: dict, quantity: str, norm: str = "max") -> float | None:
+    """A true error out of a row, None where there is none."""
+    return ((row.get("error") or {}).get(quantity) or {}).get(norm)
+
+
+def measured(rows: Iterable[dict]) -> list[dict]:
+    """The rows of runs: neither refused nor failed."""
+    return [row for row in rows if row.get("seconds")]
+
+
+def varying(rows: Sequence[dict]) -> list[str]:
+    """The inputs, as they were asked for, that are not the same in all rows."""
+    names = dict.fromkeys(name for row in rows for name in row["asked"])
+    return [name for name in names if len({json.dumps(row["asked"].get(name)) for row in rows}) > 1]
+
+
+def series(rows: Sequence[dict], along: str = "cells") -> list[Series]:
+    """The measured rows as lines along one input. ``along`` may be ``dt``: then steps given as cfl count too."""
+    rows = measured(rows)
+    ignored = TIME_INPUTS if along in TIME_INPUTS else (along,)
+    others = [name for name in varying(rows) if name not in ignored]
+    lines: dict[str, list[dict]] = {}
+    for row in rows:
+        lines.setdefault(json.dumps([row["asked"].get(name) for name in others]), []).append(row)
+    return [Series(tuple(sorted(line, key=lambda row: row["scene"][along])),
+                   {name: line[0]["asked"].get(name) for name in others}) for line in lines.values()]
+
+
+def fits(rows: Sequence[dict], norm: str = "max") -> list[dict]:
+    """The order in h of each quantity and each series with two or more h, as plain values."""
+    found = []
+    for line in series(rows):
+        orders = {quantity: line.fit(quantity, norm) for quantity in QUANTITIES}
+        if any(orders.values()):
+            found.append({"method": line.method, **line.inputs, "norm": norm,
+                          "orders": {quantity: fit and asdict(fit) for quantity, fit in orders.items()}})
+    return found
+
+
+def _shown(value: object) -> str:
+    if isinstance(value, bool):
+        return "on" if value else "off"
+    if isinstance(value, (list, tuple)):
+        return " ".join(value) or "none"
+    return "default" if value is None else f"{value:g}" if isinstance(value, float) else str(value)

@@ -1,0 +1,177 @@
+"""How often what was said of drawn runs was right, counted.
+
+``within`` counts runs in which the estimate is within a factor of the true error: 1/f <= index <= f, an index being
+estimated over true error, in norms summed over the run. Only runs that ended as "ok" count, and of an estimator only
+those in which it did not refuse.
+
+Beside estimators stand the grid convergence index and its successors, which say how uncertain a number is from the same
+number on coarser grids, and mean to hold the truth in 95 of 100 cases:
+P. J. Roache, "Perspective: a method for uniform reporting of grid refinement studies", J. Fluids Eng. 116 (1994) 405;
+I. B. Celik and others, "Procedure for estimation and reporting of uncertainty due to discretization in CFD
+applications", J. Fluids Eng. 130 (2008) 078001; T. Xing and F. Stern, "Factors of safety for Richardson extrapolation",
+J. Fluids Eng. 132 (2010) 061403.
+"""
+
+import functools
+import math
+import statistics
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from typing import Any
+
+import numpy as np
+
+from solvers.running.quantities_of_interest import SAFETY
+from solvers.solver.soundness import OK
+from solvers.study.coverage.random_runs import AFTER, BEFORE, IMPOSSIBLE, QUANTITIES
+
+SCHEMA = "mpm-lab/coverage/1"
+FACTORS = (1.1, 1.5, 2.0)
+NEEDLESS = 1.5  # a refusal was needless where the estimate would have been within such a factor of x, v and sigma
+SAFETIES = (1.0, SAFETY, 3.0)
+MIDDLE = 0.8  # the share of runs between whose ratios an estimator may bet; as many lie below as above
+STAY, WITHIN, SEVERAL = "within their cells", "up to a cell", "several cells"
+REGIMES = (STAY, WITHIN, SEVERAL)
+NORMAL = 1.96  # standard deviations, for 95 %
+
+FORMAL_ORDER = 2.0  # of the method, in h with dt in proportion to h
+RATIO = 2.0  # from each grid to the next coarser one
+TWO_GRIDS, THREE_GRIDS = 3.0, 1.25  # Roache's factors of safety
+MOST_ORDER = 2.0  # of three grids: an observed order above the formal one is taken for that, as is recommended
+
+
+def regime(moved: float, ppc: float) -> str:
+    """How far particles move at most, ``moved`` in cells: those next to an edge stay in theirs up to 1/(2 ppc)."""
+    return STAY if moved <= 0.5 / ppc else WITHIN if moved <= 1 else SEVERAL
+
+
+def regime_of(row: Mapping) -> str:
+    """That of a row."""
+    return regime(row["moved"], row["scene"]["ppc"])
+
+
+def interval(held: int, of: int) -> tuple[float, float]:
+    """Between which shares that of all runs lies, with 95 %, if ``held`` of so many do (E. B. Wilson, 1927)."""
+    share, z = held / of, NORMAL**2 / of
+    middle, half = share + z / 2, NORMAL * math.sqrt(share * (1 - share) / of + z / (4 * of))
+    return max(0.0, (middle - half) / (1 + z)), min(1.0, (middle + half) / (1 + z))
+
+
+def tally(problem: str, seed: int, rows: Sequence[dict]) -> dict:
+    """All counts of a problem's rows, as JSON has them."""
+    usable = [row for row in rows if row["status"] == OK]
+    statuses = [row["status"] for row in rows]
+    names = list(dict.fromkeys(name for row in usable for name in row["estimators"]))
+    goals = list(dict.fromkeys(kind for row in usable for kind in row["goals"]))
+    return {"schema": SCHEMA, "problem": problem, "seed": seed, "runs": len(rows),
+            "status": {status: statuses.count(status) for status in dict.fromkeys(statuses)},
+            "estimators": {name: _split(usable, functools.partial(_right, name=name)) for name in names},
+            "refusals": {name: _refusals(usable, name) for name in names},
+            "goals": {kind: _split(usable, functools.partial(_held, kind=kind, names=names)) for kind in goals}}
+
+
+def _split(rows: Sequence[dict], count: Callable[[Sequence[dict]], dict]) -> dict:
+    """The same counts of all rows, by regime, and by method in each."""
+    methods = sorted({row["scene"]["method"] for row in rows})
+    return {"all": count(rows),
+            "regime": {one: count([row for row in rows if regime_of(row) == one]) for one in REGIMES},
+            "method": {one: count([row for row in rows if row["scene"]["method"] == one]) for one in methods},
+            "method and regime": {method: {one: count([row for row in rows if regime_of(row) == one
+                                                       and row["scene"]["method"] == method]) for one in REGIMES}
+                                  for method in methods}}
+
+
+def _right(rows: Iterable[dict], name: str) -> dict:
+    """By quantity, of how many runs the estimator speaks, and in how many it is within each factor."""
+    said = [row["estimators"][name] for row in rows if not row["estimators"][name]["refused"]]
+    found = {}
+    for q in QUANTITIES:
+        indices = [one["index"][q] for one in said if one["index"][q] is not None]
+        ends = [one["end"][q] for one in said if one["end"][q] is not None]
+        middle = np.quantile(ends, [(1 - MIDDLE) / 2, (1 + MIDDLE) / 2]).tolist() if ends else None
+        found[q] = {"runs": len(indices), "within": _within(indices), "median": _median(indices),
+                    "at the end": {"runs": len(ends), "within": _within(ends), "middle": middle}}
+    return found
+
+
+def _within(indices: Sequence[float]) -> dict[str, int]:
+    return {f"{factor:g}": sum(within(index, factor) for index in indices) for factor in FACTORS}
+
+
+def within(index: float, factor: float) -> bool:
+    """Whether estimated over true error is within a factor of 1."""
+    return 1 / factor <= index <= factor
+
+
+def _refusals(rows: Sequence[dict], name: str) -> dict:
+    """How often an estimator refused, and how many of these refusals that can be told were needless."""
+    found: dict[str, Any] = {"runs": len(rows)}
+    for kind in (BEFORE, AFTER, IMPOSSIBLE):
+        refused = [row["estimators"][name]["index"] for row in rows if row["estimators"][name]["refused"] == kind]
+        told = [known for index in refused if (known := [value for value in index.values() if value is not None])]
+        found[kind] = {"runs": len(refused), "told": len(told),
+                       "needless": sum(all(within(value, NEEDLESS) for value in known) for known in told)}
+    return found
+
+
+def _held(rows: Sequence[dict], kind: str, names: Sequence[str]) -> dict:
+    """Of a goal, how often bars around the value held the truth: of so many times the estimated error, and of grid
+    convergence. ``width`` is the median of the bar over the true error: what holds by being wide costs that."""
+    found: dict[str, Any] = {}
+    known = [goal for row in rows if (goal := row["goals"][kind])["true_error"] is not None
+             and abs(goal["true_error"]) > (goal["rounding"] or 0.0)]
+    for name in names:
+        errors = [(abs(goal["estimated_error"][name]), abs(goal["true_error"])) for goal in known
+                  if goal["estimated_error"].get(name) is not None]
+        for times in SAFETIES:
+            found[f"{times:g} x {name}"] = _bars([(times * said, true) for said, true in errors], len(known))
+    for name, bar in INTERVALS.items():
+        bars = [(bar(goal["grids"]), abs(goal["true_error"])) for goal in known
+                if len(goal["grids"]) == 3 and None not in goal["grids"]]
+        found[name] = _bars([(said, true) for said, true in bars if said is not None], len(known))
+    return found
+
+
+def _bars(bars: Sequence[tuple[float, float]], of: int) -> dict:
+    return {"of": of, "runs": len(bars), "held": sum(true <= said for said, true in bars),
+            "width": _median([said / true for said, true in bars])}
+
+
+def _median(values: Sequence[float]) -> float | None:
+    return float(statistics.median(values)) if values else None
+
+
+def observed_order(values: Sequence[float]) -> float | None:
+    """p by which the number converges on the grids h, 2h, 4h (fine to coarse); None where it does not do so from one
+    side: 0 < (f2 - f1)/(f3 - f2) < 1."""
+    fine, coarse = values[1] - values[0], values[2] - values[1]
+    if not coarse or not 0 < fine / coarse < 1:
+        return None
+    return math.log(coarse / fine) / math.log(RATIO)
+
+
+def two_grids(values: Sequence[float]) -> float | None:
+    """Roache's index of two grids and the formal order: 3 |f2 - f1| / (r^p - 1)."""
+    return TWO_GRIDS * abs(values[1] - values[0]) / (RATIO**FORMAL_ORDER - 1)
+
+
+def three_grids(values: Sequence[float]) -> float | None:
+    """Roache's index of three grids with the observed order, at most the formal one: 1.25 |f2 - f1| / (r^p - 1); None
+    where no order is observed."""
+    order = observed_order(values)
+    return None if order is None else \
+        THREE_GRIDS * abs(values[1] - values[0]) / (RATIO**min(order, MOST_ORDER) - 1)
+
+
+def factor_of_safety(values: Sequence[float]) -> float | None:
+    """Xing and Stern's: a factor that grows with the distance of the observed order from the formal one."""
+    order = observed_order(values)
+    if order is None:
+        return None
+    share = order / FORMAL_ORDER
+    factor = 2.45 - 0.85 * share if share <= 1 else 16.4 * share - 14.8
+    return factor * abs(values[1] - values[0]) / (RATIO**order - 1)
+
+
+#: The half width of an interval around the number on the finest grid, by what it is called.
+INTERVALS: Mapping[str, Callable[[Sequence[float]], float | None]] = {
+    "GCI, 2 grids": two_grids, "GCI, 3 grids": three_grids, "Xing and Stern": factor_of_safety}

@@ -1,0 +1,251 @@
+"""Runs drawn at random, by number: the same number of the same seed is the same run, however many are drawn.
+
+Nothing here was chosen after a look at what came out. Sizes are uniform in their logarithm, choices are equally likely
+unless a share is given. Modulus and density stay as they are: errors scale with them, and no index depends on either.
+
+Each is one row. Its keys::
+
+    schema, key, problem, seed, number, solvers, status, reason, seconds, scene, moved (largest displacement, in cells)
+    estimators: {name: {refused, index, end}}            refused: "", "before" or "after" the run, "impossible"; ratios
+                                                         by quantity, over the run and at its end, 1 is perfect
+    goals: {kind: {true_error, rounding, estimated_error, grids}}       as of a run; grids: the number on h, 2h and 4h
+
+What is refused before a run is computed all the same, where it can be, to know how often the refusal was needless; what
+it says decides nothing.
+"""
+
+import functools
+import hashlib
+import json
+import math
+import time
+from collections.abc import Callable, Hashable, Mapping
+from dataclasses import asdict, dataclass, fields, replace
+from typing import Any
+
+import numpy as np
+
+from solvers.problems import PROBLEMS
+from solvers.running.quantities_of_interest import DISPLACEMENT, ENERGY, STRESS
+from solvers.running.result import Result
+from solvers.scene.estimator_limits import reason
+from solvers.scene.kernel_options import combination
+from solvers.scene.scene import Scene
+from solvers.scene.validation import SceneError
+from solvers.solver import error_norms
+from solvers.solver.error_norms import finite
+from solvers.solver.rounding import rounding
+from solvers.solver.soundness import OK
+from solvers.study.json_schema import NUMBER, NUMBER_OR_NONE, Each
+from solvers.study.row import FAILED, fingerprint
+
+SCHEMA = "mpm-lab/coverage-row/1"
+QUANTITIES = ("x", "v", "sigma")
+IMPOSSIBLE, BEFORE, AFTER = "impossible", "before", "after"  # how an estimator was refused
+KEPT = ("true_error", "rounding", "estimated_error")  # of a goal
+IDENTITY = {"key": str, "problem": str, "seed": int, "number": int, "status": str, "reason": (str, type(None))}
+MEASURED = {"scene": dict, "moved": NUMBER, "seconds": NUMBER,
+            "estimators": Each({"refused": str, "index": Each(NUMBER_OR_NONE), "end": Each(NUMBER_OR_NONE)}),
+            "goals": Each({"true_error": NUMBER_OR_NONE, "rounding": NUMBER_OR_NONE,
+                           "estimated_error": Each(NUMBER_OR_NONE), "grids": list})}
+GRIDS = 3  # h, 2h and 4h: what a grid convergence index is of
+COARSEST = 2 ** (GRIDS - 1)
+EFFECTS = ("truth", "estimate", "soundness", "crossings")
+MOST_TRIES = 1000
+SCENES, POINTS = 0, 1  # what chance is for
+
+
+@dataclass(frozen=True)
+class Reach:
+    """Where the numbers of a problem are drawn from; the amplitude is that of its scene, in its unit, and ``work`` are
+    particles times steps at most, so that a thousand runs take minutes."""
+
+    cells: tuple[int, int]
+    ppc: tuple[int, int]
+    amplitude: tuple[float, float]
+    periods: tuple[float, float] = (0.1, 3.0)
+    step: tuple[float, float] = (0.1, 0.8)  # of the longest that the motion ahead bears
+    work: float = 1e6
+
+
+REACH = {"bar": Reach((16, 128), (1, 6), (1e-4, 0.12)),
+         "ring": Reach((32, 64), (1, 3), (1e-3, 0.15), periods=(0.1, 2.0)),
+         "vortex": Reach((32, 64), (1, 3), (1e-2, 1.0), periods=(0.02, 1.0)),
+         "square": Reach((32, 64), (1, 3), (1e-3, 0.08), periods=(0.1, 1.5))}
+#: How likely a choice is that is not as likely as the others of its field.
+SHARES: Mapping[str, Mapping[Any, float]] = {
+    "velocity": {"grid": 0.8}, "linearity_preserving": {False: 0.75}, "body_force": {"material": 0.7},
+    "layout": {"polar": 0.75}}
+FORCES = {"bar": ("material", "node")}  # with exact solutions; elsewhere only that at material points
+
+
+def reach_of(problem: str) -> Reach:
+    """Of a problem from outside the square's, with amplitudes up to the hardest of its stability map."""
+    amplitudes = PROBLEMS[problem].scene.HARD_AMPLITUDES
+    return REACH.get(problem) or replace(REACH["square"], amplitude=(0.01 * amplitudes[-1], amplitudes[-1]))
+
+
+@dataclass(frozen=True)
+class Draw:
+    """Number ``number`` of the ``seed`` for a problem; a task for ``solvers.study.executors``."""
+
+    problem: str
+    seed: int
+    number: int
+
+    @property
+    def key(self) -> str:
+        """What its row is known by."""
+        return hashlib.sha256(json.dumps(asdict(self), sort_keys=True).encode()).hexdigest()[:16]
+
+    def scene(self) -> Scene:
+        """The run on the finest grid, with every estimator."""
+        chance = self._chance(SCENES)
+        for _ in range(MOST_TRIES):
+            scene = _drawn(self.problem, chance)
+            if scene is not None and scene.particles * scene.steps <= reach_of(self.problem).work:
+                return scene
+        raise AssertionError(f"no scene of the {self.problem} is cheap enough")
+
+    def point(self) -> str:
+        """The goal at a material point somewhere in the body."""
+        kind, chance = PROBLEMS[self.problem].scene, self._chance(POINTS)
+        if kind.DIMENSIONS == 1:
+            return f"{DISPLACEMENT}@{chance.uniform():.6f}"
+        plane: Any = kind
+        return f"{DISPLACEMENT}@" + ",".join(f"{coordinate:.6f}" for coordinate in plane.draw_point(chance))
+
+    @property
+    def kind(self) -> Hashable:
+        """What has to be compiled for it, but for the estimators, which are all that there can be."""
+        return combination(replace(self.scene(), estimators=()))
+
+    def remarks(self) -> list[str]:
+        """None: what is drawn is nobody's choice."""
+        return []
+
+    def to_dict(self) -> dict:
+        return asdict(self)
+
+    def _chance(self, of: int) -> np.random.Generator:
+        return np.random.default_rng([self.seed, self.number, of, *self.problem.encode()])
+
+
+def coarser(scene: Scene, times: int) -> Scene:
+    """The same run on cells so many times as wide, with steps as many times as long, and no estimator."""
+    return replace(scene, cells=scene.cells // times, estimators=(), effects=("truth", "soundness"))
+
+
+def _drawn(problem: str, chance: np.random.Generator) -> Scene | None:
+    """A scene, or None where these choices do not go together, or give no coarser grids."""
+    kind, reach = PROBLEMS[problem].scene, reach_of(problem)
+    inputs: dict[str, Any] = {
+        "cells": COARSEST * round(_between(chance, *(n / COARSEST for n in reach.cells))),
+        "ppc": int(chance.integers(reach.ppc[0], reach.ppc[1] + 1)), "amplitude": _between(chance, *reach.amplitude),
+        "periods": _between(chance, *reach.periods),
+        "method": _choice(chance, kind.choices("method")),
+        "body_force": _choice(chance, FORCES.get(problem, ("material",)), "body_force"),
+        "velocity": _choice(chance, kind.choices("velocity"), "velocity"),
+        "linearity_preserving": _choice(chance, (False, True), "linearity_preserving"),
+        "estimators": kind.choices("estimators"), "effects": EFFECTS}
+    if layouts := kind.choices("layout") if "layout" in kind.__dataclass_fields__ else ():
+        inputs["layout"] = _choice(chance, layouts, "layout")
+    step = _between(chance, *reach.step)
+    try:
+        scene = kind(**inputs)
+        if scene.particles * scene.steps > 10 * reach.work:  # with the usual step: the bound is not worth asking for
+            return None
+        scene = replace(scene, cfl=step * scene.step_bound * scene.wave_speed / scene.spacing)
+        coarser(scene, COARSEST)
+    except SceneError:
+        return None
+    return scene
+
+
+def _between(chance: np.random.Generator, low: float, high: float) -> float:
+    return math.exp(chance.uniform(math.log(low), math.log(high)))
+
+
+def _choice(chance: np.random.Generator, choices: tuple, field: str = "") -> Any:
+    """One of them, by its share."""
+    known = {one: share for one, share in SHARES.get(field, {}).items() if one in choices}
+    rest = (1 - sum(known.values())) / max(1, len(choices) - len(known))
+    shares = [known.get(one, rest) for one in choices]
+    return choices[int(chance.choice(len(choices), p=np.array(shares) / sum(shares)))]
+
+
+def measure_draw(draw: dict, answer: Callable[[dict], None]) -> None:
+    """What a worker process does (``solvers.workers``)."""
+    answer(measure(Draw(**draw)))
+
+
+def measure(draw: Draw) -> dict:
+    """The row of a draw, with the keys above; whatever goes wrong is a row too, and never an exception."""
+    try:
+        return _measured(draw)
+    except Exception as error:
+        return failed(draw, f"{type(error).__name__}: {error}")
+
+
+def failed(draw: Draw, reason: str) -> dict:
+    """The row of a run that was lost."""
+    return {**_identity(draw), "status": FAILED, "reason": " ".join(reason.split())}
+
+
+def _measured(draw: Draw) -> dict:
+    from solvers.running.run import run  # here: a row can be read, kept and drawn without Taichi
+
+    begun, scene = time.perf_counter(), draw.scene()
+    goals = {DISPLACEMENT: draw.point(), STRESS: STRESS, ENERGY: ENERGY}
+    result = run(heard(scene), mid_run=False, goals=list(goals.values()))
+    others = [run(coarser(scene, 2**k), mid_run=False, goals=list(goals.values())) for k in range(1, GRIDS)] \
+        if result.status == OK else []
+    numbers = {kind: [one.goals[name]["value"] for one in (result, *others)] for kind, name in goals.items()}
+    return {**_identity(draw), "status": result.status, "reason": result.reason, "scene": scene.to_dict(),
+            "moved": scene.motion_amplitude / scene.spacing,
+            "estimators": {name: {"refused": refused(name, scene, result), **_ratios(result, name)}
+                           for name in scene.estimators},
+            "goals": {kind: {"grids": numbers[kind], **{key: result.goals[name][key] for key in KEPT}}
+                      for kind, name in goals.items()},
+            "seconds": time.perf_counter() - begun}
+
+
+def refused(name: str, scene: Scene, result: Result) -> str:
+    """How an estimator was refused in the ``result`` of what a scene has become when it is :func:`heard`; "" where it
+    was not."""
+    if name not in result.scene.active_estimators:
+        return IMPOSSIBLE
+    return BEFORE if name in scene.not_valid else AFTER if name in result.not_valid else ""
+
+
+def _ratios(result: Result, estimator: str) -> dict[str, dict[str, float | None]]:
+    """Estimated over true error, summed over the run and at its end."""
+    found: dict[str, dict[str, float | None]] = {"index": {}, "end": {}}
+    for q in QUANTITIES:
+        true, said = result.series[f"error_{q}"], result.series.get(f"{estimator}/estimate_{q}")
+        if said is None:
+            found["index"][q] = found["end"][q] = None
+            continue
+        least = float(rounding(result.scene, q, result.steps))
+        found["index"][q] = error_norms.error_index(said, true, least)
+        found["end"][q] = finite(float(said[-1] / true[-1])) if true[-1] > least else None
+    return found
+
+
+@functools.cache
+def _hearing(kind: type[Scene]) -> type[Scene]:
+    """A kind of scene whose estimators run although they are refused, if they can; that they are is known to it as
+    before."""
+    def active(scene: Scene) -> tuple[str, ...]:
+        limits = [limit for limit in kind.LIMITS if limit.impossible]
+        return tuple(name for name in scene.choices("estimators") if not reason(limits, name, scene))
+    return type(kind.__name__, (kind,), {"active_estimators": property(active)})
+
+
+def heard(scene: Scene) -> Scene:
+    """The same scene, whose estimators run although they are refused, if they can."""
+    return _hearing(type(scene))(**{one.name: getattr(scene, one.name) for one in fields(scene)})
+
+
+def _identity(draw: Draw) -> dict:
+    return {"schema": SCHEMA, "key": draw.key, **draw.to_dict(), "solvers": fingerprint()}

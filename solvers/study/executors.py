@@ -1,0 +1,179 @@
+"""Where rows are measured, and how every task ends as a row there.
+
+A place takes tasks and gives futures: :class:`Here` those of a pool of processes, :class:`Cluster` those of a Dask
+client, on whose workers mpm-lab must be installed. On each worker one row is measured at a time, by a process that the
+worker keeps for that, however many threads it has: rows side by side would disturb each other's timing. If the worker
+is killed its process ends too, and Dask runs the row on another. ``distributed`` is an optional dependency, imported
+only where a cluster is used.
+"""
+
+import functools
+import logging
+import os
+import time
+from collections import Counter
+from collections.abc import Callable, Hashable, Iterable, Sequence
+from concurrent.futures import FIRST_COMPLETED, CancelledError, Future, wait
+from typing import Any, Protocol
+
+from solvers.scene.extensions import EXTENSIONS
+from solvers.study.parameter_grid import Task
+from solvers.study.row import failed, measure
+from solvers.workers.worker_pool import WorkerPool
+from solvers.workers.worker_process import WorkerProcess
+
+MEASURE_ROW = f"{__name__}:measure_row"
+ATTEMPTS = 3  # that a row has to lose its worker until it is given up
+LOOK_SECONDS = 1.0
+ANSWER_SECONDS = 10.0  # for the scheduler of a cluster to answer
+PATIENCE = 60.0  # seconds without a single worker
+
+
+class PlaceLost(Exception):
+    """The place can measure no more rows; one sentence says why and what to do."""
+
+
+class NoCluster(Exception):
+    """The cluster cannot be used; one sentence says why."""
+
+
+class Question(Protocol):
+    """What a row is the answer to, such as a :class:`~solvers.study.parameter_grid.Task`."""
+
+    @property
+    def key(self) -> str:
+        """What its row is known by."""
+
+    @property
+    def kind(self) -> Hashable:
+        """What has to be compiled for it: a process that has done so does the next one of the kind."""
+
+    def remarks(self) -> Sequence[str]:
+        """What whoever asks is to know before it is measured, in sentences."""
+
+    def to_dict(self) -> dict:
+        """Itself, as JSON has it."""
+
+
+def execute(tasks: Iterable[Any], place: "Here | Cluster", on_row: Callable[[dict], None],
+            give_up: Callable[[Any, str], dict] = failed) -> None:
+    """Measure every task at a place. A lost worker is replaced; a row that keeps losing workers is marked as failed.
+
+    Parameters
+    ----------
+    tasks
+    place
+        :class:`Here` or a :class:`Cluster`.
+    on_row
+        Given each row (``solvers.study.row``) as it comes, in the caller's thread.
+    give_up
+        Makes the row of a task that failed, of it and the reason.
+
+    Raises
+    ------
+    PlaceLost
+        Where the place can measure no more.
+    """
+    lost: Counter[str] = Counter()
+    waiting = {place.submit(task): task for task in tasks}
+    while waiting:
+        done, _ = wait(waiting, LOOK_SECONDS, FIRST_COMPLETED)
+        for future in [future for future in waiting if future in done]:  # in the order of the tasks
+            task = waiting.pop(future)
+            if row := _outcome(task, future, lost, give_up):
+                on_row(row)
+            else:
+                waiting[place.submit(task)] = task
+        if not done:
+            place.check()
+
+
+def _outcome(task: Question, future: Future[dict], lost: Counter[str],
+             give_up: Callable[[Any, str], dict]) -> dict | None:
+    """The row of a task, or None where it is to be measured once more."""
+    try:
+        error = future.exception()
+    except CancelledError:
+        raise PlaceLost("the connection to the workers was lost") from None
+    if error is None:
+        return future.result()
+    lost[task.key] += 1
+    given_up = type(error).__name__ == "KilledWorker"  # Dask has tried it on several workers
+    if lost[task.key] < ATTEMPTS and not given_up:
+        return None
+    times = "several times" if given_up else f"{ATTEMPTS} times"
+    return give_up(task, f"lost its worker {times}; the last one: {type(error).__name__}: {error}")
+
+
+def measure_row(task: dict, answer: Callable[[dict], None]) -> None:
+    """What a row process does."""
+    answer(measure(Task(**task)))
+
+
+class Here:
+    """Processes on this machine, that do this ``work`` (``solvers.workers``). One, unless told otherwise: rows that run
+    side by side disturb each other's timing."""
+
+    def __init__(self, workers: int = 1, work: str = MEASURE_ROW):
+        self.pool = WorkerPool(work, workers)
+
+    def submit(self, task: Question) -> Future[dict]:
+        return self.pool.submit(task.to_dict(), kind=task.kind)
+
+    def check(self) -> None:
+        """This machine is always there."""
+
+    def close(self) -> None:
+        self.pool.close()
+
+
+@functools.cache
+def _workers_process(work: str, extensions: str) -> WorkerProcess:
+    return WorkerProcess(work, {EXTENSIONS: extensions})
+
+
+def measure_on_worker(work: str, task: dict, extensions: str) -> dict:
+    """What a worker of a cluster runs: one row, in the worker's own row process with the extensions of the sweep."""
+    [row] = _workers_process(work, extensions).ask(task)
+    return row
+
+
+class Cluster:
+    """The workers of a Dask scheduler at ``address``, such as ``tcp://host:8786``."""
+
+    def __init__(self, address: str, work: str = MEASURE_ROW):
+        try:
+            from distributed import Client
+        except ImportError:
+            raise NoCluster("needs the package distributed; install mpm-lab[cluster]") from None
+        for name in ("distributed.client", "distributed.core", "distributed.comm", "tornado.application"):
+            logging.getLogger(name).setLevel(logging.CRITICAL)  # what goes wrong is said in one sentence
+        try:
+            self._client = Client(address, timeout=ANSWER_SECONDS, set_as_default=False, name="mpm-lab")
+        except (OSError, ValueError, ImportError) as error:
+            raise NoCluster(f"no Dask scheduler answers there ({type(error).__name__}); start one with "
+                            "\"dask scheduler\" and give the address that it prints") from None
+        self._address, self._work = address, work
+        self._executor = self._client.get_executor(pure=False)
+        self._seen = time.monotonic()
+
+    @property
+    def workers(self) -> int:
+        """Workers there are now."""
+        return len(self._client.scheduler_info(n_workers=-1)["workers"])
+
+    def submit(self, task: Question) -> Future[dict]:
+        return self._executor.submit(measure_on_worker, self._work, task.to_dict(), os.environ.get(EXTENSIONS, ""))
+
+    def check(self) -> None:
+        if self._client.status not in ("running", "connecting"):
+            raise PlaceLost(f"the scheduler at {self._address} is gone")
+        if self._client.status == "running" and self.workers:
+            self._seen = time.monotonic()
+        elif time.monotonic() - self._seen > PATIENCE:
+            raise PlaceLost(f"the cluster at {self._address} has had no worker for {PATIENCE:g} seconds")
+
+    def close(self) -> None:
+        """Take back what waits. A row that is being measured is finished by its worker, and forgotten."""
+        self._executor.shutdown(wait=False)
+        self._client.close(timeout=2)

@@ -1,0 +1,52 @@
+"""The forms of what is kept as JSON, and where a value is not of its form, in words.
+
+A form is a type or a tuple of types; a mapping from the keys that an object must have to the forms of their values; or
+:class:`Each`, for an object of any keys. Numbers are finite, and true and false are none.
+"""
+
+import json
+from dataclasses import dataclass
+from typing import Any
+
+from solvers.untrusted import quoting
+
+NUMBER = (int, float)
+NUMBER_OR_NONE = (int, float, type(None))
+
+
+@dataclass(frozen=True)
+class Each:
+    """An object of which every value has this form."""
+
+    form: Any
+
+
+def parsed(text: bytes | str) -> Any:
+    """The value of a JSON text; :class:`ValueError` where it is none, or not one that can be written again: NaN and
+    infinity, half a character, or nested too deep."""
+    try:
+        value = json.loads(text)
+        json.dumps(value, allow_nan=False, ensure_ascii=False).encode()
+    except RecursionError:
+        raise ValueError("nested too deep") from None
+    return value
+
+
+def mismatch(value: Any, form: Any, name: str = "") -> str | None:
+    """What is wrong with a value, ``it has no status`` for example; None where it has the form."""
+    if isinstance(form, (dict, Each)):
+        if not isinstance(value, dict):
+            return f"{name or 'it'} is no object"
+        missing = [] if isinstance(form, Each) else [key for key in form if key not in value]
+        if missing:
+            return f"it has no {_joined(name, missing[0])}"
+        parts = dict.fromkeys(value, form.form) if isinstance(form, Each) else form
+        found = (mismatch(value[key], part, _joined(name, key)) for key, part in parts.items())
+        return next(filter(None, found), None)
+    types = form if isinstance(form, tuple) else (form,)
+    right = isinstance(value, types) and (bool in types or not isinstance(value, bool))
+    return None if right else f"{name or 'it'} is of the wrong kind"
+
+
+def _joined(name: str, key: str) -> str:
+    return f"{name}.{quoting.quoted(key)}" if name else quoting.quoted(key)

@@ -1,0 +1,143 @@
+"""Rows on disk: one JSON object a line, appended and synchronised as they come, so that a kill loses nothing done."""
+
+import contextlib
+import json
+import os
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any, BinaryIO
+
+from solvers.study.json_schema import parsed
+from solvers.study.row import FAILED, fault, fingerprint
+from solvers.untrusted import quoting
+
+NAME = "rows.jsonl"
+LARGEST, LONGEST = 100_000_000, 1_000_000  # bytes of it, and of a line; ten thousand rows have some ten million
+
+
+class StoreError(Exception):
+    """The directory cannot be used; the sentence says why and what to do."""
+
+    def __init__(self, sentence: str):
+        super().__init__(quoting.sentence(sentence))
+
+
+class Store:
+    """The rows of a study in a directory. A row with the key of an earlier one replaces it.
+
+    Parameters
+    ----------
+    directory
+        Made if it is not there; to be empty, or with ``resume`` to hold rows of the ``problem``, if one is given. Where
+        ``resume`` is None, rows may be there or not, and anything else.
+    fault
+        What is wrong with a kept row, in words, or None.
+
+    Raises
+    ------
+    StoreError
+        Where the directory cannot be used.
+    """
+
+    def __init__(self, directory: str | os.PathLike, problem: str | None, resume: bool | None = False,
+                 fault: Callable[[Any], str | None] = fault):
+        self._fault = fault
+        self._path = Path(directory) / NAME
+        self.rows: dict[str, dict] = {}
+        _prepare(self._path.parent, resume)
+        try:
+            self._file = open(self._path, "ab")
+        except OSError as error:
+            raise StoreError(f"cannot be written to: {(error.strerror or str(error)).lower()}") from None
+        try:
+            _lock(self._file)
+            self._load(problem)
+        except BaseException:
+            self._file.close()
+            raise
+
+    def append(self, row: dict) -> None:
+        """Keep a row; it is on the disk when this returns."""
+        self._file.write(json.dumps(row, allow_nan=False).encode() + b"\n")
+        self._file.flush()
+        os.fsync(self._file.fileno())
+        self.rows[row["key"]] = row
+
+    def finished(self, key: str) -> bool:
+        """Whether there is nothing left to do for a key; what failed may be tried again, and what other source measured
+        is measured anew."""
+        return key in self.rows and self.rows[key]["status"] != FAILED and not self.outdated(key)
+
+    def outdated(self, key: str) -> bool:
+        """Whether the row of a key is there and was measured by other source than this."""
+        return key in self.rows and self.rows[key].get("solvers") != fingerprint()
+
+    def close(self) -> None:
+        self._file.close()
+
+    def _load(self, problem: str | None) -> None:
+        """Read what is there. A last line that a kill cut short is taken off; its row will be measured again."""
+        if (size := self._path.stat().st_size) > LARGEST:
+            raise StoreError(f"holds a {NAME} of {size / 1e6:,.0f} MB; give one of at most {LARGEST / 1e6:,.0f} MB, or "
+                             "another directory")
+        rest = b""
+        with open(self._path, "rb") as lines:
+            for number, line in enumerate(iter(lambda: lines.readline(LONGEST + 1), b""), 1):
+                if len(line) > LONGEST:
+                    raise StoreError(f"holds a {NAME} whose line {number} has more than {LONGEST:,} letters; take that "
+                                     "line out, or give another directory")
+                if line.endswith(b"\n"):
+                    self._take(number, line[:-1], problem)
+                else:
+                    rest = line
+        if rest and self._wrong(rest):
+            self._file.truncate(size - len(rest))
+        elif rest:  # whole but for the end of its line
+            self._take(number, rest, problem)
+            self._file.write(b"\n")
+            self._file.flush()
+
+    def _wrong(self, line: bytes) -> str | None:
+        try:
+            return self._fault(parsed(line))
+        except ValueError:
+            return "it is not JSON"
+
+    def _take(self, number: int, line: bytes, problem: str | None) -> None:
+        """Take in a line; :class:`StoreError`, and nothing changed on the disk, where it is no row of the problem."""
+        if wrong := self._wrong(line):
+            raise StoreError(f"holds a {NAME} whose line {number} is not a whole row ({wrong}); take that line out, "
+                             "and it is measured again, or give another directory")
+        row = parsed(line)
+        if row["problem"] != (problem or row["problem"]):
+            raise StoreError(f"holds rows of the {row['problem']}; give another directory for the {problem}")
+        self.rows[row["key"]] = row
+
+
+def _prepare(directory: Path, resume: bool | None) -> None:
+    """Make the directory, or make sure that it is ours to write to."""
+    try:
+        directory.mkdir(parents=True, exist_ok=True)
+        names = {entry.name for entry in directory.iterdir()}
+    except FileExistsError:
+        raise StoreError("is a file; give a directory") from None
+    except OSError as error:
+        raise StoreError(f"cannot be used: {(error.strerror or str(error)).lower()}; give a directory that can be "
+                         "written to") from None
+    if resume is None:
+        return
+    if names and not resume:
+        raise StoreError("is not empty; give an empty or a new directory"
+                         + (", or --resume to finish the sweep in it" if NAME in names else ""))
+    if names and NAME not in names:
+        raise StoreError(f"holds no {NAME}, so there is no sweep to resume; give an empty or a new directory")
+
+
+def _lock(file: BinaryIO) -> None:
+    """Two sweeps must not write to one file."""
+    with contextlib.suppress(ImportError):  # elsewhere than on Unix nobody checks
+        import fcntl
+        try:
+            fcntl.flock(file, fcntl.LOCK_EX | fcntl.LOCK_NB)
+        except OSError:
+            raise StoreError("is being written to by another sweep; wait for it or give another directory") from None

@@ -1,0 +1,158 @@
+"""A family of runs that differ in their number of cells alone: how wrong they are and what they cost.
+
+The error is the companion estimator's, not the truth: what holds here holds for problems whose solution nobody knows.
+Measured at some numbers of cells, it is interpolated, and carried on to finer grids by the order that the two finest
+show; the cost by steps, particles and the rate of the finest.
+"""
+
+import math
+from bisect import bisect_right, insort
+from dataclasses import dataclass, field, replace
+from functools import lru_cache
+
+from solvers.scene.scene import Scene
+from solvers.scene.validation import SceneError
+from solvers.solver.soundness import OK
+
+#: By which the advisor goes. It compares methods and steps, so it needs one that sees every error of the particles
+#: whatever they are: "transport" misses that of the step, "two-grid" needs second order, "recovered" a polar lattice.
+ESTIMATOR = "companion"
+HIGHEST_ORDER = 2.0  # that is trusted beyond what was measured; the methods are of second order at best
+HOPED_ORDER = 2.5  # of a family of which one member is known: coarse grids may gain more than the order
+LEAST_ORDER = 0.3  # below which refining is not worth its price: the error has all but stopped falling
+GENTLE_CFL = 0.1
+TIMED_SECONDS = 0.002
+TIMED_TURNS = 4
+
+
+@dataclass(frozen=True, order=True)
+class Point:
+    """One measured member: the largest RMS error over the run (infinite for an unstable one) and its rate, NaN where
+    that is yet to be taken; how the run ended, and why not well."""
+
+    cells: int
+    error: float
+    seconds_per_particle_step: float
+    status: str = field(default=OK, compare=False)
+    reason: str | None = field(default=None, compare=False)
+
+
+@dataclass
+class Family:
+    """``scene`` with any number of cells, as a multiple of ``multiple``; ``quantity`` is x, v, sigma or a."""
+
+    scene: Scene
+    quantity: str
+    multiple: int
+    points: list[Point] = field(default_factory=list)
+
+    def member(self, cells: int) -> Scene:
+        """The scene with so many cells, and only what an advisor needs to see computed."""
+        return replace(self.scene, cells=cells, estimators=(ESTIMATOR,), effects=("estimate", "acceleration"))
+
+    def measure(self, cells: int) -> Point:
+        """Run a member and learn its error and its rate."""
+        from solvers.running.run import run  # here: what has been measured before needs no Taichi
+
+        result = run(self.member(cells), prices=False, mid_run=False)
+        largest = result.estimate[ESTIMATOR][self.quantity]["max"] if result.status == OK else None
+        error = math.inf if largest is None else largest
+        return self.take(Point(cells, error, math.nan, result.status, result.reason))
+
+    def compile(self, cells: int) -> None:
+        """Have ready what :meth:`measure` needs; of the run itself nothing is remembered."""
+        from solvers.running.run import build, run
+
+        run(self.member(cells), prices=False, mid_run=False)
+        build(self._bare(cells)).compile()
+
+    def _bare(self, cells: int) -> Scene:
+        """What a member is timed by: how long a step takes does not depend on its length."""
+        return replace(self.member(cells), estimators=(), effects=(), cfl=GENTLE_CFL)
+
+    def take(self, point: Point) -> Point:
+        """A member that has been measured, whose rate is measured now if it is not known."""
+        if math.isnan(point.seconds_per_particle_step):
+            rate = _seconds_per_particle_step(self._bare(point.cells))
+            point = replace(point, seconds_per_particle_step=rate)
+        insort(self.points, point)
+        return point
+
+    def error(self, cells: float) -> float:
+        """The error expected of so many cells; infinite where nothing is known to hold."""
+        last = self.points[-1]
+        if cells >= last.cells:
+            return last.error * (last.cells / cells) ** self.order()
+        after = next(k for k, point in enumerate(self.points) if point.cells > cells)
+        if after == 0:
+            return math.inf
+        coarse, fine = self.points[after - 1:after + 1]
+        if cells == coarse.cells or not math.isfinite(coarse.error):
+            return coarse.error
+        part = math.log(cells / coarse.cells) / math.log(fine.cells / coarse.cells)
+        return coarse.error * (fine.error / coarse.error) ** part if fine.error > 0 else coarse.error
+
+    def order(self) -> float:
+        """The order that the two finest members show, as far as it may be trusted; the best to hope for where there is
+        one, so that nothing is given up that has not been looked at twice."""
+        if not all(0 < point.error < math.inf for point in self.points[-2:]):
+            return 0.0
+        if len(self.points) < 2:
+            return HOPED_ORDER
+        coarse, fine = self.points[-2:]
+        order = math.log(coarse.error / fine.error) / math.log(fine.cells / coarse.cells)
+        return 0.0 if order < LEAST_ORDER else min(order, HIGHEST_ORDER)
+
+    def cells_for(self, tolerance: float, hoped: float = 0.0) -> int | None:
+        """The fewest cells expected to meet a tolerance, or None if none are; at the order ``hoped`` for, if the error
+        falls at all and more slowly."""
+        met = [point.cells for point in self.points if point.error <= tolerance]
+        if met:
+            start = max((point.cells for point in self.points if point.cells < met[0]), default=met[0])
+            candidates = range(self._up(start), met[0] + 1, self.multiple)
+            return next((cells for cells in candidates if self.error(cells) <= tolerance), met[0])
+        last, order = self.points[-1], self.order()
+        if order == 0 or not math.isfinite(last.error):
+            return None
+        order = max(order, hoped)
+        cells = last.cells * (last.error / tolerance) ** (1 / order)
+        return None if cells > 1e6 else max(self._up(cells), last.cells + self.multiple)
+
+    def cells_within(self, seconds: float) -> int:
+        """The most cells whose run is expected to take no longer."""
+        low, high = self.points[0].cells // self.multiple, 1_000_000 // self.multiple
+        more = bisect_right(range(low + 1, high + 1), seconds, key=lambda n: self.seconds(n * self.multiple))
+        return (low + more) * self.multiple
+
+    def seconds(self, cells: int) -> float:
+        """The time expected for a bare run; infinite beyond what a scene may hold."""
+        nearest = max((p for p in self.points if p.cells <= cells), default=self.points[0])
+        return _particle_steps(self.scene, cells) * nearest.seconds_per_particle_step
+
+    def _up(self, cells: float) -> int:
+        return self.multiple * math.ceil(cells / self.multiple - 1e-9)
+
+
+@lru_cache(maxsize=4096)  # asked for again and again, with every run that a search makes
+def _particle_steps(scene: Scene, cells: int) -> float:
+    """Of the scene with so many cells; infinite where there is no such scene."""
+    try:
+        scene = replace(scene, cells=cells)
+    except SceneError:
+        return math.inf
+    return scene.steps * scene.particles
+
+
+@lru_cache(maxsize=4096)
+def _seconds_per_particle_step(scene: Scene) -> float:
+    """Of the bare method, compiled and warmed up, in the processor's time; infinite for a run that goes bad."""
+    from solvers.running.run import build
+    from solvers.running.timing import rate
+
+    seconds = 1e-6 / rate(build(scene), TIMED_TURNS, TIMED_SECONDS)
+    return seconds if math.isfinite(seconds) else math.inf
+
+
+def forget_rates() -> None:
+    """Take all times anew from now on."""
+    _seconds_per_particle_step.cache_clear()

@@ -1,0 +1,120 @@
+"""The runs of tables, measured and kept like rows of any study, and a finished table as one JSON object: for each row
+what went in, the paper's numbers, ours, and the estimators'.
+
+Everything that is printed or drawn of a table is made from this object and nothing else.
+"""
+
+from collections.abc import Callable, Iterable, Mapping
+
+from solvers.scene.scene import Scene
+from solvers.solver.error_norms import finite
+from solvers.solver.samples import QUANTITIES
+from solvers.study.json_schema import NUMBER, Each
+from solvers.study.parameter_grid import Task, task_of
+from solvers.study.row import NORMS, identity, measure
+from solvers.study.tables.paper_tables import Row, Table
+
+SCHEMA, RUN_SCHEMA = "mpm-lab/tables/1", "mpm-lab/tables-run/1"
+PAPERS_ESTIMATOR = "transport"
+TIMED = ("cost",)  # runs of which times are shown: they are made alone
+#: What is read of a run.
+MEASURED = {"result": {
+    "scene": dict, "t": NUMBER, "particles": int, "error": NORMS, "index": dict, "distance": dict,
+    "grid_crossings": (int, type(None)), "not_valid": Each(str),
+    "seconds": {"setup": NUMBER, "compile": NUMBER, "run": NUMBER, "estimators": Each(NUMBER)}}}
+
+Results = Mapping[str, dict]  # the object of ``mpm-lab run --json`` for each run of a row
+
+
+def runs(tables: Iterable[Table]) -> list[Task]:
+    """Every run of the tables once: first those that are only computed, the longest first, so that no processor waits
+    for another at the end; then those that are timed, with ``repeats``."""
+    scenes = [(name in TIMED, scene) for table in tables for row in table.rows for name, scene in row.scenes.items()]
+    wanted = sorted(scenes, key=lambda one: (one[0], 0 if one[0] else -one[1].particles * one[1].steps))
+    found = {task.key: task for task in (task_of(scene, repeats=int(timed)) for timed, scene in wanted)}
+    return list(found.values())
+
+
+def measure_run(task: dict, answer: Callable[[dict], None]) -> None:
+    """What a worker process does: one run. Prices of estimators are measured where it is timed."""
+    answer(measure(Task(**task), _result))
+
+
+def _result(task: Task, scene: Scene) -> dict:
+    from solvers.running.run import run  # here: a row can be read, kept and drawn without Taichi
+
+    result = run(scene, prices=task.repeats > 0, mid_run=False).to_dict()
+    return {**identity(task), "schema": RUN_SCHEMA, "status": result["status"], "reason": result["reason"],
+            "result": result}
+
+
+def results_of(table: Table, rows: Iterable[dict]) -> dict[str, Results]:
+    """The results of each row of a table under its name, out of the runs that were measured."""
+    found = {row["key"]: row["result"] for row in rows if "result" in row}
+    return {row.name: {name: found[task_of(scene).key] for name, scene in row.scenes.items()} for row in table.rows}
+
+
+def document(table: Table, results: Mapping[str, Results]) -> dict:
+    """The object of a table; ``results`` holds each row's under its name."""
+    names = dict.fromkeys(name for row in table.rows for name in row.scenes["errors"].estimators)
+    seconds = [result["seconds"] for row in table.rows for result in results[row.name].values()]
+    return {"schema": SCHEMA, "table": table.number, "title": table.title, "caption": table.caption,
+            "setup": list(table.setup), "estimators": list(names),
+            "rows": [_row(table.number, row, results[row.name]) for row in table.rows],
+            "seconds": {part: sum(each[part] for each in seconds) for part in ("setup", "compile", "run")}}
+
+
+def parts(table: dict) -> dict[str, list[dict]]:
+    """The rows of a table's object under each heading, in order."""
+    found: dict[str, list[dict]] = {}
+    for row in table["rows"]:
+        found.setdefault(row["part"], []).append(row)
+    return found
+
+
+def _row(number: str, row: Row, results: Results) -> dict:
+    run = results["errors"]
+    ours = _ours(number, results)
+    paper = {key: row.paper.get(key) for key in ours}
+    inputs = run["scene"] | ({"t_end_crossings": results["crossings"]["t"]} if "crossings" in results else {})
+    gone_bad = next((result["reason"] for result in results.values() if result["status"] != "ok"), None)
+    return {"name": row.name, "part": row.part, "inputs": inputs, "particles": run["particles"],
+            "h": row.scenes["errors"].spacing, "unstable": gone_bad, "paper": paper, "ours": ours,
+            "ratio": {key: _ratio(ours[key], paper[key]) for key in ours},
+            "estimators": {name: _estimator(name, results) for name in run["scene"]["estimator"]}}
+
+
+def _ours(number: str, results: Results) -> dict:
+    """Of a row of Table 1 the largest errors, crossings to the end of the long run and of the short one, and indices of
+    the paper's estimator; of Table 2 the errors at the end; of Table 3 that index of x."""
+    run = results["errors"]
+    if number == "2":
+        return {q: run["error"][q]["final"] for q in ("x", "v", "a_nodes")}
+    indices = {f"index_{q}": _of(run, "index", PAPERS_ESTIMATOR, q) for q in ("x", "v", "sigma")}
+    if number == "3":
+        return {"index_x": indices["index_x"]}
+    return {**{q: run["error"][q]["max"] for q in ("x", "v", "sigma_log")},
+            "grid_crossings": results["crossings"]["grid_crossings"], "grid_crossings_short": run["grid_crossings"],
+            **indices}
+
+
+def _estimator(name: str, results: Results) -> dict:
+    run, cost = results["errors"], results["cost"]
+    seconds = cost["seconds"]["estimators"].get(name)
+    reason = run["not_valid"].get(name) or cost["not_valid"].get(name)
+    return {"index": {q: _of(run, "index", name, q) for q in QUANTITIES},
+            "distance": {q: _of(run, "distance", name, q) for q in QUANTITIES},
+            "cost": None if seconds is None or reason else _ratio(seconds, cost["seconds"]["run"]),
+            "not_valid": reason}
+
+
+def _of(run: dict, kind: str, name: str, quantity: str) -> float | None:
+    """One estimator's index or distance; a run with a single estimator does not key them by its name."""
+    names = run["scene"]["estimator"]
+    if name not in names or name in run["not_valid"]:
+        return None
+    return (run[kind][name] if len(names) > 1 else run[kind])[quantity]
+
+
+def _ratio(above: float | None, below: float | None) -> float | None:
+    return finite(above / below) if above is not None and below else None

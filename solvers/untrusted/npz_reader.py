@@ -1,0 +1,105 @@
+"""The arrays of a .npz file, of which nothing is believed: neither its directory, nor the heads of its arrays.
+
+A .npz is a zip with a .npy file for each array: a head, which is a Python literal, and the numbers. Only arrays that
+are asked for are unpacked, each to the size that its head says and that has been found to be allowed.
+"""
+
+import io
+import zipfile
+from collections.abc import Callable, Iterator
+from typing import IO, Any, cast
+
+import numpy as np
+
+from solvers.untrusted.quoting import FileError, quoted
+from solvers.untrusted.size_limits import Limits, check_name
+
+ENDING = ".npy"
+LONGEST_READ = 1_000_000  # bytes that are read at once, of which the zip's directory is the largest part
+LONGEST_HEAD = 20_000  # bytes of what stands before the numbers; numpy reads no more than 10,000
+LONGEST_TEXT = 20_000  # letters of an array that is a text
+MOST_DIRECTIONS = 4  # of an array
+PACKINGS = (zipfile.ZIP_STORED, zipfile.ZIP_DEFLATED)  # as numpy writes them; others may take any memory to unpack
+ENCRYPTED = 1
+TEXTS = ("scene", "result")  # arrays that may be a text
+HEADS = {(1, 0): np.lib.format.read_array_header_1_0, (2, 0): np.lib.format.read_array_header_2_0}
+
+
+class _NotPlain(ValueError):
+    """No .npz of plain numbers; the message says why."""
+
+
+def arrays(path: str, wanted: Callable[[str], bool], limits: Limits) -> dict[str, np.ndarray]:
+    """The arrays whose names are ``wanted``, each of numbers or one text, by their names; of others nothing but the
+    name is looked at, and they are empty here. :class:`FileError` where there are none such."""
+    try:
+        with open(path, "rb", buffering=0) as raw, _Measured(raw) as measured, \
+                zipfile.ZipFile(cast(IO[bytes], measured)) as packed:
+            members = dict(_members(path, packed, limits))
+            return {name: _array(path, name, packed, member, limits) if wanted(name) else np.empty(0)
+                    for name, member in members.items()}
+    except (FileError, OSError):
+        raise
+    except _NotPlain as error:
+        raise FileError(path, f"is no .npz of plain numbers ({error}); write it with numpy.savez") from None
+    except Exception as error:  # what a broken file makes of a parser
+        raise FileError(path, f"is no .npz of plain numbers ({type(error).__name__}); write it with "
+                              "numpy.savez") from None
+
+
+class _Measured(io.BufferedReader):
+    """A file of which no large piece is read at once: a zip's directory is read as long as it says it is."""
+
+    def read(self, size: int | None = -1, /) -> bytes:
+        content = super().read(LONGEST_READ + 1 if size is None or not 0 <= size <= LONGEST_READ else size)
+        if len(content) > LONGEST_READ:
+            raise _NotPlain("its directory is too long")
+        return content
+
+
+def _members(path: str, packed: zipfile.ZipFile, limits: Limits) -> Iterator[tuple[str, zipfile.ZipInfo]]:
+    """Arrays by their names; none twice, and as many and as large as is allowed."""
+    listed = packed.infolist()
+    limits.check_columns(path, len(listed))
+    limits.check_unpacked(path, sum(member.file_size for member in listed))
+    seen: set[str] = set()
+    for member in listed:
+        name = member.filename.removesuffix(ENDING)
+        check_name(path, name)
+        if name in seen:
+            raise FileError(path, f"has two arrays called {quoted(name)}; give each its own name")
+        seen.add(name)
+        yield name, member
+
+
+def _array(path: str, name: str, packed: zipfile.ZipFile, member: zipfile.ZipInfo, limits: Limits) -> np.ndarray:
+    if member.compress_type not in PACKINGS or member.flag_bits & ENCRYPTED:
+        raise _NotPlain(f"{quoted(name)} is packed in a way that numpy does not use")
+    with packed.open(member) as content:
+        begun = io.BytesIO(content.read(LONGEST_HEAD))  # no more, however long the head says it is
+        shape, in_columns, dtype = _head(path, name, begun)
+        limits.check_numbers(path, *shape)
+        data = bytearray(int(np.prod(shape, dtype=object)) * dtype.itemsize)
+        done = begun.readinto(data)
+        while piece := content.read(min(len(data) - done, LONGEST_READ // 2)):
+            data[done:done + len(piece)] = piece
+            done += len(piece)
+    if done < len(data):
+        raise _NotPlain(f"{quoted(name)} ends before its last number")
+    return np.frombuffer(data, dtype).reshape(shape, order="F" if in_columns else "C")
+
+
+def _head(path: str, name: str, content: IO[bytes]) -> tuple[tuple[int, ...], bool, Any]:
+    """Shape, order and type of an array, where it has such as are taken."""
+    version = np.lib.format.read_magic(content)
+    if version not in HEADS:
+        raise _NotPlain(f"{quoted(name)} is of another version")
+    shape, in_columns, dtype = HEADS[version](content)
+    text = dtype.kind in "US" and dtype.itemsize <= 4 * LONGEST_TEXT and shape in ((), (1,))
+    if dtype.kind in "bcUS" and not (text and name in TEXTS):
+        raise FileError(path, f"has no numbers in {quoted(name)}; give numbers, real and not objects or texts")
+    if dtype.kind not in "iufUS":
+        raise _NotPlain(f"{quoted(name)} is no array of numbers")
+    if len(shape) > MOST_DIRECTIONS or not all(0 <= size < 2**62 for size in shape):
+        raise _NotPlain(f"{quoted(name)} has a shape that none can have")
+    return shape, in_columns, dtype

@@ -1,0 +1,76 @@
+"""How much of a file is taken: said up front, and checked before any memory is, for a file may claim what it likes.
+
+A number takes eight bytes as soon as it is read, however few it has in the file. What is placed and compared takes as
+much again: with these limits whatever is refused is so within a gigabyte.
+"""
+
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from solvers.untrusted.quoting import FileError, quoted
+
+FEWER = ", fewer times for example"
+
+
+@dataclass(frozen=True)
+class Limits:
+    """What a file, or several that are judged together, may have at most: ``bytes`` on the disk and unpacked,
+    ``columns`` or arrays, ``rows``, that is particles of all times, ``numbers`` and ``times``."""
+
+    bytes: int
+    columns: int
+    rows: int
+    numbers: int
+    times: int
+    otherwise: str = ""  # what else one can do, for the end of a sentence
+
+    def check_bytes(self, file: str, size: int) -> None:
+        if size > self.bytes:
+            raise self._refusal(file, f"has {size / 1e6:,.0f} MB", f"{self.bytes / 1e6:,.0f} MB{FEWER}")
+
+    def check_unpacked(self, file: str, size: int) -> None:
+        if size > self.bytes:
+            raise self._refusal(file, f"unpacks to {size / 1e6:,.0f} MB", f"{self.bytes / 1e6:,.0f} MB")
+
+    def check_columns(self, file: str, count: int) -> None:
+        if count > self.columns:
+            raise self._refusal(file, f"has {count:,} columns or arrays", f"{self.columns:,}")
+
+    def check_rows(self, file: str, rows: int) -> None:
+        if rows > self.rows:
+            raise self._refusal(file, f"has {rows:,} particles of all times together", f"{self.rows:,}")
+
+    def check_numbers(self, file: str, *counts: int) -> None:
+        """``counts`` are the sizes that make the number of numbers, as a file claims them: any whole numbers."""
+        total = math.prod(counts)
+        if min(counts, default=0) < 0 or total > self.numbers:
+            told = f"{total:,}" if abs(total) < 10**15 else "10¹⁵ or more"
+            raise self._refusal(file, f"has {told} numbers", f"{self.numbers:,}{FEWER}")
+
+    def check_times(self, file: str, times: int) -> None:
+        if times > self.times:
+            raise self._refusal(file, f"has {times:,} times", f"{self.times:,}")
+
+    def less(self, columns: Mapping[str, np.ndarray]) -> "Limits":
+        """What is left for further files beside one with such columns."""
+        rows = len(next(iter(columns.values())))
+        numbers = sum(column.size for column in columns.values())
+        return replace(self, rows=max(0, self.rows - rows), numbers=max(0, self.numbers - numbers))
+
+    def _refusal(self, file: str, has: str, most: str) -> FileError:
+        return FileError(file, f"{has}; give at most {most}{self.otherwise}")
+
+
+LIMITS = Limits(bytes=500_000_000, columns=1000, rows=4_000_000, numbers=40_000_000, times=10_000)
+LONGEST_NAME = 200  # letters of a column's name
+LONGEST_LINE = 250_000  # letters of a line of text
+
+
+def check_name(file: str, name: str) -> None:
+    """Refuse a name of a column that nobody would give, which would take long to be understood."""
+    if len(name) > LONGEST_NAME:
+        raise FileError(file, f"has a column or an array with a name of {len(name):,} letters ({quoted(name, 30)}); "
+                              f"give at most {LONGEST_NAME}")

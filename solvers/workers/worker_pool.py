@@ -1,0 +1,147 @@
+"""Work in processes of its own, queued: a few processes, one queue before them, and a future for each question.
+
+What a process has done once it does again with less work, above all compile nothing anew. So a question may have a
+``kind``. A process that works alone takes the questions in their order. Beside others it takes the next one of a kind
+that it has had, before one of a kind that nobody has had, before one of a kind that another has had, who works now: of
+short questions only where ``several`` of these wait, for the other would be done with one before this one has begun.
+"""
+
+import contextlib
+import os
+import threading
+from collections import deque
+from collections.abc import Callable, Hashable, Iterable, Mapping, Sequence
+from concurrent.futures import Future
+from dataclasses import dataclass
+from typing import TypeVar
+
+from solvers.workers.worker_process import ProcessDied, WorkerProcess
+
+T = TypeVar("T")
+NICENESS = 10  # of a process that gives way, more than that of the one that asks
+
+Listener = Callable[[dict], object]
+
+
+@dataclass(frozen=True, eq=False)
+class _Waiting:
+    """A question that is to be answered."""
+
+    future: Future[dict]
+    question: Mapping | Sequence
+    on_answer: Listener
+    patience: float | None
+    kind: Hashable
+
+
+class WorkerPool:
+    """So many processes for one kind of work (``"module:function"``, as of a
+    :class:`~solvers.workers.worker_process.WorkerProcess`). One starts when a question comes and no other rests; when
+    it has died, with the next question. Safe from any thread."""
+
+    def __init__(self, work: str, processes: int = 1, environment: Mapping[str, str] | None = None, several: int = 1):
+        self._several = several
+        self._processes = tuple(WorkerProcess(work, environment) for _ in range(processes))
+        self._lock = threading.Lock()
+        self._resting = list(self._processes)  # the last has most of what it needs
+        self._had: dict[WorkerProcess, set[Hashable]] = {process: set() for process in self._processes}  # kinds
+        self._waiting: deque[_Waiting] = deque()
+
+    @property
+    def process_ids(self) -> list[int]:
+        """Of the processes that run now."""
+        return [process.process_id for process in self._processes if process.process_id]
+
+    def submit(self, question: Mapping | Sequence, on_answer: Listener = lambda _: None,
+               patience: float | None = None, kind: Hashable = None) -> Future[dict]:
+        """Queue a question of a ``kind``. ``on_answer`` hears every answer, from a thread of the pool; the future holds
+        the last one, or :class:`~solvers.workers.worker_process.ProcessDied` (after ``patience`` seconds of work at the
+        latest), or the OSError for which no process could be started."""
+        future: Future[dict] = Future()
+        with self._lock:
+            self._waiting.append(_Waiting(future, question, on_answer, patience, kind))
+            process = max(self._resting, key=lambda one: (kind in self._had[one], self._resting.index(one)),
+                          default=None)
+            if process:
+                self._resting.remove(process)
+        if process:
+            with contextlib.suppress(OSError, ProcessDied):  # as the future will say
+                process.start()
+            threading.Thread(target=self._work, args=(process,), name="worker-pool", daemon=True).start()
+        return future
+
+    def give_way(self) -> None:
+        """Have the processes wait for whatever else wants a processor, from now on: there is no way back."""
+        for process_id in self.process_ids:
+            with contextlib.suppress(AttributeError, OSError):  # not everywhere is there such a thing
+                os.setpriority(os.PRIO_PROCESS, process_id, os.getpriority(os.PRIO_PROCESS, 0) + NICENESS)
+
+    def kill(self) -> None:
+        """End all work at once, and for good; every future that is left learns it."""
+        for process in self._processes:
+            process.kill()
+
+    def close(self) -> None:
+        """The same, and wait until nothing is left behind; a process that rests may put away what it has compiled."""
+        for process in self._processes:
+            process.close()
+
+    def _work(self, process: WorkerProcess) -> None:
+        """Have a process answer questions for as long as there are any."""
+        while waiting := self._next(process):
+            if not waiting.future.set_running_or_notify_cancel():
+                continue
+            answer: dict = {}
+            try:
+                with contextlib.closing(process.ask(waiting.question, waiting.patience)) as answers:
+                    for answer in answers:
+                        waiting.on_answer(answer)
+            except BaseException as error:
+                self._had[process].clear()  # it begins anew
+                waiting.future.set_exception(error)
+            else:
+                waiting.future.set_result(answer)
+
+    def _next(self, process: WorkerProcess) -> _Waiting | None:
+        """What a process does next; None where it is to rest, for there is nothing or others soon have done it."""
+        with self._lock:
+            own = self._had[process]
+            busy = set[Hashable]().union(*(kinds for other, kinds in self._had.items()
+                                           if other is not process and other not in self._resting))
+            taken = next((one for one in self._waiting if not busy or one.kind in own), None) \
+                or next((one for one in self._waiting if one.kind not in busy), None) \
+                or (self._waiting[0] if len(self._waiting) >= self._several else None)
+            if taken is None:
+                self._resting.append(process)
+                return None
+            self._waiting.remove(taken)
+            own.add(taken.kind)
+            return taken
+
+
+def one_of_each_first(things: Iterable[T], kind: Callable[[T], Hashable]) -> list[T]:
+    """The same things, one of each kind in front: asked in this order, processes begin with different kinds."""
+    ahead: dict[Hashable, T] = {}
+    rest = []
+    for thing in things:
+        if ahead.setdefault(kind(thing), thing) is not thing:
+            rest.append(thing)
+    return [*ahead.values(), *rest]
+
+
+class Slots:
+    """Places for work on one machine: a piece of work takes one and gives it back. Safe from any thread."""
+
+    def __init__(self, places: int):
+        self._places, self._lock, self.taken = places, threading.Lock(), 0
+
+    def take(self) -> bool:
+        """Whether there was one left."""
+        with self._lock:
+            free = self.taken < self._places
+            self.taken += free
+            return free
+
+    def give_back(self) -> None:
+        with self._lock:
+            self.taken -= 1
