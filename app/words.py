@@ -6,8 +6,8 @@ import re
 import shlex
 from dataclasses import dataclass, fields
 
-from app.language.message_translation import heard
-from app.language.translation import kept, later, tr, trn
+from app.language.message_translation import translate_message
+from app.language.translation import language_cache, lazy, tr, trn
 from solvers.problems import PROBLEMS
 from solvers.scene import error_causes
 from solvers.scene.remedies import REMEDIES
@@ -34,8 +34,8 @@ class Method:
         return tr(self.full) if self.full else self.name
 
 
-METHODS = {"mpm": Method("MPM", later("MPM (hat functions)")), "ugimp": Method("uGIMP"), "cpgimp": Method("cpGIMP"),
-           "cpgimp-v": Method("cpGIMP (V)", later("cpGIMP with the spatial stretch V")),
+METHODS = {"mpm": Method("MPM", lazy("MPM (hat functions)")), "ugimp": Method("uGIMP"), "cpgimp": Method("cpGIMP"),
+           "cpgimp-v": Method("cpGIMP (V)", lazy("cpGIMP with the spatial stretch V")),
            "bspline": Method("B-spline"), "cpdi": Method("CPDI")}
 
 
@@ -57,12 +57,12 @@ class Quantity:
 
 
 #: By their keys in samples and results, in the order of the error columns.
-QUANTITIES = {"x": Quantity(later("displacement"), "x", "m"), "v": Quantity(later("velocity"), "v", "m/s"),
-              "sigma": Quantity(later("stress"), "σ", "Pa"), "a": Quantity(later("acceleration"), "a", "m/s²")}
+QUANTITIES = {"x": Quantity(lazy("displacement"), "x", "m"), "v": Quantity(lazy("velocity"), "v", "m/s"),
+              "sigma": Quantity(lazy("stress"), "σ", "Pa"), "a": Quantity(lazy("acceleration"), "a", "m/s²")}
 MAGNIFICATIONS = (1, 10, 100, 1000)  # of what a field misses, in its plot
 #: Norms that one problem has.
 EXTRA_NORMS = {"sigma_log": Quantity("stress", "σ, E ln F", "Pa"),
-               "a_nodes": Quantity("acceleration", later("a at nodes"), "m/s²")}
+               "a_nodes": Quantity("acceleration", lazy("a at nodes"), "m/s²")}
 #: Fields of a scene that say nothing of the run itself, or only together: the time step's.
 UNSAID = ("problem", "dt", "cfl", "t_end", "periods", "effects", "arch", "threads", "sample_every")
 #: Sizes of a scene, by their symbols.
@@ -73,14 +73,14 @@ OF_SOME = ("motion", "stretch", "initial_velocity")
 #: What a scene's fields may be, in words that are put into the visitor's language by :func:`choices`, in the order in
 #: which they are offered.
 CHOICES = {"method": {code: method.full or method.name for code, method in METHODS.items()},
-           "body_force": {"material": later("at the particles"), "node": later("at the nodes"), "none": later("none"),
-                          "two-tone": later("two-tone: no exact solution known")},
-           "velocity": {"grid": later("grid velocity"), "particle": later("particle velocity"),
-                        "corners": later("domain corners")},
-           "motion": {"vibrate": later("vibration"), "patch": later("patch test")},
-           "take_away": {error_causes.NOTHING: later("nothing"), **error_causes.CAUSES},
+           "body_force": {"material": lazy("at the particles"), "node": lazy("at the nodes"), "none": lazy("none"),
+                          "two-tone": lazy("two-tone: no exact solution known")},
+           "velocity": {"grid": lazy("grid velocity"), "particle": lazy("particle velocity"),
+                        "corners": lazy("domain corners")},
+           "motion": {"vibrate": lazy("vibration"), "patch": lazy("patch test")},
+           "take_away": {error_causes.NOTHING: lazy("nothing"), **error_causes.CAUSES},
            "remedies": {remedy.name: remedy.label for remedy in REMEDIES.values()},
-           "layout": {"polar": later("polar"), "cartesian": later("Cartesian")}}
+           "layout": {"polar": lazy("polar"), "cartesian": lazy("Cartesian")}}
 
 
 def choices(kind: type[Scene], field: str) -> dict[str, str]:
@@ -139,7 +139,7 @@ def on_page(sentence: str) -> str:
 
     What is to be said is found by the sentence as it was made: so its language comes first, and translations name
     flags as well."""
-    sentence = heard(sentence)
+    sentence = translate_message(sentence)
     for typed, shown in ((tr("--dt auto takes"), tr("the box \"Auto step\" takes")),
                          ("--velocity grid", tr("grid velocity")),
                          (tr("the right --cells and --ppc"), tr("the right cells and particles per cell")),
@@ -156,7 +156,7 @@ def on_page(sentence: str) -> str:
     return re.sub(rf"(?<!--method )\b({methods})\b(?!-lab)", lambda found: METHODS[found[0]].name, sentence)
 
 
-@kept(64)  # asked for with every frame
+@language_cache(64)  # asked for with every frame
 def differing(scene: Scene, other: Scene) -> str:
     """What a scene is where another of its problem is not: "uGIMP, 40 cells, A = 25 mm"; "" where both are one run."""
     return ", ".join(mine for mine, theirs in zip(_said(scene), _said(other), strict=True) if mine != theirs)

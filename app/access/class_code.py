@@ -13,8 +13,8 @@ from functools import partial
 from typing import NamedTuple
 
 from app.access.allowed_hosts import Headers
-from app.access.network_limits import Bucket, Buckets, network_of
-from app.language.translation import later, tr
+from app.access.network_limits import TokenBucket, TokenBuckets, network_of
+from app.language.translation import lazy, tr
 
 LETTERS = "abcdefghjkmnpqrstuvwxyz23456789"  # none that is taken for another one on a board
 MADE_UP, SHORTEST, LONGEST = 8, 6, 64  # letters; half of 31^8 codes, a thousand a second: 13 years
@@ -23,10 +23,10 @@ ONE, ALL = (20, 1 / 6), (60, 1 / 2)
 
 CLASS, TEACHER, BOARD = "class", "teacher", "board"  # whose codes there are
 
-WRONG = later("This is not the code. Look at the board again, or ask your teacher.")
+WRONG = lazy("This is not the code. Look at the board again, or ask your teacher.")
 
 
-class Entry(NamedTuple):
+class LoginResult(NamedTuple):
     """What came of a code: the ``cookie`` that opens, perhaps ``more`` than the lab; else why not, and in how many
     seconds to try again."""
 
@@ -36,20 +36,20 @@ class Entry(NamedTuple):
     wait: int = 0
 
 
-class Guest(NamedTuple):
+class CodeHolder(NamedTuple):
     """Who brings a cookie: with ``whose`` code he has come, and the ``key`` that all pages of his browser have."""
 
     whose: str
     key: str = ""
 
 
-def made_up() -> str:
+def generate_code() -> str:
     """A code that nobody can guess, in two halves to read it by."""
     code = "".join(secrets.choice(LETTERS) for _ in range(MADE_UP))
     return f"{code[:MADE_UP // 2]}-{code[MADE_UP // 2:]}"
 
 
-def plain(code: str) -> str:
+def normalise_code(code: str) -> str:
     """A code as it counts: small and large letters, spaces and dashes make no difference."""
     return "".join(code.casefold().replace("-", "").split())
 
@@ -62,37 +62,37 @@ class ClassCode:
         self._name = f"mpm-lab-{port}"  # cookies do not know ports: two labs on a machine must not share one
         codes = {CLASS: code, TEACHER: teacher, BOARD: board}
         self._secrets = {whose: secrets.token_bytes(32) for whose, key in codes.items() if key}
-        self._codes = {whose: _digest(plain(codes[whose])) for whose in self._secrets}
-        self._all, self._of = Bucket(*ALL), Buckets(partial(Bucket, *ONE))
+        self._codes = {whose: _digest(normalise_code(codes[whose])) for whose in self._secrets}
+        self._all, self._of = TokenBucket(*ALL), TokenBuckets(partial(TokenBucket, *ONE))
 
     def knows(self, headers: Headers) -> bool:
         """Whether a request brings a cookie of this server."""
         return self.guest(headers) is not None
 
-    def guest(self, headers: Headers) -> Guest | None:
+    def guest(self, headers: Headers) -> CodeHolder | None:
         """Who asks, by the cookie that opens most; all are looked at, so that the time tells nothing."""
         pairs = (pair.partition("=") for line in headers.get_all("Cookie") for pair in line.split(";"))
         brought = [value.strip().partition(".") for name, _, value in pairs if name.strip() == self._name]
-        found = [Guest(whose, key) for whose in self._secrets for key, _, proof in brought
+        found = [CodeHolder(whose, key) for whose in self._secrets for key, _, proof in brought
                  if hmac.compare_digest(_digest(self._proof(whose, key)), _digest(proof))]
         return found[-1] if found else None
 
-    def enter(self, guess: str, who: str) -> Entry:
+    def enter(self, guess: str, who: str) -> LoginResult:
         """Look at a code from an IP address."""
-        digest = _digest(plain(guess))
+        digest = _digest(normalise_code(guess))
         opened = [whose for whose, code in self._codes.items() if hmac.compare_digest(digest, code)]
         if opened:
             key, whose = secrets.token_urlsafe(16), opened[-1]  # good until the browser is closed or the server ends
-            return Entry(f"{self._name}={key}.{self._proof(whose, key)}; Path=/; HttpOnly; SameSite=Strict",
+            return LoginResult(f"{self._name}={key}.{self._proof(whose, key)}; Path=/; HttpOnly; SameSite=Strict",
                          more=whose != CLASS)
         own = self._of.of(network_of(who))
         wait = math.ceil(max(own.wait(), self._all.wait()))
         if wait:
             told = tr("There were too many wrong codes. Wait {wait} s, then try again.", wait=wait)
-            return Entry(sentence=told, wait=wait)
+            return LoginResult(sentence=told, wait=wait)
         own.pay()
         self._all.pay()
-        return Entry(sentence=tr(WRONG))
+        return LoginResult(sentence=tr(WRONG))
 
     def _proof(self, whose: str, key: str) -> str:
         """That a key is of this server's making."""

@@ -22,13 +22,13 @@ def place_of(error: BaseException) -> str:
     return f"{type(error).__name__}{where}"
 
 
-def noted(what: str, error: BaseException) -> None:
+def log_failure(what: str, error: BaseException) -> None:
     """Log that ``what`` failed; all of it is there for who asks for debugging."""
     _log.error("%s: %s", what, place_of(error))
     _log.debug("%s", what, exc_info=error)
 
 
-class Brief(logging.Filter):
+class RateLimitFilter(logging.Filter):
     """Lets so many records a minute through, and says of how many there were more."""
 
     def __init__(self, lines: int = LINES_A_MINUTE, seconds: float = MINUTE):

@@ -14,7 +14,7 @@ REMEMBERED = 1000  # networks
 Who = TypeVar("Who")
 
 
-class Bucket:
+class TokenBucket:
     """Tokens, ``most`` at first and at most, that come back ``a_second``."""
 
     def __init__(self, most: float, a_second: float, clock: Callable[[], float] = monotonic):
@@ -51,17 +51,17 @@ def network_of(who: str) -> str:
     return str(ipaddress.ip_network((address, SHARED[address.version]), strict=False))
 
 
-class Buckets:
+class TokenBuckets:
     """A bucket for each network. Of those that have not been met for longest none is kept: it would be full again."""
 
-    def __init__(self, make: Callable[[], Bucket], remembered: int = REMEMBERED):
+    def __init__(self, make: Callable[[], TokenBucket], remembered: int = REMEMBERED):
         self._make, self._remembered = make, remembered
-        self._of: dict[str, Bucket] = {}
+        self._of: dict[str, TokenBucket] = {}
 
     def __len__(self) -> int:
         return len(self._of)
 
-    def of(self, network: str) -> Bucket:
+    def of(self, network: str) -> TokenBucket:
         """The bucket of a network, which is the latest now."""
         bucket = self._of.pop(network, None) or self._make()
         self._of[network] = bucket
@@ -70,7 +70,7 @@ class Buckets:
         return bucket
 
 
-class Room:
+class DiskQuota:
     """Bytes on the disk, so many ``of_one`` network, so that none takes those of the others, and ``of_all``. Any thread
     may call."""
 
@@ -102,7 +102,7 @@ class Room:
                 del self._taken[network]
 
 
-class Anteroom(Generic[Who]):
+class PendingConnections(Generic[Who]):
     """Places for so many ``of_one`` network and ``of_all`` that have come and said nothing yet.
 
     None is refused to a newcomer: one too many takes the place of the one who has been silent for longest, of the same

@@ -17,7 +17,7 @@ from app import __version__
 from app.commands import DEFAULT_COMMAND, commands
 from app.commands.flags import BadInput
 from app.commands.help import PROGRAM, VERBOSE, Shown, finished, overview, paragraphs
-from app.commands.output import NotWritten, put_text, say, showing_places
+from app.commands.output import NotWritten, message, put_text, showing_places
 from solvers.scene.extensions import ExtensionError
 from solvers.scene.validation import SceneError, field_flag
 from solvers.untrusted.quoting import meant, quoted, sentence
@@ -41,18 +41,20 @@ def _status(arguments: list[str]) -> int:
         put_text("")  # here, where a reader that has gone is still ours to handle
         return status
     except (BadInput, ExtensionError, SceneError) as error:
-        say(BadInput(field_flag(error.field), error.value, error.sentence) if isinstance(error, SceneError) else error)
+        message(
+            BadInput(field_flag(error.field), error.value, error.sentence) if isinstance(error, SceneError) else error
+        )
         return BAD_INPUT
     except BrokenPipeError:
         os.dup2(os.open(os.devnull, os.O_WRONLY), 1)  # or Python complains again when it ends
         return BROKEN_PIPE
     except NotWritten as error:
-        say(error)
+        message(error)
         return FAILED
     except Exception as error:
         if _wants_traceback():
             raise
-        say(sentence(f"failed: {type(error).__name__}: {error}"))
+        message(sentence(f"failed: {type(error).__name__}: {error}"))
         return FAILED
 
 

@@ -6,13 +6,13 @@ from dataclasses import dataclass
 from typing import Any
 
 from app.commands.flags import BadInput
-from app.commands.output import say
+from app.commands.output import message
 from app.lessons.claims import ClaimError, Outcome, Scope, Vocabulary, check_claim, decide
 from solvers.untrusted.quoting import quoted
 
 
 @dataclass(frozen=True)
-class Expectable:
+class Expectations:
     """The paths of a report, and what the report itself is called, which no claim has to say."""
 
     name: str
@@ -37,6 +37,6 @@ class Expectable:
                 holds, found = decided.holds, ", ".join(dict.fromkeys(decided.found.split(", ")))  # order: of all grids
             except ClaimError as error:  # one that has no value here does not hold
                 holds, found = False, str(error)
-            say(f"expected {quoted(claim)}: {'holds' if holds else 'DOES NOT HOLD'} ({found})")
+            message(f"expected {quoted(claim)}: {'holds' if holds else 'DOES NOT HOLD'} ({found})")
             missed |= not holds
         return int(missed)

@@ -9,10 +9,10 @@ import tyro
 
 from app.commands.flags import BadInput, ProcessesFlag, Switch, TextFlag, default_hint, side_by_side
 from app.commands.lesson import lesson_called
-from app.commands.output import Target, say
+from app.commands.output import Target, message
 from app.commands.progress import working
 from app.export.slider_grid import within_reach
-from app.language.translation import ENGLISH, LANGUAGES, speaking
+from app.language.translation import ENGLISH, LANGUAGES, use_language
 from app.lessons.lesson import Lesson, LessonError
 from app.state import StateError, begins, read
 from solvers.scene.validation import require_choice
@@ -54,11 +54,11 @@ class Export:
         require_choice("lang", self.lang, tuple(LANGUAGES))
         make = self._package(processes) if self.scorm else self._page(processes)
         target = Target("out", self.out, ending=".zip" if self.scorm else ".html")
-        with working(self.quiet) as show, speaking(self.lang):
+        with working(self.quiet) as show, use_language(self.lang):
             # Imports are in there: bad input and --help must not wait for the page's.
             content = make(show)
         target.write(content)
-        say(f"{target.text}: {len(content) / 1e6:.1f} MB")
+        message(f"{target.text}: {len(content) / 1e6:.1f} MB")
         return 0
 
     def _page(self, processes: int) -> Make:

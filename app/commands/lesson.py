@@ -9,9 +9,9 @@ from typing import TYPE_CHECKING, Annotated, ClassVar, TypeVar
 import tyro
 
 from app.commands import flags
-from app.commands.output import Folder, Target, json_target, put_result, put_text, say
+from app.commands.output import Folder, Target, json_target, message, put_result, put_text
 from app.commands.progress import working
-from app.language.translation import ENGLISH, LANGUAGES, speaking
+from app.language.translation import ENGLISH, LANGUAGES, use_language
 from app.lessons.lesson import Lesson, LessonError
 from solvers.scene.validation import require_choice, require_whole
 from solvers.untrusted.quoting import file_name
@@ -38,9 +38,9 @@ class LessonList:
 
     def execute(self) -> int:
         from app.lessons import catalogue
-        from app.lessons.duration import told
+        from app.lessons.duration import minutes_text
         lessons, mistakes = _read((), lambda name: [catalogue.lesson(name)])
-        rows = [(lesson.name, told(lesson), lesson.title) for lesson in lessons]
+        rows = [(lesson.name, minutes_text(lesson), lesson.title) for lesson in lessons]
         names, times = (max((len(row[column]) for row in rows), default=0) for column in (0, 1))
         for name, time, title in rows:
             put_text(f"{name:<{names}}  {time:<{times}}  {title}\n")
@@ -76,12 +76,12 @@ class LessonCheck:
         target = json_target(self.json)
         from app.lessons import catalogue, class_plans
         from app.lessons.lesson_check import checks
-        from app.lessons.lesson_runs import Outcomes, scene_texts
+        from app.lessons.lesson_runs import RunCache, scene_texts
         known = class_plans.names()
         others = tuple(name for name in self.names if name not in known)
         lessons, mistakes = _read(others, catalogue.in_every_language, known) if others or not self.names else ([], {})
         pages = _read_each([name for name in known if name in (self.names or known)], class_plans.page, mistakes)
-        with working(self.quiet) as show, closing(Outcomes(processes)) as outcomes:
+        with working(self.quiet) as show, closing(RunCache(processes)) as outcomes:
             texts = [text for lesson in (*lessons, *(page.claims for page in pages))
                      for numbers in lesson.variants[:self.variants] for text in scene_texts(lesson, numbers)]
             outcomes.prepare(texts, lambda done, total: show(done / total))
@@ -89,7 +89,7 @@ class LessonCheck:
             found += [check for page in pages for check in class_plans.checks(page, catalogue.lessons(), outcomes)]
         failed = [check for check in found if not check.holds]
         for check in failed:
-            say(check)
+            message(check)
         names = list(dict.fromkeys(lesson.name for lesson in lessons))
         read = [_count(names)] * bool(names) + [_count(pages, "page", " for a class")] * bool(pages)
         told = ", ".join((*read, f"{len(found)} checks", f"{len(failed)} failed")) if read else "nothing was checked"
@@ -124,16 +124,16 @@ class LessonGuide:
     def execute(self) -> int:
         require_choice("lang", self.lang, tuple(LANGUAGES))
         from app.lessons import catalogue, teacher_guide
-        from app.lessons.lesson_runs import Outcomes
+        from app.lessons.lesson_runs import RunCache
         ending = "" if self.out is None else next((kind for kind in teacher_guide.KINDS if self.out.endswith(kind)), "")
         if self.out is not None and not ending:
             raise flags.BadInput("out", self.out, f"give a file that ends in {' or '.join(teacher_guide.KINDS)}")
         target = None if self.out is None else Target("out", self.out)
-        with speaking(self.lang):
+        with use_language(self.lang):
             lessons, _ = _read((self.name,), lambda name: [catalogue.lesson(name)])
             if not lessons:
                 return BAD_INPUT
-            with working(self.quiet), closing(Outcomes(1)) as outcomes:
+            with working(self.quiet), closing(RunCache(1)) as outcomes:
                 text = teacher_guide.KINDS[ending or ".md"](lessons[0], outcomes, self.core)
         put_text(text, target)
         return OK
@@ -164,17 +164,17 @@ class LessonGrade:
             raise flags.BadInput("", "", "give the files that students have handed in")
         target = None if self.out is None else Target("out", self.out, ending=".csv")
         from app.lessons import catalogue, grading
-        from app.lessons.lesson_runs import Outcomes
+        from app.lessons.lesson_runs import RunCache
         read = [answers for file in self.files if (answers := _answers(file)) is not None]
         lessons = catalogue.lessons()
-        with working(self.quiet) as show, closing(Outcomes(usual_processes())) as outcomes:
+        with working(self.quiet) as show, closing(RunCache(usual_processes())) as outcomes:
             rows = []
             for done, (file, found) in enumerate(read):
                 show(done / len(read))
                 rows.append(grading.graded(file, found, lessons[found.lesson], outcomes, self.core))
         put_text(grading.table(rows), target, "utf-8-sig")  # by which a spreadsheet knows the characters
         for sentence in () if self.quiet else grading.coverage(rows):
-            say(sentence)
+            message(sentence)
         return OK if len(read) == len(self.files) else FAILED
 
 
@@ -196,7 +196,7 @@ class LessonScripts:
         for path in sorted(path for part in ("scripts", "scripts/codes", "notebooks")
                            for path in catalogue.FOLDER.glob(f"{part}/*.py")):
             folder.put(path.name, path.read_bytes())
-        say(f"{folder.text}: begin with bar.py")
+        message(f"{folder.text}: begin with bar.py")
         return OK
 
 
@@ -214,7 +214,7 @@ def _answers(file: str) -> "tuple[str, Progress] | None":
     except (OSError, ValueError) as error:  # also progress.NotAnswers, and what is no UTF-8
         said = error.strerror.lower() if isinstance(error, OSError) and error.strerror else \
             "is no text" if isinstance(error, UnicodeDecodeError) else str(error)
-        say(flags.BadInput("", file_name(file), said))
+        message(flags.BadInput("", file_name(file), said))
         return None
 
 
@@ -240,7 +240,7 @@ def _read_each(names: Iterable[str], read: Callable[[str], Read], mistakes: dict
         try:
             found.append(read(name))
         except LessonError as error:
-            say(error)
+            message(error)
             mistakes[name] = str(error)
     return found
 

@@ -46,7 +46,7 @@ def showing_places(wanted: bool) -> Iterator[None]:
         log.setLevel(level)
 
 
-def say(message: object) -> None:
+def message(message: object) -> None:
     """One line on standard error, of which no character does anything to a terminal; before it, with ``--verbose``,
     where in the code the exception came up that is being handled."""
     places = traceback.format_exc().splitlines() if _places and sys.exc_info()[1] else []
@@ -82,7 +82,7 @@ class Target:
 
     def write(self, content: bytes) -> None:
         """Write the content, replacing what was there; raises :class:`NotWritten`."""
-        with telling(STDOUT if self.is_stdout else f"--{self.flag} {quoting.quoted(self.text)}"):
+        with report_write_errors(STDOUT if self.is_stdout else f"--{self.flag} {quoting.quoted(self.text)}"):
             self._write(content)
 
     def _write(self, content: bytes) -> None:
@@ -126,12 +126,12 @@ def put_text(text: str, target: Target | None = None, encoding: str = "utf-8") -
     if target:
         target.write(text.encode(encoding))
     else:
-        with telling(STDOUT):
+        with report_write_errors(STDOUT):
             print(text, end="", flush=True)
 
 
 @contextlib.contextmanager
-def telling(where: str) -> Iterator[None]:
+def report_write_errors(where: str) -> Iterator[None]:
     """Meanwhile what cannot be written is told as such; a reader that has gone is no such thing."""
     try:
         yield
@@ -183,7 +183,7 @@ def draw(figures: Mapping[str, Callable[[Any], Any]], values: Any, put: Callable
                 put(f"{name}.png", png_bytes(picture))
                 drawn.append(f"{name}.png")
         except Exception as error:
-            say(f"--out {out}: the picture {name} failed ({type(error).__name__}: {error}); {rest}")
+            message(f"--out {out}: the picture {name} failed ({type(error).__name__}: {error}); {rest}")
             status = 1
     return drawn, status
 

@@ -4,7 +4,7 @@ from dataclasses import dataclass
 from typing import ClassVar
 
 from app.access.allowed_hosts import is_ip, is_name
-from app.access.class_code import LONGEST, SHORTEST, plain
+from app.access.class_code import LONGEST, SHORTEST, normalise_code
 from app.commands.flags import BadInput, NamesFlag, NumberFlag, Switch, TextFlag
 from app.commands.lesson import lesson_called
 from solvers.scene.validation import require_number, require_whole
@@ -49,7 +49,9 @@ class Serve:
             raise BadInput("host", self.host, "give the name or the address of this machine")
         if not isinstance(self.port, int) or not 1 <= self.port <= 65535:
             raise BadInput("port", self.port, "give a whole number from 1 to 65535")
-        if self.code.strip() and not (self.code.isprintable() and SHORTEST <= len(plain(self.code)) <= LONGEST):
+        if self.code.strip() and not (
+            self.code.isprintable() and SHORTEST <= len(normalise_code(self.code)) <= LONGEST
+        ):
             raise BadInput("code", self.code, f"give {SHORTEST} to {LONGEST} letters and digits, or none")
         for name in self.name:
             if not is_name(name):

@@ -17,13 +17,13 @@ from app.export import slider_grid
 from app.export.export_plan import Plan, planned
 from app.export.html_file import IN_A_COURSE, SCRIPTS, Progress, assembled, quantities, record
 from app.frame.budget_chart import QUESTION
-from app.language.translation import later, speaking, tr
+from app.language.translation import lazy, tr, use_language
 from app.lessons import bet_chart, catalogue, student_progress
 from app.lessons.answer_check import BARE, DIGITS, LONGEST, MOST, TOLD_AFTER, expressions, judge_ends, right
 from app.lessons.bets import BY_ROUND, OWN, YOURS, asked_before
 from app.lessons.claims import ClaimError, needed
 from app.lessons.lesson import CHOICE, DRAG, NAMES, POWERS, REACH, TEXT, Lesson, Numbers, Question, Step, filled
-from app.lessons.lesson_runs import Outcomes, RunFailed
+from app.lessons.lesson_runs import RunCache, RunFailed
 from app.lessons.markdown_html import html
 from app.words import QUANTITIES, SYMBOLS
 
@@ -32,8 +32,8 @@ COUNTS = {"cells": 3, "amplitude": 3, "method": 3}
 DENSE = (0.5, 0.7, 0.9, 1.2, 1.4, 1.5, 1.55, 1.6, 1.8, 2.0, 2.5, 3.0)  # times the own, where one looks for a place
 MOST_RUNS = 12  # of a stage's lattice
 #: Controls that no recording has, and how the file names them.
-ELSEWHERE = {"slow-motion": later("slow motion"), "look-back": later("look back"), "trace": later("trace"),
-             "effects": later("effects"), "details": later("details"), "pin": later("pin")}
+ELSEWHERE = {"slow-motion": lazy("slow motion"), "look-back": lazy("look back"), "trace": lazy("trace"),
+             "effects": lazy("effects"), "details": lazy("details"), "pin": lazy("pin")}
 
 
 def lesson_page(lesson: Lesson, processes: int, on_progress: Progress, counts: Mapping[str, int] = COUNTS,
@@ -55,7 +55,7 @@ def _plan(lesson: Lesson, step: Step, stage: str, text: str, counts: Mapping[str
     """A step's state with what its text has one set, and, where there is room, with more of what the lesson offers."""
     shown = state.read(stage)
     kept = quantities(shown)
-    with speaking(lesson.language):
+    with use_language(lesson.language):
         kept += tuple(key for key, quantity in QUANTITIES.items() if key not in kept and f"`{quantity}`" in text)
         scene = planned(shown, (), kept).scene
         axes = slider_grid.named(scene, text)
@@ -82,13 +82,13 @@ def rules(lesson: Lesson, processes: int,
             for expression in expressions(step.asked, numbers):
                 names = needed(expression, lesson.runs, lesson.main_run(step)) - {""}
                 found += [filled(text, numbers) for name in names for text in lesson.runs[name].texts]
-    with closing(Outcomes(processes)) as outcomes:
+    with closing(RunCache(processes)) as outcomes:
         outcomes.prepare(found, lambda done, total: on_progress(done / total, f"answer {done} of {total}"))
         return {step.key: [_rule(lesson, step, numbers, outcomes) for numbers in lesson.variants]
                 for step in lesson.questions.values()}
 
 
-def _rule(lesson: Lesson, step: Step, numbers: Numbers, outcomes: Outcomes) -> dict[str, Any] | None:
+def _rule(lesson: Lesson, step: Step, numbers: Numbers, outcomes: RunCache) -> dict[str, Any] | None:
     """How the player marks an answer: ``options`` that are right, or the ``value`` and how far off one may be; and
     what came out, in words."""
     asked = step.question
@@ -119,7 +119,7 @@ def _data(lesson: Lesson, right: Mapping[str, list[Any]], stages: Mapping[tuple[
               "stage": [stages[step.key, k] for k in range(len(lesson.variants))] if step.stage else None,
               "bets": step.bets, "judged": _alike(bets.get(step.key, [{}])),
               "question": _question(lesson, step.question, right.get(step.key, []))} for step in lesson.steps]
-    with speaking(lesson.language):
+    with use_language(lesson.language):
         asks = tr(QUESTION)
     return {
         "name": lesson.name,
@@ -177,7 +177,7 @@ def bet_words() -> dict[str, Any]:
 def judged(lesson: Lesson, processes: int) -> dict[str, list[dict[str, dict[str, Any]]]]:
     """By the key of each step that shows judges, for each variant, their bets by judge and question."""
     steps = [step for step in lesson.steps if set(step.bets) - {*OWN}]
-    with closing(Outcomes(processes)) as outcomes:
+    with closing(RunCache(processes)) as outcomes:
         return {step.key: [{judge: {other.key: judge_ends(lesson, other, judge, numbers, outcomes)
                                     for other in asked_before(lesson, step)}
                             for judge in step.bets if judge not in OWN} for numbers in lesson.variants]

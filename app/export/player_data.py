@@ -10,9 +10,9 @@ from app import words
 from app.colours import CAUSES, PALETTE, PINNED, colour_table
 from app.export import quantise
 from app.frame import budget_chart, captions, colour_scale, crossings, field_plot, headline, layout
-from app.frame.layout import Seat
-from app.frame.primitives import LIGHT, Label, Room
-from app.frame.stage import Stage, Words
+from app.frame.layout import RunSlot
+from app.frame.primitives import LIGHT, Bounds, Label
+from app.frame.stage import Stage, StageLabels
 from app.language.translation import tr
 from app.problems.views import VIEWS
 from solvers.scene import error_causes
@@ -20,7 +20,7 @@ from solvers.scene.estimator_registry import ESTIMATORS
 from solvers.scene.scene import Scene
 
 #: In which stages are laid out: of a window, and of one as narrow as a phone's. The player enlarges all that is in it.
-ROOMS = {"wide": Room(720.0, high=0.58, gutter=0.18), "narrow": Room(336.0, high=0.84)}
+ROOMS = {"wide": Bounds(720.0, high=0.58, gutter=0.18), "narrow": Bounds(336.0, high=0.84)}
 LATER = "…"  # what a run or a frame says
 
 
@@ -89,12 +89,12 @@ def stage_data(stage: type[Stage]) -> dict[str, Any]:
             "rooms": {name: _laid_out(stage, room.settled()) for name, room in ROOMS.items()}}
 
 
-def _laid_out(stage: type[Stage], room: Room) -> dict[str, Any]:
+def _laid_out(stage: type[Stage], room: Bounds) -> dict[str, Any]:
     """A stage in a room."""
-    places = stage.places(room, Seat.ALONE)
+    places = stage.places(room, RunSlot.ALONE)
     top = layout.top(room, room.high)
     halves = tr(captions.ESTIMATE[0]), tr(captions.TRUTH)
-    said = Words(halves, (LATER, LATER), (LATER, LATER), "", LATER, LATER, LATER)
+    said = StageLabels(halves, (LATER, LATER), (LATER, LATER), "", LATER, LATER, LATER)
     labels: list[Label] = [
         *stage.labels(said, places),
         *field_plot.labels(places, stage.PLOT.ends, captions.FieldWords(LATER, LATER), 1, LATER, True),

@@ -18,7 +18,7 @@ from app.frame.captions import why_no_field
 from app.frame.colour_scale import LEAST_REACH, LEAST_TOP
 from app.frame.planar import PlanarStage
 from app.frame.stage import one_in
-from app.language.translation import ENGLISH, speaking
+from app.language.translation import ENGLISH, use_language
 from app.problems.views import VIEWS
 from solvers.running.run import build
 from solvers.scene.error_causes import CAUSES, FIELDS
@@ -31,7 +31,7 @@ from solvers.solver.error_norms import RATIOS
 from solvers.solver.rounding import rounding
 from solvers.solver.snapshot import Snapshot
 from solvers.solver.soundness import earliest, findings
-from solvers.solver.verdict_basis import AsLarge, as_large_as_itself, merged
+from solvers.solver.verdict_basis import LargeRelativeError, as_large_as_itself, merged
 from solvers.workers.worker_pool import WorkerPool, one_of_each_first
 
 CURVE_POINTS = 41  # at which the exact field is kept
@@ -80,7 +80,7 @@ def work(question: Mapping[str, Any], answer: Callable[[dict], None]) -> None:
 
 def recording(wanted: Wanted) -> dict[str, Any]:
     """The recording as a JSON object: ``head`` says what is there, ``tracks`` how to read ``data``, in base64."""
-    with speaking(wanted.language):
+    with use_language(wanted.language):
         return _recorded(wanted)
 
 
@@ -245,7 +245,7 @@ def _head(wanted: Wanted, scene: Scene, solver: Solver, not_valid: dict[str, str
           shots: list[dict[str, Snapshot]], *series: Mapping[str, np.ndarray]) -> dict[str, Any]:
     """What the player must know of a run beside its numbers."""
     found = [finding for one in series if (finding := earliest(findings(scene, one), not_valid))]
-    large: dict[str, AsLarge] = {}
+    large: dict[str, LargeRelativeError] = {}
     for one in series:
         large = merged(large, as_large_as_itself(scene, one, not_valid))
     status, reason, since = solver.status(min(found, key=lambda finding: finding.time, default=None), large)

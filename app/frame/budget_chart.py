@@ -6,27 +6,27 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from app.language.translation import later, tr
+from app.language.translation import lazy, tr
 from app.words import QUANTITIES, per_cent
 from solvers.scene.error_causes import CAUSES, FIELDS
 from solvers.scene.scene import Scene
 from solvers.solver import budget
 
-QUESTION = later("Who made this error?")
-CAPTION = later("The line is the error, RMS over particles; each colour is the part of it that one cause has made, "
+QUESTION = lazy("Who made this error?")
+CAPTION = lazy("The line is the error, RMS over particles; each colour is the part of it that one cause has made, "
                 "below zero where it makes it smaller.")
 #: What each cause is, in few words.
-MEANINGS = {"crossings": later("counted in the wrong cell"), "coarse_grid": later("cells too wide for the motion"),
-            "body_force": later("taken at nodes, not at particles"),
-            "time_step": later("steps that are not short enough")}
+MEANINGS = {"crossings": lazy("counted in the wrong cell"), "coarse_grid": lazy("cells too wide for the motion"),
+            "body_force": lazy("taken at nodes, not at particles"),
+            "time_step": lazy("steps that are not short enough")}
 UNITS = {"x": "m", "v": "m/s", "F": ""}
 SEEN = 2e-3  # of the largest error: a cause that never makes more is not drawn
 EARLY = 0.05  # periods, before which a share says nothing yet
 #: Who has made how much of an error: a fact for the sentence above the stage.
-_MADE = {"crossings": later("crossings made {share} of the error of {symbol}{whose}"),
-         "coarse_grid": later("the coarse grid made {share} of the error of {symbol}{whose}"),
-         "body_force": later("the body force made {share} of the error of {symbol}{whose}"),
-         "time_step": later("the time step made {share} of the error of {symbol}{whose}")}
+_MADE = {"crossings": lazy("crossings made {share} of the error of {symbol}{whose}"),
+         "coarse_grid": lazy("the coarse grid made {share} of the error of {symbol}{whose}"),
+         "body_force": lazy("the body force made {share} of the error of {symbol}{whose}"),
+         "time_step": lazy("the time step made {share} of the error of {symbol}{whose}")}
 
 
 @dataclass(frozen=True)

@@ -8,35 +8,35 @@ from dataclasses import dataclass
 import numpy as np
 
 from app.frame.colour_scale import known
-from app.language.message_translation import heard
-from app.language.translation import kept, later, tr
+from app.language.message_translation import translate_message
+from app.language.translation import language_cache, lazy, tr
 from app.words import QUANTITIES
 from solvers.engine.engine_messages import FrameReport
 from solvers.engine.shared_frames import FrameArrays
 from solvers.scene.scene import Scene
 from solvers.solver import samples
 
-SIDE_BY_SIDE, DIFFERENCE = later("estimate | truth"), later("estimate − truth | truth")
-ESTIMATE, TRUTH = (later("Estimate"), later("Estimate − truth")), later("Truth")  # the halves' names
-EXACT_SOLUTION = later("exact solution")
-PARTICLES, CURVE = later("particles"), later("exact curve")  # keys of the field plot
+SIDE_BY_SIDE, DIFFERENCE = lazy("estimate | truth"), lazy("estimate − truth | truth")
+ESTIMATE, TRUTH = (lazy("Estimate"), lazy("Estimate − truth")), lazy("Truth")  # the halves' names
+EXACT_SOLUTION = lazy("exact solution")
+PARTICLES, CURVE = lazy("particles"), lazy("exact curve")  # keys of the field plot
 #: What a look at two equal halves says: of a run, and of one that is lost.
-ALIKE = later("{} alike? Then the estimate is right.")
-ALIKE_LOST = later("{} alike: the estimate is right, the run is not.")
+ALIKE = lazy("{} alike? Then the estimate is right.")
+ALIKE_LOST = lazy("{} alike: the estimate is right, the run is not.")
 #: What of a vector a plot may be of.
-COMPONENTS = {"radial": later("radial {noun}"), "angular": later("angular {noun}")}
+COMPONENTS = {"radial": lazy("radial {noun}"), "angular": lazy("angular {noun}")}
 #: These say what they say in the visitor's language by ``tr``, where they are said.
-UNKNOWN = later("true error unknown here: no exact solution is built in")
-TRUTH_OFF = later("true error not computed: its effect is off")
-ESTIMATE_OFF = later("not estimated: the effect \"estimate\" is off")
-NONE_CHOSEN = later("no estimator is chosen")
-OFF = later("not computed: the effect \"acceleration error\" is off")  # of accelerations
-NOT_COUNTED = later("not counted: the effect \"grid crossings\" is off")
-NOT_COMPARED = later("not compared when this frame was made")
-NO_INDEX = later("empty: no exact solution is built in")
+UNKNOWN = lazy("true error unknown here: no exact solution is built in")
+TRUTH_OFF = lazy("true error not computed: its effect is off")
+ESTIMATE_OFF = lazy("not estimated: the effect \"estimate\" is off")
+NONE_CHOSEN = lazy("no estimator is chosen")
+OFF = lazy("not computed: the effect \"acceleration error\" is off")  # of accelerations
+NOT_COUNTED = lazy("not counted: the effect \"grid crossings\" is off")
+NOT_COMPARED = lazy("not compared when this frame was made")
+NO_INDEX = lazy("empty: no exact solution is built in")
 NOTHING_TO_SHOW = "nothing to show: every error is zero, or was not computed"
 EMPTY_HALVES = ("not estimated", "truth not computed")  # where there is little room, the estimate's and the truth's
-TRUE, ESTIMATED = later("true"), later("estimated")  # rows beside those of estimators
+TRUE, ESTIMATED = lazy("true"), lazy("estimated")  # rows beside those of estimators
 
 
 @dataclass(frozen=True)
@@ -61,7 +61,7 @@ class FieldWords:
         return f"{self.name}: {self.remark}" if self.remark else self.name
 
 
-@kept(64)  # it is asked for with every frame
+@language_cache(64)  # it is asked for with every frame
 def captions(quantity: str, estimator: str | None, difference: bool, no_estimate: str, no_truth: str) -> Captions:
     """Those of the errors of a quantity.
 
@@ -127,7 +127,7 @@ def why_no_estimate(scene: Scene, not_valid: Mapping[str, str], estimator: str |
     if "estimate" not in scene.effects:
         return tr(ESTIMATE_OFF)
     if estimator in not_valid:
-        return f"{estimator}: {heard(not_valid[estimator])}"
+        return f"{estimator}: {translate_message(not_valid[estimator])}"
     if estimator not in scene.active_estimators:
         return tr("{estimator} is being prepared", estimator=estimator)  # the frame is still one of the scene before
     return why_no_field(scene, quantity)
@@ -159,7 +159,7 @@ def why_no_numbers(scene: Scene, not_valid: Mapping[str, str], quantity: str,
     """
     found = {TRUE: why_no_truth(scene, quantity)}
     for name in scene.estimators:
-        found[name] = heard(not_valid.get(name, "")) or why_no_estimate(scene, not_valid, name, quantity) \
+        found[name] = translate_message(not_valid.get(name, "")) or why_no_estimate(scene, not_valid, name, quantity) \
             or not_estimated(quantity) * (name in silent)
     return found if scene.estimators else {**found, ESTIMATED: tr(NONE_CHOSEN)}
 

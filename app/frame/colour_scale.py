@@ -7,7 +7,7 @@ from time import monotonic
 import numpy as np
 
 from app.colours import colour_table
-from app.language.translation import later, tr
+from app.language.translation import lazy, tr
 from app.words import PREFIXES, number, with_unit
 
 #: Tops between two powers of ten, each with the number of parts into which ticks divide it, so that these are round
@@ -17,7 +17,7 @@ MOST_TICKS = max(*TOPS.values()) + 1
 DECADES = 3  # that a logarithmic scale shows below its top
 CALM_SECONDS = 1.0  # for which the top stays, once it has grown ...
 HIDDEN = 3.0  # ... unless errors are so many times as large: they would all look alike
-ZERO = later("0, exact")
+ZERO = lazy("0, exact")
 REMEMBERED = 64  # runs whose largest error is known when they are shown again
 SMALLEST = 1e-300
 #: Where nothing should happen, of a quantity's size: the colours' top at least, for coloured round-off would say that

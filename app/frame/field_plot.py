@@ -8,7 +8,7 @@ import numpy as np
 
 from app.frame.captions import CURVE, PARTICLES, FieldWords, counting, field_words
 from app.frame.colour_scale import LEAST_REACH, SMALLEST, largest, round_up
-from app.frame.layout import Places, Seat
+from app.frame.layout import Places, RunSlot
 from app.frame.primitives import AWAY, Dots, Label, Lines, Mark, Role, Sign, Tone, in_plane, joined
 from app.language.translation import tr
 from app.words import QUANTITIES, with_unit
@@ -234,7 +234,9 @@ def labels(places: Places, ends: tuple[str, str], words: FieldWords, magnified: 
     larger = tr("error × {magnified}", magnified=magnified) if box.magnified and exact else ""
     yield Label("field/magnified", larger, x, y, anchor, "caption")
     x, y, anchor = box.remark
-    named = words.name if box.at is None and places.seat == Seat.ALONE else ""  # beside another one the scale says it
+    named = (
+        words.name if box.at is None and places.seat == RunSlot.ALONE else ""
+    )  # beside another one the scale says it
     yield Label("field/remark", ": ".join(filter(None, (named, words.remark))), x, y, anchor, "caption")
     x, y = box.at or (0.0, 0.0)
     role: Role = "gutter" if x < 0 else "title"

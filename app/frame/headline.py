@@ -10,17 +10,17 @@ import re
 from collections.abc import Hashable, Mapping
 from dataclasses import dataclass
 
-from app.language.translation import later, tr
+from app.language.translation import lazy, tr
 from app.words import QUANTITIES, brief, per_cent, ratio, with_unit
 from solvers.scene.scene import Scene
 from solvers.solver.rounding import rounding
 
 ROUND_OFF = 1e-9  # of a quantity's size, and far above what a patch test that is passed has
-UNSTABLE, LAST = later("the run went unstable and has stopped at t = {time} s"), later("this is its last picture")
-LOST = later("the run is lost from t = {since} s on")
+UNSTABLE, LAST = lazy("the run went unstable and has stopped at t = {time} s"), lazy("this is its last picture")
+LOST = lazy("the run is lost from t = {since} s on")
 #: Of when a headline is: what it begins with.
-SO_FAR, NOW, PAUSED, BACK = later("so far "), later("now "), later("at t = {time} s "), later("{ago} periods back ")
-LESS, MORE = later("finds {share} of it"), later("says {factor} times as much")
+SO_FAR, NOW, PAUSED, BACK = lazy("so far "), lazy("now "), lazy("at t = {time} s "), lazy("{ago} periods back ")
+LESS, MORE = lazy("finds {share} of it"), lazy("says {factor} times as much")
 ALL_OF_IT = 1.005  # index up to which an estimate finds what there is
 
 ENDS = (".", "?", "!")  # of a sentence
@@ -33,7 +33,7 @@ PLACES = {name: f"{{{name}}}" for name in ("wrong", "off", "by", "found", "true"
 
 
 @dataclass(frozen=True)
-class Said:
+class Headline:
     """A headline in spans, and facts in words, each of which makes a sentence."""
 
     headline: tuple[Span, ...] = ()
@@ -41,7 +41,7 @@ class Said:
     moment: Hashable = None  # what it is of: another one is worth being read aloud
 
     @classmethod
-    def of(cls, headline: str, *facts: str, **places: str) -> "Said":
+    def of(cls, headline: str, *facts: str, **places: str) -> "Headline":
         """With texts in the headline's places, and without facts that are empty."""
         return cls(tuple(spans(headline, places)), tuple(filter(None, facts)))
 
@@ -106,7 +106,7 @@ def error_words(scene: Scene, quantity: str, estimator: str | None, no_estimate:
                       -1.0 if scene.swings else max(ROUND_OFF * size, rounding(scene, quantity, scene.steps)))
 
 
-def errors(words: ErrorWords, unit: str, true: float, estimate: float, index: float, before: str = "") -> Said:
+def errors(words: ErrorWords, unit: str, true: float, estimate: float, index: float, before: str = "") -> Headline:
     """The words with numbers in their places.
 
     Parameters
@@ -122,13 +122,13 @@ def errors(words: ErrorWords, unit: str, true: float, estimate: float, index: fl
         Of which moment or time: what the headline begins with, where there is anything to say.
     """
     if true <= words.least:
-        return Said.of(before + words.still, words.trace.format(true=_size(true, unit) if true else tr("zero")))
+        return Headline.of(before + words.still, words.trace.format(true=_size(true, unit) if true else tr("zero")))
     norm = true if math.isfinite(true) else estimate
     if "{wrong}" not in words.told:
-        return Said.of(words.told, words.why)
+        return Headline.of(words.told, words.why)
     if not math.isfinite(norm) or ("{found}" in words.told and not math.isfinite(index)):
-        return Said.of(before + words.unmeasured, words.why)
-    return Said.of(before + words.told.replace("{found}", found(index)), words.of.format(true=_size(norm, unit)),
+        return Headline.of(before + words.unmeasured, words.why)
+    return Headline.of(before + words.told.replace("{found}", found(index)), words.of.format(true=_size(norm, unit)),
                    words.why, wrong=per_cent(norm / words.size), share=per_cent(index), factor=ratio(index),
                    **words.names)
 

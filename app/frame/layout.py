@@ -8,7 +8,7 @@ from enum import Enum
 import numpy as np
 
 from app.frame.colour_scale import MOST_TICKS, ColourScale
-from app.frame.primitives import Anchor, Dots, Label, Room, Sheet, Tone, in_plane
+from app.frame.primitives import Anchor, Bounds, Dots, Label, Surface, Tone, in_plane
 from app.language.translation import tr
 from app.words import QUANTITIES
 
@@ -20,7 +20,7 @@ BAR, TICK, TICK_LINE, ABOVE = 12.0, 5.0, 17.0, 4.0
 POINTS = 256  # of the bar of colours
 
 
-class Seat(Enum):
+class RunSlot(Enum):
     """Where a run is drawn: alone, or as the first or second of two."""
 
     ALONE, FIRST, SECOND = range(3)
@@ -51,14 +51,14 @@ class Box:
 class Places:
     """Where a run's things stand: in a ``rectangle`` of a settled ``room``, with the plot of the field in a box."""
 
-    room: Room
-    seat: Seat
+    room: Bounds
+    seat: RunSlot
     rectangle: Rectangle
     field: Box
 
 
 @dataclass(frozen=True)
-class Top:
+class ColourBarBox:
     """Where the bar of colours is, so ``high`` and around its ``middle``, its numbers below ``numbers``, and what it is
     of: its title and the quantity; all else stays below ``end``."""
 
@@ -75,7 +75,7 @@ def rectangle(high: float) -> Rectangle:
     return -EDGE, 1 + EDGE, 0.0, high
 
 
-def top(room: Room, high: float) -> Top:
+def top(room: Bounds, high: float) -> ColourBarBox:
     """The top of a stage so high: the title beside the bar, or above it where there is no gutter."""
     pixel = room.pixel
     first = high - ABOVE * pixel - (0.0 if room.gutter else 1.2 * room.line)
@@ -83,15 +83,15 @@ def top(room: Room, high: float) -> Top:
     row = numbers - 0.5 * room.line
     title: Spot = (-room.gutter, middle, "center-left") if room.gutter else (0.0, high, "top-left")
     quantity: Spot = (-room.gutter, row, "center-left") if room.gutter else (60 * pixel, high, "top-left")
-    return Top(middle, BAR * pixel, numbers, title, quantity, numbers - TICK_LINE * pixel)
+    return ColourBarBox(middle, BAR * pixel, numbers, title, quantity, numbers - TICK_LINE * pixel)
 
 
 class ColourBar:
     """Draws the scale on a sheet of its own, in square points: they alone show a colour as it is."""
 
-    def __init__(self, sheet: Sheet, scale: ColourScale):
+    def __init__(self, sheet: Surface, scale: ColourScale):
         self.sheet, self._scale = sheet, scale
-        self._drawn: tuple[Room, float, str, float, bool, bool] | None = None
+        self._drawn: tuple[Bounds, float, str, float, bool, bool] | None = None
 
     def draw(self, quantity: str, high: float) -> None:
         """Show the scale as it is now, with the key of the quantity whose error it measures, on a stage so ``high``."""
@@ -109,7 +109,7 @@ class ColourBar:
         self.sheet.show(*bar_labels(place, room.gutter > 0, quantity, scale.ticks(unit)))
 
 
-def bar_labels(place: Top, gutter: bool, quantity: str, ticks: list[tuple[float, str]]) -> Iterator[Label]:
+def bar_labels(place: ColourBarBox, gutter: bool, quantity: str, ticks: list[tuple[float, str]]) -> Iterator[Label]:
     """What the bar measures, beside it in a ``gutter`` or above it, and its numbers."""
     for name, text, (x, y, anchor) in (("title", tr("Error of"), place.title),
                                        ("quantity", str(QUANTITIES[quantity]), place.quantity)):

@@ -6,11 +6,11 @@ from typing import Any, ClassVar, Literal, TypeVar
 
 import numpy as np
 
-from app.frame.layout import EDGE, Seat
+from app.frame.layout import EDGE, RunSlot
 from app.frame.planar_layout import AROUND, planar_labels, planar_places
 from app.frame.primitives import Dots, Label, Lines, Mark, in_plane, joined
 from app.frame.stage import Stage, Worst
-from app.language.translation import later, tr
+from app.language.translation import lazy, tr
 from solvers.engine.shared_frames import FrameArrays
 from solvers.problems.planar.layout import half_edges, particle_layout
 from solvers.problems.planar.scene import PlanarScene
@@ -35,9 +35,9 @@ class PlanarStage(Stage[PlaneScene]):
 
     MIRRORS: ClassVar[Mirrors] = QUARTERS
     OUTLINED: ClassVar[Mirrors] = QUARTERS[::2]
-    DOMAINS_HINT = later("outline what each particle stands for: a box for GIMP, a parallelogram for CPDI; up to 5,000 "
+    DOMAINS_HINT = lazy("outline what each particle stands for: a box for GIMP, a parallelogram for CPDI; up to 5,000 "
                          "particles")
-    MOST_MARKED, HALVES = 24, later("Halves")
+    MOST_MARKED, HALVES = 24, lazy("Halves")
 
     @staticmethod
     @abstractmethod
@@ -114,7 +114,7 @@ class PlanarStage(Stage[PlaneScene]):
     def _worst(self, worst: tuple[Worst | None, Worst | None], arrays: FrameArrays) -> Iterator[Mark]:
         """A line from the worst place of each half to words beside it."""
         places, segments = self._places, [np.empty((0, 2, 3), np.float32)]
-        room, (x, y), wanted = places.room, places.middle, places.seat == Seat.ALONE and places.room.gutter > 0
+        room, (x, y), wanted = places.room, places.middle, places.seat == RunSlot.ALONE and places.room.gutter > 0
         for found, name, sign in zip(worst, ("estimate", "truth"), (-1, 1), strict=True):
             text, edge = "", x + AROUND * places.radius + 4 * room.pixel if sign > 0 else -EDGE
             at = in_view(arrays.position)[found.particles] if found and wanted else np.empty((0, 2))

@@ -5,14 +5,14 @@ from collections.abc import Iterator
 from dataclasses import dataclass, replace
 
 from app.frame.field_plot import ROOM
-from app.frame.layout import HALVES, Box, Places, Seat, Spot, rectangle, top
-from app.frame.primitives import Anchor, Label, Role, Room, Tone
-from app.frame.stage import Words
+from app.frame.layout import HALVES, Box, Places, RunSlot, Spot, rectangle, top
+from app.frame.primitives import Anchor, Bounds, Label, Role, Tone
+from app.frame.stage import StageLabels
 from app.language.translation import tr
 from app.words import brief
 
 AROUND = 1.05  # of the outermost the body should come, that its cells are drawn to
-WIDEST = {Seat.ALONE: 0.5, Seat.FIRST: 0.31, Seat.SECOND: 0.31}  # of the cells that are drawn
+WIDEST = {RunSlot.ALONE: 0.5, RunSlot.FIRST: 0.31, RunSlot.SECOND: 0.31}  # of the cells that are drawn
 FIELD = 0.28  # the least width of the plot
 LEAST = 0.3  # width of the cells that are drawn, with words beside them
 #: In pixels: between the body and what is beside it, the words there, the numbers of the plot, the room above it for
@@ -30,9 +30,9 @@ class PlanarPlaces(Places):
     end: float
 
 
-def planar_places(room: Room, seat: Seat) -> PlanarPlaces:
+def planar_places(room: Bounds, seat: RunSlot) -> PlanarPlaces:
     """Those in a settled room."""
-    pixel, line, end, alone = room.pixel, room.line, top(room, room.high).end, seat == Seat.ALONE
+    pixel, line, end, alone = room.pixel, room.line, top(room, room.high).end, seat == RunSlot.ALONE
     if 1 - FIELD - (NUMBERS + NAMES) * pixel < LEAST:  # letters as large as a projector needs: names stand above
         room = replace(room, gutter=0.0)
     beside = NUMBERS * pixel + (NAMES * pixel if alone and room.gutter else 0.0)
@@ -41,31 +41,31 @@ def planar_places(room: Room, seat: Seat) -> PlanarPlaces:
     free = end - above - under - 4 * pixel
     wide = min(free, WIDEST[seat], 1 - FIELD - beside)
     next_one = wide + GAP * pixel
-    middle = 0.5 * wide + next_one * (seat == Seat.SECOND), under + 2 * pixel + 0.5 * free
+    middle = 0.5 * wide + next_one * (seat == RunSlot.SECOND), under + 2 * pixel + 0.5 * free
     left = wide + next_one * (not alone) + beside + GAP * pixel
     low, high = (1.4 if room.gutter else 2.8) * line, end - (HEADING * pixel if room.gutter else 1.4 * line)
     name = (min(left - 40 * pixel, 1 - NAME * pixel), high + 1.2 * line)
     if not alone:
         share = 0.5 * (end - low)
-        high = end - share * (seat == Seat.SECOND) - 1.6 * line
-        low += share * (seat == Seat.FIRST)
+        high = end - share * (seat == RunSlot.SECOND) - 1.6 * line
+        low += share * (seat == RunSlot.FIRST)
         name = (left - 40 * pixel, high + 0.8 * line)
     half = 0.5 * (high - low) / ROOM
-    below, named = None if seat == Seat.FIRST else low - 2 * pixel, room.gutter > 0
+    below, named = None if seat == RunSlot.FIRST else low - 2 * pixel, room.gutter > 0
     magnified: Spot = (1.0, name[1], "center-right") if room.gutter else (1.0, 0.0, "bottom-right")
-    box = Box(left, 1.0, 0.5 * (high + low), half, below, None if seat == Seat.SECOND else magnified,
+    box = Box(left, 1.0, 0.5 * (high + low), half, below, None if seat == RunSlot.SECOND else magnified,
               (1.0, high if room.gutter else end, "top-right"), name if named else None)
     return PlanarPlaces(room, seat, rectangle(room.high), box, middle, 0.5 * wide / AROUND, end)
 
 
-def planar_labels(words: Words, places: PlanarPlaces) -> Iterator[Label]:
+def planar_labels(words: StageLabels, places: PlanarPlaces) -> Iterator[Label]:
     """All that is written but for the scale's and the plot's numbers, and remarks."""
-    if places.seat != Seat.ALONE:
+    if places.seat != RunSlot.ALONE:
         return _of_pair(words, places)
     return _beside(words, places) if places.room.gutter else _above(words, places)
 
 
-def _beside(words: Words, places: PlanarPlaces) -> Iterator[Label]:
+def _beside(words: StageLabels, places: PlanarPlaces) -> Iterator[Label]:
     """The estimate's names in the gutter; the truth's, and what else there is to say, right of the body."""
     room, (x, y), left = places.room, places.middle, -places.room.gutter
     right = x + AROUND * places.radius + GAP * room.pixel
@@ -83,7 +83,7 @@ def _beside(words: Words, places: PlanarPlaces) -> Iterator[Label]:
     yield _crossings(words, places)
 
 
-def _above(words: Words, places: PlanarPlaces) -> Iterator[Label]:
+def _above(words: StageLabels, places: PlanarPlaces) -> Iterator[Label]:
     """All names above the body: there is no room beside it."""
     room, (x, y), reach = places.room, places.middle, AROUND * places.radius
     up = y + reach + 2 * room.pixel
@@ -100,9 +100,9 @@ def _above(words: Words, places: PlanarPlaces) -> Iterator[Label]:
     yield _crossings(words, places)
 
 
-def _of_pair(words: Words, places: PlanarPlaces) -> Iterator[Label]:
+def _of_pair(words: StageLabels, places: PlanarPlaces) -> Iterator[Label]:
     """Which run it is, above the body; the halves are named in the corners that a round body leaves free."""
-    room, (x, y), reach, first = places.room, places.middle, AROUND * places.radius, places.seat == Seat.FIRST
+    room, (x, y), reach, first = places.room, places.middle, AROUND * places.radius, places.seat == RunSlot.FIRST
     for name, title, at, anchor in _sides((tr("estimate"), tr("truth")), x, reach, False):
         yield Label(f"{name}-title", title, at, y + reach, anchor, "title", 0.9, tone=name)
     by, gutter = words.by[0] if first else "", room.gutter > 0
@@ -124,7 +124,7 @@ def _sides(titles: tuple[str, str], x: float, reach: float, up: bool) -> Iterato
     return zip(HALVES, titles, (x - reach, x + reach), anchors, strict=True)
 
 
-def _inside(words: Words, places: PlanarPlaces) -> Iterator[Label]:
+def _inside(words: StageLabels, places: PlanarPlaces) -> Iterator[Label]:
     """Why a half is empty, in the hole of a ring."""
     room, (x, y) = places.room, places.middle
     sides: tuple[Anchor, Anchor] = ("center-right", "center-left")
@@ -133,9 +133,9 @@ def _inside(words: Words, places: PlanarPlaces) -> Iterator[Label]:
         yield Label(f"{name}-silence", text, x + apart * room.pixel, y, anchor, "silence", width=width)
 
 
-def _crossings(words: Words, places: PlanarPlaces) -> Label:
+def _crossings(words: StageLabels, places: PlanarPlaces) -> Label:
     """What the marks mean, once: in the gutter or below the body."""
-    room, note = places.room, words.crossings if places.seat != Seat.SECOND else ""
+    room, note = places.room, words.crossings if places.seat != RunSlot.SECOND else ""
     if room.gutter:
         return Label("crossings-note", note, -room.gutter, 2 * room.pixel, "bottom-left", "gutter",
                      width=max(1, room.letters(room.gutter) - 2), tone="crossing", sign="dot")

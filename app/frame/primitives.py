@@ -1,7 +1,7 @@
 """Marks: what is drawn on a stage, as data. A renderer draws them: the viewer, the offline player, a picture.
 
 The stage is a plane in which x goes from 0 to 1 along the colour bar and y from 0 up, as high as there is room
-(:class:`Room`). What has a higher z lies on top.
+(:class:`Bounds`). What has a higher z lies on top.
 """
 
 import textwrap
@@ -114,7 +114,7 @@ Mark = Label | Dots | Lines
 
 
 @dataclass(frozen=True)
-class Room:
+class Bounds:
     """The box that a stage is drawn in.
 
     Attributes
@@ -152,7 +152,7 @@ class Room:
         """The height that a line of words takes on the stage."""
         return LINE_HEIGHT * self.pixel
 
-    def settled(self) -> "Room":
+    def settled(self) -> "Bounds":
         """The room in steps that can just be seen: a stage laid out for it is not laid out anew for a hair."""
         return replace(self, pixels=max(8.0, 8 * round(self.pixels / 8)), high=round(self.high, 2),
                        gutter=round(self.gutter, 2))
@@ -177,17 +177,17 @@ class Room:
         return scale * np.array([LETTER_WIDTH * max(map(len, lines)), LINE_HEIGHT * len(lines)])
 
 
-class Sheet(Protocol):
+class Surface(Protocol):
     """What marks are drawn on. One shown under the name of another takes its place; an empty one is not seen."""
 
     visible: bool
 
     @property
-    def room(self) -> Room: ...
+    def room(self) -> Bounds: ...
 
     def show(self, *marks: Mark) -> None: ...
 
-    def child(self, name: str) -> "Sheet":
+    def child(self, name: str) -> "Surface":
         """A sheet that is seen with this one."""
 
 

@@ -11,9 +11,9 @@ from app.frame.captions import ALIKE, ALIKE_LOST, Half, marks_note
 from app.frame.colour_scale import ColourScale
 from app.frame.crossings import ages, recent
 from app.frame.field_plot import FieldPlot, Plotted
-from app.frame.layout import Rectangle, Seat
-from app.frame.primitives import Label, Mark, Room, Sheet, shades
-from app.language.translation import later, tr
+from app.frame.layout import Rectangle, RunSlot
+from app.frame.primitives import Bounds, Label, Mark, Surface, shades
+from app.language.translation import lazy, tr
 from app.words import brief
 from solvers.engine.shared_frames import FrameArrays
 from solvers.scene.scene import Scene
@@ -24,7 +24,7 @@ Names = tuple[str, str]  # of the estimate and of the truth
 
 
 @dataclass(frozen=True)
-class Words:
+class StageLabels:
     """What is said on a stage: titles, whose it is and silences of the estimate and the truth, which run it is where
     there are two, a note on how large things are, what the marks at crossings mean, and what halves that are alike
     say."""
@@ -47,7 +47,7 @@ class Worst:
 
 
 @dataclass(frozen=True, eq=False)
-class Remarks:
+class Annotations:
     """What is written into a picture a few times a second: where the estimate and the truth are worst, if known,
     whether the run is lost, and whether the estimate is right."""
 
@@ -56,7 +56,7 @@ class Remarks:
     right: bool = False
 
 
-NOTHING = Remarks()
+NOTHING = Annotations()
 
 
 class Stage(ABC, Generic[AnyScene]):
@@ -71,23 +71,23 @@ class Stage(ABC, Generic[AnyScene]):
     PLOT: ClassVar[Plotted]  # what the plot of the field is of
     MOST_MARKED: ClassVar[int]  # particles whose crossings are marked
     LINES: ClassVar[int] = 0  # of material, drawn as the exact solution has them
-    MARKED: ClassVar[str] = later("crosses an edge")  # what is said of the marks
+    MARKED: ClassVar[str] = lazy("crosses an edge")  # what is said of the marks
     HALVES: ClassVar[str]  # what estimate and truth are drawn as
     MIRRORS: ClassVar[tuple[tuple[int, int], ...]] = ()  # signs of x and y in each image of a body in the plane
     OUTLINED: ClassVar[tuple[tuple[int, int], ...]] = ()  # images whose domains are drawn
     DOMAINS_HINT: ClassVar[str] = ""  # what it is to outline domains, on a stage that can
 
-    def __init__(self, sheet: Sheet, scale: ColourScale, beside: "Stage | None" = None):
+    def __init__(self, sheet: Surface, scale: ColourScale, beside: "Stage | None" = None):
         self.sheet, self._scale, self.domains = sheet, scale, False
         self.plotted: str | None = None
         self.magnified = 1
         self._drawn_scene: AnyScene | None = None
         self._foreign = False
-        self._seat = Seat.SECOND if beside else Seat.ALONE
+        self._seat = RunSlot.SECOND if beside else RunSlot.ALONE
         self._second: Stage[AnyScene] | None = None
-        self._words, self._said = Words(), (Words(), None)
+        self._words, self._said = StageLabels(), (StageLabels(), None)
         self._captioned: tuple | None = None  # of which words these are
-        self._remarks: Remarks | None = None
+        self._remarks: Annotations | None = None
         self._field: FieldPlot = FieldPlot(self.PLOT, beside._field if beside else None)
         self._lay_out()
 
@@ -101,8 +101,8 @@ class Stage(ABC, Generic[AnyScene]):
 
     def pair(self, wanted: bool) -> "Stage | None":
         """Make room for a pinned run, or take it back; returns the stage of that run where it is wanted."""
-        if wanted != (self._seat == Seat.FIRST):
-            self._seat = Seat.FIRST if wanted else Seat.ALONE
+        if wanted != (self._seat == RunSlot.FIRST):
+            self._seat = RunSlot.FIRST if wanted else RunSlot.ALONE
             self._lay_out()
             self._second = self._second or type(self)(self.sheet.child("pinned"), self._scale, self)
             self._second.sheet.visible = wanted
@@ -130,11 +130,11 @@ class Stage(ABC, Generic[AnyScene]):
         said = self._seat, estimate.title, estimate.by, estimate.silence, truth.title, truth.by, truth.silence
         if said == self._captioned:
             return
-        self._captioned, alone = said, self._seat == Seat.ALONE
+        self._captioned, alone = said, self._seat == RunSlot.ALONE
         self._say(titles=(estimate.title, truth.title), by=(estimate.by, truth.by),
                   silences=tuple(half.silence if alone else brief(half.silence) for half in (estimate, truth)))
 
-    def remark(self, remarks: Remarks, arrays: FrameArrays) -> None:
+    def remark(self, remarks: Annotations, arrays: FrameArrays) -> None:
         """Write remarks into the frame; those that are there already stay as they are."""
         if remarks is self._remarks:
             return
@@ -196,12 +196,12 @@ class Stage(ABC, Generic[AnyScene]):
 
     @staticmethod
     @abstractmethod
-    def places(room: Room, seat: Seat) -> Any:
+    def places(room: Bounds, seat: RunSlot) -> Any:
         """Where everything is (:class:`~app.frame.layout.Places`, or more) in a settled room."""
 
     @staticmethod
     @abstractmethod
-    def labels(words: Words, places: Any) -> Iterator[Label]:
+    def labels(words: StageLabels, places: Any) -> Iterator[Label]:
         """All that is written on the stage but for the scale's and the plot's numbers, and remarks."""
 
     @staticmethod

@@ -9,7 +9,7 @@ from collections.abc import Iterator, Mapping
 from itertools import islice
 from typing import NamedTuple
 
-from app.language.translation import ENGLISH, catalogue, kept, language
+from app.language.translation import ENGLISH, catalogue, language, language_cache
 
 PLACES = ("solvers/", "app/state.py")  # where such sentences are made
 LONGEST = 1000  # characters of a sentence: none of ours is as long
@@ -20,7 +20,7 @@ JOINTS = ("; ", ": ", ", ", " (")  # between what a sentence is made of where no
 PLACE, WORD = re.compile(r"\{(\w+)\}"), re.compile(r"[^\W\d_]{2,}")
 
 
-class Understood(NamedTuple):
+class TranslationMatch(NamedTuple):
     """A text in another language, and how many of its letters were ``known``."""
 
     known: int
@@ -78,11 +78,11 @@ class Translator:
         """The sentence, or itself where nobody knows it."""
         return self._part(sentence, {}).said
 
-    def _part(self, text: str, looked: dict[str, Understood | None], depth: int = 0) -> Understood:
+    def _part(self, text: str, looked: dict[str, TranslationMatch | None], depth: int = 0) -> TranslationMatch:
         """What stands in a place: a name or a number stays as it is."""
-        return self._known(text, looked, depth) or Understood(0, text)
+        return self._known(text, looked, depth) or TranslationMatch(0, text)
 
-    def _known(self, text: str, looked: dict[str, Understood | None], depth: int) -> Understood | None:
+    def _known(self, text: str, looked: dict[str, TranslationMatch | None], depth: int) -> TranslationMatch | None:
         """A text that is known, or made of what is; None where it is not. What has been ``looked`` up is kept for the
         rest of its sentence."""
         if text not in looked and len(looked) < MOST_TEXTS and depth < DEEPEST:
@@ -90,16 +90,16 @@ class Translator:
             looked[text] = max(self._ways(text, looked, depth + 1), default=None, key=lambda way: way.known)
         return looked.get(text)
 
-    def _ways(self, text: str, looked: dict[str, Understood | None], depth: int) -> Iterator[Understood]:
+    def _ways(self, text: str, looked: dict[str, TranslationMatch | None], depth: int) -> Iterator[TranslationMatch]:
         if text in self._words:
-            yield Understood(len(text), self._words[text])
+            yield TranslationMatch(len(text), self._words[text])
             return
         for template in self._templates:
             for places in template.ways(text):
                 known = {name: self._known(value, looked, depth) for name, value in places.items()}
                 if not (template.strict and any(known[name] is None and " " in places[name] for name in places)):
-                    parts = {name: part or Understood(0, places[name]) for name, part in known.items()}
-                    yield Understood(template.weight + sum(part.known for part in parts.values()),
+                    parts = {name: part or TranslationMatch(0, places[name]) for name, part in known.items()}
+                    yield TranslationMatch(template.weight + sum(part.known for part in parts.values()),
                                      template.said.format(**{name: part.said for name, part in parts.items()}))
         for joint in JOINTS:
             for found in re.finditer(re.escape(joint), text):
@@ -110,11 +110,11 @@ class Translator:
                     label = max((words for words in self._words if before.startswith(f"{words} ")),
                                 key=len, default=None)
                     if label is not None:
-                        head = Understood(len(label), self._words[label] + before.removeprefix(label))
+                        head = TranslationMatch(len(label), self._words[label] + before.removeprefix(label))
                     elif " " not in before:
-                        head = Understood(0, before)
+                        head = TranslationMatch(0, before)
                 if head is not None and tail is not None:
-                    yield Understood(head.known + tail.known, f"{head.said}{joint}{tail.said}")
+                    yield TranslationMatch(head.known + tail.known, f"{head.said}{joint}{tail.said}")
 
 
 @functools.lru_cache
@@ -123,11 +123,11 @@ def translator(code: str) -> Translator:
     return Translator(catalogue(code).of_files(PLACES))
 
 
-def heard(sentence: str) -> str:
+def translate_message(sentence: str) -> str:
     """A sentence of the solvers in the language that is spoken; one that nobody knows stays English."""
     return sentence if language() == ENGLISH or not sentence or len(sentence) > LONGEST else _heard(sentence)
 
 
-@kept(1024)
+@language_cache(1024)
 def _heard(sentence: str) -> str:
     return translator(language())(sentence)

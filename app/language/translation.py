@@ -2,8 +2,8 @@
 wants: that which its address names, else the first of its own that there is.
 
 English is what the code says; ``CODE.po`` beside this file says what that is in another language. Whoever does
-something for one visitor does it while his language is spoken (:func:`speaking`): then :func:`tr` finds his words. A
-thread begins with English: what is done on another one for a visitor is :func:`carried` there.
+something for one visitor does it while his language is spoken (:func:`use_language`): then :func:`tr` finds his words.
+A thread begins with English: what is done on another one for a visitor is :func:`with_language` there.
 """
 
 import functools
@@ -72,7 +72,7 @@ def language() -> str:
 
 
 @contextmanager
-def speaking(code: str) -> Iterator[None]:
+def use_language(code: str) -> Iterator[None]:
     """Speak a language meanwhile."""
     before = _spoken.set(code)
     try:
@@ -81,7 +81,7 @@ def speaking(code: str) -> Iterator[None]:
         _spoken.reset(before)
 
 
-def carried(work: Callable[P, T], code: str = "") -> Callable[P, T]:
+def with_language(work: Callable[P, T], code: str = "") -> Callable[P, T]:
     """The same work, on whatever thread, in the language that is spoken now, or in that of a ``code``."""
     code = code or language()
 
@@ -107,12 +107,12 @@ def trn(one: str, many: str, count: float, **values: Any) -> str:
     return said.format(count=count, **values)
 
 
-def later(text: str) -> str:
+def lazy(text: str) -> str:
     """A text that is put into the visitor's language by :func:`tr` where it is said: one of a table, say."""
     return text
 
 
-def kept(most: int) -> Callable[[Callable[..., T]], Callable[..., T]]:
+def language_cache(most: int) -> Callable[[Callable[..., T]], Callable[..., T]]:
     """As :func:`functools.lru_cache`, of so many results, for what has words in it: each language has its own."""
     def keeping(work: Callable[..., T]) -> Callable[..., T]:
         @functools.lru_cache(most)
@@ -130,7 +130,7 @@ def localised(path: Path) -> Path:
     return own if language() != ENGLISH and own.is_file() else path
 
 
-def wished(query: str, accepted: str) -> str:
+def preferred_language(query: str, accepted: str) -> str:
     """The language of a page: of the ``query`` of its address (``lang=de``), else of the header Accept-Language."""
     asked = parse_qs(query[:LONGEST]).get("lang", [""])[-1].lower()
     if asked in LANGUAGES:

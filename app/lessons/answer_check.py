@@ -9,7 +9,7 @@ from app.language.translation import tr
 from app.lessons.bets import BY_ROUND, OWN, PATH, Bet, Bettor, Ends, asked_before
 from app.lessons.claims import ClaimError, decide, said, value
 from app.lessons.lesson import CHOICE, DRAG, EXPLAIN, INTERVAL, NUMBER, TEXT, Lesson, Numbers, Question, Step, filled
-from app.lessons.lesson_runs import Outcomes
+from app.lessons.lesson_runs import RunCache
 from app.words import with_unit
 
 LONGEST = 500  # characters of a text
@@ -42,7 +42,7 @@ class Right:
     value: float | str = 0.0
 
 
-def mark(lesson: Lesson, step: Step, answer: Any, numbers: Numbers, outcomes: Outcomes) -> AnswerMark:
+def mark(lesson: Lesson, step: Step, answer: Any, numbers: Numbers, outcomes: RunCache) -> AnswerMark:
     """The mark of an answer that fits the step's question; runs what it needs.
 
     Raises :class:`~app.lessons.lesson_runs.RunFailed` and :class:`~app.lessons.claims.ClaimError`.
@@ -57,7 +57,7 @@ def mark(lesson: Lesson, step: Step, answer: Any, numbers: Numbers, outcomes: Ou
     return AnswerMark(right_or_not, found.told, Bet(low, high, float(found.value), step.asked.level))
 
 
-def right(lesson: Lesson, step: Step, numbers: Numbers, outcomes: Outcomes) -> Right:
+def right(lesson: Lesson, step: Step, numbers: Numbers, outcomes: RunCache) -> Right:
     """What is right in a step's question, which is no free text; runs what it needs, and raises as :func:`mark`."""
     asked = step.asked
     texts = expressions(asked, numbers)
@@ -135,7 +135,7 @@ def _is_real(number: Any) -> bool:
 
 
 def laid(lesson: Lesson, step: Step, given: Mapping[str, Sequence[float]], numbers: Numbers,
-         outcomes: Outcomes) -> list[Bettor]:
+         outcomes: RunCache) -> list[Bettor]:
     """Whose bets a step shows, on what was ``given`` an answer before it, by the questions' keys. Runs what it needs,
     and raises as :func:`app.lessons.answer_check.mark`."""
     steps = [other for other in asked_before(lesson, step) if other.key in given]
@@ -157,7 +157,7 @@ def laid(lesson: Lesson, step: Step, given: Mapping[str, Sequence[float]], numbe
     return found
 
 
-def judge_ends(lesson: Lesson, step: Step, judge: str, numbers: Numbers, outcomes: Outcomes) -> Ends | None:
+def judge_ends(lesson: Lesson, step: Step, judge: str, numbers: Numbers, outcomes: RunCache) -> Ends | None:
     """What a judge bets on what a step asks; None where it does not bet."""
     found = PATH.fullmatch(step.asked.expected)
     assert found is not None  # has been checked

@@ -5,18 +5,18 @@ import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 
-from app.language.translation import later, tr
+from app.language.translation import lazy, tr
 from app.lessons.answer_check import AnswerMark
 from app.lessons.bets import OWN, YOURS, Bet, Bettor
 
 MOST = 4  # factors of ten to either side; a line that goes on is cut there
-YOUR_BETS, ROUND = later("Your bets"), later("Your round {number}")  # judges are called as they are
-TOLD = later("{held} of {made} hold the truth, mean score {score}")
-SOME = later("{held} of {made} hold the truth, {left} not bet on, mean score {score}")
-NONE = later("does not bet on these")
-SCORED = later("{told}; score {score}")  # of one bet, beside what came out
-SAID = later("Bets in their order, as multiples of the truth, the line in the middle. {share} of 100 were to hold it.")
-TRUTH, LESS, MORE = later("truth"), "÷ {factor}", "× {factor}"
+YOUR_BETS, ROUND = lazy("Your bets"), lazy("Your round {number}")  # judges are called as they are
+TOLD = lazy("{held} of {made} hold the truth, mean score {score}")
+SOME = lazy("{held} of {made} hold the truth, {left} not bet on, mean score {score}")
+NONE = lazy("does not bet on these")
+SCORED = lazy("{told}; score {score}")  # of one bet, beside what came out
+SAID = lazy("Bets in their order, as multiples of the truth, the line in the middle. {share} of 100 were to hold it.")
+TRUTH, LESS, MORE = lazy("truth"), "÷ {factor}", "× {factor}"
 
 
 @dataclass(frozen=True)

@@ -8,7 +8,7 @@ from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
-from app.language.translation import ENGLISH, LANGUAGES, kept, language, localised, speaking
+from app.language.translation import ENGLISH, LANGUAGES, language, language_cache, localised, use_language
 from app.lessons.lesson import Lesson, LessonError, Step
 from app.lessons.lesson_parser import read
 from solvers.untrusted import quoting
@@ -48,7 +48,7 @@ def in_every_language(name: str, folder: Path = FOLDER) -> Iterator[Lesson]:
     """A lesson, and it again in each language that it has been put into."""
     for code in LANGUAGES:
         if code == ENGLISH or (folder / f"{name}.{code}.md").is_file():
-            with speaking(code):
+            with use_language(code):
                 found = lesson(name, folder)
             yield found
 
@@ -68,7 +68,7 @@ def after(lesson: Lesson, folder: Path = FOLDER) -> Lesson | None:
     return next(iter(every[every.index(lesson) + 1:]), None) if lesson in every else None
 
 
-@kept(4)
+@language_cache(4)
 def _read(folder: Path, files: tuple[tuple[str, int, int], ...]) -> dict[str, Lesson]:
     """The lessons of files that were last changed then."""
     found = {}

@@ -15,7 +15,7 @@ from app.lessons import catalogue, fenced_blocks, lesson_check, lesson_parser
 from app.lessons.lesson import RUN, Lesson, LessonError, Step
 from app.lessons.lesson_check import Check
 from app.lessons.lesson_parser import Part, numbered, parts_of, split_head
-from app.lessons.lesson_runs import Outcomes
+from app.lessons.lesson_runs import RunCache
 
 FOLDER = catalogue.FOLDER / "classes"
 TALK = 5  # minutes that a core's row may have beyond the core
@@ -78,7 +78,7 @@ def parse(text: str, name: str) -> ClassPage:
     return ClassPage(name, minutes, claims, sessions)
 
 
-def checks(found: ClassPage, lessons: Mapping[str, Lesson], outcomes: Outcomes) -> Iterator[Check]:
+def checks(found: ClassPage, lessons: Mapping[str, Lesson], outcomes: RunCache) -> Iterator[Check]:
     """All claims of a page, and whether its timetables add up and give each core its time."""
     yield from lesson_check.checks(found.claims, outcomes)
     for session, rows in found.sessions.items():

@@ -51,14 +51,14 @@ CHANGES = ("Cells", "Particles / cell", "Amplitude A", "Modulus E", "CFL number"
 STAGE = "On the stage"
 
 
-def measured(lesson: Lesson) -> Lesson:
+def with_minutes(lesson: Lesson) -> Lesson:
     """The lesson with its minutes: those of all steps, and of the core."""
     opening = _reading(" ".join((lesson.intro, *lesson.goals))) + TURN_SECONDS
     return replace(lesson, minutes=_whole(opening + round_seconds(lesson.steps, lesson)),
                    core_minutes=_whole(opening + round_seconds(lesson.walk(core=True), lesson)))
 
 
-def told(lesson: Lesson) -> str:
+def minutes_text(lesson: Lesson) -> str:
     """A lesson's minutes, as a list of lessons has them."""
     if not lesson.deeper:
         return tr("{minutes} min", minutes=lesson.minutes)

@@ -9,7 +9,7 @@ from app.lessons.answer_check import AnswerMark, mark, shown
 from app.lessons.bets import YOURS, Bet, Bettor
 from app.lessons.claims import ClaimError
 from app.lessons.lesson import INTERVAL, PREDICT, TEXT, Lesson, Numbers, Step, drawn, filled
-from app.lessons.lesson_runs import Outcomes, RunFailed
+from app.lessons.lesson_runs import RunCache, RunFailed
 from app.lessons.student_progress import Progress
 from solvers.untrusted import quoting
 
@@ -48,7 +48,7 @@ class Graded:
         return sum(answer.seconds for answer in self.progress.answers.values()) / 60
 
 
-def graded(file: str, progress: Progress, lesson: Lesson, outcomes: Outcomes, core: bool = False) -> Graded:
+def graded(file: str, progress: Progress, lesson: Lesson, outcomes: RunCache, core: bool = False) -> Graded:
     """Mark a file. A prediction counts as it was first made, an observation as it was made at last; with ``core`` the
     questions of deeper steps do not count, answered or not."""
     numbers, asked = drawn(lesson, progress.name), {step.key: step for step in lesson.walk(core) if step.question}
@@ -110,7 +110,7 @@ def _covered(what: str, bets: Sequence[Bet]) -> str:
 
 
 def _answer(lesson: Lesson, key: str, progress: Progress, numbers: Numbers,
-            outcomes: Outcomes) -> tuple[str, AnswerMark | None]:
+            outcomes: RunCache) -> tuple[str, AnswerMark | None]:
     step, answer = lesson.questions[key], progress.answers[key]
     given = answer.first if step.kind == PREDICT else answer.last
     said = filled(shown(step.asked, given), numbers)

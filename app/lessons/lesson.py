@@ -8,7 +8,7 @@ import unicodedata
 from collections.abc import Mapping
 from dataclasses import dataclass
 
-from app.language.translation import ENGLISH, later
+from app.language.translation import ENGLISH, lazy
 from solvers.untrusted import quoting
 
 PREDICT, RUN, OBSERVE, EXPLAIN = KINDS = ("predict", "run", "observe", "explain")
@@ -35,10 +35,10 @@ CONTROLS = ("problem", "method", "cells", "ppc", "amplitude", "motion", "stretch
 REACH = {"cells": (8.0, 160.0, 1.0), "ppc": (1.0, 8.0, 1.0), "amplitude": (-4.0, -0.8, 0.01),
          "modulus": (0.0, 3.0, 0.01), "cfl": (-2.0, 0.5, 0.01)}
 POWERS = ("amplitude", "modulus", "cfl")
-NAMES = {"cells": later("Cells"), "ppc": later("Particles / cell"), "amplitude": later("Amplitude"),
-         "modulus": later("Modulus"), "cfl": later("CFL number")}
+NAMES = {"cells": lazy("Cells"), "ppc": lazy("Particles / cell"), "amplitude": lazy("Amplitude"),
+         "modulus": lazy("Modulus"), "cfl": lazy("CFL number")}
 #: What the kinds of steps are called.
-TITLES = {PREDICT: later("Predict"), RUN: later("Run"), OBSERVE: later("Observe"), EXPLAIN: later("Explain")}
+TITLES = {PREDICT: lazy("Predict"), RUN: lazy("Run"), OBSERVE: lazy("Observe"), EXPLAIN: lazy("Explain")}
 PLACE = re.compile(r"\{([A-Za-z]\w*)\}")
 Numbers = Mapping[str, float | int | str]
 

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from app.lessons.answer_check import expressions, right
 from app.lessons.claims import ClaimError, decide
 from app.lessons.lesson import CHOICE, Lesson, Numbers, Step, filled
-from app.lessons.lesson_runs import Outcomes, RunFailed
+from app.lessons.lesson_runs import RunCache, RunFailed
 
 
 @dataclass(frozen=True)
@@ -25,7 +25,7 @@ class Check:
                f"{'holds' if self.holds else 'does not hold'}, {self.found}"
 
 
-def checks(lesson: Lesson, outcomes: Outcomes, variants: int | None = None) -> Iterator[Check]:
+def checks(lesson: Lesson, outcomes: RunCache, variants: int | None = None) -> Iterator[Check]:
     """All claims of a lesson with the numbers of each variant, or of the first so many."""
     for numbers in lesson.variants[:variants]:
         for step in lesson.steps:
@@ -44,7 +44,7 @@ def checks(lesson: Lesson, outcomes: Outcomes, variants: int | None = None) -> I
                 yield Check(lesson.file, step.title, asked.line, text, *_question(lesson, step, numbers, outcomes))
 
 
-def _question(lesson: Lesson, step: Step, numbers: Numbers, outcomes: Outcomes) -> tuple[bool, str]:
+def _question(lesson: Lesson, step: Step, numbers: Numbers, outcomes: RunCache) -> tuple[bool, str]:
     try:
         answer = right(lesson, step, numbers, outcomes)
     except (ClaimError, RunFailed) as error:

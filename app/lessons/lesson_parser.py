@@ -14,7 +14,7 @@ from typing import Any, TypeVar
 
 from app.lessons import bets, claims, duration, fenced_blocks, rounds
 from app.lessons.lesson import ALLOWED, CONTROLS, KINDS, NEEDED, PLACE, Lesson, LessonError, Numbers, Step, filled
-from app.lessons.markdown_html import MarkupError, html
+from app.lessons.markdown_html import RenderError, html
 from solvers.untrusted import quoting
 
 FENCE = "```"
@@ -125,7 +125,7 @@ def parse(text: str, name: str, folder: Path | None = None) -> Lesson:
     _check_bets(lesson)
     for part in (opening, *parts):
         _check_text(part, lesson, folder)
-    return duration.measured(lesson)
+    return duration.with_minutes(lesson)
 
 
 def _lesson(head: str, name: str, fingerprint: str) -> Lesson:
@@ -268,6 +268,6 @@ def _check_text(part: Part, lesson: Lesson, folder: Path | None) -> None:
                                           f"{', '.join(f'{{{name}}}' for name in known) or 'none, for none is set'}")
     try:
         html("\n".join(part.text), folder)
-    except MarkupError as error:
+    except RenderError as error:
         number = next((k for k, line in numbered(part) if error.piece in line), part.line)
         raise LessonError(number, str(error)) from None

@@ -23,7 +23,7 @@ class RunFailed(Exception):
     """A scene could not be run; the message says why."""
 
 
-class Outcomes:
+class RunCache:
     """Runs scenes in so many ``processes``, which start when they are needed. Safe from any thread."""
 
     def __init__(self, processes: int = 1, politeness: int = 0):

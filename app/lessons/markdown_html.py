@@ -11,21 +11,21 @@ from markdown_it import MarkdownIt
 from markdown_it.renderer import RendererHTML
 from mdit_py_plugins.dollarmath import dollarmath_plugin
 
-from app.language.translation import later
+from app.language.translation import lazy
 from solvers.untrusted.quoting import quoted, sentence
 
 KINDS = {".svg": "image/svg+xml", ".png": "image/png"}
 #: What a text tells its reader to do, by what is done. What is named stands in bold, its value as code, and the name
 #: before its value.
-SENTENCES = {"Press": later("Press {name}"), "Set": later("Set {name} to {value}"),
-             "Choose": later("Choose {name} {value}")}
+SENTENCES = {"Press": lazy("Press {name}"), "Set": lazy("Set {name} to {value}"),
+             "Choose": lazy("Choose {name} {value}")}
 #: Widgets that say a field of the scene, by the words that stand beside them.
-FIELDS = {later("Cells"): "cells", later("Particles / cell"): "ppc", later("Amplitude A"): "amplitude",
-          later("Modulus E"): "modulus", later("CFL number"): "cfl", later("Method"): "method",
-          later("Body force"): "body_force"}
+FIELDS = {lazy("Cells"): "cells", lazy("Particles / cell"): "ppc", lazy("Amplitude A"): "amplitude",
+          lazy("Modulus E"): "modulus", lazy("CFL number"): "cfl", lazy("Method"): "method",
+          lazy("Body force"): "body_force"}
 
 
-class MarkupError(ValueError):
+class RenderError(ValueError):
     """A formula or picture that cannot be shown. ``piece`` is what stands in the text."""
 
     def __init__(self, piece: str, why: str):
@@ -55,15 +55,15 @@ def _parser(folder: Path | None) -> MarkdownIt:
 
 
 def mathml(latex: str, display: bool) -> str:
-    """A formula as MathML, on lines of its own (``display``) or in one; :class:`MarkupError` where it has none."""
+    """A formula as MathML, on lines of its own (``display``) or in one; :class:`RenderError` where it has none."""
     latex = latex.strip()
     try:
         found = latex2mathml.converter.convert(latex, display="block" if display else "inline")
     except Exception as error:  # the library raises what comes
-        raise MarkupError(latex, f"the formula ${quoted(latex)}$ cannot be shown ({type(error).__name__}); "
+        raise RenderError(latex, f"the formula ${quoted(latex)}$ cannot be shown ({type(error).__name__}); "
                                  "give plain LaTeX such as $\\frac{h}{2}$") from None
     if unknown := re.search(r"\\\w+", found):  # a command that nobody knows would be shown as it is typed
-        raise MarkupError(latex, f"the formula ${quoted(latex)}$ has {quoted(unknown[0])}, which cannot be "
+        raise RenderError(latex, f"the formula ${quoted(latex)}$ has {quoted(unknown[0])}, which cannot be "
                                  "shown; give plain LaTeX such as $\\frac{h}{2}$")
     return found
 
@@ -73,6 +73,6 @@ def _data(folder: Path | None, source: str) -> str:
     path = None if folder is None else folder / source
     kind = KINDS.get(Path(source).suffix)
     if kind is None or path is None or not re.fullmatch(r"[\w./-]+", source) or ".." in source or not path.is_file():
-        raise MarkupError(source, f"the picture {quoted(source)} is not there; give an .svg or .png file beside "
+        raise RenderError(source, f"the picture {quoted(source)} is not there; give an .svg or .png file beside "
                                   "the lesson")
     return f"data:{kind};base64,{base64.b64encode(path.read_bytes()).decode()}"

@@ -8,14 +8,14 @@ from typing import Any
 
 from app.lessons.answer_check import trouble
 from app.lessons.lesson import Lesson
-from solvers.study.json_schema import Each, mismatch, parsed
+from solvers.study.json_schema import MapOf, mismatch, parsed
 from solvers.untrusted import quoting
 
 SCHEMA = "mpm-lab/answers/1"
 LONGEST_NAME = 80
 MOST_SECONDS = 1e7
 ANSWER = {"first": object, "last": object, "attempts": int, "seconds": (int, float)}
-FORM = {"schema": str, "lesson": str, "fingerprint": str, "name": str, "step": int, "answers": Each(ANSWER)}
+FORM = {"schema": str, "lesson": str, "fingerprint": str, "name": str, "step": int, "answers": MapOf(ANSWER)}
 
 
 class NotAnswers(ValueError):

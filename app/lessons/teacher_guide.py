@@ -7,9 +7,9 @@ from app.language.translation import language, tr
 from app.lessons.answer_check import in_unit, right
 from app.lessons.catalogue import FOLDER
 from app.lessons.claims import ClaimError
-from app.lessons.duration import round_minutes, told
+from app.lessons.duration import minutes_text, round_minutes
 from app.lessons.lesson import CHOICE, TEXT, TITLES, Lesson, Numbers, Step
-from app.lessons.lesson_runs import Outcomes, RunFailed
+from app.lessons.lesson_runs import RunCache, RunFailed
 from app.lessons.markdown_html import html
 from app.lessons.rounds import rounds
 from app.templates import rendered
@@ -18,11 +18,11 @@ from solvers.study.markdown import grid
 PAGE = Path(__file__).parent / "guide.html"
 
 
-def markdown(lesson: Lesson, outcomes: Outcomes, core: bool = False) -> str:
+def markdown(lesson: Lesson, outcomes: RunCache, core: bool = False) -> str:
     """The guide as Markdown, or that to the ``core`` alone. Runs what the right answers need."""
     length = tr("*Teacher's guide to the core, which takes {minutes} minutes, without a talk.*",
                 minutes=lesson.core_minutes) if core else \
-        tr("*Teacher's guide. {length}, without a talk.*", length=told(lesson))
+        tr("*Teacher's guide. {length}, without a talk.*", length=minutes_text(lesson))
     parts = [f"# {lesson.title}", length, tr("Afterwards students can"),
              "\n".join(f"* {goal}" for goal in lesson.goals)]
     if lesson.prerequisites:
@@ -49,12 +49,12 @@ def markdown(lesson: Lesson, outcomes: Outcomes, core: bool = False) -> str:
     return "\n\n".join(part for part in parts if part.strip()) + "\n"
 
 
-def page(lesson: Lesson, outcomes: Outcomes, core: bool = False) -> str:
+def page(lesson: Lesson, outcomes: RunCache, core: bool = False) -> str:
     """The guide as one html file, with its pictures in it."""
     return rendered(PAGE, language=language(), title=lesson.title, body=html(markdown(lesson, outcomes, core), FOLDER))
 
 
-def _question(lesson: Lesson, step: Step, outcomes: Outcomes) -> Iterator[str]:
+def _question(lesson: Lesson, step: Step, outcomes: RunCache) -> Iterator[str]:
     asked = step.question
     if asked is None:
         return
@@ -71,7 +71,7 @@ def _question(lesson: Lesson, step: Step, outcomes: Outcomes) -> Iterator[str]:
         yield tr("**Answer:**") + "\n\n" + grid([tr("variant"), tr("answer")], rows)
 
 
-def _answer(lesson: Lesson, step: Step, numbers: Numbers, outcomes: Outcomes) -> str:
+def _answer(lesson: Lesson, step: Step, numbers: Numbers, outcomes: RunCache) -> str:
     try:
         found = right(lesson, step, numbers, outcomes)
     except (ClaimError, RunFailed) as error:
@@ -84,4 +84,4 @@ def _quoted(notes: str) -> str:
     return "\n".join(f"> {line}" for line in [tr("**Teacher**"), "", *notes.splitlines()]) if notes.strip() else ""
 
 
-KINDS: dict[str, Callable[[Lesson, Outcomes, bool], str]] = {".md": markdown, ".html": page}
+KINDS: dict[str, Callable[[Lesson, RunCache, bool], str]] = {".md": markdown, ".html": page}

@@ -9,7 +9,7 @@ from app.colours import GROUNDS, rgb
 from app.frame.colour_scale import ColourScale
 from app.frame.layout import ColourBar
 from app.frame.stage import Stage
-from app.page.display_source import Choice, Picture, Sight
+from app.page.display_source import Choice, Display, FrameView
 from app.page.stage.error_probe import FlatCamera, Probe, TraceRings
 from app.page.visit.particle_trace import Trace
 from app.problems.views import VIEWS
@@ -23,7 +23,7 @@ class Canvas:
 
     def __init__(self, client: viser.ClientHandle, scale: ColourScale, trace: Trace, problem: str):
         self._client, self._scale, self.lettering = client, scale, Lettering(client.gui)
-        self.picture: Picture | None = None  # that is seen
+        self.picture: FrameView | None = None  # that is seen
         self._coloured: Hashable = None  # what the scale of colours is of
         self._paint(False)
         self._colour_bar = ColourBar(self.sheet("/colours"), scale)
@@ -33,7 +33,7 @@ class Canvas:
         self.probe = Probe(client, self.sheet("/probe"), self.camera)
         self._rings = TraceRings(client, self.sheet("/trace"), trace)
 
-    def draw(self, sight: Sight, choice: Choice) -> None:
+    def draw(self, sight: Display, choice: Choice) -> None:
         """Show what there is to be seen."""
         picture, beside, unit = sight.picture, sight.beside, QUANTITIES[choice.quantity].unit
         view, arrays, problem = picture.view, picture.arrays, picture.report.scene.problem
@@ -43,7 +43,7 @@ class Canvas:
         with self._client.atomic():
             self._show_stage(None if sight.hidden else problem)
             _draw(stage, picture, choice)
-            if isinstance(beside, Picture):
+            if isinstance(beside, FrameView):
                 assert second is not None
                 _draw(second, beside, choice)
                 if stage.outdated:
@@ -77,13 +77,13 @@ class Canvas:
         """One more to draw on, under a name of its own."""
         return Sheet(self._client, self.lettering, at)
 
-    def _colour(self, sight: Sight) -> None:
+    def _colour(self, sight: Display) -> None:
         """Move the scale of colours; looking back keeps it, to compare frames by."""
         if changed := sight.of != self._coloured:
             self._scale.forget()
             self._coloured = sight.of
         if changed or not sight.back:
-            beside = sight.beside.view if isinstance(sight.beside, Picture) else None
+            beside = sight.beside.view if isinstance(sight.beside, FrameView) else None
             self._scale.follow(*sight.sizes, (sight.picture.report.scene, sight.of),
                                (beside.left.sizes, beside.right.sizes) if beside else (None, None), sight.least)
 
@@ -94,7 +94,7 @@ class Canvas:
             stage.sheet.visible = name == problem
 
 
-def _draw(stage: Stage, picture: Picture, choice: Choice) -> None:
+def _draw(stage: Stage, picture: FrameView, choice: Choice) -> None:
     """Draw a run on a stage."""
     report, view = picture.report, picture.view
     stage.domains = choice.domains and not picture.foreign

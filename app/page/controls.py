@@ -7,16 +7,16 @@ from typing import Any
 import viser
 
 from app.frame.colour_scale import ColourScale
-from app.language.translation import later, tr
+from app.language.translation import lazy, tr
 from app.page.display_source import Choice
 from app.page.features.budget.panel import who
 from app.page.features.slow_motion import SlowMotion
 from app.page.panels.browser_store import BrowserStore
-from app.page.panels.history_controls import Drawn, Looking
+from app.page.panels.history_controls import DrawingOptions, HistoryControls
 from app.page.panels.page_header import mark, marked
 from app.page.panels.run_settings import RunWidgets
-from app.page.panels.scene_widgets import Answers, BoundWidgets
-from app.page.panels.stage_choice import Judges, StageChoice
+from app.page.panels.scene_widgets import Answers, SceneWidgets
+from app.page.panels.stage_choice import EstimatorCards, StageChoice
 from app.page.playback_controls import Transport
 from app.page.visit.session import Session, first_scene
 from app.problems.views import VIEWS
@@ -29,7 +29,7 @@ from solvers.scene.effects import ALL
 from solvers.scene.remedies import REMEDIES
 from solvers.scene.scene import Scene
 
-ELSEWHERE = later("A lesson is open: its controls are in <b>Lessons</b>, below its text.")
+ELSEWHERE = lazy("A lesson is open: its controls are in <b>Lessons</b>, below its text.")
 
 
 class Controls:
@@ -37,13 +37,13 @@ class Controls:
     the tabs; :meth:`build` makes the others. ``on_view`` is called when only the drawing changes."""
 
     def __init__(self, gui: viser.GuiApi, session: Session, scale: ColourScale, on_view: Callable[[], None],
-                 looking: Looking, slow: SlowMotion, store: BrowserStore):
+                 looking: HistoryControls, slow: SlowMotion, store: BrowserStore):
         self._gui, self._session, self._scale, self._on_view = gui, session, scale, on_view
         self._looking, self._slow = looking, slow
         self._offered: tuple[str, ...] = ()  # the controls that a lesson leaves; without any all are
         self._answers = Answers(gui)
         self._turn = threading.RLock()  # widgets must not be removed while others are made or changed among them
-        self._bound, self._lasting = (BoundWidgets(gui, session, self._answers, self._turn) for _ in range(2))
+        self._bound, self._lasting = (SceneWidgets(gui, session, self._answers, self._turn) for _ in range(2))
         problem_mark = gui.add_html("<i class='lab-at-problem'></i>")
         self.problem = gui.add_dropdown(tr("Problem"), tuple(tr(problem.scene.TITLE) for problem in PROBLEMS.values()),
                                          initial_value=tr(session.scene.TITLE),
@@ -51,9 +51,9 @@ class Controls:
         self.stage = StageChoice(gui, session, scale, on_view)
         self._transport = Transport(gui, session, looking, slow, self._lasting, on_view)
         self._parts = {"problem": (problem_mark, self.problem), **self.stage.parts, **self._transport.parts}
-        self._drawn = Drawn(session, scale, looking, on_view)
+        self._drawn = DrawingOptions(session, scale, looking, on_view)
         self._run = RunWidgets(session, self._bound, store)
-        self.judges = Judges(gui, session, self.stage, self._bound, store)
+        self.judges = EstimatorCards(gui, session, self.stage, self._bound, store)
         store.heard["entered"] = self._enter
 
     def open_on(self, state: State) -> None:

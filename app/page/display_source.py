@@ -7,9 +7,9 @@ from typing import Protocol
 import numpy as np
 
 from app.frame.captions import View
-from app.frame.headline import Said
+from app.frame.headline import Headline
 from app.frame.layout import Rectangle
-from app.frame.stage import NOTHING, Remarks
+from app.frame.stage import NOTHING, Annotations
 from app.page.readout_panel import Numbers
 from app.page.visit.status_message import Notice
 from solvers.engine.engine_messages import FrameReport
@@ -33,7 +33,7 @@ class Choice:
 
 
 @dataclass(frozen=True)
-class Picture:
+class FrameView:
     """A frame of a run as it is drawn: with the ``view`` of its errors, the simulated seconds that go by in one of the
     visitor's, and a ``name`` where there are two runs. Particles of a ``foreign`` run began anywhere and may be others
     at any time."""
@@ -47,7 +47,7 @@ class Picture:
 
 
 @dataclass(frozen=True)
-class Sight:
+class Display:
     """All that is to be seen: a picture, and a run ``beside`` it, of which there may be no more than a name yet.
 
     The colours follow the ``sizes`` of errors, and reach ``least`` at least; they begin anew where they are ``of``
@@ -55,13 +55,13 @@ class Sight:
     into the picture. The stage is ``hidden`` where something else is drawn in its place, in a rectangle.
     """
 
-    picture: Picture
+    picture: FrameView
     sizes: Sizes
     of: Hashable
     least: float = 0.0
     back: bool = False
-    beside: Picture | str | None = None
-    remarks: Remarks = NOTHING
+    beside: FrameView | str | None = None
+    remarks: Annotations = NOTHING
     hidden: Rectangle | None = None
 
 
@@ -77,13 +77,13 @@ class Source(Protocol):
     def at_once(self) -> bool:
         """Whether its sentence is the answer to a click."""
 
-    def sight(self, choice: Choice) -> Sight | None:
+    def sight(self, choice: Choice) -> Display | None:
         """What to draw now; None as long as there is nothing."""
 
-    def numbers(self, choice: Choice, picture: Picture | None, probed: str | None) -> Numbers | None:
+    def numbers(self, choice: Choice, picture: FrameView | None, probed: str | None) -> Numbers | None:
         """What to read beside the ``picture`` that is drawn, and what was ``probed`` in it; None for no change."""
 
-    def sentence(self, choice: Choice, picture: Picture) -> Said:
+    def sentence(self, choice: Choice, picture: FrameView) -> Headline:
         """What is seen in the picture; nothing where that is of something else, and soon replaced."""
 
     def notice(self) -> Notice | None:

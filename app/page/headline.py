@@ -12,8 +12,8 @@ import viser
 from app.frame.budget_chart import blamed
 from app.frame.captions import View
 from app.frame.crossings import recent, window
-from app.frame.headline import BACK, LAST, LOST, PAUSED, SO_FAR, UNSTABLE, Said, error_words, errors, fill
-from app.language.translation import later, tr, trn
+from app.frame.headline import BACK, LAST, LOST, PAUSED, SO_FAR, UNSTABLE, Headline, error_words, errors, fill
+from app.language.translation import lazy, tr, trn
 from app.page.stage.worst_region import WorstRegions
 from app.page.visit.history import last, until
 from app.words import QUANTITIES, differing, factor, number, on_page
@@ -22,20 +22,20 @@ from solvers.engine.shared_frames import FrameArrays
 from solvers.scene.scene import Scene
 from solvers.solver import soundness
 
-WAITING = later("Waiting for the first frame")
+WAITING = lazy("Waiting for the first frame")
 SAY_SECONDS = 2.0  # between two sentences, which would else be replaced before they are read
 MOST_DIFFERING = 40  # characters, of what a pinned run is where the other is not
 
 
-class Speaker:
+class HeadlinePanel:
     """Says sentences calmly: a new one only, and not soon after the last. ``verdict.js`` shows them, and reads aloud
     those of another moment. That there is one lifts the page's ground (``ground.html``)."""
 
     def __init__(self, gui: viser.GuiApi, clock: Callable[[], float] = monotonic):
         self._html, self._clock = gui.add_html(""), clock
-        self._last, self._next, self._aloud = Said(), 0.0, 0
+        self._last, self._next, self._aloud = Headline(), 0.0, 0
 
-    def say(self, said: Said, at_once: bool = False) -> None:
+    def say(self, said: Headline, at_once: bool = False) -> None:
         """Say something, if there is anything and it is time; ``at_once`` for the answer to a click."""
         now, other = self._clock(), said.moment != self._last.moment
         if not said or str(said) == str(self._last) or (now < self._next and not at_once and not other):
@@ -49,7 +49,7 @@ class Speaker:
 
 def summary(report: FrameReport | None, arrays: FrameArrays | None, view: View | None, worst: WorstRegions,
             series: dict[str, np.ndarray], quantity: str, drawn: str | None, ago: float = 0.0,
-            beside: str = "", speed: float = 0.0) -> Said:
+            beside: str = "", speed: float = 0.0) -> Headline:
     """What is said of a frame, the ``view`` of it, its worst regions and the run's sampled ``series``.
 
     A run that plays is told as it has been so far, one that stands or is lost as it is now: of each, its error and its
@@ -58,11 +58,11 @@ def summary(report: FrameReport | None, arrays: FrameArrays | None, view: View |
     by in one of the visitor's.
     """
     if report is None or arrays is None or view is None:
-        return Said.of(tr(WAITING))
+        return Headline.of(tr(WAITING))
     series, when = until(series, report.time), number(report.time)
     moment = report.scene, report.playing, report.status, ago
     if report.status == soundness.UNSTABLE:
-        return Said((("bad", fill(tr(UNSTABLE), time=when)),), (*_reason(report), tr(LAST)), moment)
+        return Headline((("bad", fill(tr(UNSTABLE), time=when)),), (*_reason(report), tr(LAST)), moment)
     lost = report.status == soundness.LOST
     of_now = not report.playing or lost
     true, estimate = map(_norm, (view.true, view.estimated)) if of_now else (
@@ -85,7 +85,7 @@ def summary(report: FrameReport | None, arrays: FrameArrays | None, view: View |
     if lost:
         facts = _reason(report) or facts
         headline = ("bad", fill(tr(LOST), since=f"{report.since or 0.0:.4g}")), ("", ": "), *headline
-    return Said(headline, tuple(filter(None, facts)), moment)
+    return Headline(headline, tuple(filter(None, facts)), moment)
 
 
 def compared(live: dict[str, np.ndarray], pinned: dict[str, np.ndarray], quantity: str, scenes: tuple[Scene, Scene],

@@ -4,15 +4,15 @@ from collections.abc import Callable
 
 from app.frame.captions import View, look, why_no_index
 from app.frame.colour_scale import LEAST_TOP
-from app.frame.headline import Said
+from app.frame.headline import Headline
 from app.language.translation import tr
-from app.page.display_source import Choice, Picture, Sight
+from app.page.display_source import Choice, Display, FrameView
 from app.page.headline import compared, summary
 from app.page.panels.readout import readout
 from app.page.panels.timeline import Now
 from app.page.readout_panel import Numbers
 from app.page.stage.worst_region import WorstRegions
-from app.page.visit.frame_buffer import Recent
+from app.page.visit.frame_buffer import FrameBuffer
 from app.page.visit.particle_trace import Trace
 from app.page.visit.session import Session
 from app.page.visit.status_message import Notice
@@ -28,11 +28,11 @@ class LiveRun:
 
     on, at_once = True, False
 
-    def __init__(self, session: Session, recent: Recent, trace: Trace, further: Callable[[], Notice | None]):
+    def __init__(self, session: Session, recent: FrameBuffer, trace: Trace, further: Callable[[], Notice | None]):
         self._session, self._recent, self._trace, self._further = session, recent, trace, further
         self._worst = WorstRegions()
 
-    def sight(self, choice: Choice) -> Sight | None:
+    def sight(self, choice: Choice) -> Display | None:
         """The frame that is looked at; None for one from before differences were asked for: the next is on its way."""
         if (last := self._recent.shown) is None:
             return None
@@ -49,16 +49,16 @@ class LiveRun:
         picture = self._picture(report, arrays, look(report, arrays, *asked), name)
         if not report.playing:  # while it moves, words that change with each frame could not be read
             self._worst.look(report, arrays, picture.view, choice.quantity)
-        beside: Picture | str | None = None  # a pinned run, or before its first frame that there will be one
+        beside: FrameView | str | None = None  # a pinned run, or before its first frame that there will be one
         if pinned:
             run, view = differing(pinned.scene, scene) or tr("the same so far"), pinned.view(*asked)
             beside = tr("pinned: {run}, being prepared", run=run) if view is None or pinned.last is None else \
                 self._picture(*pinned.last, view, tr("pinned: {run}", run=run))
-        return Sight(picture, (picture.view.left.sizes, picture.view.right.sizes), asked,
+        return Display(picture, (picture.view.left.sizes, picture.view.right.sizes), asked,
                      0.0 if scene.swings else LEAST_TOP * scene.size_of(choice.quantity), back,
                      beside, self._worst.remarks(scene))
 
-    def numbers(self, choice: Choice, picture: Picture | None, probed: str | None) -> Numbers | None:
+    def numbers(self, choice: Choice, picture: FrameView | None, probed: str | None) -> Numbers | None:
         """Those of the frame that is looked at, and plots of all that has come in."""
         session, recent, quantity = self._session, self._recent, choice.quantity
         if picture is not None and not picture.foreign:
@@ -75,11 +75,11 @@ class LiveRun:
         return Numbers(text, history, scene.active_estimators, valid, choice.estimator, now,
                        why_no_index(scene, valid, quantity), pinned, traced, scene)
 
-    def sentence(self, choice: Choice, picture: Picture) -> Said:
+    def sentence(self, choice: Choice, picture: FrameView) -> Headline:
         """What is seen, and how a pinned run compares."""
         history, pinned, report = self._session.history, self._session.pinned, picture.report
         if picture.foreign or not history.scene == report.scene == self._worst.scene:
-            return Said()  # another run has begun just now
+            return Headline()  # another run has begun just now
         beside = "" if pinned is None else compared(history.series, pinned.history.series, choice.quantity,
                                                     (report.scene, pinned.scene))
         return summary(report, picture.arrays, picture.view, self._worst, history.series, choice.quantity,
@@ -89,5 +89,5 @@ class LiveRun:
         """What the session has to say, or else something further."""
         return self._session.notice() or self._further()
 
-    def _picture(self, report: FrameReport, arrays: FrameArrays, view: View, name: str) -> Picture:
-        return Picture(report, arrays, view, self._session.speed * report.scene.period, name)
+    def _picture(self, report: FrameReport, arrays: FrameArrays, view: View, name: str) -> FrameView:
+        return FrameView(report, arrays, view, self._session.speed * report.scene.period, name)

@@ -10,7 +10,7 @@ import numpy as np
 import viser
 
 from app import state
-from app.frame.headline import Said
+from app.frame.headline import Headline
 from app.language.translation import tr, trn
 from app.page.visit.frame_buffer import Frame
 from app.page.visit.pinned_run import PinnedRun
@@ -33,7 +33,7 @@ OPENING = state.read("bar;method=mpm;amplitude=0.0034;periods=0.25;estimators=re
                      "speed=0.0125;stops;"
                      "pinned;method=bspline;amplitude=0.0034;periods=0.25;estimators=recovered,transport")
 
-class Story:
+class OpeningTour:
     """One visitor's. ``open_on`` puts the opening on the stage, ``hurry`` asks for the usual speed; the browser
     (``story.js``) asks for the story, or that it be left."""
 
@@ -79,13 +79,13 @@ class Story:
             self._end()
         self._show()
 
-    def said(self, frame: Frame | None) -> Said:
+    def said(self, frame: Frame | None) -> Headline:
         """What the present beat says of the runs; nothing where none is told."""
         if not self.beat or frame is None or frame[0].scene != OPENING.scene:
-            return Said()
+            return Headline()
         headline, facts, places = _beat(self.beat, *frame, self._session.pinned)
-        said = Said.of(headline, *facts, **places)
-        return Said(said.headline, said.facts, ("beat", self.beat))
+        said = Headline.of(headline, *facts, **places)
+        return Headline(said.headline, said.facts, ("beat", self.beat))
 
     def _go(self, beat: int) -> None:
         self.beat, self._since = beat, self._clock()

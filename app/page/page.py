@@ -7,33 +7,33 @@ from time import thread_time
 import viser
 
 from app import state
-from app.access.log_limit import noted
+from app.access.log_limit import log_failure
 from app.frame.colour_scale import ColourScale
-from app.frame.headline import Said
-from app.language.message_translation import heard
-from app.language.translation import carried, language, tr
+from app.frame.headline import Headline
+from app.language.message_translation import translate_message
+from app.language.translation import language, tr, with_language
 from app.page.canvas import Canvas
 from app.page.controls import Controls
 from app.page.display_source import Source
-from app.page.features.board.panel import BoardPanel, Lectern, stage_of
+from app.page.features.board.panel import BoardPanel, LecturerContext, stage_of
 from app.page.features.budget.panel import BudgetFold
 from app.page.features.cost.panel import CostTab
 from app.page.features.lesson.marking import Classroom
 from app.page.features.lesson.panel import Player
 from app.page.features.slow_motion import SlowMotion, SlowStep
-from app.page.features.upload.panel import OwnCode
-from app.page.headline import Speaker
+from app.page.features.upload.panel import UploadPanel
+from app.page.headline import HeadlinePanel
 from app.page.live_run import LiveRun
-from app.page.opening_tour import OPENING, Story
+from app.page.opening_tour import OPENING, OpeningTour
 from app.page.panels.about_tab import add_about
-from app.page.panels.browser_store import LETTERS, BrowserStore, Size, Window, follow_keys
-from app.page.panels.history_controls import Looking
-from app.page.panels.page_header import Presenter, ProblemButtons, set_up
-from app.page.panels.suggestions import Sparks
+from app.page.panels.browser_store import LETTERS, BrowserStore, LayoutMetrics, Window, follow_keys
+from app.page.panels.history_controls import HistoryControls
+from app.page.panels.page_header import PresentationMode, ProblemButtons, set_up
+from app.page.panels.suggestions import Suggestions
 from app.page.readout_panel import Measurements
 from app.page.sharing import Sharing, link, parts
 from app.page.visit.engine_links import PageLinks
-from app.page.visit.frame_buffer import Recent
+from app.page.visit.frame_buffer import FrameBuffer
 from app.page.visit.particle_trace import Trace
 from app.page.visit.session import Session
 from app.viewer.connection import stands_still
@@ -53,7 +53,7 @@ class Page:
     calls it by its ``token`` (``attendance.js``)."""
 
     def __init__(self, client: viser.ClientHandle, pool: PageLinks, classroom: Classroom,
-                 lectern: Lectern | None = None):
+                 lectern: LecturerContext | None = None):
         self.client, self._ready, self._links, self._classroom = client, False, pool, classroom
         self.token, self.language = secrets.token_urlsafe(12), language()
         self._closed, self._drawing, self._refreshing = threading.Event(), threading.Lock(), threading.Lock()
@@ -61,27 +61,27 @@ class Page:
         self._watched = self._takes = True  # the browser shows the page, and takes what is sent to it
         self._stands = threading.Event()  # the frame that has come is the last for now
         speak(client)
-        self._recent = Recent()
+        self._recent = FrameBuffer()
         self._trace = Trace(self._recent)
         self._scale = ColourScale()
         set_up(client.gui)
         client.gui.add_html(f"<i class='lab-visitor' data-visitor='{self.token}'></i>")
         self._store = BrowserStore(client.gui)
-        self._presenter = Presenter(client.gui)
-        self._notice, self._speaker = client.gui.add_html(""), Speaker(client.gui)
+        self._presenter = PresentationMode(client.gui)
+        self._notice, self._speaker = client.gui.add_html(""), HeadlinePanel(client.gui)
         self._canvas = Canvas(client, self._scale, self._trace, OPENING.scene.problem)
         self._measurements = Measurements(client)
         self._session = Session(pool, OPENING.scene, self._on_frame, OPENING.speed, OPENING.stops)
         self._slow = SlowMotion(client, self._canvas, self._session, self._redraw)
-        self._own = OwnCode(client, self._session, self._redraw, self._slow.end,
+        self._own = UploadPanel(client, self._session, self._redraw, self._slow.end,
                             lambda scene: self._controls.load(scene))
         self._tabs(client)
         run = LiveRun(self._session, self._recent, self._trace, self._cost.notice)
         self._sources = self._own, SlowStep(self._slow, run), run  # the first that is on is seen
         self._controls.begin()
-        self._sparks = Sparks(client.gui, self._session, lambda: self._controls.state, self._controls.show,
+        self._sparks = Suggestions(client.gui, self._session, lambda: self._controls.state, self._controls.show,
                               self._looking.back_to)
-        self._story = Story(client.gui, self._session, self._open, self._controls.usual_speed)
+        self._story = OpeningTour(client.gui, self._session, self._open, self._controls.usual_speed)
         self._store.heard["story"] = self._story.hear
         self._replay.on_click(lambda _: self._story.hear("play"))
         if classroom.lesson:
@@ -102,7 +102,7 @@ class Page:
         self._store.listen(self._follow_link, self._player.restore)
         self._ready = True
         self._redraw()
-        threading.Thread(target=carried(self._refresh_loop), name="page-refresh", daemon=True).start()
+        threading.Thread(target=with_language(self._refresh_loop), name="page-refresh", daemon=True).start()
 
     def attend(self, watched: bool) -> None:
         """The browser shows the page, or no longer: then nothing is computed or sent for it."""
@@ -131,7 +131,7 @@ class Page:
             self._board.close()
 
     def _tabs(self, client: viser.ClientHandle) -> None:
-        self._looking = looking = Looking(self._session, self._recent, self._trace, self._redraw)
+        self._looking = looking = HistoryControls(self._session, self._recent, self._trace, self._redraw)
         self._controls = Controls(client.gui, self._session, self._scale, self._redraw, looking, self._slow,
                                   self._store)
         self._budget = BudgetFold(client.gui, self._session, lambda: self._controls.state, self._controls.show)
@@ -186,7 +186,7 @@ class Page:
                 if text:
                     self._controls.show(state.read(text))
             except state.StateError as error:
-                self._session.refuse(tr("The link cannot be followed: {reason}", reason=heard(str(error))))
+                self._session.refuse(tr("The link cannot be followed: {reason}", reason=translate_message(str(error))))
 
     def _keep(self) -> None:
         """Have the browser keep what is seen: in its address, and the answers to a lesson."""
@@ -207,7 +207,7 @@ class Page:
             if (sight := self._source.sight(choice)) is not None:
                 self._canvas.draw(sight, choice)
 
-    def _fit(self, size: Size) -> None:
+    def _fit(self, size: LayoutMetrics) -> None:
         """The window is another one."""
         self._measurements.timeline.height = max(20, round(size.plot_height))
         if self._canvas.lettering.fit(size.width, size.height, size.left, size.letters / LETTERS):
@@ -256,7 +256,7 @@ class Page:
                     if self._session.watched and not self._closed.is_set():
                         self._refresh()
             except Exception as error:  # one bad refresh must not silence the page for the rest of the visit
-                noted("the page could not be refreshed", error)
+                log_failure("the page could not be refreshed", error)
             rest = max(0.0, RESTING * self._links.playing * (thread_time() - begun) - REFRESH_SECONDS)
 
     def _refresh(self) -> None:
@@ -271,7 +271,7 @@ class Page:
         notice = self._own.notice() or source.notice()
         self._notice.content = "" if notice is None else notice.html
         if canvas.picture is not None:
-            told = self._story.said(self._recent.shown) if isinstance(source, LiveRun) else Said()
+            told = self._story.said(self._recent.shown) if isinstance(source, LiveRun) else Headline()
             self._speaker.say(told or source.sentence(choice, canvas.picture), source.at_once)
         self._presenter.name(self._session.scene)
         mine = isinstance(source, LiveRun) and not self._player.name

@@ -16,17 +16,17 @@ from typing import Any
 from urllib.parse import quote
 
 from app.access.allowed_hosts import Addresses
-from app.access.class_code import BOARD, CLASS, TEACHER, ClassCode, Guest, made_up
-from app.access.log_limit import Brief
+from app.access.class_code import BOARD, CLASS, TEACHER, ClassCode, CodeHolder, generate_code
+from app.access.log_limit import RateLimitFilter
 from app.identity import ICON
-from app.language.translation import carried, later, tr
+from app.language.translation import lazy, tr, with_language
 from app.lessons import catalogue
 from app.page.features.board.board import Board
 from app.page.features.lesson.marking import Classroom
 from app.page.opening_tour import OPENING
 from app.page.prewarm import usual_scenes
 from app.page.shutdown import ending, in_background
-from app.page.visit.engine_links import PageLinks, Tally
+from app.page.visit.engine_links import PageLinks, SessionCount
 from solvers.engine.engine_messages import FRAME_SECONDS
 from solvers.engine.engine_pool import EnginePool
 from solvers.workers.cpu_count import processors
@@ -37,9 +37,9 @@ CLOSED_WITHIN, ENDS_WITHIN = 0.3, 1.3  # seconds in which pages close, and after
 MAKERS = 2  # pages that are made at once; each takes some 30 ms of a processor
 MOST_ENGINES = 4  # each holds its own copy of Taichi and of every kernel; more gain little
 
-FULL = later("Every place on this server is taken. This page tries again by itself; nothing needs to be done.")
-OVER = later("The lab has been closed. Once it is open again, this page comes back by itself.")
-FAILED = later("The page could not be made. Reload it, or see the terminal for the reason.")
+FULL = lazy("Every place on this server is taken. This page tries again by itself; nothing needs to be done.")
+OVER = lazy("The lab has been closed. Once it is open again, this page comes back by itself.")
+FAILED = lazy("The page could not be made. Reload it, or see the terminal for the reason.")
 AGAIN = "<i class='lab-again'></i>"  # has the page loaded anew after a while
 
 
@@ -59,7 +59,7 @@ class Visitors:
                  show: Callable[[Any, str], None], expects: Callable[[Any], bool] = lambda client: False):
         self._pool, self._places, self._make_page, self._show = pool, places, make_page, show
         self._expects = expects
-        self._lock, self._frames = threading.Lock(), Tally()
+        self._lock, self._frames = threading.Lock(), SessionCount()
         self._pages: dict[int, Any] = {}  # places taken; None while the page is being made
         self._pageless: set[int] = set()  # here, but refused or with a page that failed
         self._left: set[int] = set()  # gone before ``connect``, or while their page was being made
@@ -110,7 +110,7 @@ class Visitors:
         with self._lock:
             pages, self._over = list(filter(None, self._pages.values())), True
             self._pages = {visitor: page for visitor, page in self._pages.items() if page is None}
-        closing = [threading.Thread(target=carried(self._send_home, page.language), args=(page,), daemon=True)
+        closing = [threading.Thread(target=with_language(self._send_home, page.language), args=(page,), daemon=True)
                    for page in pages]
         for thread in closing:
             thread.start()
@@ -170,8 +170,8 @@ def serve(host: str, port: int, max_sessions: int, warm_up: bool = True, code: s
     :class:`ServeError` when host and port cannot be had.
     """
     addresses = Addresses(host, names)
-    code = code or (made_up() if board or not addresses.private else "")
-    codes = {CLASS: code, TEACHER: made_up() if teacher and code else "", BOARD: made_up() if board else ""}
+    code = code or (generate_code() if board or not addresses.private else "")
+    codes = {CLASS: code, TEACHER: generate_code() if teacher and code else "", BOARD: generate_code() if board else ""}
     _require_free(host, port)
     # The engines start before the page's imports: they need longest.
     pool, server = EnginePool(OPENING.scene, _engine_count(), 1 / frames), None
@@ -179,7 +179,7 @@ def serve(host: str, port: int, max_sessions: int, warm_up: bool = True, code: s
     shared = Board(catalogue.lesson(lesson), classroom.outcomes, core) if board else None
     signal.signal(signal.SIGTERM, signal.default_int_handler)  # it ends as by Ctrl-C
     log = logging.StreamHandler()
-    log.addFilter(Brief())
+    log.addFilter(RateLimitFilter())
     logging.getLogger().addHandler(log)
     try:
         server = _start_server(host, port, pool, max_sessions, addresses, codes, classroom, shared)
@@ -209,7 +209,7 @@ def serve(host: str, port: int, max_sessions: int, warm_up: bool = True, code: s
 
 def _start_server(host: str, port: int, pool: EnginePool, max_sessions: int, addresses: Addresses,
                   codes: Mapping[str, str], classroom: Classroom, board: Board | None = None) -> Any:
-    from app.page.features.board.panel import Door, Lectern
+    from app.page.features.board.panel import JoinInfo, LecturerContext
     from app.page.page import Page
     from app.page.panels.page_header import ground, set_up
     from app.viewer import viser_patches
@@ -230,9 +230,13 @@ def _start_server(host: str, port: int, pool: EnginePool, max_sessions: int, add
     set_up(server.gui)
 
     def make_page(client: Any, links: PageLinks) -> Any:
-        whose, key = doors.guest(client.client_id) or Guest(CLASS)
+        whose, key = doors.guest(client.client_id) or CodeHolder(CLASS)
         seat = board.seat(key) if board and whose == CLASS else None
-        lectern = Lectern(board, Door(f"http://{_outside(host)}:{port}/", code)) if board and whose == BOARD else None
+        lectern = (
+            LecturerContext(board, JoinInfo(f"http://{_outside(host)}:{port}/", code))
+            if board and whose == BOARD
+            else None
+        )
         try:
             return Page(client, links, replace(classroom, teacher=classroom.teacher and whose == TEACHER, seat=seat),
                         lectern)
@@ -243,7 +247,7 @@ def _start_server(host: str, port: int, pool: EnginePool, max_sessions: int, add
 
     def expects(client: Any) -> bool:
         """The lecturer's page has a place, however many are here."""
-        return (doors.guest(client.client_id) or Guest(CLASS)).whose == BOARD
+        return (doors.guest(client.client_id) or CodeHolder(CLASS)).whose == BOARD
 
     visitors = Visitors(pool, max_sessions, make_page, _show, expects)
     doors.watch(server, visitors)
@@ -252,7 +256,7 @@ def _start_server(host: str, port: int, pool: EnginePool, max_sessions: int, add
     makers = ThreadPoolExecutor(MAKERS, "page")
 
     def connect(client: Any) -> None:
-        makers.submit(carried(visitors.connect, doors.language(client.client_id)), client)
+        makers.submit(with_language(visitors.connect, doors.language(client.client_id)), client)
 
     server.on_client_connect(connect)
     return server

@@ -6,25 +6,32 @@ from typing import Any
 
 import viser
 
-from app.language.translation import later, tr
+from app.language.translation import lazy, tr
 from app.page.features.slow_motion import SlowMotion
-from app.page.panels.history_controls import Looking
+from app.page.panels.history_controls import HistoryControls
 from app.page.panels.number_slider import Size, SizeControl
-from app.page.panels.scene_widgets import BoundWidgets
+from app.page.panels.scene_widgets import SceneWidgets
 from app.page.visit.session import Session
 from app.problems.views import VIEWS
 from solvers.scene.scene import Scene
 
-PLAY, PAUSE, STEP, RESET = later("Play"), later("Pause"), later("Step"), later("Reset")
-PIN, UNPIN = later("Pin this run"), later("Unpin")
-SLOW, NOT_SLOW = later("Slow motion"), later("Normal speed")
+PLAY, PAUSE, STEP, RESET = lazy("Play"), lazy("Pause"), lazy("Step"), lazy("Reset")
+PIN, UNPIN = lazy("Pin this run"), lazy("Unpin")
+SLOW, NOT_SLOW = lazy("Slow motion"), lazy("Normal speed")
 
 
 class Transport:
     """Widgets of one visitor. ``on_view`` is called when only the drawing changes."""
 
-    def __init__(self, gui: viser.GuiApi, session: Session, looking: Looking, slow: SlowMotion, bound: BoundWidgets,
-                 on_view: Callable[[], None]):
+    def __init__(
+        self,
+        gui: viser.GuiApi,
+        session: Session,
+        looking: HistoryControls,
+        slow: SlowMotion,
+        bound: SceneWidgets,
+        on_view: Callable[[], None],
+    ):
         self._session, self._slow, self._on_view = session, slow, on_view
         self.acts = {PLAY: lambda: session.play(True), PAUSE: lambda: session.play(False),
                      STEP: lambda: session.play(False, single_steps=1), RESET: session.reset}

@@ -11,7 +11,7 @@ from app.page.panels.plots import Plots
 from app.page.panels.readout import Readout
 from app.page.panels.timeline import Now, Timeline
 from app.page.visit.history import RunSeries
-from app.page.visit.particle_trace import Traced
+from app.page.visit.particle_trace import TracedParticle
 from app.page.visit.pinned_run import PinnedRun
 from solvers.scene.scene import Scene
 
@@ -35,7 +35,7 @@ class Numbers:
     now: Now
     no_index: str
     pinned: PinnedRun | None = None
-    traced: Traced | None = None
+    traced: TracedParticle | None = None
     scene: Scene | None = None
 
 

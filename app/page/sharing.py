@@ -7,7 +7,7 @@ import segno
 import viser
 
 from app import state
-from app.language.translation import later, tr
+from app.language.translation import lazy, tr
 from app.page.controls import Controls
 from app.page.panels.browser_store import BrowserStore
 from app.page.panels.page_header import BESIDE
@@ -17,7 +17,7 @@ SAFE = ";=,.+-_:"  # may stand in a link's fragment as they are
 LAST = 1e9  # in the order of what stands in the panel, whatever is made anew above
 MOST_QR = 1200  # characters that a phone still reads off a projector
 HERE = ("localhost", "127.0.0.1", "::1")
-OF_NO_USE = later("Only this computer can open this address, no phone can: serve with --host 0.0.0.0 for a class.")
+OF_NO_USE = lazy("Only this computer can open this address, no phone can: serve with --host 0.0.0.0 for a class.")
 
 
 def link(shown: state.State, lesson: str) -> str:

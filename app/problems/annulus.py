@@ -10,7 +10,7 @@ import numpy as np
 from app.frame.field_plot import Plotted
 from app.frame.planar import WHOLE, PlanarStage
 from app.frame.primitives import Lines, Mark, joined
-from app.language.translation import later, tr
+from app.language.translation import lazy, tr
 from app.problems.interface import Body, Regions
 from solvers.engine.shared_frames import FrameArrays
 from solvers.problems.planar.circular import CircularScene
@@ -34,15 +34,15 @@ class Look(NamedTuple):
 
 LOOKS = {
     "quarter": Look(
-        6, (later("inner third, {low}–{high}°"), later("middle third, {low}–{high}°"),
-            later("outer third, {low}–{high}°")),
-        later("the quarter ring into 6 angles from the x axis on and 3 thirds of the wall"),
+        6, (lazy("inner third, {low}–{high}°"), lazy("middle third, {low}–{high}°"),
+            lazy("outer third, {low}–{high}°")),
+        lazy("the quarter ring into 6 angles from the x axis on and 3 thirds of the wall"),
         (13.5, 0.85), 240.0, "exact surfaces"),
     "whole": Look(
-        8, (later("innermost fifth, {low}–{high}°"), later("inner fifth, {low}–{high}°"),
-            later("middle fifth, {low}–{high}°"), later("outer fifth, {low}–{high}°"),
-            later("outermost fifth, {low}–{high}°")),
-        later("the ring into 8 angles from the x axis on and 5 fifths of the wall"),
+        8, (lazy("innermost fifth, {low}–{high}°"), lazy("inner fifth, {low}–{high}°"),
+            lazy("middle fifth, {low}–{high}°"), lazy("outer fifth, {low}–{high}°"),
+            lazy("outermost fifth, {low}–{high}°")),
+        lazy("the ring into 8 angles from the x axis on and 5 fifths of the wall"),
         (15.0, 1.3), 200.0, "rims and material lines of the exact solution")}
 
 

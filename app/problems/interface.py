@@ -10,8 +10,8 @@ import numpy as np
 from app.frame.planar import PlanarStage
 from app.frame.slow_motion.stage import SlowStage
 from app.frame.stage import Stage
-from app.language.translation import later, localised
-from app.problems.suggestion import Spark
+from app.language.translation import lazy, localised
+from app.problems.suggestion import Suggestion
 from app.state import State
 
 
@@ -102,10 +102,10 @@ class ProblemView:
     details: Mapping[str, str]
     motion: Motion | None = None
     formula: tuple[str, str, str] | None = None
-    modulus_hint: str = later("Young's modulus: what is stiffer vibrates faster")
+    modulus_hint: str = lazy("Young's modulus: what is stiffer vibrates faster")
     material: Mapping[str, LinearSlider] = field(default_factory=dict)
     estimators: tuple[str, ...] = ()
-    sparks: Callable[[State], tuple[Spark, ...]] = lambda _: ()
+    sparks: Callable[[State], tuple[Suggestion, ...]] = lambda _: ()
     prices: Mapping[str, float] = field(default_factory=dict)
 
     @property

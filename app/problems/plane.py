@@ -3,14 +3,14 @@
 from typing import Any
 
 from app.frame.slow_motion.planar import PlanarSlowStage
-from app.language.translation import later
+from app.language.translation import lazy
 from app.problems import annulus, box
 from app.problems.interface import ProblemView, Reach
 from app.problems.plane_suggestions import questions
 from solvers.problems.planar.problem import PlanarProblem
 
-FORMULA = ("displacement", later("Displacement u_x, u_y"),
-           later("formulas of X, Y, t, w and A in metres, with a comma between; empty for the built-in one"))
+FORMULA = ("displacement", lazy("Displacement u_x, u_y"),
+           lazy("formulas of X, Y, t, w and A in metres, with a comma between; empty for the built-in one"))
 
 
 def view_of(problem: PlanarProblem) -> ProblemView:
@@ -19,12 +19,12 @@ def view_of(problem: PlanarProblem) -> ProblemView:
     showing, fields = problem.showing, kind.__dataclass_fields__
     body = box.BODY if kind.layout == "box" else annulus.body_of(kind)
     lowest, speed, highest = showing.speed
-    poisson = (later("Poisson's ratio ν"), -0.5, 0.49, 0.01, showing.poisson_hint)
+    poisson = (lazy("Poisson's ratio ν"), -0.5, 0.49, 0.01, showing.poisson_hint)
     asks = questions(showing)
     return ProblemView(
         kind.problem, body.stage, PlanarSlowStage, body.draw, body.regions, body.division, body.picture, speed=speed,
         reach=Reach(showing.cells, showing.ppc, showing.amplitude, showing.modulus, (lowest, highest)),
         amplitude_hint=showing.amplitude_hint, modulus_hint=showing.modulus_hint, prices=showing.prices,
-        details={**showing.details, "velocity": later("the velocity that moves the particles")},
+        details={**showing.details, "velocity": lazy("the velocity that moves the particles")},
         material={"poisson_ratio": poisson} if "poisson_ratio" in fields else {},
         formula=FORMULA if FORMULA[0] in fields else None, estimators=showing.estimators, sparks=lambda _: asks)

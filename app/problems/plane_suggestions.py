@@ -3,15 +3,15 @@
 
 from dataclasses import replace
 
-from app.language.message_translation import heard
-from app.language.translation import later, tr
-from app.problems.suggestion import Answer, NotNow, Offer, Ran, Spark, asked, breaking, halving, work
+from app.language.message_translation import translate_message
+from app.language.translation import lazy, tr
+from app.problems.suggestion import Answer, NotNow, Offer, Ran, Suggestion, asked, breaking, halving, work
 from app.state import State
 from app.words import factor, per_cent, ratio
-from solvers.problems.planar.problem import Showing
+from solvers.problems.planar.problem import ViewSettings
 
 
-def questions(showing: Showing) -> tuple[Spark, ...]:
+def questions(showing: ViewSettings) -> tuple[Suggestion, ...]:
     """Those of a problem, which its sliders bound."""
     fewest, most, _ = showing.cells
     known = (halving(most), _widening(2 * fewest), breaking(*showing.breaking), TRANSPORT, STAIRCASE, TILE)
@@ -29,7 +29,7 @@ def _ask_transport(state: State) -> Offer:
 
 def _says(ran: Ran) -> Answer:
     if "transport" in ran.not_valid:
-        return tr("Transport says: {reason}.", reason=heard(ran.not_valid["transport"])), \
+        return tr("Transport says: {reason}.", reason=translate_message(ran.not_valid["transport"])), \
             tr("It does not hold here, and says so.")
     index, companion = ran.index("transport"), ran.index("companion")
     if index != index:
@@ -42,10 +42,10 @@ def _says(ran: Ran) -> Answer:
     return said, tr("Which of them would you believe without the truth?")
 
 
-TRANSPORT = Spark("transport", "judge", later("Ask transport, too"), _ask_transport, _says, 0.5)
+TRANSPORT = Suggestion("transport", "judge", lazy("Ask transport, too"), _ask_transport, _says, 0.5)
 
 
-def _widening(fewest: int) -> Spark:
+def _widening(fewest: int) -> Suggestion:
     """Cells twice as wide, down to so many of them."""
     def offer(state: State) -> Offer:
         if state.scene.cells < 2 * fewest:
@@ -53,7 +53,7 @@ def _widening(fewest: int) -> Spark:
         return Offer(tr("Double the cells' width"), tr("the textbook: 4 times as wrong"),
                      asked(state, {"cells": state.scene.cells // 2}))
 
-    return Spark("widen", "halve", later("Double the cells' width"), offer, _widened, 0.2)
+    return Suggestion("widen", "halve", lazy("Double the cells' width"), offer, _widened, 0.2)
 
 
 def _widened(ran: Ran) -> Answer:
@@ -72,7 +72,7 @@ def _stepped(ran: Ran) -> Answer:
         tr("Only where particles begin differs: see the rims.")
 
 
-STAIRCASE = Spark("staircase", "stairs", later("Rims like a staircase"), _staircase, _stepped, 0.2)
+STAIRCASE = Suggestion("staircase", "stairs", lazy("Rims like a staircase"), _staircase, _stepped, 0.2)
 
 
 def _untile(state: State) -> Offer:
@@ -88,4 +88,4 @@ def _untiled(ran: Ran) -> Answer:
     return said, tr("Parallelograms follow the material and leave no gap.")
 
 
-TILE = Spark("tile", "tile", later("Boxes that do not tile"), _untile, _untiled)
+TILE = Suggestion("tile", "tile", lazy("Boxes that do not tile"), _untile, _untiled)

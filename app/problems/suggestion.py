@@ -7,8 +7,8 @@ from typing import Any
 
 import numpy as np
 
-from app.language.message_translation import heard
-from app.language.translation import later, tr
+from app.language.message_translation import translate_message
+from app.language.translation import lazy, tr
 from app.state import State
 from app.words import QUANTITIES, factor, number, ratio
 from solvers.scene.validation import SceneError
@@ -57,7 +57,7 @@ Answer = tuple[str, str]  # a sentence, and what there is to think about
 
 
 @dataclass(frozen=True)
-class Spark:
+class Suggestion:
     """A question, with a ``title`` for when it cannot be asked, which is put into the visitor's language where it is
     said.
 
@@ -82,7 +82,7 @@ def asked(state: State, changes: Mapping[str, Any], pinned: bool = True, **view:
     try:
         after = replace(before, **changes)
     except SceneError as error:
-        raise NotNow(heard(error.sentence)) from None
+        raise NotNow(translate_message(error.sentence)) from None
     return replace(state, **{"scene": after, "pinned": before if pinned and after != before else None, "speed": None,
                              "stops": False, "traced": None, "magnified": 1, "difference": False, **view})
 
@@ -108,7 +108,7 @@ def fell(ran: Ran) -> Answer:
     return tr("It fell to {factor}, not to a quarter. Why?", factor=factor(by)), hint
 
 
-def halving(most: int) -> Spark:
+def halving(most: int) -> Suggestion:
     """Cells half as wide, up to so many of them."""
     def offer(state: State) -> Offer:
         cells = 2 * state.scene.cells
@@ -116,12 +116,12 @@ def halving(most: int) -> Spark:
             raise NotNow(tr("{most} cells are the most here", most=most))
         return Offer(tr("Halve the cells"), tr("the textbook says: a quarter"), asked(state, {"cells": cells}))
 
-    return Spark("halve", "halve", later("Halve the cells"), offer, fell)
+    return Suggestion("halve", "halve", lazy("Halve the cells"), offer, fell)
 
 
-def breaking(hint: str, changes: Mapping[str, Any], periods: float) -> Spark:
+def breaking(hint: str, changes: Mapping[str, Any], periods: float) -> Suggestion:
     """A run that will not last."""
-    title = later("Break it")
+    title = lazy("Break it")
 
     def offer(state: State) -> Offer:
         wanted = changes if "companion" not in state.scene.choices("estimators") else {
@@ -136,4 +136,4 @@ def breaking(hint: str, changes: Mapping[str, Any], periods: float) -> Spark:
         knows = tr("Companion says {index} times what the error is.", index=said) if said else ""
         return tr("It has held for {periods:g} periods. Go on?", periods=periods), knows
 
-    return Spark("break", "break", title, offer, answer, periods, breaks=True)
+    return Suggestion("break", "break", title, offer, answer, periods, breaks=True)

@@ -11,16 +11,16 @@ from matplotlib.figure import Figure
 
 from app.colours import INK3
 from app.frame.colour_scale import largest
-from app.frame.layout import Seat
-from app.frame.primitives import Label, Room
-from app.frame.stage import Stage, Words
+from app.frame.layout import RunSlot
+from app.frame.primitives import Bounds, Label
+from app.frame.stage import Stage, StageLabels
 from app.renderers.picture_style import in_sizes
 from solvers.running.result import Result
 from solvers.scene.estimator_registry import ESTIMATORS
 
 Look = dict[str, Any]  # how something is drawn: arguments of matplotlib's ``plot``
 DASH_SCALE = 0.4  # dashes are counted in pixels on the page, in widths of the line in a picture
-PAPER = Room(800.0, high=0.5)  # in which places of the body are said
+PAPER = Bounds(800.0, high=0.5)  # in which places of the body are said
 MOST_DOTS = 20_000  # more particles cannot be told apart in a picture
 MOST_CELL_LINES = 400
 GROUND = {"facecolor": "white", "edgecolor": "none", "alpha": 0.8, "pad": 2}  # of words on what is drawn
@@ -92,7 +92,7 @@ def say(axes: Axes, sentence: str) -> None:
 
 def write_places(axes: Axes, stage: type[Stage], in_axes: Callable[[Label], tuple[float, float]]) -> None:
     """What a stage writes at places of the body; ``in_axes`` says where in the axes those are."""
-    for label in stage.labels(Words(), stage.places(PAPER, Seat.ALONE)):
+    for label in stage.labels(StageLabels(), stage.places(PAPER, RunSlot.ALONE)):
         if label.role == "place":
             up, across = label.anchor.split("-")
             axes.text(*in_axes(label), label.text, va=up, ha=across, fontsize=9 * label.size, clip_on=True, bbox=GROUND,

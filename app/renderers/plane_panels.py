@@ -12,7 +12,7 @@ from matplotlib.gridspec import SubplotSpec
 
 from app.colours import COLOUR_MAP, ESTIMATE_INK, INK, INK3, LINE, TRUTH, TRUTH_INK
 from app.frame.captions import EMPTY_HALVES, NOTHING_TO_SHOW
-from app.frame.layout import Seat
+from app.frame.layout import RunSlot
 from app.frame.planar import PlanarStage
 from app.renderers import panel_style
 from app.renderers.picture_style import ESTIMATE_WIDTH, TRUTH_WIDTH, in_sizes, name_ends
@@ -139,7 +139,7 @@ def _frame(axes: Axes, scene: Scene, stage: type[PlanarStage], reach: float, lin
     axes.grid(visible=False)
     in_sizes(axes.xaxis, "m", few=False)
     in_sizes(axes.yaxis, "m")
-    places = stage.places(panel_style.PAPER, Seat.ALONE)
+    places = stage.places(panel_style.PAPER, RunSlot.ALONE)
     (x, y), metres = places.middle, stage.outermost(scene) / places.radius
     panel_style.write_places(axes, stage, lambda label: (metres * (label.x - x), metres * (label.y - y)))
 

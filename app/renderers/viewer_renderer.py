@@ -9,7 +9,7 @@ import numpy as np
 import viser
 
 from app.frame.layout import EDGE
-from app.frame.primitives import AWAY, Dots, Label, Lines, Mark, Room, wrapped
+from app.frame.primitives import AWAY, Bounds, Dots, Label, Lines, Mark, wrapped
 from app.viewer.widgets import put_arrays
 
 USUAL = (736.0, 358.0, 120.0)  # pixels of the free box and of the gutter left of it, until the browser says
@@ -33,12 +33,12 @@ class Lettering:
         self._rectangle = (-EDGE, 1 + EDGE, 0.0, 0.5)
 
     @property
-    def room(self) -> Room:
+    def room(self) -> Bounds:
         """As much as the browser has free; asked for several times with every frame."""
         now = self._box, self._letters, self.dark
         if now != self._of:
             (width, height, gutter), self._of = self._box, now
-            self._room = Room(width, self._letters, height / width, gutter / width, self.dark)
+            self._room = Bounds(width, self._letters, height / width, gutter / width, self.dark)
         return self._room
 
     def fit(self, width: float, height: float, gutter: float, letters: float = 1.0) -> bool:
@@ -119,7 +119,7 @@ class Sheet:
             self._lettering.show(self._at, visible)
 
     @property
-    def room(self) -> Room:
+    def room(self) -> Bounds:
         return self._lettering.room
 
     def child(self, name: str) -> "Sheet":

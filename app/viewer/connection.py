@@ -14,8 +14,8 @@ from websockets.asyncio.server import ServerConnection
 from websockets.exceptions import ConnectionClosed
 
 from app.access.allowed_hosts import is_ip, is_loopback
-from app.access.network_limits import Anteroom, network_of
-from app.viewer.send_queue import Buffer
+from app.access.network_limits import PendingConnections, network_of
+from app.viewer.send_queue import SendBuffer
 
 # Lines of one network and of all that have not asked for anything yet: a class may be behind one address, and browsers
 # open some lines that they may need. Websockets that have not spoken yet: each is that of a page that is just opened.
@@ -26,17 +26,20 @@ GOING = 1.0  # seconds that one who is sent away has to say goodbye
 BEAT = 1.0  # seconds between an answer to a ping and the next one
 
 
-class Lines:
+class BrowserConnections:
     """All lines of one server: those that have not asked for anything yet are ``new``, and those whose websocket has
     not spoken ``silent``. A proxy on this machine opens a line when it has the whole of a request: where there is one,
     those lines are of nobody's network yet."""
 
     def __init__(self, trusts_proxy: bool):
         self.trusts_proxy = trusts_proxy
-        self.new, self.silent = Anteroom["Line"](*LINES), Anteroom["Line"](*SOCKETS)
-        self.there = WeakSet["Line"]()
+        self.new, self.silent = (
+            PendingConnections["BrowserConnection"](*LINES),
+            PendingConnections["BrowserConnection"](*SOCKETS),
+        )
+        self.there = WeakSet["BrowserConnection"]()
 
-    def come(self, line: "Line", remote: object) -> None:
+    def come(self, line: "BrowserConnection", remote: object) -> None:
         """A line is there, from this address and port."""
         who = str(remote[0]) if isinstance(remote, tuple) else "somewhere"
         self.there.add(line)
@@ -49,10 +52,10 @@ class Lines:
             line.transport.abort()
 
 
-class Line(ServerConnection):
+class BrowserConnection(ServerConnection):
     """One browser's. ``head`` is its request as it has come, until that has been answered."""
 
-    def __init__(self, lines: Lines, *args: Any, **options: Any):
+    def __init__(self, lines: BrowserConnections, *args: Any, **options: Any):
         super().__init__(*args, **options)
         self._lines, self.head = lines, b""
         self.asked_at: float | None = None  # when it was asked for an answer that has not come yet
@@ -95,7 +98,7 @@ async def send_away(connection: Any, why: str) -> None:
     await connection.wait_closed()
 
 
-async def feel(line: Line) -> None:
+async def feel(line: BrowserConnection) -> None:
     """Ping a browser now and then until its websocket is closed. What it does not read can wait on its way for minutes,
     in the buffers of both systems, untold; but it answers a ping when it has read all that was sent before."""
     with suppress(ConnectionClosed):
@@ -108,7 +111,7 @@ async def feel(line: Line) -> None:
 
 def stands_still(client: Any) -> float:
     """Seconds for which a visitor's browser has taken nothing of what is sent to it."""
-    buffer = cast(Buffer, client._websock_connection.get_message_buffer())
+    buffer = cast(SendBuffer, client._websock_connection.get_message_buffer())
     line = client._viser_server._websock_server._live_connections.get(client.client_id)
-    asked_at = line.asked_at if isinstance(line, Line) else None
+    asked_at = line.asked_at if isinstance(line, BrowserConnection) else None
     return max(buffer.stands_still, 0.0 if asked_at is None else monotonic() - asked_at)

@@ -15,7 +15,7 @@ from websockets.exceptions import ConnectionClosed
 from websockets.frames import CloseCode
 
 from app.access.log_limit import Refusals
-from app.access.network_limits import Bucket
+from app.access.network_limits import TokenBucket
 from app.viewer import upload, widgets
 from app.viewer.connection import send_away
 
@@ -125,7 +125,7 @@ def _pointer(said: dict[str, Any]) -> bool:
     return len(said["screen_pos"]) == 2
 
 
-class Hearing:
+class IncomingLimiter:
     """Gives the viewer only what a browser may say: of one websocket, whose ``recv`` it takes the place of.
 
     Parameters
@@ -142,11 +142,11 @@ class Hearing:
         Is told the address of one that says what no browser does.
     """
 
-    def __init__(self, connection: Any, who: str, refusals: Refusals, parts: Bucket, find: Callable[[str], Any],
+    def __init__(self, connection: Any, who: str, refusals: Refusals, parts: TokenBucket, find: Callable[[str], Any],
                  keep_away: Callable[[str], None]):
         self._connection, self._who, self._refusals = connection, who, refusals
         self._parts, self._find, self._keep_away = parts, find, keep_away
-        self._receive, self._rate, self._calm = connection.recv, Bucket(MESSAGES, A_SECOND), monotonic()
+        self._receive, self._rate, self._calm = connection.recv, TokenBucket(MESSAGES, A_SECOND), monotonic()
         self._first: bytes | None = None
         connection.recv = self._next
 

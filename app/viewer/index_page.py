@@ -20,7 +20,7 @@ import zstandard
 from websockets.datastructures import Headers
 from websockets.http11 import Request, Response
 
-from app.language.translation import LANGUAGES, as_cookie, carried
+from app.language.translation import LANGUAGES, as_cookie, with_language
 
 PATHS = ("/", "/index.html")
 SCRIPT = r"<script\b[^>]*>(.*?)</script>"
@@ -100,7 +100,7 @@ class Index:
     ``icon`` is an address."""
 
     def __init__(self, ground: Callable[[], str], icon: str):
-        self._pages = {code: _Page(code, carried(ground, code)(), icon) for code in LANGUAGES}
+        self._pages = {code: _Page(code, with_language(ground, code)(), icon) for code in LANGUAGES}
 
     def answer(self, request: Request, code: str) -> Response:
         """What a request for a page gets, which has one well-formed host, in a language."""

@@ -23,7 +23,7 @@ from app.viewer import message_encoding, viser_patches
 PROTOCOL = f"viser-v{viser.__version__}"  # by which page and server know that they are of one version
 
 
-class Bell(asyncio.Event):
+class SendEvent(asyncio.Event):
     """Wakes those who wait on a loop, and nobody who comes later. Any thread may :meth:`ring`; the viewer sets it, too,
     from the thread that has spoken, which does nothing, and then from the loop."""
 
@@ -38,7 +38,7 @@ class Bell(asyncio.Event):
             super().set()
             self.clear()
 
-    def ring(self, tower: "Tower") -> None:
+    def ring(self, tower: "SendNotifier") -> None:
         """Once for all who do until it is heard."""
         if not self._rung:
             self._rung = True
@@ -55,7 +55,7 @@ class Bell(asyncio.Event):
 class _Here(threading.local):
     """What a thread that has several frames to tell has rung meanwhile."""
 
-    rung: "set[Tower] | None" = None
+    rung: "set[SendNotifier] | None" = None
 
 
 _here = _Here()
@@ -74,14 +74,14 @@ def together() -> Iterator[None]:
             tower.wake()
 
 
-class Tower:
+class SendNotifier:
     """The bells of one loop, which is woken once for all that ring until it hears them."""
 
     def __init__(self, loop: asyncio.AbstractEventLoop):
         self._soon = loop.call_soon_threadsafe
-        self._ringing, self._woken = deque[Bell](), False
+        self._ringing, self._woken = deque[SendEvent](), False
 
-    def ring(self, bell: Bell) -> None:
+    def ring(self, bell: SendEvent) -> None:
         """From any thread. In this order nothing is missed: what :meth:`_hear` has not found wakes the loop again."""
         self._ringing.append(bell)
         if _here.rung is None:
@@ -102,21 +102,21 @@ class Tower:
             self._ringing.popleft().set()
 
 
-_TOWERS = WeakKeyDictionary[asyncio.AbstractEventLoop, Tower]()
+_TOWERS = WeakKeyDictionary[asyncio.AbstractEventLoop, SendNotifier]()
 
 
 @dataclass
-class Buffer(AsyncMessageBuffer):
+class SendBuffer(AsyncMessageBuffer):
     """A browser's messages on their way: in the order in which they were put in, those of an atomic block together.
     They wait a little for others to go with, but for a flush, at which all that are there go."""
 
-    message_event: Bell = field(default_factory=Bell)
+    message_event: SendEvent = field(default_factory=SendEvent)
     _flushed: bool = False
     _given: float | None = None  # since when messages are on their way to a browser that has not taken them all yet
     _sent: int = -1  # the number of the last message that has gone, of those that only this browser gets
 
     def __post_init__(self) -> None:
-        self._tower = _TOWERS.get(self.event_loop) or _TOWERS.setdefault(self.event_loop, Tower(self.event_loop))
+        self._tower = _TOWERS.get(self.event_loop) or _TOWERS.setdefault(self.event_loop, SendNotifier(self.event_loop))
 
     @property
     def all_sent(self) -> bool:
@@ -230,5 +230,5 @@ def mend() -> None:
     """Have servers that start from now on use the buffer above, send what is in it by
     :mod:`app.viewer.message_encoding`, and make widgets by :mod:`app.viewer.viser_patches`."""
     viser_patches.mend_widgets()
-    _infra.AsyncMessageBuffer = Buffer  # type: ignore[assignment, misc]
+    _infra.AsyncMessageBuffer = SendBuffer  # type: ignore[assignment, misc]
     _infra._message_producer = message_encoding.send

@@ -18,22 +18,22 @@ from typing import IO, Any
 import viser
 from viser._messages import FileTransferPartAck
 
-from app.access.network_limits import Room
-from app.language.translation import later, tr
+from app.access.network_limits import DiskQuota
+from app.language.translation import lazy, tr
 
 START, PART = "FileTransferStartUpload", "FileTransferPart"
 PART_BYTES = 512 * 1024  # as the viewer's page cuts a file
 LARGEST = 32_000_000  # bytes of a file; TOO_LARGE says it
 LARGEST_PART = PART_BYTES + 1000  # bytes of a message with a part
-ROOM = Room(128_000_000, 256_000_000)  # bytes on the disk for the files of one network, and of all visitors
+ROOM = DiskQuota(128_000_000, 256_000_000)  # bytes on the disk for the files of one network, and of all visitors
 STUCK = 30.0  # seconds without a part after which a file is not waited for, if another one is to come
 GONE_WITHIN = 2.0  # seconds in which a folder can be emptied in which a process that was killed has just written
 _OWN = "lab_upload"  # where a button for files has its own
 #: What such messages begin with, as the viewer's page writes them: fields in this order. Others are not even read.
 HEADS = {kind: bytes([0x80 + fields, 0xA4]) + b"type" + bytes([0xA0 + len(kind)]) + kind.encode()
          for kind, fields in ((START, 7), (PART, 5))}
-NO_ROOM = later("The server has no room for the file; try again later")
-TOO_LARGE = later("The file is larger than 32 MB; give fewer times, or judge it with `mpm-lab judge`")
+NO_ROOM = lazy("The server has no room for the file; try again later")
+TOO_LARGE = lazy("The file is larger than 32 MB; give fewer times, or judge it with `mpm-lab judge`")
 
 
 def kind_of(message: bytes | str) -> str | None:

@@ -12,8 +12,8 @@ from viser import _gui_api, _gui_handles, _icons, _threadpool_exceptions
 from viser._assignable_props_api import AssignablePropsBase
 from viser.infra._messages import get_type_hints_cached
 
-from app.access.log_limit import noted
-from app.language.translation import carried, language
+from app.access.log_limit import log_failure
+from app.language.translation import language, with_language
 
 MESSAGE = "something that a visitor did could not be acted on"
 _ICONS = _icons.ICONS_DIR / "tabler-icons.zip"
@@ -52,7 +52,7 @@ def icon(name: str) -> str:
 def mend_callbacks() -> None:
     """What the viewer prints when one of the page's callbacks fails, all of it each time, is one line of ours."""
     def print_exception(kind: type, error: BaseException, trace: object) -> None:
-        noted(MESSAGE, error)
+        log_failure(MESSAGE, error)
 
     viewers: Any = _threadpool_exceptions
     viewers.traceback = SimpleNamespace(print_exception=print_exception)
@@ -63,7 +63,7 @@ def of_loop(loop: asyncio.AbstractEventLoop, context: dict[str, Any]) -> None:
     """The same for what fails in a loop's own callbacks, when nobody waits for them."""
     error = context.get("exception")
     if isinstance(error, Exception):
-        noted(MESSAGE, error)
+        log_failure(MESSAGE, error)
 
 
 class _Carrying(Executor):
@@ -73,7 +73,7 @@ class _Carrying(Executor):
         self._executor, self._language = executor, language()
 
     def submit(self, work: Any, /, *args: Any, **options: Any) -> Future:
-        return self._executor.submit(carried(work, self._language), *args, **options)
+        return self._executor.submit(with_language(work, self._language), *args, **options)
 
 
 def speak(client: Any) -> None:

@@ -20,16 +20,25 @@ from websockets.exceptions import ConnectionClosed, InvalidMessage
 from websockets.http11 import Request, Response
 
 from app.access.allowed_hosts import FOREIGN_PAGE, Addresses, untidy
-from app.access.class_code import TEACHER, ClassCode, Guest
-from app.access.log_limit import Refusals, noted
-from app.access.network_limits import Bucket, Buckets, network_of
-from app.language.translation import ENGLISH, carried, kept, language, later, of_cookie, tr, wished
+from app.access.class_code import TEACHER, ClassCode, CodeHolder
+from app.access.log_limit import Refusals, log_failure
+from app.access.network_limits import TokenBucket, TokenBuckets, network_of
+from app.language.translation import (
+    ENGLISH,
+    language,
+    language_cache,
+    lazy,
+    of_cookie,
+    preferred_language,
+    tr,
+    with_language,
+)
 from app.templates import rendered
 from app.viewer import viser_patches
-from app.viewer.connection import HEADS_WITHIN, Line, Lines, address_of, feel, send_away
-from app.viewer.incoming_messages import PARTS, PARTS_A_SECOND, Hearing
+from app.viewer.connection import HEADS_WITHIN, BrowserConnection, BrowserConnections, address_of, feel, send_away
+from app.viewer.incoming_messages import PARTS, PARTS_A_SECOND, IncomingLimiter
 from app.viewer.index_page import Index, dressed, has_page, said
-from app.viewer.send_queue import PROTOCOL, Buffer
+from app.viewer.send_queue import PROTOCOL, SendBuffer
 
 LARGEST_MESSAGE = 1_000_000  # bytes; the websocket is closed before more of one has been read
 WAITING = 4  # messages that are read ahead
@@ -41,13 +50,13 @@ AWAY = 10.0  # seconds in which the address of one who was sent away must wait
 STOPPING = 0.2  # seconds that browsers have to say goodbye when the server ends
 SILENT = 60.0  # seconds in which a browser, however busy, says where its camera is; one that never speaks is none
 NOTHING_SAID, CROWDED = "nothing was said", "too many say nothing"
-NO_CODE = later("The class code is missing. Load the page again and type it.")
+NO_CODE = lazy("The class code is missing. Load the page again and type it.")
 
 _LOOKS = re.compile(r"/(here|away)/([\w-]{1,40})$")
 _CODE_PAGE = Path(__file__).parents[1] / "doors" / "code.html"
 
 
-@kept(1)
+@language_cache(1)
 def _code_page() -> str:
     """What asks for the class code."""
     return rendered(_CODE_PAGE, language=language())
@@ -65,7 +74,7 @@ class Lab(viser.ViserServer):
         end = monotonic() + seconds
         states = self._websock_server._client_state_from_id
         while monotonic() < end and not (self.visitors.all_told() and all(
-                cast(Buffer, state.message_buffer).all_sent for state in list(states.values()))):
+                cast(SendBuffer, state.message_buffer).all_sent for state in list(states.values()))):
             sleep(0.01)
 
     def stop(self) -> None:
@@ -88,9 +97,9 @@ class Doors:
 
     def __init__(self, addresses: Addresses, code: ClassCode | None):
         self._addresses, self._code, self._refusals = addresses, code, Refusals()
-        self._handshakes = Buckets(lambda: Bucket(HANDSHAKES, HANDSHAKES_A_SECOND))
-        self._parts = Buckets(lambda: Bucket(PARTS, PARTS_A_SECOND))
-        self._lines = Lines(trusts_proxy=bool(addresses.names))
+        self._handshakes = TokenBuckets(lambda: TokenBucket(HANDSHAKES, HANDSHAKES_A_SECOND))
+        self._parts = TokenBuckets(lambda: TokenBucket(PARTS, PARTS_A_SECOND))
+        self._lines = BrowserConnections(trusts_proxy=bool(addresses.names))
         self._going: set[asyncio.Future] = set()  # websockets that are being closed
         self._away: dict[str, float] = {}  # until when an address must wait
         self._server: viser.ViserServer | None = None
@@ -113,14 +122,14 @@ class Doors:
 
         def serving(handler: Callable[[Any], Awaitable[None]], *args: Any, process_request: object,
                     **options: Any) -> Any:
-            def answer(connection: Line, request: Request) -> Response | None:
+            def answer(connection: BrowserConnection, request: Request) -> Response | None:
                 answer = self._answer(connection, request, index)
                 connection.answered()
                 return answer
 
             asyncio.get_running_loop().set_exception_handler(viser_patches.of_loop)
             own = {"max_size": LARGEST_MESSAGE, "max_queue": WAITING, "logger": log, "open_timeout": HEADS_WITHIN,
-                   "create_connection": partial(Line, self._lines),
+                   "create_connection": partial(BrowserConnection, self._lines),
                    "process_request": answer, "process_response": dressed}
             return serve(partial(self._handle, handler), *args, **{**options, **own})
 
@@ -138,7 +147,7 @@ class Doors:
         error = record.exc_info[1] if record.exc_info else None
         if record.getMessage() != "opening handshake failed":
             if isinstance(error, Exception):
-                noted(viser_patches.MESSAGE, error)
+                log_failure(viser_patches.MESSAGE, error)
             return not isinstance(error, Exception)
         if not isinstance(error, InvalidMessage) or isinstance(error.__cause__, (EOFError, OSError)):
             return False
@@ -152,7 +161,7 @@ class Doors:
             self._refusals.note("a page of another version", who)
             await connection.close(1002, f"Version mismatch. Server: {viser.__version__}")
             return
-        hearing = Hearing(connection, who, self._refusals, self._parts.of(network_of(who)),
+        hearing = IncomingLimiter(connection, who, self._refusals, self._parts.of(network_of(who)),
                           partial(self._widget, connection), self._keep_away)
         if gone := self._lines.silent.enter(connection, network_of(who)):
             self._close(gone, CROWDED)
@@ -170,13 +179,13 @@ class Doors:
         finally:
             pulse.cancel()
 
-    def _answer(self, connection: Line, request: Request, index: Index) -> Response | None:
+    def _answer(self, connection: BrowserConnection, request: Request, index: Index) -> Response | None:
         """What a request gets; None for one that gets a websocket."""
         path, _, query = request.path.partition("?")
-        code = wished(query, ",".join(request.headers.get_all("Accept-Language")))
-        return carried(self._answered, code)(connection, request, index, path)
+        code = preferred_language(query, ",".join(request.headers.get_all("Accept-Language")))
+        return with_language(self._answered, code)(connection, request, index, path)
 
-    def _answered(self, connection: Line, request: Request, index: Index, path: str) -> Response | None:
+    def _answered(self, connection: BrowserConnection, request: Request, index: Index, path: str) -> Response | None:
         """The same, in the visitor's language."""
         who, headers = self._who(connection), request.headers
         opens_socket = "websocket" in ",".join(headers.get_all("Upgrade")).lower()
@@ -203,11 +212,11 @@ class Doors:
         there = self._visitors is not None and self._visitors.attend(looks[2], looks[1] == "here")
         return said(HTTPStatus.NO_CONTENT if there else HTTPStatus.NOT_FOUND, "")
 
-    def guest(self, visitor: int) -> Guest | None:
+    def guest(self, visitor: int) -> CodeHolder | None:
         """With whose code a visitor who is here has come: everyone with the teacher's where none is asked for. None for
         one who has gone."""
         if self._code is None:
-            return Guest(TEACHER)
+            return CodeHolder(TEACHER)
         connection = self._connection(visitor)
         return None if connection is None else self._code.guest(connection.request.headers)
 

@@ -8,7 +8,7 @@ import numpy as np
 import viser
 
 from app.viewer.message_encoding import Moved
-from app.viewer.send_queue import Buffer
+from app.viewer.send_queue import SendBuffer
 
 LONGEST_TEXT = 200  # characters; little that the page asks for is longer
 _OWN = "longest_text"  # where a text that may be longer says how long
@@ -41,7 +41,7 @@ def put_arrays(changed: Sequence[tuple[viser.SceneNodeHandle, dict[str, np.ndarr
     for handle, arrays in changed:
         vars(handle._impl.props).update(arrays)
         messages.append(Moved(handle.name, arrays, api._owner_id))
-    cast(Buffer, api._websock_interface.get_message_buffer()).push_all(messages)
+    cast(SendBuffer, api._websock_interface.get_message_buffer()).push_all(messages)
 
 
 def identity(widget: Any) -> str:

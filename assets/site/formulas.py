@@ -5,7 +5,7 @@ from typing import Any
 from docutils import nodes
 from sphinx.util import logging
 
-from app.lessons.markdown_html import MarkupError, mathml
+from app.lessons.markdown_html import RenderError, mathml
 
 LOG = logging.getLogger(__name__)
 
@@ -31,6 +31,6 @@ def block(translator: Any, node: nodes.Node) -> None:
 def _shown(node: nodes.Node, display: bool) -> str:
     try:
         return mathml(node.astext(), display)
-    except MarkupError as error:
+    except RenderError as error:
         LOG.warning("%s", error, location=node)
         return ""

@@ -16,7 +16,7 @@ from solvers import run
 from solvers.motion.jets import cos, sin
 from solvers.problems import register
 from solvers.problems.planar.box import BoxScene
-from solvers.problems.planar.problem import PlanarProblem, Showing
+from solvers.problems.planar.problem import PlanarProblem, ViewSettings
 from solvers.scene.field_options import option
 
 
@@ -42,7 +42,7 @@ class BreathingScene(BoxScene):
         return swing * sin(math.pi * X) * cos(math.pi * Y), swing * cos(math.pi * X) * sin(math.pi * Y)
 
 
-register(PlanarProblem(BreathingScene, Showing(
+register(PlanarProblem(BreathingScene, ViewSettings(
     cells=(8, 64, 4), ppc=(1, 3), amplitude=(1e-4, 0.15), modulus=(1e5, 1e8), prices={},
     amplitude_hint="largest displacement along x and along y")))
 

@@ -63,7 +63,7 @@ def measured(where: str, sizes: Mapping[str, Sequence[int]], copied: int = COPIE
     limit = bandwidth(copied)
     rows = [row(bare(problem, n, method=method), where, limit)
             for problem, cells in sizes.items() for method in METHODS for n in cells]
-    return {"arch": where, "name": devices.found(where)["name"], "missing": None, "bandwidth": 1e-9 * limit,
+    return {"arch": where, "name": devices.probe_device(where)["name"], "missing": None, "bandwidth": 1e-9 * limit,
             "rows": rows}
 
 

@@ -26,7 +26,7 @@ PREPARED, TAKEN = "prepared", "taken over"
 LONG_ENOUGH = 3.0  # seconds of compiling after which what is there is handed over
 
 
-class Successor:
+class CompilingFork:
     """The child as its parent sees it, at work on ``scenes``, of which it may leave the last ones out. ``asked_for``
     says whether a visitor waits for it, or nobody yet."""
 
@@ -71,20 +71,20 @@ class Successor:
         self.pipe.close()
 
 
-def fork(scenes: Sequence[Scene], asked_for: bool, prepare: Callable[[Any], None]) -> Successor | Any:
+def fork(scenes: Sequence[Scene], asked_for: bool, prepare: Callable[[Any], None]) -> CompilingFork | Any:
     """Fork a successor that compiles what the scenes need, or the first of them that fit into a short time, and then
     calls ``prepare`` with what is announced to it.
 
-    Returns twice: at once, in the parent, with the :class:`Successor`; and, when the parent leaves, in the child, with
-    the estate that it was given. A child that cannot compile logs why and ends. One that nobody waits for yields to
-    other work.
+    Returns twice: at once, in the parent, with the :class:`CompilingFork`; and, when the parent leaves, in the child,
+    with the estate that it was given. A child that cannot compile logs why and ends. One that nobody waits for yields
+    to other work.
     """
     ours, theirs = multiprocessing.Pipe()
     parent = os.getpid()
     process_id = os.fork()
     if process_id:
         theirs.close()
-        return Successor(process_id, ours, scenes, asked_for)
+        return CompilingFork(process_id, ours, scenes, asked_for)
     try:
         ours.close()
         worker_process.die_with_parent(True)

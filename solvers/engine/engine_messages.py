@@ -25,7 +25,7 @@ class Pace:
 
 
 @dataclass(frozen=True)
-class Wish:
+class SessionRequest:
     """Everything a visitor wants, in one piece: an engine acts on the latest and forgets the rest.
 
     ``number`` grows with every wish and comes back in frames, so that an answer can be told from an echo. ``memory``
@@ -45,7 +45,7 @@ class Wish:
 
 
 @dataclass(frozen=True)
-class Goodbye:
+class SessionClosed:
     """The visitor has left: free what the session holds."""
 
     session: int
@@ -110,7 +110,7 @@ class Frames:
 
 
 @dataclass(frozen=True)
-class Trouble:
+class EngineError:
     """The engine could not do what the wish says; ``sentence`` is for the visitor."""
 
     session: int

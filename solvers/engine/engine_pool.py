@@ -11,7 +11,7 @@ from multiprocessing.shared_memory import SharedMemory
 from time import monotonic
 
 from solvers.engine import shared_frames
-from solvers.engine.engine_messages import FRAME_SECONDS, FrameReport, Goodbye, Pace, Wish
+from solvers.engine.engine_messages import FRAME_SECONDS, FrameReport, Pace, SessionClosed, SessionRequest
 from solvers.engine.engine_process import CANNOT_START, EngineProcess, Listener
 from solvers.engine.shared_frames import FrameOptions
 from solvers.scene.scene import Scene
@@ -57,7 +57,8 @@ class EnginePool:
         listener
             What hears of frames and trouble, from a thread of the engine's.
         beside
-            A session on whose engine this one shall be, as its partner (:class:`~solvers.engine.engine_messages.Wish`).
+            A session on whose engine this one shall be, as its partner
+            (:class:`~solvers.engine.engine_messages.SessionRequest`).
         """
         engine = beside.engine if beside else min(self._engines, key=lambda e: (e.given_up, len(e.links)))
         return SessionLink(next(self._numbers), engine, listener, beside.session if beside else None,
@@ -99,7 +100,7 @@ class SessionLink:
     def __init__(self, session: int, engine: EngineProcess, listener: Listener, partner: int | None,
                  frame_seconds: float):
         self.session, self.engine, self.listener = session, engine, listener
-        self.wish: Wish | None = None
+        self.wish: SessionRequest | None = None
         self._partner, self._frame_seconds = partner, frame_seconds
         self._lock = threading.Lock()
         self._scene: Scene | None = None  # of the last frame
@@ -130,7 +131,7 @@ class SessionLink:
             number, need = last + 1, shared_frames.block_bytes(scene)
             if not self._blocks or self._blocks[-1].size < need:
                 self._blocks.append(SharedMemory(create=True, size=2 * need))
-            self.wish = Wish(self.session, number, self._blocks[-1].name, scene, pace, frame, self._partner,
+            self.wish = SessionRequest(self.session, number, self._blocks[-1].name, scene, pace, frame, self._partner,
                              self._frame_seconds)
             self._deaths = 0
             self.engine.send(self.wish)
@@ -146,7 +147,7 @@ class SessionLink:
             self._closed = True
             self._free_all_but(0)
         self.engine.links.pop(self.session, None)
-        self.engine.send(Goodbye(self.session))
+        self.engine.send(SessionClosed(self.session))
 
     def receive(self, report: FrameReport) -> None:
         """Copy a frame out of the block, free the block for the next and hand the copy on."""

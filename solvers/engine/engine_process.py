@@ -16,7 +16,7 @@ from time import monotonic, sleep
 from typing import Protocol
 
 from solvers.engine import engine_messages
-from solvers.engine.engine_messages import FrameReport, Goodbye, Wish
+from solvers.engine.engine_messages import FrameReport, SessionClosed, SessionRequest
 from solvers.engine.shared_frames import FrameArrays
 from solvers.scene.scene import Scene
 from solvers.workers import worker_process
@@ -41,7 +41,7 @@ class Link(Protocol):
     """A session's line, as its engine knows it; see :class:`~solvers.engine.engine_pool.SessionLink`."""
 
     listener: Listener
-    wish: Wish | None
+    wish: SessionRequest | None
 
     def receive(self, report: FrameReport) -> None: ...
     def engine_lost(self, had_worked: bool) -> None: ...
@@ -72,8 +72,8 @@ class EngineProcess:
         self._usual: tuple[Scene, ...] = ()
         self._closing = False
         self._news = threading.Condition()
-        self._outbox: deque[Goodbye | engine_messages.Prewarm] = deque()
-        self._wishes: dict[int, Wish] = {}
+        self._outbox: deque[SessionClosed | engine_messages.Prewarm] = deque()
+        self._wishes: dict[int, SessionRequest] = {}
         self._start()
         for work in (self._read, self._write):
             threading.Thread(target=work, name=f"engine{work.__name__}", daemon=True).start()
@@ -85,16 +85,16 @@ class EngineProcess:
             self._outbox.append(engine_messages.Prewarm(self._usual))
             self._news.notify_all()
 
-    def send(self, message: Wish | Goodbye) -> None:
+    def send(self, message: SessionRequest | SessionClosed) -> None:
         """Queue a message; never waits. A newer wish of a session takes the place of an older one."""
         with self._news:
             if self.given_up:
                 return
-            if isinstance(message, Wish):
+            if isinstance(message, SessionRequest):
                 self._wishes[message.session] = message
             else:
                 self._outbox.append(message)
-            if isinstance(message, Goodbye):  # a wish sent after it would bring the session back
+            if isinstance(message, SessionClosed):  # a wish sent after it would bring the session back
                 self._wishes.pop(message.session, None)
             self._news.notify_all()
 
@@ -212,7 +212,7 @@ class EngineProcess:
         | engine_messages.Compiling
         | engine_messages.Forked
         | engine_messages.Moved
-        | engine_messages.Trouble
+        | engine_messages.EngineError
         | engine_messages.Ready,
     ) -> None:
         if self._leaving:

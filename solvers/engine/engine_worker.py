@@ -20,8 +20,8 @@ from multiprocessing.connection import Connection
 from time import perf_counter
 
 from solvers.engine import compiling_fork, engine_messages
-from solvers.engine.compiling_fork import Successor
-from solvers.engine.engine_messages import FrameReport, Wish
+from solvers.engine.compiling_fork import CompilingFork
+from solvers.engine.engine_messages import FrameReport, SessionRequest
 from solvers.engine.session_stepper import BlockGone, Stepper
 from solvers.kernels import runtime
 from solvers.running.run import build
@@ -61,10 +61,10 @@ class Worker:
         self._pipe, self._compiled = pipe, set(compiled)
         self._usual = list(usual)
         self._steppers: dict[int, Stepper] = {}
-        self._wishes: dict[int, Wish] = {}  # that have been read, and not been acted on, by session
-        self._waiting: dict[int, Wish] = {}  # for the compiler, by session
+        self._wishes: dict[int, SessionRequest] = {}  # that have been read, and not been acted on, by session
+        self._waiting: dict[int, SessionRequest] = {}  # for the compiler, by session
         self._prepared: dict[int, Solver] = {}  # in a successor, for sessions that it will get
-        self._successor: Successor | None = None
+        self._successor: CompilingFork | None = None
         self._frames: list[FrameReport] = []  # that go together, soon
         self._first = 0.0  # when the first of them was made, by perf_counter
         self._late = False  # whether most sessions that move get their frames late
@@ -115,13 +115,13 @@ class Worker:
         while self._pipe.poll(0):
             message = self._pipe.recv()
             match message:
-                case Wish():
+                case SessionRequest():
                     self._wishes[message.session] = message
                 case None:
                     raise EOFError  # the pool closes
                 case engine_messages.Prewarm():
                     self._usual = list(message.scenes)
-                case engine_messages.Goodbye():
+                case engine_messages.SessionClosed():
                     self._wishes.pop(message.session, None)
                     self._drop(message.session)
 
@@ -132,7 +132,7 @@ class Worker:
             wish = self._wishes.pop(next(iter(self._wishes)))
             self._contain(wish, partial(self._accept, wish))
 
-    def _accept(self, wish: Wish) -> None:
+    def _accept(self, wish: SessionRequest) -> None:
         """Act on a wish. One for the compiler waits, but for what of it concerns the scene before."""
         self._waiting.pop(wish.session, None)
         stepper = self._steppers.get(wish.session)
@@ -185,14 +185,14 @@ class Worker:
             self._usual = [scene for scene in self._usual if combination(scene) not in self._compiled]
         if scenes := wanted[:1] or self._usual:
             answer = compiling_fork.fork(scenes, bool(wanted), self._prepare)
-            if not isinstance(answer, Successor):
+            if not isinstance(answer, CompilingFork):
                 self._take_state(*answer)
                 return True
             self._successor = answer
             self._pipe.send(engine_messages.Forked(answer.process_id))
         return False
 
-    def _handed_over(self, replacement: Successor) -> bool:
+    def _handed_over(self, replacement: CompilingFork) -> bool:
         """Whether the successor had compiled and has taken over everything: then this process has nothing left."""
         try:
             if not replacement.ready(lambda: {session: stepper.solver.scene
@@ -208,14 +208,14 @@ class Worker:
             self._give_up(replacement, FAILED)
         return False
 
-    def _give_up(self, replacement: Successor, sentence: str) -> None:
+    def _give_up(self, replacement: CompilingFork, sentence: str) -> None:
         """The successor could not compile: say so to those who wait for it, and do not try again unasked."""
         replacement.end()
         self._successor, failed = None, combination(replacement.scenes[0])
         self._usual = [scene for scene in self._usual if combination(scene) != failed]
         for wish in [wish for wish in self._waiting.values() if combination(wish.scene) == failed]:
             del self._waiting[wish.session]
-            self._pipe.send(engine_messages.Trouble(wish.session, wish.number, sentence))
+            self._pipe.send(engine_messages.EngineError(wish.session, wish.number, sentence))
 
     def _prepare(self, announced: dict[int, Scene]) -> None:
         """Have solvers in place for the sessions that this successor will get, while they go on elsewhere; those that
@@ -232,8 +232,13 @@ class Worker:
         gc.collect()
         gc.freeze()
 
-    def _take_state(self, states: dict[int, tuple[Wish, dict]], wishes: dict[int, Wish], compiled: set[tuple],
-                 usual: list[Scene]) -> None:
+    def _take_state(
+        self,
+        states: dict[int, tuple[SessionRequest, dict]],
+        wishes: dict[int, SessionRequest],
+        compiled: set[tuple],
+        usual: list[Scene],
+    ) -> None:
         """Take over what the engine had that this process is a fork of. ``wishes`` have still to be acted on, also
         those that waited for the compiler."""
         self._wishes, self._waiting, self._successor = wishes, {}, None
@@ -247,7 +252,7 @@ class Worker:
         session = state["wish"].session
         self._steppers[session] = Stepper.resumed(state, self._prepared.get(session))
 
-    def _contain(self, wish: Wish, work: Callable[[], FrameReport | None]) -> FrameReport | None:
+    def _contain(self, wish: SessionRequest, work: Callable[[], FrameReport | None]) -> FrameReport | None:
         """Do a piece of one session's work; what goes wrong in it costs that session alone."""
         sentence = None
         try:
@@ -261,7 +266,7 @@ class Worker:
             sentence = FAILED
         self._drop(wish.session)  # only now: the exception's frames may have held views of the block
         if sentence:
-            self._pipe.send(engine_messages.Trouble(wish.session, wish.number, sentence))
+            self._pipe.send(engine_messages.EngineError(wish.session, wish.number, sentence))
         return None
 
     def _drop(self, session: int) -> None:

@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 
 from solvers.engine import shared_frames
-from solvers.engine.engine_messages import FrameReport, Wish
+from solvers.engine.engine_messages import FrameReport, SessionRequest
 from solvers.engine.soundness_watch import SoundnessWatch
 from solvers.running.quantities_of_interest import ENERGY, STRESS, Goal, measured, without
 from solvers.running.run import build
@@ -38,7 +38,7 @@ class BlockGone(Exception):
 class Stepper:
     """Steps a session's solver towards its wish, a slice at a time. Lives in the engine's one thread."""
 
-    def __init__(self, wish: Wish):
+    def __init__(self, wish: SessionRequest):
         self.wish = wish
         self.sessions = 1  # that share the engine and move
         self._seconds_a_frame = self._lateness = 0.0
@@ -72,7 +72,7 @@ class Stepper:
         self._anchor = self._window = (perf_counter(), self.solver.time)
         self._frame_wanted = True
 
-    def accept(self, wish: Wish) -> bool:
+    def accept(self, wish: SessionRequest) -> bool:
         """Take over a newer wish; rebuild if it is another scene or a restart. After an exception: use no more.
 
         Says whether it was rebuilt.

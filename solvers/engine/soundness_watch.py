@@ -6,7 +6,7 @@ from solvers.scene.scene import Scene
 from solvers.solver import samples
 from solvers.solver.base import Solver
 from solvers.solver.soundness import Finding, earliest, findings
-from solvers.solver.verdict_basis import AsLarge, as_large_as_itself, checked, followed, merged, not_checked
+from solvers.solver.verdict_basis import LargeRelativeError, as_large_as_itself, checked, followed, merged, not_checked
 
 MOST_WAITING = 20  # samples
 REMEMBERED = 0.5  # periods
@@ -19,7 +19,7 @@ class SoundnessWatch:
         self._scene = scene
         self._waiting: list[np.ndarray] = []  # samples to be judged with those that come next
         self._findings: dict[str, Finding] = {}
-        self._large: dict[str, AsLarge] = {}
+        self._large: dict[str, LargeRelativeError] = {}
         self._followed = True
         self._looked: np.ndarray | None = None  # the last sample (1, C) that looked for contradictions
         self._doubts: dict[str, tuple[float, str]] = {}  # when, in s, an estimator was last found not to hold, and why

@@ -27,7 +27,7 @@ def allocate_memory(estimators: Mapping[str, EstimatorHooks], scene: Scene) -> d
     return packing(estimators).values(values)
 
 
-def memory_parts(estimators: Mapping[str, EstimatorHooks], memory: Mapping) -> dict[str, np.ndarray]:
+def unpack_arrays(estimators: Mapping[str, EstimatorHooks], memory: Mapping) -> dict[str, np.ndarray]:
     """All estimators' arrays by name, out of what holds them."""
     return packing(estimators).parts(memory)
 

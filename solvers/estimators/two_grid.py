@@ -34,7 +34,7 @@ import taichi as ti
 
 from solvers.kernels.dtypes import integers, pairs, real, reals
 from solvers.kernels.packing import part
-from solvers.scene.kernel_options import Switches
+from solvers.scene.kernel_options import KernelOptions
 from solvers.scene.scene import Scene
 
 WINDOWS = (4, 6)  # cells that a fit spans: of x, v and sigma; and of a, whose noise has longer waves
@@ -170,7 +170,7 @@ def gain(scene: Scene) -> float:
     return 1 / ((scene.cells / (scene.cells // 2)) ** 2 - 1)
 
 
-def bare(on: Switches) -> Switches:
+def bare(on: KernelOptions) -> KernelOptions:
     """The switches of the second run: the method as it is, nothing measured but the acceleration."""
     return on._replace(effects=("acceleration",), estimators=())
 

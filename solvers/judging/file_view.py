@@ -22,7 +22,7 @@ from typing import Any
 import numpy as np
 
 from solvers.judging.error_norms import Companions, Errors, crossed, differences, listed, series, sizes, stress
-from solvers.judging.frames import Frame, Grid, Misfit
+from solvers.judging.frames import Frame, Grid, ParticleMismatch
 from solvers.judging.judgement import GridJudgement
 from solvers.judging.particle_matching import own_scene, placed
 from solvers.judging.particle_readers import read
@@ -86,7 +86,7 @@ def show(question: dict, tell: Callable[[dict], None]) -> None:
         resource.setrlimit(resource.RLIMIT_AS, (MEMORY, MEMORY))
     try:
         _show(asked, tell)
-    except Misfit as misfit:
+    except ParticleMismatch as misfit:
         if misfit.problems:
             tell({"asks": {"reason": misfit.reason, "problems": list(misfit.problems)}})
         else:

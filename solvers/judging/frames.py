@@ -11,7 +11,7 @@ from solvers.untrusted import quoting
 from solvers.untrusted.quoting import FileError
 
 
-class Misfit(FileError):
+class ParticleMismatch(FileError):
     """Particles that are not those of the problem: for a ``reason``, with what is ``allowed``; ``problems`` are those
     that they could be of."""
 
@@ -22,7 +22,7 @@ class Misfit(FileError):
 
 
 @dataclass(frozen=True)
-class Said:
+class SceneMetadata:
     """What a file says of its scene: the problem, and the inputs of it that matter to a judge, by their fields."""
 
     problem: str
@@ -41,7 +41,7 @@ class Raw:
     names: tuple[str, ...]  # of everything in the file, for messages
     time: float | None = None
     cells: int | None = None
-    said: Said | None = None
+    said: SceneMetadata | None = None
     step: float | None = None  # of its run in s, where it says that
 
 

@@ -15,7 +15,7 @@ from solvers.judging.findings import outliers
 from solvers.judging.findings.all_findings import of_a_run
 from solvers.judging.findings.evidence import Evidence
 from solvers.judging.findings.finding import Finding
-from solvers.judging.findings.outliers import Apart
+from solvers.judging.findings.outliers import Deviation
 from solvers.judging.frames import Grid
 from solvers.judging.particle_matching import SAME, check_origin, placed
 from solvers.judging.particle_readers import Particles, listed, read_all
@@ -25,7 +25,7 @@ from solvers.solver.error_norms import finite
 from solvers.study.convergence import slope
 
 if TYPE_CHECKING:
-    from solvers.judging.reference_runs import Ours
+    from solvers.judging.reference_runs import ReferenceRun
 
 SCHEMA = "mpm-lab/judge/1"
 Progress = Callable[[float, str], None]
@@ -38,7 +38,7 @@ class GridJudgement:
     scene: Scene
     grid: Grid
     companions: Companions
-    ours: list[Ours] = field(default_factory=list)
+    ours: list[ReferenceRun] = field(default_factory=list)
 
     @functools.cached_property
     def true(self) -> list[Errors]:
@@ -51,7 +51,7 @@ class GridJudgement:
         return [self.companions.errors(frame) for frame in self.grid.frames]
 
     @functools.cached_property
-    def _found(self) -> tuple[list[Finding], Apart | None]:
+    def _found(self) -> tuple[list[Finding], Deviation | None]:
         again = functools.partial(error_norms.truth, self.scene) if self.true else self.companions.errors
         return of_a_run(Evidence(self.scene, self.grid.frames, self.best, again,
                                  self.grid.step or self.scene.time_step))
@@ -62,7 +62,7 @@ class GridJudgement:
         return self._found[0]
 
     @property
-    def apart(self) -> Apart | None:
+    def apart(self) -> Deviation | None:
         """The frame in which most particles are not where their neighbours are."""
         return self._found[1]
 
@@ -189,10 +189,8 @@ def judge(scene: Scene, files: Particles | Sequence[Particles], *, cells: Sequen
     Raises
     ------
     FileError
-        For files, or arrays, that cannot be judged; :class:`~solvers.judging.frames.Misfit` for those of another
-        problem.
-    SceneError
-        Where ``cells`` or ``times`` do not fit the files, or a companion is lost.
+        For files, or arrays, that cannot be judged; :class:`~solvers.judging.frames.ParticleMismatch` for those of
+        another problem. SceneError Where ``cells`` or ``times`` do not fit the files, or a companion is lost.
     """
     sources = listed(files)
     for name, given, counts in (("cells", cells, {1, len(sources)}), ("time", times, {len(sources)})):
@@ -214,7 +212,7 @@ def judge(scene: Scene, files: Particles | Sequence[Particles], *, cells: Sequen
     return Judgement(scene, judged)
 
 
-def _compared(one: GridJudgement, on_progress: Progress) -> Iterator[Ours]:
+def _compared(one: GridJudgement, on_progress: Progress) -> Iterator[ReferenceRun]:
     """Our own methods on a grid, at the same times."""
     from solvers.judging.reference_runs import compared, of_scene  # here: nobody else waits for Taichi
 

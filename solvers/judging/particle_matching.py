@@ -9,7 +9,7 @@ import numpy as np
 
 from solvers.estimators.standalone import longest_step
 from solvers.judging.column_names import spelled
-from solvers.judging.frames import Frame, Grid, Misfit, Raw, by_times, times_of
+from solvers.judging.frames import Frame, Grid, ParticleMismatch, Raw, by_times, times_of
 from solvers.judging.scene_metadata import HINT, scene_said, settled
 from solvers.problems import PROBLEMS
 from solvers.problems.reference import ProblemReference
@@ -43,7 +43,7 @@ def placed(files: Sequence[Raw], asked: Scene, cells: Sequence[int],
     own, notes = _settled(listed, asked)
     try:
         found = grids(listed, own, cells, times)
-    except Misfit as misfit:
+    except ParticleMismatch as misfit:
         number = next(k for k, raw in enumerate(listed) if raw.file == misfit.file)
         raise _told(misfit, listed[number], own, times[number:number + 1]) from None
     return own, [replace(grid, notes=(*notes, *grid.notes)) for grid in found]
@@ -58,14 +58,14 @@ def _settled(files: list[Raw], asked: Scene) -> tuple[Scene, list[str]]:
     """What the files say, where the particles bear it out."""
     try:
         return settled(files, asked)
-    except Misfit as misfit:
+    except ParticleMismatch as misfit:
         raw = next(raw for raw in files if raw.file == misfit.file)
         if _fits(raw, scene_said(raw.file, raw.said), ()):  # type: ignore[arg-type]  # it says one
             raise
         raise FileError(raw.file, f"{misfit.reason}, and its particles are not; {HINT}") from None
 
 
-def _told(misfit: Misfit, raw: Raw, asked: Scene, times: Sequence[float]) -> Misfit:
+def _told(misfit: ParticleMismatch, raw: Raw, asked: Scene, times: Sequence[float]) -> ParticleMismatch:
     """The same with the problems that the file fits: on the usual grid or the one asked for, or, where it knows its
     particles by ids alone, on some grid."""
     others = tuple(name for name in PROBLEMS if name != asked.problem and any(
@@ -74,8 +74,8 @@ def _told(misfit: Misfit, raw: Raw, asked: Scene, times: Sequence[float]) -> Mis
         others = tuple(name for name, problem in PROBLEMS.items()
                        if name != asked.problem and len(problem.reference.axes) == directions(raw))
     if raw.said is None:
-        return Misfit(misfit.file, misfit.reason, misfit.allowed, others)
-    return Misfit(misfit.file, f"says that it is of the {asked.problem}, and {misfit.reason}", HINT, others)
+        return ParticleMismatch(misfit.file, misfit.reason, misfit.allowed, others)
+    return ParticleMismatch(misfit.file, f"says that it is of the {asked.problem}, and {misfit.reason}", HINT, others)
 
 
 def _usual(problem: str, cells: int) -> Iterator[Scene]:
@@ -151,9 +151,11 @@ def _frames(raw: Raw, scene: Scene, reference: ProblemReference, given: float | 
         if "X" not in columns and frame.time == 0:
             off = np.sum((frame.position - frame.material_position) ** 2, axis=1)
             if (far := float(np.sqrt(np.mean(off)))) > SURE * scene.spacing:
-                raise Misfit(frame.file, f"has particles at t = 0 that are not where those of the {scene.problem} "
-                                         f"begin, by {far:.3g} m", "give ids in the order of `mpm-lab problem`, the "
-                                                                   "right --cells and --ppc, or material positions")
+                raise ParticleMismatch(
+                    frame.file,
+                    f"has particles at t = 0 that are not where those of the {scene.problem} begin, by {far:.3g} m",
+                    "give ids in the order of `mpm-lab problem`, the right --cells and --ppc, or material positions",
+                )
         found.append(frame)
     return found, notes
 
@@ -173,7 +175,7 @@ def _in_plane(raw: Raw, key: str, scene: Scene, D: int) -> np.ndarray:
     values = raw.columns[key]
     size = values.shape[1]
     if size < D:
-        raise Misfit(raw.file, f"has {key} in {_directions(size)}, and the {scene.problem} has {COUNTS[D]}",
+        raise ParticleMismatch(raw.file, f"has {key} in {_directions(size)}, and the {scene.problem} has {COUNTS[D]}",
                      f"give {spelled(key, D)}")
     return values[:, :D] if values.ndim == 2 else values[:, :D, :D]
 
@@ -183,7 +185,7 @@ def _check_directions(raw: Raw, scene: Scene, D: int) -> None:
     found = directions(raw)
     if found is not None and found != D and (found > D or len(raw.columns["x"]) > D):
         more = f"{_directions(found)}, and the {scene.problem} has {COUNTS[D]}"
-        raise Misfit(raw.file, f"has positions in {more}", f"give {spelled('x', D)} and nothing beyond"
+        raise ParticleMismatch(raw.file, f"has positions in {more}", f"give {spelled('x', D)} and nothing beyond"
                      if found > D else f"give {spelled('x', D)} of particles that are not all on one line")
 
 
@@ -222,9 +224,12 @@ def _material(raw: Raw, scene: Scene, reference: ProblemReference,
             points = reference.start(scene).material_position
             begin = " and ".join(f"{axis.upper()} from {a:.3g} to {b:.3g} m" for axis, a, b in zip(
                 reference.axes, points.min(axis=0), points.max(axis=0), strict=True))
-            raise Misfit(raw.file, f"has {int(wrong.sum()):,} of {n:,} material positions outside the {scene.problem} "
-                                   f"(they reach from {reach}): its origin may be shifted",
-                         f"particles begin at {begin}")
+            raise ParticleMismatch(
+                raw.file,
+                f"has {int(wrong.sum()):,} of {n:,} material positions outside the {scene.problem} "
+                f"(they reach from {reach}): its origin may be shifted",
+                f"particles begin at {begin}",
+            )
         return X, np.arange(n) if ids is None else ids.astype(int)
     assert ids is not None
     start, number = reference.start(scene), ids.astype(int)
@@ -236,8 +241,9 @@ def _material(raw: Raw, scene: Scene, reference: ProblemReference,
         if fitting:
             raise FileError(raw.file, f"{reason}; give the right --cells and --ppc (so many are those of {fitting} "
                                       "cells), or material positions")
-        raise Misfit(raw.file, reason, "give those of `mpm-lab problem`, the right --cells and --ppc, or material "
-                                       "positions")
+        raise ParticleMismatch(
+            raw.file, reason, "give those of `mpm-lab problem`, the right --cells and --ppc, or material positions"
+        )
     return start.material_position[number], number
 
 

@@ -18,7 +18,7 @@ LONGEST_STRETCH = 4096  # steps between two looks at the progress
 
 
 @dataclass(frozen=True)
-class Ours:
+class ReferenceRun:
     """A run of ours: its scene, the norms at the times that it reached, and whether these are all."""
 
     scene: Scene
@@ -39,11 +39,11 @@ def of_scene(scene: Scene) -> list[Scene]:
 
 
 def compared(scene: Scene, times: Sequence[float], companions: Companions | None = None,
-             on_progress: Callable[[float], None] | None = None) -> Ours:
+             on_progress: Callable[[float], None] | None = None) -> ReferenceRun:
     """Run a scene and measure it at the times: against the truth, or against a companion where there is none."""
     steps = [round(t / scene.time_step) for t in times]
     if scene.particles * steps[-1] > LONGEST:
-        return Ours(scene, np.array([]), series([]),
+        return ReferenceRun(scene, np.array([]), series([]),
                     f"not run: {scene.particles * steps[-1]:.2g} particle-steps are too many for a comparison")
     stepper = _Stepper(scene, on_progress, steps[-1])
     errors: list[Errors] = []
@@ -53,7 +53,7 @@ def compared(scene: Scene, times: Sequence[float], companions: Companions | None
             break
         errors.append(truth(scene, frame) if companions is None else companions.errors(frame))
     status = "ok" if len(errors) == len(times) else f"unstable at {stepper.solver.time:.3g} s"
-    return Ours(scene, np.array(times[:len(errors)]), series(errors), status)
+    return ReferenceRun(scene, np.array(times[:len(errors)]), series(errors), status)
 
 
 class _Stepper:

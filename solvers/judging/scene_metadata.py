@@ -7,7 +7,7 @@ It is believed in nothing: whatever is not a scene is refused, and a scene that 
 from dataclasses import fields, replace
 from typing import Any
 
-from solvers.judging.frames import Misfit, Raw, Said
+from solvers.judging.frames import ParticleMismatch, Raw, SceneMetadata
 from solvers.problems import PROBLEMS
 from solvers.problems.reference import OF_METHODS
 from solvers.running.scene_text import FAMILY, HINT, parsed, scene_of
@@ -18,7 +18,7 @@ from solvers.untrusted.quoting import FileError, quoted
 NOT_OF_THE_PROBLEM = OF_METHODS | {"t_end", "periods"}  # what does not matter to a judge
 
 
-def read_line(file: str, text: object, cells: int | None) -> Said | None:
+def read_line(file: str, text: object, cells: int | None) -> SceneMetadata | None:
     """What a file says in a line; None where that is none of ours. ``cells`` is what it says beside."""
     if not isinstance(text, str) or FAMILY not in text[:100]:
         return None
@@ -28,14 +28,16 @@ def read_line(file: str, text: object, cells: int | None) -> Said | None:
         step = PROBLEMS[problem].scene(**given).time_step
     except (SceneError, TypeError, ValueError, OverflowError):
         step = None
-    said = Said(problem, {name: value for name, value in given.items() if name not in NOT_OF_THE_PROBLEM}, step)
+    said = SceneMetadata(
+        problem, {name: value for name, value in given.items() if name not in NOT_OF_THE_PROBLEM}, step
+    )
     own = scene_said(file, said)
     if "cells" in said.inputs and cells is not None and cells != own.cells:
         raise FileError(file, f"says that it has {cells} cells, and {own.cells} in its scene; {HINT}")
     return said
 
 
-def scene_said(file: str, said: Said) -> Scene:
+def scene_said(file: str, said: SceneMetadata) -> Scene:
     """The scene that is said; :class:`FileError` where there is none such."""
     return scene_of(file, said.problem, dict(said.inputs))
 
@@ -44,8 +46,8 @@ def settled(files: list[Raw], asked: Scene) -> tuple[Scene, list[str]]:
     """The scene to judge files with, and what is to be noted of that: what they say of it holds where ``asked`` stands
     at its defaults, but for the number of cells, which each file has its own of.
 
-    Raises :class:`Misfit` where a file says another problem, :class:`FileError` where it says something else than was
-    asked for, or than another file.
+    Raises :class:`ParticleMismatch` where a file says another problem, :class:`FileError` where it says something else
+    than was asked for, or than another file.
     """
     notes: list[str] = []
     by: dict[str, str] = {}  # which file said a field first
@@ -54,7 +56,7 @@ def settled(files: list[Raw], asked: Scene) -> tuple[Scene, list[str]]:
         if raw.said is None:
             continue
         if raw.said.problem != asked.problem:
-            raise Misfit(raw.file, f"says that it is of the {raw.said.problem}", HINT, (raw.said.problem,))
+            raise ParticleMismatch(raw.file, f"says that it is of the {raw.said.problem}", HINT, (raw.said.problem,))
         own, taken = scene_said(raw.file, raw.said), dict[str, Any]()
         names = [f.name for f in fields(own) if f.name not in NOT_OF_THE_PROBLEM]
         for name in names:

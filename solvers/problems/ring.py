@@ -15,9 +15,9 @@ import numpy as np
 from solvers.motion.jets import sin, sqrt
 from solvers.problems import ring_limits
 from solvers.problems.planar.circular import CircularScene
-from solvers.problems.planar.problem import PlanarProblem, Showing
+from solvers.problems.planar.problem import PlanarProblem, ViewSettings
 from solvers.scene.defaults import SceneDefaults
-from solvers.scene.field_options import described, option
+from solvers.scene.field_options import document_fields, option
 from solvers.scene.remedies import COUPLED, FILTER, FROZEN
 from solvers.scene.validation import SceneError, require_number
 
@@ -27,7 +27,7 @@ C1, C2, C3 = -6 * INNER / SCALE, 3 * (INNER + OUTER) / (OUTER * SCALE), -2 / (OU
 INVERSION = 0.386  # amplitude at which the exact ring turns inside out: 1 + A min w' reaches 0
 
 
-@described
+@document_fields
 @dataclass(frozen=True)
 class RingScene(CircularScene):
     """One run of the ring: h = 1.2 m/``cells``, ``ppc`` counts per direction.
@@ -95,7 +95,7 @@ class RingScene(CircularScene):
                              f"the exact ring turns inside out from {INVERSION} on; {allowed}")
 
 
-RING = PlanarProblem(RingScene, Showing(
+RING = PlanarProblem(RingScene, ViewSettings(
     cells=(12, 96, 6), ppc=(1, 6), amplitude=(1e-3, 0.4), modulus=(1e5, 1e8),
     amplitude_hint="largest displacement of the outer rim; from 0.115 m on the motion itself is unstable, above 0.198 "
                    "m a real ring wrinkles, from 0.386 m on the exact one turns inside out",

@@ -13,12 +13,12 @@ from typing import Any
 from solvers.motion.jets import sin
 from solvers.motion.typed_motion import MotionInputs, read_motion
 from solvers.problems.planar.box import BoxScene
-from solvers.problems.planar.problem import PlanarProblem, Showing
-from solvers.scene.field_options import described, option
+from solvers.problems.planar.problem import PlanarProblem, ViewSettings
+from solvers.scene.field_options import document_fields, option
 from solvers.scene.typed import MaybeTyped
 
 
-@described
+@document_fields
 @dataclass(frozen=True)
 class SquareScene(MaybeTyped, BoxScene):
     """One run of the square: h = 1 m/``cells``, ``ppc`` counts per direction."""
@@ -49,7 +49,7 @@ class SquareScene(MaybeTyped, BoxScene):
         return A * sin(2 * math.pi * X) * sin(w * t), -A * sin(2 * math.pi * Y) * sin(w * t)
 
 
-SQUARE = PlanarProblem(SquareScene, Showing(
+SQUARE = PlanarProblem(SquareScene, ViewSettings(
     cells=(8, 64, 4), ppc=(1, 3), amplitude=(1e-4, 0.15), modulus=(1e5, 1e8),
     amplitude_hint="largest displacement along x and along y; from 0.159 m on the exact square turns inside out",
     prices={"companion": 0.06, "recovered": 0.19, "transport": 0.06, "two-grid": 0.14}))

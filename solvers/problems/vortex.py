@@ -17,9 +17,9 @@ import numpy as np
 from solvers.motion.jets import sin, sqrt
 from solvers.problems import vortex_limits
 from solvers.problems.planar.circular import CircularScene
-from solvers.problems.planar.problem import PlanarProblem, Showing
+from solvers.problems.planar.problem import PlanarProblem, ViewSettings
 from solvers.scene.effects import EFFECTS
-from solvers.scene.field_options import described, option
+from solvers.scene.field_options import document_fields, option
 from solvers.scene.remedies import FILTER, FROZEN
 from solvers.scene.scene import DEFAULT_CFL
 from solvers.scene.validation import require_number
@@ -33,7 +33,7 @@ def shape(R: Any) -> Any:
     return (256.0 * square - 32.0) * square + 1.0
 
 
-@described
+@document_fields
 @dataclass(frozen=True)
 class VortexScene(CircularScene):
     """One run of the vortex: h = 3 m/``cells``, ``ppc`` counts per direction.
@@ -106,7 +106,7 @@ class VortexScene(CircularScene):
         require_number("frequency", self.frequency, 1e-6, 1e6)
 
 
-VORTEX = PlanarProblem(VortexScene, Showing(
+VORTEX = PlanarProblem(VortexScene, ViewSettings(
     cells=(12, 96, 2), ppc=(1, 3), amplitude=(0.01, MOST_AMPLITUDE), modulus=(100.0, 10_000.0),
     amplitude_hint="angle in radians by which the middle circle turns against the rims, which rest; the largest shear "
                    "is seven times as much",

@@ -31,7 +31,7 @@ def option(default: Any, help: str = "", unit: str = "", choices: tuple[str, ...
     return field(default=default, metadata={"help": help, "unit": unit, "choices": choices, "hint": hint})
 
 
-def described(kind: Kind) -> Kind:
+def document_fields(kind: Kind) -> Kind:
     """A decorator of a scene's class, above ``dataclass``, that puts behind its docstring of each field what it is, in
     which unit, and what it may be."""
     told = [f"{field.name} : {_type(field.type)}\n{textwrap.indent(_words(kind, field), '    ')}"

@@ -8,7 +8,7 @@ from solvers.scene.remedies import SWITCHES
 from solvers.scene.scene import Scene
 
 
-class Switches(NamedTuple):
+class KernelOptions(NamedTuple):
     """What is compiled in; kernels take it as ``on``. Two scenes with equal switches share one compiled kernel. Each
     effect and each remedy is an attribute too: ``on.truth`` says whether "truth" is one of ``effects``, ``on.frozen``
     whether frozen weights are one of ``remedies``."""
@@ -31,14 +31,14 @@ class Switches(NamedTuple):
         return name in self.effects
 
 
-def switches(scene: Scene) -> Switches:
+def kernel_options_of(scene: Scene) -> KernelOptions:
     """The switches of a scene."""
-    return Switches(scene.method, scene.linearity_preserving, scene.body_force, scene.velocity,
+    return KernelOptions(scene.method, scene.linearity_preserving, scene.body_force, scene.velocity,
                     scene.active_effects, scene.active_estimators, scene.remedies,
                     getattr(scene, "compiled_motion", ""), getattr(scene, "law", ""))
 
 
-def bare(on: Switches) -> Switches:
+def bare(on: KernelOptions) -> KernelOptions:
     """The same with nothing computed beside the method."""
     return on._replace(effects=(), estimators=())
 
@@ -47,4 +47,4 @@ def bare(on: Switches) -> Switches:
 def combination(scene: Scene) -> tuple:
     """What makes the compiler work: two scenes with equal combinations run the same kernels on the same processor."""
     plan = getattr(scene, "plan", None)  # of a problem that has several
-    return scene.problem, scene.arch, scene.threads, plan, switches(scene)
+    return scene.problem, scene.arch, scene.threads, plan, kernel_options_of(scene)

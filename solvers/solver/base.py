@@ -8,20 +8,20 @@ from typing import Any, ClassVar
 
 import numpy as np
 
-from solvers.estimators.estimator_memory import memory_parts
+from solvers.estimators.estimator_memory import unpack_arrays
 from solvers.scene.estimator_hooks import NEVER, EstimatorHooks
-from solvers.scene.kernel_options import Switches
+from solvers.scene.kernel_options import KernelOptions
 from solvers.scene.scene import Scene
 from solvers.scene.step_bound import SAFE
 from solvers.solver.samples import MARGIN, ROWS
 from solvers.solver.snapshot import Fields, Snapshot
 from solvers.solver.soundness import LOST, OK, UNSTABLE, Finding
-from solvers.solver.state_arrays import Watch
+from solvers.solver.state_arrays import Diagnostics
 from solvers.solver.step_breakdown import Carried, StepBreakdown
-from solvers.solver.verdict_basis import AsLarge, sentence
+from solvers.solver.verdict_basis import LargeRelativeError, sentence
 
 STEP, MEASURE, REPORT = 0, 1, 2  # what a launch is for
-NOTHING: Mapping[str, AsLarge] = {}
+NOTHING: Mapping[str, LargeRelativeError] = {}
 SOUND, INVERTED, CRUSHED, ESCAPED = 0, 1, 2, 3  # the first number of a verdict
 
 
@@ -35,10 +35,10 @@ class Solver(ABC):
     plan: str = "serial"
     HOOKS: ClassVar[Mapping[str, EstimatorHooks]]  # of every estimator that the problem has
     PHASES: ClassVar[Any]  # of ``solvers.solver.run_loop``
-    STATE: ClassVar[type[Watch]]
-    _arrays: Watch
+    STATE: ClassVar[type[Diagnostics]]
+    _arrays: Diagnostics
     _stepping: Any  # what launches the kernels on them: such as ``solvers.solver.run_loop.OneThread``
-    _switches: Switches
+    _switches: KernelOptions
 
     def __init__(self, scene: Scene):
         self.scene = scene
@@ -132,7 +132,7 @@ class Solver(ABC):
     @functools.cached_property
     def _memory(self) -> dict[str, np.ndarray]:
         """The estimators' arrays: views of those that the kernels write to."""
-        return memory_parts(self.HOOKS, self._arrays.memory)
+        return unpack_arrays(self.HOOKS, self._arrays.memory)
 
     @property
     def estimate_intervals(self) -> tuple[int, ...]:
@@ -182,7 +182,7 @@ class Solver(ABC):
                 f"(X = {self._place(p)}) {what}; {self._advice()}")
 
     def status(self, finding: Finding | None,
-               as_large: Mapping[str, AsLarge] = NOTHING) -> tuple[str, str | None, float | None]:
+               as_large: Mapping[str, LargeRelativeError] = NOTHING) -> tuple[str, str | None, float | None]:
         """Whether the run is "ok", "unstable" or "lost" if this was found, a sentence, and the time in s since when. A
         run that is ok has a sentence too where the errors of quantities are ``as_large`` as these."""
         since = None if finding is None else finding.time

@@ -14,13 +14,13 @@ from solvers.scene.kernel_options import bare
 from solvers.scene.scene import Scene
 from solvers.solver.base import SOUND, Solver
 from solvers.solver.run_loop import CHECK_EVERY
-from solvers.solver.state_arrays import Watch
+from solvers.solver.state_arrays import Diagnostics
 
 
 @functools.cache
 def baseline(Own: type[Solver]) -> type[Solver]:
     """A problem's own solver with the baseline step; its rows of samples hold nothing."""
-    phases, watching = Own.PHASES, Watch.types().keys() - {"farthest", "verdict"}
+    phases, watching = Own.PHASES, Diagnostics.types().keys() - {"farthest", "verdict"}
     types = {name: kind for name, kind in Own.STATE.types().items() if name not in watching}
     State = ti.types.argpack(**types)
 

@@ -35,15 +35,22 @@ def place(arch: str) -> str:
     if arch == CPU:
         return CPU
     if arch == GPU:
-        return next((kind for kind in KINDS if found(kind)["missing"] is None and not found(kind)["software"]), CPU)
-    if found(arch)["missing"]:
-        raise SceneError("arch", arch, f"no {TITLES[arch]} device was found that computes in double precision "
-                                       f"({found(arch)['missing']}); give gpu, which takes what there is, or cpu")
+        return next(
+            (kind for kind in KINDS if probe_device(kind)["missing"] is None and not probe_device(kind)["software"]),
+            CPU,
+        )
+    if probe_device(arch)["missing"]:
+        raise SceneError(
+            "arch",
+            arch,
+            f"no {TITLES[arch]} device was found that computes in double precision "
+            f"({probe_device(arch)['missing']}); give gpu, which takes what there is, or cpu",
+        )
     return arch
 
 
 @functools.cache
-def found(kind: str) -> dict:
+def probe_device(kind: str) -> dict:
     """What there is of a kind: its ``name`` if it tells one, whether it is ``software`` on the processor, and None or
     why it is ``missing``."""
     try:

@@ -8,7 +8,7 @@ import taichi as ti
 from solvers.estimators import estimator_loop
 from solvers.kernels.launch import Launch
 from solvers.kernels.scalar_hoisting import hoist_scalars
-from solvers.scene.kernel_options import Switches
+from solvers.scene.kernel_options import KernelOptions
 from solvers.solver.base import CRUSHED, ESCAPED, INVERTED, MEASURE, REPORT, SOUND, STEP
 
 CHECK_EVERY = 8  # steps between two looks for a run that has gone bad
@@ -64,7 +64,7 @@ def serial_kernels(State: Any, phases: Phases) -> SerialKernels:
 class OneThread:
     """Steps the arrays of a ``pack`` as they are, on one thread."""
 
-    def __init__(self, kernels: SerialKernels, pack: Any, on: Switches):
+    def __init__(self, kernels: SerialKernels, pack: Any, on: KernelOptions):
         self.pack = pack
         self._advance, self.find_margin = (Launch(one, pack, on) for one in (kernels.advance, kernels.find_margin))
         if on.frozen:

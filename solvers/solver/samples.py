@@ -7,7 +7,7 @@ columns serve every problem, so that results, plots and the page need to know on
 import numpy as np
 
 from solvers.scene.effects import ALL
-from solvers.scene.kernel_options import Switches
+from solvers.scene.kernel_options import KernelOptions
 from solvers.scene.momentum_balance import MODES
 from solvers.scene.scene import Scene
 
@@ -40,7 +40,7 @@ def columns(estimators: tuple[str, ...], effects: tuple[str, ...]) -> list[str]:
             *(f"{effect}/{name}" for effect in effects for name in ALL[effect].columns)]
 
 
-def column(name: str, on: Switches | None = None) -> int:
+def column(name: str, on: KernelOptions | None = None) -> int:
     """The index of a base column, for kernels (use inside ``ti.static``); with ``on`` of any column of the run,
     such as ``spin/torque``."""
     return BASE.index(name) if on is None else columns(on.estimators, on.effects).index(name)

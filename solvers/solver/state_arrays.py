@@ -14,7 +14,7 @@ import numpy as np
 from solvers.estimators.estimator_memory import allocate_memory
 from solvers.kernels.dtypes import Integer, Integers, Matrix, Quads, Real, Reals
 from solvers.scene.estimator_hooks import NEVER, EstimatorHooks
-from solvers.scene.kernel_options import Switches
+from solvers.scene.kernel_options import KernelOptions
 from solvers.scene.scene import Scene
 from solvers.solver.samples import ROWS, columns
 
@@ -44,7 +44,7 @@ class Members:
 
 
 @dataclass
-class Watch(Members):
+class Diagnostics(Members):
     """What watches a run, no part of the method: checks, samples, marks and estimates. P particles, E estimators."""
 
     sample_interval: Integer  # steps
@@ -62,8 +62,8 @@ class Watch(Members):
         return {**super().members(), **self.memory}
 
 
-def watch(scene: Scene, on: Switches, particles: int, farthest: float, hooks: dict[str, EstimatorHooks]) -> dict:
-    """The members of a :class:`Watch` at the start of a run of so many particles."""
+def watch(scene: Scene, on: KernelOptions, particles: int, farthest: float, hooks: dict[str, EstimatorHooks]) -> dict:
+    """The members of a :class:`Diagnostics` at the start of a run of so many particles."""
     intervals = [hooks[name].interval(scene) for name in scene.active_estimators]
     return {"sample_interval": scene.sample_interval, "look_interval": scene.look_interval,
             "step_margin": np.full(1, np.nan),

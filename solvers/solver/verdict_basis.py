@@ -22,7 +22,7 @@ SELDOM = 0.2  # periods from one sample to the next, beyond which errors come an
 
 
 @dataclass(frozen=True)
-class AsLarge:
+class LargeRelativeError:
     """A quantity whose error has been as large as the quantity itself: since when in s, the largest error so far over
     the quantity's own RMS (``scene.rms_of``), and who says so, "truth" or an estimator."""
 
@@ -33,7 +33,7 @@ class AsLarge:
 
 @UNBOUNDED
 def as_large_as_itself(scene: Scene, series: Mapping[str, np.ndarray],
-                       not_valid: Collection[str] = ()) -> dict[str, AsLarge]:
+                       not_valid: Collection[str] = ()) -> dict[str, LargeRelativeError]:
     """Of v, sigma and a those that were once as wrong as they are large, by the truth where it is on, else by an
     estimator that judges and holds."""
     judges = [
@@ -48,18 +48,20 @@ def as_large_as_itself(scene: Scene, series: Mapping[str, np.ndarray],
             beyond = np.flatnonzero(series[name] > AS_LARGE * unit)
             if len(beyond):
                 size = largest(series[name]) or np.inf
-                found[quantity] = AsLarge(float(series["time"][beyond[0]]), size / unit, who)
+                found[quantity] = LargeRelativeError(float(series["time"][beyond[0]]), size / unit, who)
                 break
     return found
 
 
-def merged(before: Mapping[str, AsLarge], now: Mapping[str, AsLarge]) -> dict[str, AsLarge]:
+def merged(
+    before: Mapping[str, LargeRelativeError], now: Mapping[str, LargeRelativeError]
+) -> dict[str, LargeRelativeError]:
     """What was found in earlier samples and in later ones, as if all had been judged together."""
     return {**now, **{quantity: replace(one, size=max(one.size, now[quantity].size if quantity in now else 0.0))
                       for quantity, one in before.items()}}
 
 
-def sentence(found: Mapping[str, AsLarge]) -> str | None:
+def sentence(found: Mapping[str, LargeRelativeError]) -> str | None:
     """What a verdict that is ok for the positions says of the others; None where there is nothing to say."""
     parts = [f"the {NOUNS[quantity]} is off by up to {one.size:.2g} times its own size, from t = {one.since:.4g} s on"
              + f" ({one.by} says so)" * (one.by != "truth") for quantity, one in found.items()]

@@ -52,7 +52,7 @@ def pareto(seconds: Sequence[float], error: Sequence[float]) -> list[int]:
 
 
 @dataclass(frozen=True)
-class Balance:
+class SpaceTimeSplit:
     """error = space + factor dt^power over the steps from ``least`` to ``most``; ``dt`` is where both parts are equal,
     None if that is not within these steps; ``misfit`` is the RMS of the relative residual."""
 
@@ -80,7 +80,7 @@ class Balance:
 
 
 @UNBOUNDED
-def balance(steps: Sequence[float], errors: Sequence[float]) -> Balance | None:
+def balance(steps: Sequence[float], errors: Sequence[float]) -> SpaceTimeSplit | None:
     """Split the error at one h into what the step makes and what is left for dt -> 0, of first or second order.
 
     Relative residuals count, so that small errors do too. From where the error grows faster than any such power on, at
@@ -95,12 +95,12 @@ def balance(steps: Sequence[float], errors: Sequence[float]) -> Balance | None:
     return min((_split(dt, error, power) for power in (1, 2)), key=lambda fit: fit.misfit)
 
 
-def _split(dt: np.ndarray, error: np.ndarray, power: int) -> Balance:
+def _split(dt: np.ndarray, error: np.ndarray, power: int) -> SpaceTimeSplit:
     unit = float(error.max())
     columns = np.stack([np.ones_like(dt), dt**power], axis=1) / (error / unit)[:, None]
     space, factor = _not_negative(columns)
     misfit = float(np.sqrt(np.mean((columns @ (space, factor) - 1) ** 2)))
-    return Balance(space * unit, factor * unit, power, float(dt[0]), float(dt[-1]), misfit)
+    return SpaceTimeSplit(space * unit, factor * unit, power, float(dt[0]), float(dt[-1]), misfit)
 
 
 def _not_negative(columns: np.ndarray) -> tuple[float, float]:

@@ -1,10 +1,10 @@
 """Where rows are measured, and how every task ends as a row there.
 
-A place takes tasks and gives futures: :class:`Here` those of a pool of processes, :class:`Cluster` those of a Dask
-client, on whose workers mpm-lab must be installed. On each worker one row is measured at a time, by a process that the
-worker keeps for that, however many threads it has: rows side by side would disturb each other's timing. If the worker
-is killed its process ends too, and Dask runs the row on another. ``distributed`` is an optional dependency, imported
-only where a cluster is used.
+A place takes tasks and gives futures: :class:`LocalExecutor` those of a pool of processes, :class:`Cluster` those of a
+Dask client, on whose workers mpm-lab must be installed. On each worker one row is measured at a time, by a process
+that the worker keeps for that, however many threads it has: rows side by side would disturb each other's timing. If
+the worker is killed its process ends too, and Dask runs the row on another. ``distributed`` is an optional dependency,
+imported only where a cluster is used.
 """
 
 import functools
@@ -29,7 +29,7 @@ ANSWER_SECONDS = 10.0  # for the scheduler of a cluster to answer
 PATIENCE = 60.0  # seconds without a single worker
 
 
-class PlaceLost(Exception):
+class ExecutorLost(Exception):
     """The place can measure no more rows; one sentence says why and what to do."""
 
 
@@ -55,7 +55,7 @@ class Question(Protocol):
         """Itself, as JSON has it."""
 
 
-def execute(tasks: Iterable[Any], place: "Here | Cluster", on_row: Callable[[dict], None],
+def execute(tasks: Iterable[Any], place: "LocalExecutor | Cluster", on_row: Callable[[dict], None],
             give_up: Callable[[Any, str], dict] = failed) -> None:
     """Measure every task at a place. A lost worker is replaced; a row that keeps losing workers is marked as failed.
 
@@ -63,7 +63,7 @@ def execute(tasks: Iterable[Any], place: "Here | Cluster", on_row: Callable[[dic
     ----------
     tasks
     place
-        :class:`Here` or a :class:`Cluster`.
+        :class:`LocalExecutor` or a :class:`Cluster`.
     on_row
         Given each row (``solvers.study.row``) as it comes, in the caller's thread.
     give_up
@@ -94,7 +94,7 @@ def _outcome(task: Question, future: Future[dict], lost: Counter[str],
     try:
         error = future.exception()
     except CancelledError:
-        raise PlaceLost("the connection to the workers was lost") from None
+        raise ExecutorLost("the connection to the workers was lost") from None
     if error is None:
         return future.result()
     lost[task.key] += 1
@@ -110,7 +110,7 @@ def measure_row(task: dict, answer: Callable[[dict], None]) -> None:
     answer(measure(Task(**task)))
 
 
-class Here:
+class LocalExecutor:
     """Processes on this machine, that do this ``work`` (``solvers.workers``). One, unless told otherwise: rows that run
     side by side disturb each other's timing."""
 
@@ -167,11 +167,11 @@ class Cluster:
 
     def check(self) -> None:
         if self._client.status not in ("running", "connecting"):
-            raise PlaceLost(f"the scheduler at {self._address} is gone")
+            raise ExecutorLost(f"the scheduler at {self._address} is gone")
         if self._client.status == "running" and self.workers:
             self._seen = time.monotonic()
         elif time.monotonic() - self._seen > PATIENCE:
-            raise PlaceLost(f"the cluster at {self._address} has had no worker for {PATIENCE:g} seconds")
+            raise ExecutorLost(f"the cluster at {self._address} has had no worker for {PATIENCE:g} seconds")
 
     def close(self) -> None:
         """Take back what waits. A row that is being measured is finished by its worker, and forgotten."""

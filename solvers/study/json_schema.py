@@ -1,7 +1,7 @@
 """The forms of what is kept as JSON, and where a value is not of its form, in words.
 
 A form is a type or a tuple of types; a mapping from the keys that an object must have to the forms of their values; or
-:class:`Each`, for an object of any keys. Numbers are finite, and true and false are none.
+:class:`MapOf`, for an object of any keys. Numbers are finite, and true and false are none.
 """
 
 import json
@@ -15,7 +15,7 @@ NUMBER_OR_NONE = (int, float, type(None))
 
 
 @dataclass(frozen=True)
-class Each:
+class MapOf:
     """An object of which every value has this form."""
 
     form: Any
@@ -34,13 +34,13 @@ def parsed(text: bytes | str) -> Any:
 
 def mismatch(value: Any, form: Any, name: str = "") -> str | None:
     """What is wrong with a value, ``it has no status`` for example; None where it has the form."""
-    if isinstance(form, (dict, Each)):
+    if isinstance(form, (dict, MapOf)):
         if not isinstance(value, dict):
             return f"{name or 'it'} is no object"
-        missing = [] if isinstance(form, Each) else [key for key in form if key not in value]
+        missing = [] if isinstance(form, MapOf) else [key for key in form if key not in value]
         if missing:
             return f"it has no {_joined(name, missing[0])}"
-        parts = dict.fromkeys(value, form.form) if isinstance(form, Each) else form
+        parts = dict.fromkeys(value, form.form) if isinstance(form, MapOf) else form
         found = (mismatch(value[key], part, _joined(name, key)) for key, part in parts.items())
         return next(filter(None, found), None)
     types = form if isinstance(form, tuple) else (form,)

@@ -28,7 +28,7 @@ from solvers.scene.effects import ALL, EFFECTS
 from solvers.scene.scene import Scene
 from solvers.scene.validation import SceneError, field_key
 from solvers.solver.soundness import BROKEN, OK
-from solvers.study.json_schema import NUMBER, NUMBER_OR_NONE, Each, mismatch
+from solvers.study.json_schema import NUMBER, NUMBER_OR_NONE, MapOf, mismatch
 from solvers.study.parameter_grid import Task
 
 SCHEMA = "mpm-lab/row/1"
@@ -43,12 +43,20 @@ TEXT_OR_NONE = (str, type(None))
 STATUSES = (OK, *BROKEN, FAILED, REFUSED)
 IDENTITY = {"key": str, "problem": str, "asked": dict, "status": str, "reason": TEXT_OR_NONE,
             "scene": (dict, type(None))}
-NORMS = Each(Each(NUMBER_OR_NONE))  # of each quantity, by kind of norm
+NORMS = MapOf(MapOf(NUMBER_OR_NONE))  # of each quantity, by kind of norm
 #: What the row of a run has beside that.
 MEASURED = {
-    "scene": dict, "h": NUMBER, "steps": int, "particles": int, "error": NORMS, "estimate": Each(NORMS), "index": NORMS,
-    "seconds": {"repeats": list, "min": NUMBER, "full": NUMBER, "estimators": Each(NUMBER), "effects": Each(NUMBER)},
-    "rate": NUMBER_OR_NONE, "life": Each(NUMBER_OR_NONE)}
+    "scene": dict,
+    "h": NUMBER,
+    "steps": int,
+    "particles": int,
+    "error": NORMS,
+    "estimate": MapOf(NORMS),
+    "index": NORMS,
+    "seconds": {"repeats": list, "min": NUMBER, "full": NUMBER, "estimators": MapOf(NUMBER), "effects": MapOf(NUMBER)},
+    "rate": NUMBER_OR_NONE,
+    "life": MapOf(NUMBER_OR_NONE),
+}
 SCENE = {"method": str, "cells": int, "ppc": NUMBER, "amplitude": NUMBER_OR_NONE, "dt": NUMBER, "cfl": NUMBER,
          "periods": NUMBER, "estimator": list, "effects": list, "remedies": list}
 BLANK = dict.fromkeys(("scene", "h", "status", "reason", "t", "steps", "particles", "particle_steps"))

@@ -13,7 +13,7 @@ from solvers.problems import PROBLEMS
 from solvers.running.run import scene_of
 from solvers.scene.scene import LISTS, Scene
 from solvers.scene.validation import SceneError, field_key, key_field, require_choice, require_whole
-from solvers.study.executors import Here, execute
+from solvers.study.executors import LocalExecutor, execute
 from solvers.study.parameter_grid import MOST_ROWS, plan
 from solvers.study.summary import columns
 from solvers.untrusted import quoting
@@ -120,7 +120,7 @@ def sweep(problem: str | Scene | type[Scene], *, repeats: int = 3, workers: int 
         measured[row["key"]] = row
         on_progress(len(measured) / len(tasks), *columns([row]))
 
-    with contextlib.closing(Here(workers)) as place:
+    with contextlib.closing(LocalExecutor(workers)) as place:
         execute(tasks, place, keep)
     return Rows(columns([measured[task.key] for task in tasks]))
 

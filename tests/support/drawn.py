@@ -4,7 +4,7 @@ from types import SimpleNamespace
 
 import numpy as np
 
-from app.frame.primitives import Room
+from app.frame.primitives import Bounds
 
 
 class Handle(SimpleNamespace):
@@ -32,7 +32,7 @@ class Sheet:
     """Keeps what was shown last under each name."""
 
     def __init__(self):
-        self.marks, self.visible, self.room = {}, True, Room(600.0)
+        self.marks, self.visible, self.room = {}, True, Bounds(600.0)
 
     def show(self, *marks):
         self.marks.update((mark.name, mark) for mark in marks)

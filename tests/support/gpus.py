@@ -13,5 +13,5 @@ HOW = "no {} device was found ({}): install one (Debian: apt-get install mesa-vu
 
 def require_gpu() -> None:
     """Skip the test with a word where there is none; where CI is set, fail."""
-    if missing := devices.found(ARCH)["missing"]:
+    if missing := devices.probe_device(ARCH)["missing"]:
         (pytest.fail if os.environ.get("CI") else pytest.skip)(HOW.format(devices.TITLES[ARCH], missing))

@@ -40,8 +40,8 @@ def without_timings(row: dict) -> dict:
 
 
 class Instant:
-    """A place that needs no time, instead of ``solvers.study.executors.Here``: it has each row from ``answer``;
-    ``asked`` are the tasks that came."""
+    """A place that needs no time, instead of ``solvers.study.executors.LocalExecutor``: it has each row from
+    ``answer``; ``asked`` are the tasks that came."""
 
     def __init__(self, answer: Callable[[Task], dict] | None = None):
         self._answer, self.asked = answer or made_up_for, []

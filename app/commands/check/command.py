@@ -9,7 +9,7 @@ from typing import Annotated, Any, ClassVar
 import tyro
 
 from app.commands import flags
-from app.commands.expectations import Expectable
+from app.commands.expectations import Expectations
 from app.commands.output import Folder, json_target, json_text, put_report, put_text
 from app.commands.progress import working
 from app.templates import rendered
@@ -18,7 +18,7 @@ from solvers.study.markdown import grid
 from solvers.untrusted.quoting import FileError, code, file_name, markdown
 
 CONTRADICTED = 3
-EXPECTABLE = Expectable("run", dict.fromkeys(("contradictions", "broken", "suspicious", "particles"), ()))
+EXPECTABLE = Expectations("run", dict.fromkeys(("contradictions", "broken", "suspicious", "particles"), ()))
 
 
 @dataclass(frozen=True)

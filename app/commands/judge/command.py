@@ -10,7 +10,7 @@ import numpy as np
 import tyro
 
 from app.commands import flags
-from app.commands.expectations import Expectable
+from app.commands.expectations import Expectations
 from app.commands.output import Folder, put_report, put_text
 from app.commands.progress import working
 from app.commands.scene_flags import SceneFlags
@@ -31,7 +31,7 @@ COMPANION = "companion"
 #: What ``--expect`` may ask for: error.x.max of each grid, last(error.x.max) of the finest; order.x, of the largest
 #: errors over the times that all grids have; index.companion.x, what the companion says over the truth; contradictions,
 #: things that were compared and do not hold.
-EXPECTABLE = Expectable("grids", {
+EXPECTABLE = Expectations("grids", {
     "error": (JUDGED, NORMS), "order": (JUDGED,), "estimate": ((COMPANION,), JUDGED, NORMS),
     "index": ((COMPANION,), JUDGED), "distance": ((COMPANION,), JUDGED), "contradictions": (), "particles": (),
     "scene": (("cells",),)})

@@ -8,7 +8,7 @@ from typing import Annotated, Any, ClassVar
 import numpy as np
 
 from app.commands.flags import BadInput, NamesFlag, PathFlag, default_hint, times_of
-from app.commands.output import Folder, json_text, say
+from app.commands.output import Folder, json_text, message
 from app.commands.scene_flags import SceneFlags
 from app.templates import rendered
 from app.words import per_cell
@@ -54,7 +54,7 @@ class ProblemCommand(SceneFlags):
         folder = Folder(self.out)
         for name, content in _files(scene, times).items():
             folder.put(name, content)
-        say(f"{folder.text}: begin with problem.md")
+        message(f"{folder.text}: begin with problem.md")
         return 0
 
 

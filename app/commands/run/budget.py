@@ -4,7 +4,7 @@ from dataclasses import dataclass, replace
 from typing import Annotated, Any, ClassVar
 
 from app.commands.flags import BadInput, PathFlag, Switch, default_hint, one_of
-from app.commands.output import Target, json_target, put_result, say
+from app.commands.output import Target, json_target, message, put_result
 from app.commands.progress import working
 from app.commands.run.command import BROKEN, OK
 from app.commands.run.text import budget_table, take_away_table
@@ -50,7 +50,7 @@ class Budget(SceneFlags):
             if (on_demand := PROBLEMS[scene.problem].budget) is not None:
                 on_demand.check(scene, self.take_away)  # what is refused needs no warning
             for sentence in () if self.quiet else scene.warnings():
-                say(f"warning: {sentence}")
+                message(f"warning: {sentence}")
             found = run_budget(scene, self.take_away, show)
         put_result(found.to_dict(), target, _tables)
         if picture:
@@ -59,7 +59,7 @@ class Budget(SceneFlags):
             picture.write(png_bytes(budget_figure(found)))
         broken = [result for result in (found.result, found.again) if result and result.status != "ok"]
         for result in broken:
-            say(result.reason)
+            message(result.reason)
         return BROKEN if broken else OK
 
     def _scene(self) -> Any:

@@ -10,7 +10,7 @@ import tyro
 
 from app import state
 from app.commands.flags import BadInput, PathFlag, Switch, TextFlag, default_hint
-from app.commands.output import Target, json_target, put_result, say
+from app.commands.output import Target, json_target, message, put_result
 from app.commands.progress import working
 from app.commands.run.text import goal_table, run_table
 from app.commands.scene_flags import SceneFlags
@@ -88,17 +88,17 @@ class Output:
             raise BadInput("plot", self.plot, "is the file of --json too; give each its own")
         writer = None if self.particles is None else ParticleWriter(self.particles, scene)
         for sentence in () if self.quiet else scene.warnings():
-            say(f"warning: {sentence}")
+            message(f"warning: {sentence}")
         result = _run(scene, self.quiet, writer, self.goal)
         if scene.arch == "gpu" and result.arch in ("x64", "arm64") and not self.quiet:
             why = "no GPU was found" if scene.for_gpu else f"the {scene.problem} is built for processors"
-            say(f"{why}: this ran on the processor ({result.arch})")
+            message(f"{why}: this ran on the processor ({result.arch})")
         put_result(result.to_dict(), target, lambda values: run_table(values) + goal_table(scene, values["goals"]))
         if writer:
             writer.write(result)
         drawn = picture is None or _draw(result, picture)
         if result.reason:
-            say(result.reason)
+            message(result.reason)
         if result.status != "ok":
             return BROKEN
         return OK if drawn else FAILED
@@ -152,6 +152,6 @@ def _draw(result: Result, target: Target) -> bool:
         from app.pictures.run import png_bytes, run_figure
         target.write(png_bytes(run_figure(result)))
     except Exception as error:
-        say(f"--plot {target.text}: the picture failed ({type(error).__name__}: {error}); the run is fine")
+        message(f"--plot {target.text}: the picture failed ({type(error).__name__}: {error}); the run is fine")
         return False
     return True

@@ -9,7 +9,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Annotated, Any, ClassVar
 
 from app.commands.flags import BadInput, PathFlag, RealFlag, Switch, choices_of, default_hint, number, real, several_of
-from app.commands.output import json_target, put_result, say
+from app.commands.output import json_target, message, put_result
 from app.commands.progress import noted_interrupts, stdout_to_stderr
 from app.words import command_line, per_cell
 from solvers.scene.scene import Scene
@@ -76,7 +76,7 @@ class Advise:
         values = as_dict(advice, base, self.tolerance, self.relative, time.monotonic() - begun)
         put_result(values, target, as_text)
         if not advice.met:
-            say(values["reason"])
+            message(values["reason"])
         return OK if advice.met else UNREACHABLE
 
     def _search(self, base: Scene, quantity: str, tolerance: float, check_interrupts) -> Advice:
@@ -85,8 +85,10 @@ class Advise:
         def told(looks: int, certain: int, scene: Scene) -> None:
             check_interrupts()
             if not self.quiet and sys.stderr.isatty():
-                say(f"run {looks}: {scene.method}, {scene.cells} cells, {per_cell(scene.problem, scene.ppc)} particles "
-                    f"per cell, cfl {scene.cfl:g}")
+                message(
+                    f"run {looks}: {scene.method}, {scene.cells} cells, {per_cell(scene.problem, scene.ppc)} particles "
+                    f"per cell, cfl {scene.cfl:g}"
+                )
 
         for method in self.method:
             require_choice("method", method, base.choices("method"))

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Annotated, Any, ClassVar
 
 from app.commands.flags import BadInput, NumberFlag, PathFlag, Switch, TextFlag, default_hint
-from app.commands.output import Target, draw, put_text, say, telling
+from app.commands.output import Target, draw, message, put_text, report_write_errors
 from solvers.scene.scene import Scene
 from solvers.scene.validation import require_whole
 from solvers.solver.soundness import LOST, OK, UNSTABLE
@@ -19,7 +19,7 @@ from solvers.untrusted.quoting import quoted
 from solvers.workers.cpu_count import usual_processes
 
 if TYPE_CHECKING:
-    from solvers.study.executors import Cluster, Here, Question
+    from solvers.study.executors import Cluster, LocalExecutor, Question
 
 INCOMPLETE = 1  # exit status
 ADDRESS = re.compile(r"(tcp|tls|ucx|ws|wss)://\S+:\d+/?")
@@ -128,11 +128,15 @@ class Study:
         order = {task.key: k for k, task in enumerate(tasks)}
         return sorted(store.rows.values(), key=lambda row: order.get(row["key"], len(order)))
 
-    def _place(self) -> "Here | Cluster":
+    def _place(self) -> "LocalExecutor | Cluster":
         """Where rows run."""
-        from solvers.study.executors import Cluster, Here, NoCluster
+        from solvers.study.executors import Cluster, LocalExecutor, NoCluster
         try:
-            return Here(self._workers(), self.WORK) if self.scheduler is None else Cluster(self.scheduler, self.WORK)
+            return (
+                LocalExecutor(self._workers(), self.WORK)
+                if self.scheduler is None
+                else Cluster(self.scheduler, self.WORK)
+            )
         except NoCluster as error:
             raise BadInput("scheduler", self.scheduler, str(error)) from None
 
@@ -140,32 +144,32 @@ class Study:
         if self.quiet:
             return
         there = sum(store.finished(task.key) for task in tasks)
-        say(f"{len(tasks)} rows" + (f", {there} of them there already" if there else ""))
+        message(f"{len(tasks)} rows" + (f", {there} of them there already" if there else ""))
         if old := sum(store.outdated(task.key) for task in tasks):
-            say(f"{old} row{'s were' if old > 1 else ' was'} measured by another version of the solvers and "
+            message(f"{old} row{'s were' if old > 1 else ' was'} measured by another version of the solvers and "
                 f"{'are' if old > 1 else 'is'} measured again")
         for sentence in dict.fromkeys(sentence for task in tasks for sentence in task.remarks()):
-            say(sentence)
+            message(sentence)
 
-    def _measure(self, tasks: Sequence["Question"], place: "Here | Cluster", store: Store) -> bool:
+    def _measure(self, tasks: Sequence["Question"], place: "LocalExecutor | Cluster", store: Store) -> bool:
         """Fill the store; False if the place where rows run was lost on the way."""
-        from solvers.study.executors import PlaceLost, execute
+        from solvers.study.executors import ExecutorLost, execute
         todo = [task for task in tasks if not store.finished(task.key)]
         done = len(tasks) - len(todo)
 
         def keep(row: dict) -> None:
             nonlocal done
             done += 1
-            with telling(f"--out {quoted(self.out)}"):
+            with report_write_errors(f"--out {quoted(self.out)}"):
                 store.append(self.beside(row))
             if not self.quiet and row["status"] != REFUSED:  # that was said before
-                say(f"{done}/{len(tasks)} {self.told(row, tasks)}")
+                message(f"{done}/{len(tasks)} {self.told(row, tasks)}")
 
         try:
             for group in self.stages(todo):
                 execute(group, place, keep, self.given_up)
-        except PlaceLost as error:
-            say(f"{error}; {done} of {len(tasks)} rows are kept: give --resume to run the others")
+        except ExecutorLost as error:
+            message(f"{error}; {done} of {len(tasks)} rows are kept: give --resume to run the others")
             return False
         return True
 

@@ -9,7 +9,7 @@ from typing import Annotated
 import tyro
 
 from app.commands.flags import BadInput, PathFlag, ProcessesFlag, Switch, TextFlag, default_hint, side_by_side
-from app.commands.output import Target, json_text, say
+from app.commands.output import Target, json_text, message
 from app.commands.study.study_command import INCOMPLETE, Study
 from app.words import NOTHING, QUANTITIES, method_name
 from solvers.problems import PROBLEMS
@@ -89,7 +89,7 @@ class Tables(Study):
         wanted = self._tables()
         keys = {task.key for task in runs(wanted)}
         if failed := [row for row in rows if row["key"] in keys and row["status"] == FAILED]:
-            say(f"{len(failed)} runs failed, the first of them: {failed[0]['reason']}; the others are kept")
+            message(f"{len(failed)} runs failed, the first of them: {failed[0]['reason']}; the others are kept")
             return INCOMPLETE
         made = [document(table, results_of(table, rows)) for table in wanted]
         status = self.write({f"table{table['table']}": functools.partial(lambda table, _: figure(table), table)
@@ -99,7 +99,7 @@ class Tables(Study):
                                                           ("md", markdown(table)))})
         unstable = [row for table in made for row in table["rows"] if row["unstable"]]
         for row in unstable:
-            say(f"{row['name']}: {row['unstable']}")
+            message(f"{row['name']}: {row['unstable']}")
         return UNSTABLE if unstable else status
 
 

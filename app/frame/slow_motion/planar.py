@@ -3,7 +3,7 @@
 import numpy as np
 
 from app.frame.layout import Rectangle
-from app.frame.primitives import Colour, Room
+from app.frame.primitives import Bounds, Colour
 from app.frame.slow_motion.stage import DOMAINS, FRONT, OTHERS, SlowStage, shape
 from solvers.problems.planar.layout import CORNERS
 from solvers.scene.scene import Scene
@@ -20,7 +20,7 @@ class PlanarSlowStage(SlowStage):
 
     _above, _aside = 0.02, np.array([0.0, 0.0])
 
-    def _divided(self, room: Room) -> tuple[float, Rectangle]:
+    def _divided(self, room: Bounds) -> tuple[float, Rectangle]:
         return BESIDE, (BESIDE + 0.03, 1.0, 0.0, room.high)
 
     def _look_at(self, a: StepBreakdown) -> None:

@@ -6,7 +6,7 @@ from dataclasses import replace
 import numpy as np
 
 from app.frame.layout import Rectangle, rectangle
-from app.frame.primitives import Anchor, Colour, Room, Sheet, wrapped
+from app.frame.primitives import Anchor, Bounds, Colour, Surface, wrapped
 from app.frame.slow_motion.sketch import SIZES, Sketch
 from app.frame.slow_motion.step_phases import PHASES, scaled
 from app.language.translation import tr
@@ -31,7 +31,7 @@ MAGNIFIED = 0.3  # of a cell, about how far particles are seen to move
 class SlowStage(ABC):
     """Draws one step taken apart on a sheet. A problem says where things are drawn."""
 
-    def __init__(self, sheet: Sheet):
+    def __init__(self, sheet: Surface):
         self.sheet, self._sketch = sheet, Sketch()
         self._divide()
 
@@ -219,7 +219,7 @@ class SlowStage(ABC):
     _per_metre: float
 
     @abstractmethod
-    def _divided(self, room: Room) -> tuple[float, Rectangle]:
+    def _divided(self, room: Bounds) -> tuple[float, Rectangle]:
         """How wide lines of words are, above and below the picture or beside it, and the picture's x0, x1, y0, y1."""
 
     @abstractmethod

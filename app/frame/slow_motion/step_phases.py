@@ -6,37 +6,37 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from app.language.translation import later, tr
+from app.language.translation import lazy, tr
 from app.words import PREFIXES
 from solvers.scene.remedies import PIECES
 from solvers.scene.scene import Scene
 from solvers.solver.step_breakdown import StepBreakdown
 
 #: What a node's weight is, by method.
-WEIGHT = {"mpm": later("weight S = the node's hat function at the particle"),
-          "bspline": later("weight S = the node's quadratic B-spline at the particle"),
-          "cpdi": later("weight S = the node's hat function, mean of the particle's four corners")}
-AVERAGED = later("weight S = the node's hat function, averaged over the particle's domain")
+WEIGHT = {"mpm": lazy("weight S = the node's hat function at the particle"),
+          "bspline": lazy("weight S = the node's quadratic B-spline at the particle"),
+          "cpdi": lazy("weight S = the node's hat function, mean of the particle's four corners")}
+AVERAGED = lazy("weight S = the node's hat function, averaged over the particle's domain")
 #: The equations of some phases, by what they depend on.
 FORCE = {
-    "none": later("force of a node = − sum of slope × {volume} × stress of the particles{corrected}; no body force"),
-    "node": later("force of a node = − sum of slope × {volume} × stress of the particles{corrected} + body force at "
+    "none": lazy("force of a node = − sum of slope × {volume} × stress of the particles{corrected}; no body force"),
+    "node": lazy("force of a node = − sum of slope × {volume} × stress of the particles{corrected} + body force at "
                   "the node, × its mass"),
-    "": later("force of a node = − sum of slope × {volume} × stress of the particles{corrected} + sum of weight × body "
+    "": lazy("force of a node = − sum of slope × {volume} × stress of the particles{corrected} + sum of weight × body "
               "force")}
 FORCE_OF_PIECES = {
-    "none": later("force of a node = sum over the corners between pieces of its function there × jump of the "
+    "none": lazy("force of a node = sum over the corners between pieces of its function there × jump of the "
                   "stress{corrected}; no body force"),
-    "node": later("force of a node = sum over the corners between pieces of its function there × jump of the "
+    "node": lazy("force of a node = sum over the corners between pieces of its function there × jump of the "
                   "stress{corrected} + body force at the node, × its mass"),
-    "": later("force of a node = sum over the corners between pieces of its function there × jump of the "
+    "": lazy("force of a node = sum over the corners between pieces of its function there × jump of the "
               "stress{corrected} + sum of weight × body force")}
 MOTION = {
-    "particle": later("the particle's v grows by time step × sum of weight × a of the nodes, x by time step × its "
+    "particle": lazy("the particle's v grows by time step × sum of weight × a of the nodes, x by time step × its "
                       "new v"),
-    "corners": later("the particle's v grows by time step × sum of weight × a of the nodes, x by time step × the "
+    "corners": lazy("the particle's v grows by time step × sum of weight × a of the nodes, x by time step × the "
                      "nodes' new v at the ends of its domain (mean)"),
-    "": later("the particle's v grows by time step × sum of weight × a of the nodes, x by time step × sum of weight × "
+    "": lazy("the particle's v grows by time step × sum of weight × a of the nodes, x by time step × sum of weight × "
               "new v of the nodes")}
 
 
@@ -51,15 +51,15 @@ class Column:
     scale: float = 1.0
 
 
-WEIGHTS = Column(later("weight S"), "", lambda a: a.links.weight[0])
-SLOPES = Column(later("slope of S"), "1/m", lambda a: a.links.slope[0])
-MASS = Column(later("mass"), "g", lambda a: a.node_mass, 1000.0)
-MOMENTUM = Column(later("momentum"), "N s", lambda a: a.momentum)
-INTERNAL = Column(later("force of stress"), "N", lambda a: a.internal_force)
-BODY = Column(later("body force"), "N", lambda a: a.body_force)
-OLD = Column(later("old v"), "m/s", lambda a: a.before_velocity)
-NEW = Column(later("new v"), "m/s", lambda a: a.velocity)
-ACCELERATION = Column(later("acceleration a"), "m/s²", lambda a: a.acceleration)
+WEIGHTS = Column(lazy("weight S"), "", lambda a: a.links.weight[0])
+SLOPES = Column(lazy("slope of S"), "1/m", lambda a: a.links.slope[0])
+MASS = Column(lazy("mass"), "g", lambda a: a.node_mass, 1000.0)
+MOMENTUM = Column(lazy("momentum"), "N s", lambda a: a.momentum)
+INTERNAL = Column(lazy("force of stress"), "N", lambda a: a.internal_force)
+BODY = Column(lazy("body force"), "N", lambda a: a.body_force)
+OLD = Column(lazy("old v"), "m/s", lambda a: a.before_velocity)
+NEW = Column(lazy("new v"), "m/s", lambda a: a.velocity)
+ACCELERATION = Column(lazy("acceleration a"), "m/s²", lambda a: a.acceleration)
 
 
 @dataclass(frozen=True)
@@ -129,19 +129,19 @@ def _strained(_: Scene, a: StepBreakdown) -> list[str]:
 
 
 PHASES = (
-    Phase(later("A particle and its nodes"), lambda scene: tr(WEIGHT.get(scene.method, AVERAGED)),
+    Phase(lazy("A particle and its nodes"), lambda scene: tr(WEIGHT.get(scene.method, AVERAGED)),
           (WEIGHTS, SLOPES), 1, _carried),
-    Phase(later("Mass and momentum go to the nodes"),
+    Phase(lazy("Mass and momentum go to the nodes"),
           lambda _: tr("mass of a node = sum of weight × mass of the particles; its momentum likewise"),
           (MASS, MOMENTUM, WEIGHTS), 2, _given),
-    Phase(later("Forces at the nodes"), _of_force, (INTERNAL, BODY, SLOPES), 2, _pulled),
-    Phase(later("New velocities of the nodes"),
+    Phase(lazy("Forces at the nodes"), _of_force, (INTERNAL, BODY, SLOPES), 2, _pulled),
+    Phase(lazy("New velocities of the nodes"),
           lambda _: tr("new v of a node = momentum / mass + time step × a, with a = force / mass"),
           (OLD, NEW, ACCELERATION), 2,
           lambda scene, a: [tr("time step {size}", size=amount(np.array([a.time_step]), "s"))]),
-    Phase(later("Velocities come back, the particles move"),
+    Phase(lazy("Velocities come back, the particles move"),
           lambda scene: tr(MOTION.get(scene.velocity, MOTION[""])), (NEW, ACCELERATION, WEIGHTS), 1, _moved),
-    Phase(later("Stress last"), _of_stress, (NEW, SLOPES), 1, _strained))
+    Phase(lazy("Stress last"), _of_stress, (NEW, SLOPES), 1, _strained))
 
 
 def scaled(values: np.ndarray, unit: str, digits: int) -> tuple[list[str], str]:

@@ -6,8 +6,8 @@ from concurrent.futures import Future
 from dataclasses import dataclass, replace
 from typing import Any, ClassVar, Generic, TypeVar
 
-from app.language.message_translation import heard
-from app.language.translation import carried, tr
+from app.language.message_translation import translate_message
+from app.language.translation import tr, with_language
 from solvers.workers.cpu_count import processors
 from solvers.workers.worker_pool import Slots, WorkerPool
 
@@ -99,13 +99,13 @@ class Background(ABC, Generic[S]):
                 return
             self.status = replace(status, running=True)
             self._pool = self._process(status.kind)
-            job = self._pool.submit(question, carried(self._hear), patience)
-        job.add_done_callback(carried(self._end))
+            job = self._pool.submit(question, with_language(self._hear), patience)
+        job.add_done_callback(with_language(self._end))
 
     def _hear(self, message: dict[str, Any]) -> None:
         """There is no other job's message, because the next waits for this one's end."""
         if trouble := message.get("trouble"):
-            message = message | {"trouble": heard(trouble)}
+            message = message | {"trouble": translate_message(trouble)}
         with self._lock:
             self.status = self.heard(self.status, message)
 
@@ -119,6 +119,6 @@ class Background(ABC, Generic[S]):
             if isinstance(error, OSError):
                 trouble = tr("No process could be started: {reason}.", reason=error.strerror or error)
             elif error is not None:
-                trouble = tr("the background process {has_ended}", has_ended=heard(str(error)))
+                trouble = tr("the background process {has_ended}", has_ended=translate_message(str(error)))
             self.status, self._pool = replace(self.status, running=False, trouble=trouble), None
             self.slots.give_back()

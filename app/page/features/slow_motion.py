@@ -8,14 +8,14 @@ from html import escape
 
 import viser
 
-from app.frame.headline import Said
+from app.frame.headline import Headline
 from app.frame.layout import Rectangle
-from app.frame.primitives import Room
+from app.frame.primitives import Bounds
 from app.frame.slow_motion.stage import DIGITS, SlowStage
 from app.frame.slow_motion.step_phases import PHASES, scaled
-from app.language.translation import carried, tr
+from app.language.translation import tr, with_language
 from app.page.canvas import Canvas
-from app.page.display_source import Choice, Picture, Sight, Source
+from app.page.display_source import Choice, Display, FrameView, Source
 from app.page.panels.page_header import BARE
 from app.page.visit.session import Session
 from app.problems.views import VIEWS
@@ -41,9 +41,9 @@ class SlowMotion:
         self._stages: dict[str, SlowStage] = {}  # made when they are first needed
         self._step: tuple[Scene, StepBreakdown] | None = None
         self.on = self._walking = False
-        self.sentence = Said()  # that says what is on the stage, while the mode is on
+        self.sentence = Headline()  # that says what is on the stage, while the mode is on
         self._phase, self._s, self._seconds, self._asked = 0, 0.0, SECONDS[2], 0
-        self._drawn: tuple[int, float, Room] | None = None  # phase, how far it is, and in which room
+        self._drawn: tuple[int, float, Bounds] | None = None  # phase, how far it is, and in which room
 
     @property
     def showing(self) -> bool:
@@ -147,12 +147,14 @@ class SlowMotion:
     def _enter(self) -> None:
         self.on, self._box.value, self._over = True, True, threading.Event()  # type: ignore[misc]
         self._take()
-        threading.Thread(target=carried(self._draw_loop), args=(self._over,), name="slow-motion", daemon=True).start()
+        threading.Thread(
+            target=with_language(self._draw_loop), args=(self._over,), name="slow-motion", daemon=True
+        ).start()
 
     def _leave(self) -> None:
         self.on = self._walking = self._box.value = False  # type: ignore[misc]
         self._over.set()
-        self._text.content, self.sentence = "", Said()
+        self._text.content, self.sentence = "", Headline()
         self._step = self._drawn = None
         for stage in self._stages.values():
             stage.sheet.visible = False
@@ -181,7 +183,7 @@ class SlowMotion:
             if self._drawn is None or self._phase != self._drawn[0]:
                 self._text.content = _table(scene, step, self._phase)
                 phase = PHASES[self._phase]  # what happens in it, for above the stage
-                self.sentence = Said.of(tr("{n} of {all}: {title}.", n=self._phase + 1, all=len(PHASES),
+                self.sentence = Headline.of(tr("{n} of {all}: {title}.", n=self._phase + 1, all=len(PHASES),
                                            title=tr(phase.title)), phase.words(scene))
             along = min(1.0, self._s / MOVING)
             with self._client.atomic():
@@ -213,11 +215,11 @@ class SlowStep:
     def at_once(self) -> bool:
         return bool(self._slow.sentence)
 
-    def sight(self, choice: Choice) -> Sight | None:
+    def sight(self, choice: Choice) -> Display | None:
         sight = self._run.sight(choice)
         return sight and replace(sight, hidden=self._slow.rectangle)
 
-    def sentence(self, choice: Choice, picture: Picture) -> Said:
+    def sentence(self, choice: Choice, picture: FrameView) -> Headline:
         said = self._run.sentence(choice, picture)
         return said and (self._slow.sentence or said)
 

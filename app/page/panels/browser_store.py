@@ -111,7 +111,7 @@ LETTERS = 12.0  # pixels, as high as letters on the stage usually are
 
 
 @dataclass(frozen=True)
-class Size:
+class LayoutMetrics:
     """Pixels of the window: of the box that is free for the stage from x = 0 to 1, of what is left of that, of the plot
     over time, and of the stage's letters."""
 
@@ -127,15 +127,17 @@ class Window:
     """One visitor's. ``on_change`` is called when its size is another one, ``on_dark`` when it is to be dark or light;
     what the browser says may be anything."""
 
-    def __init__(self, store: BrowserStore, on_change: Callable[[Size], None], on_dark: Callable[[bool], None]):
-        self.size, self._dark, self._on_change, self._on_dark = Size(), False, on_change, on_dark
+    def __init__(
+        self, store: BrowserStore, on_change: Callable[[LayoutMetrics], None], on_dark: Callable[[bool], None]
+    ):
+        self.size, self._dark, self._on_change, self._on_dark = LayoutMetrics(), False, on_change, on_dark
         store.heard["room"] = self._hear
         store.heard["dark"] = self._shade
 
     def _hear(self, said: Any) -> None:
         if not (isinstance(said, list) and len(said) == 6 and all(number(part, 0, WIDEST) for part in said)):
             return
-        size = Size(*map(float, said))
+        size = LayoutMetrics(*map(float, said))
         if size != self.size:
             self.size = size
             self._on_change(size)

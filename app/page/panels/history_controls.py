@@ -7,22 +7,22 @@ import viser
 
 from app.frame.captions import DIFFERENCE, SIDE_BY_SIDE
 from app.frame.colour_scale import ColourScale
-from app.language.translation import later, tr
-from app.page.visit.frame_buffer import Recent
+from app.language.translation import lazy, tr
+from app.page.visit.frame_buffer import FrameBuffer
 from app.page.visit.history import LAST_PERIODS
 from app.page.visit.particle_trace import Trace
 from app.page.visit.session import Session
 from app.problems.views import VIEWS
 from solvers.untrusted import number_parsing, quoting
 
-ALL, LATEST = later("all"), later("last {n} periods")
-LINEAR, LOGARITHMIC = later("linear"), later("logarithmic")
+ALL, LATEST = lazy("all"), lazy("last {n} periods")
+LINEAR, LOGARITHMIC = lazy("linear"), lazy("logarithmic")
 
 
-class Looking:
+class HistoryControls:
     """Widgets of one visitor among the controls. ``on_view`` is called when another frame or particle is shown."""
 
-    def __init__(self, session: Session, recent: Recent, trace: Trace, on_view: Callable[[], None]):
+    def __init__(self, session: Session, recent: FrameBuffer, trace: Trace, on_view: Callable[[], None]):
         self._session, self._recent, self._trace, self._on_view = session, recent, trace, on_view
         self.latest = False  # whether plots show the last periods only
         self._refused = False
@@ -119,11 +119,11 @@ def _hint(frames: int, periods: float) -> str:
               "{periods:.2g} periods.", frames=frames, periods=periods)
 
 
-class Drawn:
+class DrawingOptions:
     """Widgets of one visitor. ``part`` gives room for a control that a lesson may do without; ``on_view`` is called
     when the drawing changes."""
 
-    def __init__(self, session: Session, scale: ColourScale, looking: Looking, on_view: Callable[[], None]):
+    def __init__(self, session: Session, scale: ColourScale, looking: HistoryControls, on_view: Callable[[], None]):
         self._session, self._scale, self._looking, self._on_view = session, scale, looking, on_view
         self.difference = self.domains = False
 

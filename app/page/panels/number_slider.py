@@ -8,18 +8,18 @@ from typing import Any
 import numpy as np
 import viser
 
-from app.language.translation import carried, later, tr
+from app.language.translation import lazy, tr, with_language
 from app.page.panels.page_header import mark
-from app.page.panels.scene_widgets import BoundWidgets
+from app.page.panels.scene_widgets import SceneWidgets
 from app.words import size_in, with_unit
 from solvers.untrusted import quoting
 
 TYPING = 0.8  # seconds without another key, after which what has been typed counts
 STEP = 0.005  # of the slider, in powers of ten
 DIGITS = 6
-TYPE_SIZE, TYPE = later("type a number in {unit}, or with a prefix: {example}"), later("type a number: {example}")
-NO_SIZE = later("{name}: '{typed}' is not a number above 0 in {unit}; give one such as {example}")
-NO_NUMBER = later("{name}: '{typed}' is not a number above 0; give one such as {example}")
+TYPE_SIZE, TYPE = lazy("type a number in {unit}, or with a prefix: {example}"), lazy("type a number: {example}")
+NO_SIZE = lazy("{name}: '{typed}' is not a number above 0 in {unit}; give one such as {example}")
+NO_NUMBER = lazy("{name}: '{typed}' is not a number above 0; give one such as {example}")
 
 
 @dataclass(frozen=True)
@@ -40,7 +40,7 @@ class SizeControl:
     """Two widgets that show one number. ``act`` is called with a number that the visitor has set; text that is none is
     refused in a sentence. What cannot be goes back to what is."""
 
-    def __init__(self, gui: viser.GuiApi, bound: BoundWidgets, size: Size, value: float, act: Callable[[float], None]):
+    def __init__(self, gui: viser.GuiApi, bound: SceneWidgets, size: Size, value: float, act: Callable[[float], None]):
         self._bound, self._size, self._act = bound, size, act
         self._typed: threading.Timer | None = None
         self._value = value  # what is, as far as is known
@@ -101,7 +101,7 @@ class SizeControl:
         """Wait for the rest: half a number is another number."""
         if self._typed:
             self._typed.cancel()
-        self._typed = threading.Timer(TYPING, carried(self._read_in_turn), (text,))
+        self._typed = threading.Timer(TYPING, with_language(self._read_in_turn), (text,))
         self._typed.daemon = True
         self._typed.start()
 

@@ -14,7 +14,7 @@ import viser
 
 from app.colours import TEXTS, rgb
 from app.identity import MARK, faces
-from app.language.translation import LANGUAGES, catalogue, language, later, tr
+from app.language.translation import LANGUAGES, catalogue, language, lazy, tr
 from app.page.panels.browser_store import BrowserStore
 from app.templates import rendered
 from app.words import in_a_line
@@ -73,10 +73,10 @@ def marked(*names: str, words: str = "") -> str:
 
 
 _BUTTON, _ON = "<i class='lab-present'></i>", "<i class='lab-present lab-presenting'></i>"
-PRESENT, END = later("Present"), later("End")
+PRESENT, END = lazy("Present"), lazy("End")
 
 
-class Presenter:
+class PresentationMode:
     """A button that turns the view on and off; so do Escape and an address that ends in ``?present`` (``present.js``).
     The style (``70-present.css``) follows a mark in the page."""
 

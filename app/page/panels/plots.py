@@ -15,10 +15,10 @@ from viser import uplot
 from app.colours import PINNED, TRUTH
 from app.frame.captions import NOT_COUNTED, TRUE
 from app.frame.colour_scale import BEYOND, largest
-from app.language.translation import later, tr
+from app.language.translation import lazy, tr
 from app.page.panels.readout import named
 from app.page.visit.history import RunSeries
-from app.page.visit.particle_trace import Traced
+from app.page.visit.particle_trace import TracedParticle
 from app.page.visit.pinned_run import PinnedRun
 from app.words import QUANTITIES, number, power_of_ten, power_text
 from solvers.scene.estimator_registry import ESTIMATORS
@@ -40,12 +40,12 @@ _TIMES = (("s", 1.0, 1e-2), ("ms", 1e-3, 1e-5), ("µs", 1e-6, 0.0))
 _GRID: uplot.Axis_Grid = {"stroke": "#e6e9ee", "width": 1}
 _TICKS: uplot.Axis_Ticks = {"stroke": "#c6ccd4", "width": 1, "size": 4}
 #: What each plot shows, for who rests on its title.
-NORM = later("root of the mean square over all particles: the broad line is the true error, the others estimate it")
-INDEX = later("estimated over true error, summed over the run so far; on the grey line, at 1, an estimate is perfect")
-CROSSED = later("particles that pass from one cell of the grid into the next, in a second of simulated time")
-TRACE = later("true error and its estimates at the particle that is traced; magenta: where it crosses a cell boundary")
-ABOVE = later("{estimator} is above the plot, at {index}")
-BELOW = later("{estimator} is below the plot, at {index}")
+NORM = lazy("root of the mean square over all particles: the broad line is the true error, the others estimate it")
+INDEX = lazy("estimated over true error, summed over the run so far; on the grey line, at 1, an estimate is perfect")
+CROSSED = lazy("particles that pass from one cell of the grid into the next, in a second of simulated time")
+TRACE = lazy("true error and its estimates at the particle that is traced; magenta: where it crosses a cell boundary")
+ABOVE = lazy("{estimator} is above the plot, at {index}")
+BELOW = lazy("{estimator} is below the plot, at {index}")
 HeadedPlot = tuple[viser.GuiHtmlHandle, viser.GuiUplotHandle]
 PlotSet = tuple[list[HeadedPlot], viser.GuiHtmlHandle]  # and the label of their times
 
@@ -105,7 +105,9 @@ class Plots:
                                      np.ones(len(time)), *indices))
         self._show_crossings(history, series, grey_rate, second)
 
-    def show_trace(self, traced: Traced, valid: tuple[str, ...], quantity: str, latest: bool, shown: float) -> None:
+    def show_trace(
+        self, traced: TracedParticle, valid: tuple[str, ...], quantity: str, latest: bool, shown: float
+    ) -> None:
         """Draw a particle's errors; its crossings and the time ``shown``, s, are marked on the first with values."""
         series, (heading, plot) = traced.latest if latest else traced.series, self._trace
         time, (errors, unit) = series["time"], self._errors(series, valid, quantity)

@@ -11,8 +11,8 @@ import numpy as np
 
 from app.colours import ESTIMATE, PINNED, TRUTH
 from app.frame.captions import ESTIMATED, TRUE, why_no_numbers
-from app.language.message_translation import heard
-from app.language.translation import later, tr
+from app.language.message_translation import translate_message
+from app.language.translation import lazy, tr
 from app.page.stage.worst_region import WorstRegion, WorstRegions
 from app.page.visit.history import History, last, until
 from app.page.visit.pinned_run import PinnedRun
@@ -29,32 +29,32 @@ from solvers.study.coverage import track_record
 
 #: Of a line.
 HINTS = {
-    later("time"): later("simulated time since the start, and in periods of the exact vibration"),
-    later("steps"): later("time steps taken, and how long each is"),
-    later("step"): later("the time step over the longest that the present configuration bears by linear theory; above "
+    lazy("time"): lazy("simulated time since the start, and in periods of the exact vibration"),
+    lazy("steps"): lazy("time steps taken, and how long each is"),
+    lazy("step"): lazy("the time step over the longest that the present configuration bears by linear theory; above "
                          "1 it breaks"),
-    later("solver"): later("how fast the kernels run, waiting not counted, and on what"),
-    later("speed"): later("periods of the vibration in a second of yours: reached, of those asked for"),
-    later("shown"): later("an earlier frame, of those that the slider Look back goes through"),
-    later("kinetic energy"): later("of all particles, ± twice the error that the estimator on the stage says it has"),
-    later("mean stress"): later("over the body at rest, ± twice the error that the estimator on the stage says it has"),
-    later("verdict"): later("a run is ok if its positions are; this is as wrong as it is large"),
-    later("unseen"): later("what the verdict does not rest on"),
-    later("region"): later("mean and worst error of the particles in a rectangle that you drag on the stage"),
+    lazy("solver"): lazy("how fast the kernels run, waiting not counted, and on what"),
+    lazy("speed"): lazy("periods of the vibration in a second of yours: reached, of those asked for"),
+    lazy("shown"): lazy("an earlier frame, of those that the slider Look back goes through"),
+    lazy("kinetic energy"): lazy("of all particles, ± twice the error that the estimator on the stage says it has"),
+    lazy("mean stress"): lazy("over the body at rest, ± twice the error that the estimator on the stage says it has"),
+    lazy("verdict"): lazy("a run is ok if its positions are; this is as wrong as it is large"),
+    lazy("unseen"): lazy("what the verdict does not rest on"),
+    lazy("region"): lazy("mean and worst error of the particles in a rectangle that you drag on the stage"),
 }
 #: And of a column, or of several lines.
-NORM = later("root of the mean square over the particles, now")
-INDEX = later("error index: estimated over true, summed over the run so far; 1 is perfect")
-DISTANCE = later("what the estimate misses, direction and all, over the true error; 0 is perfect")
-WORST = later("where the root mean square of the error is largest, by the estimate on the stage and in truth")
+NORM = lazy("root of the mean square over the particles, now")
+INDEX = lazy("error index: estimated over true, summed over the run so far; 1 is perfect")
+DISTANCE = lazy("what the estimate misses, direction and all, over the true error; 0 is perfect")
+WORST = lazy("where the root mean square of the error is largest, by the estimate on the stage and in truth")
 
 
 CAPPED_BELOW = 0.9  # of the speed asked for
-ROUNDED = later("nothing but rounding")
-GOALS = {ENERGY: later("kinetic energy"), STRESS: later("mean stress")}
+ROUNDED = lazy("nothing but rounding")
+GOALS = {ENERGY: lazy("kinetic energy"), STRESS: lazy("mean stress")}
 SHORT = 30  # characters of a reason that fit beside a name
-BARS = later("{value} ± {bar}; such bars held in {n} of {all} runs like this")
-DRAG = later("drag a rectangle on the stage")
+BARS = lazy("{value} ± {bar}; such bars held in {n} of {all} runs like this")
+DRAG = lazy("drag a rectangle on the stage")
 
 
 @dataclass(frozen=True)
@@ -138,11 +138,17 @@ def _run(session: Session, history: History, report: FrameReport, series: dict[s
         rows.append(("step", NOTHING if math.isnan(margin) else  # before the first step nothing has a mass
                      f"<span class='lab-over'>{text}</span>" if margin > 1 else text))
     rows += [] if ago else list(_goals(report, drawn))
-    rows += [("steps", tr("{steps:,} of {length}", steps=report.step, length=with_unit(scene.time_step, "s"))),
-             ("solver", tr("{rate:.1f} M particle-steps/s on {arch}", rate=report.rate, arch=html.escape(report.arch))),
-             *([("verdict", html.escape(heard(report.reason)))] if report.status == OK and report.reason else []),
-             *([("unseen", html.escape(heard(report.not_checked)))] if report.not_checked else []),
-             ("region", html.escape(probed or tr(DRAG)))]
+    rows += [
+        ("steps", tr("{steps:,} of {length}", steps=report.step, length=with_unit(scene.time_step, "s"))),
+        ("solver", tr("{rate:.1f} M particle-steps/s on {arch}", rate=report.rate, arch=html.escape(report.arch))),
+        *(
+            [("verdict", html.escape(translate_message(report.reason)))]
+            if report.status == OK and report.reason
+            else []
+        ),
+        *([("unseen", html.escape(translate_message(report.not_checked)))] if report.not_checked else []),
+        ("region", html.escape(probed or tr(DRAG))),
+    ]
     hints = {**{line.name: line.hint for line in lines.values()}, **HINTS}
     return table("".join(f"<tr title=\"{html.escape(tr(hints[name]) if hints[name] else '')}\">"
                          f"<td>{html.escape(tr(name))}</td>\n<td>{text}</td></tr>\n" for name, text in rows), "lab-run")

@@ -9,11 +9,11 @@ import numpy as np
 import viser
 
 from app import words
-from app.language.translation import later, tr
+from app.language.translation import lazy, tr
 from app.page.panels.browser_store import BrowserStore
 from app.page.panels.number_slider import Size, SizeControl
 from app.page.panels.page_header import mark, marked
-from app.page.panels.scene_widgets import BoundWidgets
+from app.page.panels.scene_widgets import SceneWidgets
 from app.page.visit.session import Session
 from app.problems.views import VIEWS
 from app.words import METHODS, Method, with_unit
@@ -29,13 +29,13 @@ WIDTH, HEIGHT = 44.0, 22.0  # of a picture, in its own units
 HALF_WIDTH = 0.125  # of a particle at rest, in cells: four in each
 STRETCHED = 0.32  # of one that is stretched, for methods whose particles follow the motion: wide enough to be seen
 FOLLOWS = ("cpgimp", "cpgimp-v", "cpdi")
-NAMES = {"mpm": later("hat")}  # where the picture has another name than the method
+NAMES = {"mpm": lazy("hat")}  # where the picture has another name than the method
 
 
 class RunWidgets:
     """Widgets of one visitor. ``part`` gives room for a control that a lesson may do without."""
 
-    def __init__(self, session: Session, bound: BoundWidgets, store: BrowserStore):
+    def __init__(self, session: Session, bound: SceneWidgets, store: BrowserStore):
         self._session, self._bound = session, bound
         store.heard["method"] = self._choose_method
 

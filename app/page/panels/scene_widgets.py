@@ -12,7 +12,7 @@ from typing import Any
 import viser
 
 from app import words
-from app.language.message_translation import heard
+from app.language.message_translation import translate_message
 from app.language.translation import tr
 from app.page.panels.page_header import mark
 from app.page.visit.session import Session, first_scene
@@ -73,7 +73,7 @@ def _said(widget: Any, kind: str, sentence: str) -> str:
     return f"<i class='lab-answer' data-of='{identity(widget)}' data-kind='{kind}' data-says='{escape(sentence)}'></i>"
 
 
-class BoundWidgets:
+class SceneWidgets:
     """Makes them for one visitor. Callbacks run side by side: they take ``turn``, so that what is read last is asked
     for last, and so do those who make the widgets anew."""
 
@@ -175,7 +175,7 @@ class BoundWidgets:
             try:
                 replace(self._session.scene, **dict[str, Any]({field: typed}))
             except SceneError as error:
-                sentence = heard(error.sentence)
+                sentence = translate_message(error.sentence)
                 said.content = f"<p class='lab-formula-says'>{escape(sentence[:1].upper() + sentence[1:])}.</p>"
 
         self.heed(text, check)

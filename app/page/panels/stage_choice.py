@@ -13,10 +13,10 @@ import viser
 from app import words
 from app.frame.captions import TRUE
 from app.frame.colour_scale import ColourScale
-from app.language.translation import later, tr
+from app.language.translation import lazy, tr
 from app.page.panels.browser_store import BrowserStore
 from app.page.panels.readout import sample
-from app.page.panels.scene_widgets import BoundWidgets
+from app.page.panels.scene_widgets import SceneWidgets
 from app.page.visit.session import Session
 from app.problems.views import VIEWS
 from solvers.engine.shared_frames import FrameArrays
@@ -25,7 +25,7 @@ from solvers.scene.estimator_registry import ESTIMATORS
 from solvers.scene.scene import Scene
 from solvers.solver import samples
 
-NONE = later("none")
+NONE = lazy("none")
 _FACTORS = {f"× {factor}": factor for factor in words.MAGNIFICATIONS}
 _NAMES = {factor: name for name, factor in _FACTORS.items()}
 
@@ -136,17 +136,17 @@ class StageChoice:
 
 
 #: What an estimator does, in the few words that a card has room for; others say their summary.
-IDEAS = {"recovered": later("smooths the particles' motion"), "transport": later("the method's own equations"),
-         "companion": later("a hidden, finer solve beside it"), "two-grid": later("the same run on wider cells")}
-INDEX = later("error index: estimated over true, summed over the run so far; price: the running time that it adds to "
+IDEAS = {"recovered": lazy("smooths the particles' motion"), "transport": lazy("the method's own equations"),
+         "companion": lazy("a hidden, finer solve beside it"), "two-grid": lazy("the same run on wider cells")}
+INDEX = lazy("error index: estimated over true, summed over the run so far; price: the running time that it adds to "
               "the usual scene")
 
 
-class Judges:
+class EstimatorCards:
     """Widgets of one visitor. One of the estimators that run is on the ``stage``; a click on a card's name puts it
     there (``js/judges.js``)."""
 
-    def __init__(self, gui: viser.GuiApi, session: Session, stage: StageChoice, bound: BoundWidgets,
+    def __init__(self, gui: viser.GuiApi, session: Session, stage: StageChoice, bound: SceneWidgets,
                  store: BrowserStore):
         self._session, self._stage, self._bound = session, stage, bound
         self._boxes: dict[str, viser.GuiCheckboxHandle] = {}

@@ -10,12 +10,12 @@ from html import escape
 
 import viser
 
-from app.language.message_translation import heard
-from app.language.translation import later, tr
+from app.language.message_translation import translate_message
+from app.language.translation import lazy, tr
 from app.page.headline import in_common, periods_of
 from app.page.visit.history import until
 from app.page.visit.session import Session
-from app.problems.suggestion import Answer, NotNow, Ran, Spark, asked
+from app.problems.suggestion import Answer, NotNow, Ran, Suggestion, asked
 from app.problems.views import VIEWS
 from app.state import State
 from app.words import METHODS, number
@@ -26,9 +26,9 @@ from solvers.solver.soundness import OK, UNSTABLE
 
 BEFORE = 0.03  # periods before a run broke, to which one goes back: more than half of what lies between frames
 #: Methods that bear more than hat functions do, the first choice first, and what they are.
-OTHERS = {"ugimp": later("the same {problem}, small intervals"), "cpdi": later("the same {problem}, boxes that deform"),
-          "bspline": later("the same {problem}, smooth functions")}
-SHORT = {COUPLED: later("coupled F")}  # where a label is too long for a button
+OTHERS = {"ugimp": lazy("the same {problem}, small intervals"), "cpdi": lazy("the same {problem}, boxes that deform"),
+          "bspline": lazy("the same {problem}, smooth functions")}
+SHORT = {COUPLED: lazy("coupled F")}  # where a label is too long for a button
 TWO, ONE = (FILTER, COUPLED), (FROZEN,)  # remedies that go together, and what there is where they do not
 
 
@@ -69,7 +69,7 @@ def _changed(key: str, icon: str, state: State, show: Callable[[State], None], t
     try:
         wanted = asked(state, changes, pinned=False)
     except NotNow as reason:
-        return Card(key, icon, title, heard(str(reason)), off=True), lambda: None
+        return Card(key, icon, title, translate_message(str(reason)), off=True), lambda: None
     return Card(key, icon, title, hint, off=not changes), lambda: show(wanted)
 
 
@@ -84,11 +84,11 @@ def _cure(scene: Scene) -> tuple[str, str, dict[str, object]]:
     return title, hint if missing else tr("it is on already"), {"remedies": names} if missing else {}
 
 
-TRY, COMPARING, ANSWER, LOST = later("Try one"), later("Comparing …"), later("The answer"), later("What now?")
+TRY, COMPARING, ANSWER, LOST = lazy("Try one"), lazy("Comparing …"), lazy("The answer"), lazy("What now?")
 WHOLE = 1e-9  # by which rounding may keep a run from its last period
 
 
-class Sparks:
+class Suggestions:
     """Those of one visitor. ``show`` puts a state on the stage; ``seek`` pauses and looks back to a time in s, if that
     is kept, and says whether it is."""
 
@@ -97,7 +97,9 @@ class Sparks:
         self._session, self._state, self._show, self._seek = session, state, show, seek
         self._html = gui.add_html("")
         self._done: set[str] = set()
-        self._asked: tuple[Spark, State, State] | None = None  # a spark, what was on the stage, and what it put there
+        self._asked: tuple[Suggestion, State, State] | None = (
+            None  # a spark, what was on the stage, and what it put there
+        )
         self._answers: dict[str, Answer] = {}  # by quantity
         self._ways: dict[str, Callable[[], None]] = {}  # out of a run that is lost
 
@@ -161,7 +163,9 @@ class Sparks:
                 offer = spark.offer(base)
                 cards.append(Card(spark.key, spark.icon, offer.title, offer.hint, done))
             except NotNow as reason:
-                cards.append(Card(spark.key, spark.icon, tr(spark.title), heard(str(reason)), done, off=True))
+                cards.append(
+                    Card(spark.key, spark.icon, tr(spark.title), translate_message(str(reason)), done, off=True)
+                )
         return cards
 
     def _base(self) -> State:
@@ -185,7 +189,7 @@ class Sparks:
             self._answers[quantity] = spark.answer(ran)
         return self._answers.get(quantity)
 
-    def _ran(self, spark: Spark, state: State) -> Ran | None:
+    def _ran(self, spark: Suggestion, state: State) -> Ran | None:
         session = self._session
         report, pinned, scene = session.report, session.pinned, state.scene
         histories = [session.history, *([pinned.history] if pinned else [])]

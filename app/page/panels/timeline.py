@@ -13,7 +13,7 @@ from viser import uplot
 from app.colours import LINES, PINNED
 from app.frame.captions import TRUE
 from app.frame.colour_scale import BEYOND, largest, round_up
-from app.language.translation import later, tr
+from app.language.translation import lazy, tr
 from app.page.panels.plots import EMPTY, finite, grey_curves, line, put
 from app.page.visit.history import RunSeries
 from app.page.visit.pinned_run import PinnedRun
@@ -27,7 +27,7 @@ BINS = 120  # of the strip of crossings
 SHADES = 9  # of the strip
 TICKS = 4  # of the time's axis, at least
 
-UNSTABLE, LOST = later("unstable from {time} on"), later("lost from {time} on")
+UNSTABLE, LOST = lazy("unstable from {time} on"), lazy("lost from {time} on")
 
 
 @dataclass(frozen=True)

@@ -17,7 +17,7 @@ import viser
 
 from app.frame.primitives import Lines, in_plane, joined
 from app.frame.stage import Stage
-from app.language.translation import later, tr
+from app.language.translation import lazy, tr
 from app.page.visit.particle_trace import Trace
 from app.renderers.viewer_renderer import Sheet
 from app.words import with_unit
@@ -93,7 +93,7 @@ class FlatCamera:
             camera.position, camera.look_at = (x, y, distance), (x, y, 0.0)
 
 
-ESTIMATED, TRUE = later("estimated mean {mean}, worst {worst}"), later("true mean {mean}, worst {worst}")
+ESTIMATED, TRUE = lazy("estimated mean {mean}, worst {worst}"), lazy("true mean {mean}, worst {worst}")
 RADIUS = 0.018  # on the stage
 #: Above all that is drawn there: the ground's colour beneath that of dots is seen on every colour of the map.
 RINGS = ("ground", 5.0, 0.04), ("dot", 2.0, 0.045)

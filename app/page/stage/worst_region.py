@@ -10,7 +10,7 @@ import numpy as np
 
 from app.frame.captions import View
 from app.frame.headline import ROUND_OFF
-from app.frame.stage import NOTHING, Remarks, Worst
+from app.frame.stage import NOTHING, Annotations, Worst
 from app.problems.views import VIEWS
 from app.words import QUANTITIES, with_unit
 from solvers.engine.engine_messages import FrameReport
@@ -58,9 +58,9 @@ class WorstRegions:
         self.scene: Scene | None = None  # of which they are
         self.by_estimate: WorstRegion | None = None
         self.by_truth: WorstRegion | None = None
-        self._remarks: tuple[Scene | None, Remarks] = None, NOTHING  # and whose: another thread may look meanwhile
+        self._remarks: tuple[Scene | None, Annotations] = None, NOTHING  # and whose: another thread may look meanwhile
 
-    def remarks(self, scene: Scene) -> Remarks:
+    def remarks(self, scene: Scene) -> Annotations:
         """What is to be written into a picture of a scene."""
         whose, remarks = self._remarks
         return remarks if scene == whose else NOTHING
@@ -97,7 +97,7 @@ class WorstRegions:
             known = np.isfinite(view.estimated) & np.isfinite(view.true)
             index = float(np.linalg.norm(view.estimated[known]) / np.linalg.norm(view.true[known]))
             alike = ALIKE[0] <= index <= ALIKE[1]
-        self._remarks = scene, Remarks(
+        self._remarks = scene, Annotations(
             (told(estimate, True) if view.left.sizes is view.estimated else None,
              told(truth, False)), report.status != soundness.OK, alike)
 

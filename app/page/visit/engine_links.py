@@ -11,7 +11,7 @@ from time import monotonic
 from typing import Any, cast
 from weakref import WeakSet
 
-from app.language.translation import carried, language, tr
+from app.language.translation import language, tr, with_language
 from solvers.engine.engine_pool import EnginePool, Listener, SessionLink
 from solvers.scene.scene import Scene
 
@@ -19,7 +19,7 @@ MOST_WATCHED = 40_000  # particles; browsers show not much more
 FASTEST = 1000.0  # periods a second; nobody sees anything of one run at such a speed
 
 
-class Tally:
+class SessionCount:
     """Counts what happens, from any thread, and knows how often it happened in the last whole second."""
 
     def __init__(self) -> None:
@@ -58,15 +58,17 @@ class _Told:
         self._listener, self._language = listener, language()
 
     def __getattr__(self, name: str) -> Any:
-        said = vars(self)[name] = carried(getattr(self._listener, name), self._language)  # and not asked for again
+        said = vars(self)[name] = with_language(
+            getattr(self._listener, name), self._language
+        )  # and not asked for again
         return said
 
 
 class PageLinks:
     """The pool as one page sees it; ``close`` closes all that was opened. ``frames`` counts those of all pages."""
 
-    def __init__(self, pool: EnginePool, frames: Tally | None = None):
-        self._pool, self.frames = pool, frames or Tally()
+    def __init__(self, pool: EnginePool, frames: SessionCount | None = None):
+        self._pool, self.frames = pool, frames or SessionCount()
         self._opening, self._closed = threading.Lock(), False
         self._links = WeakSet[SessionLink]()  # one that is closed is nobody's any more, and neither is what hears of it
 

@@ -16,7 +16,7 @@ MOST_BYTES = 48_000_000  # of one visitor: a large scene is remembered for less 
 Frame = tuple[FrameReport, FrameArrays]
 
 
-class Recent:
+class FrameBuffer:
     """Frames and which of them is shown: ``back`` frames before the newest. One thread adds, any may look."""
 
     def __init__(self) -> None:

@@ -6,14 +6,14 @@ from collections.abc import Sequence
 import numpy as np
 
 from app.language.translation import tr
-from app.page.visit.frame_buffer import Frame, Recent
+from app.page.visit.frame_buffer import Frame, FrameBuffer
 from app.page.visit.history import MOST_ROWS, RunSeries
 from solvers.engine.engine_messages import FrameReport
 from solvers.engine.shared_frames import FrameArrays
 from solvers.solver.samples import QUANTITIES
 
 
-class Traced(RunSeries):
+class TracedParticle(RunSeries):
     """A particle of one run, by its number, and what frames said of it. Its series are called as those of a history are
     (``app.page.visit.history``), with the sizes of its own errors in place of norms."""
 
@@ -62,9 +62,9 @@ class Traced(RunSeries):
 class Trace:
     """The particle that one visitor follows, if any. Frames come on one thread, choices on any."""
 
-    def __init__(self, recent: Recent):
+    def __init__(self, recent: FrameBuffer):
         self._recent, self._lock = recent, threading.Lock()
-        self.traced: Traced | None = None
+        self.traced: TracedParticle | None = None
         self._next: int | None = None  # to be followed in the next run
 
     def choose(self, particle: int | None, in_next_run: bool = False) -> None:
@@ -75,13 +75,13 @@ class Trace:
             self._next = particle if in_next_run else None
             self.traced = None
             if particle is not None and frames and particle < frames[-1][0].particles:
-                self.traced = Traced(particle, frames)
+                self.traced = TracedParticle(particle, frames)
 
     def follow(self, report: FrameReport, arrays: FrameArrays) -> None:
         """Take in the newest frame. Another run goes on with the particle that was at rest nearest to this one."""
         with self._lock:
             if report.fresh and self._next is not None and self._next < report.particles:
-                self.traced, self._next = Traced(self._next, [(report, arrays)]), None
+                self.traced, self._next = TracedParticle(self._next, [(report, arrays)]), None
                 return
             traced = self.traced
             if traced is None:
@@ -92,7 +92,7 @@ class Trace:
                 self.traced = None
             else:
                 squares = ((rest(arrays) - traced.at_rest) ** 2).sum(axis=1)
-                self.traced = Traced(int(np.argmin(squares)), [(report, arrays)])
+                self.traced = TracedParticle(int(np.argmin(squares)), [(report, arrays)])
 
 
 def rest(arrays: FrameArrays) -> np.ndarray:

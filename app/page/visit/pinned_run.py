@@ -4,7 +4,7 @@ from collections.abc import Callable
 from dataclasses import replace
 
 from app.frame.captions import View, look
-from app.language.message_translation import heard
+from app.language.message_translation import translate_message
 from app.language.translation import tr
 from app.page.visit.history import History
 from solvers.engine.engine_messages import FrameReport, Pace
@@ -16,7 +16,7 @@ from solvers.solver.soundness import UNSTABLE
 
 class PinnedRun:
     """A scene that stays, the last frame of it and its history. The engine keeps it together with the visitor's session
-    (:class:`~solvers.engine.engine_messages.Wish`, ``partner``) and starts it again with that."""
+    (:class:`~solvers.engine.engine_messages.SessionRequest`, ``partner``) and starts it again with that."""
 
     def __init__(self, open_link: Callable[[Listener], SessionLink], scene: Scene, on_frame: Callable[[], None]):
         self.scene, self._on_frame = scene, on_frame
@@ -48,7 +48,7 @@ class PinnedRun:
     def shortfall(self) -> str | None:
         """Why it does not go on, in few words; None while it does."""
         if self._trouble:
-            return heard(self._trouble)
+            return translate_message(self._trouble)
         report = self.last[0] if self.last else None
         if report is None or report.status != UNSTABLE:
             return None

@@ -7,8 +7,8 @@ from dataclasses import asdict, replace
 from time import monotonic
 from typing import Any
 
-from app.language.message_translation import heard
-from app.language.translation import later, tr
+from app.language.message_translation import translate_message
+from app.language.translation import lazy, tr
 from app.page.visit.engine_links import FASTEST, PageLinks, too_many
 from app.page.visit.history import History
 from app.page.visit.pinned_run import PinnedRun
@@ -26,9 +26,9 @@ from solvers.solver.soundness import OK
 TO_BE_READ = 8.0  # seconds that what has happened is said
 SLOW_ANSWER = 0.4  # seconds without an answer after which the page says that it is preparing
 SAID_AFTER = 2.0  # seconds after which it says for how long it has been
-PREPARING = later("Preparing this scene: a combination of method, estimators and effects is compiled the first time it "
+PREPARING = lazy("Preparing this scene: a combination of method, estimators and effects is compiled the first time it "
                   "is used; several estimators at once take longest.")
-STILL_PREPARING = later("Preparing this scene, for {seconds} s so far: a combination of method, estimators and effects "
+STILL_PREPARING = lazy("Preparing this scene, for {seconds} s so far: a combination of method, estimators and effects "
                         "is compiled the first time it is used; several estimators at once take longest.")
 CROWDED_BELOW = 0.8  # of the speed asked for, from which on a visitor is told of those who share the computer
 
@@ -238,7 +238,7 @@ class Session:
     def _urgent(self, waiting: bool) -> Notice | None:
         """What must be said before any doubt; ``waiting`` says that the last wish has no answer yet."""
         if self._trouble:
-            return Notice("trouble", heard(self._trouble))
+            return Notice("trouble", translate_message(self._trouble))
         if self._engine_lost and waiting:
             return Notice("wait", tr("The simulation process ended unexpectedly; it is being restarted and the scene "
                                      "begins again."))

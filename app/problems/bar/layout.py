@@ -4,8 +4,8 @@ beside a pinned run, for each of the two a plot with its lanes below."""
 from dataclasses import dataclass
 
 from app.frame.field_plot import ROOM
-from app.frame.layout import Box, Places, Seat, Spot, rectangle, top
-from app.frame.primitives import Room
+from app.frame.layout import Box, Places, RunSlot, Spot, rectangle, top
+from app.frame.primitives import Bounds
 
 #: In pixels: what stands above the upper and below the lower lane; the least lane and gap, that of a strip, and between
 #: two runs; half of a plot that has room for keys; and what the number at the end of its axis takes.
@@ -25,12 +25,12 @@ class BarPlaces(Places):
     heading: float
 
 
-def bar_places(room: Room, seat: Seat) -> BarPlaces:
+def bar_places(room: Bounds, seat: RunSlot) -> BarPlaces:
     """Those in a settled room."""
-    return _alone(room) if seat == Seat.ALONE else _paired(room, seat)
+    return _alone(room) if seat == RunSlot.ALONE else _paired(room, seat)
 
 
-def _alone(room: Room) -> BarPlaces:
+def _alone(room: Bounds) -> BarPlaces:
     pixel, end = room.pixel, top(room, room.high).end
     lane = min(max(LANE * end, LEAST_LANE * pixel), MOST_LANE * pixel)
     gap = max(GAP * lane, LEAST_GAP * pixel)
@@ -45,13 +45,13 @@ def _alone(room: Room) -> BarPlaces:
     below = low - 2 * pixel
     remark: Spot = (0.78, below, "top-center") if room.gutter else (1 - END * pixel, below, "top-right")
     box = Box(0.0, 1.0, middle, half, below, (0.5, below, "top-center"), remark, at, keys)
-    return BarPlaces(room, Seat.ALONE, rectangle(room.high), box, estimate, truth, lane,
+    return BarPlaces(room, RunSlot.ALONE, rectangle(room.high), box, estimate, truth, lane,
                      0.5 * (estimate + truth), end - room.line)
 
 
-def _paired(room: Room, seat: Seat) -> BarPlaces:
+def _paired(room: Bounds, seat: RunSlot) -> BarPlaces:
     """Each run has half the height: a heading, its plot, and two strips that touch each other."""
-    pixel, end, second = room.pixel, top(room, room.high).end, seat == Seat.SECOND
+    pixel, end, second = room.pixel, top(room, room.high).end, seat == RunSlot.SECOND
     low = 1.2 * room.line  # for the numbers below both
     each = 0.5 * (end - low - APART * pixel)
     start = end - (each + APART * pixel) * second

@@ -8,7 +8,7 @@ from matplotlib.figure import Figure
 from matplotlib.gridspec import SubplotSpec
 
 from app.colours import COLOUR_MAP, ESTIMATE_INK, INK, LINE2, TRUTH, TRUTH_INK
-from app.frame.layout import Seat
+from app.frame.layout import RunSlot
 from app.problems.bar.stage import BarStage
 from app.renderers import panel_style
 from app.renderers.picture_style import TRUTH_WIDTH, in_sizes
@@ -64,7 +64,7 @@ def _draw_lanes(figure: Figure, axes: Axes, result: Result) -> None:
     if lined:
         axes.vlines(np.arange(cells + 1) / cells, -0.5, len(lanes) - 0.5, color=LINE2,
                     linewidth=min(0.8, 60 / cells), zorder=1)
-    places = BarStage.places(panel_style.PAPER, Seat.ALONE)
+    places = BarStage.places(panel_style.PAPER, RunSlot.ALONE)
     panel_style.write_places(axes, BarStage,
                          lambda label: (label.x, (label.y - places.truth) / (places.estimate - places.truth)))
     axes.set_yticks(range(len(lanes)), [label for label, _, _ in lanes])

@@ -3,7 +3,7 @@
 import numpy as np
 
 from app.frame.layout import Rectangle
-from app.frame.primitives import Colour, Room
+from app.frame.primitives import Bounds, Colour
 from app.frame.slow_motion.stage import CAPTION, DOMAINS, FRONT, NODE, OTHERS, SlowStage, shape
 from solvers.scene.scene import Scene
 from solvers.solver.step_breakdown import StepBreakdown
@@ -19,7 +19,7 @@ class BarSlowStage(SlowStage):
 
     _above, _aside = 0.03, np.array([0.0, 1.0])
 
-    def _divided(self, room: Room) -> tuple[float, Rectangle]:
+    def _divided(self, room: Bounds) -> tuple[float, Rectangle]:
         above, below = (CAPTION * room.line * (1 + letters // room.letters(1.0, CAPTION)) for letters in LETTERS)
         return 1.0, (0.0, 1.0, below + room.line, room.high - above)
 

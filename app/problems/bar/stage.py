@@ -6,10 +6,10 @@ from collections.abc import Iterator
 import numpy as np
 
 from app.frame.field_plot import ROOM, Plotted
-from app.frame.layout import HALVES, Seat
-from app.frame.primitives import Anchor, Dots, Label, Lines, Mark, Room, Tone, faded, in_plane, joined
-from app.frame.stage import TOUCH, Stage, Words, Worst
-from app.language.translation import later, tr
+from app.frame.layout import HALVES, RunSlot
+from app.frame.primitives import Anchor, Bounds, Dots, Label, Lines, Mark, Tone, faded, in_plane, joined
+from app.frame.stage import TOUCH, Stage, StageLabels, Worst
+from app.language.translation import lazy, tr
 from app.problems.bar.layout import BarPlaces, bar_places
 from app.words import brief
 from solvers.engine.shared_frames import FrameArrays
@@ -34,18 +34,18 @@ class BarStage(Stage[BarScene]):
     """Makes marks of frames of the bar."""
 
     PLOT = Plotted(0.0, 1.0, ("x = 0", "1 m"), exact_solution.field, where=where)
-    MOST_MARKED, HALVES = 200, later("Lanes")
+    MOST_MARKED, HALVES = 200, lazy("Lanes")
 
     @staticmethod
-    def places(room: Room, seat: Seat) -> BarPlaces:
+    def places(room: Bounds, seat: RunSlot) -> BarPlaces:
         return bar_places(room, seat)
 
     @staticmethod
-    def labels(words: Words, places: BarPlaces) -> Iterator[Label]:
+    def labels(words: StageLabels, places: BarPlaces) -> Iterator[Label]:
         for name, silence, lane in zip(HALVES, words.silences, (places.estimate, places.truth), strict=True):
             text, width = places.room.fitting((silence, brief(silence)), LONGEST, places.lane)
             yield Label(f"{name}-silence", text, 0.5, lane, "center-center", "silence", width=min(width, WIDEST_LINE))
-        yield from (_names if places.seat == Seat.ALONE else _pair_names)(words, places)
+        yield from (_names if places.seat == RunSlot.ALONE else _pair_names)(words, places)
 
     def region(self, low: tuple[float, float], high: tuple[float, float], arrays: FrameArrays) -> np.ndarray:
         """Which particles (P,) lie in the rectangle from ``low`` to ``high`` of the stage; height does not count."""
@@ -98,7 +98,7 @@ class BarStage(Stage[BarScene]):
     def _worst(self, worst: tuple[Worst | None, Worst | None], arrays: FrameArrays) -> Iterator[Mark]:
         """A bracket above the estimate's lane and one below the truth's, as far as names leave room for it."""
         places, segments = self._places, [np.empty((0, 2, 3), np.float32)]
-        room, wanted = places.room, places.room.gutter > 0 and places.seat == Seat.ALONE
+        room, wanted = places.room, places.room.gutter > 0 and places.seat == RunSlot.ALONE
         for found, name, lane, up in zip(worst, HALVES, (places.estimate, places.truth), (1, -1),
                                          strict=True):
             at = self._across(arrays)[found.particles] if found and wanted else np.empty(0)
@@ -115,7 +115,7 @@ class BarStage(Stage[BarScene]):
                 x = float(np.clip(ends.mean(), 0.5 * beside, 1 - 0.5 * beside))
             yield Label(f"{name}-worst", text, x, y, "bottom-center" if up > 0 else "top-center", "note", bold=True)
             taken = (x - 0.5 * beside, x + 0.5 * beside) if text else (0.0, 0.0)
-        if places.seat == Seat.ALONE:
+        if places.seat == RunSlot.ALONE:
             yield _alike(self._words.alike, places, taken)  # where the last of them, the truth's, has left room
         yield Lines("worst", np.concatenate(segments), room.palette.dot, 1.5)
 
@@ -132,7 +132,7 @@ def _alike(text: str, places: BarPlaces, taken: tuple[float, float] = (0.0, 0.0)
     return Label("alike", text if fits else "", x, below, anchor, "note", tone="faint")
 
 
-def _names(words: Words, places: BarPlaces) -> Iterator[Label]:
+def _names(words: StageLabels, places: BarPlaces) -> Iterator[Label]:
     """In the gutter beside the lanes, or above and below them."""
     room, half = places.room, 0.5 * places.lane
     below = places.truth - half - 8 * room.pixel
@@ -158,9 +158,9 @@ def _names(words: Words, places: BarPlaces) -> Iterator[Label]:
     yield Label("run", "", 0.0, places.heading, "bottom-left", "name")
 
 
-def _pair_names(words: Words, places: BarPlaces) -> Iterator[Label]:
+def _pair_names(words: StageLabels, places: BarPlaces) -> Iterator[Label]:
     """A heading above the plot; beside the strips, which is which."""
-    room, first = places.room, places.seat == Seat.FIRST
+    room, first = places.room, places.seat == RunSlot.FIRST
     for name, _, _, y in _halves(words, places):
         yield Label(f"{name}-title", tr(name) if room.gutter else "", -0.01, y, "center-right", "number", tone=name)
         by = words.by[0] if first and name == "estimate" else ""
@@ -180,7 +180,7 @@ def _pair_names(words: Words, places: BarPlaces) -> Iterator[Label]:
     yield Label("alike", "", 1.0, places.heading, "bottom-right", "note", tone="faint")
 
 
-def _halves(words: Words, places: BarPlaces) -> Iterator[tuple[Tone, str, str, float]]:
+def _halves(words: StageLabels, places: BarPlaces) -> Iterator[tuple[Tone, str, str, float]]:
     """Of the estimate and the truth: its name, title, whose it is, and the middle of its lane."""
     return zip(HALVES, words.titles, words.by, (places.estimate, places.truth), strict=True)
 

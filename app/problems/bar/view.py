@@ -7,11 +7,11 @@ from typing import Any
 
 import numpy as np
 
-from app.language.translation import later, tr
+from app.language.translation import lazy, tr
 from app.problems.bar.slow import BarSlowStage
 from app.problems.bar.stage import BarStage
 from app.problems.interface import Motion, ProblemView, Reach, Regions
-from app.problems.suggestion import Answer, NotNow, Offer, Ran, Spark, asked, breaking, halving
+from app.problems.suggestion import Answer, NotNow, Offer, Ran, Suggestion, asked, breaking, halving
 from app.state import State
 from app.words import factor, per_cent
 from solvers.problems.bar.patch_test import PATCH
@@ -41,12 +41,12 @@ def _crossed(ran: Ran) -> Answer:
         tr("{own:,.0f} crossings, {other:,.0f} in the pinned run.", own=own, other=other)
 
 
-VIBRATING = (halving(MOST_CELLS), Spark("cross", "cross", later("Let particles cross"), _cross, _crossed),
-             breaking(later("A = 100 mm: who notices first?"),
+VIBRATING = (halving(MOST_CELLS), Suggestion("cross", "cross", lazy("Let particles cross"), _cross, _crossed),
+             breaking(lazy("A = 100 mm: who notices first?"),
                       {"method": "mpm", "amplitude": BREAKING, "displacement": ""}, 1.5))
 
 
-def _misfit(title: str, hint: str, method: str) -> Spark:
+def _misfit(title: str, hint: str, method: str) -> Suggestion:
     def offer(state: State) -> Offer:
         if (state.scene.method, state.scene.ppc) == (method, MISFITS):
             raise NotNow(tr("it is on the stage"))
@@ -54,7 +54,7 @@ def _misfit(title: str, hint: str, method: str) -> Spark:
                      asked(state, {"method": method, "ppc": MISFITS}, pinned=False, quantity="sigma"))
 
     icon = {"mpm": "break", "bspline": "cross", "ugimp": "halve"}[method]
-    return Spark(f"misfit-{method}", icon, title, offer, _wrong, 0.5)
+    return Suggestion(f"misfit-{method}", icon, title, offer, _wrong, 0.5)
 
 
 def _wrong(ran: Ran) -> Answer:
@@ -67,12 +67,12 @@ def _wrong(ran: Ran) -> Answer:
         tr("Nothing should happen: every other cell has a particle more, and these functions feel it.")
 
 
-PATCH_TEST = (_misfit(later("Particles that do not fit"), later("2.5 a cell, hat functions"), "mpm"),
-              _misfit(later("Smoother functions"), later("the same particles, B-splines"), "bspline"),
-              _misfit(later("Particles that tile"), later("the same as intervals: uGIMP"), "ugimp"))
+PATCH_TEST = (_misfit(lazy("Particles that do not fit"), lazy("2.5 a cell, hat functions"), "mpm"),
+              _misfit(lazy("Smoother functions"), lazy("the same particles, B-splines"), "bspline"),
+              _misfit(lazy("Particles that tile"), lazy("the same as intervals: uGIMP"), "ugimp"))
 
 
-def sparks(state: State) -> tuple[Spark, ...]:
+def sparks(state: State) -> tuple[Suggestion, ...]:
     """The three that fit what the bar does."""
     return VIBRATING if state.scene.swings else PATCH_TEST
 
@@ -100,12 +100,12 @@ def change(scene: BarScene, motion: str, usual: tuple[str, ...]) -> BarScene:
 
 
 MOTION = Motion(
-    later("vibrate, or be stretched evenly and move on at constant speed, so that exactly nothing should happen"),
+    lazy("vibrate, or be stretched evenly and move on at constant speed, so that exactly nothing should happen"),
     change,
-    {"stretch": (later("Stretch F"), 0.8, 1.2, 0.01,
-                 later("length of the bar over that at rest; at 1 it has no stress")),
-     "initial_velocity": (later("Velocity v, m/s"), 0.0, 2.0, 0.05,
-                          later("at which the whole bar moves through the grid"))},
+    {"stretch": (lazy("Stretch F"), 0.8, 1.2, 0.01,
+                 lazy("length of the bar over that at rest; at 1 it has no stress")),
+     "initial_velocity": (lazy("Velocity v, m/s"), 0.0, 2.0, 0.05,
+                          lazy("at which the whole bar moves through the grid"))},
     speed=1.0, quantity="sigma")
 
 
@@ -116,13 +116,13 @@ def draw(*places: Any) -> None:
 
 
 BAR = ProblemView(
-    "bar", BarStage, BarSlowStage, draw, regions, later("the bar into 20 lengths"), picture=(10.0, 1.25 / 3),
+    "bar", BarStage, BarSlowStage, draw, regions, lazy("the bar into 20 lengths"), picture=(10.0, 1.25 / 3),
     speed=0.5, reach=Reach((8, 160, 1), (1, 8), (1e-4, 0.2), (1.0, 1000.0), (1e-2, 10.0)),
-    amplitude_hint=later("amplitude of the vibration; from 0.159 m on the exact bar turns inside out"),
+    amplitude_hint=lazy("amplitude of the vibration; from 0.159 m on the exact bar turns inside out"),
     prices={"transport": 0.09, "recovered": 0.09, "companion": 0.06, "two-grid": 0.18},  # two-grid: of 80 cells
-    formula=("displacement", later("Displacement u"),
-             later("a formula of X, t, w and A in metres; empty for the built-in one")),
+    formula=("displacement", lazy("Displacement u"),
+             lazy("a formula of X, t, w and A in metres; empty for the built-in one")),
     motion=MOTION, estimators=("recovered", "transport"), sparks=sparks,
-    details={"linearity_preserving": later("correct the gradient so that linear stress gives the exact force"),
-             "body_force": later("where the force is evaluated"),
-             "velocity": later("the velocity that moves the particles")})
+    details={"linearity_preserving": lazy("correct the gradient so that linear stress gives the exact force"),
+             "body_force": lazy("where the force is evaluated"),
+             "velocity": lazy("the velocity that moves the particles")})

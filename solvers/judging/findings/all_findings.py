@@ -9,7 +9,7 @@ from solvers.judging.findings import completeness, constitutive_law, deformation
 from solvers.judging.findings.evidence import Evidence, kept, some
 from solvers.judging.findings.finding import HOLDS, OFF, Finding, unknown
 from solvers.judging.findings.motion import Motion
-from solvers.judging.findings.outliers import Apart
+from solvers.judging.findings.outliers import Deviation
 from solvers.judging.findings.time_fits import rms
 
 FIGURES = "rounding of the positions in the files"
@@ -46,7 +46,7 @@ OF_A_MOTION = (
     *(Kind((), _of_each(outliers.rough, key)) for key in ("v", "sigma")))
 
 
-def of_a_run(evidence: Evidence) -> tuple[list[Finding], Apart | None]:
+def of_a_run(evidence: Evidence) -> tuple[list[Finding], Deviation | None]:
     """What is looked at of a run against its problem; and the frame in which most particles are not where their
     neighbours are. A mean over particles that are lost among the others says nothing."""
     with np.errstate(all="ignore"):  # files may have any numbers, and what is made of the largest may be none

@@ -10,7 +10,7 @@ import numpy as np
 
 from solvers.judging.column_names import spelled
 from solvers.judging.findings.finding import BROKEN, HOLDS, SUSPICIOUS, Finding
-from solvers.judging.findings.neighbours import MOST, TINY, Surroundings, surroundings
+from solvers.judging.findings.neighbours import MOST, TINY, Neighbourhood, surroundings
 from solvers.judging.frames import Raw, by_times, times_of
 from solvers.judging.particle_matching import FLAT, LARGEST, LARGEST_ID
 from solvers.untrusted.quoting import FileError, quoted
@@ -85,7 +85,7 @@ class Motion:
         return sorted(set(np.linspace(0, T - 1, min(T, MOST_MOMENTS)).round().astype(int).tolist()))
 
     @functools.cached_property
-    def near(self) -> Surroundings | None:
+    def near(self) -> Neighbourhood | None:
         """Who is near whom in the reference; None of too few particles."""
         return surroundings(self.reference)
 

@@ -78,7 +78,7 @@ class Nearby:
 
 
 @dataclass(frozen=True)
-class Surroundings:
+class Neighbourhood:
     """Of P particles the nearest ``who`` (P, K), how they lie around each (P, K, 1 + D), with a first column of ones,
     whether they are ``there`` (P, K), and their ``weights`` (P, K) in the value here of a plane through theirs."""
 
@@ -88,7 +88,7 @@ class Surroundings:
     weights: np.ndarray
 
 
-def surroundings(X: np.ndarray) -> Surroundings | None:
+def surroundings(X: np.ndarray) -> Neighbourhood | None:
     """None of so few particles that nobody has neighbours, and of more than ``MOST``."""
     P, D = X.shape
     count = min(NEIGHBOURS[D], P - 1)
@@ -99,10 +99,10 @@ def surroundings(X: np.ndarray) -> Surroundings | None:
     scale = np.where(there, far, 0.0).max(axis=1)
     away = (X[who] - X[:, None, :]) / np.maximum(scale, TINY)[:, None, None]
     around = np.concatenate([np.ones((P, count, 1)), away], axis=2)
-    return Surroundings(who, around, there, _weights(around, there))
+    return Neighbourhood(who, around, there, _weights(around, there))
 
 
-def departures(near: Surroundings, values: np.ndarray, which: np.ndarray | None = None,
+def departures(near: Neighbourhood, values: np.ndarray, which: np.ndarray | None = None,
                bad: np.ndarray | None = None) -> np.ndarray:
     """How far (n,) the values (P, C) of all particles, or of those ``which`` (n,), are from planes through those of
     their neighbours that are not ``bad`` (P,), over what a plane through noise leaves; 0 where too few are left."""
@@ -121,7 +121,7 @@ def _weights(around: np.ndarray, used: np.ndarray) -> np.ndarray:
     return (np.linalg.pinv(At @ around, hermitian=True)[:, :1, :] @ At)[:, 0]
 
 
-def outliers(near: Surroundings, values: np.ndarray, times: float,
+def outliers(near: Neighbourhood, values: np.ndarray, times: float,
              least: float) -> tuple[np.ndarray, np.ndarray, float]:
     """Which particles (n,) are by themselves, how far each (P,) is from the others, and from where on that counts: so
     many ``times`` what most depart, and ``least``.

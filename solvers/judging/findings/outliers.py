@@ -10,7 +10,7 @@ import numpy as np
 from solvers.judging.findings.evidence import Evidence
 from solvers.judging.findings.finding import BROKEN, HOLDS, OFF, SUSPICIOUS, Finding, unknown
 from solvers.judging.findings.motion import Motion
-from solvers.judging.findings.neighbours import MOST, USUAL, Surroundings, departures, outliers, surroundings
+from solvers.judging.findings.neighbours import MOST, USUAL, Neighbourhood, departures, outliers, surroundings
 from solvers.judging.frames import Frame
 from solvers.scene.scene import Scene
 
@@ -41,7 +41,7 @@ SMOOTH_START = 0.3  # of the size: a field that is rougher at the start already 
 
 
 @dataclass(frozen=True)
-class Apart:
+class Deviation:
     """Particles that are not where their neighbours are: ``which`` (n,) of a frame, and how far (n,) in m."""
 
     frame: Frame
@@ -59,29 +59,29 @@ class Apart:
 
 
 @dataclass(frozen=True)
-class Alone:
+class Outliers:
     """What was found of a quantity: a frame with the particles that are by themselves, if any, the departure that comes
     nearest to the limit or is farthest beyond it, and that limit."""
 
-    most: Apart | None
+    most: Deviation | None
     largest: float
     limit: float
 
 
-def of_places(evidence: Evidence) -> Alone | None:
+def of_places(evidence: Evidence) -> Outliers | None:
     """Of x, in each frame by itself: the one in which most particles are. None of too few particles."""
     scene, found = evidence.scene, []
     for frame, error, near in _with_neighbours(evidence, "x", len(evidence.frames)):
         which, far, limit = outliers(near, error, TIMES["x"], LEAST_APART * scene.spacing)
-        found.append((Apart(frame, which, far[which]), float(far.max()), limit))
+        found.append((Deviation(frame, which, far[which]), float(far.max()), limit))
     if not found:
         return None
     most = max((one for one, *_ in found), key=lambda one: len(one.which))
     _, largest, limit = max(found, key=lambda one: one[1] / one[2])
-    return Alone(most if len(most.which) else None, largest, limit)
+    return Outliers(most if len(most.which) else None, largest, limit)
 
 
-def of_values(evidence: Evidence, quantity: str) -> Alone | None:
+def of_values(evidence: Evidence, quantity: str) -> Outliers | None:
     """Of v or the stress: particles that are by themselves for a third of the frames, or by far in one. None where the
     files do not have the quantity, or not always of the same particles."""
     least = LEAST[quantity] * evidence.scene.size_of(quantity)
@@ -100,7 +100,7 @@ def of_values(evidence: Evidence, quantity: str) -> Alone | None:
     at, beyond, factor = _lasting(every_far / every_limit[:, None], len(frames) // LASTS, PASSES)
     worst, which = int(np.argmax(beyond)), np.flatnonzero(beyond > 1)
     k = int(at[worst])
-    return Alone(Apart(frames[k], which, every_far[k, which].astype(float)) if len(which) else None,
+    return Outliers(Deviation(frames[k], which, every_far[k, which].astype(float)) if len(which) else None,
                  float(every_far[k, worst]), float(every_limit[k]) * float(factor[worst]))
 
 
@@ -115,11 +115,11 @@ def _lasting(score: np.ndarray, longer: int, passes: float) -> tuple[np.ndarray,
 
 
 def _with_neighbours(evidence: Evidence, quantity: str,
-                     most: int) -> Iterator[tuple[Frame, np.ndarray, Surroundings]]:
+                     most: int) -> Iterator[tuple[Frame, np.ndarray, Neighbourhood]]:
     """Of so many frames at most their errors (P, C), with who is whose neighbour, looked for once where it stays."""
     pairs = [(f, e[quantity]) for f, e in zip(evidence.frames, evidence.errors, strict=True) if quantity in e]
     before: np.ndarray | None = None
-    near: Surroundings | None = None
+    near: Neighbourhood | None = None
     for frame, error in pairs[::max(1, -(-len(pairs) // most))]:
         if before is None or not np.array_equal(before, frame.material_position):
             before, near = frame.material_position, surroundings(frame.material_position)
@@ -127,7 +127,7 @@ def _with_neighbours(evidence: Evidence, quantity: str,
             yield frame, error.reshape(len(error), -1), near
 
 
-def told(quantity: str, found: Alone | None) -> Finding:
+def told(quantity: str, found: Outliers | None) -> Finding:
     if found is None:
         return unknown(NAMES[quantity], f"not of the same 5 to {MOST:,} particles at all times")
     if found.most is None:

@@ -15,7 +15,7 @@ from solvers.problems.bar import exact_solution, limits, patch_test, step_bound
 from solvers.problems.bar.patch_test import PATCH, VIBRATE
 from solvers.scene.defaults import MOST_PER_CELL
 from solvers.scene.error_causes import CAUSES, NOTHING
-from solvers.scene.field_options import described, option
+from solvers.scene.field_options import document_fields, option
 from solvers.scene.momentum_balance import Moments
 from solvers.scene.remedies import CENTRED, COUPLED, FILTER, FROZEN, PIECES
 from solvers.scene.scene import Scene
@@ -27,7 +27,7 @@ from solvers.scene.validation import SceneError, require_number
 BAR_AMPLITUDE_LIMIT = 1 / (2 * math.pi)
 
 
-@described
+@document_fields
 @dataclass(frozen=True)
 class BarScene(MaybeTyped, Scene):
     """One run of the bar of unit length: h = 1/``cells`` (see :class:`~solvers.scene.scene.Scene`)."""

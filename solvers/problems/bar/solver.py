@@ -10,7 +10,7 @@ from solvers.problems.bar.scene import BarScene
 from solvers.problems.bar.state import HOOKS, BarState, WatchedBar, allocate_state, farthest
 from solvers.problems.bar.step import KERNELS, PHASES
 from solvers.problems.bar.step_breakdown import breakdown, carried
-from solvers.scene.kernel_options import switches
+from solvers.scene.kernel_options import kernel_options_of
 from solvers.scene.remedies import CENTRED, COUPLED, FILTER, FROZEN, PIECES
 from solvers.solver.base import REPORT, Solver
 from solvers.solver.run_loop import OneThread
@@ -31,7 +31,7 @@ class BarSolver(Solver):
         super().__init__(scene)
         self.arch = runtime.start("cpu", self.threads)  # also for "gpu": one step after another gains nothing there
         begun = time.perf_counter()
-        self._switches = switches(scene)
+        self._switches = kernel_options_of(scene)
         self._arrays = allocate_state(scene)
         self._stepping = OneThread(KERNELS, BarState(**self._arrays.members()), self._switches)
         self.setup_seconds = time.perf_counter() - begun

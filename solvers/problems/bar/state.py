@@ -11,8 +11,8 @@ from solvers.problems.bar.estimators import companion, recovered, transport, two
 from solvers.problems.bar.method.body import BarBody, body
 from solvers.problems.bar.scene import BarScene
 from solvers.scene import estimator_registry
-from solvers.scene.kernel_options import switches
-from solvers.solver.state_arrays import Watch, watch
+from solvers.scene.kernel_options import kernel_options_of
+from solvers.solver.state_arrays import Diagnostics, watch
 
 #: What the solver calls of each estimator that the bar has, by name.
 HOOKS = estimator_registry.hooks_of("bar", {
@@ -21,7 +21,7 @@ HOOKS = estimator_registry.hooks_of("bar", {
 
 
 @dataclass
-class WatchedBar(Watch, BarBody):
+class WatchedBar(Diagnostics, BarBody):
     """A bar and those who watch it."""
 
     @property
@@ -36,7 +36,7 @@ BarState = ti.types.argpack(**WatchedBar.types(), **packing(HOOKS).types, **BUDG
 
 def allocate_state(scene: BarScene) -> WatchedBar:
     """The initial state."""
-    on = switches(scene)
+    on = kernel_options_of(scene)
     watched = watch(scene, on, scene.particles, farthest(scene), HOOKS)
     watched["memory"] |= budget(scene, on)
     return WatchedBar(**body(scene, on), **watched)

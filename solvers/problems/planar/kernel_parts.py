@@ -6,7 +6,7 @@ from typing import NamedTuple
 from solvers.scene.estimator_hooks import EstimatorHooks
 
 
-class Traits(NamedTuple):
+class ProblemKernels(NamedTuple):
     """A problem's own part of the phases. ``body`` is its state; a record of a node is (x, y, x, y) of two vectors."""
 
     forces: Callable  # (body, t, on): find the body force per mass at time t, wherever a particle needs it
@@ -21,7 +21,7 @@ class Traits(NamedTuple):
     image: Callable  # (body, node): the node that a ghost is the mirror image of; any other is its own
 
 
-class Measures(NamedTuple):
+class DiagnosticKernels(NamedTuple):
     """What samples of a problem are made of beside the errors of its particles, as functions for kernels."""
 
     node_acceleration_error: Callable  # (body, on): mean squared error of the nodes' acceleration
@@ -34,5 +34,5 @@ class PlanarParts(NamedTuple):
     """What the kernels of a problem are made of."""
 
     hooks: dict[str, EstimatorHooks]  # what the solver calls of each estimator that it has, by name
-    traits: Traits  # its part of the phases
-    measures: Measures  # and of the samples
+    traits: ProblemKernels  # its part of the phases
+    measures: DiagnosticKernels  # and of the samples

@@ -14,7 +14,7 @@ if TYPE_CHECKING:
     from solvers.problems.reference import ProblemReference
 
 
-class Showing(NamedTuple):
+class ViewSettings(NamedTuple):
     """How a problem is shown: the ends of its sliders (low, high, step) and (low, high), what to say of the amplitude,
     and the share of the running time that each estimator takes in the usual scene, alone on one thread.
 
@@ -44,7 +44,7 @@ class PlanarProblem(Problem):
 
     scene: type[PlanarScene]
 
-    def __init__(self, scene: type[PlanarScene], showing: Showing):
+    def __init__(self, scene: type[PlanarScene], showing: ViewSettings):
         self.scene, self.showing = scene, showing
 
     @property

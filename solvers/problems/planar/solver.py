@@ -11,7 +11,7 @@ from solvers.motion.separable_field import SeparableField
 from solvers.problems.planar.estimators import circular_companion, companion, recovered, transport, two_grid
 from solvers.problems.planar.estimators.recovered_operators import BOX, Lattice
 from solvers.problems.planar.kernel_parts import PlanarParts
-from solvers.problems.planar.method.body import WatchedBody, initial_body, watched
+from solvers.problems.planar.method.body import InstrumentedBody, initial_body, watched
 from solvers.problems.planar.method.diagnostic_kernels import measures_of
 from solvers.problems.planar.method.problem_kernels import traits_of
 from solvers.problems.planar.plans.cpu_plan import Kernels, OnProcessor, kernels
@@ -20,7 +20,7 @@ from solvers.problems.planar.scene import PlanarScene, motion_table
 from solvers.problems.planar.snapshot import Errors, cauchy_stress_of, plotted_field, true_fields
 from solvers.problems.planar.step_breakdown import breakdown, carried
 from solvers.scene import estimator_registry
-from solvers.scene.kernel_options import switches
+from solvers.scene.kernel_options import kernel_options_of
 from solvers.scene.scene import MOST_PARTICLES
 from solvers.scene.validation import SceneError
 from solvers.solver import devices
@@ -42,7 +42,7 @@ class PlanarSolver(Solver):
     PARTS: ClassVar[PlanarParts]
     KERNELS: ClassVar[Kernels]
     scene: Any
-    _arrays: WatchedBody
+    _arrays: InstrumentedBody
 
     def __init__(self, scene: Any):
         super().__init__(scene)
@@ -57,10 +57,10 @@ class PlanarSolver(Solver):
         self.threads = scene.threads if self.plan == "parallel" else 1
         self.arch = runtime.start(where, self.threads)
         begun = time.perf_counter()
-        self._switches = switches(scene)
+        self._switches = kernel_options_of(scene)
         parts, on = self.PARTS, self._switches
         own = initial_body(scene, on, self.threads)  # with a slab of particles for each thread
-        self._arrays = WatchedBody(**own, **watched(scene, on, own["particles"], scene.farthest, parts.hooks))
+        self._arrays = InstrumentedBody(**own, **watched(scene, on, own["particles"], scene.farthest, parts.hooks))
         if self.plan == "gpu":
             makers = [make for name in on.estimators if (make := self.HOOKS[name].standalone)]
             beside = BesideGpu(makers[0](scene), self._memory, scene.time_step) if makers else None
@@ -140,7 +140,7 @@ class PlanarSolver(Solver):
         return breakdown(self.scene, self._arrays, particle, self.step, before, self.PARTS.traits.first)
 
 
-def estimated_fields(a: WatchedBody, estimator: int) -> Errors:
+def estimated_fields(a: InstrumentedBody, estimator: int) -> Errors:
     """What the estimator of this number reports of the same errors."""
     part = slice(estimator * len(a.position_velocity), (estimator + 1) * len(a.position_velocity))
     motion = a.estimate[part].T
@@ -186,4 +186,4 @@ def solver_of(kind: type[PlanarScene]) -> type[PlanarSolver]:
     parts = PlanarParts(hooks, traits, measures_of(kind, traits.first))
     its = kernels(parts)
     return type("PlanarSolver", (PlanarSolver,), {
-        "HOOKS": hooks, "PARTS": parts, "KERNELS": its, "PHASES": its.phases, "STATE": WatchedBody})
+        "HOOKS": hooks, "PARTS": parts, "KERNELS": its, "PHASES": its.phases, "STATE": InstrumentedBody})

@@ -3,7 +3,7 @@
 import numpy as np
 
 from solvers.problems.planar.layout import half_edges
-from solvers.problems.planar.method.body import WatchedBody
+from solvers.problems.planar.method.body import InstrumentedBody
 from solvers.problems.planar.scene import PlanarScene
 from solvers.problems.planar.snapshot import body_force, cauchy_stress_of
 from solvers.problems.planar.weights import Grid, nodes_of, weights_of
@@ -11,14 +11,14 @@ from solvers.solver.step_breakdown import Carried, Image, StepBreakdown, flipped
 
 
 @np.errstate(all="ignore")  # a run gone bad holds anything
-def carried(scene: PlanarScene, a: WatchedBody) -> Carried:
+def carried(scene: PlanarScene, a: InstrumentedBody) -> Carried:
     """What the particles carry now, copied."""
     (xx, xy, yy), q = cauchy_stress_of(scene, a), a.position_velocity
     return Carried(q[:, :2].copy(), q[:, 2:].copy(), a.deformation_gradient.reshape(-1, 2, 2).copy(),
                    np.stack([xx, xy, xy, yy], axis=1).reshape(-1, 2, 2))
 
 
-def breakdown(scene: PlanarScene, a: WatchedBody, particle: int, step: int, before: Carried,
+def breakdown(scene: PlanarScene, a: InstrumentedBody, particle: int, step: int, before: Carried,
               ghosts: int) -> StepBreakdown:
     """Of the step number ``step``, just taken, around a particle; ``before`` is what was carried then. The first
     ``ghosts`` rows of nodes either way lie beyond a symmetry plane."""

@@ -8,7 +8,7 @@ causes are (C, P, 2) at particles and (C, N, 2) at nodes.
 import numpy as np
 
 from solvers.problems.planar.layout import CORNERS, half_edges
-from solvers.problems.planar.method.body import WatchedBody
+from solvers.problems.planar.method.body import InstrumentedBody
 from solvers.problems.planar.method.cpdi import NODES
 from solvers.problems.planar.method.phases import EMPTY
 from solvers.problems.planar.method.stored_weights import by_particle
@@ -48,7 +48,7 @@ class Grid:
 class StepWeights:
     """Those of a solver's last step, which began with ``F`` (P, 2, 2)."""
 
-    def __init__(self, scene: Scene, a: WatchedBody, F: np.ndarray, grid: Grid):
+    def __init__(self, scene: Scene, a: InstrumentedBody, F: np.ndarray, grid: Grid):
         self.grid = grid
         self.home, signs = grid.seen(nodes_of(scene, a))
         S, dS = weights_of(scene, a, half_edges(scene, F, a.edges), np.arange(a.particles))
@@ -78,7 +78,7 @@ class StepWeights:
         return np.stack([np.einsum("pmij,pmi->pij", self.dS, one[self.home]) for one in vectors])
 
 
-def nodes_of(scene: Scene, a: WatchedBody) -> np.ndarray:
+def nodes_of(scene: Scene, a: InstrumentedBody) -> np.ndarray:
     """The nodes (P, M) of each particle, some perhaps several times."""
     row = a.row
     if scene.method == "cpdi":
@@ -87,7 +87,7 @@ def nodes_of(scene: Scene, a: WatchedBody) -> np.ndarray:
     return a.first_node[:, None] + (row * np.arange(3)[:, None] + np.arange(3)).ravel()
 
 
-def weights_of(scene: Scene, a: WatchedBody, edges: np.ndarray, some: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+def weights_of(scene: Scene, a: InstrumentedBody, edges: np.ndarray, some: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """S (c, M) and its gradient (c, M, 2) of ``some`` particles (c,), whose half edges are in ``edges`` (P, 2, 2)."""
     kept = by_particle(a.weights, scene.method, a.particles)[some]
     return _corner_weights(kept, edges[some]) if scene.method == "cpdi" else _stencil_weights(kept)

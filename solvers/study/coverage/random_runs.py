@@ -36,7 +36,7 @@ from solvers.solver import error_norms
 from solvers.solver.error_norms import finite
 from solvers.solver.rounding import rounding
 from solvers.solver.soundness import OK
-from solvers.study.json_schema import NUMBER, NUMBER_OR_NONE, Each
+from solvers.study.json_schema import NUMBER, NUMBER_OR_NONE, MapOf
 from solvers.study.row import FAILED, fingerprint
 
 SCHEMA = "mpm-lab/coverage-row/1"
@@ -45,9 +45,9 @@ IMPOSSIBLE, BEFORE, AFTER = "impossible", "before", "after"  # how an estimator 
 KEPT = ("true_error", "rounding", "estimated_error")  # of a goal
 IDENTITY = {"key": str, "problem": str, "seed": int, "number": int, "status": str, "reason": (str, type(None))}
 MEASURED = {"scene": dict, "moved": NUMBER, "seconds": NUMBER,
-            "estimators": Each({"refused": str, "index": Each(NUMBER_OR_NONE), "end": Each(NUMBER_OR_NONE)}),
-            "goals": Each({"true_error": NUMBER_OR_NONE, "rounding": NUMBER_OR_NONE,
-                           "estimated_error": Each(NUMBER_OR_NONE), "grids": list})}
+            "estimators": MapOf({"refused": str, "index": MapOf(NUMBER_OR_NONE), "end": MapOf(NUMBER_OR_NONE)}),
+            "goals": MapOf({"true_error": NUMBER_OR_NONE, "rounding": NUMBER_OR_NONE,
+                           "estimated_error": MapOf(NUMBER_OR_NONE), "grids": list})}
 GRIDS = 3  # h, 2h and 4h: what a grid convergence index is of
 COARSEST = 2 ** (GRIDS - 1)
 EFFECTS = ("truth", "estimate", "soundness", "crossings")

@@ -9,7 +9,7 @@ from collections.abc import Callable, Iterable, Mapping
 from solvers.scene.scene import Scene
 from solvers.solver.error_norms import finite
 from solvers.solver.samples import QUANTITIES
-from solvers.study.json_schema import NUMBER, Each
+from solvers.study.json_schema import NUMBER, MapOf
 from solvers.study.parameter_grid import Task, task_of
 from solvers.study.row import NORMS, identity, measure
 from solvers.study.tables.paper_tables import Row, Table
@@ -20,8 +20,8 @@ TIMED = ("cost",)  # runs of which times are shown: they are made alone
 #: What is read of a run.
 MEASURED = {"result": {
     "scene": dict, "t": NUMBER, "particles": int, "error": NORMS, "index": dict, "distance": dict,
-    "grid_crossings": (int, type(None)), "not_valid": Each(str),
-    "seconds": {"setup": NUMBER, "compile": NUMBER, "run": NUMBER, "estimators": Each(NUMBER)}}}
+    "grid_crossings": (int, type(None)), "not_valid": MapOf(str),
+    "seconds": {"setup": NUMBER, "compile": NUMBER, "run": NUMBER, "estimators": MapOf(NUMBER)}}}
 
 Results = Mapping[str, dict]  # the object of ``mpm-lab run --json`` for each run of a row
 

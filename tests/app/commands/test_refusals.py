@@ -19,7 +19,7 @@ from app.lessons import catalogue, grading, student_progress
 from app.lessons.claims import ClaimError, check_claim
 from app.lessons.lesson import LessonError
 from app.lessons.lesson_parser import parse
-from app.lessons.markdown_html import MarkupError, html
+from app.lessons.markdown_html import RenderError, html
 from app.page.visit.status_message import Notice
 from solvers.problems import PROBLEMS
 from solvers.scene.validation import SceneError
@@ -128,7 +128,7 @@ def test_every_part_of_a_lesson(place, wrong, text):
 def test_claims_pictures_names_and_notices(text):
     for act, refusal in ((lambda: check_claim(text, {}, ""), ClaimError),
                          (lambda: catalogue.called(text), catalogue.UnknownLesson),
-                         (lambda: html(f"![]({'x' * 9000}.svg)"), MarkupError)):
+                         (lambda: html(f"![]({'x' * 9000}.svg)"), RenderError)):
         with pytest.raises(refusal) as found:
             act()
         harmless(str(found.value))

@@ -46,7 +46,7 @@ def test_resumed_it_is_the_same_table_and_runs_what_is_missing(left, whole, tmp_
     measured = {row["key"]: row for row in map(json.loads, lines)}
     (tmp_path / "rows.jsonl").write_bytes(b"".join(lines[:left]) + b'{"schema": "mpm' * (left < 4))
     place = Instant(lambda task: measured[task.key])
-    monkeypatch.setattr("solvers.study.executors.Here", place)
+    monkeypatch.setattr("solvers.study.executors.LocalExecutor", place)
     assert main(["sweep", "bar", *SMOOTH, "--out", str(tmp_path), "--resume"]) == 0
     said = capsys.readouterr()
     assert len(place.asked) == 4 - left and f"4 rows, {left} of them there already" in said.err
@@ -57,7 +57,7 @@ def test_resumed_it_is_the_same_table_and_runs_what_is_missing(left, whole, tmp_
 
 def test_rows_of_other_source_are_measured_again_and_said(tmp_path, monkeypatch, capsys):
     place = Instant()
-    monkeypatch.setattr("solvers.study.executors.Here", place)
+    monkeypatch.setattr("solvers.study.executors.LocalExecutor", place)
     monkeypatch.setattr("app.pictures.study.FIGURES", {})
     flags = ["sweep", "bar", "--cells", "20", "40", "--out", str(tmp_path)]
     path = tmp_path / "rows.jsonl"
@@ -72,7 +72,7 @@ def test_rows_of_other_source_are_measured_again_and_said(tmp_path, monkeypatch,
 
 
 def test_refused_combinations_are_rows(tmp_path, monkeypatch, capsys):
-    monkeypatch.setattr("solvers.study.executors.Here", Instant())
+    monkeypatch.setattr("solvers.study.executors.LocalExecutor", Instant())
     assert main(["sweep", "bar", "--method", "ugimp", "cpgimp", "--velocity", "corners", "--out", str(tmp_path)]) == 0
     rows = rows_of(tmp_path)
     assert [r["status"] for r in rows] == ["refused", "ok"] and "cpgimp" in rows[0]["reason"]

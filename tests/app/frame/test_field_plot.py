@@ -7,8 +7,8 @@ import numpy as np
 import pytest
 
 from app.frame.field_plot import ROOM, Axis, FieldPlot, seen
-from app.frame.layout import Seat
-from app.frame.primitives import Room
+from app.frame.layout import RunSlot
+from app.frame.primitives import Bounds
 from app.problems.bar.stage import BarStage
 from app.problems.views import VIEWS
 from solvers.problems.bar.scene import BarScene
@@ -110,7 +110,7 @@ def test_axis_comes_back_once_a_peak_is_gone():
     assert 1 / ROOM <= axis.top < 3
 
 
-PLACES = BarStage.places(Room(720.0, high=0.5, gutter=0.16), Seat.ALONE)
+PLACES = BarStage.places(Bounds(720.0, high=0.5, gutter=0.16), RunSlot.ALONE)
 BOX = PLACES.field
 AT, UNCROSSED = (np.arange(20) + 0.5) / 20, np.zeros(20, bool)
 
@@ -186,7 +186,7 @@ def test_a_plot_says_what_is_drawn():
 
 
 def test_where_a_name_has_no_room_the_remark_says_it():
-    places = BarStage.places(Room(358.0, high=0.84), Seat.ALONE)
+    places = BarStage.places(Bounds(358.0, high=0.84), RunSlot.ALONE)
     draw, made = plot(places)
     draw(BAR, "x", 10, AT, np.zeros((20, 2), np.float32), 0.1, UNCROSSED)
     assert made["remark"].text == "Displacement" and not made["name"].text

@@ -9,7 +9,7 @@ import pytest
 from app import words
 from app.frame.colour_scale import ZERO, ColourScale
 from app.frame.primitives import Dots
-from app.frame.stage import Words
+from app.frame.stage import StageLabels
 from app.problems.views import VIEWS
 from solvers.problems import PROBLEMS
 from solvers.running.run import build
@@ -45,7 +45,7 @@ def test_each_error_is_shown_where_its_name_stands(problem):
     its own side; every dot has the colour of its half."""
     stage, points, colours = drawn(problem)
     places = stage._places
-    named = {label.name: label for label in stage.labels(Words(("Estimate", "Truth")), places)}
+    named = {label.name: label for label in stage.labels(StageLabels(("Estimate", "Truth")), places)}
     estimate, truth = (named[f"{name}-title"] for name in ("estimate", "truth"))
     if hasattr(places, "lane"):
         at, middle, titles = points[:, 1], 0.5 * (places.estimate + places.truth), (estimate.y, truth.y)

@@ -7,21 +7,21 @@ import pytest
 
 from app.frame.crossings import LEAST_SECONDS, WINDOW, ages, recent, window
 from app.frame.field_plot import ROOM
-from app.frame.layout import Seat, top
+from app.frame.layout import RunSlot, top
 from app.frame.planar_layout import AROUND, planar_labels, planar_places
-from app.frame.primitives import Room
-from app.frame.stage import Words
+from app.frame.primitives import Bounds
+from app.frame.stage import StageLabels
 from app.problems.views import VIEWS
 from solvers.problems.bar.scene import BarScene
 
 #: 1280 × 720, 1920 × 1080, 800 × 1100 and a phone.
-ROOMS = (Room(736.0, high=0.45, gutter=0.16), Room(1248.0, 1.17, 0.53, 0.12), Room(632.0, high=0.5, gutter=0.15),
-         Room(358.0, high=0.84))
-SAID = Words(("Estimate", "Truth"), ("by recovered", "exact solution"), ("", ""), "this run: 80 cells", "a note",
+ROOMS = (Bounds(736.0, high=0.45, gutter=0.16), Bounds(1248.0, 1.17, 0.53, 0.12), Bounds(632.0, high=0.5, gutter=0.15),
+         Bounds(358.0, high=0.84))
+SAID = StageLabels(("Estimate", "Truth"), ("by recovered", "exact solution"), ("", ""), "this run: 80 cells", "a note",
              "crosses an edge", "Alike?")
 
 
-@pytest.mark.parametrize(("problem", "seat", "room"), list(product(VIEWS, Seat, ROOMS)))
+@pytest.mark.parametrize(("problem", "seat", "room"), list(product(VIEWS, RunSlot, ROOMS)))
 def test_everything_stands_in_the_rectangle_below_the_scale(problem, seat, room):
     """But for names in the gutter, which are as high as the rest."""
     stage = VIEWS[problem].stage
@@ -50,6 +50,6 @@ def test_a_crossing_is_shown_for_a_part_of_a_period_and_long_enough_to_be_seen()
 @pytest.mark.parametrize("letters", (1.0, 1.7, 2.5))
 def test_a_body_keeps_its_room_beside_letters_of_any_size(letters):
     """On a projector they are large: names stand above the body then, and none gets a line of no length."""
-    places = planar_places(Room(593.0, letters, 0.72, 0.26).settled(), Seat.ALONE)
+    places = planar_places(Bounds(593.0, letters, 0.72, 0.26).settled(), RunSlot.ALONE)
     assert 2 * AROUND * places.radius >= 0.29
-    assert all(label.width >= 0 for label in planar_labels(Words(crossings="crosses an edge"), places))
+    assert all(label.width >= 0 for label in planar_labels(StageLabels(crossings="crosses an edge"), places))

@@ -11,7 +11,7 @@ from app.frame.slow_motion.step_phases import PHASES, scaled
 from app.problems.views import VIEWS
 from app.renderers.viewer_renderer import Lettering, Sheet
 from app.words import PREFIXES
-from solvers.engine.engine_messages import Pace, Wish
+from solvers.engine.engine_messages import Pace, SessionRequest
 from solvers.engine.shared_frames import FrameOptions
 from solvers.problems.bar.scene import BarScene
 from solvers.problems.ring import RingScene
@@ -105,7 +105,7 @@ def test_a_step_taken_apart_is_an_ordinary_step(name):
 
 def test_an_engine_sends_what_a_wish_asks_for():
     """With the frame of a single step, again with the next while the run rests, and not once it has gone on."""
-    wish = Wish(1, 1, "", BAR, Pace(False), FrameOptions(broken_down=4))
+    wish = SessionRequest(1, 1, "", BAR, Pace(False), FrameOptions(broken_down=4))
     with one_session(wish) as session:
         def ask(pace=(), frame=()):
             wish = session.wish

@@ -11,7 +11,7 @@ import pytest
 from app import words
 from app.frame import budget_chart, captions, headline
 from app.frame.slow_motion.step_phases import PHASES
-from app.language.translation import speaking, tr
+from app.language.translation import tr, use_language
 from app.problems.suggestion import NotNow
 from app.problems.views import VIEWS
 from app.state import State
@@ -47,7 +47,7 @@ def scenes(kind: type[Scene]) -> list[Scene]:
 @pytest.mark.parametrize("problem", PROBLEMS)
 def test_what_is_said_of_a_run_and_its_errors(problem):
     kind, stage = PROBLEMS[problem].scene, VIEWS[problem].stage
-    with speaking(CODE):
+    with use_language(CODE):
         for scene in scenes(kind):
             assert not outside(f"{words.differing(scene, kind())} {words.moving(scene)} {stage.note(scene)}")
             for quantity in words.QUANTITIES:
@@ -64,7 +64,7 @@ def test_what_is_said_of_a_run_and_its_errors(problem):
 @pytest.mark.parametrize("problem", PROBLEMS)
 def test_what_a_problem_says_of_itself_and_asks(problem):
     view, kind = VIEWS[problem], PROBLEMS[problem].scene
-    with speaking(CODE):
+    with use_language(CODE):
         said = [*view.regions(np.ones((1, kind.DIMENSIONS))).names, *map(tr, view.details.values()),
                 tr(view.amplitude_hint), tr(view.modulus_hint), tr(view.division), tr(view.stage.HALVES),
                 captions.marks_note(view.stage.MARKED, 3), *words.choices(kind, "body_force").values()]
@@ -85,7 +85,7 @@ def test_what_a_problem_says_of_itself_and_asks(problem):
 
 
 def test_what_is_said_of_a_step_in_slow_motion_and_of_causes():
-    with speaking(CODE):
+    with use_language(CODE):
         said = [*map(tr, (budget_chart.QUESTION, budget_chart.CAPTION, *budget_chart.MEANINGS.values())),
                 *(tr(phase.title) for phase in PHASES), *(tr(one.name) for phase in PHASES for one in phase.columns),
                 *(phase.words(scene) for phase in PHASES for problem in PROBLEMS.values()
@@ -95,7 +95,7 @@ def test_what_is_said_of_a_step_in_slow_motion_and_of_causes():
 
 @pytest.mark.parametrize("problem", PROBLEMS)
 def test_what_moves_and_how_estimators_see_it_is_explained_in_german(problem):
-    with speaking("de"):
+    with use_language("de"):
         assert " wie\n<math" in VIEWS[problem].about or " den Winkel\n<math" in VIEWS[problem].about
     for estimator in ESTIMATORS.values():
         english, german = estimator.explanation, estimator.explained("de")

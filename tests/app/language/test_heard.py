@@ -6,8 +6,8 @@ import re
 import pytest
 
 from app.frame.captions import why_no_estimate
-from app.language.message_translation import LONGEST, MOST_TEXTS, Translator, heard, translator
-from app.language.translation import speaking
+from app.language.message_translation import LONGEST, MOST_TEXTS, Translator, translate_message, translator
+from app.language.translation import use_language
 from app.words import brief, on_page
 from solvers import BarScene, RingScene, VortexScene
 from solvers.problems import PROBLEMS
@@ -63,10 +63,10 @@ def test_what_is_made_of_a_template_is_heard_as_that_and_of_no_other():
 def test_a_refusal_is_heard_as_a_whole(kind: type[Scene], inputs: dict):
     with pytest.raises(SceneError) as refused:
         kind(**inputs)
-    with speaking("de"):
+    with use_language("de"):
         said = on_page(str(refused.value))
     assert not ENGLISH.search(said), said
-    assert heard(str(refused.value)) == str(refused.value)
+    assert translate_message(str(refused.value)) == str(refused.value)
 
 
 @pytest.mark.parametrize("problem", [pytest.param(name, marks=pytest.mark.slow) if name == "vortex" else name
@@ -74,7 +74,7 @@ def test_a_refusal_is_heard_as_a_whole(kind: type[Scene], inputs: dict):
 def test_of_any_scene_warnings_and_estimators_that_do_not_hold_are_heard(problem):
     found = {sentence for seed in range(150) for sentence in said_of(problem, random.Random(seed))}
     assert len(found) > 10
-    with speaking("de"):
+    with use_language("de"):
         assert not [said for said in map(on_page, found) if ENGLISH.search(said)]
 
 
@@ -86,7 +86,7 @@ def test_of_any_scene_warnings_and_estimators_that_do_not_hold_are_heard(problem
     "polar layout", "call for the remedies null-space-filter,coupled-deformation, or choose CPDI"])
 def test_why_a_run_is_lost_is_heard_with_all_its_parts(rule, advice):
     found = f"{rule.sentence.format(size='0.21')}, most at particle 5 (X = 0.1250, 0.3000); {advice}"
-    with speaking("de"):
+    with use_language("de"):
         for sentence in (found, f"the run is lost from t = 0.34 s on: {found}"):  # a headline has the beginning
             said = on_page(sentence)
             assert "Partikel 5 (X = 0.1250, 0.3000)" in said
@@ -95,17 +95,23 @@ def test_why_a_run_is_lost_is_heard_with_all_its_parts(rule, advice):
 
 
 def test_what_stands_in_a_sentence_is_heard_too_and_names_stay():
-    with speaking("de"):
-        assert heard("The file of the ring.csv has no names in its first line; begin with a line such as id,x,vx") \
+    with use_language("de"):
+        assert (
+            translate_message(
+                "The file of the ring.csv has no names in its first line; begin with a line such as id,x,vx"
+            )
             == "Die Datei of the ring.csv hat keine Namen in ihrer ersten Zeile; fang mit einer Zeile wie id,x,vx an"
-        assert heard("velocity, stress and acceleration were held against nothing: the effect truth or the estimator "
-                     "companion would").startswith("Geschwindigkeit, Spannung und Beschleunigung wurden")
+        )
+        assert translate_message(
+            "velocity, stress and acceleration were held against nothing: the effect truth or the estimator "
+            "companion would"
+        ).startswith("Geschwindigkeit, Spannung und Beschleunigung wurden")
 
 
 @pytest.mark.parametrize("sentence", ["", "nobody knows this", "so: is this; and, this (too)", "{} {name}", "x" * 5000])
 def test_what_nobody_knows_stays_as_it_is(sentence):
-    with speaking("de"):
-        assert heard(sentence) == sentence
+    with use_language("de"):
+        assert translate_message(sentence) == sentence
 
 
 def test_a_sentence_that_quotes_anything_takes_a_bounded_time():
@@ -118,7 +124,7 @@ def test_a_sentence_that_quotes_anything_takes_a_bounded_time():
 def test_an_estimator_that_does_not_hold_says_so_in_few_words_in_any_language():
     scene = BarScene(method="bspline", estimators=("transport",))
     for code, said in (("en", "transport is not valid here"), ("de", "transport gilt hier nicht")):
-        with speaking(code):
+        with use_language(code):
             assert brief(why_no_estimate(scene, scene.not_valid, "transport", "x")) == said
 
 

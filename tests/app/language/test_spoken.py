@@ -7,7 +7,17 @@ import polib
 import pytest
 
 from app.language import translation
-from app.language.translation import LANGUAGES, Language, carried, kept, language, localised, speaking, tr, trn
+from app.language.translation import (
+    LANGUAGES,
+    Language,
+    language,
+    language_cache,
+    localised,
+    tr,
+    trn,
+    use_language,
+    with_language,
+)
 
 WORDS = {"Play": "Los", "{n} of {all} are here": "von {all} sind {n} da"}
 
@@ -29,7 +39,7 @@ def other(tmp_path, monkeypatch):
 
 def test_a_text_is_what_the_language_says_and_english_is_the_code(other):
     assert tr("Play") == "Play" and tr("{n} of {all} are here", n=1, all=3) == "1 of 3 are here"
-    with speaking(other):
+    with use_language(other):
         assert tr("Play") == "Los" and tr("{n} of {all} are here", n=1, all=3) == "von 3 sind 1 da"
         assert tr("not there") == "not there"
     assert language() == "en" and tr("Play") == "Play"
@@ -39,28 +49,28 @@ def test_a_text_is_what_the_language_says_and_english_is_the_code(other):
                                                         (0, "0 dots", "0 Punkte"), (2.5, "2.5 dots", "2.5 Punkte")])
 def test_a_count_chooses_its_form(other, count, english, said):
     assert trn("{count} dot", "{count} dots", count) == english
-    with speaking(other):
+    with use_language(other):
         assert trn("{count} dot", "{count} dots", count) == said
 
 
 def test_a_thread_speaks_what_was_spoken_where_its_work_was_given_to_it(other):
-    with ThreadPoolExecutor(1) as thread, speaking(other):
+    with ThreadPoolExecutor(1) as thread, use_language(other):
         assert thread.submit(language).result() == "en"
-        assert thread.submit(carried(tr), "Play").result() == "Los"
-        assert thread.submit(carried(tr, "en"), "Play").result() == "Play"
+        assert thread.submit(with_language(tr), "Play").result() == "Los"
+        assert thread.submit(with_language(tr, "en"), "Play").result() == "Play"
         assert thread.submit(language).result() == "en"
 
 
 def test_what_is_kept_is_kept_by_language(other):
     asked = []
 
-    @kept(4)
+    @language_cache(4)
     def said(name):
         asked.append(name)
         return tr("Play")
 
     assert [said("a"), said("a")] == ["Play"] * 2
-    with speaking(other):
+    with use_language(other):
         assert [said("a"), said("a")] == ["Los"] * 2
     assert asked == ["a", "a"]
 
@@ -68,7 +78,7 @@ def test_what_is_kept_is_kept_by_language(other):
 def test_a_file_has_its_translation_beside_it_or_stands_for_itself(tmp_path):
     (tmp_path / "about.html").touch()
     assert localised(tmp_path / "about.html").name == "about.html"
-    with speaking("de"):
+    with use_language("de"):
         assert localised(tmp_path / "about.html").name == "about.html"
         (tmp_path / "about.de.html").touch()
         assert localised(tmp_path / "about.html").name == "about.de.html"
@@ -86,7 +96,7 @@ def test_scripts_get_their_own_words(other):
     ("lang=fr&lang=de", "", "de"), ("lang=", "", "en"), ("&&=%ff;lang", ";q=1,,;;q=", "en"),
     ("x" * 10_000 + "&lang=de", "y," * 10_000, "en")])
 def test_the_address_goes_first_then_what_the_browser_likes_best(query, accepted, found):
-    assert translation.wished(query, accepted) == found
+    assert translation.preferred_language(query, accepted) == found
 
 
 def test_a_cookie_tells_the_websocket_and_one_of_nobodys_tells_nothing():

@@ -7,7 +7,7 @@ import re
 import pytest
 
 from app import state
-from app.language.translation import ENGLISH, speaking
+from app.language.translation import ENGLISH, use_language
 from app.lessons import catalogue
 from app.lessons.lesson import drawn, filled
 from app.page.features.lesson import action_buttons
@@ -69,13 +69,13 @@ def test_every_act_of_a_lesson_can_be_done_in_its_scene(name, core):
     """Where the step's run is on the stage the value is one that the field may have; each run has a button. In the core
     alone the stage has only what the core has put there. A lesson in another language has the same acts."""
     for lesson in catalogue.in_every_language(name):
-        with speaking(lesson.language):
+        with use_language(lesson.language):
             _done(lesson, core)
 
 
 def _done(lesson, core):
     told = [[(act.verb, act.name) for act in found(text_html(step.text, drawn(lesson, "")))] for step in lesson.steps]
-    with speaking(ENGLISH):
+    with use_language(ENGLISH):
         assert told == [[(act.verb, act.name) for act in found(text_html(step.text, drawn(lesson, "")))]
                         for step in catalogue.lesson(lesson.name).steps]
     numbers, text = drawn(lesson, ""), "bar"

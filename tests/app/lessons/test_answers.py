@@ -9,7 +9,7 @@ from app import state
 from app.lessons import catalogue
 from app.lessons.answer_check import mark, shown, trouble
 from app.lessons.lesson import DRAG, PREDICT
-from app.lessons.lesson_runs import Outcomes
+from app.lessons.lesson_runs import RunCache
 from app.page.features.lesson.answer_widgets import AnswerWidgets, number
 from solvers.workers.worker_process import free_port
 
@@ -34,11 +34,11 @@ def test_where_a_control_is_left_is_what_the_stage_has(gui, dragged):
     on_stage = ["bar;method=mpm;amplitude=0.0032"]
     widgets = AnswerWidgets(gui, step, {}, None, False, lambda: state.read(on_stage[0]).scene)
     assert widgets.value == 0.0032 and "The stage has Amplitude A = <b>3.2 mm</b>" in widgets._said.content
-    assert mark(lesson, step, widgets.value, {}, Outcomes()).right is True
+    assert mark(lesson, step, widgets.value, {}, RunCache()).right is True
     on_stage[0] = "bar;amplitude=0.002"
     widgets.refresh()
     assert widgets.value == 0.002 and "<b>2 mm</b>" in widgets._said.content
-    assert mark(lesson, step, widgets.value, {}, Outcomes()).right is False
+    assert mark(lesson, step, widgets.value, {}, RunCache()).right is False
     on_stage[0] = "bar;motion=patch"
     widgets.refresh()
     assert trouble(step.asked, widgets.value) and "put the run there first" in widgets._said.content

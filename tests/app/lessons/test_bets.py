@@ -15,7 +15,7 @@ from app.lessons.bets import BY_ROUND, JUDGES, YOURS, Bet, Bettor, score
 from app.lessons.claims import ClaimError, check_claim, decide
 from app.lessons.lesson import LessonError
 from app.lessons.lesson_parser import parse
-from app.lessons.lesson_runs import Outcomes, work
+from app.lessons.lesson_runs import RunCache, work
 from solvers.study.coverage.random_runs import Draw
 
 HEAD = """+++
@@ -54,7 +54,7 @@ def lesson_of(**bettors):
     return parse(HEAD + "".join(rounds), "99-bets")
 
 
-class Here(Outcomes):
+class Here(RunCache):
     """Runs in this process, which others would take seconds to start for."""
 
     def _run(self, text, judged=False):

@@ -9,7 +9,7 @@ import pytest
 from app.cli import main
 from app.lessons import catalogue, class_plans
 from app.lessons.lesson import LessonError
-from app.lessons.lesson_runs import Outcomes
+from app.lessons.lesson_runs import RunCache
 from tests.app.lessons.test_lesson_format import use_folder
 
 TEXT = """+++
@@ -97,7 +97,7 @@ def test_checks_find_pages_by_name_and_all_where_none_is_given(tmp_path, monkeyp
     (tmp_path / "classes").mkdir()
     (tmp_path / "classes" / "morning.md").write_text(TEXT.replace("[one](../01-one.md)", "one"), encoding="utf-8")
     use_folder(monkeypatch, tmp_path)
-    monkeypatch.setattr(Outcomes, "prepare", lambda *_: None)
+    monkeypatch.setattr(RunCache, "prepare", lambda *_: None)
     for names in ([], ["morning"]):
         assert main(["lesson", "check", *names, "--quiet"]) == 0
         assert capsys.readouterr().out == "1 page for a class, 3 checks, 0 failed\n"

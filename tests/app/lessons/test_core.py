@@ -76,7 +76,7 @@ def test_who_takes_the_core_goes_past_what_is_deeper(two):
 
 
 def lesson(*steps: Step, intro: str = "") -> Lesson:
-    return duration.measured(Lesson("l", "L", (), (), intro=intro, steps=steps))
+    return duration.with_minutes(Lesson("l", "L", (), (), intro=intro, steps=steps))
 
 
 def step(kind: str = RUN, text: str = "", **more) -> Step:
@@ -120,9 +120,10 @@ def test_minutes_are_whole_and_told():
     found = lesson(step(text=f"{WORDS} {WORDS}"), deep, intro=WORDS)
     assert (found.core_minutes, found.minutes) == (3, 4)
     assert (
-        duration.told(found) == "3 min core, 4 min in all" and duration.told(lesson(deep)) == "1 min core, 1 min in all"
+        duration.minutes_text(found) == "3 min core, 4 min in all"
+        and duration.minutes_text(lesson(deep)) == "1 min core, 1 min in all"
     )
-    assert duration.told(lesson(step(text=WORDS))) == "1 min"
+    assert duration.minutes_text(lesson(step(text=WORDS))) == "1 min"
 
 
 @pytest.mark.parametrize("name", catalogue.names())
@@ -181,7 +182,7 @@ def test_the_guide_says_what_is_deeper_or_leaves_it_out(monkeypatch, capsys):
     assert main(["lesson", "guide", "6", "--quiet"]) == 0
     text = capsys.readouterr().out
     assert title in text and text.count("*Deeper: the core does without this round, which takes") == 2
-    assert duration.told(found) in text and text.count("*This round takes") == 3
+    assert duration.minutes_text(found) in text and text.count("*This round takes") == 3
     assert main(["lesson", "guide", "6", "--quiet", "--core"]) == 0
     text = capsys.readouterr().out
     assert title not in text and "*Deeper" not in text

@@ -14,7 +14,7 @@ from app.lessons import catalogue, grading
 from app.lessons.answer_check import mark, shown, trouble
 from app.lessons.lesson import drawn, filled
 from app.lessons.lesson_parser import parse
-from app.lessons.lesson_runs import Outcomes
+from app.lessons.lesson_runs import RunCache
 from app.lessons.student_progress import NotAnswers, Progress, read
 from tests.app.lessons.test_lesson_format import TEXT, use_folder
 
@@ -54,7 +54,7 @@ def shelf_of_one(tmp_path, monkeypatch):
 
 @pytest.fixture(scope="module")
 def outcomes():
-    found = Outcomes()
+    found = RunCache()
     yield found
     found.close()
 

@@ -11,7 +11,7 @@ from app.lessons.answer_check import expressions, right
 from app.lessons.catalogue import lessons, names
 from app.lessons.lesson import CHOICE
 from app.lessons.lesson_check import checks
-from app.lessons.lesson_runs import Outcomes, scene_texts
+from app.lessons.lesson_runs import RunCache, scene_texts
 from solvers.problems.bar.scene import BarScene
 from solvers.problems.ring import RingScene
 from solvers.running.run import run
@@ -93,7 +93,7 @@ LONG = ("05", "07", "08", "09", "10")
 @pytest.fixture(scope="module")
 def outcomes():
     """Runs are shared by the tests of this file; in the suite each lesson is checked with its first numbers."""
-    found = Outcomes(processes=2)
+    found = RunCache(processes=2)
     yield found
     found.close()
 

@@ -6,11 +6,11 @@ from dataclasses import replace
 import pytest
 
 from app.cli import main
-from app.language.translation import LANGUAGES, speaking
+from app.language.translation import LANGUAGES, use_language
 from app.lessons import catalogue
 from app.lessons.grading import graded
 from app.lessons.lesson import LessonError, drawn
-from app.lessons.lesson_runs import Outcomes
+from app.lessons.lesson_runs import RunCache
 from app.lessons.student_progress import Progress, read
 from app.page.features.lesson.step_html import head_html, intro_html, shelf_html, step_html
 from tests.app.lessons.test_lesson_format import TEXT, use_folder
@@ -22,7 +22,7 @@ GERMAN = TEXT.replace("title = \"A test\"", "title = \"Ein Test\"").replace("Wha
 
 
 def in_language(name, code, folder=catalogue.FOLDER):
-    with speaking(code):
+    with use_language(code):
         return catalogue.lesson(name, folder)
 
 
@@ -61,7 +61,7 @@ def test_a_translation_that_changes_more_than_words_is_refused(folder, before, a
     (folder / "01-test.de.md").write_text(GERMAN.replace(before, after), encoding="utf-8")
     with pytest.raises(LessonError, match=f"01-test.de.md, line .*{said} differ from 01-test.md"):
         in_language("01-test", "de", folder)
-    with speaking("de"):
+    with use_language("de"):
         assert catalogue.lessons(folder)["01-test"].title == "A test"  # the page has it in English then
 
 
@@ -76,7 +76,7 @@ def test_a_mistake_in_a_translation_is_told_and_the_original_is_checked(folder, 
 
 def test_a_translation_is_no_lesson_of_its_own(folder):
     assert catalogue.names(folder) == list(catalogue.lessons(folder)) == ["01-test"]
-    with speaking("de"):
+    with use_language("de"):
         assert catalogue.lessons(folder)["01-test"].title == "Ein Test"
     assert catalogue.lessons(folder)["01-test"].title == "A test"
     assert [lesson.file for lesson in catalogue.in_every_language("01-test", folder)] == ["01-test", "01-test.de"]
@@ -88,7 +88,7 @@ def test_what_is_handed_in_is_graded_in_any_language(written, graded_in):
     lesson, key = in_language(GRID, written), "where-does-the-trouble-begin"
     handed = Progress(lesson.name, lesson.fingerprint, "Ada")
     handed.answer(key, 3.125, 1.0)
-    with speaking(graded_in), closing(Outcomes()) as outcomes:
+    with use_language(graded_in), closing(RunCache()) as outcomes:
         found = read(handed.text(), catalogue.lessons().get)
         row = graded("ada.json", found, catalogue.lessons()[GRID], outcomes)
     assert row.right == 1 and row.progress.fingerprint == row.lesson.fingerprint
@@ -96,7 +96,7 @@ def test_what_is_handed_in_is_graded_in_any_language(written, graded_in):
 
 
 def test_a_lesson_that_is_in_english_only_says_so():
-    with speaking("de"):
+    with use_language("de"):
         own, other = (catalogue.lesson(name) for name in (GRID, "03-order"))
         assert "nur auf Englisch" in intro_html(other, other.variants[0], False)
         assert "nur auf Englisch" not in intro_html(own, own.variants[0], False)
@@ -106,7 +106,7 @@ def test_a_lesson_that_is_in_english_only_says_so():
 
 
 def test_what_a_text_tells_to_do_is_a_button_in_its_own_words():
-    with speaking("de"):
+    with use_language("de"):
         own, other = (catalogue.lesson(name) for name in (GRID, "03-order"))
         shown = [step_html(lesson, step, lesson.variants[0], "", False) for lesson in (own, other)
                  for step in lesson.steps if step.stage]

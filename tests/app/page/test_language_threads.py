@@ -10,7 +10,7 @@ from types import SimpleNamespace
 
 import pytest
 
-from app.language.translation import as_cookie, carried, speaking, tr
+from app.language.translation import as_cookie, tr, use_language, with_language
 from app.page.features import background_job
 from app.page.features.budget.jobs import BudgetJobs
 from app.page.page_server import OVER, Visitors
@@ -45,7 +45,7 @@ def visitors():
 
 
 def label(code, text, **values):
-    with speaking(code):
+    with use_language(code):
         return tr(text, **values)
 
 
@@ -98,13 +98,13 @@ class Pool(doors.Pool):
 def test_what_becomes_of_a_job(monkeypatch, code, bad, died):
     pool, jobs = Pool(), BudgetJobs(Slots(1))
     monkeypatch.setattr(background_job, "WorkerPool", lambda _: pool)
-    with speaking(code):
+    with use_language(code):
         jobs.budget(first_scene("ring"))
     on_a_thread(pool.tell, {"bad": "boom"})
     assert jobs.status.trouble == bad
     on_a_thread(pool.future.set_result, {})
     assert not jobs.status.running and jobs.status.trouble == bad
-    with speaking(code):
+    with use_language(code):
         jobs.budget(first_scene("ring"))
     on_a_thread(pool.future.set_exception, ProcessDied("was closed"))
     assert jobs.status.trouble == died
@@ -113,7 +113,7 @@ def test_what_becomes_of_a_job(monkeypatch, code, bad, died):
 def test_what_an_engine_says_is_heard_in_the_language_of_its_line():
     for code, news in (("de", "unerwartet zu Ende gegangen; ein anderer"), ("en", "ended unexpectedly; another one")):
         pool = Pool()
-        with speaking(code):
+        with use_language(code):
             session = Session(PageLinks(pool), first_scene("bar"), lambda *_: None)
         on_a_thread(pool.listener.on_engine_lost)
         assert news in session._news[1]
@@ -127,7 +127,7 @@ def test_a_goodbye_is_everyones_own():
     house = Visitors(None, 2, lambda client, _: pages[CODES[client.client_id]], lambda client, text: told.append(
         (CODES[client.client_id], text)))
     for page in pages.values():
-        carried(house.connect, page.language)(page.client)
+        with_language(house.connect, page.language)(page.client)
     for thread in house.say_goodbye():
         thread.join()
     assert sorted(told) == [(code, label(code, OVER)) for code in CODES]

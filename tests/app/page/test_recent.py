@@ -8,11 +8,11 @@ import pytest
 
 from app.frame.captions import NOT_COMPARED, look
 from app.frame.crossings import WINDOW
-from app.page.features.upload.uploaded_run import OwnRun
+from app.page.features.upload.uploaded_run import UploadedRun
 from app.page.headline import summary
 from app.page.panels.readout import readout
 from app.page.stage.worst_region import WorstRegions
-from app.page.visit.frame_buffer import MOST_BYTES, MOST_FRAMES, Recent, size
+from app.page.visit.frame_buffer import MOST_BYTES, MOST_FRAMES, FrameBuffer, size
 from app.page.visit.history import LAST_PERIODS, MOST_ROWS, DownsampledSeries, History, until
 from solvers.engine.shared_frames import FrameOptions, block_bytes, read, write
 from solvers.problems.bar.scene import BarScene
@@ -33,7 +33,7 @@ def frame(step, playing=True, fresh=False, particles=20, scene=BAR):
 
 def recent_of(steps, **last):
     """Frames of so many steps, the last of which stands still."""
-    recent = Recent()
+    recent = FrameBuffer()
     for step in range(steps):
         recent.add(*frame(step, fresh=step == 0))
     recent.add(*frame(steps, playing=False, **last))
@@ -57,7 +57,7 @@ def test_the_last_frames_are_kept():
 
 def test_memory_is_bounded_and_large_frames_are_fewer():
     """And what is counted is all that a frame of the engine brings."""
-    recent, particles = Recent(), 200_000
+    recent, particles = FrameBuffer(), 200_000
     held = size(frame(0, particles=particles)[1])
     for step in range(20):
         recent.add(*frame(step, particles=particles, fresh=step == 0))
@@ -75,7 +75,7 @@ def engine_frame(solver):
 
 def test_looking_back_needs_a_pause_and_ends_when_the_run_moves_or_begins_anew():
     """A frame that only holds something else, of the same step, changes nothing but itself."""
-    recent = Recent()
+    recent = FrameBuffer()
     assert recent.shown is None and recent.reach == (0, 0.0)
     for step in range(10):
         recent.add(*frame(step, fresh=step == 0))
@@ -175,6 +175,6 @@ def test_a_rate_of_crossings_is_per_second(scene):
 def test_a_rate_of_crossings_in_a_file_is_per_second():
     """7, 3 and 10 particles are elsewhere after a half, a quarter and a second."""
     file = SimpleNamespace(times=np.array([0, 0.5, 0.75, 1.75]), _crossed=np.array([0, 7, 3, 10]))
-    at, rate = OwnRun.crossings_per_second(file, {})
+    at, rate = UploadedRun.crossings_per_second(file, {})
     np.testing.assert_array_equal(at, [0.5, 0.75, 1.75])
     np.testing.assert_allclose(rate, [14, 12, 10])

@@ -6,7 +6,7 @@ from types import SimpleNamespace
 import pytest
 
 from app import state
-from app.page.panels.suggestions import Sparks, what_now
+from app.page.panels.suggestions import Suggestions, what_now
 from app.page.visit.history import History
 from app.page.visit.session import first_scene
 from app.problems.suggestion import NotNow
@@ -60,7 +60,7 @@ class Stage:
         self.session = SimpleNamespace(scene=scene, report=self.report, pinned=None, history=None)
         self.html = SimpleNamespace(content="")
         gui = SimpleNamespace(add_html=lambda _: self.html)
-        self.sparks = Sparks(gui, self.session, lambda: self.state, self.show, lambda _: False)
+        self.sparks = Suggestions(gui, self.session, lambda: self.state, self.show, lambda _: False)
 
     def show(self, shown):
         self.state, session = shown, self.session

@@ -7,7 +7,7 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from app.page.opening_tour import BEAT, OPENING, Story
+from app.page.opening_tour import BEAT, OPENING, OpeningTour
 from app.words import per_cent
 from solvers.running.run import build
 from tests.app.frame.test_view import report_of
@@ -35,7 +35,7 @@ class Visit:
         self.pinned = SimpleNamespace(scene=OPENING.pinned, last=None, shortfall=lambda: None)
         self.html = SimpleNamespace(content="")
         gui = SimpleNamespace(add_html=lambda _: self.html)
-        self.story = Story(gui, self, lambda: self.asked.append("open"), lambda: self.asked.append("hurry"),
+        self.story = OpeningTour(gui, self, lambda: self.asked.append("open"), lambda: self.asked.append("hurry"),
                            lambda: self.now)
 
     def open_end(self):

@@ -10,9 +10,9 @@ import pytest
 
 from app.frame.captions import NONE_CHOSEN, UNKNOWN, look
 from app.frame.crossings import WINDOW
-from app.frame.headline import Said
+from app.frame.headline import Headline
 from app.frame.stage import NOTHING
-from app.page.headline import SAY_SECONDS, WAITING, Speaker, compared, summary
+from app.page.headline import SAY_SECONDS, WAITING, HeadlinePanel, compared, summary
 from app.page.stage.worst_region import WorstRegions
 from app.problems.views import VIEWS
 from app.words import per_cent
@@ -119,7 +119,7 @@ def test_crossings_are_those_of_the_last_twentieth_of_a_period(beyond, who):
 def test_a_run_that_stands_is_told_of_its_moment_and_what_is_not_known_is_not_told(begins, given, changes):
     """That it is lost or unstable comes first. Without truth the worst place is that of the estimate."""
     assert said(replace(BAR, **given), **changes).startswith(begins)
-    assert summary(None, None, None, WorstRegions(), {}, "x", None) == Said.of(WAITING)
+    assert summary(None, None, None, WorstRegions(), {}, "x", None) == Headline.of(WAITING)
 
 
 def test_sentences_come_calmly():
@@ -129,14 +129,14 @@ def test_sentences_come_calmly():
                                                                int(re.search("aloud='(.*?)'", text)[1]))))
 
     heard, now = [], 0.0
-    speaker = Speaker(SimpleNamespace(add_html=lambda _: Html()), lambda: now)
+    speaker = HeadlinePanel(SimpleNamespace(add_html=lambda _: Html()), lambda: now)
     for sentence, now in (("one", 5.0), ("two", 5.0 + 0.9 * SAY_SECONDS), ("three", 5.0 + SAY_SECONDS),  # noqa: B007
                           ("three", 5.0 + 3 * SAY_SECONDS)):
-        speaker.say(Said.of(sentence))
+        speaker.say(Headline.of(sentence))
     assert heard == [("One.", 0), ("Three.", 0)]
-    speaker.say(Said((("", "paused"),), moment="another"))  # said at once, and read aloud
+    speaker.say(Headline((("", "paused"),), moment="another"))  # said at once, and read aloud
     assert heard[2:] == [("Paused.", 1)]
-    speaker.say(Said((("", "a click's answer"),), moment="another"), at_once=True)
+    speaker.say(Headline((("", "a click's answer"),), moment="another"), at_once=True)
     assert heard[3:] == [("A click&#x27;s answer.", 2)]
 
 

@@ -8,7 +8,7 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from app.page.panels.browser_store import Size, Window
+from app.page.panels.browser_store import LayoutMetrics, Window
 from app.page.panels.timeline import BINS, Now, Timeline
 from solvers.problems.bar.scene import BarScene
 from solvers.problems.ring import RingScene
@@ -117,10 +117,10 @@ def test_what_a_browser_says_of_its_window_is_believed_in_nothing(wrong):
     window = Window(store, sizes.append, sizes.append)
     store.heard["room"](wrong)
     store.heard["dark"]("yes")
-    assert not sizes and window.size == Size()
+    assert not sizes and window.size == LayoutMetrics()
     store.heard["room"]([700, 300, 144, 700, 60, 12])
     store.heard["dark"](True)
-    assert sizes == [Size(700.0, 300.0, 144.0, 700.0, 60.0, 12.0), True]
+    assert sizes == [LayoutMetrics(700.0, 300.0, 144.0, 700.0, 60.0, 12.0), True]
 
 
 def test_what_the_curves_are_under_the_pointer(line):

@@ -7,9 +7,9 @@ import numpy as np
 import pytest
 
 from app.frame.colour_scale import ColourScale
-from app.frame.layout import Seat
+from app.frame.layout import RunSlot
 from app.page.stage.error_probe import RADIUS, Probe, TraceRings
-from app.page.visit.frame_buffer import Recent
+from app.page.visit.frame_buffer import FrameBuffer
 from app.page.visit.history import LAST_PERIODS, MOST_ROWS
 from app.page.visit.particle_trace import Trace
 from app.problems.bar.stage import BarStage
@@ -45,7 +45,7 @@ def run(request):
 
 def traced_after(frames, particle, chosen_after=FRAMES // 2):
     """What is traced when the particle is chosen in the middle of a run."""
-    recent = Recent()
+    recent = FrameBuffer()
     trace = Trace(recent)
     for k, frame in enumerate(frames):
         recent.add(*frame)
@@ -132,7 +132,7 @@ def test_every_image_is_found_by_a_click(run, stage):
         for particle in range(0, len(arrays.position), 5):
             x, y, _ = image[particle]
             assert stage.nearest((x, y), arrays) == particle
-    places = stage.places(stage.sheet.room.settled(), Seat.ALONE)
+    places = stage.places(stage.sheet.room.settled(), RunSlot.ALONE)
     assert stage.nearest(places.middle if halves > 2 else (0.5, 1.0), arrays) is None  # the ring's hole, above the bar
 
 
@@ -141,7 +141,7 @@ def test_height_in_the_lanes_does_not_count():
     report, arrays = frame_of(BAR)
     stage = BarStage(Sheet(), ColourScale())
     stage.draw(report.scene, arrays, None, arrays.error[:, 0], 0.0, 1.0)
-    places = stage.places(stage.sheet.room.settled(), Seat.ALONE)
+    places = stage.places(stage.sheet.room.settled(), RunSlot.ALONE)
     for y in (places.estimate + 0.04, places.crossings, places.truth - 0.04):
         assert [stage.nearest((x, y), arrays) for x in (0.001, 0.374, 0.424, 0.999)] == [0, 7, 8, 19]
     assert stage.nearest((1.2, places.truth), arrays) is None
@@ -150,7 +150,7 @@ def test_height_in_the_lanes_does_not_count():
 def test_a_click_marks_and_another_ends_it(run, stage):
     """Rings stand around every image of the particle; they go with a click into the empty place or on it again."""
     report, arrays = run[-1]
-    recent = Recent()
+    recent = FrameBuffer()
     recent.add(report, arrays)
     clicks, scene = [], Scene()
     scene.on_click = lambda: clicks.append

@@ -10,7 +10,7 @@ import pytest
 from app.page.page_server import OVER
 from app.page.visit import engine_links
 from app.page.visit import session as page
-from app.page.visit.engine_links import Tally
+from app.page.visit.engine_links import SessionCount
 from app.viewer import upload
 from tests.app.page.features.test_own_file import Sender
 from tests.browser.conftest import serving
@@ -102,7 +102,7 @@ def test_the_end_is_told_and_leaves_nothing(end, thread, tmp_path):
 def test_a_tally_counts_whole_seconds(monkeypatch):
     now = 10.0
     monkeypatch.setattr(engine_links, "monotonic", lambda: now)
-    tally = Tally()
+    tally = SessionCount()
     for _ in range(3):
         tally.add()
     assert tally.a_second == 0

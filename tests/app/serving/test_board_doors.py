@@ -7,7 +7,7 @@ from contextlib import ExitStack
 import pytest
 
 from app.lessons import catalogue
-from app.lessons.lesson_runs import Outcomes, RunFailed
+from app.lessons.lesson_runs import RunCache, RunFailed
 from app.lessons.student_progress import SCHEMA
 from app.page.features.board.board import NEXT, Board
 from app.page.features.lesson.marking import Classroom
@@ -21,7 +21,7 @@ STEPS = LESSON.steps
 NUMBER = next(at for at, step in enumerate(STEPS, 1) if step.key == "where-does-the-trouble-begin")
 
 
-class Broken(Outcomes):
+class Broken(RunCache):
     """No run comes to anything: what is right is not asked here."""
 
     def result(self, text):

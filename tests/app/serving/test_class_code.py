@@ -10,8 +10,8 @@ from websockets.datastructures import Headers
 from websockets.exceptions import InvalidStatus
 
 from app.access import class_code
-from app.access.class_code import ALL, CLASS, LETTERS, ONE, ClassCode, made_up
-from app.access.network_limits import REMEMBERED, Bucket
+from app.access.class_code import ALL, CLASS, LETTERS, ONE, ClassCode, generate_code
+from app.access.network_limits import REMEMBERED, TokenBucket
 from app.lessons import catalogue
 from app.page.features.lesson.marking import Classroom
 from tests.browser.conftest import serving
@@ -96,7 +96,7 @@ def test_wrong_guesses_are_limited_for_one_network_and_for_all_and_a_right_one_o
     """After so many wrong ones others are told to wait, for so long as is said; whatever was guessed, from wherever,
     the right code opens, also from there."""
     now = [0.0]
-    monkeypatch.setattr(class_code, "Bucket", partial(Bucket, clock=lambda: now[0]))
+    monkeypatch.setattr(class_code, "TokenBucket", partial(TokenBucket, clock=lambda: now[0]))
     door = ClassCode(CODE, 8080)
     most, all_of_them = int(ONE[0]), int(ALL[0])
     for k in range(most):
@@ -164,7 +164,7 @@ def test_strangers_learn_no_more_of_a_lab_than_that_it_is_ready(locked):
 
 
 def test_made_up_codes_are_long_and_plain():
-    codes = {made_up() for _ in range(200)}
+    codes = {generate_code() for _ in range(200)}
     assert len(codes) == 200 and all(re.fullmatch(f"[{LETTERS}]{{4}}-[{LETTERS}]{{4}}", one) for one in codes)
     assert not set("0o1il") & set(LETTERS) and len(LETTERS) ** 8 > 2**39
 

@@ -15,8 +15,8 @@ from types import SimpleNamespace
 import numpy as np
 from viser import _threadpool_exceptions
 
-from app.access.log_limit import Brief, place_of
-from app.access.network_limits import Room
+from app.access.log_limit import RateLimitFilter, place_of
+from app.access.network_limits import DiskQuota
 from app.page import page
 from app.page.stage.worst_region import WorstRegions
 from app.page.visit.engine_links import PageLinks
@@ -56,7 +56,7 @@ def test_what_fails_in_a_callback_is_one_line(capfd, caplog, monkeypatch):
 
 def test_a_log_has_few_lines_a_minute_whoever_writes():
     """And the first of the next one says how many there were more."""
-    brief = Brief(lines=3, seconds=0.3)
+    brief = RateLimitFilter(lines=3, seconds=0.3)
     said = [logging.LogRecord("x", logging.ERROR, "", 0, f"line {k}", (), None) for k in range(50)]
     assert sum(map(brief.filter, said)) == 3
     threading.Event().wait(0.35)
@@ -81,7 +81,7 @@ def test_a_page_that_has_gone_keeps_no_line():
 
 def test_room_is_shared_out():
     """A network has its part and no more, all together have no more than there is; what is given back is there."""
-    room = Room(of_one=10, of_all=25)
+    room = DiskQuota(of_one=10, of_all=25)
     assert room.take("10.0.0.1", 6) and not room.take("10.0.0.2", 6) and room.take("10.0.0.2", 4)
     assert room.take("10.0.1.1", 10) and not room.take("10.0.2.1", 6) and room.take("10.0.2.1", 5) and room.taken == 25
     room.give_back("10.0.0.9", 6)
@@ -108,7 +108,7 @@ def part(one, content, index=0, transfer="t"):
 
 def test_files_take_room_until_their_visitor_goes(monkeypatch):
     """Those that came, that which comes, and that which got stuck; the folder goes though somebody still writes."""
-    room, arrived, refused = Room(3_000_000, 5_000_000), [], []
+    room, arrived, refused = DiskQuota(3_000_000, 5_000_000), [], []
     monkeypatch.setattr(upload, "ROOM", room)
     one, other = an_upload(arrived, refused), an_upload(arrived, refused)
     assert start(one, 3) is None and part(one, b"abc") is None and arrived and room.taken == 3

@@ -7,7 +7,7 @@ from time import monotonic
 import pytest
 from websockets.exceptions import ConnectionClosed, InvalidStatus
 
-from app.access.network_limits import Anteroom, Bucket, Buckets, network_of
+from app.access.network_limits import PendingConnections, TokenBucket, TokenBuckets, network_of
 from app.viewer import connection, upload, web_server
 from tests.app.page.features.test_own_file import Sender
 from tests.support.doors import lab
@@ -28,7 +28,7 @@ def test_networks(address, network):
 
 
 def test_a_bucket_for_each_network_and_only_for_the_latest():
-    buckets = Buckets(lambda: Bucket(1, 0.1), remembered=3)
+    buckets = TokenBuckets(lambda: TokenBucket(1, 0.1), remembered=3)
     for network in "abc":
         buckets.of(network).pay()
     assert buckets.of("a").wait() > 9 and buckets.of("d").wait() == 0 and len(buckets) == 3
@@ -36,7 +36,7 @@ def test_a_bucket_for_each_network_and_only_for_the_latest():
 
 
 def test_whoever_has_waited_longest_makes_room_in_his_own_network():
-    room = Anteroom[str](of_one=2, of_all=5)
+    room = PendingConnections[str](of_one=2, of_all=5)
     assert [room.enter(who, who[0]) for who in ("a1", "a2", "b1", "a3")] == [None, None, None, "a1"]
     room.leave("a2")
     room.leave("a2")

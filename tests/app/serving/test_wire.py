@@ -12,7 +12,7 @@ from viser._messages import GuiUpdateMessage, ReplayDoneMessage, SceneNodeUpdate
 from viser.infra import _infra
 
 from app.viewer.message_encoding import SHORT, Moved, send
-from app.viewer.send_queue import Buffer, together
+from app.viewer.send_queue import SendBuffer, together
 from tests.support.listening import PATIENCE
 from tests.support.processes import until
 
@@ -46,7 +46,7 @@ def moved(name, step):
 
 def test_what_wakes_the_sender_is_touched_by_its_loop_only(loop):
     """Another thread that sets the viewer's event while the loop waits for it would meet the loop in its midst."""
-    started, buffer = threading.Event(), Buffer(loop, persistent_messages=False)
+    started, buffer = threading.Event(), SendBuffer(loop, persistent_messages=False)
     woken = asyncio.run_coroutine_threadsafe(buffer.message_event.wait(), loop)
     loop.call_soon_threadsafe(started.set)
     assert started.wait(PATIENCE)
@@ -58,7 +58,7 @@ def test_what_wakes_the_sender_is_touched_by_its_loop_only(loop):
 
 def test_a_frame_leaves_whole_and_at_once(loop):
     """However slowly it is put together, it is one window, and does not wait for others once it is flushed."""
-    buffer = Buffer(loop, persistent_messages=False, window_duration_sec=PATIENCE)
+    buffer = SendBuffer(loop, persistent_messages=False, window_duration_sec=PATIENCE)
     windows, end = listen(loop, buffer)
     for step in range(20):
         buffer.atomic_start()
@@ -79,7 +79,7 @@ def test_frames_of_many_that_come_together_wake_the_sender_once(loop, monkeypatc
     """They leave when all have been told; what another thread says meanwhile leaves at once."""
     woken, soon = [], loop.call_soon_threadsafe
     monkeypatch.setattr(loop, "call_soon_threadsafe", lambda *args: woken.append(args) or soon(*args))
-    buffers = [Buffer(loop, persistent_messages=False, window_duration_sec=PATIENCE) for _ in range(4)]
+    buffers = [SendBuffer(loop, persistent_messages=False, window_duration_sec=PATIENCE) for _ in range(4)]
     heard = [listen(loop, buffer) for buffer in buffers]
     until(lambda: all(buffer.generator_cursors for buffer in buffers), "those who listen")
 
@@ -122,7 +122,7 @@ def test_messages_are_packed_as_the_viewer_packs_them(words, monkeypatch):
             sent.append(packed)
 
     async def tell(producer, messages):
-        buffer = Buffer(asyncio.get_running_loop(), persistent_messages=False)
+        buffer = SendBuffer(asyncio.get_running_loop(), persistent_messages=False)
         buffer.push_all(messages)
         sending = asyncio.create_task(producer(Socket(), buffer, 1, None))
         while not sent:
@@ -143,7 +143,7 @@ def test_messages_are_packed_as_the_viewer_packs_them(words, monkeypatch):
 
 
 def test_a_newcomer_hears_what_was_said_before_and_where_that_ends(loop):
-    buffer = Buffer(loop, persistent_messages=True)
+    buffer = SendBuffer(loop, persistent_messages=True)
     for number in range(200):
         buffer.push(moved(f"a{number}", 0))
     windows, end = listen(loop, buffer, ReplayDoneMessage())
@@ -158,7 +158,7 @@ def test_a_newcomer_hears_what_was_said_before_and_where_that_ends(loop):
 
 def test_all_is_sent_when_the_last_window_has_gone(loop):
     """Not when it has been taken out: a browser that takes nothing holds it up."""
-    buffer, go = Buffer(loop, persistent_messages=False), asyncio.Event()
+    buffer, go = SendBuffer(loop, persistent_messages=False), asyncio.Event()
 
     async def send():
         async for _ in buffer.window_generator(1, None):

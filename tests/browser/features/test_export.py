@@ -17,7 +17,7 @@ from app.lessons import student_progress
 from app.lessons.answer_check import mark
 from app.lessons.lesson import drawn
 from app.lessons.lesson_parser import parse
-from app.lessons.lesson_runs import Outcomes
+from app.lessons.lesson_runs import RunCache
 from app.problems.views import VIEWS
 from solvers.scene.error_causes import CAUSES
 from tests.app.lessons.test_lesson_format import TEXT
@@ -101,7 +101,7 @@ def recorded_here():
 def lesson_file(lesson, tmp_path_factory):
     """The lesson's file, and what came of its runs."""
     path = tmp_path_factory.mktemp("export") / "lesson.html"
-    with closing(Outcomes()) as outcomes, pytest.MonkeyPatch.context() as patch:
+    with closing(RunCache()) as outcomes, pytest.MonkeyPatch.context() as patch:
         patch.setattr("app.export.lesson_data.Outcomes", lambda processes: outcomes)
         patch.setattr(outcomes, "close", lambda: None)
         path.write_text(lesson_page(lesson, 1, silent, {}), encoding="utf-8")

@@ -6,7 +6,7 @@ import pytest
 
 from app.export.lesson_data import lesson_page
 from app.export.recording import recording
-from app.language.translation import speaking
+from app.language.translation import use_language
 from app.lessons import catalogue
 from app.lessons.answer_check import TOLD_AFTER
 from app.lessons.lesson_parser import parse
@@ -143,7 +143,7 @@ def test_nothing_in_a_file_is_said_outside_the_catalogue(chromium, tmp_path, mon
     """A lesson, which is in English: each step, and what is said of answers."""
     monkeypatch.setattr("app.export.html_file.recordings", lambda wanted, *others: [recording(one) for one in wanted])
     path = tmp_path / "lesson.html"
-    with speaking(pseudo.CODE):
+    with use_language(pseudo.CODE):
         path.write_text(lesson_page(parse(TEXT, "99-test"), 1, lambda part, what: None, {}), encoding="utf-8")
     page, found = chromium.new_page(viewport=SIZE), {}
     page.add_init_script(WATCH)

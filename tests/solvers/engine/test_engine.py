@@ -11,7 +11,7 @@ from time import thread_time
 import numpy as np
 import pytest
 
-from solvers.engine.engine_messages import Pace, Wish
+from solvers.engine.engine_messages import Pace, SessionRequest
 from solvers.engine.engine_worker import FAILED
 from solvers.engine.shared_frames import FrameOptions
 from solvers.problems.bar.scene import BarScene
@@ -151,7 +151,7 @@ def test_wish_of_a_visitor_who_has_left_is_dropped(pool, session):
     listener.frame(link.ask(SCENE, Pace(False)))
     engines, leaver = pool.process_ids, Listener()
     gone = pool.open(leaver)
-    pool._engines[0].send(Wish(gone.session, 1, "mpm-lab-no-such-block", SCENE))
+    pool._engines[0].send(SessionRequest(gone.session, 1, "mpm-lab-no-such-block", SCENE))
     report, _ = listener.frame(link.ask(SCENE, Pace(False, restarts=1)), lambda r: r.fresh)
     gone.close()
     assert report.scene == SCENE and pool.process_ids == engines

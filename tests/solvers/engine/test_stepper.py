@@ -10,7 +10,7 @@ import pytest
 
 from solvers.engine import session_stepper
 from solvers.engine import shared_frames as memory
-from solvers.engine.engine_messages import FRAME_SECONDS, Pace, Wish
+from solvers.engine.engine_messages import FRAME_SECONDS, Pace, SessionRequest
 from solvers.engine.session_stepper import Stepper
 from solvers.engine.shared_frames import FrameOptions
 from solvers.engine.soundness_watch import SoundnessWatch
@@ -49,7 +49,7 @@ def test_numbers_of_the_body_are_looked_at_twice_a_second(clock):
     """While it moves, those of half a second ago at most; where it stands, those of its moment, to the last bit what a
     run of the same steps ends with; and none by who does not hold."""
     scene = replace(SCENE, method="bspline", estimators=("transport", "companion"))
-    with one_session(Wish(1, 1, "", scene, Pace(speed=0.5))) as session:
+    with one_session(SessionRequest(1, 1, "", scene, Pace(speed=0.5))) as session:
         seen = []
         while clock.now < 101.5:
             memory.clear(session._block)
@@ -67,7 +67,7 @@ def test_numbers_of_the_body_are_looked_at_twice_a_second(clock):
 
 def test_playing_keeps_the_asked_speed(clock):
     """Simulated time follows the clock at the speed asked for."""
-    with one_session(Wish(1, 1, "", SCENE, Pace(speed=0.8))) as session:
+    with one_session(SessionRequest(1, 1, "", SCENE, Pace(speed=0.8))) as session:
         begun, start = session.frame().time, clock.now
         while clock.now < start + 0.5:
             memory.clear(session._block)
@@ -82,7 +82,7 @@ def test_playing_keeps_the_asked_speed(clock):
 
 def test_a_frame_is_not_written_over_before_the_page_has_it(clock):
     """Not even one that is asked for; and what the page reads frees the block for the next."""
-    with one_session(Wish(1, 1, "", SCENE, Pace(speed=0.5))) as session:
+    with one_session(SessionRequest(1, 1, "", SCENE, Pace(speed=0.5))) as session:
         first = session.frame()
         for number in (2, 3):
             clock.now += 1.0
@@ -96,7 +96,7 @@ def test_a_frame_is_not_written_over_before_the_page_has_it(clock):
 def test_turns_are_shorter_where_many_share_an_engine():
     """Eight thousandths of a second, until fifty are too few for all and their frames; not so short that launches are
     most of it."""
-    with one_session(Wish(1, 1, "", SCENE)) as session:
+    with one_session(SessionRequest(1, 1, "", SCENE)) as session:
         session._seconds_a_step = 1e-6
         for sessions, frame, steps in ((1, 0, 8000), (6, 0, 8000), (10, 0, 5000), (10, 0.001, 4000), (30, 0.001, 667),
                                        (30, 0.002, 400), (200, 0, 400)):
@@ -111,7 +111,9 @@ def test_frames_keep_their_beat(clock, apart):
 
     Counted each from the one before it, they would be 22."""
     times = []
-    with one_session(Wish(1, 1, "", replace(SCENE, cells=8), Pace(speed=1e-6), frame_seconds=apart)) as session:
+    with one_session(
+        SessionRequest(1, 1, "", replace(SCENE, cells=8), Pace(speed=1e-6), frame_seconds=apart)
+    ) as session:
         while clock.now < 103.0:
             clock.now += 0.007
             if session.ready:
@@ -125,7 +127,7 @@ def test_frames_keep_their_beat(clock, apart):
 
 def test_frames_are_late_when_they_come_too_seldom(clock):
     """At 20 a second instead of 30, and no longer once they come in time; a pause is nobody's fault."""
-    with one_session(Wish(1, 1, "", SCENE, Pace(speed=1e-6))) as session:
+    with one_session(SessionRequest(1, 1, "", SCENE, Pace(speed=1e-6))) as session:
         def frames(apart, count=20):
             for _ in range(count):
                 clock.now += apart
@@ -145,7 +147,7 @@ def test_frames_are_late_when_they_come_too_seldom(clock):
 
 def test_a_session_goes_on_with_a_solver_that_has_been_prepared_for_it(clock):
     """If that is of its scene; it has the state of the one before either way."""
-    with one_session(Wish(1, 1, "", SCENE, Pace(False, single_steps=5))) as session:
+    with one_session(SessionRequest(1, 1, "", SCENE, Pace(False, single_steps=5))) as session:
         session.accept(replace(session.wish, pace=Pace(False, single_steps=12)))
         right, wrong = BarSolver(SCENE), BarSolver(replace(SCENE, cells=24))
         for prepared in (right, wrong, None):
@@ -158,7 +160,7 @@ def test_a_session_goes_on_with_a_solver_that_has_been_prepared_for_it(clock):
 
 def test_a_step_taken_apart_can_be_looked_at_from_another_particle_after_a_hand_over(clock):
     """The engine that takes over knows where that step began: else whoever asks waits for ever."""
-    first = Wish(1, 1, "", SCENE, Pace(False, single_steps=0), FrameOptions(broken_down=3))
+    first = SessionRequest(1, 1, "", SCENE, Pace(False, single_steps=0), FrameOptions(broken_down=3))
     with one_session(first) as session:
         session.accept(replace(session.wish, pace=Pace(False, single_steps=5)))
         replacement = Stepper.resumed(session.state(), None)
@@ -174,7 +176,7 @@ def test_a_lost_run_goes_on_and_says_what_a_plain_run_says(clock):
     """Judged a frame at a time, it is lost from the same sample on, in the same words, and stays so."""
     scene = replace(SCENE, cells=40, ppc=1)
     result = run(scene, prices=False)
-    with one_session(Wish(1, 1, "", scene, Pace(speed=0.5))) as session:
+    with one_session(SessionRequest(1, 1, "", scene, Pace(speed=0.5))) as session:
         reports = []
         while not reports or reports[-1].time < scene.end_time:
             memory.clear(session._block)
@@ -214,7 +216,7 @@ def test_frames_say_what_is_not_valid(monkeypatch):
     found = {"transport": "not valid here: it rains"}
     doubting = replace(BarSolver.HOOKS["transport"], verdict=lambda scene, memory: found.get("transport"))
     monkeypatch.setattr(BarSolver, "HOOKS", {"transport": doubting})
-    with one_session(Wish(1, 1, "", SCENE, Pace(False))) as session:
+    with one_session(SessionRequest(1, 1, "", SCENE, Pace(False))) as session:
         assert session.frame().not_valid == found
         broken = dict(found)
         found.clear()
@@ -233,7 +235,7 @@ def test_a_run_is_read_at_its_very_end(clock):
     scene = BarScene(cells=20, amplitude=0.01, cfl=0.1, periods=0.25, sample_every=15)
     plain = run(scene, prices=False).series["error_x"]
     assert scene.steps % 15
-    with one_session(Wish(1, 1, "", scene, Pace(speed=0.8, ends=True))) as session:
+    with one_session(SessionRequest(1, 1, "", scene, Pace(speed=0.8, ends=True))) as session:
         rows = [session.frame().rows]
         while session.running:
             memory.clear(session._block)
@@ -255,7 +257,7 @@ def test_a_run_is_read_at_its_very_end(clock):
 def test_a_run_that_is_paused_is_read_where_it_stands(clock):
     """Between two samples, too, and once: what is said of the moment and what the table says of it are the same."""
     scene = BarScene(cells=20, amplitude=0.01, cfl=0.1, sample_every=50)
-    with one_session(Wish(1, 1, "", scene, Pace(speed=0.3))) as session:
+    with one_session(SessionRequest(1, 1, "", scene, Pace(speed=0.3))) as session:
         rows = [session.frame().rows]
         for number, playing in ((2, False), (3, True), (4, False)):
             memory.clear(session._block)

@@ -148,7 +148,7 @@ def test_a_successor_that_rests_takes_over_all_the_same(monkeypatch):
     monkeypatch.setattr(compiling_fork, "_compile", lambda scenes: 2)
     prepared = []
     replacement = compiling_fork.fork([SCENE] * 3, asked_for=False, prepare=prepared.append)
-    if not isinstance(replacement, compiling_fork.Successor):  # the child
+    if not isinstance(replacement, compiling_fork.CompilingFork):  # the child
         os._exit(int(prepared == ["coming"] and replacement == "all"))
     until(lambda: replacement.ready(lambda: "coming"), "its preparations")
     assert replacement.compiled == [SCENE] * 2 and prepared == []

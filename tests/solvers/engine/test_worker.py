@@ -7,7 +7,7 @@ from types import SimpleNamespace
 import pytest
 
 from solvers.engine import engine_worker
-from solvers.engine.engine_messages import Goodbye, Wish
+from solvers.engine.engine_messages import SessionClosed, SessionRequest
 from solvers.engine.engine_worker import Worker
 from tests.support.listening import SCENE
 
@@ -29,7 +29,7 @@ class Pipe:
 
 
 def wish(session, number=1):
-    return Wish(session, number, "", SCENE)
+    return SessionRequest(session, number, "", SCENE)
 
 
 def test_when_many_wish_at_once_some_wait_for_the_next_round(monkeypatch):
@@ -46,7 +46,7 @@ def test_when_many_wish_at_once_some_wait_for_the_next_round(monkeypatch):
     engine = Worker(pipe)
     monkeypatch.setattr(engine, "_accept", accept)
     rounds = []
-    for late_messages in ([], [wish(5, 2), Goodbye(6)], []):
+    for late_messages in ([], [wish(5, 2), SessionClosed(6)], []):
         pipe.messages += late_messages
         engine._read_messages()
         engine._fulfil()

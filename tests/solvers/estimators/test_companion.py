@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from solvers.estimators import companion
-from solvers.estimators.estimator_memory import memory_parts
+from solvers.estimators.estimator_memory import unpack_arrays
 from solvers.estimators.spectral_elements import Elements, unresolved
 from solvers.problems.bar import exact_solution as bar_exact
 from solvers.problems.bar.estimators import companion as companion_bar
@@ -64,7 +64,7 @@ def own_nodes(scene: Scene) -> np.ndarray:
     while solver.step < scene.steps:
         solver.advance(min(scene.steps - solver.step, solver.longest_advance))
     solver.snapshot()
-    nodes = memory_parts(solver.HOOKS, solver._arrays.memory)["companion_nodes"]
+    nodes = unpack_arrays(solver.HOOKS, solver._arrays.memory)["companion_nodes"]
     return nodes.reshape(companion.LAYERS, -1, 8)[companion.NOW]
 
 
@@ -148,7 +148,7 @@ def test_it_says_when_it_has_failed_itself(scene):
     solver.advance(100)
     solver.snapshot()
     assert not solver.not_valid()
-    nodes = memory_parts(solver.HOOKS, solver._arrays.memory)["companion_nodes"]
+    nodes = unpack_arrays(solver.HOOKS, solver._arrays.memory)["companion_nodes"]
     if scene.problem != "vortex":  # whose one element over the radius has no such measure
         nodes.reshape(-1, 8)[:, :2] += 1e-2 * (-1.0)**np.arange(nodes.size // 8)[:, None]
         assert "off, against" in solver.not_valid()["companion"]

@@ -6,7 +6,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from solvers.estimators.estimator_memory import memory_parts
+from solvers.estimators.estimator_memory import unpack_arrays
 from solvers.estimators.lattice_lines import Line
 from solvers.estimators.recovery import TAU
 from solvers.problems.bar.scene import BarScene
@@ -78,7 +78,7 @@ def test_rest_is_without_error(scene):
     else:
         a.tables[:] = 0  # of the force
     velocities(solver)[:] = 0
-    memory_parts(solver.HOOKS, a.memory)["recovered_nodes"][:] = 0
+    unpack_arrays(solver.HOOKS, a.memory)["recovered_nodes"][:] = 0
     solver.advance(100)
     solver.snapshot()
     assert np.abs(a.estimate).max() < 1e-12
@@ -160,7 +160,7 @@ def test_a_report_between_two_of_its_steps_fits_in(scene):
 def test_a_reference_that_is_no_number_is_told():
     solver = build(RING)
     assert solver.not_valid() == {}
-    memory_parts(solver.HOOKS, solver._arrays.memory)["recovered_nodes"][0] = np.nan
+    unpack_arrays(solver.HOOKS, solver._arrays.memory)["recovered_nodes"][0] = np.nan
     assert solver.not_valid()["recovered"].startswith("not valid here: ")
 
 
@@ -170,6 +170,6 @@ def test_a_rough_reference_is_told(simulate):
     assert coarse.not_valid["recovered"].startswith("not valid here: ")
     for scene in (BAR, RING):
         solver = build(replace(scene, dt=None, cfl=0.2, t_end=None))
-        memory_parts(solver.HOOKS, solver._arrays.memory)["recovered_numbers"][TAU] *= 50
+        unpack_arrays(solver.HOOKS, solver._arrays.memory)["recovered_numbers"][TAU] *= 50
         solver.advance(400)  # it grows until its numbers end, or is seen before
         assert solver.not_valid()["recovered"].startswith("not valid here: ")

@@ -7,7 +7,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from solvers.estimators.estimator_memory import memory_parts
+from solvers.estimators.estimator_memory import unpack_arrays
 from solvers.problems.bar.scene import BarScene
 from solvers.problems.bar.solver import BarSolver
 from solvers.problems.bar.state import HOOKS
@@ -79,7 +79,7 @@ def test_it_says_where_its_terms_vanish_or_outgrow_the_motion():
     assert solver.not_valid() == {}
     solver.advance(200)
     assert solver.not_valid() == {}
-    nodes = memory_parts(HOOKS, solver._arrays.memory)["transport_errors"]
+    nodes = unpack_arrays(HOOKS, solver._arrays.memory)["transport_errors"]
     for size, word in ((0.0, "vanish"), (1e12, "outgrown"), (math.nan, "outgrown")):
         nodes[:, 1] = size
         assert word in solver.not_valid()["transport"]

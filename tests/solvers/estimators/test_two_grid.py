@@ -8,7 +8,7 @@ import pytest
 import taichi as ti
 
 from solvers.estimators import two_grid
-from solvers.estimators.estimator_memory import memory_parts
+from solvers.estimators.estimator_memory import unpack_arrays
 from solvers.estimators.two_grid_dispersion import lag
 from solvers.kernels.dtypes import matrix, pairs, quads, real, reals
 from solvers.kernels.packing import Packing
@@ -36,7 +36,7 @@ def test_the_error_is_taken_from_the_ratio_of_the_cells():
 @pytest.mark.parametrize("scene", [BAR, RING], ids=["bar", "ring"])
 def test_inactive_it_holds_nothing(scene):
     solver = build(replace(scene, estimators=()))
-    arrays = memory_parts(solver.HOOKS, solver._arrays.memory)
+    arrays = unpack_arrays(solver.HOOKS, solver._arrays.memory)
     assert max(len(a) for name, a in arrays.items() if name.startswith(("coarse_", "two_grid_"))) == 1
 
 
@@ -46,7 +46,7 @@ def test_a_second_run_gone_bad_is_noticed(scene, steps):
     solver = build(scene)
     solver.advance(steps)
     assert solver.not_valid() == {}
-    memory_parts(solver.HOOKS, solver._arrays.memory)["coarse_deformation_gradient"][0] = np.nan
+    unpack_arrays(solver.HOOKS, solver._arrays.memory)["coarse_deformation_gradient"][0] = np.nan
     solver.advance(steps)  # and steps on with it, whatever it has become
     assert "second run" in solver.not_valid()[NAME]
 

@@ -9,7 +9,7 @@ import pytest
 
 from app.cli import main
 from solvers.judging import particle_writers
-from solvers.judging.frames import Misfit, Raw
+from solvers.judging.frames import ParticleMismatch, Raw
 from solvers.judging.judgement import judge
 from solvers.judging.particle_readers import read
 from solvers.judging.problem_handout import exact
@@ -106,7 +106,7 @@ def test_a_direction_in_which_nothing_reaches_is_none(tmp_path):
 
 def test_a_bar_on_a_line_is_no_ring(tmp_path):
     frames = frames_of("bar")
-    with pytest.raises(Misfit) as refused:
+    with pytest.raises(ParticleMismatch) as refused:
         judge(scene_of("ring"), {"t": 0.1, "id": frames[1].number, "x": np.pad(frames[1].position, ((0, 0), (0, 1)))})
     assert "has positions in one direction, and the ring has two" in str(refused.value)
 
@@ -134,7 +134,7 @@ def test_some_particles_of_a_grid_are_enough(tmp_path):
 
 def test_ids_in_another_order_do_not_begin_where_ours_do(tmp_path):
     frame = frames_of("ring")[0]
-    with pytest.raises(Misfit, match="at t = 0 that are not where those of the ring begin, by"):
+    with pytest.raises(ParticleMismatch, match="at t = 0 that are not where those of the ring begin, by"):
         judge(scene_of("ring"), {"t": 0.0, "id": frame.number[::-1], "x": frame.position})
 
 

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 import taichi as ti
 
-from solvers.estimators.estimator_memory import memory_parts
+from solvers.estimators.estimator_memory import unpack_arrays
 from solvers.kernels.dtypes import quads
 from solvers.problems import PROBLEMS
 from solvers.problems.planar.layout import half_edges
@@ -170,7 +170,7 @@ def test_transport_has_the_papers_defects_at_the_nodes(method):
     a, scene = solver._arrays, solver.scene
     x, F = a.position_velocity[:, :2].copy(), a.deformation_gradient.copy()
     solver.advance(1)
-    error = memory_parts(solver.HOOKS, a.memory)["transport_error"][:, :2].copy()
+    error = unpack_arrays(solver.HOOKS, a.memory)["transport_error"][:, :2].copy()
     acceleration = a.node_motion[:, 2:].copy()
     a.deformation_gradient[:] = F
     S, *slopes = mappings(solver)

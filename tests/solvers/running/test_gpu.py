@@ -351,8 +351,8 @@ def test_any_gpu_is_not_one_that_the_processor_plays(monkeypatch):
 def test_what_is_found_is_known_by_name_and_a_search_that_fails_finds_nothing():
     """A process that dies in the search takes nobody along."""
     require_gpu()
-    assert ARCH != "vulkan" or devices.found("vulkan")["name"]
-    assert "the process that looked for one" in devices.found("no such kind")["missing"]
+    assert ARCH != "vulkan" or devices.probe_device("vulkan")["name"]
+    assert "the process that looked for one" in devices.probe_device("no such kind")["missing"]
 
 
 @pytest.mark.slow

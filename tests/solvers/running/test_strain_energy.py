@@ -13,7 +13,7 @@ from solvers.problems.ring import RingScene
 from solvers.problems.square import SquareScene
 from solvers.problems.vortex import VortexScene
 from solvers.running.run import build
-from solvers.scene.kernel_options import switches
+from solvers.scene.kernel_options import kernel_options_of
 from solvers.solver.state_arrays import aligned
 
 BARE = {"effects": (), "estimators": ()}
@@ -40,7 +40,7 @@ def measured(measure, solver, F: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """Energies (P,) in J/m and Kirchhoff stresses (P, 2, 2) in Pa of the particles, deformed by F (P, 2, 2)."""
     solver._arrays.deformation_gradient[:] = F.reshape(-1, 4)
     energy, stress = aligned(np.zeros(len(F))), aligned(np.zeros((len(F), 4)))
-    measure(solver._stepping.pack, energy, stress, switches(solver.scene))
+    measure(solver._stepping.pack, energy, stress, kernel_options_of(solver.scene))
     return energy, stress.reshape(-1, 2, 2)
 
 

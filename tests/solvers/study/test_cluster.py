@@ -84,7 +84,7 @@ def test_a_killed_worker_costs_no_row(workers, monkeypatch):
         wait_for_workers(place, 1)
     finally:
         place.close()
-    here, same = executors.Here(), []
+    here, same = executors.LocalExecutor(), []
     executors.execute(tasks, here, same.append)
     here.close()
     both = [{found["key"]: without_timings(found) for found in measured} for measured in (rows, same)]

@@ -148,7 +148,7 @@ def test_the_command_keeps_its_rows(three, tmp_path, monkeypatch, capsys):
     assert {**kept, "seconds": 0} == {**three[0], "seconds": 0}
     said = capsys.readouterr()
     assert "1/1 run 0: ok" in said.err and "| companion | x | " in said.out
-    monkeypatch.setattr("solvers.study.executors.Here", place)
+    monkeypatch.setattr("solvers.study.executors.LocalExecutor", place)
     assert dispatch([*words, "--runs", "3", "--resume"]) == 0
     assert (out / "rows.jsonl").read_text().startswith(first) and [draw.number for draw in place.asked] == [1, 2]
     said = capsys.readouterr()

@@ -10,7 +10,7 @@ import pytest
 from solvers import SceneError
 from solvers.problems.bar.scene import BarScene
 from solvers.study import row
-from solvers.study.executors import ATTEMPTS, Here, PlaceLost, execute
+from solvers.study.executors import ATTEMPTS, ExecutorLost, LocalExecutor, execute
 from solvers.study.parameter_grid import Task, combinations, plan
 from solvers.study.row_store import Store, StoreError
 from solvers.study.sweep import Rows
@@ -123,12 +123,12 @@ def test_a_place_that_is_gone_ends_the_sweep():
             future.set_running_or_notify_cancel()
             return future
 
-    with pytest.raises(PlaceLost, match="lost"):
+    with pytest.raises(ExecutorLost, match="lost"):
         execute(plan("bar", {"cells": [8]}), Gone({}), pytest.fail)
 
 
 def test_rows_run_in_processes_of_their_own_and_these_end():
-    place, rows = Here(workers=2), []
+    place, rows = LocalExecutor(workers=2), []
     execute(plan("bar", {**{name: [value] for name, value in QUICK.items()}, "cells": [8, 9, 10]}, repeats=1), place,
             rows.append)
     processes = place.pool.process_ids

@@ -46,7 +46,7 @@ def results(measured) -> dict:
 def place(measured, monkeypatch) -> Instant:
     """Where runs are there at once."""
     place = Instant(lambda task: measured[task.key])
-    monkeypatch.setattr("solvers.study.executors.Here", place)
+    monkeypatch.setattr("solvers.study.executors.LocalExecutor", place)
     return place
 
 

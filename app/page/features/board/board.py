@@ -11,18 +11,18 @@ from concurrent.futures import Future, ThreadPoolExecutor
 from dataclasses import dataclass
 from typing import Any
 
-from app.access.log_limit import noted
-from app.language.translation import later
+from app.access.log_limit import log_failure
+from app.language.translation import lazy
 from app.lessons.answer_check import Right, right
 from app.lessons.claims import ClaimError
 from app.lessons.lesson import TEXT, Lesson, Step
-from app.lessons.lesson_runs import Outcomes, RunFailed
+from app.lessons.lesson_runs import RunCache, RunFailed
 from app.lessons.student_progress import Progress
-from app.page.features.board.class_answers import Tally
+from app.page.features.board.class_answers import ClassAnswers
 
 COUNTED, SHOWN, REVEALED = range(3)  # what is shown of a question
 NEXT, BACK = "next", "back"
-FAILED = later("What came out could not be worked out.")
+FAILED = lazy("What came out could not be worked out.")
 
 
 @dataclass(frozen=True)
@@ -44,11 +44,11 @@ class Board:
     """Of one class in one ``lesson``, or its ``core`` alone, whose runs the ``outcomes`` have. All have the lesson's
     first set of numbers: what is shown in one picture must have been asked of all. Any thread may call."""
 
-    def __init__(self, lesson: Lesson, outcomes: Outcomes, core: bool = False):
+    def __init__(self, lesson: Lesson, outcomes: RunCache, core: bool = False):
         self.core = core and bool(lesson.deeper)
         self._taken = [at for at, step in enumerate(lesson.steps, 1) if step.core or not self.core]
         self.lesson, self.numbers, self._outcomes = lesson, lesson.variants[0], outcomes
-        self.tally = Tally(self._changed)
+        self.tally = ClassAnswers(self._changed)
         self._lock = threading.RLock()
         self._turn = self._at = self._opened = 0
         self._stages: dict[int, int] = {}  # of steps with a question
@@ -212,7 +212,7 @@ class BoardSeat:
             if not self._gone:
                 self._on_open()
         except Exception as error:
-            noted("a page could not be told that a step is open", error)
+            log_failure("a page could not be told that a step is open", error)
 
     def shows(self, step: int) -> None:
         self._board.tally.reach(self._key, step)

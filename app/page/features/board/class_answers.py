@@ -21,7 +21,7 @@ MOST = 1000  # visitors; further ones have their lesson, and are not counted: a 
 
 
 @dataclass
-class Entry:
+class VisitorAnswers:
     """Of one visitor: how many of his ``pages`` are open, the ``step`` that he has come to, what he has ``said`` that
     counts, to which questions he came ``late``, and his own ``answers``, which all of his pages share."""
 
@@ -32,18 +32,18 @@ class Entry:
     answers: dict[str, Answer] = field(default_factory=dict)
 
 
-class Tally:
+class ClassAnswers:
     """Any thread may call; ``on_change`` is called, on that thread, when a number is another one."""
 
     def __init__(self, on_change: Callable[[], None] = lambda: None):
         self._on_change, self._lock = on_change, threading.Lock()
-        self._entries: dict[str, Entry] = {}
+        self._entries: dict[str, VisitorAnswers] = {}
         self._closed: set[str] = set()  # questions whose answers are shown
 
-    def come(self, key: str) -> Entry:
+    def come(self, key: str) -> VisitorAnswers:
         """A page of a visitor is opened: what is known of him, perhaps from before."""
         with self._lock:
-            entry = self._entries.get(key) or Entry()
+            entry = self._entries.get(key) or VisitorAnswers()
             if len(self._entries) >= MOST:  # forget who has left without a word
                 self._entries = {key: one for key, one in self._entries.items() if one.pages or one.answers}
             if len(self._entries) < MOST:

@@ -11,30 +11,30 @@ from urllib.parse import urlsplit
 import viser
 
 from app.access.allowed_hosts import is_loopback
-from app.access.log_limit import noted
-from app.language.translation import carried, later, tr
+from app.access.log_limit import log_failure
+from app.language.translation import lazy, tr, with_language
 from app.lessons.answer_check import Right
 from app.lessons.lesson import filled
 from app.page.features.board.board import BACK, NEXT, REVEALED, Board, has_chart
 from app.page.features.board.chart import right_among
-from app.page.features.board.slides import Door, says_next, slide
+from app.page.features.board.slides import JoinInfo, says_next, slide
 from app.page.panels.browser_store import BrowserStore
 
 AGAIN = 0.25  # seconds at least between two pictures: thirty may answer at once
 STAGE, SAVE = "stage", "save"
 SCHEMA = "mpm-lab/board/1"  # of the file that a lecturer may save
-OF_NO_USE = later("Only this computer can open this address: serve with --host 0.0.0.0 for a class.")
+OF_NO_USE = lazy("Only this computer can open this address: serve with --host 0.0.0.0 for a class.")
 
 
 @dataclass(frozen=True)
-class Lectern:
+class LecturerContext:
     """What a lecturer's page has beside that of others: the ``board``, and the ``door`` by which a class comes in, as
     far as the server knows it."""
 
     board: Board
-    door: Door
+    door: JoinInfo
 
-    def seen_from(self, here: str) -> Door:
+    def seen_from(self, here: str) -> JoinInfo:
         """The door for a class, where the lecturer's browser has found the lab under this address."""
         known = self.door.link
         link = here if here and not is_loopback(urlsplit(here).hostname or "") else known
@@ -44,7 +44,7 @@ class Lectern:
 class BoardPanel:
     """One lecturer's page. ``on_cover`` is told whether the stage is covered, and at which step the board is then."""
 
-    def __init__(self, client: viser.ClientHandle, store: BrowserStore, lectern: Lectern,
+    def __init__(self, client: viser.ClientHandle, store: BrowserStore, lectern: LecturerContext,
                  on_cover: Callable[[bool, int], None]):
         self._client, self._store, self._lectern, self._on_cover = client, store, lectern, on_cover
         self._board = board = lectern.board
@@ -54,7 +54,7 @@ class BoardPanel:
         store.heard["board"] = self._hear
         board.watch(self._news.set)
         self.draw()
-        threading.Thread(target=carried(self._follow), name="board", daemon=True).start()
+        threading.Thread(target=with_language(self._follow), name="board", daemon=True).start()
 
     def close(self) -> None:
         """The lecturer has gone, and the board is as it was."""
@@ -79,7 +79,7 @@ class BoardPanel:
                 try:
                     self.draw()
                 except Exception as error:  # one bad picture must not end the board
-                    noted("the board could not be drawn", error)
+                    log_failure("the board could not be drawn", error)
             self._closed.wait(AGAIN)
 
     def _hear(self, said: Any) -> None:

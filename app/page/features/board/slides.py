@@ -6,7 +6,7 @@ from urllib.parse import quote
 
 import segno
 
-from app.language.translation import later, tr, trn
+from app.language.translation import lazy, tr, trn
 from app.lessons import catalogue
 from app.lessons.answer_check import Right
 from app.lessons.lesson import CHOICE, INTERVAL, PREDICT, TITLES, Step, filled
@@ -15,15 +15,15 @@ from app.page.features.board import chart
 from app.page.features.board.board import COUNTED, REVEALED, Board, Place, has_chart
 
 IN_ONE = 8  # scores, in one column
-NOBODY, WORKING = later("Nobody is here yet."), later("What came out is being worked out …")
-HOW, HELD, RIGHT = later("How the class did"), later("{right} of {of} held"), later("{right} of {of} right")
-PREDICTIONS = later("{right} of {of} predictions were right: {share} %")
-OBSERVATIONS = later("{right} of {of} observations were right: {share} %")
-INTERVALS = later("{right} of {of} intervals hold what came out: {share} %, where {level} % was said")
+NOBODY, WORKING = lazy("Nobody is here yet."), lazy("What came out is being worked out …")
+HOW, HELD, RIGHT = lazy("How the class did"), lazy("{right} of {of} held"), lazy("{right} of {of} right")
+PREDICTIONS = lazy("{right} of {of} predictions were right: {share} %")
+OBSERVATIONS = lazy("{right} of {of} observations were right: {share} %")
+INTERVALS = lazy("{right} of {of} intervals hold what came out: {share} %, where {level} % was said")
 
 
 @dataclass(frozen=True)
-class Door:
+class JoinInfo:
     """By which a class comes in: its ``link`` without the code, the ``code``, a ``warning`` where nobody else can."""
 
     link: str
@@ -45,7 +45,7 @@ class Scored:
     answers: int
 
 
-def slide(board: Board, place: Place, door: Door) -> str:
+def slide(board: Board, place: Place, door: JoinInfo) -> str:
     """All of a place but its buttons."""
     step = board.step(place.at)
     where = tr("step {at} of {total}", at=board.number(place.at), total=board.total) if step else \
@@ -84,7 +84,7 @@ def scores(board: Board) -> list[Scored]:
     return found
 
 
-def _beginning(board: Board, door: Door) -> str:
+def _beginning(board: Board, door: JoinInfo) -> str:
     picture = segno.make(door.whole, error="l", micro=False).svg_inline(border=2, omitsize=True)
     warning = f"<p class='lab-warns'>{escape(door.warning)}</p>" if door.warning else ""
     here = board.tally.here

@@ -11,8 +11,8 @@ import numpy as np
 from app.colours import cause_token
 from app.frame.budget_chart import CAPTION, MEANINGS, UNITS, error, percent, stacked, whose
 from app.frame.colour_scale import round_up
-from app.language.message_translation import heard
-from app.language.translation import later, tr
+from app.language.message_translation import translate_message
+from app.language.translation import lazy, tr
 from app.page.visit.history import until
 from app.words import number, per_cent, with_unit
 from solvers.scene.error_causes import CAUSES, NOTHING
@@ -24,11 +24,11 @@ TICKS = (1, 2, 5)
 MOST = 160  # times of a chart: further ones are left out
 WHOLE = 1e-9  # by which rounding may take a run beyond its last period
 WIDTH, HEIGHT = 600, 200  # of a chart, in units of its own
-PHRASES = {"before": later("before"), "predicted": later("foretold"), "again": later("run again")}
+PHRASES = {"before": lazy("before"), "predicted": lazy("foretold"), "again": lazy("run again")}
 
 
 @dataclass(frozen=True)
-class Divided:
+class BudgetData:
     """A run with a budget: its ``name`` where there are two, its ``scene``, the ``series`` of all of it, and of what
     plots show of it."""
 
@@ -40,7 +40,7 @@ class Divided:
     @property
     def not_valid(self) -> str:
         """Why shares say nothing of it, or ""."""
-        return heard(budget.not_valid(self.series) or "")
+        return translate_message(budget.not_valid(self.series) or "")
 
 
 @dataclass(frozen=True)
@@ -52,7 +52,7 @@ class _Axes:
     low: float
     top: float
 
-    def places(self, run: Divided, values: np.ndarray) -> list[str]:
+    def places(self, run: BudgetData, values: np.ndarray) -> list[str]:
         """Points of a chart, for a path."""
         time = run.plotted["time"] / run.scene.period
         kept = np.unique(np.r_[np.arange(0, len(time), -(-len(time) // MOST)), len(time) - 1])
@@ -75,7 +75,7 @@ def taken_away(scene: Scene) -> str:
     return getattr(scene, "take_away", NOTHING)  # problems without a budget have no such field
 
 
-def chart(runs: Sequence[Divided], field: str) -> str:
+def chart(runs: Sequence[BudgetData], field: str) -> str:
     """The runs' errors of a field, stacked over time, on one scale; below, the share of each cause over the run so far.
     A run whose budget says nothing has the reason in its place."""
     drawn = [run for run in runs if not run.not_valid]
@@ -86,7 +86,7 @@ def chart(runs: Sequence[Divided], field: str) -> str:
     return f"<div class='lab-budget-chart'>{figures}{_shares(drawn, field) if drawn else ''}{caption}</div>"
 
 
-def _axes(runs: Sequence[Divided], field: str) -> _Axes:
+def _axes(runs: Sequence[BudgetData], field: str) -> _Axes:
     highest, lowest, end, start = 0.0, 0.0, 0.0, math.inf
     for run in runs:
         layers, time = stacked(run.plotted, field), run.plotted["time"] / run.scene.period
@@ -99,7 +99,7 @@ def _axes(runs: Sequence[Divided], field: str) -> _Axes:
     return _Axes(start, start + span, -round_up(-lowest, ENDS)[0] if lowest < -0.02 * top else min(lowest, 0.0), top)
 
 
-def _figure(run: Divided, field: str, axes: _Axes) -> str:
+def _figure(run: BudgetData, field: str, axes: _Axes) -> str:
     """One run's chart with its axes."""
     paths = []
     for layer in stacked(run.plotted, field):
@@ -122,19 +122,19 @@ def _figure(run: Divided, field: str, axes: _Axes) -> str:
                         f"<span>{with_unit(axes.end * period, 's')}</span></div>")
 
 
-def _titled(run: Divided, inside: str) -> str:
+def _titled(run: BudgetData, inside: str) -> str:
     title = f"<b>{escape(run.name)}</b>" if run.name else ""
     return f"<figure>{title}{inside}</figure>"
 
 
-def _said(run: Divided, field: str) -> str:
+def _said(run: BudgetData, field: str) -> str:
     """The chart in words."""
     shares = budget.shares(run.series, field)
     parts = ", ".join(f"{tr(CAUSES[cause])} {percent(share)}" for cause, share in shares.items())
     return escape(tr("error of {field} over time, made by {parts}", field=field, parts=parts), quote=True)
 
 
-def _shares(runs: Sequence[Divided], field: str) -> str:
+def _shares(runs: Sequence[BudgetData], field: str) -> str:
     """The legend: each cause with what it is, and its share in each run."""
     shares = [budget.shares(run.series, field) for run in runs]
     several = len(runs) > 1
@@ -147,7 +147,7 @@ def _shares(runs: Sequence[Divided], field: str) -> str:
     return f"<table class='lab-causes{' lab-two' * several}'><tr><th>{of}</th>{head}</tr>{rows}</table>"
 
 
-def outcome(before: Divided, again: Divided, field: str, cause: str) -> str:
+def outcome(before: BudgetData, again: BudgetData, field: str, cause: str) -> str:
     """The error before, as the budget of then foretold it without a cause, and of the run without it: RMS over the time
     that both have."""
     end = min(run.series["time"][-1] for run in (before, again)) * (1 + WHOLE)

@@ -14,8 +14,8 @@ from typing import Any
 
 import numpy as np
 
-from app.language.message_translation import heard
-from app.language.translation import later, tr
+from app.language.message_translation import translate_message
+from app.language.translation import lazy, tr
 from app.page.features.background_job import SLOTS, Background, JobStatus
 from solvers.running.result import Result
 from solvers.scene.error_causes import NOTHING
@@ -47,7 +47,7 @@ class BudgetJobs(Background[Found]):
     """One visitor's."""
 
     WORK = __name__
-    BUSY = later("Other visitors' questions keep this server busy: it answers {n} at a time. Try again in a while.")
+    BUSY = lazy("Other visitors' questions keep this server busy: it answers {n} at a time. Try again in a while.")
 
     def __init__(self, slots: Slots = SLOTS):
         super().__init__(Found(), slots)
@@ -64,7 +64,7 @@ class BudgetJobs(Background[Found]):
             name: columns and {key: np.array(values, float) for key, values in columns.items()}
             for name, columns in message.items() if name in ("series", "again")}
         if (reason := given.pop("bad", None)) is not None:
-            given["trouble"] = tr("the run goes bad: {reason}", reason=heard(reason))
+            given["trouble"] = tr("the run goes bad: {reason}", reason=translate_message(reason))
         return replace(before, **given)
 
 

@@ -12,10 +12,10 @@ from typing import Any
 import viser
 
 from app.frame.budget_chart import QUESTION, divided, field_of, largest_share, percent
-from app.language.message_translation import heard
-from app.language.translation import later, tr
+from app.language.message_translation import translate_message
+from app.language.translation import lazy, tr
 from app.page.display_source import Choice
-from app.page.features.budget.chart import Divided, chart, outcome, sentence, taken_away
+from app.page.features.budget.chart import BudgetData, chart, outcome, sentence, taken_away
 from app.page.features.budget.jobs import BudgetJobs, Found
 from app.page.panels.page_header import marked
 from app.page.readout_panel import Numbers
@@ -28,13 +28,13 @@ from solvers.scene.validation import SceneError
 
 EFFECT = "budget"
 REDRAWN = 0.9  # seconds between two charts of a run that plays
-OFFER = later("Which part of the error have crossings made, and which the coarse grid, the body force and the time "
+OFFER = lazy("Which part of the error have crossings made, and which the coarse grid, the body force and the time "
               "step? Computed beside the run, from t = 0 on.")
-ON_DEMAND = later("Which part of the error have crossings made, and which the coarse grid and the time step? Found "
+ON_DEMAND = lazy("Which part of the error have crossings made, and which the coarse grid and the time step? Found "
                   "beside your stage, from t = 0 to the end of the scene.")
-WAITING = later("The run begins again, with the errors of each cause beside it.")
-PINNED, THIS = (later("pinned"), later("pinned: {run}")), (later("this run"), later("this run: {run}"))
-_NAMES = {"x": later("displacement x"), "v": later("velocity v"), "F": later("deformation F")}
+WAITING = lazy("The run begins again, with the errors of each cause beside it.")
+PINNED, THIS = (lazy("pinned"), lazy("pinned: {run}")), (lazy("this run"), lazy("this run: {run}"))
+_NAMES = {"x": lazy("displacement x"), "v": lazy("velocity v"), "F": lazy("deformation F")}
 
 
 def who() -> str:
@@ -110,7 +110,11 @@ class BudgetFold:
         _see(own and taken_away(scene) != NOTHING, self._back)
         # Why there is no chart yet, or cannot be one.
         reason = next((text for text in scene.warnings() if text.startswith("error budget")), "") if own and on else ""
-        why = f"<p class='lab-budget-offer'>{escape(sentence(heard(reason).partition(': ')[2]))}</p>" if reason else ""
+        why = (
+            f"<p class='lab-budget-offer'>{escape(sentence(translate_message(reason).partition(': ')[2]))}</p>"
+            if reason
+            else ""
+        )
         self._offer.content = why or _offer(WAITING if on else OFFER) if own else _going(found) or _offer(ON_DEMAND)
         if choice.quantity != self._followed:  # its field is divided
             self._followed, self._drawn_at = choice.quantity, -math.inf
@@ -125,7 +129,7 @@ class BudgetFold:
         self.jobs.cancel()
         return Found()
 
-    def _draw(self, runs: list[Divided], cause: str, on: bool, playing: bool) -> None:
+    def _draw(self, runs: list[BudgetData], cause: str, on: bool, playing: bool) -> None:
         """The chart of the runs, and what has become of the error of the first without a ``cause``."""
         field, now = next(field for field, name in _NAMES.items() if tr(name) == self._field.value), self._clock()
         if not runs:
@@ -142,23 +146,23 @@ class BudgetFold:
                 outcome(runs[0], runs[-1], field, cause)
 
     @staticmethod
-    def _cause_between(runs: list[Divided]) -> str:
+    def _cause_between(runs: list[BudgetData]) -> str:
         """What the second of two runs has less than the first, where that is all the difference between them."""
         if len(runs) < 2:
             return NOTHING
         before, again = (run.scene for run in runs)
         return taken_away(again) if before == _without(NOTHING, again) else NOTHING
 
-    def _runs(self, numbers: Numbers, scene: Scene, latest: bool) -> list[Divided]:
+    def _runs(self, numbers: Numbers, scene: Scene, latest: bool) -> list[BudgetData]:
         """A pinned run with a budget, and the one on the stage, if that has one yet."""
         past, pinned = numbers.past, numbers.pinned
         if past is None or past.scene != scene or not divided(past.series) or not divided(past.latest):
             return []
         both = [] if pinned is None or not divided(pinned.history.series) or not divided(pinned.history.latest) else [
-            Divided(_named(PINNED, pinned.scene, scene), pinned.scene, pinned.history.series,
+            BudgetData(_named(PINNED, pinned.scene, scene), pinned.scene, pinned.history.series,
                     pinned.history.latest if latest else pinned.history.series)]
         name = "" if pinned is None or not both else _named(THIS, scene, pinned.scene)
-        return [*both, Divided(name, scene, past.series, past.latest if latest else past.series)]
+        return [*both, BudgetData(name, scene, past.series, past.latest if latest else past.series)]
 
     def _take_away(self) -> None:
         state = self._state()
@@ -170,18 +174,18 @@ class BudgetFold:
         try:
             after = _without(suspect, before)
         except SceneError as error:
-            self._session.refuse(tr("Take it away: {reason}", reason=heard(str(error))))
+            self._session.refuse(tr("Take it away: {reason}", reason=translate_message(str(error))))
         else:
             self._show(replace(state, scene=after, pinned=before))
 
 
-def _runs_found(found: Found) -> list[Divided]:
+def _runs_found(found: Found) -> list[BudgetData]:
     """The run whose budget a job has found, and the one without a cause."""
     if found.scene is None or found.series is None:
         return []
     runs = {"": found.series} if found.again is None else {
         tr("as it is"): found.series, tr("without {cause}", cause=tr(CAUSES[found.cause])): found.again}
-    return [Divided(name, found.scene, series, series) for name, series in runs.items()]
+    return [BudgetData(name, found.scene, series, series) for name, series in runs.items()]
 
 
 def _going(found: Found) -> str:

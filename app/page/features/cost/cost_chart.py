@@ -15,7 +15,7 @@ from html import escape
 from itertools import chain, pairwise
 
 from app.colours import METHOD_MARKS
-from app.language.translation import later, tr, trn
+from app.language.translation import lazy, tr, trn
 from app.page.features.cost.cost_texts import called, details, percent, seconds, sentence, together, whole
 from app.page.features.cost.visitor_runs import SWEEP, NumberedRun, cheapest, front, measured, staged
 from app.words import METHODS, method_name
@@ -249,8 +249,8 @@ def _beside(run: NumberedRun, inside: Axes, kind: str, words: str, style: str = 
     return f"<span class='{kind}' style='left:{x}%;top:{y}%;{style}' aria-hidden='true'>{escape(words)}</span>"
 
 
-FINAL = later("For <b>{share} of {whole}</b>, pay <strong>{seconds}</strong>: {run}.")
-PROVISIONAL = later("Cheapest so far for <b>{share} of {whole}</b>: <strong>{seconds}</strong>, {run}.")
+FINAL = lazy("For <b>{share} of {whole}</b>, pay <strong>{seconds}</strong>: {run}.")
+PROVISIONAL = lazy("Cheapest so far for <b>{share} of {whole}</b>: <strong>{seconds}</strong>, {run}.")
 WORSE = 1.1  # times the error of the coarsest grid, from which on a method gets worse with finer ones
 
 

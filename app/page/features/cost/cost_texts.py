@@ -5,8 +5,8 @@ import math
 from collections.abc import Iterable, Sequence
 from html import escape
 
-from app.language.message_translation import heard
-from app.language.translation import later, tr, trn
+from app.language.message_translation import translate_message
+from app.language.translation import lazy, tr, trn
 from app.page.features.cost.jobs import CostStatus
 from app.page.features.cost.visitor_runs import MOST_RUNS, SEARCH, SWEEP, NumberedRun
 from app.words import NOTHING, method_name, moving, on_page, particles_per_cell, per_cell, power_text, with_unit
@@ -22,23 +22,23 @@ LONGEST_BUDGET = 60.0
 TOGETHER = "\N{NO-BREAK SPACE}"  # between a number and its unit: they stand in sentences
 LEAST_PLAIN, MOST_PLAIN = -5, 3  # powers of ten of a percentage that are written out
 MOST_LINES = 40  # of the table: it is made anew with every run
-NOTHING_TO_FIND = later("There is nothing to find in a patch test: its error is round-off, or does not fall with the "
+NOTHING_TO_FIND = lazy("There is nothing to find in a patch test: its error is round-off, or does not fall with the "
                         "cells. Compare methods and particles per cell instead.")
-ENDS = {LOST: later("lost"), UNSTABLE: later("unstable"), FAILED: later("failed")}  # of runs that have no error
+ENDS = {LOST: lazy("lost"), UNSTABLE: lazy("unstable"), FAILED: lazy("failed")}  # of runs that have no error
 #: What is said of a job, of a sweep and of a search.
-STARTING = {SWEEP: later("Sweep: starting."), SEARCH: later("Search: starting.")}
-ON_THE_WAY = {SWEEP: later("Sweep: {done} of {total} runs."),
-              SEARCH: later("Search: {done} of at least {total} runs.")}
-DONE = {SWEEP: later("Sweep: {done} runs."),
-        SEARCH: later("Search: {done} runs. It ends when none that has not been made promises to be cheaper.")}
-CANCELLED = {SWEEP: later("The sweep was cancelled."), SEARCH: later("The search was cancelled.")}
-ENDED = {SWEEP: later("The sweep ended: {trouble}."), SEARCH: later("The search ended: {trouble}.")}
-PAUSED = {SWEEP: later("The stage is paused while your sweep takes times, and goes on by itself. Play lets it go on "
+STARTING = {SWEEP: lazy("Sweep: starting."), SEARCH: lazy("Search: starting.")}
+ON_THE_WAY = {SWEEP: lazy("Sweep: {done} of {total} runs."),
+              SEARCH: lazy("Search: {done} of at least {total} runs.")}
+DONE = {SWEEP: lazy("Sweep: {done} runs."),
+        SEARCH: lazy("Search: {done} runs. It ends when none that has not been made promises to be cheaper.")}
+CANCELLED = {SWEEP: lazy("The sweep was cancelled."), SEARCH: lazy("The search was cancelled.")}
+ENDED = {SWEEP: lazy("The sweep ended: {trouble}."), SEARCH: lazy("The search ended: {trouble}.")}
+PAUSED = {SWEEP: lazy("The stage is paused while your sweep takes times, and goes on by itself. Play lets it go on "
                        "now."),
-          SEARCH: later("The stage is paused while your search takes times, and goes on by itself. Play lets it go on "
+          SEARCH: lazy("The stage is paused while your search takes times, and goes on by itself. Play lets it go on "
                         "now.")}
-BOUNDED = later("{name} '{typed}': give a number above 0 and up to {most:g}.")
-POSITIVE = later("{name} '{typed}': give a number above 0, such as 1e-3.")
+BOUNDED = lazy("{name} '{typed}': give a number above 0 and up to {most:g}.")
+POSITIVE = lazy("{name} '{typed}': give a number above 0, such as 1e-3.")
 
 
 class NoNumber(ValueError):
@@ -80,7 +80,7 @@ def sentence(run: NumberedRun) -> str:
     parts = [tr("run {number}: {run}", number=run.number, run=called(run)), details(run),
              f"{moving(scene)}, E {with_unit(scene.modulus, 'Pa')}"]
     if run.status in (*BROKEN, FAILED):
-        return "; ".join([*parts, f"{tr(ENDS[run.status])}: {heard(run.row['reason'] or '')}"])
+        return "; ".join([*parts, f"{tr(ENDS[run.status])}: {translate_message(run.row['reason'] or '')}"])
     of = whole(scene)
     if run.error is not None:
         parts.append(tr("true error of x {share} of {whole}", share=percent(run.error), whole=of))

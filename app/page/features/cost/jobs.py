@@ -15,7 +15,7 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import asdict, dataclass, field, replace
 
 from app import __version__
-from app.language.translation import later
+from app.language.translation import lazy
 from app.page.features.background_job import SLOTS, Background, JobStatus
 from app.page.features.cost.visitor_runs import LIVE, SEARCH, SWEEP, NumberedRun, Runs, bare, question
 from app.page.visit.session import Session
@@ -41,7 +41,7 @@ class _Point:
     rates: dict[bool, tuple[float | None, float]] = field(default_factory=dict)
 
 
-class KeptPoints:
+class SearchCache:
     """Points by question (what a search is about, as text) and by key of their rows. Safe from any thread."""
 
     def __init__(self, now: Callable[[], float] = time.monotonic):
@@ -71,10 +71,10 @@ class KeptPoints:
                     for key, point in found.items()}
 
 
-KEPT = KeptPoints()
+KEPT = SearchCache()
 
 
-class Ready:
+class WarmWorker:
     """At most one process for one kind of ``work``, where there is a place for it. Safe from any thread."""
 
     def __init__(self, work: str, places: Slots = PLACES, rests: float = RESTS):
@@ -169,13 +169,13 @@ class Jobs(Background[CostStatus]):
     ``kept`` for those of others, too."""
 
     WORK = "solvers.study.background_jobs"
-    BUSY = later("Other visitors' sweeps and searches keep this server busy: it does {n} at a time. Try again in a "
+    BUSY = lazy("Other visitors' sweeps and searches keep this server busy: it does {n} at a time. Try again in a "
                  "while.")
 
-    def __init__(self, runs: Runs, slots: Slots = SLOTS, kept: KeptPoints = KEPT):
+    def __init__(self, runs: Runs, slots: Slots = SLOTS, kept: SearchCache = KEPT):
         super().__init__(CostStatus(), slots)
         self.runs, self._kept = runs, kept
-        self._ready = Ready(f"{self.WORK}:search")
+        self._ready = WarmWorker(f"{self.WORK}:search")
         self._quiet, self._about = True, ""  # whether nothing disturbs the job that runs; what the search is about
 
     def prepare(self, job: SearchJob, quiet: bool) -> None:

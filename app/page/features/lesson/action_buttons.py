@@ -12,14 +12,14 @@ import viser
 
 from app import words
 from app.frame.budget_chart import QUESTION
-from app.language.translation import ENGLISH, carried, kept, language, later, speaking, tr
+from app.language.translation import ENGLISH, language, language_cache, lazy, tr, use_language, with_language
 from app.lessons.markdown_html import FIELDS, SENTENCES
 from app.state import State
 from app.words import size_in, unit_of
 from solvers.scene.scene import Scene
 
 
-class Hands(Protocol):
+class AllowedControls(Protocol):
     """The controls, as :class:`~app.page.controls.Controls` has them."""
 
     @property
@@ -42,8 +42,8 @@ class Hands(Protocol):
         """What the button of this name in the deck does."""
 
 
-STAGE = later("On the stage")  # pressed it puts the step's run there; chosen, an estimator
-LOOKS, PRESSED = (later("Error of"), STAGE), (later("Play"), later("Pause"), later("Reset"), later("Step"))
+STAGE = lazy("On the stage")  # pressed it puts the step's run there; chosen, an estimator
+LOOKS, PRESSED = (lazy("Error of"), STAGE), (lazy("Play"), lazy("Pause"), lazy("Reset"), lazy("Step"))
 ASKED = QUESTION  # pressed it opens the error budget, by the page's script (``js/budget.js``)
 NAMES = (*FIELDS, *LOOKS, *PRESSED, ASKED)
 
@@ -101,7 +101,7 @@ def with_buttons(html: str) -> str:
     return _lines().sub(button, html)
 
 
-@kept(8)
+@language_cache(8)
 def _lines() -> re.Pattern[str]:
     """The lines of html that are acts."""
     patterns = {verb: re.escape(tr(sentence)).replace(r"\{name\}", rf"<strong>(?P<{verb}_name>[^<]+)</strong>").replace(
@@ -133,19 +133,19 @@ def _act(line: re.Match[str]) -> Act:
     return Act(f"{line.lastgroup}", known.get(name, name), value, language())
 
 
-def do(act: Act, controls: Hands) -> None:
+def do(act: Act, controls: AllowedControls) -> None:
     """Do it as the reader would with the widget."""
     if act.verb == "Press":
         controls.press(act.name)
     elif act.name in LOOKS:
-        with speaking(act.language):
+        with use_language(act.language):
             quantities = {str(quantity): key for key, quantity in words.QUANTITIES.items()}
         if act.name == "Error of":
             controls.look(quantity=quantities[act.value])
         else:
             controls.look(estimator=act.value)
     else:
-        controls.change(FIELDS[act.name], f"{tr(act.name)} {act.value}", carried(_meant(act), act.language))
+        controls.change(FIELDS[act.name], f"{tr(act.name)} {act.value}", with_language(_meant(act), act.language))
 
 
 def _meant(act: Act) -> Callable[[Scene], object]:

@@ -5,22 +5,22 @@ from collections.abc import Callable
 
 import viser
 
-from app.language.translation import later, tr
+from app.language.translation import lazy, tr
 from app.lessons.lesson import Lesson
 from app.lessons.student_progress import Progress
 from app.page.panels.page_header import BESIDE
 from app.viewer.widgets import is_removed
 
-ONLY = later("Core only")
-SKIP = later("Core only: skip what is deeper")
-GO_DEEPER = later("Go deeper")
+ONLY = lazy("Core only")
+SKIP = lazy("Core only: skip what is deeper")
+GO_DEEPER = lazy("Go deeper")
 MAIN = "<i class='lab-main'></i>"  # the button that is meant
-KEPT = later("Your answers stay in this browser.")
-PACED = later("The board shows what the class has answered, without names; nothing of it is stored.")
+KEPT = lazy("Your answers stay in this browser.")
+PACED = lazy("The board shows what the class has answered, without names; nothing of it is stored.")
 BESIDE_MAIN = "<i class='lab-beside lab-main'></i>"
 LINK = "<i class='lab-link'></i>"  # the button that is less than others
-FIRST_PREDICT = later("You predict first: Next opens when your answer is recorded.")
-WAITS = later("The next step is not open yet. Your lecturer opens it for all; you need not do anything.")
+FIRST_PREDICT = lazy("You predict first: Next opens when your answer is recorded.")
+WAITS = lazy("The next step is not open yet. Your lecturer opens it for all; you need not do anything.")
 
 
 def deeper() -> str:
@@ -68,7 +68,7 @@ def left(lesson: Lesson) -> str:
     return f"<p>{told}</p>"
 
 
-class Way:
+class StepNavigation:
     """Back, Next and Close, made where the gui stands.
 
     Parameters

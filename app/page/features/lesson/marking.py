@@ -6,16 +6,16 @@ from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, field
 from typing import Any
 
-from app.language.translation import carried, later, tr
+from app.language.translation import lazy, tr, with_language
 from app.lessons.answer_check import TOLD_AFTER, AnswerMark, laid, mark
 from app.lessons.bets import Bettor
 from app.lessons.claims import ClaimError
 from app.lessons.lesson import EXPLAIN, PREDICT, Lesson, Step, drawn
-from app.lessons.lesson_runs import Outcomes, RunFailed
+from app.lessons.lesson_runs import RunCache, RunFailed
 from app.lessons.student_progress import Answer, Progress
 from app.page.features.board.board import BoardSeat
 
-LATER = later("could not be checked just now")
+LATER = lazy("could not be checked just now")
 POLITE = 10  # more than the engines: marks can wait, stages cannot
 
 
@@ -27,7 +27,7 @@ class Classroom:
 
     lesson: str = ""
     teacher: bool = False
-    outcomes: Outcomes = field(default_factory=lambda: Outcomes(politeness=POLITE))
+    outcomes: RunCache = field(default_factory=lambda: RunCache(politeness=POLITE))
     core: bool = False
     seat: BoardSeat | None = None
 
@@ -42,7 +42,7 @@ class Marker:
     """Marks answers one after the other in a thread of its own. ``marks`` are those of what was answered first, by the
     steps' keys; a sentence stands where there can be none."""
 
-    def __init__(self, outcomes: Outcomes):
+    def __init__(self, outcomes: RunCache):
         self._outcomes = outcomes
         self._thread = ThreadPoolExecutor(1)
         self.marks: dict[str, AnswerMark | str] = {}
@@ -98,7 +98,7 @@ class Marker:
             except Exception:
                 logging.getLogger(__name__).exception("an answer could not be marked")
 
-        self._thread.submit(carried(safely))
+        self._thread.submit(with_language(safely))
 
 
 def asked_since(lesson: Lesson, step: Step) -> list[Step]:

@@ -7,7 +7,7 @@ from time import monotonic
 import viser
 
 from app import state
-from app.language.translation import carried, speaking, tr
+from app.language.translation import tr, use_language, with_language
 from app.lessons import catalogue
 from app.lessons import student_progress as kept
 from app.lessons.answer_check import LONGEST, AnswerMark, trouble
@@ -16,7 +16,7 @@ from app.page.features.board.board import BoardSeat
 from app.page.features.lesson import action_buttons, core
 from app.page.features.lesson import step_html as page
 from app.page.features.lesson.answer_widgets import AnswerWidgets
-from app.page.features.lesson.core import KEPT, MAIN, PACED, Way
+from app.page.features.lesson.core import KEPT, MAIN, PACED, StepNavigation
 from app.page.features.lesson.marking import Classroom, Marker, asked_since, bets_ahead, comment
 from app.page.panels.browser_store import BrowserStore
 from app.viewer.widgets import allow, is_removed
@@ -33,7 +33,7 @@ class Player:
         client: viser.ClientHandle,
         tab: viser.GuiTabHandle,
         classroom: Classroom,
-        controls: action_buttons.Hands,
+        controls: action_buttons.AllowedControls,
         store: BrowserStore,
         on_change: Callable[[], None],
     ):
@@ -46,9 +46,9 @@ class Player:
         self._restored = False  # whether the browser has said what it keeps of this lesson
         self._answer: AnswerWidgets | None = None  # of the question that is shown
         self._acts: list[action_buttons.Act] = []  # that the step's text has buttons for
-        self._way: Way | None = None  # on from the step that is shown
+        self._way: StepNavigation | None = None  # on from the step that is shown
         if classroom.seat:
-            classroom.seat.listen(carried(self._step_opened))
+            classroom.seat.listen(with_language(self._step_opened))
         self._widgets = self._gui.add_folder(None, order=FIRST)
         self._below = self._gui.add_folder(None)  # the controls' own: only one thread may put into a place at a time
         self._build()
@@ -182,7 +182,7 @@ class Player:
         if (ahead := bets_ahead(lesson, step)) is not None:
             self._marker.lay(lesson, ahead, self._progress,
                              lambda: self._show(text, lambda: self._explained(lesson, step)))
-        with speaking(lesson.language):
+        with use_language(lesson.language):
             self._acts = action_buttons.found(page.text_html(step.text, self._numbers))
         if step.question is not None:
             return self._ask(lesson, step)
@@ -303,7 +303,7 @@ class Player:
         """Back, next and leave; the one for next is the ``main`` one where no answer is asked for."""
         lesson, step, at, paced = self._lesson, self._step, self._progress.step, self._paced
         assert lesson is not None
-        self._way = Way(
+        self._way = StepNavigation(
             self._gui, back, onward, main, step is not None and step.kind == PREDICT,
             lambda: paced is not None and paced.opened <= at <= len(lesson.steps),
             tr(PACED if paced else KEPT), self._go, self._leave,

@@ -5,12 +5,12 @@ from collections.abc import Mapping, Sequence
 from html import escape
 from string import ascii_lowercase
 
-from app.language.translation import language, later, speaking, tr, trn
+from app.language.translation import language, lazy, tr, trn, use_language
 from app.lessons import catalogue
 from app.lessons.answer_check import AnswerMark, shown
 from app.lessons.bet_chart import Lines, drawn, scored
 from app.lessons.bets import Bettor
-from app.lessons.duration import told
+from app.lessons.duration import minutes_text
 from app.lessons.lesson import CHOICE, TEXT, TITLES, Lesson, Numbers, Step, filled
 from app.lessons.markdown_html import html
 from app.lessons.student_progress import Answer, Progress
@@ -18,7 +18,7 @@ from app.page.features.lesson import action_buttons, core
 
 FIGURE = re.compile(r"(<img [^>]*>)")
 #: Of marks the name in the style, the sign, and what it says.
-SIGNS = {True: ("right", "✓", later("right")), False: ("wrong", "✗", later("not so")), None: ("unmarked", "", "")}
+SIGNS = {True: ("right", "✓", lazy("right")), False: ("wrong", "✗", lazy("not so")), None: ("unmarked", "", "")}
 
 
 def shelf_html(lessons: Mapping[str, Lesson]) -> str:
@@ -29,7 +29,7 @@ def shelf_html(lessons: Mapping[str, Lesson]) -> str:
         f"<li><button type='button' class='lab-open' data-lesson='{escape(name)}' data-steps='{len(lesson.steps)}' "
         f"data-core='{in_core[name]}' data-fingerprint='{lesson.fingerprint}'>"
         f"<span class='lab-number'>{k}</span><b{lang(lesson)}>{escape(lesson.title)}</b>"
-        f"<small>{told(lesson)}</small><small class='lab-come'></small></button></li>"
+        f"<small>{minutes_text(lesson)}</small><small class='lab-come'></small></button></li>"
         for k, (name, lesson) in enumerate(lessons.items(), 1))
     return f"<div class='lab-lesson lab-shelf'><p>{tr('You predict, run, observe, and then read why.')}</p>" \
            f"<div class='lab-go-on'></div><ol>{rows}</ol></div>"
@@ -64,7 +64,7 @@ def step_html(lesson: Lesson, step: Step, numbers: Numbers, before: str, teacher
     kind = f"<span class='lab-kind lab-kind-{step.kind}'>{tr(TITLES[step.kind])}</span>"
     deeper = "" if step.core else core.deeper()
     title = f"<h2{lang(lesson)}>{escape(filled(step.title, numbers))}</h2>"
-    with speaking(lesson.language):
+    with use_language(lesson.language):
         text = action_buttons.with_buttons(text_html(step.text, numbers))
         if step.stage and action_buttons.put() not in text:
             text += f"<p>{tr('The run that this is about:')}</p>{action_buttons.put()}"
@@ -156,7 +156,7 @@ def _own(lesson: Lesson, words: str) -> str:
     return f"<div{lang(lesson)}>{words}</div>" if lang(lesson) else words
 
 
-WAITED_FOR = later("Bets are being laid beside the truth …")
+WAITED_FOR = lazy("Bets are being laid beside the truth …")
 ROW, OWN_ROW = 7, 12  # pixels from a line to the next: of a judge, of the visitor
 
 

@@ -12,8 +12,8 @@ from pathlib import Path
 
 import viser
 
-from app.language.message_translation import heard
-from app.language.translation import carried, later, tr
+from app.language.message_translation import translate_message
+from app.language.translation import lazy, tr, with_language
 from app.page.features.background_job import MOST_JOBS
 from app.page.visit.engine_links import MOST_WATCHED
 from app.words import on_page
@@ -29,11 +29,11 @@ from solvers.workers.worker_process import ProcessDied, TookTooLong
 PATIENCE = 180.0  # seconds that a file may take
 SLOTS = Slots(MOST_JOBS)  # files that are judged at once on this server
 ONE_THREAD = {"OPENBLAS_NUM_THREADS": "1", "OMP_NUM_THREADS": "1"}  # each would take its part of the memory
-BUSY = later("Other visitors' files keep this server busy; give yours again in a while")
-TOO_LONG = later("The file {file} takes more than {seconds:g} s to judge; give fewer times, or judge it with `mpm-lab "
+BUSY = lazy("Other visitors' files keep this server busy; give yours again in a while")
+TOO_LONG = lazy("The file {file} takes more than {seconds:g} s to judge; give fewer times, or judge it with `mpm-lab "
                  "judge`")
 FIRST = -1e9  # in the order of what stands in the panel
-ASKED, NEITHER = later("Which problem is your file of?"), later("None of these")
+ASKED, NEITHER = lazy("Which problem is your file of?"), lazy("None of these")
 
 
 class Judging:
@@ -45,7 +45,7 @@ class Judging:
                  slots: Slots = SLOTS, chosen: bool = False):
         self.name, self._on_message, self._slots = file_name(name), on_message, slots
         kind = Path(name).suffix.lower()
-        say = carried(self._say)
+        say = with_language(self._say)
         self.file = file.replace(file.with_name(f"particles{kind if kind in KINDS else '.unknown'}"))
         self.table = file.with_name(f"table-{secrets.token_hex(4)}")
         self._pool, self._cancelled = (
@@ -57,7 +57,7 @@ class Judging:
                                    chosen)
             judged = self._pool.submit(asdict(question), say, PATIENCE)
             self._pool.give_way()  # to the stages, which are everybody's
-            judged.add_done_callback(carried(self._end))
+            judged.add_done_callback(with_language(self._end))
         else:
             threading.Thread(target=say, args=({"refused": tr(BUSY)},), name="judge", daemon=True).start()
 
@@ -80,7 +80,7 @@ class Judging:
             self._say({"refused": tr(TOO_LONG, file=self.name, seconds=PATIENCE)})
         elif isinstance(error, ProcessDied):
             self._say({"refused": tr("The file {file} could not be judged: the process {has_ended}", file=self.name,
-                                      has_ended=heard(str(error)))})
+                                      has_ended=translate_message(str(error)))})
         elif isinstance(error, OSError):
             self._say({"refused": tr("No process could be started: {reason}", reason=error.strerror or error)})
         self._pool.close()

@@ -10,11 +10,11 @@ from time import monotonic
 import viser
 
 from app.frame.captions import NO_INDEX
-from app.frame.headline import Said
-from app.language.translation import carried, later, tr
-from app.page.display_source import Choice, Picture, Sight
+from app.frame.headline import Headline
+from app.language.translation import lazy, tr, with_language
+from app.page.display_source import Choice, Display, FrameView
 from app.page.features.upload.judging_process import FIRST, Judging, Question, sentence
-from app.page.features.upload.uploaded_run import JUDGE, OwnRun, headline, readout, scene_of, taken
+from app.page.features.upload.uploaded_run import JUDGE, UploadedRun, headline, readout, scene_of, taken
 from app.page.panels.page_header import BARE
 from app.page.panels.timeline import Now
 from app.page.readout_panel import Numbers
@@ -31,14 +31,14 @@ from solvers.study.parameter_grid import Task
 TO_BE_READ = 30.0  # seconds that a refusal is said; it stays beside the button
 FRAME_SECONDS = (0.12, 0.6)  # that a frame is seen, at least and at most
 LAST = 0.9e9  # in the order of what stands in the panel
-BACK, BACK_HINT = later("Back to our run"), later("go back to what was on the stage before")
-BUSY, ONE = later("A file is still on its way; wait until it is here."), later("Give one file at a time.")
-WHAT = later("Drop a file of particles anywhere on this page, or choose it ({kinds}; at most {most:g} MB): of the "
+BACK, BACK_HINT = lazy("Back to our run"), lazy("go back to what was on the stage before")
+BUSY, ONE = lazy("A file is still on its way; wait until it is here."), lazy("Give one file at a time.")
+WHAT = lazy("Drop a file of particles anywhere on this page, or choose it ({kinds}; at most {most:g} MB): of the "
              "problem and the settings above, run with any code, or a run of ours, which says its scene. It is judged, "
              "and shown on the stage. <code>mpm-lab problem</code> writes all that a code needs.")
 
 
-class OwnCode:
+class UploadPanel:
     """One visitor's. ``on_view`` is called when something else is to be drawn, ``on_begin`` before a file takes the
     stage, ``on_scene`` with the scene of one that is of another problem than the stage. While one is :attr:`shown`
     (:class:`~app.page.display_source.Source`), in the colours of all its times, the run rests; that ends when
@@ -50,7 +50,7 @@ class OwnCode:
         self._session, self._on_view, self._on_begin, self._on_scene = session, on_view, on_begin, on_scene
         self._lock = threading.RLock()
         self._judging: Judging | None = None
-        self._run: OwnRun | None = None
+        self._run: UploadedRun | None = None
         self._k, self.playing, self._resumes = 0, False, False
         self._moves: tuple = ()  # of the run that rests meanwhile
         self._turn = threading.Event()  # ends the wait of the thread that plays
@@ -59,7 +59,9 @@ class OwnCode:
         gui.add_html(f"<i class='lab-upload' data-largest='{LARGEST}' data-too-large='{large}.' data-busy='{busy}' "
                      f"data-one='{one}'></i>")
         button = gui.add_upload_button(tr("file of particles"), mime_type=",".join(KINDS))
-        self._upload = Upload(gui, button, carried(self._arrived), carried(lambda text: self._refuse(tr(text))))
+        self._upload = Upload(
+            gui, button, with_language(self._arrived), with_language(lambda text: self._refuse(tr(text)))
+        )
 
     def build(self, gui: viser.GuiApi) -> None:
         """Make the widgets, in their tab."""
@@ -86,7 +88,7 @@ class OwnCode:
         self._upload.open()
 
     @property
-    def shown(self) -> tuple[OwnRun, int] | None:
+    def shown(self) -> tuple[UploadedRun, int] | None:
         """The file on the stage and which of its frames is seen."""
         run = self._run
         return None if run is None else (run, min(self._k, len(run) - 1))
@@ -167,7 +169,7 @@ class OwnCode:
             elif asks := message.get("asks"):
                 self._ask(judging.name, asks["reason"], tuple(asks["problems"]))
             elif "frames" in message:
-                self._show(OwnRun(judging.name, Shown(**message["frames"]), judging.table))
+                self._show(UploadedRun(judging.name, Shown(**message["frames"]), judging.table))
             elif self._run is not None and "estimate" in message:
                 self._run.estimated(message["estimate"])
             elif self._run is not None:
@@ -194,7 +196,7 @@ class OwnCode:
         with self._lock:
             self._judging = Judging(waiting.name, waiting.file, self._session.scene, self._hear, chosen=True)
 
-    def _show(self, run: OwnRun) -> None:
+    def _show(self, run: UploadedRun) -> None:
         if self._run is None:
             self._on_begin()
             self._resumes = self._session.playing
@@ -229,10 +231,10 @@ class OwnCode:
             if self.playing and run is not None:
                 self._k = self._k if self._k < len(run) - 1 else 0
                 self._turn = threading.Event()
-                threading.Thread(target=carried(self._go_on), args=(run, self._turn), name="own-run",
+                threading.Thread(target=with_language(self._go_on), args=(run, self._turn), name="own-run",
                                  daemon=True).start()
 
-    def _go_on(self, run: OwnRun, over: threading.Event) -> None:
+    def _go_on(self, run: UploadedRun, over: threading.Event) -> None:
         """Show one frame after the other, to the last."""
         while not over.wait(self._seconds(run)):
             with self._lock:
@@ -247,7 +249,7 @@ class OwnCode:
             if not self.playing:
                 return
 
-    def _seconds(self, run: OwnRun) -> float:
+    def _seconds(self, run: UploadedRun) -> float:
         """Until the next frame: as at the speed of our run, within what an eye follows."""
         ahead = run.times[min(self._k + 1, len(run) - 1)] - run.times[self._k]
         least, most = FRAME_SECONDS
@@ -261,15 +263,15 @@ class OwnCode:
     def at_once(self) -> bool:
         return not self.playing
 
-    def sight(self, choice: Choice) -> Sight | None:
+    def sight(self, choice: Choice) -> Display | None:
         if (shown := self.shown) is None:
             return None
         run, k = shown
         report, arrays = run.frame(k, choice.quantity, self.playing)
-        picture = Picture(report, arrays, run.view(arrays, choice.quantity, choice.difference), 1.0, foreign=True)
-        return Sight(picture, run.largest(choice.quantity), (run.name, choice.quantity))
+        picture = FrameView(report, arrays, run.view(arrays, choice.quantity, choice.difference), 1.0, foreign=True)
+        return Display(picture, run.largest(choice.quantity), (run.name, choice.quantity))
 
-    def numbers(self, choice: Choice, picture: Picture | None, probed: str | None) -> Numbers | None:
+    def numbers(self, choice: Choice, picture: FrameView | None, probed: str | None) -> Numbers | None:
         if (shown := self.shown) is None:
             return None
         run, k = shown
@@ -277,10 +279,10 @@ class OwnCode:
                        (JUDGE,), (JUDGE,), JUDGE, Now(run.times[k], (run.times[0], run.times[-1]), self.playing),
                        "" if run.true is not None else tr(NO_INDEX))
 
-    def sentence(self, choice: Choice, picture: Picture) -> Said:
+    def sentence(self, choice: Choice, picture: FrameView) -> Headline:
         shown = self.shown
         if shown is None or not picture.foreign or picture.report.scene != shown[0].scene:
-            return Said()
+            return Headline()
         worst = WorstRegions()  # of this frame: at another time a file may have other particles
         worst.look(picture.report, picture.arrays, picture.view, choice.quantity)
         return headline(*shown, picture.view, worst, choice.quantity)

@@ -10,9 +10,9 @@ from pathlib import Path
 import numpy as np
 
 from app.frame.captions import TRUE, UNKNOWN, View, view
-from app.frame.headline import Said, error_words, errors
-from app.language.message_translation import heard
-from app.language.translation import later, tr
+from app.frame.headline import Headline, error_words, errors
+from app.language.message_translation import translate_message
+from app.language.translation import lazy, tr
 from app.page.panels.readout import DRAG, Readout, named, row, table
 from app.page.stage.worst_region import WorstRegions
 from app.page.visit.history import RunSeries
@@ -29,11 +29,11 @@ from solvers.solver.samples import QUANTITIES as KEYS
 from solvers.study.parameter_grid import Task
 
 JUDGE = "companion"  # which estimates the errors of a file
-COMING = later("the companion is being solved")
-NO_ACCELERATION = later("a file is not judged by its acceleration")
+COMING = lazy("the companion is being solved")
+NO_ACCELERATION = lazy("a file is not judged by its acceleration")
 
 
-class OwnRun(RunSeries):
+class UploadedRun(RunSeries):
     """T frames of a file called ``name``. What the companion and the judge say comes later: ``estimate`` has norms over
     the times by quantity, ``verdict`` the judge's report on the grid."""
 
@@ -112,12 +112,12 @@ def _arrays(norms: Mapping[str, Sequence[float | None]]) -> dict[str, np.ndarray
     return {q: np.array([np.nan if value is None else value for value in values]) for q, values in norms.items()}
 
 
-HINTS = {later("now"): later("root of the mean square over the particles, at the time that is shown"),
-         later("largest"): later("of all times in the file after the start"),
-         later("index"): later("estimated over true error, summed over the times; 1 is perfect")}
+HINTS = {lazy("now"): lazy("root of the mean square over the particles, at the time that is shown"),
+         lazy("largest"): lazy("of all times in the file after the start"),
+         lazy("index"): lazy("estimated over true error, summed over the times; 1 is perfect")}
 
 
-def headline(run: OwnRun, k: int, view: View, worst: WorstRegions, quantity: str) -> Said:
+def headline(run: UploadedRun, k: int, view: View, worst: WorstRegions, quantity: str) -> Headline:
     true, estimated = (_now(norms, k, quantity) for norms in (run.true, run.estimate))
     words = error_words(run.scene, quantity, JUDGE, view.left.silence if estimated is None else "",
                         view.right.silence if true is None else "")
@@ -135,14 +135,14 @@ def scene_of(own: Scene, page: Scene) -> Scene:
     return page
 
 
-def taken(run: OwnRun, page: Scene) -> str:
+def taken(run: UploadedRun, page: Scene) -> str:
     """That a file is on the stage, and with what it is judged where that is not what the page shows."""
     said = differing(scene_of(run.scene, page), page) if run.scene.problem == page.problem else ""
     return tr("The file {file} is on the stage, judged with {settings}.", file=run.name, settings=said) if said else \
         tr("The file {file} is on the stage.", file=run.name)
 
 
-def readout(run: OwnRun, k: int, quantity: str, probed: str | None) -> Readout:
+def readout(run: UploadedRun, k: int, quantity: str, probed: str | None) -> Readout:
     verdict = run.verdict or {}
     rows = [(tr("file"), f"<b>{escape(run.name)}</b>"),
             (tr("frame"), tr("{n} of {all}", n=k + 1, all=len(run))),
@@ -157,7 +157,7 @@ def readout(run: OwnRun, k: int, quantity: str, probed: str | None) -> Readout:
     return Readout(f"{_errors(run, k, quantity)}<div class='lab-own'>{found}</div>", run_of)
 
 
-def _errors(run: OwnRun, k: int, quantity: str) -> str:
+def _errors(run: UploadedRun, k: int, quantity: str) -> str:
     """A line for the truth and one for the companion."""
     words = QUANTITIES[quantity]
     heads = (f"<span title=\"{escape(tr(hint))}\">{tr(head)}</span>" for head, hint in HINTS.items())
@@ -175,7 +175,7 @@ def _errors(run: OwnRun, k: int, quantity: str) -> str:
     return table("".join(rows), "lab-numbers lab-estimates")
 
 
-def _found(run: OwnRun, quantity: str) -> list[str]:
+def _found(run: UploadedRun, quantity: str) -> list[str]:
     """What the judge says, sentence by sentence."""
     if run.verdict is None:
         return [tr("There is no verdict: {reason}", reason=run.trouble) if run.trouble else
@@ -190,7 +190,7 @@ def _found(run: OwnRun, quantity: str) -> list[str]:
                         "h, at t = {time} s: the farthest is particle {particle} at {place}.", count=gap["count"],
                         share=100 * gap["share"], apart=gap["farthest_over_h"], time=number(gap["t"]),
                         particle=gap["particle"], place=_place(gap["X"])))
-    notes = map(heard, run.verdict["notes"])
+    notes = map(translate_message, run.verdict["notes"])
     return [*found, *(f"{note[:1].upper()}{note[1:]}." for note in notes)]
 
 

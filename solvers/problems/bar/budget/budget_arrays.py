@@ -14,7 +14,7 @@ from solvers.problems.bar.estimators.companion import mesh
 from solvers.problems.bar.method.nodes import GHOSTS
 from solvers.problems.bar.scene import BarScene
 from solvers.scene.error_causes import CAUSES
-from solvers.scene.kernel_options import Switches
+from solvers.scene.kernel_options import KernelOptions
 from solvers.scene.typed import TYPED
 from solvers.solver.state_arrays import zeros
 
@@ -40,7 +40,7 @@ MEMBERS = {
 BUDGET = Packing(MEMBERS, "budget_")
 
 
-def keeps(on: Switches) -> bool:
+def keeps(on: KernelOptions) -> bool:
     """Whether the reference is kept from step to step: the companion, or a typed motion."""
     return not on.truth or on.motion == TYPED
 
@@ -51,7 +51,7 @@ def with_budget(state: Any) -> MemoryView:
     return MemoryView(state, BUDGET, MEMBERS)
 
 
-def budget(scene: BarScene, on: Switches) -> dict:
+def budget(scene: BarScene, on: KernelOptions) -> dict:
     """The packed members at the start."""
     P, nodes = scene.particles, scene.cells + GHOSTS
     taken = on.budget and scene.take_away in CAUSES
@@ -67,7 +67,7 @@ def budget(scene: BarScene, on: Switches) -> dict:
         "removed": zeros(P, 4, when=taken)})
 
 
-def _companion(scene: BarScene, on: Switches) -> dict:
+def _companion(scene: BarScene, on: KernelOptions) -> dict:
     """A reference that is kept, at the start: the data that the run begins with, which it shares."""
     P, elements = scene.particles, mesh(scene)
     used = on.budget and keeps(on)

@@ -18,7 +18,7 @@ from solvers.problems.bar.limits import noisy
 from solvers.problems.bar.method.body import BarBody, body
 from solvers.problems.bar.method.phases import nodes_to_particles, update_grid
 from solvers.scene.estimator_hooks import EstimatorHooks
-from solvers.scene.kernel_options import switches
+from solvers.scene.kernel_options import kernel_options_of
 
 FIELDS = two_grid.Fields(along=(0, 0, 0, 1))  # u, v, sigma; and a, whose fits go over more cells
 MEMORY = {
@@ -109,7 +109,7 @@ def allocate(scene):
     """The second bar at its start, and what the comparison needs."""
     second = coarse_scene(scene)
     fine, coarse = (scene.particles, 1), (second.particles, 1)
-    members = body(second, two_grid.bare(switches(second)))
+    members = body(second, two_grid.bare(kernel_options_of(second)))
     return {
         **{"coarse_" + name: value for name, value in members.items()},
         **two_grid.allocate(scene, FIELDS, fine, coarse, coarse, ("periodic", "free")),

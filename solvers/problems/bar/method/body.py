@@ -9,7 +9,7 @@ from solvers.motion.line_solution import force_table, motion_table
 from solvers.problems.bar import exact_solution
 from solvers.problems.bar.method.nodes import GHOSTS
 from solvers.problems.bar.scene import BarScene
-from solvers.scene.kernel_options import Switches
+from solvers.scene.kernel_options import KernelOptions
 from solvers.solver.field_tables import of_pairs, of_vectors, pack
 from solvers.solver.state_arrays import Members, remedy_rates, zeros
 
@@ -59,7 +59,7 @@ class BarBody(Members):
     tables: Quads  # its body force at the particles; u and F - 1 there, and as a last place their means
 
 
-def body(scene: BarScene, on: Switches) -> dict:
+def body(scene: BarScene, on: KernelOptions) -> dict:
     """The members of a :class:`BarBody` at the start: particles at (p + 1/2) h/ppc, F = 1, and the velocity of the
     exact solution. A patch test counts F from its stretch on (``solvers.problems.bar.patch_test``)."""
     P, nodes, w = scene.particles, scene.cells + GHOSTS, scene.angular_frequency

@@ -24,7 +24,7 @@ import taichi as ti
 
 from solvers.estimators.transport import doubt
 from solvers.kernels.dtypes import quads, real
-from solvers.problems.planar.kernel_parts import Traits
+from solvers.problems.planar.kernel_parts import ProblemKernels
 from solvers.problems.planar.method import cpdi, gimp
 from solvers.problems.planar.method.stored_weights import kept
 from solvers.scene.estimator_hooks import EstimatorHooks
@@ -39,7 +39,7 @@ MEMORY = {
 }
 
 
-def hooks(traits: Traits) -> EstimatorHooks:
+def hooks(traits: ProblemKernels) -> EstimatorHooks:
     """The estimator of a problem with these traits."""
     @ti.func
     def its_step(body: ti.template(), base, on: ti.template()):

@@ -20,12 +20,12 @@ import taichi as ti
 from solvers.estimators import two_grid
 from solvers.kernels.dtypes import octets, pairs, quads
 from solvers.kernels.packing import part
-from solvers.problems.planar.kernel_parts import Traits
+from solvers.problems.planar.kernel_parts import ProblemKernels
 from solvers.problems.planar.method.body import PlanarBody, initial_body
 from solvers.problems.planar.method.material import cauchy_stress, cauchy_stress_of
 from solvers.problems.planar.method.phases import nodes_to_particles, update_grid
 from solvers.scene.estimator_hooks import EstimatorHooks
-from solvers.scene.kernel_options import switches
+from solvers.scene.kernel_options import kernel_options_of
 
 FEWEST_CELLS = 6
 #: u, v and sigma, of which the second component is odd across the planes at the first and the last line, with the shear
@@ -141,7 +141,7 @@ def coarse_scene(scene):
 def allocate(scene):
     """The second run at its start, and what the comparison needs."""
     second, box = coarse_scene(scene), scene.layout == "box"
-    members = initial_body(second, two_grid.bare(switches(second)), slabs=1)
+    members = initial_body(second, two_grid.bare(kernel_options_of(second)), slabs=1)
     fine, coarse = (one.polar_counts(one.cells, one.ppc)[::-1] for one in (scene, second))
     common = max(coarse[0], two_grid.CUBIC), coarse[1]
     return {**{"coarse_" + name: value for name, value in members.items()},
@@ -159,7 +159,7 @@ def verdict(scene, memory):
         return two_grid.coarse_run_verdict(scene, determinant, moved, farthest, memory["two_grid_largest"])
 
 
-def hooks(traits: Traits, fields: two_grid.Fields) -> EstimatorHooks:
+def hooks(traits: ProblemKernels, fields: two_grid.Fields) -> EstimatorHooks:
     """The estimator of a problem with these traits, of which such fields are compared."""
     @ti.func
     def its_step(body: ti.template(), base, step, on: ti.template()):

@@ -14,10 +14,10 @@ from solvers.problems.planar.method.phases import TOTALS
 from solvers.problems.planar.method.stored_weights import room
 from solvers.problems.planar.scene import PlanarScene, motion_table
 from solvers.scene.estimator_hooks import EstimatorHooks
-from solvers.scene.kernel_options import Switches
+from solvers.scene.kernel_options import KernelOptions
 from solvers.scene.scene import Scene
 from solvers.solver.field_tables import of_motions, of_pairs, of_vectors, pack
-from solvers.solver.state_arrays import Members, Watch, remedy_rates, watch, zeros
+from solvers.solver.state_arrays import Diagnostics, Members, remedy_rates, watch, zeros
 
 
 @dataclass
@@ -57,7 +57,8 @@ class PlanarBody(Members):
     tables: Quads
     edges: Quads  # r1, r2 of the domain at the start (P, 4), for CPDI
     weights: Blocks  # laid out by ``solvers.problems.planar.method.stored_weights``: of GIMP outer weights and slopes,
-    # each in x and y; of CPDI x, then y of the corners in cells, gradients of corners 1 and 2, first node of each one's cell
+    # each in x and y; of CPDI x, then y of the corners in cells, gradients of corners 1 and 2, first node of each one's
+    # cell
     first_node: Integers  # GIMP: first node of the 3 x 3 stencil (P,)
     acceleration: Pairs  # a at the particle in the last step (P, 2), with the effect
     node_sums: Octets  # momentum, force, mass of each slab and three zeros: a whole vector register (T*N, 8)
@@ -74,14 +75,14 @@ class PlanarBody(Members):
 
 
 @dataclass
-class WatchedBody(Watch, PlanarBody):
+class InstrumentedBody(Diagnostics, PlanarBody):
     """A body and those who watch it, with the estimates that are vectors and tensors."""
 
     estimate_acceleration: Pairs  # estimated error of a (E*P, 2)
     estimate_stress: Quads  # estimated error of sigma, as xx, xy, yy and nothing (E*P, 4)
 
 
-def initial_body(scene: PlanarScene, on: Switches, slabs: int) -> dict:
+def initial_body(scene: PlanarScene, on: KernelOptions, slabs: int) -> dict:
     """The members of a :class:`PlanarBody` at the start: the layout, F = I, and the exact velocity of the time from
     which the scene says that velocities count."""
     layout, row, mended = particle_layout(scene), scene.row, on.filtered or on.coupled
@@ -115,8 +116,8 @@ def initial_body(scene: PlanarScene, on: Switches, slabs: int) -> dict:
         "node_remedy": zeros(N, 4, when=mended)}
 
 
-def watched(scene: Scene, on: Switches, particles: int, farthest: float, hooks: dict[str, EstimatorHooks]) -> dict:
-    """The members of a :class:`WatchedBody` that are not of the body, at the start."""
+def watched(scene: Scene, on: KernelOptions, particles: int, farthest: float, hooks: dict[str, EstimatorHooks]) -> dict:
+    """The members of a :class:`InstrumentedBody` that are not of the body, at the start."""
     estimated, entries = bool(on.estimators), len(on.estimators) * particles
     return {**watch(scene, on, particles, farthest, hooks),
             "estimate_acceleration": zeros(entries, 2, when=estimated),

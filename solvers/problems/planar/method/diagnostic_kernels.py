@@ -2,7 +2,7 @@
 
 import taichi as ti
 
-from solvers.problems.planar.kernel_parts import Measures
+from solvers.problems.planar.kernel_parts import DiagnosticKernels
 from solvers.problems.planar.method.material import cauchy_stress, cauchy_stress_of, strain_energy
 from solvers.problems.planar.method.node_errors import circular_node_error, node_error
 from solvers.problems.planar.method.phases import TOTALS
@@ -70,9 +70,9 @@ def sample_angular_momentum(body: ti.template(), row, step, on: ti.template()):
     body.samples[row, ti.static(column("spin/torque", on))] = torque
 
 
-def measures_of(kind: type[PlanarScene], first: int) -> Measures:
+def measures_of(kind: type[PlanarScene], first: int) -> DiagnosticKernels:
     """Of a problem by the class of its scene; nodes before ``first`` in a row lie beyond a symmetry plane."""
     nodes = circular_node_error(kind, first) if kind.CIRCULAR else node_error(first if kind.PLANES[1] else 0)
     look = look_at_circles(kind.INNER, kind.OUTER, kind.PLOTTED == "angular") if kind.CIRCULAR else look_at_modes
     spin = {"spin": sample_angular_momentum} if "spin" in kind.OWN_EFFECTS else {}
-    return Measures(nodes, strain_energy, look, samplers(kind.problem, spin))
+    return DiagnosticKernels(nodes, strain_energy, look, samplers(kind.problem, spin))

@@ -2,7 +2,7 @@
 
 import taichi as ti
 
-from solvers.problems.planar.kernel_parts import Traits
+from solvers.problems.planar.kernel_parts import ProblemKernels
 from solvers.problems.planar.method.material import LAWS, determinant, kirchhoff, piola
 from solvers.problems.planar.method.neo_hookean import find_volumetric
 from solvers.problems.planar.method.rotation import turned
@@ -11,7 +11,7 @@ from solvers.problems.planar.scene import PlanarScene
 from solvers.solver.field_tables import find_force_functions, force_at
 
 
-def traits_of(kind: type[PlanarScene]) -> Traits:
+def traits_of(kind: type[PlanarScene]) -> ProblemKernels:
     """Of a problem by the class of its scene."""
     circular, volumetric, low = kind.CIRCULAR, kind.VOLUMETRIC, kind.PLANES[0]
 
@@ -63,5 +63,11 @@ def traits_of(kind: type[PlanarScene]) -> Traits:
         inside = q[0] > least and q[1] > least and q[0] < body.farthest and q[1] < body.farthest
         return not (inside and (q[0] - X[0]) ** 2 + (q[1] - X[1]) ** 2 < body.farthest_move ** 2)
 
-    return Traits(forces=forces, prepare=prepare, body_force_on=body_force_on, stress=stress, has_escaped=has_escaped,
-                  **symmetry_planes(*kind.PLANES))
+    return ProblemKernels(
+        forces=forces,
+        prepare=prepare,
+        body_force_on=body_force_on,
+        stress=stress,
+        has_escaped=has_escaped,
+        **symmetry_planes(*kind.PLANES),
+    )

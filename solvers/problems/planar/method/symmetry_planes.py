@@ -8,8 +8,8 @@ from solvers.problems.planar.scene import GHOSTS
 
 
 def symmetry_planes(low: bool, high: bool) -> dict[str, Any]:
-    """Those parts of ``solvers.problems.planar.kernel_parts.Traits`` that planes decide: at the lower ends, and at the
-    upper ends too where there are lower ones; or none."""
+    """Those parts of ``solvers.problems.planar.kernel_parts.ProblemKernels`` that planes decide: at the lower ends,
+    and at the upper ends too where there are lower ones; or none."""
     G = GHOSTS if low else 0
     ghosts = tuple((side, k) for k in range(G) for side in ((0, 1) if high else (0,)))  # the lower end, and the upper
 

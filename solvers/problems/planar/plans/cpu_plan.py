@@ -13,10 +13,10 @@ from solvers.estimators.estimator_memory import packing
 from solvers.kernels.launch import Launch
 from solvers.problems.planar.kernel_parts import PlanarParts
 from solvers.problems.planar.method import phases, remedies, stability_margin
-from solvers.problems.planar.method.body import WatchedBody
+from solvers.problems.planar.method.body import InstrumentedBody
 from solvers.problems.planar.method.samples import sample
 from solvers.problems.planar.plans.gpu_kernels import KernelsAtOnce, kernels_at_once
-from solvers.scene.kernel_options import Switches
+from solvers.scene.kernel_options import KernelOptions
 from solvers.scene.scene import Scene
 from solvers.solver.base import MEASURE, REPORT, SOUND, STEP
 from solvers.solver.run_loop import CHECK_EVERY, OneThread, Phases, SerialKernels, check, serial_kernels
@@ -38,7 +38,7 @@ class Kernels(NamedTuple):
 def kernels(parts: PlanarParts) -> Kernels:
     HOOKS, TRAITS, MEASURES = parts.hooks, parts.traits, parts.measures
     # Numbers and arrays as one argument: nothing of a scene is baked into compiled code but its switches.
-    State = ti.types.argpack(**WatchedBody.types(), **packing(HOOKS).types)
+    State = ti.types.argpack(**InstrumentedBody.types(), **packing(HOOKS).types)
 
     @ti.func
     def one_step(body: ti.template(), step, on: ti.template()):
@@ -117,7 +117,9 @@ def kernels(parts: PlanarParts) -> Kernels:
 class OnProcessor(OneThread):
     """Steps the arrays as they are, on so many ``threads``; on one with the serial kernel unless ``parallel``."""
 
-    def __init__(self, kernels: Kernels, scene: Scene, arrays: WatchedBody, on: Switches, parallel: bool, threads: int):
+    def __init__(
+        self, kernels: Kernels, scene: Scene, arrays: InstrumentedBody, on: KernelOptions, parallel: bool, threads: int
+    ):
         super().__init__(kernels.serial, kernels.state(**arrays.members()), on)
         self._scene, self._arrays, self._parallel, self._threads = scene, arrays, parallel, threads
         self._step, self._inspect = (Launch(one, self.pack, on) for one in (kernels.step_in_slabs, kernels.inspect))

@@ -14,10 +14,10 @@ from solvers.estimators.standalone import ElasticBody, Lost, NystromIntegrator
 from solvers.kernels import runtime
 from solvers.kernels.launch import Launch
 from solvers.problems.planar.method import remedies
-from solvers.problems.planar.method.body import WatchedBody
+from solvers.problems.planar.method.body import InstrumentedBody
 from solvers.problems.planar.plans.gpu_kernels import KernelsAtOnce
 from solvers.scene.estimator_hooks import NEVER
-from solvers.scene.kernel_options import Switches
+from solvers.scene.kernel_options import KernelOptions
 from solvers.scene.scene import Scene
 from solvers.solver.base import MEASURE, REPORT
 from solvers.solver.run_loop import CHECK_EVERY
@@ -105,7 +105,7 @@ class OnDevice:
     sums are made by atomic additions.
     """
 
-    def __init__(self, kernels: KernelsAtOnce, State: Any, scene: Scene, arrays: WatchedBody, on: Switches,
+    def __init__(self, kernels: KernelsAtOnce, State: Any, scene: Scene, arrays: InstrumentedBody, on: KernelOptions,
                  beside: BesideGpu | None):
         self._scene, self._arrays, self._on, self._beside = scene, arrays, on, beside
         members = arrays.members()

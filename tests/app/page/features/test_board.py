@@ -9,19 +9,19 @@ import pytest
 
 from app.lessons import catalogue
 from app.lessons.lesson import CHOICE, INTERVAL, TEXT
-from app.lessons.lesson_runs import Outcomes, RunFailed
+from app.lessons.lesson_runs import RunCache, RunFailed
 from app.lessons.student_progress import Answer
 from app.page.features.board import class_answers as tally_module
 from app.page.features.board.board import BACK, COUNTED, NEXT, REVEALED, SHOWN, Board
-from app.page.features.board.class_answers import Tally
-from app.page.features.board.panel import Lectern, saved
-from app.page.features.board.slides import Door, calibration, says_next, scores, slide
+from app.page.features.board.class_answers import ClassAnswers
+from app.page.features.board.panel import LecturerContext, saved
+from app.page.features.board.slides import JoinInfo, calibration, says_next, scores, slide
 from tests.support.processes import until
 
-DOOR = Door("http://lab/", "wave-4711")
+DOOR = JoinInfo("http://lab/", "wave-4711")
 
 
-class Waiting(Outcomes):
+class Waiting(RunCache):
     """Runs nothing: who asks for a result waits until it fails."""
 
     def __init__(self):
@@ -45,7 +45,7 @@ def lesson():
 
 @pytest.fixture
 def board(lesson):
-    board = Board(lesson, Outcomes())
+    board = Board(lesson, RunCache())
     yield board
     board.close()
 
@@ -86,7 +86,7 @@ def test_the_core_alone_is_opened_where_that_is_asked_for(lesson):
     """Steps are counted as the class takes them, there and back, and seats know it."""
     deep = replace(lesson, steps=tuple(replace(step, core=step.key not in ("why", lesson.steps[1].key))
                                        for step in lesson.steps))
-    board = Board(deep, Outcomes(), core=True)
+    board = Board(deep, RunCache(), core=True)
     press(board, *[NEXT] * 4)
     assert (board.place.at, board.opened, board.total) == (3, 3, 3) and "step 2 of 3" in shown(board)
     assert board.seat("a").progress().core
@@ -197,9 +197,9 @@ def test_the_end_says_how_well_the_class_has_known(board):
     ("https://lab.school.example/", "https://lab.school.example/")])
 def test_the_board_shows_the_address_by_which_a_class_comes_in(board, here, link):
     """That of the lecturer's browser, unless only this machine can mean it."""
-    door = Lectern(board, Door("http://10.0.0.5:8080/", "wave 4711")).seen_from(here)
+    door = LecturerContext(board, JoinInfo("http://10.0.0.5:8080/", "wave 4711")).seen_from(here)
     assert (door.link, door.warning, door.whole) == (link, "", f"{link}#code=wave%204711")
-    door = Lectern(board, Door("http://127.0.0.1:8080/", "wave-4711")).seen_from("http://localhost:8080/")
+    door = LecturerContext(board, JoinInfo("http://127.0.0.1:8080/", "wave-4711")).seen_from("http://localhost:8080/")
     assert "Only this computer" in slide(board, board.place, door)  # which nobody else can open
 
 
@@ -228,7 +228,7 @@ def test_a_visitor_who_comes_back_finds_his_answers_and_his_place(board):
 
 
 def test_a_visitor_is_one_however_many_pages_he_has():
-    tally = Tally()
+    tally = ClassAnswers()
     first, again = tally.come("a"), tally.come("a")
     assert first is again and tally.here == 1
     tally.leave("a")
@@ -239,7 +239,7 @@ def test_a_visitor_is_one_however_many_pages_he_has():
 
 def test_who_leaves_leaves_his_answers():
     """He is still one of those who were asked; one who has left without an answer is not."""
-    tally = Tally()
+    tally = ClassAnswers()
     for key in "abc":
         tally.come(key)
     tally.say("a", "how-much", 1)
@@ -254,7 +254,7 @@ def test_memory_ends_somewhere(monkeypatch):
     """Cookies are easily had: who has left without an answer is forgotten first, and one too many is not counted,
     though he has his lesson."""
     monkeypatch.setattr(tally_module, "MOST", 3)
-    tally = Tally()
+    tally = ClassAnswers()
     for key in "abc":
         tally.come(key)
     tally.leave("a")
@@ -268,7 +268,7 @@ def test_memory_ends_somewhere(monkeypatch):
 def test_thirty_at_once_are_thirty():
     """Each from a thread of its own; whoever listens hears of it, and may ask the tally then."""
     heard = []
-    tally = Tally(lambda: heard.append(tally.asked("how-much")))
+    tally = ClassAnswers(lambda: heard.append(tally.asked("how-much")))
 
     def visit(k):
         tally.come(str(k))

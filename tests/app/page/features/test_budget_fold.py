@@ -13,7 +13,7 @@ import numpy as np
 from app import state
 from app.frame.budget_chart import MEANINGS, blamed, error, field_of, percent, stacked
 from app.page.display_source import Choice
-from app.page.features.budget.chart import HEIGHT, MOST, WIDTH, Divided, chart
+from app.page.features.budget.chart import HEIGHT, MOST, WIDTH, BudgetData, chart
 from app.page.features.budget.panel import BudgetFold
 from app.page.panels.timeline import Now
 from app.page.readout_panel import Numbers
@@ -44,7 +44,7 @@ def made(crossings=0.9, grid=0.2, size=1e-3, periods=1.0, count=41):
 
 
 def of(series, name="", scene=HATS):
-    return Divided(name, scene, series, series)
+    return BudgetData(name, scene, series, series)
 
 
 def past(scene, series):

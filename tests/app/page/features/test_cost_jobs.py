@@ -19,9 +19,9 @@ from app.page.features.cost.jobs import (
     MOST_QUESTIONS,
     CostStatus,
     Jobs,
-    KeptPoints,
     QuietStage,
-    Ready,
+    SearchCache,
+    WarmWorker,
     search,
     small_sweep,
 )
@@ -80,7 +80,7 @@ def pools(monkeypatch):
 
 @pytest.fixture
 def jobs():
-    jobs = Jobs(Runs(), Slots(1), KeptPoints())
+    jobs = Jobs(Runs(), Slots(1), SearchCache())
     yield jobs
     jobs.close()
 
@@ -186,7 +186,7 @@ def test_a_search_is_told_what_is_known_and_times_only_as_they_were_taken(jobs, 
 
 @pytest.fixture
 def ready(pools):
-    ready = Ready("solvers.study.background_jobs:search", Slots(1))
+    ready = WarmWorker("solvers.study.background_jobs:search", Slots(1))
     yield ready
     ready.end()
 
@@ -217,8 +217,8 @@ def test_a_search_takes_the_process_that_is_ready(jobs, ready, pools):
 
 def test_few_processes_are_ready_and_none_for_ever(ready, pools):
     """A second visitor gets none while the first one's is there; who leaves, or takes too long, takes it along."""
-    first, second = (Jobs(Runs(), Slots(1), KeptPoints()) for _ in range(2))
-    first._ready, second._ready = ready, Ready("solvers.study.background_jobs:search", ready._places, rests=0.1)
+    first, second = (Jobs(Runs(), Slots(1), SearchCache()) for _ in range(2))
+    first._ready, second._ready = ready, WarmWorker("solvers.study.background_jobs:search", ready._places, rests=0.1)
     first.prepare(few(1e-2), quiet=False)
     mine = ready._pool
     assert mine.ways == 1
@@ -245,7 +245,7 @@ def test_who_opens_the_tab_has_a_process_made_ready(tab):
 
 def test_what_is_kept_is_bounded_and_times_hold_for_an_hour():
     now = [0.0]
-    kept = KeptPoints(lambda: now[0])
+    kept = SearchCache(lambda: now[0])
     point = {"error": 1e-3, "rate": 1e-8, "status": "ok", "reason": None}
     for k in range(MOST_POINTS + 1):
         kept.keep("a", f"{k}", point, True)

@@ -15,8 +15,8 @@ import pytest
 from app.cli import main
 from app.page.features.upload.judging_process import BUSY, Judging
 from app.page.features.upload.judging_process import sentence as question
-from app.page.features.upload.panel import TO_BE_READ, OwnCode
-from app.page.features.upload.uploaded_run import OwnRun, taken
+from app.page.features.upload.panel import TO_BE_READ, UploadPanel
+from app.page.features.upload.uploaded_run import UploadedRun, taken
 from app.page.visit.engine_links import MOST_WATCHED
 from app.page.visit.status_message import Notice
 from app.viewer import upload
@@ -59,7 +59,7 @@ def shown_of(process, file, scene, folder, name="mine", chosen=False):
 def run_of(process, file, scene, folder, name="mine"):
     """The run on the stage that comes of a file, estimated; and all that the process says of it."""
     answers, table = shown_of(process, file, scene, folder, name)
-    run = OwnRun(name, Shown(**answers["frames"]), table)
+    run = UploadedRun(name, Shown(**answers["frames"]), table)
     run.estimated(answers["estimate"])
     return run, answers
 
@@ -248,8 +248,8 @@ def test_names_of_files_are_shown_plainly(name, said):
 def arrived(monkeypatch):
     """What comes through the doors: name and content of each file; and what is refused in words."""
     files, refused = [], []
-    monkeypatch.setattr(OwnCode, "_arrived", lambda _, name, file: files.append((name, file.read_bytes())))
-    monkeypatch.setattr(OwnCode, "_refuse", lambda _, sentence: refused.append(sentence))
+    monkeypatch.setattr(UploadPanel, "_arrived", lambda _, name, file: files.append((name, file.read_bytes())))
+    monkeypatch.setattr(UploadPanel, "_refuse", lambda _, sentence: refused.append(sentence))
     return files, refused
 
 
@@ -360,4 +360,4 @@ def test_what_is_said_of_a_file_ends_with_the_next_act(age, untouched, shown):
     said = Notice("refused", "A file that is none.")
     panel = SimpleNamespace(_judging=None, _news=(monotonic() - age, said), _upload=SimpleNamespace(coming=""),
                             _session=SimpleNamespace(untouched=untouched))
-    assert OwnCode.notice(panel) is (said if shown else None)
+    assert UploadPanel.notice(panel) is (said if shown else None)
