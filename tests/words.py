@@ -16,7 +16,7 @@ from tests.sentences import sentences
 from tests.support.paths import ROOT
 
 APP, GERMAN = ROOT / "app", ROOT / "app" / "language" / "de.po"
-KEYWORDS = {"tr": None, "trn": (1, 2), "later": None}  # of app/language/translation.py, and of the scripts
+KEYWORDS = {"tr": None, "trn": (1, 2), "lazy": None}  # of app/language/translation.py, and of the scripts
 
 
 def words_of_code(file, keywords, comments, options) -> Iterator[tuple]:

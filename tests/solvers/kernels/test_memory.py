@@ -10,7 +10,7 @@ import pytest
 
 from solvers.problems.bar.scene import BarScene
 from solvers.problems.bar.solver import BarSolver
-from solvers.problems.bar.step import advance
+from solvers.problems.bar.step import KERNELS
 from solvers.scene.scene import Scene
 
 PAGE = 4096
@@ -34,7 +34,7 @@ def random_scene(rng: np.random.Generator) -> Scene:
 @pytest.mark.slow
 def test_600_rebuilds_leave_memory_flat_and_compile_nothing():
     """After 100 to warm up, 600 scenes of any size: growth below 5 MB, no kernel added, below 50 ms of work each."""
-    rng, kernel, slowest = np.random.default_rng(0), advance._primal, []
+    rng, kernel, slowest = np.random.default_rng(0), KERNELS.advance._primal, []
     for n in range(700):
         if n == 100:
             before, compiled = resident_bytes(), len(kernel.compiled_kernels)
@@ -50,7 +50,7 @@ def test_600_rebuilds_leave_memory_flat_and_compile_nothing():
 
 def test_a_new_switch_compiles_once():
     """The counter above does count: another choice of effects adds a kernel, the same choice again does not."""
-    kernel = advance._primal
+    kernel = KERNELS.advance._primal
     scene = BarScene(effects=("energy", "crossings"), body_force="none", velocity="particle")
     counts = [len(kernel.compiled_kernels)]
     for variant in (scene, scene, replace(scene, cells=17)):

@@ -90,7 +90,7 @@ def kinds(asked, processes, several=1):
 
 def test_a_process_goes_on_with_the_kind_that_it_has_had():
     """Two processes begin with a kind each, and go on with it though both come in turns."""
-    had = kinds([("a", 0.5), ("b", 0.5), *[("a", 0.05), ("b", 0.05)] * 3], 2)
+    had = kinds([("a", 0.5), ("b", 0.5), *[("a", 0.3), ("b", 0.3)] * 3], 2)
     assert sorted(one[:3] for one in had.values()) == [["a"] * 3, ["b"] * 3]
 
 

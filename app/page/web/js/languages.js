@@ -1,4 +1,4 @@
-// A link to the page in another language (panels/head.py) goes there with all that is seen.
+// A link to the page in another language (panels/page_header.py) goes there with all that is seen.
 document.addEventListener("click", event => {
   const link = event.target.closest?.("a.lab-language"), asked = new URLSearchParams(location.search);
   if (!link) return;

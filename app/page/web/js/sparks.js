@@ -1,4 +1,4 @@
-// The buttons under the headline (page/panels/sparks.py): real ones, in their order, and an answer. All of it is text.
+// The buttons under the headline (page/panels/suggestions.py): real ones, in their order, and an answer. All of it is text.
 (() => {
   const ICONS = {
     halve: "M3 6h18v12H3zM12 6v12M7.5 6v12M16.5 6v12", tile: "M3 4h7v7H3zM13 4h8v7h-8zM3 14h7v6H3zM13 14h8v6h-8z", cross: "M12 3v3m0 3v3m0 3v3m0 3v0M4 12h14M14 8l4 4-4 4",

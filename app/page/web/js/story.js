@@ -1,4 +1,4 @@
-// The opening story (page/story.py): asked for once where somebody comes without a link for the first time, or by ?story;
+// The opening story (page/opening_tour.py): asked for once where somebody comes without a link for the first time, or by ?story;
 // left by a button or any key. It is body classes and a row of buttons; the words are the headline's.
 (() => {
   const KEY = "mpm-lab-story", row = document.getElementById("lab-sparks"), asks = new URLSearchParams(location.search);
