@@ -190,8 +190,8 @@ def causal(count: int, kind: type[Scene]) -> list[Trial]:
 
 def causal_table(found: Sequence[Trial]) -> str:
     """A line a trial."""
-    heads = ["scene", "without", *(f"{field}: {what}" for field in FIELDS for what in ("before", "foretold", "came",
-                                                                                         "miss"))]
+    heads = ["scene", "without", *(f"{field}: {what}" for field in FIELDS for what in ("before", "predicted", "observed",
+                                                                                         "deviation"))]
     return grid(heads, [[words(trial.scene), CAUSES[trial.cause], *(
         format(values[k], form) for k in range(len(FIELDS))
         for values, form in ((trial.before, ".2e"), (trial.foretold, ".2e"), (trial.came, ".2e"),
@@ -208,7 +208,7 @@ def calibration_table(found: Sequence[Trial]) -> str:
         if len(misses):
             lines.append([f"{low:g} to {high:g}", str(len(misses)), *(f"{np.quantile(misses, q):.3f}"
                           for q in (0.5, 0.9, 0.99, 1)), f"{100 * np.mean(misses <= GOOD):.1f} %"])
-    return grid(["cancelled", "cases", "median miss", "0.9 of them", "0.99", "largest", f"up to {GOOD}"], lines)
+    return grid(["cancellation", "cases", "median deviation", "90 %", "99 %", "largest", f"up to {GOOD}"], lines)
 
 
 def shares_table(scenes: Sequence[RingScene]) -> str:

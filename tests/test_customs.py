@@ -55,7 +55,7 @@ def lines(path):
 def missing(words):
     """Why a command would not be found, or nothing."""
     name, *rest = words[1:] if words[0] == "sudo" else words
-    name = "uv" if name == "~/.uv/bin/uv" else name  # where the README has pip put it
+    name = "uv" if name == "~/.uv/bin/uv" else name  # where assets/install.md has pip put it
     if name == "uv" and rest[:1] == ["run"]:
         rest = rest[1:]
         while rest and rest[0].startswith("-"):
@@ -93,10 +93,10 @@ def test_the_workflow_tries_the_pythons_that_are_promised():
     assert promised == {f"3.{minor}" for minor in range(int(least), int(most))}
 
 
-def test_the_workflow_types_the_readmes_line_where_pip_is_refused():
+def test_the_workflow_types_the_documented_line_where_pip_is_refused():
     steps = read(GITHUB / "workflows" / "tests.yml")["jobs"]["marked"]["steps"]
     given = re.search(r"pip install -q --target .*uv run mpm-lab",
-                      (ROOT / "README.md").read_text(encoding="utf-8"))[0]
+                      (ROOT / "assets" / "install.md").read_text(encoding="utf-8"))[0]
     assert steps[-1]["run"].startswith(given)
 
 
