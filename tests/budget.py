@@ -190,8 +190,8 @@ def causal(count: int, kind: type[Scene]) -> list[Trial]:
 
 def causal_table(found: Sequence[Trial]) -> str:
     """A line a trial."""
-    heads = ["scene", "without", *(f"{field}: {what}" for field in FIELDS for what in ("before", "predicted", "observed",
-                                                                                         "deviation"))]
+    heads = ["scene", "without", *(f"{field}: {what}" for field in FIELDS
+                                   for what in ("before", "predicted", "observed", "deviation"))]
     return grid(heads, [[words(trial.scene), CAUSES[trial.cause], *(
         format(values[k], form) for k in range(len(FIELDS))
         for values, form in ((trial.before, ".2e"), (trial.foretold, ".2e"), (trial.came, ".2e"),

@@ -58,27 +58,13 @@ FILES = (
     "study/background_jobs.py",
     *(
         f"judging/findings/{name}.py"
-        for name in (
-            "outliers",
-            "completeness",
-            "evidence",
-            "constitutive_law",
-            "all_findings",
-            "time_consistency",
-            "placement",
-        )
+        for name in ("outliers", "completeness", "evidence", "constitutive_law", "all_findings", "time_consistency",
+                     "placement")
     ),
     *(
         f"judging/{name}.py"
-        for name in (
-            "column_names",
-            "frames",
-            "particle_matching",
-            "particle_readers",
-            "scene_metadata",
-            "file_view",
-            "judgement",
-        )
+        for name in ("column_names", "frames", "particle_matching", "particle_readers", "scene_metadata", "file_view",
+                     "judgement")
     ),
 )
 #: Calls whose texts are for the command line and logs alone, and names that tables have.

@@ -32,33 +32,19 @@ def vocabulary(problems: Iterable[str]) -> dict[str, Any]:
     return {
         "formats": formats,
         "codes": quantise.CODES,
-        "scale": {
-            "tops": list(colour_scale.TOPS.items()),
-            "decades": colour_scale.DECADES,
-            "beyond": colour_scale.BEYOND,
-            "smallest": colour_scale.SMALLEST,
-            "zero": tr(colour_scale.ZERO),
-        },
+        "scale": {"tops": list(colour_scale.TOPS.items()), "decades": colour_scale.DECADES,
+                  "beyond": colour_scale.BEYOND, "smallest": colour_scale.SMALLEST, "zero": tr(colour_scale.ZERO)},
         "axis": {"steps": field_plot.STEPS, "room": field_plot.ROOM, "stems": field_plot.MOST_STEMS},
         "crossings": {"window": crossings.WINDOW, "seconds": crossings.LEAST_SECONDS},
         "colours": _colours(),
         "edge": layout.EDGE,
-        "quantities": {
-            key: {"noun": of.noun, "symbol": of.symbol, "unit": of.unit} for key, of in words.QUANTITIES.items()
-        },
+        "quantities": {key: {"noun": of.noun, "symbol": of.symbol, "unit": of.unit}
+                       for key, of in words.QUANTITIES.items()},
         "compare": (tr(captions.SIDE_BY_SIDE), tr(captions.DIFFERENCE)),
         "unknown": captions.counting("{remark}", "{unknown}"),
-        "sentences": {
-            "unstable": tr(headline.UNSTABLE),
-            "last": tr(headline.LAST),
-            "lost": tr(headline.LOST),
-            "now": tr(headline.NOW),
-            "paused": tr(headline.PAUSED),
-            "less": tr(headline.LESS),
-            "more": tr(headline.MORE),
-            "all": headline.ALL_OF_IT,
-            "not_counted": tr(captions.NOT_COUNTED),
-        },
+        "sentences": {"unstable": tr(headline.UNSTABLE), "last": tr(headline.LAST), "lost": tr(headline.LOST),
+                      "now": tr(headline.NOW), "paused": tr(headline.PAUSED), "less": tr(headline.LESS),
+                      "more": tr(headline.MORE), "all": headline.ALL_OF_IT, "not_counted": tr(captions.NOT_COUNTED)},
         "budget": {
             "causes": {
                 name: {"words": tr(said), "meaning": tr(budget_chart.MEANINGS[name]), "colour": CAUSES[name].light}

@@ -148,15 +148,9 @@ def _lesson(head: str, name: str, fingerprint: str) -> Lesson:
         if control not in CONTROLS:
             raise LessonError(at("controls"), f"controls: '{quoting.quoted(control)}' is not known; give "
                                               f"{', '.join(CONTROLS)}")
-    return Lesson(
-        name,
-        title.strip(),
-        goals,
-        controls,
-        fenced_blocks.texts(values, "prerequisites", at("prerequisites")),
-        _variants(values, at("variants")),
-        fingerprint=fingerprint,
-    )
+    return Lesson(name, title.strip(), goals, controls,
+                  fenced_blocks.texts(values, "prerequisites", at("prerequisites")), _variants(values, at("variants")),
+                  fingerprint=fingerprint)
 
 
 def _variants(values: Mapping[str, Any], line: int) -> tuple[Numbers, ...]:

@@ -23,15 +23,8 @@ SLOW, NOT_SLOW = lazy("Slow motion"), lazy("Normal speed")
 class Transport:
     """Widgets of one visitor. ``on_view`` is called when only the drawing changes."""
 
-    def __init__(
-        self,
-        gui: viser.GuiApi,
-        session: Session,
-        looking: HistoryControls,
-        slow: SlowMotion,
-        bound: SceneWidgets,
-        on_view: Callable[[], None],
-    ):
+    def __init__(self, gui: viser.GuiApi, session: Session, looking: HistoryControls, slow: SlowMotion,
+                 bound: SceneWidgets, on_view: Callable[[], None]):
         self._session, self._slow, self._on_view = session, slow, on_view
         self.acts = {PLAY: lambda: session.play(True), PAUSE: lambda: session.play(False),
                      STEP: lambda: session.play(False, single_steps=1), RESET: session.reset}

@@ -33,10 +33,8 @@ class BrowserConnections:
 
     def __init__(self, trusts_proxy: bool):
         self.trusts_proxy = trusts_proxy
-        self.new, self.silent = (
-            PendingConnections["BrowserConnection"](*LINES),
-            PendingConnections["BrowserConnection"](*SOCKETS),
-        )
+        self.new, self.silent = (PendingConnections["BrowserConnection"](*LINES),
+                                 PendingConnections["BrowserConnection"](*SOCKETS))
         self.there = WeakSet["BrowserConnection"]()
 
     def come(self, line: "BrowserConnection", remote: object) -> None:

@@ -232,13 +232,8 @@ class Worker:
         gc.collect()
         gc.freeze()
 
-    def _take_state(
-        self,
-        states: dict[int, tuple[SessionRequest, dict]],
-        wishes: dict[int, SessionRequest],
-        compiled: set[tuple],
-        usual: list[Scene],
-    ) -> None:
+    def _take_state(self, states: dict[int, tuple[SessionRequest, dict]], wishes: dict[int, SessionRequest],
+                    compiled: set[tuple], usual: list[Scene]) -> None:
         """Take over what the engine had that this process is a fork of. ``wishes`` have still to be acted on, also
         those that waited for the compiler."""
         self._wishes, self._waiting, self._successor = wishes, {}, None

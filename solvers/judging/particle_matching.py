@@ -241,9 +241,8 @@ def _material(raw: Raw, scene: Scene, reference: ProblemReference,
         if fitting:
             raise FileError(raw.file, f"{reason}; give the right --cells and --ppc (so many are those of {fitting} "
                                       "cells), or material positions")
-        raise ParticleMismatch(
-            raw.file, reason, "give those of `mpm-lab problem`, the right --cells and --ppc, or material positions"
-        )
+        raise ParticleMismatch(raw.file, reason,
+                               "give those of `mpm-lab problem`, the right --cells and --ppc, or material positions")
     return start.material_position[number], number
 
 

@@ -28,9 +28,8 @@ def read_line(file: str, text: object, cells: int | None) -> SceneMetadata | Non
         step = PROBLEMS[problem].scene(**given).time_step
     except (SceneError, TypeError, ValueError, OverflowError):
         step = None
-    said = SceneMetadata(
-        problem, {name: value for name, value in given.items() if name not in NOT_OF_THE_PROBLEM}, step
-    )
+    said = SceneMetadata(problem, {name: value for name, value in given.items() if name not in NOT_OF_THE_PROBLEM},
+                         step)
     own = scene_said(file, said)
     if "cells" in said.inputs and cells is not None and cells != own.cells:
         raise FileError(file, f"says that it has {cells} cells, and {own.cells} in its scene; {HINT}")

@@ -53,9 +53,8 @@ def as_large_as_itself(scene: Scene, series: Mapping[str, np.ndarray],
     return found
 
 
-def merged(
-    before: Mapping[str, LargeRelativeError], now: Mapping[str, LargeRelativeError]
-) -> dict[str, LargeRelativeError]:
+def merged(before: Mapping[str, LargeRelativeError],
+           now: Mapping[str, LargeRelativeError]) -> dict[str, LargeRelativeError]:
     """What was found in earlier samples and in later ones, as if all had been judged together."""
     return {**now, **{quantity: replace(one, size=max(one.size, now[quantity].size if quantity in now else 0.0))
                       for quantity, one in before.items()}}

@@ -52,9 +52,8 @@ class Tables(Study):
 
     def questions(self) -> list[Task]:
         if self.table not in (*paper_tables.NUMBERS, "all"):
-            raise BadInput(
-                "", self.table, f"is not a table of the paper; give {', '.join(paper_tables.NUMBERS)} or all"
-            )
+            raise BadInput("", self.table,
+                           f"is not a table of the paper; give {', '.join(paper_tables.NUMBERS)} or all")
         side_by_side(self.processes)
         wanted = runs(tables := self._tables())
         self.check_place(len(wanted))

@@ -147,9 +147,8 @@ class SlowMotion:
     def _enter(self) -> None:
         self.on, self._box.value, self._over = True, True, threading.Event()  # type: ignore[misc]
         self._take()
-        threading.Thread(
-            target=with_language(self._draw_loop), args=(self._over,), name="slow-motion", daemon=True
-        ).start()
+        threading.Thread(target=with_language(self._draw_loop), args=(self._over,), name="slow-motion",
+                         daemon=True).start()
 
     def _leave(self) -> None:
         self.on = self._walking = self._box.value = False  # type: ignore[misc]

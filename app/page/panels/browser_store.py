@@ -127,9 +127,8 @@ class Window:
     """One visitor's. ``on_change`` is called when its size is another one, ``on_dark`` when it is to be dark or light;
     what the browser says may be anything."""
 
-    def __init__(
-        self, store: BrowserStore, on_change: Callable[[LayoutMetrics], None], on_dark: Callable[[bool], None]
-    ):
+    def __init__(self, store: BrowserStore, on_change: Callable[[LayoutMetrics], None],
+                 on_dark: Callable[[bool], None]):
         self.size, self._dark, self._on_change, self._on_dark = LayoutMetrics(), False, on_change, on_dark
         store.heard["room"] = self._hear
         store.heard["dark"] = self._shade

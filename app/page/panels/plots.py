@@ -105,9 +105,8 @@ class Plots:
                                      np.ones(len(time)), *indices))
         self._show_crossings(history, series, grey_rate, second)
 
-    def show_trace(
-        self, traced: TracedParticle, valid: tuple[str, ...], quantity: str, latest: bool, shown: float
-    ) -> None:
+    def show_trace(self, traced: TracedParticle, valid: tuple[str, ...], quantity: str, latest: bool,
+                   shown: float) -> None:
         """Draw a particle's errors; its crossings and the time ``shown``, s, are marked on the first with values."""
         series, (heading, plot) = traced.latest if latest else traced.series, self._trace
         time, (errors, unit) = series["time"], self._errors(series, valid, quantity)

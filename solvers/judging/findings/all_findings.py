@@ -58,22 +58,12 @@ def of_a_run(evidence: Evidence) -> tuple[list[Finding], Deviation | None]:
         if order.verdict == HOLDS and not (beside and beside.most):
             drift = placement.drift(evidence)
         fewest = min(evidence.frames, key=lambda frame: len(frame.number))
-        return [
-            completeness.check(evidence.scene, fewest),
-            _figures(evidence),
-            places,
-            placement.speeds(evidence),
-            axes,
-            order,
-            drift,
-            outliers.told("x", beside),
-            *(outliers.told(q, outliers.of_values(evidence, q)) for q in ("v", "sigma")),
-            outliers.masses(evidence.frames[0]),
-            time_consistency.clock(evidence),
-            time_consistency.velocity(evidence),
-            time_consistency.stress(evidence),
-            constitutive_law.check(evidence),
-        ], beside.most if beside else None
+        return [completeness.check(evidence.scene, fewest), _figures(evidence), places, placement.speeds(evidence),
+                axes, order, drift, outliers.told("x", beside),
+                *(outliers.told(q, outliers.of_values(evidence, q)) for q in ("v", "sigma")),
+                outliers.masses(evidence.frames[0]), time_consistency.clock(evidence),
+                time_consistency.velocity(evidence), time_consistency.stress(evidence),
+                constitutive_law.check(evidence)], beside.most if beside else None
 
 
 def _figures(evidence: Evidence) -> Finding:

@@ -46,10 +46,8 @@ class BarSolver(Solver):
             true_a = a.acceleration - exact_solution.acceleration(scene, X, before) \
                 if self._switches.acceleration and self.step else np.zeros_like(X)
             with np.errstate(over="ignore", invalid="ignore"):  # a run gone bad holds anything
-                u, v = (
-                    a.position - X - exact_solution.displacement(scene, X, t),
-                    a.velocity - exact_solution.velocity(scene, X, t),
-                )
+                u, v = (a.position - X - exact_solution.displacement(scene, X, t),
+                        a.velocity - exact_solution.velocity(scene, X, t))
                 stretch = F - exact_solution.deformation_gradient(scene, X, t)
                 errors = np.stack([u, v, scene.modulus * stretch, true_a], axis=1)
         estimates = {name: a.estimate[k * len(X):(k + 1) * len(X)].copy()

@@ -176,11 +176,8 @@ def test_bad_input_is_one_sentence(line, capsys, tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     (tmp_path / "file").write_text("id,x\n1,0.2\n2,0.4\n")
     (tmp_path / "taken" / "table1.json").mkdir(parents=True)
-    for run in (
-        "app.commands.run.command._run",
-        "app.page.page_server.serve",
-        "app.commands.study.study_command.Study._announce",
-    ):
+    for run in ("app.commands.run.command._run", "app.page.page_server.serve",
+                "app.commands.study.study_command.Study._announce"):
         monkeypatch.setattr(run, lambda *_: pytest.fail("it ran before it had checked"))
     before = files(tmp_path)
     assert main(shlex.split(line)) == 2

@@ -136,14 +136,8 @@ def test_claims_pictures_names_and_notices(text):
     assert said.isprintable() and "<img" not in said and len(said) < 1300
 
 
-ANSWERS = {
-    "schema": student_progress.SCHEMA,
-    "lesson": "01-one-step",
-    "fingerprint": "",
-    "name": "",
-    "step": 0,
-    "answers": {},
-}
+ANSWERS = {"schema": student_progress.SCHEMA, "lesson": "01-one-step", "fingerprint": "", "name": "", "step": 0,
+           "answers": {}}
 
 
 @pytest.mark.parametrize("text", TEXTS, ids=range(len(TEXTS)))

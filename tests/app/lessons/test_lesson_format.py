@@ -63,13 +63,8 @@ Ask them.
 
 def use_folder(monkeypatch, folder):
     """Have all that reads lessons and pages for a class read those of this folder."""
-    for function in (
-        catalogue.names,
-        catalogue.called,
-        catalogue.lesson,
-        catalogue.lessons,
-        catalogue.in_every_language,
-    ):
+    for function in (catalogue.names, catalogue.called, catalogue.lesson, catalogue.lessons,
+                     catalogue.in_every_language):
         monkeypatch.setattr(function, "__defaults__", (folder,))
     for function in (class_plans.names, class_plans.page):
         monkeypatch.setattr(function, "__defaults__", (folder / "classes",))

@@ -198,9 +198,8 @@ def test_every_message_goes_through_the_check(here, visitor, monkeypatch):
     one, _ = here
     heard = []
     check = incoming_messages.refusal
-    monkeypatch.setattr(
-        incoming_messages, "refusal", lambda message, *how: heard.append(message) or check(message, *how)
-    )
+    monkeypatch.setattr(incoming_messages, "refusal", lambda message,
+                        *how: heard.append(message) or check(message, *how))
     widget = visitor.find("Longest run, s")
     visitor.set(widget, "8")
     until(lambda: page_of(one)[widget].value == "8", "a value is set")

@@ -164,9 +164,8 @@ def test_engines_follow_the_processors_that_may_be_used(monkeypatch, processors,
 def starts(monkeypatch):
     """Engines that end at once; the times at which they were started."""
     times, start = [], engine_process.EngineProcess._start
-    monkeypatch.setattr(
-        engine_process, "become_engine", operator.is_
-    )  # any function that takes two arguments and returns
+    monkeypatch.setattr(engine_process, "become_engine",
+                        operator.is_)  # any function that takes two arguments and returns
     monkeypatch.setattr(engine_process.EngineProcess, "_start", lambda self: (times.append(monotonic()), start(self)))
     return times
 

@@ -167,9 +167,8 @@ def test_several_grids_have_the_order_of_the_method_that_made_them(tmp_path):
 def test_particles_that_miss_nothing_have_their_pictures(cells, tmp_path, capsys):
     """The start, and no other time: all errors are zero, and so are those of our methods beside."""
     files = [
-        csv_file(
-            tmp_path, particle_writers.table([problem_handout.exact(PROBLEMS["bar"].scene(cells=n), 0.0)]), f"{n}.csv"
-        )
+        csv_file(tmp_path, particle_writers.table([problem_handout.exact(PROBLEMS["bar"].scene(cells=n), 0.0)]),
+                 f"{n}.csv")
         for n in cells
     ]
     assert main(["judge", "bar", *files, "--cells", *map(str, cells), "--out", str(tmp_path / "out"), "--quiet"]) == 0

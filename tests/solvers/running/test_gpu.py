@@ -119,12 +119,8 @@ def tabulate(x: reals, values: quads):
     """sin, cos and log of each, and in the last column twice the same, found by the kernel itself between two loops."""
     for k in range(x.shape[0]):
         values[k] = ti.Vector(
-            [
-                elementary_functions.sin(x[k]),
-                elementary_functions.cos(x[k]),
-                elementary_functions.log(ti.abs(x[k])),
-                0.0,
-            ]
+            [elementary_functions.sin(x[k]), elementary_functions.cos(x[k]), elementary_functions.log(ti.abs(x[k])),
+             0.0]
         )
     one = elementary_functions.cos(x[0]) + elementary_functions.sin(x[0])
     for k in range(x.shape[0]):

@@ -192,9 +192,8 @@ def test_what_is_known_is_not_run_again(rates):
 
 def test_a_known_run_without_a_time_is_timed(monkeypatch):
     timed = []
-    monkeypatch.setattr(
-        "solvers.study.run_family._seconds_per_particle_step", lambda scene: timed.append(scene) or 1e-9
-    )
+    monkeypatch.setattr("solvers.study.run_family._seconds_per_particle_step",
+                        lambda scene: timed.append(scene) or 1e-9)
     one = Family(BarScene(cfl=0.1), "x", 2)
     assert one.take(Point(10, 1e-3, math.nan)).seconds_per_particle_step == 1e-9 and len(timed) == 1
     assert one.take(Point(20, 1e-4, 2e-9)).seconds_per_particle_step == 2e-9 and len(timed) == 1

@@ -28,15 +28,8 @@ class Player:
     """One visitor's, in a ``tab``, where the ``controls`` that a lesson needs stand below its text; ``on_change`` is
     called when what the browser should keep has changed. What it says through its ``store`` may be anything."""
 
-    def __init__(
-        self,
-        client: viser.ClientHandle,
-        tab: viser.GuiTabHandle,
-        classroom: Classroom,
-        controls: action_buttons.AllowedControls,
-        store: BrowserStore,
-        on_change: Callable[[], None],
-    ):
+    def __init__(self, client: viser.ClientHandle, tab: viser.GuiTabHandle, classroom: Classroom,
+                 controls: action_buttons.AllowedControls, store: BrowserStore, on_change: Callable[[], None]):
         self._client, self._gui, self._tab, self._room = client, client.gui, tab, classroom
         self._controls, self._on_change = controls, on_change
         self._lock = threading.RLock()

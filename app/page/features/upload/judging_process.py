@@ -48,10 +48,8 @@ class Judging:
         say = with_language(self._say)
         self.file = file.replace(file.with_name(f"particles{kind if kind in KINDS else '.unknown'}"))
         self.table = file.with_name(f"table-{secrets.token_hex(4)}")
-        self._pool, self._cancelled = (
-            WorkerPool("solvers.judging.file_view:show", environment=ONE_THREAD),
-            threading.Event(),
-        )
+        self._pool, self._cancelled = (WorkerPool("solvers.judging.file_view:show", environment=ONE_THREAD),
+                                       threading.Event())
         if slots.take():
             question = ShowRequest(str(self.file), self.name, task_of(scene).to_dict(), str(self.table), MOST_WATCHED,
                                    chosen)

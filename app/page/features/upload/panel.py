@@ -59,9 +59,8 @@ class UploadPanel:
         gui.add_html(f"<i class='lab-upload' data-largest='{LARGEST}' data-too-large='{large}.' data-busy='{busy}' "
                      f"data-one='{one}'></i>")
         button = gui.add_upload_button(tr("file of particles"), mime_type=",".join(KINDS))
-        self._upload = Upload(
-            gui, button, with_language(self._arrived), with_language(lambda text: self._refuse(tr(text)))
-        )
+        self._upload = Upload(gui, button, with_language(self._arrived),
+                              with_language(lambda text: self._refuse(tr(text))))
 
     def build(self, gui: viser.GuiApi) -> None:
         """Make the widgets, in their tab."""

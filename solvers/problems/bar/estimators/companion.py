@@ -111,12 +111,10 @@ def allocate(scene) -> dict[str, np.ndarray]:
     element, basis, _ = elements.locate(particles)
     table = of_pairs(force_table(scene, X) if scene.displacement else None)
     return {
-        **shared.start(
-            (elements.order, elements.count, 1, len(X), len(X), 1), frequency, scene.time_step, velocity, inverse_mass
-        ),
-        "companion_waves": np.stack(
-            [np.sin(exact_solution.WAVENUMBER * X), np.cos(exact_solution.WAVENUMBER * X)], axis=1
-        ),
+        **shared.start((elements.order, elements.count, 1, len(X), len(X), 1), frequency, scene.time_step, velocity,
+                       inverse_mass),
+        "companion_waves": np.stack([np.sin(exact_solution.WAVENUMBER * X), np.cos(exact_solution.WAVENUMBER * X)],
+                                    axis=1),
         "companion_matrices": np.stack([elements.derivative.ravel(), np.repeat(elements.weights, n)], axis=1),
         "companion_element": element,
         "companion_basis": basis.ravel(),

@@ -31,9 +31,8 @@ def moving(body: ti.template()):
     """How many particles take part in a step. A GPU has steps waiting for it when a run goes bad: none in those."""
     count = body.particles
     if ti.static(not runtime.on_processor()):
-        count *= 1 - ti.min(
-            body.verdict[0] - SOUND, 1
-        )  # a condition would get lost (``solvers.kernels.elementary_functions``)
+        count *= 1 - ti.min(body.verdict[0] - SOUND,
+                            1)  # a condition would get lost (``solvers.kernels.elementary_functions``)
     return count
 
 

@@ -63,11 +63,5 @@ def traits_of(kind: type[PlanarScene]) -> ProblemKernels:
         inside = q[0] > least and q[1] > least and q[0] < body.farthest and q[1] < body.farthest
         return not (inside and (q[0] - X[0]) ** 2 + (q[1] - X[1]) ** 2 < body.farthest_move ** 2)
 
-    return ProblemKernels(
-        forces=forces,
-        prepare=prepare,
-        body_force_on=body_force_on,
-        stress=stress,
-        has_escaped=has_escaped,
-        **symmetry_planes(*kind.PLANES),
-    )
+    return ProblemKernels(forces=forces, prepare=prepare, body_force_on=body_force_on, stress=stress,
+                          has_escaped=has_escaped, **symmetry_planes(*kind.PLANES))

@@ -117,9 +117,8 @@ def kernels(parts: PlanarParts) -> Kernels:
 class OnProcessor(OneThread):
     """Steps the arrays as they are, on so many ``threads``; on one with the serial kernel unless ``parallel``."""
 
-    def __init__(
-        self, kernels: Kernels, scene: Scene, arrays: InstrumentedBody, on: KernelOptions, parallel: bool, threads: int
-    ):
+    def __init__(self, kernels: Kernels, scene: Scene, arrays: InstrumentedBody, on: KernelOptions, parallel: bool,
+                 threads: int):
         super().__init__(kernels.serial, kernels.state(**arrays.members()), on)
         self._scene, self._arrays, self._parallel, self._threads = scene, arrays, parallel, threads
         self._step, self._inspect = (Launch(one, self.pack, on) for one in (kernels.step_in_slabs, kernels.inspect))
