@@ -41,8 +41,8 @@ LIMITS = (
     THREE_ACROSS,
     # Two-grid: Richardson's argument needs an error that falls like h^2. The filter only takes noise away.
     Limit("two-grid", "remedies", allowed=(FILTER,), why=REMEDIES_REASON),
-    Limit("two-grid", "layout", allowed=("polar",), why="the staircase of the cartesian layout is another one on each "
-          "grid, so their errors are not comparable"),
+    Limit("two-grid", "layout", allowed=("polar",), impossible=True, why="the staircase of the cartesian layout is "
+          "another one on each grid, so their errors are not comparable"),
     # Only CPDI's domains tile the lattice on all grids. What the boxes of cpGIMP leave open is less, the more particles
     # there are: x .9 to 1.0 on 12 of 12 rings on which that is less than the error of the cells, on 7 of 50 others.
     Limit("two-grid", "method", allowed=("cpdi", "cpgimp"), why=GAPS),

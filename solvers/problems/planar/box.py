@@ -67,6 +67,7 @@ class BoxScene(PlanarScene):
               "depends on where in its cell a particle stands, and does not fall with the cell size; take CPDI"),
         Limit("two-grid", "ppc", least=2, why="one particle per cell is so coarse a rule of quadrature that its error "
               "depends on where in its cell it stands; give two or more"),
+        Limit("two-grid", "cells", least=12, impossible=True, why=HALF_REASON),
         Limit("two-grid", "cells", least=28, why=HALF_REASON),
         Limit("two-grid", "motion_amplitude", most=STILL, of="spacing", where={"method": "ugimp"}, why="boxes that do "
               "not follow the material leave an error that does not fall with the cell size; take CPDI"),
