@@ -29,8 +29,8 @@ else:
     _HOMES = {"BarScene": "problems.bar.scene", "RingScene": "problems.ring",
               "VortexScene": "problems.vortex", "SquareScene": "problems.square", "run": "running.run",
               "sweep": "study.sweep",
-              "judge": "judging.verdict", "check": "judging.check", "Result": "running.result",
-              "SceneError": "scene.rules", "FileError": "outside.quoting"}
+              "judge": "judging.judgement", "check": "judging.check", "Result": "running.result",
+              "SceneError": "scene.validation", "FileError": "untrusted.quoting"}
 
     def __getattr__(name):
         if name not in _HOMES:
