@@ -174,11 +174,8 @@ def _said(scene: Scene) -> list[str]:
 def _field_said(scene: Scene, field: str, unit: str) -> str:
     value, label, names = getattr(scene, field), tr(field_label(field)), choices(type(scene), field)
     if field == "take_away":
-        return (
-            tr("as it is")
-            if value == error_causes.NOTHING
-            else tr("without {cause}", cause=tr(error_causes.CAUSES[value]))
-        )
+        return tr("as it is") if value == error_causes.NOTHING else \
+            tr("without {cause}", cause=tr(error_causes.CAUSES[value]))
     if isinstance(value, bool):
         return label if value else tr("not {label}", label=label)
     if isinstance(value, tuple):

@@ -41,9 +41,8 @@ def _status(arguments: list[str]) -> int:
         put_text("")  # here, where a reader that has gone is still ours to handle
         return status
     except (BadInput, ExtensionError, SceneError) as error:
-        message(
-            BadInput(field_flag(error.field), error.value, error.sentence) if isinstance(error, SceneError) else error
-        )
+        message(BadInput(field_flag(error.field), error.value, error.sentence) if isinstance(error, SceneError)
+                else error)
         return BAD_INPUT
     except BrokenPipeError:
         os.dup2(os.open(os.devnull, os.O_WRONLY), 1)  # or Python complains again when it ends

@@ -129,24 +129,13 @@ def _data(lesson: Lesson, right: Mapping[str, list[Any]], stages: Mapping[tuple[
         "begins_core": core and bool(lesson.deeper),
         "goals": lesson.goals,
         "needs": [known[name].title if name in known else name for name in lesson.prerequisites],
-        "fingerprint": lesson.fingerprint,
-        "variants": len(lesson.variants),
-        "intro": each(lesson.intro),
+        "fingerprint": lesson.fingerprint, "variants": len(lesson.variants), "intro": each(lesson.intro),
         "elsewhere": [tr(name) for control, name in ELSEWHERE.items() if control in lesson.controls],
-        "language": lesson.language,
-        "asks": asks,
-        "steps": steps,
-        "schema": student_progress.SCHEMA,
-        "longest_name": student_progress.LONGEST_NAME,
-        "longest": LONGEST,
-        "most": MOST,
-        "bare": BARE,
-        "digits": DIGITS,
-        "told_after": TOLD_AFTER,
-        "bets": bet_words(),
+        "language": lesson.language, "asks": asks, "steps": steps,
+        "schema": student_progress.SCHEMA, "longest_name": student_progress.LONGEST_NAME,
+        "longest": LONGEST, "most": MOST, "bare": BARE, "digits": DIGITS, "told_after": TOLD_AFTER, "bets": bet_words(),
         "fold": {letter: letter.casefold() for letter in letters if letter.casefold() != letter.lower()},
-        "spaces": "".join(letter for letter in letters if letter.isspace()),
-    }
+        "spaces": "".join(letter for letter in letters if letter.isspace())}
 
 
 def _alike(each: Sequence[Any]) -> list[Any]:

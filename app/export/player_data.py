@@ -48,14 +48,9 @@ def vocabulary(problems: Iterable[str]) -> dict[str, Any]:
         "budget": {
             "causes": {
                 name: {"words": tr(said), "meaning": tr(budget_chart.MEANINGS[name]), "colour": CAUSES[name].light}
-                for name, said in error_causes.CAUSES.items()
-            },
-            "fields": error_causes.FIELDS,
-            "units": budget_chart.UNITS,
-            "seen": budget_chart.SEEN,
-            "caption": tr(budget_chart.CAPTION),
-            "question": tr(budget_chart.QUESTION),
-        },
+                for name, said in error_causes.CAUSES.items()},
+            "fields": error_causes.FIELDS, "units": budget_chart.UNITS, "seen": budget_chart.SEEN,
+            "caption": tr(budget_chart.CAPTION), "question": tr(budget_chart.QUESTION)},
         "magnifications": words.MAGNIFICATIONS,
         "estimators": {name: {"colour": one.colour, "dashes": one.dashes} for name, one in ESTIMATORS.items()},
         "problems": {name: stage_data(VIEWS[name].stage) for name in sorted(problems)},
@@ -81,10 +76,8 @@ def _laid_out(stage: type[Stage], room: Bounds) -> dict[str, Any]:
     top = layout.top(room, room.high)
     halves = tr(captions.ESTIMATE[0]), tr(captions.TRUTH)
     said = StageLabels(halves, (LATER, LATER), (LATER, LATER), "", LATER, LATER, LATER)
-    labels: list[Label] = [
-        *stage.labels(said, places),
-        *field_plot.labels(places, stage.PLOT.ends, captions.FieldWords(LATER, LATER), 1, LATER, True),
-    ]
+    labels: list[Label] = [*stage.labels(said, places), *field_plot.labels(
+        places, stage.PLOT.ends, captions.FieldWords(LATER, LATER), 1, LATER, True)]
     of = [label for label in layout.bar_labels(top, room.gutter > 0, "x", []) if label.text]
     own = {name: value for name, value in vars(places).items() if name not in ("room", "seat", "rectangle", "field")}
     return {"pixels": room.pixels, "high": room.high, "gutter": room.gutter, "box": asdict(places.field), **own,

@@ -232,11 +232,8 @@ def _start_server(host: str, port: int, pool: EnginePool, max_sessions: int, add
     def make_page(client: Any, links: PageLinks) -> Any:
         whose, key = doors.guest(client.client_id) or CodeHolder(CLASS)
         seat = board.seat(key) if board and whose == CLASS else None
-        lectern = (
-            LecturerContext(board, JoinInfo(f"http://{_outside(host)}:{port}/", code))
-            if board and whose == BOARD
-            else None
-        )
+        lectern = LecturerContext(board, JoinInfo(f"http://{_outside(host)}:{port}/", code)) \
+            if board and whose == BOARD else None
         try:
             return Page(client, links, replace(classroom, teacher=classroom.teacher and whose == TEACHER, seat=seat),
                         lectern)

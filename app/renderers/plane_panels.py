@@ -55,9 +55,8 @@ def draw_profile(axes: Axes, result: Result, stage: type[PlanarStage], over: Pro
                   linewidth=TRUTH_WIDTH if name == "true" else ESTIMATE_WIDTH)
         drawn.append(shown)
         ends.append((name, in_shell, colour))
-    axes.set_title(
-        f"Error of x over {over.across} {panel_style.when_text(result)}: particles, and RMS at {over.symbol}"
-    )
+    axes.set_title(f"Error of x over {over.across} {panel_style.when_text(result)}: particles, and RMS at "
+                   f"{over.symbol}")
     axes.set(xlabel=over.label, xlim=(inner, outer))
     in_sizes(axes.xaxis, "m", few=False)
     if not drawn:

@@ -132,11 +132,8 @@ class Study:
         """Where rows run."""
         from solvers.study.executors import Cluster, LocalExecutor, NoCluster
         try:
-            return (
-                LocalExecutor(self._workers(), self.WORK)
-                if self.scheduler is None
-                else Cluster(self.scheduler, self.WORK)
-            )
+            return LocalExecutor(self._workers(), self.WORK) if self.scheduler is None else \
+                Cluster(self.scheduler, self.WORK)
         except NoCluster as error:
             raise BadInput("scheduler", self.scheduler, str(error)) from None
 

@@ -141,14 +141,10 @@ def _run(session: Session, history: History, report: FrameReport, series: dict[s
     rows += [
         ("steps", tr("{steps:,} of {length}", steps=report.step, length=with_unit(scene.time_step, "s"))),
         ("solver", tr("{rate:.1f} M particle-steps/s on {arch}", rate=report.rate, arch=html.escape(report.arch))),
-        *(
-            [("verdict", html.escape(translate_message(report.reason)))]
-            if report.status == OK and report.reason
-            else []
-        ),
+        *([("verdict", html.escape(translate_message(report.reason)))] if report.status == OK and report.reason
+          else []),
         *([("unseen", html.escape(translate_message(report.not_checked)))] if report.not_checked else []),
-        ("region", html.escape(probed or tr(DRAG))),
-    ]
+        ("region", html.escape(probed or tr(DRAG)))]
     hints = {**{line.name: line.hint for line in lines.values()}, **HINTS}
     return table("".join(f"<tr title=\"{html.escape(tr(hints[name]) if hints[name] else '')}\">"
                          f"<td>{html.escape(tr(name))}</td>\n<td>{text}</td></tr>\n" for name, text in rows), "lab-run")

@@ -97,9 +97,8 @@ class Suggestions:
         self._session, self._state, self._show, self._seek = session, state, show, seek
         self._html = gui.add_html("")
         self._done: set[str] = set()
-        self._asked: tuple[Suggestion, State, State] | None = (
-            None  # a spark, what was on the stage, and what it put there
-        )
+        # A spark, what was on the stage, and what it put there.
+        self._asked: tuple[Suggestion, State, State] | None = None
         self._answers: dict[str, Answer] = {}  # by quantity
         self._ways: dict[str, Callable[[], None]] = {}  # out of a run that is lost
 
@@ -163,9 +162,8 @@ class Suggestions:
                 offer = spark.offer(base)
                 cards.append(Card(spark.key, spark.icon, offer.title, offer.hint, done))
             except NotNow as reason:
-                cards.append(
-                    Card(spark.key, spark.icon, tr(spark.title), translate_message(str(reason)), done, off=True)
-                )
+                why = translate_message(str(reason))
+                cards.append(Card(spark.key, spark.icon, tr(spark.title), why, done, off=True))
         return cards
 
     def _base(self) -> State:

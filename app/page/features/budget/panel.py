@@ -110,11 +110,8 @@ class BudgetFold:
         _see(own and taken_away(scene) != NOTHING, self._back)
         # Why there is no chart yet, or cannot be one.
         reason = next((text for text in scene.warnings() if text.startswith("error budget")), "") if own and on else ""
-        why = (
-            f"<p class='lab-budget-offer'>{escape(sentence(translate_message(reason).partition(': ')[2]))}</p>"
-            if reason
-            else ""
-        )
+        why = f"<p class='lab-budget-offer'>{escape(sentence(translate_message(reason).partition(': ')[2]))}</p>" \
+            if reason else ""
         self._offer.content = why or _offer(WAITING if on else OFFER) if own else _going(found) or _offer(ON_DEMAND)
         if choice.quantity != self._followed:  # its field is divided
             self._followed, self._drawn_at = choice.quantity, -math.inf
