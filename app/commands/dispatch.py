@@ -27,8 +27,7 @@ LONGEST_COMPLAINT = 200  # letters of what the reader of flags says
 
 
 def dispatch(arguments: list[str]) -> int:
-    """Run the command line and return its exit status. Only Ctrl-C is raised: where in the code something failed is
-    shown by ``--verbose`` alone, and by ``python -X dev -m app ...`` what should not happen as a traceback."""
+    """Runs the command line and returns its exit status. Only Ctrl-C is raised, with ``-X dev`` any error."""
     if isinstance(sys.stdout, io.TextIOWrapper):
         sys.stdout.reconfigure(errors="replace")  # a terminal that has no ² must not cost the result
     with showing_places(VERBOSE in arguments):

@@ -1,5 +1,4 @@
-"""``mpm-lab export LESSON|SCENE --out FILE.html``: one file that plays from disk, without a server or a network; with
-``--scorm`` a package of lessons for a course's own system."""
+"""``mpm-lab export LESSON|SCENE --out FILE.html``: an offline file; with ``--scorm`` a package for a course."""
 
 from collections.abc import Callable
 from dataclasses import dataclass

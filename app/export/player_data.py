@@ -1,5 +1,4 @@
-"""What the player shares with the live page, as data: forms of numbers, scales, colours, names of what is looked at;
-and what it says of a run, made by what makes the page's words: numbers alone are still to come."""
+"""What the player shares with the live page, as data: number formats, scales, colours, names and texts."""
 
 import base64
 from collections.abc import Collection, Iterable, Mapping
@@ -58,11 +57,9 @@ def vocabulary(problems: Iterable[str]) -> dict[str, Any]:
 
 
 def stage_data(stage: type[Stage]) -> dict[str, Any]:
-    """What of a stage is the same in every frame: images of the body, the axis of the field plot, and in each of the
-    ``ROOMS`` where things are, with all labels.
+    """Returns what every frame of a stage has in common: mirror images, plot axis, and places and labels by room.
 
-    A label's text is ``LATER`` where it comes with a run or a frame, and "" where it is not written; x and y are on the
-    stage (``marks``).
+    A label's text is ``LATER`` where it comes with a run or a frame, and "" where it is not written.
     """
     return {"mirrors": stage.MIRRORS, "outlined": stage.OUTLINED, "lines": stage.LINES,
             "plot": {"start": stage.PLOT.start, "end": stage.PLOT.end, "along": stage.PLOT.where is not None},

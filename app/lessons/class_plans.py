@@ -36,8 +36,7 @@ class Row:
 
 @dataclass(frozen=True)
 class ClassPage:
-    """A page for a class. ``claims`` has its runs and claims as a lesson, ``sessions`` the rows of each timetable, by
-    the heading above it; each session takes so many ``minutes``."""
+    """A page for a class: its ``claims`` as a lesson, its timetables by heading, and the ``minutes`` of a session."""
 
     name: str
     minutes: int

@@ -1,5 +1,4 @@
-"""How a body that fills a square is shown: the square and its mirror images, and beside them the field along a row of
-particles."""
+"""How a body that fills a square is shown: with its mirror images, and the field along a row of particles."""
 
 from collections.abc import Iterator
 from typing import Any

@@ -17,8 +17,7 @@ SLOTS = Slots(MOST_JOBS)
 
 @dataclass(frozen=True)
 class JobStatus:
-    """How a job goes. ``kind`` is "" before the first; the last one's outcome stays until the next. ``trouble`` is a
-    sentence about what went wrong."""
+    """The state of a job, or of the last one; ``kind`` is "" before the first, ``trouble`` what went wrong."""
 
     kind: str = ""
     running: bool = False

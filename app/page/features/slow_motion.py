@@ -31,8 +31,8 @@ LAST = len(PHASES) - 1
 
 
 class SlowMotion:
-    """The mode of one visitor. While it is ``on`` the run rests; while it is ``showing`` a step, the ordinary stage is
-    to be hidden, and ``on_view`` is called when that changes. It ends when something else moves the run on."""
+    """The mode of one visitor: while ``on`` the run rests, while ``showing`` a step replaces the ordinary stage;
+    ``on_view`` is called when that changes. It ends when something else moves the run on."""
 
     def __init__(self, client: viser.ClientHandle, canvas: Canvas, session: Session, on_view: Callable[[], None]):
         self._client, self._canvas, self._session, self._on_view = client, canvas, session, on_view
@@ -199,8 +199,7 @@ class SlowMotion:
 
 
 class SlowStep:
-    """The step that is shown (:class:`~app.page.display_source.Source`), on a stage of its own. What is said is of its
-    phase; the numbers are those of the ``run`` that rests meanwhile, which is drawn where nobody sees it."""
+    """The step shown, a source with a stage of its own and the numbers of the ``run`` that rests meanwhile."""
 
     def __init__(self, slow: SlowMotion, run: Source):
         self._slow, self._run = slow, run

@@ -60,8 +60,7 @@ class Plots:
         self.have((), LEAST_HEIGHT, False, False)
 
     def have(self, estimators: tuple[str, ...], height: int, traced: bool, pinned: bool) -> None:
-        """Have a line for each of these estimators, and a pinned run's in grey, in plots of this height in pixels; one
-        of them of a traced particle."""
+        """Makes plots of this height in px with a line for each estimator and a pinned run; one is of a trace."""
         wanted = estimators, pinned
         if wanted not in self._sets:
             self._sets[wanted] = self._build(estimators, height, pinned)
@@ -176,8 +175,7 @@ class Plots:
 
 def grey_curves(pinned: PinnedRun | None, history: RunSeries, series: dict[str, np.ndarray], quantity: str,
                 drawn: str | None, latest: bool) -> list[list[np.ndarray]]:
-    """A pinned run's curves in each of the three plots, at the times of the other run's ``series``: norms of its true
-    and estimated error, index, crossings. Where the periods differ, at the same number of them."""
+    """Returns a pinned run's norms, index and crossings at the times, or period numbers, of ``series``."""
     if pinned is None:
         return [[], [], []]
     run, estimator = pinned.history, pinned.estimator(drawn)
@@ -230,8 +228,7 @@ def finite(time: np.ndarray, *values: np.ndarray) -> tuple[np.ndarray, ...]:
 
 
 def _time_unit(end: float, scene: Scene) -> tuple[str, float]:
-    """What times until ``end`` in s are counted in, in words, and how many of them a second has: periods, as all texts
-    do, but where nothing swings."""
+    """Returns in what times until ``end`` in s are counted, and how many a second has: periods if it swings."""
     if scene.swings:
         return tr("t in periods"), 1 / scene.period
     unit, size = next((unit, size) for unit, size, shortest in _TIMES if end >= shortest or end <= 0)
@@ -243,7 +240,6 @@ def _time_label(of_time: str) -> str:
 
 
 def _heading(text: str, hint: str = "", remark: str = "", kind: str = "") -> str:
-    """A plot's title with what it means for who rests on it, and below why it is empty; one of ``kind`` "lab-presented"
-    stays in the presenter's view. Not the plot's own: the viewer builds a plot anew when it changes."""
+    """Titles a plot, with a hint and why it is empty; not the plot's own title, which the viewer builds anew."""
     below = f"<br><span>{remark}</span>" if remark else ""
     return f"<div class='lab-heading {kind}' title='{escape(tr(hint) if hint else '')}'>{text}{below}</div>"

@@ -34,8 +34,7 @@ TWO, ONE = (FILTER, COUPLED), (FROZEN,)  # remedies that go together, and what t
 
 @dataclass(frozen=True)
 class Card:
-    """A button: its ``key`` comes back when it is pressed. It has been pressed before where it is ``done``, and cannot
-    be pressed now where it is ``off``."""
+    """A button; ``key`` comes back when it is pressed, ``done`` means pressed before, ``off`` cannot be pressed."""
 
     key: str
     icon: str
@@ -89,8 +88,7 @@ WHOLE = 1e-9  # by which rounding may keep a run from its last period
 
 
 class Suggestions:
-    """Those of one visitor. ``show`` puts a state on the stage; ``seek`` pauses and looks back to a time in s, if that
-    is kept, and says whether it is."""
+    """One visitor's; ``show`` puts a state on the stage, ``seek`` looks back to a time in s if that is kept."""
 
     def __init__(self, gui: viser.GuiApi, session: Session, state: Callable[[], State], show: Callable[[State], None],
                  seek: Callable[[float], bool]):

@@ -1,5 +1,4 @@
-"""The error over time below the stage: curves of the viewer's, and round them, as html, all that is to be read of them:
-the axis, where the run is, how far one can look back, since when it is lost and how often particles cross cells."""
+"""The error over time below the stage: curves, and as html the axis, the present, the reach back and crossings."""
 
 import json
 from collections.abc import Sequence
@@ -32,8 +31,7 @@ UNSTABLE, LOST = lazy("unstable from {time} on"), lazy("lost from {time} on")
 
 @dataclass(frozen=True)
 class Now:
-    """Where the run is, at a ``time`` in s, over which frames one can look back, ``reach`` in s, whether it is
-    ``playing``, and since when it is ``lost``, or ``unstable``."""
+    """The ``time`` in s, the ``reach`` in s of looking back, whether it plays, and since when it is ``lost``."""
 
     time: float
     reach: tuple[float, float]

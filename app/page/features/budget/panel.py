@@ -91,8 +91,7 @@ class BudgetFold:
                                pinned=None if state.pinned is None else _with_budget(state.pinned)))
 
     def show(self, numbers: Numbers, choice: Choice, studying: bool) -> None:
-        """Show what is known of a run's budget. While one is ``studying`` there is only what the lesson has asked
-        for."""
+        """Shows the budget of a run; while a lesson is ``studying`` only if the lesson has asked for it."""
         scene = self._session.scene if numbers.scene is not None else None
         own = scene is not None and EFFECT in scene.OWN_EFFECTS
         on = scene is not None and EFFECT in scene.effects
