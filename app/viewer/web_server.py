@@ -53,7 +53,7 @@ NOTHING_SAID, CROWDED = "nothing was said", "too many say nothing"
 NO_CODE = lazy("The class code is missing. Load the page again and type it.")
 
 _LOOKS = re.compile(r"/(here|away)/([\w-]{1,40})$")
-_CODE_PAGE = Path(__file__).parents[1] / "doors" / "code.html"
+_CODE_PAGE = Path(__file__).parents[1] / "access" / "code.html"
 
 
 @language_cache(1)
