@@ -119,12 +119,8 @@ def _data(lesson: Lesson, right: Mapping[str, list[Any]], stages: Mapping[tuple[
     with use_language(lesson.language):
         asks = tr(QUESTION)
     return {
-        "name": lesson.name,
-        "title": lesson.title,
-        "minutes": lesson.minutes,
-        "core_minutes": lesson.core_minutes,
-        "begins_core": core and bool(lesson.deeper),
-        "goals": lesson.goals,
+        "name": lesson.name, "title": lesson.title, "minutes": lesson.minutes, "core_minutes": lesson.core_minutes,
+        "begins_core": core and bool(lesson.deeper), "goals": lesson.goals,
         "needs": [known[name].title if name in known else name for name in lesson.prerequisites],
         "fingerprint": lesson.fingerprint, "variants": len(lesson.variants), "intro": each(lesson.intro),
         "elsewhere": [tr(name) for control, name in ELSEWHERE.items() if control in lesson.controls],

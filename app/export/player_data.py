@@ -29,14 +29,12 @@ def vocabulary(problems: Iterable[str]) -> dict[str, Any]:
                "percents": (*words.PLAIN_PERCENT, words.WHOLE_PERCENT), "powers": words.PLAIN_POWERS,
                "nothing": words.NOTHING}
     return {
-        "formats": formats,
-        "codes": quantise.CODES,
+        "formats": formats, "codes": quantise.CODES,
         "scale": {"tops": list(colour_scale.TOPS.items()), "decades": colour_scale.DECADES,
                   "beyond": colour_scale.BEYOND, "smallest": colour_scale.SMALLEST, "zero": tr(colour_scale.ZERO)},
         "axis": {"steps": field_plot.STEPS, "room": field_plot.ROOM, "stems": field_plot.MOST_STEMS},
         "crossings": {"window": crossings.WINDOW, "seconds": crossings.LEAST_SECONDS},
-        "colours": _colours(),
-        "edge": layout.EDGE,
+        "colours": _colours(), "edge": layout.EDGE,
         "quantities": {key: {"noun": of.noun, "symbol": of.symbol, "unit": of.unit}
                        for key, of in words.QUANTITIES.items()},
         "compare": (tr(captions.SIDE_BY_SIDE), tr(captions.DIFFERENCE)),
@@ -52,8 +50,7 @@ def vocabulary(problems: Iterable[str]) -> dict[str, Any]:
             "caption": tr(budget_chart.CAPTION), "question": tr(budget_chart.QUESTION)},
         "magnifications": words.MAGNIFICATIONS,
         "estimators": {name: {"colour": one.colour, "dashes": one.dashes} for name, one in ESTIMATORS.items()},
-        "problems": {name: stage_data(VIEWS[name].stage) for name in sorted(problems)},
-    }
+        "problems": {name: stage_data(VIEWS[name].stage) for name in sorted(problems)}}
 
 
 def stage_data(stage: type[Stage]) -> dict[str, Any]:

@@ -71,8 +71,8 @@ class FieldPlot:
     """Particles as dots around the exact curve, with stems in the colour of their errors; crossed ones stand out."""
 
     def __init__(self, plotted: Plotted, beside: "FieldPlot | None" = None):
-        self.axis: Axis
-        self._plotted, self.axis = plotted, beside.axis if beside else Axis()
+        self._plotted = plotted
+        self.axis: Axis = beside.axis if beside else Axis()
         self._drawn: tuple[Scene, str, int, Places] | None = None
         self._said: tuple[int, float] | None = None  # of what is drawn: numbers that are none, and the axis's end
         self._time = 0.0
@@ -232,9 +232,7 @@ def labels(places: Places, ends: tuple[str, str], words: FieldWords, magnified: 
     larger = tr("error × {magnified}", magnified=magnified) if box.magnified and exact else ""
     yield Label("field/magnified", larger, x, y, anchor, "caption")
     x, y, anchor = box.remark
-    named = (
-        words.name if box.at is None and places.seat == RunSlot.ALONE else ""
-    )  # beside another one the scale says it
+    named = words.name if box.at is None and places.seat == RunSlot.ALONE else ""  # beside another the scale says it
     yield Label("field/remark", ": ".join(filter(None, (named, words.remark))), x, y, anchor, "caption")
     x, y = box.at or (0.0, 0.0)
     role: Role = "gutter" if x < 0 else "title"

@@ -23,16 +23,8 @@ from app.access.allowed_hosts import FOREIGN_PAGE, Addresses, untidy
 from app.access.class_code import TEACHER, ClassCode, CodeHolder
 from app.access.log_limit import Refusals, log_failure
 from app.access.network_limits import TokenBucket, TokenBuckets, network_of
-from app.language.translation import (
-    ENGLISH,
-    language,
-    language_cache,
-    lazy,
-    of_cookie,
-    preferred_language,
-    tr,
-    with_language,
-)
+from app.language import translation
+from app.language.translation import ENGLISH, language, language_cache, lazy, tr, with_language
 from app.templates import rendered
 from app.viewer import viser_patches
 from app.viewer.connection import HEADS_WITHIN, BrowserConnection, BrowserConnections, address_of, feel, send_away
@@ -179,7 +171,7 @@ class Doors:
     def _answer(self, connection: BrowserConnection, request: Request, index: Index) -> Response | None:
         """What a request gets; None for one that gets a websocket."""
         path, _, query = request.path.partition("?")
-        code = preferred_language(query, ",".join(request.headers.get_all("Accept-Language")))
+        code = translation.preferred_language(query, ",".join(request.headers.get_all("Accept-Language")))
         return with_language(self._answered, code)(connection, request, index, path)
 
     def _answered(self, connection: BrowserConnection, request: Request, index: Index, path: str) -> Response | None:
@@ -219,7 +211,7 @@ class Doors:
     def language(self, visitor: int) -> str:
         """The code of the language in which the page of a visitor who is here has come."""
         connection = self._connection(visitor)
-        return ENGLISH if connection is None else of_cookie(connection.request.headers.get_all("Cookie"))
+        return ENGLISH if connection is None else translation.of_cookie(connection.request.headers.get_all("Cookie"))
 
     def _connection(self, visitor: int) -> Any:
         """The websocket of a visitor who is here. Of the viewer only its private parts know it."""

@@ -41,12 +41,6 @@ class Background(ABC, Generic[S]):
         self.status = idle
 
     @property
-    def process_id(self) -> int | None:
-        """Of the process that runs, if one does."""
-        pool = self._pool
-        return next(iter(pool.process_ids), None) if pool else None
-
-    @property
     def others(self) -> bool:
         """Whether jobs of others run on this server."""
         return self.slots.taken > self.status.running

@@ -75,7 +75,7 @@ class SlowMotion:
             self._text = gui.add_html("")
         self._box.on_update(lambda event: self._switch(event.target.value) if event.client else None)
         buttons.on_click(lambda event: acts[event.target.value]())
-        seconds.on_update(lambda event: self._pace(event.target.value))
+        seconds.on_update(lambda event: setattr(self, "_seconds", event.target.value))
         self._particle.on_update(lambda event: self._again() if event.client else None)
 
     def follow(self, report: FrameReport) -> None:
@@ -134,9 +134,6 @@ class SlowMotion:
             self._walking = walking
             if walking and not self.on:
                 self._enter()
-
-    def _pace(self, seconds: float) -> None:
-        self._seconds = seconds
 
     def _again(self) -> None:
         """The same step, around another particle."""

@@ -124,7 +124,7 @@ class Plots:
                 grey: Sequence[np.ndarray] = ()) -> tuple[list[np.ndarray], str]:
         """Errors in ``grey``, the true and every estimated one, counted in a power of ten of the unit, and its name."""
         true = series[f"error_{quantity}"]
-        estimated = [_bounded(series[f"{name}/estimate_{quantity}"], true) if name in valid
+        estimated = [bounded(series[f"{name}/estimate_{quantity}"], true) if name in valid
                      else np.full(len(true), np.nan) for name in self._estimators]
         errors = [*grey, true, *estimated]
         power = power_of_ten(max(largest(values) for values in errors))
@@ -189,7 +189,7 @@ def grey_curves(pinned: PinnedRun | None, history: RunSeries, series: dict[str, 
         ended = times > stretch * own[-1] + APART * history.scene.period
         return np.where(ended, np.nan, np.interp(times, stretch * own, values))
 
-    estimated = _bounded(theirs.get(f"{estimator}/estimate_{quantity}", np.full(len(true), np.nan)), true)
+    estimated = bounded(theirs.get(f"{estimator}/estimate_{quantity}", np.full(len(true), np.nan)), true)
     time = series["time"]
     return [[put(time, own, true), put(time, own, estimated)],
             [put(time, own, theirs.get(f"{estimator}/index_{quantity}", none))],
@@ -212,7 +212,7 @@ def _marks(label: str, colour: str, size: float) -> uplot.Series:
             "points": {"show": True, "size": size, "fill": colour, "stroke": colour}}
 
 
-def _bounded(estimated: np.ndarray, true: np.ndarray) -> np.ndarray:
+def bounded(estimated: np.ndarray, true: np.ndarray) -> np.ndarray:
     """An estimate that has lost its way is drawn at the edge of the plot instead of flattening the truth."""
     truth = largest(true)
     return np.minimum(estimated, BEYOND * truth) if truth > 0 else estimated
