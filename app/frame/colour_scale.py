@@ -79,7 +79,7 @@ class ColourScale:
         return self._table[np.linspace(0, 255, steps).astype(np.int32)]
 
     def ticks(self, unit: str) -> list[tuple[float, str]]:
-        """Returns places 0 to 1 along the scale and the numbers there, whose unit stands at the last or at all."""
+        """Returns places 0 to 1 along the scale and the numbers there, with the unit at the last or at each."""
         if self.logarithmic:
             ticks = [(k / DECADES, with_unit(self.top * 10.0 ** (k - DECADES), unit)) for k in range(DECADES + 1)]
         else:

@@ -75,11 +75,8 @@ class Translator:
 
     def __call__(self, sentence: str) -> str:
         """The sentence, or itself where nobody knows it."""
-        return self._part(sentence, {}).said
-
-    def _part(self, text: str, looked: dict[str, TranslationMatch | None], depth: int = 0) -> TranslationMatch:
-        """What stands in a place: a name or a number stays as it is."""
-        return self._known(text, looked, depth) or TranslationMatch(0, text)
+        found = self._known(sentence, {}, 0)
+        return found.said if found else sentence
 
     def _known(self, text: str, looked: dict[str, TranslationMatch | None], depth: int) -> TranslationMatch | None:
         """Translates a text that is known or made of known parts, else None; ``looked`` caches a sentence."""

@@ -127,7 +127,7 @@ class SendBuffer(AsyncMessageBuffer):
         return 0.0 if (given := self._given) is None else monotonic() - given
 
     def push(self, message: Message) -> None:
-        """Adds a message and drops those that it makes redundant; the viewer's own way serves ends."""
+        """Adds a message and drops those that it makes redundant; removals go the viewer's own way."""
         if self.done or message.lifecycle_phase == "remove":
             super().push(message)
         else:

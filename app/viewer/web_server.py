@@ -219,7 +219,7 @@ class Doors:
         return server._websock_server._live_connections.get(visitor) if server else None
 
     def _wait(self, who: str) -> Response | None:
-        """Lets those wait who open a websocket after many of their network, or after being sent away."""
+        """Makes those wait who open a websocket after many of their network, or after being sent away."""
         now, handshakes = monotonic(), self._handshakes.of(network_of(who))
         self._away = {other: until for other, until in self._away.items() if until > now}
         wait = max(handshakes.wait(), self._away.get(who, now) - now)

@@ -172,11 +172,10 @@ class SceneWidgets:
                 sentence = translate_message(error.sentence)
                 said.content = f"<p class='lab-formula-says'>{escape(sentence[:1].upper() + sentence[1:])}.</p>"
 
-        self.heed(text, check)
-
         def wish() -> None:
             self.ask(text, lambda: self._session.set(**{field: text.value}), lambda: None)
 
+        self.heed(text, check)
         self.on_enter(text, wish)
 
     def sliders(self, sliders: Mapping[str, LinearSlider]) -> None:
