@@ -46,7 +46,7 @@ class Worst:
 
 @dataclass(frozen=True, eq=False)
 class Annotations:
-    """Occasional notes in a picture: where estimate and truth are worst, whether it is lost, and well estimated."""
+    """Occasional notes in a picture: where estimate and truth are worst, whether it is lost or well estimated."""
 
     worst: tuple[Worst | None, Worst | None] = (None, None)
     lost: bool = False

@@ -20,7 +20,7 @@ TOLD_AFTER = 3  # attempts, after which the right answer is shown
 
 @dataclass(frozen=True)
 class AnswerMark:
-    """``right`` is None for an answer that is not marked, ``expected`` the right one in words, ``bet`` an interval."""
+    """The mark of an answer, or None in ``right``; ``expected`` is the right one in words, ``bet`` an interval."""
 
     right: bool | None
     expected: str

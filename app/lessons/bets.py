@@ -55,7 +55,7 @@ class Bet:
 
     @property
     def points(self) -> float:
-        """Its share of a right answer: 1 for a score of 0, falling evenly to 0 at 2."""
+        """The share of a right answer that a bet counts: 1 for a score of 0, falling evenly to 0 at 2."""
         return max(0.0, 1 - self.score / WORTHLESS)
 
 

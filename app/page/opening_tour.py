@@ -33,7 +33,7 @@ OPENING = state.read("bar;method=mpm;amplitude=0.0034;periods=0.25;estimators=re
                      "pinned;method=bspline;amplitude=0.0034;periods=0.25;estimators=recovered,transport")
 
 class OpeningTour:
-    """One visitor's: ``open_on`` shows the opening, ``hurry`` restores the speed; ``story.js`` starts and leaves it."""
+    """One visitor's tour: ``open_on`` shows the opening, ``hurry`` restores the speed; ``story.js`` starts it."""
 
     def __init__(self, gui: viser.GuiApi, session: Session, open_on: Callable[[], None], hurry: Callable[[], None],
                  clock: Callable[[], float] = monotonic):

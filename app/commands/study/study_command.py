@@ -109,7 +109,7 @@ class Study:
         return self.workers or (1 if self.TIMED else usual_processes())
 
     def _rows(self, tasks: Sequence["Question"]) -> list[dict] | None:
-        """Runs the rows that are missing and returns all, the tasks' first; None if the executor was lost."""
+        """Runs the rows that are missing; returns all rows, the tasks' first, or None if the executor was lost."""
         with contextlib.ExitStack() as stack:
             place = stack.enter_context(contextlib.closing(self._place()))
             try:

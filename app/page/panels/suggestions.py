@@ -88,7 +88,7 @@ WHOLE = 1e-9  # by which rounding may keep a run from its last period
 
 
 class Suggestions:
-    """One visitor's; ``show`` puts a state on the stage, ``seek`` looks back to a time in s if that is kept."""
+    """One visitor's sparks; ``show`` puts a state on the stage, ``seek`` looks back to a time in s if that is kept."""
 
     def __init__(self, gui: viser.GuiApi, session: Session, state: Callable[[], State], show: Callable[[State], None],
                  seek: Callable[[float], bool]):

@@ -93,7 +93,7 @@ class Axes:
         return self.times or UNTIMED
 
     def place(self, run: NumberedRun) -> tuple[float, float]:
-        """Returns its place from the left and the top in %; a broken run is at the top, an untimed one at the left."""
+        """Returns a run's place from left and top in %; a broken run is at the top, an untimed one at the left."""
         return (_percent(self.across.part(run.seconds)) if run.alone else 0.0,
                 0.0 if run.broken else _percent(1 - self.up.part(run.size)))
 

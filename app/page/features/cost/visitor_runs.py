@@ -61,7 +61,7 @@ class NumberedRun:
 
     @property
     def seconds(self) -> float:
-        """Of the bare run timed alone, or of everything on the stage; NaN if not known."""
+        """The seconds of the bare run timed alone, or of everything on the stage; NaN if not known."""
         seconds = self.row.get("seconds") or {}
         return seconds.get("min") or seconds.get("full") or math.nan
 
