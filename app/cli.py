@@ -23,8 +23,7 @@ def main(arguments: list[str] | None = None) -> int:
 
 
 def _fill_closed_streams() -> None:
-    """A stream that is closed (``>&-``) is one that nobody reads. Left so, the next file to be opened would take its
-    number, and get what is printed."""
+    """Opens the standard streams that are closed (``>&-``), whose numbers the next opened file would take."""
     while (number := os.open(os.devnull, os.O_RDWR)) <= 2:
         os.set_inheritable(number, True)  # the processes that this one starts need it too
     os.close(number)

@@ -1,5 +1,4 @@
-"""Text that is content stands in files of its own; what changes in it has its place there, ``{{name}}``, and so have
-words that other languages have others for: ``{{"Play"}}``."""
+"""Texts in files of their own, with places ``{{name}}``, and ``{{"Play"}}`` for words that are translated."""
 
 import re
 from html import escape

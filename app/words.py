@@ -174,11 +174,8 @@ def _said(scene: Scene) -> list[str]:
 def _field_said(scene: Scene, field: str, unit: str) -> str:
     value, label, names = getattr(scene, field), tr(field_label(field)), choices(type(scene), field)
     if field == "take_away":
-        return (
-            tr("as it is")
-            if value == error_causes.NOTHING
-            else tr("without {cause}", cause=tr(error_causes.CAUSES[value]))
-        )
+        return tr("as it is") if value == error_causes.NOTHING else \
+            tr("without {cause}", cause=tr(error_causes.CAUSES[value]))
     if isinstance(value, bool):
         return label if value else tr("not {label}", label=label)
     if isinstance(value, tuple):
@@ -274,10 +271,7 @@ def in_periods(count: float) -> str:
 
 
 def size_in(text: str, unit: str) -> float:
-    """The size that a text says, the other way round: "2.1 mm", "2.1e-3" or "0,0021" in m.
-
-    Raises ValueError for what is not a number above 0 in this unit.
-    """
+    """Reads a size in words, "2.1 mm", "2.1e-3" or "0,0021" in m; ValueError if it is no number above 0."""
     prefixes = {prefix: power for power, prefix in PREFIXES.items()} if unit else {"": 0}
     found = re.fullmatch(rf"([+0-9.,eE-]+?)\s*(?:({'|'.join(prefixes)})({re.escape(unit)}))?", text.strip())
     if not found:

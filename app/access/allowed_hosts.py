@@ -96,8 +96,7 @@ class Addresses:
 
 
 def untidy(head: bytes) -> bool:
-    """Whether a request, as it has come, has a host or an origin with white space about it, or another letter that no
-    name has: no browser sends it, and not all who read it take it alike."""
+    """Whether a host or an origin has white space or letters that no name has, which no browser sends."""
     lines = (line.partition(b":") for line in head.split(b"\r\n"))
     return any(name.lower() in (b"host", b"origin") and re.fullmatch(rb" ?[\x21-\x7e]*", value) is None
                for name, _, value in lines)

@@ -27,8 +27,7 @@ WRONG = lazy("This is not the code. Look at the board again, or ask your teacher
 
 
 class LoginResult(NamedTuple):
-    """What came of a code: the ``cookie`` that opens, perhaps ``more`` than the lab; else why not, and in how many
-    seconds to try again."""
+    """The ``cookie`` that a code gives, perhaps for ``more`` than the lab; else why not, and when to try again (s)."""
 
     cookie: str = ""
     more: bool = False
@@ -55,8 +54,7 @@ def normalise_code(code: str) -> str:
 
 
 class ClassCode:
-    """The code of one server and those of its ``teacher`` and its ``board``, if there are any; what wrong guesses there
-    were, and the cookies for those who knew one."""
+    """The code of a server, those of its ``teacher`` and ``board``, its cookies, and a count of wrong guesses."""
 
     def __init__(self, code: str, port: int, teacher: str = "", board: str = ""):
         self._name = f"mpm-lab-{port}"  # cookies do not know ports: two labs on a machine must not share one

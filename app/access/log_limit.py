@@ -1,5 +1,4 @@
-"""The log of what fails while something that a visitor said is acted on, and of what was refused: a line each, and few
-lines however much it is."""
+"""The log of failures and refusals: one line each, and few lines however many there are."""
 
 import logging
 import threading
@@ -14,8 +13,7 @@ _log = logging.getLogger(__name__)
 
 
 def place_of(error: BaseException) -> str:
-    """What kind of error this is and where it came up: nothing of what has led to it, which a stranger may have
-    written."""
+    """Returns the type of an error and where it came up, without anything that a stranger may have written."""
     steps = traceback.extract_tb(error.__traceback__)
     ours = [step for step in steps if "site-packages" not in step.filename] or steps
     where = f" in {Path(ours[-1].filename).name}, line {ours[-1].lineno}" if ours else ""

@@ -1,6 +1,4 @@
-"""What is counted of strangers by network, for each may have many addresses: how much they do in how much time, room on
-the disk for what they send, and how many wait who have not said yet who they are or what they want.
-"""
+"""Limits by network, because a stranger may have many addresses: messages, bytes on disk, silent connections."""
 
 import ipaddress
 import threading
@@ -39,8 +37,7 @@ class TokenBucket:
 
 
 def network_of(who: str) -> str:
-    """The network of an IP address: what of it its owner cannot change at will. This machine's own addresses are one
-    each, and what is no address stays as it is."""
+    """Returns the network of an IP address; a loopback address, and text that is no address, stay as they are."""
     try:
         address = ipaddress.ip_address(who.partition("%")[0])
     except ValueError:
@@ -71,8 +68,7 @@ class TokenBuckets:
 
 
 class DiskQuota:
-    """Bytes on the disk, so many ``of_one`` network, so that none takes those of the others, and ``of_all``. Any thread
-    may call."""
+    """Bytes on disk, limited ``of_one`` network and ``of_all``. Any thread may call."""
 
     def __init__(self, of_one: int, of_all: int):
         self._of_one, self._of_all = of_one, of_all

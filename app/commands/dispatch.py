@@ -27,8 +27,7 @@ LONGEST_COMPLAINT = 200  # letters of what the reader of flags says
 
 
 def dispatch(arguments: list[str]) -> int:
-    """Run the command line and return its exit status. Only Ctrl-C is raised: where in the code something failed is
-    shown by ``--verbose`` alone, and by ``python -X dev -m app ...`` what should not happen as a traceback."""
+    """Runs the command line and returns its exit status. Only Ctrl-C is raised, with ``-X dev`` any error."""
     if isinstance(sys.stdout, io.TextIOWrapper):
         sys.stdout.reconfigure(errors="replace")  # a terminal that has no ² must not cost the result
     with showing_places(VERBOSE in arguments):
@@ -41,9 +40,8 @@ def _status(arguments: list[str]) -> int:
         put_text("")  # here, where a reader that has gone is still ours to handle
         return status
     except (BadInput, ExtensionError, SceneError) as error:
-        message(
-            BadInput(field_flag(error.field), error.value, error.sentence) if isinstance(error, SceneError) else error
-        )
+        message(BadInput(field_flag(error.field), error.value, error.sentence) if isinstance(error, SceneError)
+                else error)
         return BAD_INPUT
     except BrokenPipeError:
         os.dup2(os.open(os.devnull, os.O_WRONLY), 1)  # or Python complains again when it ends

@@ -1,5 +1,4 @@
-"""What ``--expect`` asks of a report, in the language of the lessons' claims: refused where no report can decide it,
-and said line by line."""
+"""What ``--expect`` asks of a report, in the language of the lessons' claims."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
@@ -27,8 +26,7 @@ class Expectations:
                 raise BadInput("expect", claim, str(error)) from None
 
     def told(self, claims: Sequence[str], outcomes: list[Mapping[str, Any]], over: str = "") -> int:
-        """Say of each claim what came of it; 1 where one does not hold. Several outcomes are told apart by the field
-        ``over`` of their scenes."""
+        """Prints the outcome of each claim, for outcomes that differ in the field ``over``; returns 1 if one fails."""
         missed = 0
         scope = Scope({self.name: Outcome(outcomes, over)}, self.name, self.vocabulary)
         for claim in claims:

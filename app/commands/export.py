@@ -1,7 +1,5 @@
-"""``mpm-lab export LESSON|SCENE --out FILE.html``: one file that plays from disk, without a server or a network; with
-``--scorm`` a package of lessons for a course's own system."""
+"""``mpm-lab export LESSON|SCENE --out FILE.html``: an offline file; with ``--scorm`` a package for a course."""
 
-from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Annotated, ClassVar
 
@@ -16,9 +14,6 @@ from app.language.translation import ENGLISH, LANGUAGES, use_language
 from app.lessons.lesson import Lesson, LessonError
 from app.state import StateError, begins, read
 from solvers.scene.validation import require_choice
-
-#: Makes a file; given what shows how far that is.
-Make = Callable[[Callable[..., None]], bytes]
 
 
 @dataclass(frozen=True)
@@ -52,28 +47,33 @@ class Export:
     def execute(self) -> int:
         processes = side_by_side(self.processes)
         require_choice("lang", self.lang, tuple(LANGUAGES))
-        make = self._package(processes) if self.scorm else self._page(processes)
+        names = self._lesson_names()
         target = Target("out", self.out, ending=".zip" if self.scorm else ".html")
         with working(self.quiet) as show, use_language(self.lang):
-            # Imports are in there: bad input and --help must not wait for the page's.
-            content = make(show)
+            from app.export import html_file, lesson_data  # here: bad input and --help must not wait for them
+            lessons = [_read(name) for name in names]
+            if self.scorm:
+                content = lesson_data.package(lessons, processes, show, core=self.core)
+            elif lessons:
+                content = lesson_data.lesson_page(lessons[0], processes, show, core=self.core).encode()
+            else:
+                content = html_file.scene_page(self.what, processes, show).encode()
         target.write(content)
         message(f"{target.text}: {len(content) / 1e6:.1f} MB")
         return 0
 
-    def _page(self, processes: int) -> Make:
-        """What makes the one file."""
+    def _lesson_names(self) -> list[str]:
+        """Returns the full names of the lessons, none for a scene; refuses what cannot be exported."""
+        if self.scorm:
+            if not self.what.strip() or begins(self.what):
+                raise BadInput("", self.what, "is no lesson, and a course keeps a score of lessons alone; give lessons "
+                                              "by name or number")
+            return list(dict.fromkeys(map(lesson_called, self.what.split())))
         if not begins(self.what):
             if len(self.what.split()) > 1:
                 raise BadInput("", self.what, "is no scene, and a file has one lesson; give one, or --scorm for a "
                                               "package of several")
-            name = lesson_called(self.what)
-
-            def of_a_lesson(show: Callable[..., None]) -> bytes:
-                from app.export.lesson_data import lesson_page
-                return lesson_page(_read(name), processes, show, core=self.core).encode()
-
-            return of_a_lesson
+            return [lesson_called(self.what)]
         if self.core:
             raise BadInput("core", self.what, "a scene has no core; give a lesson, by name or number")
         try:
@@ -82,25 +82,7 @@ class Export:
             raise BadInput("", self.what, str(error)) from None
         if refusal := within_reach(scene):
             raise BadInput("", self.what, refusal)
-
-        def of_a_scene(show: Callable[..., None]) -> bytes:
-            from app.export.html_file import scene_page
-            return scene_page(self.what, processes, show).encode()
-
-        return of_a_scene
-
-    def _package(self, processes: int) -> Make:
-        """What makes the package."""
-        if not self.what.strip() or begins(self.what):
-            raise BadInput("", self.what, "is no lesson, and a course keeps a score of lessons alone; give lessons by "
-                                          "name or number")
-        names = list(dict.fromkeys(map(lesson_called, self.what.split())))
-
-        def of_lessons(show: Callable[..., None]) -> bytes:
-            from app.export.lesson_data import package
-            return package([_read(name) for name in names], processes, show, core=self.core)
-
-        return of_lessons
+        return []
 
 
 def _read(name: str) -> Lesson:

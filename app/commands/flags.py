@@ -110,8 +110,7 @@ def times_of(words: tuple[str, ...], flag: str) -> list[float]:
 
 
 def times_for(files: Sequence[str], words: tuple[str, ...]) -> list[float]:
-    """The times of ``--time`` in s, one for each file; none where the files say them. Files that are none, too many or
-    not there are refused, before anything is written."""
+    """Returns the times of ``--time`` in s, one for each file, or none; refuses files that are not there."""
     if not files:
         raise BadInput("", "", "give one or several files of particles")
     if len(files) > MOST_FILES:

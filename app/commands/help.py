@@ -1,5 +1,4 @@
-"""What ``--help`` prints: the commands, and a command's flags with an example; as wide as the terminal, and in colours
-where they are wanted."""
+"""The text of ``--help``: all commands, or the flags of one with an example, as wide as the terminal."""
 
 import inspect
 import io
@@ -39,8 +38,7 @@ def paragraphs(kind: type) -> list[str]:
 
 
 def finished(shown: str, kind: type) -> str:
-    """The help of a command that tyro has ``shown``: its paragraphs wrapped, and below the flags how it is typed and
-    what every command has."""
+    """Returns the help that tyro has ``shown`` with wrapped paragraphs, the example, and what every command has."""
     usage, _, rest = shown.partition("\n")
     if len(usage) > _width():  # as several lines, none of which parts a flag from its value
         together = re.sub(r"\[[^]]*\]", lambda flag: flag[0].replace(" ", "\0"), usage)

@@ -224,8 +224,7 @@ def _count(some: Sized, one: str = "lesson", more: str = "") -> str:
 
 def _read(names: tuple[str, ...], find: Callable[[str], Iterable[Lesson]],
           also: Sequence[str] = ()) -> tuple[list[Lesson], dict[str, str]]:
-    """The lessons of these names, or all, as one ``find``s them, and by name what is wrong with those that cannot be
-    read, which is told; a name that is none is told with those that could be given ``also``."""
+    """Reads the named lessons, or all, with ``find``; returns them and, by name, the mistakes, which are printed."""
     from app.lessons import catalogue
     lessons, mistakes = list[Lesson](), dict[str, str]()
     called = dict.fromkeys(lesson_called(name, also) for name in names) if names else catalogue.names()

@@ -47,8 +47,7 @@ def showing_places(wanted: bool) -> Iterator[None]:
 
 
 def message(message: object) -> None:
-    """One line on standard error, of which no character does anything to a terminal; before it, with ``--verbose``,
-    where in the code the exception came up that is being handled."""
+    """Prints one line without control characters on standard error, with ``--verbose`` after the traceback."""
     places = traceback.format_exc().splitlines() if _places and sys.exc_info()[1] else []
     with contextlib.suppress(OSError):  # where nobody can be told anything, the exit status still says it
         for line in places:
@@ -172,8 +171,7 @@ class Folder:
 
 def draw(figures: Mapping[str, Callable[[Any], Any]], values: Any, put: Callable[[str, bytes], None], out: str,
          rest: str) -> tuple[list[str], int]:
-    """Draw ``values`` in every way and put the pictures into ``out``, but where a figure is None; one that fails costs
-    nothing else, ``rest``. The files' names, and the exit status."""
+    """Draws ``values`` in every way into ``out``; returns the files' names and the exit status."""
     from app.pictures.run import png_bytes
 
     drawn, status = [], 0
@@ -198,8 +196,7 @@ def as_html(text: str, folder: Path) -> str:
 
 def put_report(folder: Folder, values: dict, pictured: Any, figures: Mapping[str, Callable[[Any], Any]],
                markdown: Callable[[list[str]], str]) -> int:
-    """Write what ``values`` say and ``pictured`` shows as Markdown, JSON and one page of HTML; the exit status. A
-    picture that fails costs nothing else."""
+    """Writes a report as Markdown, JSON and HTML with its pictures; returns the exit status."""
     drawn, status = draw(figures, pictured, folder.put, folder.text, "the rest is fine")
     text = markdown(drawn)
     folder.put("report.json", json_text(values, lines=True).encode())

@@ -1,5 +1,4 @@
-"""While solvers work: a clean standard output, Ctrl-C, and a progress bar that says how long it will take; and what the
-terminal at the other end can show."""
+"""While solvers work: a clean standard output, Ctrl-C, and a progress bar with the time left."""
 
 import contextlib
 import ctypes
@@ -18,8 +17,7 @@ MEASURED = 2.0  # seconds of work after which the rest is reckoned from it
 
 
 class Remaining:
-    """How long the rest takes, by the pace since the first part was done: what came before that, compiling above all,
-    does not come again."""
+    """The time left, by the pace since the first part was done, so that compiling does not count."""
 
     def __init__(self) -> None:
         self._first: tuple[float, float] | None = None  # part done, and when
@@ -111,8 +109,7 @@ def working(quiet: bool) -> Iterator[Callable[..., None]]:
 
 
 def coloured(environment: Mapping[str, str], is_terminal: bool) -> bool:
-    """Whether colours are wanted: on a terminal that has them, or with FORCE_COLOR; never with NO_COLOR
-    (https://no-color.org)."""
+    """Whether to print colours: on a terminal or with FORCE_COLOR, never with NO_COLOR (https://no-color.org)."""
     if environment.get("NO_COLOR") or is_dumb(environment):
         return False
     return is_terminal or bool(environment.get("FORCE_COLOR"))

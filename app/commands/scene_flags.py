@@ -44,8 +44,7 @@ def of_problem(command: type[SceneFlags], scene: type[Scene], **kinds: Any) -> t
 
 
 def with_flags(command: type, scene: type[Scene], **kinds: Any) -> type:
-    """A command for one problem: each of its flags that the scene has too is the scene's; one in ``kinds`` has that
-    type and the command's own default."""
+    """Makes a command for one problem: its flags that the scene has are the scene's; ``kinds`` replaces types."""
     own = {f.name: f.default for f in fields(command)}
     flags = [(f.name, kinds[f.name], field(default=own[f.name])) if f.name in kinds
              else (f.name, described(scene, f), field(default=f.default)) for f in fields(scene) if f.name in own]

@@ -49,9 +49,8 @@ class Serve:
             raise BadInput("host", self.host, "give the name or the address of this machine")
         if not isinstance(self.port, int) or not 1 <= self.port <= 65535:
             raise BadInput("port", self.port, "give a whole number from 1 to 65535")
-        if self.code.strip() and not (
-            self.code.isprintable() and SHORTEST <= len(normalise_code(self.code)) <= LONGEST
-        ):
+        fits = self.code.isprintable() and SHORTEST <= len(normalise_code(self.code)) <= LONGEST
+        if self.code.strip() and not fits:
             raise BadInput("code", self.code, f"give {SHORTEST} to {LONGEST} letters and digits, or none")
         for name in self.name:
             if not is_name(name):

@@ -29,8 +29,7 @@ Progress = Callable[[float, str], None]
 
 
 def scene_page(text: str, processes: int, on_progress: Progress, counts: Mapping[str, int] = slider_grid.FULL) -> str:
-    """The page of a state's text, with runs around it for so many values of each field; of a problem's name alone as
-    the live page shows it, by those who judge it well."""
+    """Returns the page of a state's text, or of a problem's name, with so many values of each field on sliders."""
     shown = state.read(text)
     if text.strip() in VIEWS and (judges := VIEWS[text.strip()].estimators):
         shown = replace(shown, scene=replace(shown.scene, estimators=judges))

@@ -1,5 +1,4 @@
-"""A lesson as data for the player: texts as html, questions with what is right, stages with runs around them; and
-lessons as a package for a course's own system: SCORM 1.2, an archive with a page a lesson and what names them."""
+"""A lesson as data for the player, and lessons as a SCORM 1.2 package: an archive with a page for each."""
 
 import hashlib
 import io
@@ -89,8 +88,7 @@ def rules(lesson: Lesson, processes: int,
 
 
 def _rule(lesson: Lesson, step: Step, numbers: Numbers, outcomes: RunCache) -> dict[str, Any] | None:
-    """How the player marks an answer: ``options`` that are right, or the ``value`` and how far off one may be; and
-    what came out, in words."""
+    """Returns how the player marks an answer: the right ``options``, or the ``value`` with its tolerance."""
     asked = step.question
     assert asked is not None
     if asked.kind == TEXT:
@@ -106,8 +104,7 @@ def _rule(lesson: Lesson, step: Step, numbers: Numbers, outcomes: RunCache) -> d
 
 def _data(lesson: Lesson, right: Mapping[str, list[Any]], stages: Mapping[tuple[str, int], int],
           bets: Mapping[str, list[Any]], core: bool) -> dict[str, Any]:
-    """The lesson as the player reads it. What differs with the numbers of a variant is a list with one for each, or,
-    where all are alike, a list of one."""
+    """Returns the lesson as the player reads it; what differs between variants is a list with an entry for each."""
     def each(text: str) -> list[str]:
         return _alike([html(filled(text, numbers), catalogue.FOLDER) for numbers in lesson.variants])
 
@@ -122,31 +119,16 @@ def _data(lesson: Lesson, right: Mapping[str, list[Any]], stages: Mapping[tuple[
     with use_language(lesson.language):
         asks = tr(QUESTION)
     return {
-        "name": lesson.name,
-        "title": lesson.title,
-        "minutes": lesson.minutes,
-        "core_minutes": lesson.core_minutes,
-        "begins_core": core and bool(lesson.deeper),
-        "goals": lesson.goals,
+        "name": lesson.name, "title": lesson.title, "minutes": lesson.minutes, "core_minutes": lesson.core_minutes,
+        "begins_core": core and bool(lesson.deeper), "goals": lesson.goals,
         "needs": [known[name].title if name in known else name for name in lesson.prerequisites],
-        "fingerprint": lesson.fingerprint,
-        "variants": len(lesson.variants),
-        "intro": each(lesson.intro),
+        "fingerprint": lesson.fingerprint, "variants": len(lesson.variants), "intro": each(lesson.intro),
         "elsewhere": [tr(name) for control, name in ELSEWHERE.items() if control in lesson.controls],
-        "language": lesson.language,
-        "asks": asks,
-        "steps": steps,
-        "schema": student_progress.SCHEMA,
-        "longest_name": student_progress.LONGEST_NAME,
-        "longest": LONGEST,
-        "most": MOST,
-        "bare": BARE,
-        "digits": DIGITS,
-        "told_after": TOLD_AFTER,
-        "bets": bet_words(),
+        "language": lesson.language, "asks": asks, "steps": steps,
+        "schema": student_progress.SCHEMA, "longest_name": student_progress.LONGEST_NAME,
+        "longest": LONGEST, "most": MOST, "bare": BARE, "digits": DIGITS, "told_after": TOLD_AFTER, "bets": bet_words(),
         "fold": {letter: letter.casefold() for letter in letters if letter.casefold() != letter.lower()},
-        "spaces": "".join(letter for letter in letters if letter.isspace()),
-    }
+        "spaces": "".join(letter for letter in letters if letter.isspace())}
 
 
 def _alike(each: Sequence[Any]) -> list[Any]:
@@ -192,8 +174,7 @@ WRITTEN = (1980, 1, 1, 0, 0, 0)  # the archive's clock: the same lessons, the sa
 
 def package(lessons: Sequence[Lesson], processes: int, on_progress: Progress,
             counts: Mapping[str, int] = COUNTS, core: bool = False) -> bytes:
-    """The archive of lessons, each a part of its own that is opened, scored and completed by itself; it begins with the
-    ``core`` alone where that is asked for."""
+    """Returns the archive of lessons, each opened, scored and completed by itself, from the ``core`` on if asked."""
     pages = {}
     for number, lesson in enumerate(lessons):
         def so_far(part: float, what: str, number: int = number) -> None:
@@ -204,8 +185,7 @@ def package(lessons: Sequence[Lesson], processes: int, on_progress: Progress,
 
 
 def manifest(lessons: Sequence[Lesson]) -> str:
-    """What a system reads first: the parts in their order, and the page of each. Identifiers are made of a lesson's
-    name and fingerprint, so that a lesson that has changed is another one."""
+    """Returns the SCORM manifest; identifiers contain fingerprints, so that a changed lesson is another one."""
     keys = [_key(lesson) for lesson in lessons]
     whole = keys[0] if len(keys) == 1 else hashlib.sha256(" ".join(keys).encode()).hexdigest()[:24]
     root = Element("manifest", {"identifier": f"mpm-lab-{whole}", "version": "1.0", **SPACES})

@@ -1,5 +1,4 @@
-"""What the player shares with the live page, as data: forms of numbers, scales, colours, names of what is looked at;
-and what it says of a run, made by what makes the page's words: numbers alone are still to come."""
+"""What the player shares with the live page, as data: number formats, scales, colours, names and texts."""
 
 import base64
 from collections.abc import Collection, Iterable, Mapping
@@ -30,14 +29,12 @@ def vocabulary(problems: Iterable[str]) -> dict[str, Any]:
                "percents": (*words.PLAIN_PERCENT, words.WHOLE_PERCENT), "powers": words.PLAIN_POWERS,
                "nothing": words.NOTHING}
     return {
-        "formats": formats,
-        "codes": quantise.CODES,
+        "formats": formats, "codes": quantise.CODES,
         "scale": {"tops": list(colour_scale.TOPS.items()), "decades": colour_scale.DECADES,
                   "beyond": colour_scale.BEYOND, "smallest": colour_scale.SMALLEST, "zero": tr(colour_scale.ZERO)},
         "axis": {"steps": field_plot.STEPS, "room": field_plot.ROOM, "stems": field_plot.MOST_STEMS},
         "crossings": {"window": crossings.WINDOW, "seconds": crossings.LEAST_SECONDS},
-        "colours": _colours(),
-        "edge": layout.EDGE,
+        "colours": _colours(), "edge": layout.EDGE,
         "quantities": {key: {"noun": of.noun, "symbol": of.symbol, "unit": of.unit}
                        for key, of in words.QUANTITIES.items()},
         "compare": (tr(captions.SIDE_BY_SIDE), tr(captions.DIFFERENCE)),
@@ -48,26 +45,18 @@ def vocabulary(problems: Iterable[str]) -> dict[str, Any]:
         "budget": {
             "causes": {
                 name: {"words": tr(said), "meaning": tr(budget_chart.MEANINGS[name]), "colour": CAUSES[name].light}
-                for name, said in error_causes.CAUSES.items()
-            },
-            "fields": error_causes.FIELDS,
-            "units": budget_chart.UNITS,
-            "seen": budget_chart.SEEN,
-            "caption": tr(budget_chart.CAPTION),
-            "question": tr(budget_chart.QUESTION),
-        },
+                for name, said in error_causes.CAUSES.items()},
+            "fields": error_causes.FIELDS, "units": budget_chart.UNITS, "seen": budget_chart.SEEN,
+            "caption": tr(budget_chart.CAPTION), "question": tr(budget_chart.QUESTION)},
         "magnifications": words.MAGNIFICATIONS,
         "estimators": {name: {"colour": one.colour, "dashes": one.dashes} for name, one in ESTIMATORS.items()},
-        "problems": {name: stage_data(VIEWS[name].stage) for name in sorted(problems)},
-    }
+        "problems": {name: stage_data(VIEWS[name].stage) for name in sorted(problems)}}
 
 
 def stage_data(stage: type[Stage]) -> dict[str, Any]:
-    """What of a stage is the same in every frame: images of the body, the axis of the field plot, and in each of the
-    ``ROOMS`` where things are, with all labels.
+    """Returns what every frame of a stage has in common: mirror images, plot axis, and places and labels by room.
 
-    A label's text is ``LATER`` where it comes with a run or a frame, and "" where it is not written; x and y are on the
-    stage (``marks``).
+    A label's text is ``LATER`` where it comes with a run or a frame, and "" where it is not written.
     """
     return {"mirrors": stage.MIRRORS, "outlined": stage.OUTLINED, "lines": stage.LINES,
             "plot": {"start": stage.PLOT.start, "end": stage.PLOT.end, "along": stage.PLOT.where is not None},
@@ -81,10 +70,8 @@ def _laid_out(stage: type[Stage], room: Bounds) -> dict[str, Any]:
     top = layout.top(room, room.high)
     halves = tr(captions.ESTIMATE[0]), tr(captions.TRUTH)
     said = StageLabels(halves, (LATER, LATER), (LATER, LATER), "", LATER, LATER, LATER)
-    labels: list[Label] = [
-        *stage.labels(said, places),
-        *field_plot.labels(places, stage.PLOT.ends, captions.FieldWords(LATER, LATER), 1, LATER, True),
-    ]
+    labels: list[Label] = [*stage.labels(said, places), *field_plot.labels(
+        places, stage.PLOT.ends, captions.FieldWords(LATER, LATER), 1, LATER, True)]
     of = [label for label in layout.bar_labels(top, room.gutter > 0, "x", []) if label.text]
     own = {name: value for name, value in vars(places).items() if name not in ("room", "seat", "rectangle", "field")}
     return {"pixels": room.pixels, "high": room.high, "gutter": room.gutter, "box": asdict(places.field), **own,

@@ -52,8 +52,7 @@ class Wanted:
 
 
 def recordings(wanted: Sequence[Wanted], processes: int, on_progress: Callable[[int], None]) -> list[dict[str, Any]]:
-    """A recording for each of the wanted ones, in their order, made side by side by processes that do nothing else;
-    ``on_progress`` is told how many there are so far.
+    """Returns a recording for each wanted one, made side by side in processes; ``on_progress`` gets the number done.
 
     Raises :class:`~solvers.workers.worker_process.ProcessDied` where one cannot be made.
     """
@@ -126,8 +125,7 @@ def _count(shots: list[dict[str, Snapshot]]) -> int:
 
 
 def _shown(dimensions: int, count: int, most: int) -> np.ndarray:
-    """Which particles are kept: every one, or every k-th along the bar; of a lattice in two dimensions some by chance,
-    for every k-th would be rows of them."""
+    """Selects the particles to keep: every k-th along the bar, a random choice of a lattice in the plane."""
     if dimensions == 1:
         return np.arange(0, count, -(-count // most))
     return np.arange(count) if count <= most else np.sort(np.random.default_rng(0).choice(count, most, replace=False))
@@ -135,8 +133,7 @@ def _shown(dimensions: int, count: int, most: int) -> np.ndarray:
 
 def _tracks(wanted: Wanted, scene: Scene, kept: np.ndarray, marked: np.ndarray,
             shots: list[dict[str, Snapshot]]) -> list[Track]:
-    """Everything of the particles that are kept: places, errors and estimates of each quantity, exact curves and lines,
-    crossings of those that are marked."""
+    """Returns tracks of the kept particles: places, errors, estimates, exact curves and lines, crossings."""
     instants, stage = [_first(shot) for shot in shots], VIEWS[scene.problem].stage
     rest = _flat(instants[0].material_position[kept])
     position = np.stack([_flat(shot.position[kept]) for shot in instants])
@@ -189,8 +186,7 @@ def _quantity(wanted: Wanted, scene: Scene, key: str, shots: list[Snapshot], kep
 
 
 def _crossings(scene: Scene, shots: list[Snapshot], kept: np.ndarray, marked: np.ndarray) -> list[Track]:
-    """When a particle that is marked, counted among those that are kept, crossed a cell boundary: of several times
-    between two pictures the last. In the order of time."""
+    """Returns the last crossing of each marked particle between two pictures, in the order of time."""
     numbers = np.searchsorted(kept, marked)
     found = []
     for before, shot in itertools.pairwise(shots):
@@ -204,8 +200,7 @@ def _crossings(scene: Scene, shots: list[Snapshot], kept: np.ndarray, marked: np
 
 
 def _norms(scene: Scene, regular: Mapping[str, np.ndarray], pictures: Mapping[str, np.ndarray]) -> list[Track]:
-    """Norms of the true and estimated errors (pictures, 4) at each picture, and index and distance of each estimator up
-    to then, from the samples that a run takes: evenly, and one at its end."""
+    """Returns error norms (pictures, 4) at each picture, and index and distance of each estimator up to then."""
     times = pictures["time"]
     ends = np.searchsorted(regular["time"], times + 0.5 * scene.time_step)  # how many samples there were
     alone = np.abs(regular["time"][ends - 1] - times) > 0.5 * scene.time_step  # none was taken with the picture

@@ -65,8 +65,7 @@ def axis(scene: Scene, field: str, candidates: Sequence[Any], most: int) -> Slid
 
 
 def named(scene: Scene, text: str) -> list[SliderAxis]:
-    """Axes of what a lesson's text, in the language that is spoken, has one set or choose: "Set **Cells** to `80`",
-    "Choose **Method** `uGIMP`"."""
+    """Finds the axes of what a lesson's text has one set or choose, such as "Set **Cells** to `80`"."""
     found: dict[str, list[Any]] = {}
     called = {tr(name): field for name, field in CONTROLS.items()}
     between = "|".join(re.escape(tr(SENTENCES[verb]).partition("{name}")[2].partition("{value}")[0])

@@ -1,5 +1,4 @@
-"""The error budget of a run as it is shown: which part of its error each cause has made, stacked over time, and what is
-said of it; for the page, exported files and pictures alike."""
+"""The error budget of a run over time as data and words, for the page, exported files and pictures."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -40,8 +39,7 @@ class Layer:
 
 
 def stacked(series: Mapping[str, np.ndarray], field: str) -> list[Layer]:
-    """The layers of a field's error, each upon those before it; ``series`` of a run with the effect ``budget``. Causes
-    that never make more than a trace are left out."""
+    """Stacks the parts of a field's error, without traces; ``series`` of a run with the effect ``budget``."""
     largest = float(np.max(np.abs(error(series, field)), initial=0.0))
     up = down = np.zeros(len(series["time"]))
     layers = []
@@ -83,8 +81,7 @@ def largest_share(series: Mapping[str, np.ndarray], field: str) -> tuple[str, fl
 
 
 def blamed(scene: Scene, series: Mapping[str, np.ndarray], quantity: str) -> str:
-    """A fact for the sentence above the stage: who has made most of the error of a quantity so far; "" where it has no
-    budget."""
+    """Says which cause made most of the error of a quantity so far; "" where it has no budget."""
     if not scene.has("budget") or quantity not in FIELDS or not divided(series) \
             or series["time"][-1] < EARLY * scene.period or (found := largest_share(series, quantity)) is None:
         return ""

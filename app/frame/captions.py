@@ -1,6 +1,5 @@
-"""What stands beside a picture of a run: titles of its halves, what its scale measures, captions of its field
-plot; and why there is no number: every reason that the page, an exported file and the pictures give. With them what the
-stage's two halves show of a frame: which sizes of errors, under which title, or why there is nothing."""
+"""Titles, captions and reasons for missing numbers that the page, exported files and pictures share; and what the two
+halves of the stage show of a frame."""
 
 from collections.abc import Collection, Mapping
 from dataclasses import dataclass
@@ -41,8 +40,7 @@ TRUE, ESTIMATED = lazy("true"), lazy("estimated")  # rows beside those of estima
 
 @dataclass(frozen=True)
 class Captions:
-    """The titles of the estimate's half and of the truth's, whose either is, why either shows nothing ("" where it does
-    not), and what the colours measure."""
+    """Titles and sources of the two halves, why either is empty ("" where it is not), and what colours measure."""
 
     titles: tuple[str, str]
     by: tuple[str, str]
@@ -63,19 +61,8 @@ class FieldWords:
 
 @language_cache(64)  # it is asked for with every frame
 def captions(quantity: str, estimator: str | None, difference: bool, no_estimate: str, no_truth: str) -> Captions:
-    """Those of the errors of a quantity.
-
-    Parameters
-    ----------
-    quantity
-        Key of x, v, sigma or a.
-    estimator
-        Whose estimate it is, None where nobody's.
-    difference
-        Whether estimate minus truth is shown, and not the estimate.
-    no_estimate, no_truth
-        Why either is not known (``app.frame.captions``), "" where it is.
-    """
+    """Returns the captions of the errors of a quantity (x, v, sigma or a) by an estimator, or None; ``no_estimate`` and
+    ``no_truth`` say why either is not known, "" where it is."""
     by = tr("by {estimator}", estimator=estimator) if estimator else "", tr(EXACT_SOLUTION)
     titles = tr(ESTIMATE[difference]), tr(TRUTH)
     if difference:
@@ -175,8 +162,7 @@ def why_no_index(scene: Scene, valid: Collection[str], quantity: str) -> str:
 
 @dataclass(frozen=True)
 class Half:
-    """One lane of the bar or half of a body in the plane, and whose it is: ``sizes`` (P,) of errors, or None and the
-    reason in ``silence``."""
+    """One lane of the bar or half of a body in the plane: ``sizes`` (P,) of errors, or the reason in ``silence``."""
 
     title: str
     by: str
@@ -196,15 +182,7 @@ class View:
 
 
 def look(report: FrameReport, arrays: FrameArrays, quantity: str, estimator: str | None, difference: bool) -> View:
-    """The view of a frame.
-
-    Parameters
-    ----------
-    report, arrays
-        The frame: what the engine says of it, and its particles.
-    quantity, estimator, difference
-        As of :func:`captions`.
-    """
+    """Returns the view of a frame, ``report`` and ``arrays``, with the other arguments of :func:`captions`."""
     scene, column = report.scene, samples.QUANTITIES.index(quantity)
     no_truth = why_no_truth(scene, quantity)
     no_estimate = why_no_estimate(scene, report.not_valid, estimator, quantity)

@@ -27,8 +27,7 @@ BEYOND = 10  # times the largest true error, from which on an estimate no longer
 
 
 class ColourScale:
-    """Maps sizes of errors to colours. The top is a round number that holds the largest error of a run so far; it only
-    grows. A run that is shown again begins with what it has come to before."""
+    """Maps sizes of errors to colours, up to a round number that grows with the largest error of the run."""
 
     def __init__(self, clock: Callable[[], float] = monotonic) -> None:
         self._table, self._clock = colour_table(), clock
@@ -45,8 +44,7 @@ class ColourScale:
 
     def follow(self, estimated: np.ndarray | None, true: np.ndarray | None, run: Hashable = None,
                beside: tuple[np.ndarray | None, np.ndarray | None] = (None, None), least: float = 0.0) -> None:
-        """Take in the errors of a frame of a ``run``, and of one ``beside`` it; move the top, unless held, but never
-        below ``least``."""
+        """Adjusts the top, unless held, to the errors of a ``run`` and one ``beside`` it, to ``least`` at least."""
         truth, estimate = max(largest(true), largest(beside[1])), max(largest(estimated), largest(beside[0]))
         top = max(truth, min(estimate, BEYOND * truth)) if truth > 0 else estimate
         known = self._largest.get(run, 0.0)
@@ -81,8 +79,7 @@ class ColourScale:
         return self._table[np.linspace(0, 255, steps).astype(np.int32)]
 
     def ticks(self, unit: str) -> list[tuple[float, str]]:
-        """Positions 0 to 1 along the scale and the numbers there: all in the unit of the last, which says it; on a
-        logarithmic scale each with its own."""
+        """Returns places 0 to 1 along the scale and the numbers there, with the unit at the last or at each."""
         if self.logarithmic:
             ticks = [(k / DECADES, with_unit(self.top * 10.0 ** (k - DECADES), unit)) for k in range(DECADES + 1)]
         else:

@@ -68,12 +68,11 @@ class Plotted:
 
 
 class FieldPlot:
-    """Particles as dots around the exact curve, with a stem from where each should be, in the colour of its error;
-    those that have crossed a cell boundary in another one. Beside another plot it shares the axis of that."""
+    """Particles as dots around the exact curve, with stems in the colour of their errors; crossed ones stand out."""
 
     def __init__(self, plotted: Plotted, beside: "FieldPlot | None" = None):
-        self.axis: Axis
-        self._plotted, self.axis = plotted, beside.axis if beside else Axis()
+        self._plotted = plotted
+        self.axis: Axis = beside.axis if beside else Axis()
         self._drawn: tuple[Scene, str, int, Places] | None = None
         self._said: tuple[int, float] | None = None  # of what is drawn: numbers that are none, and the axis's end
         self._time = 0.0
@@ -194,8 +193,7 @@ class FieldPlot:
         return Lines("field/stems", segments, np.repeat(shades[drawn, None], 2, axis=1), 2.5)
 
     def _points(self, at: np.ndarray, values: np.ndarray, known: np.ndarray) -> np.ndarray:
-        """Points of the stage (n, 3) for values at places (n,) along the axis; away where one is not ``known`` or not
-        on it."""
+        """Returns points (n, 3) of the stage for values at places (n,) along the axis; unknown ones are away."""
         box, out = self._box, np.empty((len(values), 3), np.float32)
         if at is not self._at:  # in the plane it stays
             self._at, self._across = at, self._along(at)
@@ -234,9 +232,7 @@ def labels(places: Places, ends: tuple[str, str], words: FieldWords, magnified: 
     larger = tr("error × {magnified}", magnified=magnified) if box.magnified and exact else ""
     yield Label("field/magnified", larger, x, y, anchor, "caption")
     x, y, anchor = box.remark
-    named = (
-        words.name if box.at is None and places.seat == RunSlot.ALONE else ""
-    )  # beside another one the scale says it
+    named = words.name if box.at is None and places.seat == RunSlot.ALONE else ""  # beside another the scale says it
     yield Label("field/remark", ": ".join(filter(None, (named, words.remark))), x, y, anchor, "caption")
     x, y = box.at or (0.0, 0.0)
     role: Role = "gutter" if x < 0 else "title"

@@ -1,5 +1,4 @@
-"""Where things stand on a stage, from the room that there is: what all problems share; and the bar of colours
-at its top, the scale that estimate and truth share."""
+"""Where things stand on a stage in the room that there is, as all problems share it, and the bar of colours."""
 
 from collections.abc import Iterator
 from dataclasses import dataclass
@@ -59,8 +58,7 @@ class Places:
 
 @dataclass(frozen=True)
 class ColourBarBox:
-    """Where the bar of colours is, so ``high`` and around its ``middle``, its numbers below ``numbers``, and what it is
-    of: its title and the quantity; all else stays below ``end``."""
+    """The bar of colours: ``high`` around ``middle``, numbers below ``numbers``, its title, all else below ``end``."""
 
     middle: float
     high: float

@@ -30,8 +30,7 @@ WHOLE: Mirrors = ((1, 1),)
 
 
 class PlanarStage(Stage[PlaneScene]):
-    """Makes marks of frames of a plane problem: estimate left, truth right. A quarter of a body is drawn with its
-    mirror images, two in each half; of a whole body each half has its own particles."""
+    """Makes marks of a plane problem: estimate left, truth right; a quarter is drawn with its mirror images."""
 
     MIRRORS: ClassVar[Mirrors] = QUARTERS
     OUTLINED: ClassVar[Mirrors] = QUARTERS[::2]

@@ -1,5 +1,4 @@
-"""Where the things of a plane problem stand: the body on the left, its halves named beside it, and the plot of the
-field on the right; two bodies stand beside each other, and their plots one above the other."""
+"""Layout of a plane problem: the body on the left, the plot of the field on the right; a pinned run beside it."""
 
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
@@ -22,8 +21,7 @@ GAP, NAMES, NUMBERS, HEADING, NAME = 12.0, 112.0, 62.0, 42.0, 236.0
 
 @dataclass(frozen=True)
 class PlanarPlaces(Places):
-    """The middle of the body, and how far from it the ``radius`` of what should be its outermost is; nothing but the
-    bar of colours is above ``end``."""
+    """The middle of the body, the ``radius`` of its outermost material, and the ``end`` above which is the scale."""
 
     middle: tuple[float, float]
     radius: float

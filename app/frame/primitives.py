@@ -63,8 +63,7 @@ Sign = Literal["", "dot", "line"]  # a key in the label's tone before its words:
 
 @dataclass(frozen=True)
 class Label:
-    """A text whose ``anchor`` is at (x, y), in lines of at most ``width`` letters if it says so, ``size`` times as
-    large as usual, in a ``tone``, perhaps ``bold`` and after a ``sign``."""
+    """A text at (x, y) by its ``anchor``, ``width`` letters a line, ``size`` times as large, or with a ``sign``."""
 
     name: str
     text: str
@@ -162,8 +161,7 @@ class Bounds:
         return max(1, int(length * self.pixels / (LETTER_WIDTH * size * self.lettering)))
 
     def fitting(self, texts: Iterable[str], width: float, height: float) -> tuple[str, int]:
-        """The first of some texts that there is room for in a box of the stage, none of whose words is broken, and how
-        many letters its lines have; an empty one where there is none."""
+        """Returns the first text that fits into a box, and how many letters its lines have; "" where none does."""
         letters = self.letters(width)
         for text in texts:
             lines = wrapped(text, letters).split("\n")

@@ -25,9 +25,7 @@ Names = tuple[str, str]  # of the estimate and of the truth
 
 @dataclass(frozen=True)
 class StageLabels:
-    """What is said on a stage: titles, whose it is and silences of the estimate and the truth, which run it is where
-    there are two, a note on how large things are, what the marks at crossings mean, and what halves that are alike
-    say."""
+    """Words on a stage: titles, sources and silences of both halves, run, scale note, crossings, alike halves."""
 
     titles: Names = ("", "")
     by: Names = ("", "")
@@ -48,8 +46,7 @@ class Worst:
 
 @dataclass(frozen=True, eq=False)
 class Annotations:
-    """What is written into a picture a few times a second: where the estimate and the truth are worst, if known,
-    whether the run is lost, and whether the estimate is right."""
+    """Occasional notes in a picture: where estimate and truth are worst, whether it is lost or well estimated."""
 
     worst: tuple[Worst | None, Worst | None] = (None, None)
     lost: bool = False
@@ -146,19 +143,8 @@ class Stage(ABC, Generic[AnyScene]):
 
     def draw(self, scene: AnyScene, arrays: FrameArrays, estimated: np.ndarray | None, true: np.ndarray | None,
              t: float, speed: float, foreign: bool = False) -> None:
-        """Show a frame.
-
-        Parameters
-        ----------
-        scene, arrays
-            What runs, and its particles.
-        estimated, true : (P,) array or None
-            Sizes of both errors, in one unit.
-        t : float, s
-        speed : float, simulated s per s
-        foreign
-            Whether particles began anywhere and may be others at any time.
-        """
+        """Shows a frame at t in s: sizes (P,) of both errors or None, in one unit, at a ``speed`` in simulated s per s;
+        particles of a ``foreign`` file may be others at any time."""
         room = self.sheet.room
         if room is not self._room and room != self._room:
             self._lay_out()
@@ -251,8 +237,7 @@ class Stage(ABC, Generic[AnyScene]):
     @abstractmethod
     def _moving(self, scene: AnyScene, arrays: FrameArrays, estimated: np.ndarray, true: np.ndarray, t: float,
                 crossed: np.ndarray, age: np.ndarray) -> Iterator[Mark]:
-        """What moves, but for the plot: with colours (P, 3) of both errors, which particles (P,) are marked for they
-        have just crossed a cell boundary, and the shares of the window of crossings that have gone by since (n,)."""
+        """Yields what moves but the plot, with colours (P, 3) of both errors, crossed particles (P,) and ages (n,)."""
 
     @abstractmethod
     def _along(self, arrays: FrameArrays) -> np.ndarray:
@@ -264,6 +249,5 @@ class Stage(ABC, Generic[AnyScene]):
 
 
 def one_in(particles: int, most: int) -> int:
-    """Of how many particles one is marked where it crosses, so that at most ``most`` of all can be: marks of more would
-    bury what they lie on."""
+    """Returns of how many particles one is marked where it crosses, so that at most ``most`` are."""
     return -(-particles // most)

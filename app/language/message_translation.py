@@ -28,8 +28,7 @@ class TranslationMatch(NamedTuple):
 
 
 class Template:
-    """A text with places, ``give {n} or more``, and what it is in another language. Where it is ``strict`` each place
-    takes only what is known itself, or one word."""
+    """A text with places, ``give {n} or more``, and its translation; ``strict`` places take known text or one word."""
 
     def __init__(self, text: str, said: str, strict: bool = False):
         parts = PLACE.split(text)
@@ -76,15 +75,11 @@ class Translator:
 
     def __call__(self, sentence: str) -> str:
         """The sentence, or itself where nobody knows it."""
-        return self._part(sentence, {}).said
-
-    def _part(self, text: str, looked: dict[str, TranslationMatch | None], depth: int = 0) -> TranslationMatch:
-        """What stands in a place: a name or a number stays as it is."""
-        return self._known(text, looked, depth) or TranslationMatch(0, text)
+        found = self._known(sentence, {}, 0)
+        return found.said if found else sentence
 
     def _known(self, text: str, looked: dict[str, TranslationMatch | None], depth: int) -> TranslationMatch | None:
-        """A text that is known, or made of what is; None where it is not. What has been ``looked`` up is kept for the
-        rest of its sentence."""
+        """Translates a text that is known or made of known parts, else None; ``looked`` caches a sentence."""
         if text not in looked and len(looked) < MOST_TEXTS and depth < DEEPEST:
             looked[text] = None  # of itself it is not made
             looked[text] = max(self._ways(text, looked, depth + 1), default=None, key=lambda way: way.known)

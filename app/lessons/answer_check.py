@@ -20,8 +20,7 @@ TOLD_AFTER = 3  # attempts, after which the right answer is shown
 
 @dataclass(frozen=True)
 class AnswerMark:
-    """``right`` is None for an answer that nobody marks; ``expected`` says what is right, in words. An interval, which
-    is right where it holds what came out, is a ``bet`` as well."""
+    """The mark of an answer, or None in ``right``; ``expected`` is the right one in words, ``bet`` an interval."""
 
     right: bool | None
     expected: str
@@ -136,8 +135,7 @@ def _is_real(number: Any) -> bool:
 
 def laid(lesson: Lesson, step: Step, given: Mapping[str, Sequence[float]], numbers: Numbers,
          outcomes: RunCache) -> list[Bettor]:
-    """Whose bets a step shows, on what was ``given`` an answer before it, by the questions' keys. Runs what it needs,
-    and raises as :func:`app.lessons.answer_check.mark`."""
+    """Returns the bets that a step shows, on the answers ``given`` before it by key; raises as :func:`mark`."""
     steps = [other for other in asked_before(lesson, step) if other.key in given]
     truths = [float(right(lesson, other, numbers, outcomes).value) for other in steps]
     found = []

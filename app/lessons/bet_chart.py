@@ -1,5 +1,4 @@
-"""Bets as a picture, as data: of each bettor a sentence and a line a bet, as multiples of the truth, which is in the
-middle. Factors of ten are equally wide; ``player/bets.js`` draws the same."""
+"""Bets as a picture, as data: for each bettor a sentence and a line per bet, logarithmic around the truth."""
 
 import math
 from collections.abc import Sequence
@@ -21,8 +20,7 @@ TRUTH, LESS, MORE = lazy("truth"), "÷ {factor}", "× {factor}"
 
 @dataclass(frozen=True)
 class Lines:
-    """Of one bettor, who may be the student (``own``): a ``lines`` entry is where a bet begins and ends, in per cent of
-    the width, and whether it holds; None for one that was not made."""
+    """A bettor's ``lines``: start and end of each bet in % of the width and whether it holds, None for no bet."""
 
     name: str
     told: str

@@ -55,8 +55,7 @@ class Bet:
 
     @property
     def points(self) -> float:
-        """What it counts of a right answer: 1 for a score of 0, falling evenly to 0 at 2, so that who says what he
-        thinks gets the most."""
+        """The share of a right answer that a bet counts: 1 for a score of 0, falling evenly to 0 at 2."""
         return max(0.0, 1 - self.score / WORTHLESS)
 
 
@@ -99,8 +98,7 @@ def about_bets(claim: str) -> bool:
 
 
 def told(ends: Mapping[str, Mapping[str, Ends | None]], errors: Mapping[str, Mapping[str, float | None]]) -> dict:
-    """The bets of judges on a run, by quantity, as claims have them: by judge and quantity low, high and score; None
-    without a bet, or an error."""
+    """Returns the judges' bets on a run by judge and quantity, as claims have them: low, high and score."""
     found: dict[str, dict[str, dict[str, float] | None]] = {word(judge): {} for judge in JUDGES}
     for quantity, judged in ends.items():
         truth = errors[quantity]["final"]

@@ -1,5 +1,4 @@
-"""The lessons that there are: a Markdown file each in ``lessons/``, and beside it perhaps one with its words in another
-language. What is asked for comes in the language that is spoken, or else in English."""
+"""The lessons: a Markdown file each in ``lessons/``, perhaps with a translation beside it."""
 
 import threading
 from collections.abc import Iterator
@@ -54,8 +53,7 @@ def in_every_language(name: str, folder: Path = FOLDER) -> Iterator[Lesson]:
 
 
 def lessons(folder: Path = FOLDER) -> dict[str, Lesson]:
-    """All lessons by their names, as their files are now, but those with a mistake (``mpm-lab lesson check``); of a
-    translation with one the original."""
+    """Returns all lessons by name, as their files are now, without those that have a mistake."""
     paths = {name: folder / f"{name}.md" for name in names(folder)}
     files = tuple((name, path.stat().st_mtime_ns, localised(path).stat().st_mtime_ns) for name, path in paths.items())
     with _READING:  # a class that comes at once reads them once

@@ -80,8 +80,7 @@ class Outcome:
 
 @dataclass(frozen=True)
 class Scope:
-    """What names mean: outcomes by the names of their runs, which is meant where none is named, and the paths of an
-    outcome where they are not those of a run."""
+    """The outcomes by the names of their runs, the ``main`` run where none is named, and the paths of an outcome."""
 
     outcomes: Mapping[str, Outcome]
     main: str = ""

@@ -5,6 +5,7 @@ are ``from``, ``minutes`` and ``what`` is a session's timetable; a row that link
 it takes, and up to ``TALK`` minutes more. Blocks of ``run`` and ``claims`` are those of lessons.
 """
 
+import functools
 import re
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, replace
@@ -36,8 +37,7 @@ class Row:
 
 @dataclass(frozen=True)
 class ClassPage:
-    """A page for a class. ``claims`` has its runs and claims as a lesson, ``sessions`` the rows of each timetable, by
-    the heading above it; each session takes so many ``minutes``."""
+    """A page for a class: its ``claims`` as a lesson, its timetables by heading, and the ``minutes`` of a session."""
 
     name: str
     minutes: int
@@ -59,10 +59,7 @@ def parse(text: str, name: str) -> ClassPage:
     """The page of a text."""
     head, body, first = split_head(text)
     values = fenced_blocks.toml(head, 2)
-
-    def at(key: str) -> int:
-        return fenced_blocks.line_of(key, head, 2)
-
+    at = functools.partial(fenced_blocks.line_of, text=head, line=2)
     for key in values:
         if key not in ("title", "minutes"):
             raise LessonError(at(key), f"{key} is not known in the head of a page for a class; give title, minutes")

@@ -18,8 +18,7 @@ BETS = ("intervals", "held", "mean score")  # columns of a table that has any
 
 @dataclass(frozen=True)
 class Graded:
-    """A student's file: the answers in words and their marks, by the steps' keys; None where there is no answer.
-    ``asked`` are the questions that count."""
+    """A student's file: answers in words and marks by the steps' keys, and the questions ``asked`` that count."""
 
     file: str
     progress: Progress
@@ -49,18 +48,16 @@ class Graded:
 
 
 def graded(file: str, progress: Progress, lesson: Lesson, outcomes: RunCache, core: bool = False) -> Graded:
-    """Mark a file. A prediction counts as it was first made, an observation as it was made at last; with ``core`` the
-    questions of deeper steps do not count, answered or not."""
+    """Marks a file: a prediction as first made, an observation as last made; with ``core`` no deeper question."""
     numbers, asked = drawn(lesson, progress.name), {step.key: step for step in lesson.walk(core) if step.question}
     return Graded(file, progress, lesson, asked, {
         key: _answer(lesson, key, progress, numbers, outcomes) for key in progress.answers if key in asked})
 
 
 def table(rows: Sequence[Graded]) -> str:
-    """The rows as CSV: two columns a question, the answer and whether it is right, and of an interval its score.
+    """Returns the rows as CSV: for each question the answer and whether it is right, and an interval's score.
 
-    "right" counts right answers; an interval counts 1 - score/2 of one, but never less than nothing, so that width
-    costs: the score is its width in factors of ten, and ten times as much (at 80 %) for what it misses by.
+    "right" counts right answers; an interval counts 1 - score/2 of one, but never less than nothing.
     """
     questions = {(row.lesson.name, key): None for row in rows for key in row.asked}
     several = len({row.lesson.name for row in rows}) > 1
@@ -88,8 +85,7 @@ def table(rows: Sequence[Graded]) -> str:
 
 
 def coverage(rows: Sequence[Graded]) -> list[str]:
-    """How many of a class's intervals hold what came out, beside how many should, and their mean score: a sentence for
-    each such question, and for each lesson that has several."""
+    """Says how many of a class's intervals hold, of how many that should, by question and by lesson."""
     found: dict[tuple[str, str], list[Bet]] = {}
     for row in rows:
         for key, (_, answer) in row.answers.items():

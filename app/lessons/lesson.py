@@ -1,5 +1,4 @@
-"""What a lesson is, once it has been read, and its variants: numbers drawn from a student's name, the same name always
-the same, put where a text has ``{A}``."""
+"""A lesson as it is read, and its variants: numbers drawn from a student's name, put where a text has ``{A}``."""
 
 import functools
 import hashlib
@@ -154,8 +153,7 @@ class Lesson:
         return tuple(step for step in self.steps if step.core or not core)
 
     def beside(self, at: int, by: int, core: bool) -> int:
-        """The number of the step after the one numbered ``at``, or before it where ``by`` is below 0, for whoever takes
-        all steps or only the core; 0 is the introduction, one more than there are steps is the end."""
+        """Returns the number of the step after ``at``, or before it if ``by`` < 0; 0 is the introduction."""
         end = len(self.steps) + 1
         places = [0, *(k for k, step in enumerate(self.steps, 1) if step.core or not core), end]
         return min((k for k in places if k > at), default=end) if by > 0 else \
@@ -166,8 +164,7 @@ class Lesson:
         return {run.name: run for step in self.steps for run in step.runs}
 
     def main_run(self, step: Step) -> str:
-        """The name of the run that is meant where none is named: of a prediction the first one after it, else the
-        first of the step, or of the last step before it that has one; "" where there is none."""
+        """Returns the run meant where none is named: of a prediction the next one, else the latest; "" if none."""
         at = self.steps.index(step)
         steps = self.steps[at:] if step.kind == PREDICT else self.steps[at::-1]
         return next((other.runs[0].name for other in steps if other.runs), "")

@@ -5,6 +5,7 @@ The file begins with a head in TOML between two lines ``+++``. Each heading ``##
 scenes of a ``run``, the ``question``, the ``claims`` and the ``teacher``'s notes. ``lessons/README.md`` explains it.
 """
 
+import functools
 import hashlib
 import re
 from collections.abc import Callable, Mapping, Sequence
@@ -130,10 +131,7 @@ def parse(text: str, name: str, folder: Path | None = None) -> Lesson:
 
 def _lesson(head: str, name: str, fingerprint: str) -> Lesson:
     values = fenced_blocks.toml(head, 2)  # after the line that begins it
-
-    def at(key: str) -> int:
-        return fenced_blocks.line_of(key, head, 2)
-
+    at = functools.partial(fenced_blocks.line_of, text=head, line=2)
     for key in values:
         if key == "minutes":
             raise LessonError(at(key), "minutes are computed from what the lesson holds; leave the key out")

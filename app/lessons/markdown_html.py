@@ -1,5 +1,4 @@
-"""Markdown with formulas and pictures to html, without a network: formulas become MathML, pictures part of the text;
-and what a text tells its reader to do ("Set **Cells** to `80`"), in the words of the language that is spoken."""
+"""Markdown to html without a network: formulas as MathML, pictures inline, instructions in the language spoken."""
 
 import base64
 import functools

@@ -37,8 +37,7 @@ class Answer:
 
 @dataclass
 class Progress:
-    """Of a student in a lesson: the ``step`` that is shown, 0 for the introduction, answers by the steps' keys, and
-    whether only the ``core`` is taken, which older files do not say."""
+    """A student's ``step`` in a lesson (0: introduction), answers by the steps' keys, and whether only the ``core``."""
 
     lesson: str
     fingerprint: str
@@ -65,8 +64,7 @@ class Progress:
 
 
 def read(text: str, find: Callable[[str], Lesson | None]) -> Progress:
-    """The progress that a text says, with those answers that the questions of its lesson, which ``find`` gives by its
-    name, can have. Raises :class:`NotAnswers`."""
+    """Reads the progress in a text, for a lesson that ``find`` gives by name; raises :class:`NotAnswers`."""
     try:
         values = parsed(text)
     except ValueError:
@@ -89,8 +87,7 @@ def read(text: str, find: Callable[[str], Lesson | None]) -> Progress:
 
 
 def of_lesson(text: str, lesson: Lesson) -> Progress | None:
-    """What a text says of a lesson as it is now; None where it is no such text, or the lesson has been changed since:
-    its questions may mean something else."""
+    """Reads the progress in a text; None if it is none, or of another version of the lesson."""
     try:
         found = read(text, {lesson.name: lesson}.get)
     except NotAnswers:

@@ -15,8 +15,7 @@ CELL = "padding: 2px 12px; text-align: {}; font-variant-numeric: tabular-nums"
 
 
 def result_table(result: Result) -> str:
-    """The largest true error of each quantity over the run, and what each estimator says of it; where one does not
-    hold, why. In colours of the notebook's own, be they light or dark."""
+    """Returns the largest true error of each quantity and every estimate of it, or why one does not hold."""
     names = list(result.estimate.estimators)
     valid = [name for name in names if name not in result.not_valid]
     head = ["largest RMS error", "true", *(part for name in valid for part in (f"by {name}", "index", "distance"))]

@@ -18,8 +18,7 @@ from app.words import QUANTITIES
 
 
 class Canvas:
-    """A stage for each problem, of which one is shown at a time, the bar of colours, the rings of a traced particle and
-    the probe."""
+    """A stage for each problem, of which one is visible, with the bar of colours, trace rings and the probe."""
 
     def __init__(self, client: viser.ClientHandle, scale: ColourScale, trace: Trace, problem: str):
         self._client, self._scale, self.lettering = client, scale, Lettering(client.gui)

@@ -33,8 +33,7 @@ ELSEWHERE = lazy("A lesson is open: its controls are in <b>Lessons</b>, below it
 
 
 class Controls:
-    """Widgets of one visitor, bound to the session. Those that are there whatever tab is open are made at once, before
-    the tabs; :meth:`build` makes the others. ``on_view`` is called when only the drawing changes."""
+    """Widgets of one visitor, bound to the session; those outside the tabs at once, others by :meth:`build`."""
 
     def __init__(self, gui: viser.GuiApi, session: Session, scale: ColourScale, on_view: Callable[[], None],
                  looking: HistoryControls, slow: SlowMotion, store: BrowserStore):
@@ -83,8 +82,7 @@ class Controls:
             self._transport.show()
 
     def begin(self) -> None:
-        """The page is made: from now on another problem may be chosen, or has been meanwhile. Before, its widgets would
-        be made while others are made around them."""
+        """Allows another problem to be chosen, now that the page is made, and follows one chosen meanwhile."""
         self.problem.on_update(lambda _: self._choose_problem())
         self._choose_problem()
 
@@ -103,8 +101,7 @@ class Controls:
             self._rebuild()
 
     def offer(self, controls: tuple[str, ...], place: viser.GuiFolderHandle | None = None) -> None:
-        """Show only these controls, or all where there are none: ``app.lessons.lesson.CONTROLS`` names them; in another
-        ``place`` than their own tab, if any."""
+        """Shows only these ``CONTROLS`` of lessons, or all if there are none, perhaps in another ``place``."""
         with self._turn:
             if controls != self._offered or (place or self._home) is not self._place:
                 self._offered, self._place = controls, place or self._home

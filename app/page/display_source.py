@@ -34,9 +34,8 @@ class Choice:
 
 @dataclass(frozen=True)
 class FrameView:
-    """A frame of a run as it is drawn: with the ``view`` of its errors, the simulated seconds that go by in one of the
-    visitor's, and a ``name`` where there are two runs. Particles of a ``foreign`` run began anywhere and may be others
-    at any time."""
+    """A frame as it is drawn: the ``view`` of its errors, simulated seconds per second, ``name`` beside another run,
+    and whether its particles are ``foreign``: began anywhere and may be others at any time."""
 
     report: FrameReport
     arrays: FrameArrays
@@ -66,8 +65,7 @@ class Display:
 
 
 class Source(Protocol):
-    """Something that may be on the stage: the visitor's run, now or looked back on, alone or beside a pinned one; a
-    step of it in slow motion; a file of the visitor's own."""
+    """Something that may be on the stage: the visitor's run, a step in slow motion, or a file."""
 
     @property
     def on(self) -> bool:

@@ -28,8 +28,7 @@ MOST_DIFFERING = 40  # characters, of what a pinned run is where the other is no
 
 
 class HeadlinePanel:
-    """Says sentences calmly: a new one only, and not soon after the last. ``verdict.js`` shows them, and reads aloud
-    those of another moment. That there is one lifts the page's ground (``ground.html``)."""
+    """Shows only new sentences, and not soon after the last; ``verdict.js`` reads them aloud."""
 
     def __init__(self, gui: viser.GuiApi, clock: Callable[[], float] = monotonic):
         self._html, self._clock = gui.add_html(""), clock
@@ -90,8 +89,7 @@ def summary(report: FrameReport | None, arrays: FrameArrays | None, view: View |
 
 def compared(live: dict[str, np.ndarray], pinned: dict[str, np.ndarray], quantity: str, scenes: tuple[Scene, Scene],
              ) -> str:
-    """Which of the live and the pinned run errs more, and how many times, each as a mean over the periods that both
-    have; nothing where either is not known. ``scenes`` are the two runs'."""
+    """Says which of the live and the pinned run errs more, as means over common periods; "" if not known."""
     larger = in_common(live, pinned, f"error_{quantity}", scenes)
     if not math.isfinite(larger) or larger <= 0:
         return ""
@@ -105,8 +103,7 @@ def compared(live: dict[str, np.ndarray], pinned: dict[str, np.ndarray], quantit
 
 def in_common(live: dict[str, np.ndarray], pinned: dict[str, np.ndarray], name: str,
               scenes: tuple[Scene, Scene]) -> float:
-    """A live run's series over a pinned run's, both as means over the periods that both have; NaN where either is not
-    known."""
+    """Returns the ratio of a live to a pinned run's series, as means over common periods; NaN if not known."""
     periods = min(periods_of(series, scene) for series, scene in zip((live, pinned), scenes, strict=True))
     mine, other = (_mean(until(series, periods * scene.period * (1 + 1e-9)), name)
                    for series, scene in zip((live, pinned), scenes, strict=True))

@@ -23,8 +23,7 @@ from solvers.solver.soundness import UNSTABLE
 
 
 class LiveRun:
-    """What is on the stage as long as nothing else is (:class:`~app.page.display_source.Source`). ``further`` gives a
-    notice where the session has none."""
+    """What is on the stage by default, a source; ``further`` gives a notice where the session has none."""
 
     on, at_once = True, False
 

@@ -1,5 +1,4 @@
-"""The story of the opening in four beats, whose numbers are the runs' own; and the
-pause at its end, also for those who are told none."""
+"""The story of the opening in four beats with the runs' own numbers, and the pause at its end."""
 
 import math
 from collections.abc import Callable
@@ -34,8 +33,7 @@ OPENING = state.read("bar;method=mpm;amplitude=0.0034;periods=0.25;estimators=re
                      "pinned;method=bspline;amplitude=0.0034;periods=0.25;estimators=recovered,transport")
 
 class OpeningTour:
-    """One visitor's. ``open_on`` puts the opening on the stage, ``hurry`` asks for the usual speed; the browser
-    (``story.js``) asks for the story, or that it be left."""
+    """One visitor's tour: ``open_on`` shows the opening, ``hurry`` restores the speed; ``story.js`` starts it."""
 
     def __init__(self, gui: viser.GuiApi, session: Session, open_on: Callable[[], None], hurry: Callable[[], None],
                  clock: Callable[[], float] = monotonic):

@@ -49,8 +49,7 @@ RESTING = 12  # times a refresh's work, for each stage that moves, until the nex
 
 
 class Page:
-    """Private to one client. Frames draw on the engine's reader thread, the rest on a thread of its own. The browser
-    calls it by its ``token`` (``attendance.js``)."""
+    """One client's page. Frames draw on the engine's reader thread. The browser calls it by its ``token``."""
 
     def __init__(self, client: viser.ClientHandle, pool: PageLinks, classroom: Classroom,
                  lectern: LecturerContext | None = None):
@@ -168,8 +167,7 @@ class Page:
             self._cost.follow(report, self._session.history)
 
     def _open(self) -> None:
-        """Put the opening on the stage, from its beginning. A page is made with it: whoever comes first and has changed
-        nothing has all of its widgets, which would take the browser as long to make anew as they took at first."""
+        """Puts the opening on the stage, without new widgets if nothing has been changed: they would take long."""
         session = self._session
         if self._controls.state == OPENING and session.playing and not session.refused:
             session.reset()

@@ -105,8 +105,7 @@ class Visitors:
         return page is not None
 
     def say_goodbye(self) -> list[threading.Thread]:
-        """Tell all who are here that the lab closes, and close their pages, each on a thread, which are given back.
-        Those whose pages are being made are told by who makes them."""
+        """Tells all visitors that the lab closes; returns the threads that close their pages."""
         with self._lock:
             pages, self._over = list(filter(None, self._pages.values())), True
             self._pages = {visitor: page for visitor, page in self._pages.items() if page is None}
@@ -232,11 +231,8 @@ def _start_server(host: str, port: int, pool: EnginePool, max_sessions: int, add
     def make_page(client: Any, links: PageLinks) -> Any:
         whose, key = doors.guest(client.client_id) or CodeHolder(CLASS)
         seat = board.seat(key) if board and whose == CLASS else None
-        lectern = (
-            LecturerContext(board, JoinInfo(f"http://{_outside(host)}:{port}/", code))
-            if board and whose == BOARD
-            else None
-        )
+        lectern = LecturerContext(board, JoinInfo(f"http://{_outside(host)}:{port}/", code)) \
+            if board and whose == BOARD else None
         try:
             return Page(client, links, replace(classroom, teacher=classroom.teacher and whose == TEACHER, seat=seat),
                         lectern)

@@ -1,5 +1,4 @@
-"""The instrument of time: what lets the run go, stand, go back, stay and be seen slowly. It is laid below the stage,
-whatever tab is open (``css/20-deck.css``), and so it is made once, before the tabs."""
+"""The controls of time below the stage, made once before the tabs: run, speed, pin, look back, slow motion."""
 
 from collections.abc import Callable
 from typing import Any

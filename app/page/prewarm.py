@@ -23,8 +23,7 @@ from solvers.scene.validation import SceneError
 
 
 def usual_scenes(lessons: Mapping[str, Lesson], opened: str = "") -> list[Scene]:
-    """Of every problem and of the ``lessons`` by name; the one on which all visitors are ``opened`` comes before all
-    that a click makes."""
+    """Returns scenes of every problem and of the ``lessons``; those of the one ``opened`` for all come early."""
     firsts = [first_scene(problem) for problem in PROBLEMS]
     taught = {name: list(_stages(lesson)) for name, lesson in lessons.items()}
 

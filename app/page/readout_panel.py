@@ -50,8 +50,7 @@ class Measurements:
         self.reading = False  # whether the errors stay in view: a lesson has them read, a file is judged
 
     def build(self, gui: viser.GuiApi) -> None:
-        """Make the fold, before the tabs: the style lays it below them, for lessons have their numbers read there, and
-        of these what an error is by each judge stays in view while one is open (``css/33-numbers.css``)."""
+        """Makes the fold before the tabs; the style lays it below them (``css/33-numbers.css``)."""
         gui.add_html(f"<i class='lab-numbers' data-words='{escape(tr('time, energy, steps'))}'></i>")
         fold = gui.add_folder(tr("All numbers of this run"), expand_by_default=False)
         with fold:

@@ -13,8 +13,7 @@ INTERRUPTED = 130  # what a shell expects of a process that was ended by Ctrl-C
 
 @contextmanager
 def ending(seconds: float) -> Iterator[None]:
-    """What is done here is the last that this process does: if it takes longer, or what Python does afterwards takes
-    long, the process ends nevertheless. Another Ctrl-C changes nothing."""
+    """The last that this process does: after so many seconds it ends in any case, and ignores Ctrl-C."""
     for kind in (signal.SIGINT, signal.SIGTERM):
         signal.signal(kind, signal.SIG_IGN)
     in_background(end_after, seconds, INTERRUPTED)

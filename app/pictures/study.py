@@ -235,8 +235,7 @@ def _agreement(axes: Axes, rows: Sequence[dict], estimator: str, quantity: str) 
 
 
 def _extra_prices(rows: Sequence[dict]) -> dict[str, list[tuple[str, float]]]:
-    """For each estimator and effect: (method, seconds added over seconds of the bare run) of every row. Effects not
-    timed alone are known together, as what is left of the whole run."""
+    """Returns (method, seconds added over the bare run's) of each estimator and effect; untimed ones are together."""
     prices: dict[str, list[tuple[str, float]]] = {}
     for row in rows:
         method, seconds = row["scene"]["method"], row["seconds"]

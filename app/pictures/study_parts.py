@@ -107,8 +107,7 @@ def legend_below(figure: Figure, entries: Sequence[tuple[Series, Look]], extra: 
 
 
 def logarithmic(axes: Axes, unit: str = "s") -> None:
-    """Both axes logarithmic, with lines at the powers of ten, and at 2 and 5 times those where an axis has one at
-    most; sizes along the horizontal one are in ``unit``."""
+    """Makes both axes logarithmic, with ticks at 1, 2 and 5 where an axis is short; the horizontal one in ``unit``."""
     across = axes.yaxis.get_major_formatter()
     axes.set(xscale="log", yscale="log")
     axes.grid(axis="both", color=LINE)

@@ -63,8 +63,7 @@ def _ring_errors(figure: SubFigure, table: dict) -> None:
 
 
 def _indices(figure: SubFigure, table: dict) -> None:
-    """A row of panels for each quantity that has an index; they share its axis, its numbers and the words outside. Of
-    the bar a column for each case and place of the force, of the ring for each set-up and method."""
+    """Draws a row of panels for each quantity and a column for each part or method; a row shares its axis."""
     if table["table"] == "1":
         columns = {"\n".join(part.rsplit(", ", 1)): rows for part, rows in parts(table).items()}
     else:

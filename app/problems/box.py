@@ -1,5 +1,4 @@
-"""How a body that fills a square is shown: the square and its mirror images, and beside them the field along a row of
-particles."""
+"""How a body that fills a square is shown: with its mirror images, and the field along a row of particles."""
 
 from collections.abc import Iterator
 from typing import Any
@@ -26,14 +25,11 @@ def plotted_row(scene: BoxScene) -> float:
     return (int(HEIGHT * across) + 0.5) / across * scene.SIDE
 
 
-def _exact(scene: BoxScene, quantity: str, X: np.ndarray, t: float) -> np.ndarray:
-    return scene.exact_along(quantity, np.stack([X, np.full_like(X, plotted_row(scene))], axis=1), t)
-
-
 class BoxStage(PlanarStage[BoxScene]):
     """Makes marks of frames of the square."""
 
-    PLOT = Plotted(0.0, 1.0, ("X = 0", "1 m"), _exact)
+    PLOT = Plotted(0.0, 1.0, ("X = 0", "1 m"), lambda scene, quantity, X, t: scene.exact_along(
+        quantity, np.stack([X, np.full_like(X, plotted_row(scene))], axis=1), t))
 
     @staticmethod
     def outermost(scene: BoxScene) -> float:

@@ -1,5 +1,4 @@
-"""The questions that are put of plane problems, by name; the file of each problem says which are its own
-(``Showing.sparks``)."""
+"""The sparks of plane problems, by name; the file of each problem lists its own (``ViewSettings.sparks``)."""
 
 from dataclasses import replace
 

@@ -23,8 +23,7 @@ class NotNow(Exception):
 
 @dataclass(frozen=True)
 class Offer:
-    """What a spark would do with what is on the stage: its ``title`` and a ``hint`` of a few words, and the ``state``
-    that asks the question; the run that it is compared with is pinned there."""
+    """What a spark would do: its ``title``, a short ``hint``, and the ``state``, with the run to compare pinned."""
 
     title: str
     hint: str
@@ -76,8 +75,7 @@ class Suggestion:
 
 
 def asked(state: State, changes: Mapping[str, Any], pinned: bool = True, **view: Any) -> State:
-    """What is on the stage with changes to its scene, from t = 0 at the usual speed and without an end; the run before
-    the changes is pinned beside it unless that is not wanted."""
+    """Returns the state with a changed scene from t = 0 on, the run before pinned beside it if wanted."""
     before = replace(state.scene, periods=None, t_end=None)
     try:
         after = replace(before, **changes)

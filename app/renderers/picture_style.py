@@ -42,8 +42,7 @@ matplotlib.rcParams.update(SETTINGS)
 
 
 class Sizes(Formatter):
-    """Ticks as people say sizes: one prefix for a linear axis and the unit at its last tick (0, 100, 200 µm), a unit at
-    each power of ten (10 µm, 100 µm, 1 mm)."""
+    """Ticks with one prefix and the unit at the last (0, 100, 200 µm), or on a logarithmic axis a unit at each."""
 
     def __init__(self, unit: str):
         self.unit = unit
@@ -111,8 +110,7 @@ def name_ends(axes: Axes, named: Sequence[tuple[str, np.ndarray, str]], apart: f
 
 
 class Sheet(Figure):
-    """A figure that a notebook shows: what is not pyplot's, it would name and not draw. It looks the same whatever the
-    settings are when it is written."""
+    """A figure that a notebook shows, which looks the same whatever the settings are when it is written."""
 
     def savefig(self, *arguments: Any, **options: Any) -> None:
         with matplotlib.rc_context(SETTINGS):

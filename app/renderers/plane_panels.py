@@ -1,5 +1,4 @@
-"""A plane problem's panels in a run's picture: particles, estimate on the left half and truth on the right, and the
-profile of the error over a coordinate."""
+"""A plane problem's panels in a run's picture: particles by estimate and truth, and the profile of the error."""
 
 from collections.abc import Callable, Iterable
 from typing import NamedTuple
@@ -55,9 +54,8 @@ def draw_profile(axes: Axes, result: Result, stage: type[PlanarStage], over: Pro
                   linewidth=TRUTH_WIDTH if name == "true" else ESTIMATE_WIDTH)
         drawn.append(shown)
         ends.append((name, in_shell, colour))
-    axes.set_title(
-        f"Error of x over {over.across} {panel_style.when_text(result)}: particles, and RMS at {over.symbol}"
-    )
+    axes.set_title(f"Error of x over {over.across} {panel_style.when_text(result)}: particles, and RMS at "
+                   f"{over.symbol}")
     axes.set(xlabel=over.label, xlim=(inner, outer))
     in_sizes(axes.xaxis, "m", few=False)
     if not drawn:
@@ -145,8 +143,7 @@ def _frame(axes: Axes, scene: Scene, stage: type[PlanarStage], reach: float, lin
 
 
 def _draw_cells(axes: Axes, scene: Scene, reach: float, least: float, start: float) -> str:
-    """Lines between cells out to ``reach`` metres from the middle, above y = ``least``; a line is at ``start``. Returns
-    what the label of an axis says of them."""
+    """Draws lines between cells above y = ``least``, ``reach`` m wide; returns what an axis's label says of them."""
     if scene.cells > panel_style.MOST_CELL_LINES:
         return ""
     lines = np.arange(-scene.cells, scene.cells + 1) * scene.spacing + start

@@ -42,8 +42,7 @@ class Lettering:
         return self._room
 
     def fit(self, width: float, height: float, gutter: float, letters: float = 1.0) -> bool:
-        """The browser has so many pixels free for x from 0 to 1, and in the gutter left of it, and draws letters so
-        many times as large as usual; whether that is news."""
+        """Takes the pixels that the browser has for x from 0 to 1 and in the gutter; returns whether they are new."""
         before = self._box, self._letters
         self._box, self._letters = (max(120.0, width), max(60.0, height), max(0.0, gutter)), max(0.5, letters)
         return before != (self._box, self._letters)

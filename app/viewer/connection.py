@@ -97,8 +97,7 @@ async def send_away(connection: Any, why: str) -> None:
 
 
 async def feel(line: BrowserConnection) -> None:
-    """Ping a browser now and then until its websocket is closed. What it does not read can wait on its way for minutes,
-    in the buffers of both systems, untold; but it answers a ping when it has read all that was sent before."""
+    """Pings a browser until its websocket is closed: it answers when it has read all that was sent before."""
     with suppress(ConnectionClosed):
         while True:
             line.asked_at = monotonic()

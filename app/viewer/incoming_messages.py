@@ -87,8 +87,7 @@ FIELDS: dict[str, dict[str, Rule]] = {
 
 
 def refusal(message: bytes | str, find: Callable[[str], Any], who: str = "") -> str | None:
-    """Why a message from an IP address is refused, if it is; ``find`` gives a widget by its id. A part of a file is
-    taken in."""
+    """Returns why a message from an IP address is refused, or None; ``find`` gives a widget by its id."""
     part_of_file = upload.kind_of(message)
     most = upload.LARGEST_PART if part_of_file == upload.PART else MOST_BYTES
     if not isinstance(message, bytes) or len(message) > most:
@@ -126,20 +125,10 @@ def _pointer(said: dict[str, Any]) -> bool:
 
 
 class IncomingLimiter:
-    """Gives the viewer only what a browser may say: of one websocket, whose ``recv`` it takes the place of.
+    """Takes the place of a websocket's ``recv``, and gives the viewer only what a browser may say.
 
-    Parameters
-    ----------
-    connection, who
-        The websocket, and the IP address at its other end.
-    refusals
-        Where it is noted what is refused.
-    parts
-        What it shares with others of its network: parts of files that are taken.
-    find
-        Gives a widget of the page behind it by its id, or None.
-    keep_away
-        Is told the address of one that says what no browser does.
+    ``who`` is the IP address, ``find`` gives a widget by its id, ``parts`` limits parts of files of its network, and
+    ``keep_away`` gets the address of one that says what no browser does.
     """
 
     def __init__(self, connection: Any, who: str, refusals: Refusals, parts: TokenBucket, find: Callable[[str], Any],
@@ -151,8 +140,7 @@ class IncomingLimiter:
         connection.recv = self._next
 
     async def first_word(self) -> None:
-        """Until something has been said that a browser may say; the viewer hears it later. Raises what ``recv`` raises
-        when the websocket is closed."""
+        """Waits for something that a browser may say, which the viewer hears later; raises what ``recv`` raises."""
         self._first = await self._next()
 
     async def _next(self, *args: Any, **options: Any) -> Any:

@@ -96,8 +96,7 @@ def dressed(connection: object, request: Request, response: Response) -> Respons
 
 
 class Index:
-    """The viewer's html with what ``ground`` gives in it, in every language, for the viewer has no setting for any;
-    ``icon`` is an address."""
+    """The viewer's html with ``ground`` in it, in every language; ``icon`` is an address."""
 
     def __init__(self, ground: Callable[[], str], icon: str):
         self._pages = {code: _Page(code, with_language(ground, code)(), icon) for code in LANGUAGES}
@@ -135,8 +134,7 @@ class _Page:
 
 
 def unpacked_script(html: str) -> str | None:
-    """The script that the viewer's html unpacks and runs, which a browser that runs no others must know; None where
-    that is not packed as in 1.1."""
+    """Returns the script that the viewer's html unpacks and runs; None where it is not packed as in viser 1.1."""
     found = _PACKED.search(html)
     if found is None:
         return None

@@ -63,8 +63,7 @@ _here = _Here()
 
 @contextmanager
 def together() -> Iterator[None]:
-    """What this thread says meanwhile to several browsers leaves afterwards: else the loop would be woken by the first,
-    and the two would take turns in Python for each of the others."""
+    """Holds back what this thread says to several browsers, so that the loop is woken once."""
     rung = _here.rung = set()
     try:
         yield
@@ -107,8 +106,7 @@ _TOWERS = WeakKeyDictionary[asyncio.AbstractEventLoop, SendNotifier]()
 
 @dataclass
 class SendBuffer(AsyncMessageBuffer):
-    """A browser's messages on their way: in the order in which they were put in, those of an atomic block together.
-    They wait a little for others to go with, but for a flush, at which all that are there go."""
+    """A browser's messages on their way, in order; they wait a little for others, but not after a flush."""
 
     message_event: SendEvent = field(default_factory=SendEvent)
     _flushed: bool = False
@@ -129,8 +127,7 @@ class SendBuffer(AsyncMessageBuffer):
         return 0.0 if (given := self._given) is None else monotonic() - given
 
     def push(self, message: Message) -> None:
-        """Put a message in; what it makes redundant goes. The viewer's own way is for what ends something, and for a
-        browser that has gone."""
+        """Adds a message and drops those that it makes redundant; removals go the viewer's own way."""
         if self.done or message.lifecycle_phase == "remove":
             super().push(message)
         else:
@@ -193,8 +190,7 @@ class SendBuffer(AsyncMessageBuffer):
             self.message_event.ring(self._tower)
 
     def _taken(self, last: int, newest: int, client_id: int) -> tuple[list[Message], int]:
-        """Messages for a browser after number ``last`` and up to ``newest``, not too many, and the number of the last
-        that was looked at. What only this browser gets is taken out."""
+        """Returns messages after number ``last`` up to ``newest``, not too many, and the last number looked at."""
         window: list[Message] = []
         if not self.persistent_messages and newest - last <= self.max_window_size:
             with self.buffer_lock:
@@ -227,8 +223,7 @@ class SendBuffer(AsyncMessageBuffer):
 
 
 def mend() -> None:
-    """Have servers that start from now on use the buffer above, send what is in it by
-    :mod:`app.viewer.message_encoding`, and make widgets by :mod:`app.viewer.viser_patches`."""
+    """Lets new servers use this buffer, :mod:`app.viewer.message_encoding` and :mod:`app.viewer.viser_patches`."""
     viser_patches.mend_widgets()
     _infra.AsyncMessageBuffer = SendBuffer  # type: ignore[assignment, misc]
     _infra._message_producer = message_encoding.send

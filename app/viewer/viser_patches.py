@@ -1,5 +1,4 @@
-"""What of the viewer is mended in this process: how quickly it makes widgets, and how its callbacks fail and speak. It
-has no settings for these."""
+"""Corrections of the viewer in this process: how fast it makes widgets, and how callbacks fail and speak."""
 
 import asyncio
 from concurrent.futures import Executor, Future
@@ -77,7 +76,6 @@ class _Carrying(Executor):
 
 
 def speak(client: Any) -> None:
-    """From now on callbacks of this visitor's widgets and stage, which run on threads of all visitors, speak the
-    language that is spoken now."""
+    """Lets callbacks of this visitor's widgets and stage speak the language that is spoken now."""
     for part in (client.gui, client.scene):
         part._thread_executor = _Carrying(part._thread_executor)

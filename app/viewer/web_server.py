@@ -23,16 +23,8 @@ from app.access.allowed_hosts import FOREIGN_PAGE, Addresses, untidy
 from app.access.class_code import TEACHER, ClassCode, CodeHolder
 from app.access.log_limit import Refusals, log_failure
 from app.access.network_limits import TokenBucket, TokenBuckets, network_of
-from app.language.translation import (
-    ENGLISH,
-    language,
-    language_cache,
-    lazy,
-    of_cookie,
-    preferred_language,
-    tr,
-    with_language,
-)
+from app.language import translation
+from app.language.translation import ENGLISH, language, language_cache, lazy, tr, with_language
 from app.templates import rendered
 from app.viewer import viser_patches
 from app.viewer.connection import HEADS_WITHIN, BrowserConnection, BrowserConnections, address_of, feel, send_away
@@ -63,8 +55,7 @@ def _code_page() -> str:
 
 
 class Lab(viser.ViserServer):
-    """The viewer's server without its tunnel: nothing that is asked for makes the lab public. Its ``visitors`` are who
-    has come through its ``doors``."""
+    """The viewer's server without its tunnel; its ``visitors`` have come through its ``doors``."""
 
     visitors: Any = None
     doors: "Doors"
@@ -116,8 +107,7 @@ class Doors:
 
     @contextmanager
     def guarding(self, index: Index) -> Iterator[None]:
-        """Web servers that start meanwhile have these doors, and send this ``index`` to those who come in; the viewer
-        has no setting for any of it."""
+        """Gives these doors, and this ``index``, to the web servers that start meanwhile."""
         serve = websockets.asyncio.server.serve
 
         def serving(handler: Callable[[Any], Awaitable[None]], *args: Any, process_request: object,
@@ -142,8 +132,7 @@ class Doors:
             websockets.asyncio.server.serve = serve  # type: ignore[misc]
 
     def _no_traces(self, record: logging.LogRecord) -> bool:
-        """Who speaks no HTTP is refused; that is no error of ours. Who leaves before all is said has only left. What
-        else fails is one line."""
+        """Refuses who speaks no HTTP, ignores who leaves early, and logs any other failure in one line."""
         error = record.exc_info[1] if record.exc_info else None
         if record.getMessage() != "opening handshake failed":
             if isinstance(error, Exception):
@@ -182,7 +171,7 @@ class Doors:
     def _answer(self, connection: BrowserConnection, request: Request, index: Index) -> Response | None:
         """What a request gets; None for one that gets a websocket."""
         path, _, query = request.path.partition("?")
-        code = preferred_language(query, ",".join(request.headers.get_all("Accept-Language")))
+        code = translation.preferred_language(query, ",".join(request.headers.get_all("Accept-Language")))
         return with_language(self._answered, code)(connection, request, index, path)
 
     def _answered(self, connection: BrowserConnection, request: Request, index: Index, path: str) -> Response | None:
@@ -213,8 +202,7 @@ class Doors:
         return said(HTTPStatus.NO_CONTENT if there else HTTPStatus.NOT_FOUND, "")
 
     def guest(self, visitor: int) -> CodeHolder | None:
-        """With whose code a visitor who is here has come: everyone with the teacher's where none is asked for. None for
-        one who has gone."""
+        """Returns with whose code a visitor has come, the teacher's where none is needed; None for one who left."""
         if self._code is None:
             return CodeHolder(TEACHER)
         connection = self._connection(visitor)
@@ -223,7 +211,7 @@ class Doors:
     def language(self, visitor: int) -> str:
         """The code of the language in which the page of a visitor who is here has come."""
         connection = self._connection(visitor)
-        return ENGLISH if connection is None else of_cookie(connection.request.headers.get_all("Cookie"))
+        return ENGLISH if connection is None else translation.of_cookie(connection.request.headers.get_all("Cookie"))
 
     def _connection(self, visitor: int) -> Any:
         """The websocket of a visitor who is here. Of the viewer only its private parts know it."""
@@ -231,8 +219,7 @@ class Doors:
         return server._websock_server._live_connections.get(visitor) if server else None
 
     def _wait(self, who: str) -> Response | None:
-        """Who opens a websocket may have to wait, because many of its network do or because its address was sent
-        away."""
+        """Makes those wait who open a websocket after many of their network, or after being sent away."""
         now, handshakes = monotonic(), self._handshakes.of(network_of(who))
         self._away = {other: until for other, until in self._away.items() if until > now}
         wait = max(handshakes.wait(), self._away.get(who, now) - now)

@@ -116,8 +116,7 @@ class Visitor:
                    default=0.0)
 
     def _pauses(self, begin: float, end: float) -> list[tuple[float, float]]:
-        """From when to when there was no frame between two times, but for where a run had broken down: it stands still
-        until the visitor asks for something else."""
+        """Finds the intervals without a frame between two times, apart from those after a run broke down."""
         times = [-math.inf, *self.frames, math.inf]
         broken = self.broken | ({len(self.frames)} if self.notice else set())
         return [(max(earlier, begin), min(later, end)) for k, (earlier, later) in enumerate(pairwise(times))

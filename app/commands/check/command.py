@@ -1,5 +1,4 @@
-"""``mpm-lab check FILES...``: what within the particles of any run contradicts itself; and the report of it in
-Markdown, made from the JSON object."""
+"""``mpm-lab check FILES...``: contradictions within the particles of any run, and the report in Markdown."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass

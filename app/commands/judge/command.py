@@ -1,5 +1,4 @@
-"""``mpm-lab judge PROBLEM FILES...``: how wrong the particles of any code are; and the report of it in Markdown, made
-from the JSON object."""
+"""``mpm-lab judge PROBLEM FILES...``: how wrong the particles of any code are, and the report in Markdown."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass

@@ -59,10 +59,7 @@ class ProblemCommand(SceneFlags):
 
 
 def _files(scene: Scene, times: list[float]) -> dict[str, bytes]:
-    from solvers.judging import (
-        particle_writers,
-        problem_handout,  # here: bad input must not wait for them
-    )
+    from solvers.judging import particle_writers, problem_handout  # here: bad input must not wait for them
 
     start, first = problem_handout.start(scene), problem_handout.initial(scene)
     more = {"volume": start.volume, "mass": problem_handout.masses(scene), **start.more}
@@ -70,11 +67,8 @@ def _files(scene: Scene, times: list[float]) -> dict[str, bytes]:
     said: dict[str, Any] = {"problem": scene.problem, "cells": scene.cells, "ppc": scene.ppc}
     data = {"id": first.number, "material_position": _in_space(first.material_position),
             "velocity": _in_space(np.asarray(first.velocity)), **more}
-    solution = (
-        [problem_handout.exact(scene, t) for t in times]
-        if scene.solution_known
-        else problem_handout.companion(scene, times)
-    )
+    solution = [problem_handout.exact(scene, t) for t in times] if scene.solution_known else \
+        problem_handout.companion(scene, times)
     numbers, name = problem_handout.numbers(scene), "exact" if scene.solution_known else "companion"
     return {
         "particles.csv": particle_writers.csv(particle_writers.table([first], more), {**said, "t": 0.0}),

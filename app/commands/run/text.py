@@ -1,5 +1,4 @@
-"""The summary that ``mpm-lab run`` prints for people, made from the JSON object and nothing else; and below it the
-numbers that were wanted, each with a bar by every estimator."""
+"""The summary that ``mpm-lab run`` prints, made from the JSON object, and the goals with their error bars."""
 
 from collections.abc import Iterator, Mapping
 

@@ -85,10 +85,8 @@ class Advise:
         def told(looks: int, certain: int, scene: Scene) -> None:
             check_interrupts()
             if not self.quiet and sys.stderr.isatty():
-                message(
-                    f"run {looks}: {scene.method}, {scene.cells} cells, {per_cell(scene.problem, scene.ppc)} particles "
-                    f"per cell, cfl {scene.cfl:g}"
-                )
+                message(f"run {looks}: {scene.method}, {scene.cells} cells, {per_cell(scene.problem, scene.ppc)} "
+                        f"particles per cell, cfl {scene.cfl:g}")
 
         for method in self.method:
             require_choice("method", method, base.choices("method"))

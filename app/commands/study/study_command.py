@@ -1,5 +1,4 @@
-"""What every study is: a plan, a row for each of its questions, run side by side and kept as they come, and what is
-written of the rows."""
+"""The base of every study: a plan of rows, run side by side and kept as they finish, and what is written of them."""
 
 import contextlib
 import re
@@ -26,8 +25,7 @@ ADDRESS = re.compile(r"(tcp|tls|ucx|ws|wss)://\S+:\d+/?")
 
 
 class Study:
-    """A study as a command: its ``questions`` (``solvers.study.executors.Question``), how a worker process measures a
-    row of each, how one that was kept is checked, and the ``document`` of the rows."""
+    """A study as a command: ``questions`` are its rows to measure, ``document`` writes what was measured."""
 
     SCENE: ClassVar[type[Scene]]
     TIMED: ClassVar[bool] = True  # whether rows have times, for the sake of which one runs after the other
@@ -45,8 +43,7 @@ class Study:
         raise NotImplementedError
 
     def document(self, rows: list[dict]) -> int:
-        """Write what the rows say: those of the plan, in its order, then those of an earlier one in the directory. The
-        exit status."""
+        """Writes tables of the rows, those of the plan first; returns the exit status."""
         raise NotImplementedError
 
     def execute(self) -> int:
@@ -96,8 +93,7 @@ class Study:
 
     def write(self, figures: Mapping[str, Callable], values: Any, files: Callable[[list[str]], Mapping[str, str]],
               printed: str = "") -> int:
-        """Draw ``values`` in every way, and write the ``files`` (texts by name, made of the pictures' names), of which
-        one may be ``printed``. The exit status: whether all pictures are there."""
+        """Draws ``values``, writes the ``files``, of which one may be ``printed``, and returns the exit status."""
         drawn, status = draw(figures, values, self._put, self.out, "the rows are fine")
         for name, text in (texts := files(drawn)).items():
             self._put(name, text.encode())
@@ -113,8 +109,7 @@ class Study:
         return self.workers or (1 if self.TIMED else usual_processes())
 
     def _rows(self, tasks: Sequence["Question"]) -> list[dict] | None:
-        """The rows of the tasks in their order, then those of an earlier study in the directory; what is not there
-        yet is run. None if the place where rows run was lost on the way."""
+        """Runs the rows that are missing; returns all rows, the tasks' first, or None if the executor was lost."""
         with contextlib.ExitStack() as stack:
             place = stack.enter_context(contextlib.closing(self._place()))
             try:
@@ -132,11 +127,8 @@ class Study:
         """Where rows run."""
         from solvers.study.executors import Cluster, LocalExecutor, NoCluster
         try:
-            return (
-                LocalExecutor(self._workers(), self.WORK)
-                if self.scheduler is None
-                else Cluster(self.scheduler, self.WORK)
-            )
+            return LocalExecutor(self._workers(), self.WORK) if self.scheduler is None else \
+                Cluster(self.scheduler, self.WORK)
         except NoCluster as error:
             raise BadInput("scheduler", self.scheduler, str(error)) from None
 

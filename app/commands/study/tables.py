@@ -64,10 +64,8 @@ class Tables(Study):
 
     def _tables(self) -> list[Table]:
         estimators = {name: problem.estimators for name, problem in PROBLEMS.items()}
-        return [
-            paper_tables.make(number, estimators)
-            for number in (paper_tables.NUMBERS if self.table == "all" else (self.table,))
-        ]
+        numbers = paper_tables.NUMBERS if self.table == "all" else (self.table,)
+        return [paper_tables.make(number, estimators) for number in numbers]
 
     def stages(self, tasks: Sequence[Task]) -> Iterable[Sequence[Task]]:
         return [[task for task in tasks if not task.repeats], *([task] for task in tasks if task.repeats)]

@@ -54,8 +54,7 @@ class PlanarSlowStage(SlowStage):
             self._sketch.line(starts, stops, DOMAINS)
 
     def _functions(self, scene: Scene, a: StepBreakdown, s: float) -> None:
-        """A weight is a product of a function of x and one of y, which stand below and on the left; CPDI reads the
-        grid's own at the corners of its domain."""
+        """A weight is a product of a function of x and one of y; CPDI's are read at the corners of its domain."""
         cpdi = scene.method == "cpdi"
         feet = a.place[0] + 2 * np.array(CORNERS) @ a.edges[0] if cpdi else a.place[:1]
         for axis in range(2):

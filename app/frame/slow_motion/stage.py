@@ -252,8 +252,7 @@ class SlowStage(ABC):
 
 
 def shape(distance: np.ndarray, reach: float) -> np.ndarray:
-    """The hat function at a distance from its node, averaged over ``reach`` to either side, both in cells; with 1/2 it
-    is the quadratic B-spline."""
+    """Returns the hat function averaged over ``reach`` to either side, in cells; with 1/2 it is the B-spline."""
     if reach < 1e-9:
         return np.maximum(0.0, 1 - np.abs(distance))
 

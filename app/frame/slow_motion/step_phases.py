@@ -42,8 +42,7 @@ MOTION = {
 
 @dataclass(frozen=True)
 class Column:
-    """A number of each node (n,) or a vector (n, D), with the unit that it has after ``scale``; its ``name`` is put
-    into the visitor's language where it is said."""
+    """A number (n,) or vector (n, D) of each node, with its unit after ``scale`` and a translatable ``name``."""
 
     name: str
     unit: str
@@ -64,9 +63,8 @@ ACCELERATION = Column(lazy("acceleration a"), "m/s²", lambda a: a.acceleration)
 
 @dataclass(frozen=True)
 class Phase:
-    """``words`` is the equation, ``columns`` the nodes' numbers, the first ``drawn`` of them beside the nodes too;
-    ``front`` has the lines about the particle in front. The ``title`` is put into the visitor's language where it is
-    said."""
+    """One phase of a step: its equation in words, the nodes' numbers, of which the first ``drawn`` stand beside them,
+    and lines about the particle in front; the ``title`` is translatable."""
 
     title: str
     words: Callable[[Scene], str]

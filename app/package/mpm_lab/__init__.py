@@ -20,8 +20,7 @@ HOME = next(folder for folder in (HERE / "packages", *HERE.parents) if (folder /
 
 
 def take(name: str) -> None:
-    """Import one of the four folders from its place. What is found first under a name in a process is it for all who
-    ask; where that is another's, ImportError says so."""
+    """Imports one of the four folders from its place; ImportError if another package has its name already."""
     sys.path.insert(0, str(HOME))
     try:
         found = importlib.import_module(name)

@@ -17,8 +17,7 @@ SLOTS = Slots(MOST_JOBS)
 
 @dataclass(frozen=True)
 class JobStatus:
-    """How a job goes. ``kind`` is "" before the first; the last one's outcome stays until the next. ``trouble`` is a
-    sentence about what went wrong."""
+    """The state of a job, or of the last one; ``kind`` is "" before the first, ``trouble`` what went wrong."""
 
     kind: str = ""
     running: bool = False
@@ -40,12 +39,6 @@ class Background(ABC, Generic[S]):
         self._pool: WorkerPool | None = None  # of one process, while a job runs
         self._closed = False
         self.status = idle
-
-    @property
-    def process_id(self) -> int | None:
-        """Of the process that runs, if one does."""
-        pool = self._pool
-        return next(iter(pool.process_ids), None) if pool else None
 
     @property
     def others(self) -> bool:

@@ -31,8 +31,8 @@ LAST = len(PHASES) - 1
 
 
 class SlowMotion:
-    """The mode of one visitor. While it is ``on`` the run rests; while it is ``showing`` a step, the ordinary stage is
-    to be hidden, and ``on_view`` is called when that changes. It ends when something else moves the run on."""
+    """The mode of one visitor: while ``on`` the run rests, while ``showing`` a step replaces the ordinary stage;
+    ``on_view`` is called when that changes. It ends when something else moves the run on."""
 
     def __init__(self, client: viser.ClientHandle, canvas: Canvas, session: Session, on_view: Callable[[], None]):
         self._client, self._canvas, self._session, self._on_view = client, canvas, session, on_view
@@ -75,7 +75,7 @@ class SlowMotion:
             self._text = gui.add_html("")
         self._box.on_update(lambda event: self._switch(event.target.value) if event.client else None)
         buttons.on_click(lambda event: acts[event.target.value]())
-        seconds.on_update(lambda event: self._pace(event.target.value))
+        seconds.on_update(lambda event: setattr(self, "_seconds", event.target.value))
         self._particle.on_update(lambda event: self._again() if event.client else None)
 
     def follow(self, report: FrameReport) -> None:
@@ -134,9 +134,6 @@ class SlowMotion:
             self._walking = walking
             if walking and not self.on:
                 self._enter()
-
-    def _pace(self, seconds: float) -> None:
-        self._seconds = seconds
 
     def _again(self) -> None:
         """The same step, around another particle."""
@@ -199,8 +196,7 @@ class SlowMotion:
 
 
 class SlowStep:
-    """The step that is shown (:class:`~app.page.display_source.Source`), on a stage of its own. What is said is of its
-    phase; the numbers are those of the ``run`` that rests meanwhile, which is drawn where nobody sees it."""
+    """The step shown, a source with a stage of its own and the numbers of the ``run`` that rests meanwhile."""
 
     def __init__(self, slow: SlowMotion, run: Source):
         self._slow, self._run = slow, run

@@ -1,5 +1,4 @@
-"""What the browser keeps for its visitor (``browser_store.js``): the state in its address, and answers to lessons; and
-what it says by itself (``window.js``): how much of its window is free for what is drawn, and what its keys ask for."""
+"""What the browser keeps (``browser_store.js``), state and answers, and says (``window.js``): free room and keys."""
 
 import json
 import threading
@@ -41,15 +40,13 @@ class BrowserStore:
         self._text.on_update(lambda _: self._hear_all())
 
     def listen(self, on_link: Callable[[str], None], on_answers: Callable[[str, str], None]) -> None:
-        """From now on, and to what has been said before: to the state that the address has, and to a lesson's name and
-        its kept answers."""
+        """Listens from now on, and to what was said before: the address's state, a lesson's name and kept answers."""
         self._on_link, self._on_answers, self._listening = on_link, on_answers, True
         self._act(self._early)
 
     @contextmanager
     def keep_after(self) -> Iterator[None]:
-        """Around a change of several parts: the browser keeps nothing of what is there in between, for who then reloads
-        the page or goes to another language would lose the rest."""
+        """Keeps nothing of the states within a change of several parts, which a reload would otherwise bring back."""
         self._changing = True
         try:
             yield
@@ -69,8 +66,7 @@ class BrowserStore:
             self._mark.content, self._kept = content, link
 
     async def _take(self, _: viser.GuiEvent) -> None:
-        """Called in the very turn in which a message has come: when a thread has been found to hear it, on a busy
-        machine, the next one may have taken its place in the text."""
+        """Handles a message in its very turn, before the next one can take its place in the text."""
         self._waiting.append(self._text.value)
 
     def _hear_all(self) -> None:
@@ -112,8 +108,7 @@ LETTERS = 12.0  # pixels, as high as letters on the stage usually are
 
 @dataclass(frozen=True)
 class LayoutMetrics:
-    """Pixels of the window: of the box that is free for the stage from x = 0 to 1, of what is left of that, of the plot
-    over time, and of the stage's letters."""
+    """Pixels of the window: the free box of the stage, what is left of it, the plot over time, and letters."""
 
     width: float = 736.0
     height: float = 358.0
@@ -124,8 +119,7 @@ class LayoutMetrics:
 
 
 class Window:
-    """One visitor's. ``on_change`` is called when its size is another one, ``on_dark`` when it is to be dark or light;
-    what the browser says may be anything."""
+    """One visitor's window: ``on_change`` gets a new size, ``on_dark`` dark or light; the browser may say anything."""
 
     def __init__(self, store: BrowserStore, on_change: Callable[[LayoutMetrics], None],
                  on_dark: Callable[[bool], None]):
@@ -148,8 +142,7 @@ class Window:
 
 
 def follow_keys(store: BrowserStore, acts: Mapping[str, Callable[[], None]]) -> None:
-    """Do one of the ``acts`` when the browser says its name, for keys that no button stands for (``js/keys.js``); what
-    else it says means nothing."""
+    """Does one of the ``acts`` when the browser says its name (``js/keys.js``)."""
     def act(said: Any) -> None:
         if isinstance(said, str) and said in acts:
             acts[said]()

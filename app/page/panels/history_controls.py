@@ -1,5 +1,4 @@
-"""Looking back and closer: a slider through the last frames, the traced particle, how much the plots show, and what is
-drawn: how estimate and truth are compared and coloured, and the particles' domains."""
+"""Looking back and closer: the slider through frames, the traced particle, and how halves and domains are drawn."""
 
 from collections.abc import Callable
 
@@ -120,8 +119,7 @@ def _hint(frames: int, periods: float) -> str:
 
 
 class DrawingOptions:
-    """Widgets of one visitor. ``part`` gives room for a control that a lesson may do without; ``on_view`` is called
-    when the drawing changes."""
+    """One visitor's widgets; ``part`` gives room for one that a lesson may hide, ``on_view`` redraws."""
 
     def __init__(self, session: Session, scale: ColourScale, looking: HistoryControls, on_view: Callable[[], None]):
         self._session, self._scale, self._looking, self._on_view = session, scale, looking, on_view

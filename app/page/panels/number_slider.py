@@ -24,8 +24,7 @@ NO_NUMBER = lazy("{name}: '{typed}' is not a number above 0; give one such as {e
 
 @dataclass(frozen=True)
 class Size:
-    """What the number is: name, unit, the reach of its slider, the default, which the slider meets exactly, a hint, and
-    plain ``words`` beside the name. The style may lay the two widgets elsewhere by the name of a ``place``."""
+    """The number: name, unit, slider's reach, default, hint, and ``words`` beside it; ``place`` is for the style."""
 
     name: str
     unit: str
@@ -37,8 +36,7 @@ class Size:
 
 
 class SizeControl:
-    """Two widgets that show one number. ``act`` is called with a number that the visitor has set; text that is none is
-    refused in a sentence. What cannot be goes back to what is."""
+    """Two widgets for one number; ``act`` gets what the visitor sets, and what is refused goes back."""
 
     def __init__(self, gui: viser.GuiApi, bound: SceneWidgets, size: Size, value: float, act: Callable[[float], None]):
         self._bound, self._size, self._act = bound, size, act

@@ -35,8 +35,7 @@ def _web(folder: str, ending: str) -> str:
 
 
 def ground() -> str:
-    """What the html that a browser loads first has of ours: all style, the page's own frame, the scripts, and what
-    these say in the language that is spoken."""
+    """Returns what the first html of a browser has of ours: style, frame, scripts and their texts."""
     words = json.dumps(catalogue(language()).of_files("app/page/web/js/"), ensure_ascii=False).replace("<", "\\u003c")
     frame = rendered(WEB / "ground.html", mark=MARK, languages=links())
     return f"<style>\n{faces()}{_web('css', 'css')}</style>\n{frame}" \
@@ -62,8 +61,7 @@ def links() -> str:
 
 
 def mark(gui: viser.GuiApi, *names: str, words: str = "") -> viser.GuiHtmlHandle:
-    """A mark with names, for the widget that is made next. ``words`` are written beside its label, or at the right of a
-    folder's (``js/beside.js``); set the handle's content to :func:`marked` for others."""
+    """Marks the next widget with names, and ``words`` beside its label; :func:`marked` changes the mark."""
     return gui.add_html(marked(*names, words=words))
 
 
@@ -77,8 +75,7 @@ PRESENT, END = lazy("Present"), lazy("End")
 
 
 class PresentationMode:
-    """A button that turns the view on and off; so do Escape and an address that ends in ``?present`` (``present.js``).
-    The style (``70-present.css``) follows a mark in the page."""
+    """A button for the presenter's view, as are Escape and an address with ``?present`` (``present.js``)."""
 
     def __init__(self, gui: viser.GuiApi):
         self.on = False
@@ -110,8 +107,7 @@ TITLES = {problem: kind.scene.TITLE for problem, kind in PROBLEMS.items()}
 
 
 class ProblemButtons:
-    """One visitor's; in a narrow window the dropdown is there in their place. ``choose`` is called with the name of
-    another problem."""
+    """One visitor's buttons, in a narrow window a dropdown; ``choose`` gets the name of another problem."""
 
     def __init__(self, gui: viser.GuiApi, store: BrowserStore, choose: Callable[[str], None]):
         self._html, self._choose = gui.add_html(""), choose

@@ -60,8 +60,7 @@ class Plots:
         self.have((), LEAST_HEIGHT, False, False)
 
     def have(self, estimators: tuple[str, ...], height: int, traced: bool, pinned: bool) -> None:
-        """Have a line for each of these estimators, and a pinned run's in grey, in plots of this height in pixels; one
-        of them of a traced particle."""
+        """Makes plots of this height in px with a line for each estimator and a pinned run; one is of a trace."""
         wanted = estimators, pinned
         if wanted not in self._sets:
             self._sets[wanted] = self._build(estimators, height, pinned)
@@ -125,7 +124,7 @@ class Plots:
                 grey: Sequence[np.ndarray] = ()) -> tuple[list[np.ndarray], str]:
         """Errors in ``grey``, the true and every estimated one, counted in a power of ten of the unit, and its name."""
         true = series[f"error_{quantity}"]
-        estimated = [_bounded(series[f"{name}/estimate_{quantity}"], true) if name in valid
+        estimated = [bounded(series[f"{name}/estimate_{quantity}"], true) if name in valid
                      else np.full(len(true), np.nan) for name in self._estimators]
         errors = [*grey, true, *estimated]
         power = power_of_ten(max(largest(values) for values in errors))
@@ -176,8 +175,7 @@ class Plots:
 
 def grey_curves(pinned: PinnedRun | None, history: RunSeries, series: dict[str, np.ndarray], quantity: str,
                 drawn: str | None, latest: bool) -> list[list[np.ndarray]]:
-    """A pinned run's curves in each of the three plots, at the times of the other run's ``series``: norms of its true
-    and estimated error, index, crossings. Where the periods differ, at the same number of them."""
+    """Returns a pinned run's norms, index and crossings at the times, or period numbers, of ``series``."""
     if pinned is None:
         return [[], [], []]
     run, estimator = pinned.history, pinned.estimator(drawn)
@@ -191,7 +189,7 @@ def grey_curves(pinned: PinnedRun | None, history: RunSeries, series: dict[str, 
         ended = times > stretch * own[-1] + APART * history.scene.period
         return np.where(ended, np.nan, np.interp(times, stretch * own, values))
 
-    estimated = _bounded(theirs.get(f"{estimator}/estimate_{quantity}", np.full(len(true), np.nan)), true)
+    estimated = bounded(theirs.get(f"{estimator}/estimate_{quantity}", np.full(len(true), np.nan)), true)
     time = series["time"]
     return [[put(time, own, true), put(time, own, estimated)],
             [put(time, own, theirs.get(f"{estimator}/index_{quantity}", none))],
@@ -214,7 +212,7 @@ def _marks(label: str, colour: str, size: float) -> uplot.Series:
             "points": {"show": True, "size": size, "fill": colour, "stroke": colour}}
 
 
-def _bounded(estimated: np.ndarray, true: np.ndarray) -> np.ndarray:
+def bounded(estimated: np.ndarray, true: np.ndarray) -> np.ndarray:
     """An estimate that has lost its way is drawn at the edge of the plot instead of flattening the truth."""
     truth = largest(true)
     return np.minimum(estimated, BEYOND * truth) if truth > 0 else estimated
@@ -230,8 +228,7 @@ def finite(time: np.ndarray, *values: np.ndarray) -> tuple[np.ndarray, ...]:
 
 
 def _time_unit(end: float, scene: Scene) -> tuple[str, float]:
-    """What times until ``end`` in s are counted in, in words, and how many of them a second has: periods, as all texts
-    do, but where nothing swings."""
+    """Returns in what times until ``end`` in s are counted, and how many a second has: periods if it swings."""
     if scene.swings:
         return tr("t in periods"), 1 / scene.period
     unit, size = next((unit, size) for unit, size, shortest in _TIMES if end >= shortest or end <= 0)
@@ -243,7 +240,6 @@ def _time_label(of_time: str) -> str:
 
 
 def _heading(text: str, hint: str = "", remark: str = "", kind: str = "") -> str:
-    """A plot's title with what it means for who rests on it, and below why it is empty; one of ``kind`` "lab-presented"
-    stays in the presenter's view. Not the plot's own: the viewer builds a plot anew when it changes."""
+    """Titles a plot, with a hint and why it is empty; not the plot's own title, which the viewer builds anew."""
     below = f"<br><span>{remark}</span>" if remark else ""
     return f"<div class='lab-heading {kind}' title='{escape(tr(hint) if hint else '')}'>{text}{below}</div>"

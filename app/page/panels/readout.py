@@ -1,5 +1,4 @@
-"""All numbers of a run: each estimator beside the truth, where the error is worst, and the run itself; and what lines
-and columns mean, for who rests on them."""
+"""All numbers of a run: each estimator beside the truth, the worst regions, the run itself, and hints."""
 
 import html
 import json
@@ -59,8 +58,7 @@ DRAG = lazy("drag a rectangle on the stage")
 
 @dataclass(frozen=True)
 class Readout:
-    """Html: the table of the ``errors`` by each judge, and what there is ``beside`` it; for their cards the same as
-    :func:`judged` has it."""
+    """Html tables of the ``errors`` by judge and of the rest, ``beside``; ``judged`` is for the judges' cards."""
 
     errors: str
     beside: str
@@ -141,14 +139,10 @@ def _run(session: Session, history: History, report: FrameReport, series: dict[s
     rows += [
         ("steps", tr("{steps:,} of {length}", steps=report.step, length=with_unit(scene.time_step, "s"))),
         ("solver", tr("{rate:.1f} M particle-steps/s on {arch}", rate=report.rate, arch=html.escape(report.arch))),
-        *(
-            [("verdict", html.escape(translate_message(report.reason)))]
-            if report.status == OK and report.reason
-            else []
-        ),
+        *([("verdict", html.escape(translate_message(report.reason)))] if report.status == OK and report.reason
+          else []),
         *([("unseen", html.escape(translate_message(report.not_checked)))] if report.not_checked else []),
-        ("region", html.escape(probed or tr(DRAG))),
-    ]
+        ("region", html.escape(probed or tr(DRAG)))]
     hints = {**{line.name: line.hint for line in lines.values()}, **HINTS}
     return table("".join(f"<tr title=\"{html.escape(tr(hints[name]) if hints[name] else '')}\">"
                          f"<td>{html.escape(tr(name))}</td>\n<td>{text}</td></tr>\n" for name, text in rows), "lab-run")
@@ -167,8 +161,7 @@ def _goals(report: FrameReport, drawn: str | None) -> Iterator[tuple[str, str]]:
 
 
 def _found(name: str, line: Line, series: dict[str, np.ndarray]) -> str:
-    """What an effect has found so far, in html; nothing where nothing is known. Numbers with bounds have their lights
-    before."""
+    """Returns what an effect has found so far as html, numbers with bounds after their lights; "" if unknown."""
     numbers, values = ALL[name].numbers, ALL[name].values(series) if len(series.get("time", ())) else {}
     if all(value is None for value in values.values()):
         return ""

@@ -1,5 +1,4 @@
-"""What a run is made of, always there: method, cells, particles in a cell, amplitude, modulus and time step. A method
-is shown by the weight that a particle has at a node, over its place."""
+"""Widgets that are always there: method, with a picture of its weights, cells, particles, amplitude, modulus, step."""
 
 from collections.abc import Callable
 from html import escape
@@ -136,10 +135,7 @@ class RunWidgets:
         self._bound.follow(self._auto, automatic)
 
     def refresh(self) -> None:
-        """Show the step that "auto" makes of the present scene, and its method: other settings change them.
-
-        Once for each: a slider that is set while the visitor moves it would forget where to.
-        """
+        """Shows the "auto" step and the method of the present scene, each only when it has changed."""
         scene = self._session.scene
         if scene.dt == AUTO and scene.courant_number != self._shown_step:
             self._shown_step = scene.courant_number
@@ -150,8 +146,7 @@ class RunWidgets:
 
 
 def weights(method: str) -> tuple[np.ndarray, np.ndarray]:
-    """Places (S,) in cells from a node, and the weight (S,) there of a particle of a method. CPDI takes the hat at the
-    corners of its domain, the other methods that average do so over the whole of it."""
+    """Returns places (S,) in cells from a node and a particle's weights (S,) there by a method."""
     at = np.linspace(-REACH, REACH, POINTS)
     half = np.full_like(at, STRETCHED if method in FOLLOWS else HALF_WIDTH)
     if method == "cpdi":
@@ -167,8 +162,7 @@ def _weight(method: str, at: np.ndarray, half_width: np.ndarray) -> np.ndarray:
 
 
 def pictures(methods: tuple[str, ...], chosen: str) -> str:
-    """Html of a picture for each method, the ``chosen`` one marked. For pointers only: who hears the page, or has keys,
-    takes the dropdown above, which says the same."""
+    """Returns a picture for each method, the ``chosen`` one marked; for pointers, as the dropdown says the same."""
     def name(method: str) -> str:
         return tr(NAMES[method]) if method in NAMES else (METHODS[method].name if method in METHODS else method)
 

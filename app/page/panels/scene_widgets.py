@@ -1,5 +1,4 @@
-"""Widgets that are bound to the session: what a visitor changes is wished of the scene, and waits for a compiler; and
-what is said under the control that was changed last: that its wish is being compiled, or why it cannot be met."""
+"""Widgets bound to the session, and what is said under the one changed last: compiling, or why refused."""
 
 import functools
 import threading
@@ -74,8 +73,7 @@ def _said(widget: Any, kind: str, sentence: str) -> str:
 
 
 class SceneWidgets:
-    """Makes them for one visitor. Callbacks run side by side: they take ``turn``, so that what is read last is asked
-    for last, and so do those who make the widgets anew."""
+    """Makes the widgets of one visitor; callbacks take ``turn``, so that the last change read is asked for last."""
 
     def __init__(self, gui: viser.GuiApi, session: Session, answers: Answers, turn: threading.RLock):
         self._gui, self._session, self._answers = gui, session, answers
@@ -97,8 +95,7 @@ class SceneWidgets:
             act()
 
     def in_turn(self, act: Callable[..., None]) -> Callable[..., None]:
-        """``act``, for a widget of now to call: it waits for its turn, and does nothing if the widget has gone by then,
-        for what it would change has gone too."""
+        """Returns ``act`` as a callback that waits for its turn and does nothing once its widget has gone."""
         made = self._made
 
         def acted(*arguments: Any) -> None:
@@ -119,8 +116,7 @@ class SceneWidgets:
             self.follow(box, lambda _: session.set(**{field: tuple(name for name, b in boxes.items() if b.value)}))
 
     def follow(self, widget: Any, act: Callable[[Any], None]) -> None:
-        """Call ``act`` with the widget's value whenever the visitor has changed it, for one widget at a time. A value
-        that the session refuses goes back to the one before."""
+        """Calls ``act`` with each value that the visitor sets; one that is refused goes back to the one before."""
         met = [widget.value]
 
         def wish(value: Any) -> None:
@@ -142,8 +138,7 @@ class SceneWidgets:
         widget.on_update(changed)
 
     def ask(self, widget: Any, act: Callable[[], None], back: Callable[[], None]) -> bool:
-        """Do what a widget asks for, and whether the session has not refused it: then ``back`` has the widget show
-        again what is, when the visitor's hand has come to rest."""
+        """Does what a widget asks for; returns whether it was not refused, else ``back`` resets the widget."""
         before = self._session.refused
         act()
         refused = self._session.refused
@@ -163,8 +158,7 @@ class SceneWidgets:
         self.follow(widget, lambda shown: self._session.set(**{field: codes.get(shown, shown)}))
 
     def formula(self, field: str, label: str, hint: str) -> None:
-        """A text for a formula of the scene. While it is typed what is wrong with it is said below; it counts when the
-        visitor is done with it, and stays where it is refused."""
+        """Makes a text for a formula of the scene, checked while it is typed and applied when it is finished."""
         mark(self._gui, "lab-formula")
         text = self._gui.add_text(tr(label), getattr(self._session.scene, field), hint=tr(hint))
         allow(text, MOST_CHARACTERS)
@@ -178,11 +172,10 @@ class SceneWidgets:
                 sentence = translate_message(error.sentence)
                 said.content = f"<p class='lab-formula-says'>{escape(sentence[:1].upper() + sentence[1:])}.</p>"
 
-        self.heed(text, check)
-
         def wish() -> None:
             self.ask(text, lambda: self._session.set(**{field: text.value}), lambda: None)
 
+        self.heed(text, check)
         self.on_enter(text, wish)
 
     def sliders(self, sliders: Mapping[str, LinearSlider]) -> None:
@@ -197,8 +190,7 @@ class SceneWidgets:
         self._session.set(**{field: value})
 
     def motions(self, move: Callable[[Scene, str | None, float | None], None]) -> None:
-        """A dropdown of what the problem does, where it can do several things; ``move`` gets another motion's scene,
-        and the quantity and the speed that it begins with, None for no change and for the usual."""
+        """Makes a dropdown of the problem's motions; ``move`` gets a scene, and a quantity and speed or None."""
         scene = self._session.scene
         motion = VIEWS[scene.problem].motion
         if motion is None:

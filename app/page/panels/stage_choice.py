@@ -143,8 +143,7 @@ INDEX = lazy("error index: estimated over true, summed over the run so far; pric
 
 
 class EstimatorCards:
-    """Widgets of one visitor. One of the estimators that run is on the ``stage``; a click on a card's name puts it
-    there (``js/judges.js``)."""
+    """One visitor's cards of estimators; a click on a name puts one of those that run on the ``stage``."""
 
     def __init__(self, gui: viser.GuiApi, session: Session, stage: StageChoice, bound: SceneWidgets,
                  store: BrowserStore):

@@ -34,8 +34,7 @@ TWO, ONE = (FILTER, COUPLED), (FROZEN,)  # remedies that go together, and what t
 
 @dataclass(frozen=True)
 class Card:
-    """A button: its ``key`` comes back when it is pressed. It has been pressed before where it is ``done``, and cannot
-    be pressed now where it is ``off``."""
+    """A button; ``key`` comes back when it is pressed, ``done`` means pressed before, ``off`` cannot be pressed."""
 
     key: str
     icon: str
@@ -89,17 +88,15 @@ WHOLE = 1e-9  # by which rounding may keep a run from its last period
 
 
 class Suggestions:
-    """Those of one visitor. ``show`` puts a state on the stage; ``seek`` pauses and looks back to a time in s, if that
-    is kept, and says whether it is."""
+    """One visitor's sparks; ``show`` puts a state on the stage, ``seek`` looks back to a time in s if that is kept."""
 
     def __init__(self, gui: viser.GuiApi, session: Session, state: Callable[[], State], show: Callable[[State], None],
                  seek: Callable[[float], bool]):
         self._session, self._state, self._show, self._seek = session, state, show, seek
         self._html = gui.add_html("")
         self._done: set[str] = set()
-        self._asked: tuple[Suggestion, State, State] | None = (
-            None  # a spark, what was on the stage, and what it put there
-        )
+        # A spark, what was on the stage, and what it put there.
+        self._asked: tuple[Suggestion, State, State] | None = None
         self._answers: dict[str, Answer] = {}  # by quantity
         self._ways: dict[str, Callable[[], None]] = {}  # out of a run that is lost
 
@@ -163,9 +160,8 @@ class Suggestions:
                 offer = spark.offer(base)
                 cards.append(Card(spark.key, spark.icon, offer.title, offer.hint, done))
             except NotNow as reason:
-                cards.append(
-                    Card(spark.key, spark.icon, tr(spark.title), translate_message(str(reason)), done, off=True)
-                )
+                why = translate_message(str(reason))
+                cards.append(Card(spark.key, spark.icon, tr(spark.title), why, done, off=True))
         return cards
 
     def _base(self) -> State:

@@ -1,5 +1,4 @@
-"""The error over time below the stage: curves of the viewer's, and round them, as html, all that is to be read of them:
-the axis, where the run is, how far one can look back, since when it is lost and how often particles cross cells."""
+"""The error over time below the stage: curves, and as html the axis, the present, the reach back and crossings."""
 
 import json
 from collections.abc import Sequence
@@ -12,9 +11,9 @@ from viser import uplot
 
 from app.colours import LINES, PINNED
 from app.frame.captions import TRUE
-from app.frame.colour_scale import BEYOND, largest, round_up
+from app.frame.colour_scale import largest, round_up
 from app.language.translation import lazy, tr
-from app.page.panels.plots import EMPTY, finite, grey_curves, line, put
+from app.page.panels.plots import EMPTY, bounded, finite, grey_curves, line, put
 from app.page.visit.history import RunSeries
 from app.page.visit.pinned_run import PinnedRun
 from app.words import QUANTITIES, in_periods, with_unit
@@ -32,8 +31,7 @@ UNSTABLE, LOST = lazy("unstable from {time} on"), lazy("lost from {time} on")
 
 @dataclass(frozen=True)
 class Now:
-    """Where the run is, at a ``time`` in s, over which frames one can look back, ``reach`` in s, whether it is
-    ``playing``, and since when it is ``lost``, or ``unstable``."""
+    """The ``time`` in s, the ``reach`` in s of looking back, whether it plays, and since when it is ``lost``."""
 
     time: float
     reach: tuple[float, float]
@@ -81,9 +79,7 @@ class Timeline:
         time = series["time"]
         grey = grey_curves(pinned, past, series, quantity, drawn, latest)[0]
         true = series[f"error_{quantity}"]
-        # An estimate that has lost its way is drawn at the edge of the plot instead of flattening the truth.
-        most = BEYOND * largest(true) if largest(true) > 0 else np.inf
-        estimated = [np.minimum(series[f"{name}/estimate_{quantity}"], most) if name in valid
+        estimated = [bounded(series[f"{name}/estimate_{quantity}"], true) if name in valid
                      else np.full(len(time), np.nan) for name in self._estimators]
         top = self._scaled(past, (quantity, latest), time, [*grey, true, *estimated])
         start, end, _ = self._ends or (0.0, 1.0, 1.0)

@@ -15,6 +15,7 @@ from time import monotonic
 import numpy as np
 import viser
 
+from app.frame.layout import Rectangle
 from app.frame.primitives import Lines, in_plane, joined
 from app.frame.stage import Stage
 from app.language.translation import lazy, tr
@@ -26,8 +27,6 @@ from solvers.engine.shared_frames import FrameArrays
 FIELD_OF_VIEW = math.radians(4.0)
 SETTLE_SECONDS = 1.5
 REPEAT_SECONDS = 0.5
-
-Rectangle = tuple[float, float, float, float]
 
 
 class FlatCamera:

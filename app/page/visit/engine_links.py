@@ -58,8 +58,7 @@ class _Told:
         self._listener, self._language = listener, language()
 
     def __getattr__(self, name: str) -> Any:
-        said = vars(self)[name] = with_language(getattr(self._listener, name),
-                                                self._language)  # and not asked for again
+        said = vars(self)[name] = with_language(getattr(self._listener, name), self._language)  # not asked for again
         return said
 
 

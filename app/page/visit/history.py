@@ -22,8 +22,7 @@ ROOM = 2 * MOST_ROWS  # rows of a table: it is copied when it is full, not with 
 
 
 class DownsampledSeries:
-    """Keeps every so many-th of the rows that are added, or of those in the ``last`` seconds. One thread adds, any may
-    read :attr:`series`."""
+    """Keeps every so many-th row, or those of the ``last`` seconds. One thread adds, any may read :attr:`series`."""
 
     def __init__(self, last: float = math.inf):
         self._last, self._seen, self._stride = last, 0, 1
@@ -87,8 +86,7 @@ class RunSeries:
         """Append what waits for a reader, where anything does."""
 
     def crossings_per_second(self, series: dict[str, np.ndarray]) -> tuple[np.ndarray, np.ndarray]:
-        """Times and grid crossings per second of simulated time, each over a twentieth of a period or more, from
-        :attr:`series` or :attr:`latest`."""
+        """Returns times and grid crossings per s of simulated time, over a twentieth of a period or more."""
         if len(series.get("time", ())) < 2:
             return np.zeros(0), np.zeros(0)
         time, count = series["time"], series["crossings"]

@@ -14,8 +14,7 @@ from solvers.solver.samples import QUANTITIES
 
 
 class TracedParticle(RunSeries):
-    """A particle of one run, by its number, and what frames said of it. Its series are called as those of a history are
-    (``app.page.visit.history``), with the sizes of its own errors in place of norms."""
+    """A particle of one run over time: series as of :class:`History`, with the sizes of its own errors."""
 
     def __init__(self, particle: int, frames: Sequence[Frame]):
         report, arrays = frames[-1]
@@ -68,8 +67,7 @@ class Trace:
         self._next: int | None = None  # to be followed in the next run
 
     def choose(self, particle: int | None, in_next_run: bool = False) -> None:
-        """Follow a particle, from the earliest frame that is remembered, or from the next run's first; None follows
-        none."""
+        """Follows a particle from the earliest frame that is kept, or from the next run's first; None ends it."""
         with self._lock:
             frames = () if in_next_run else self._recent.frames
             self._next = particle if in_next_run else None

@@ -15,8 +15,7 @@ from solvers.solver.soundness import UNSTABLE
 
 
 class PinnedRun:
-    """A scene that stays, the last frame of it and its history. The engine keeps it together with the visitor's session
-    (:class:`~solvers.engine.engine_messages.SessionRequest`, ``partner``) and starts it again with that."""
+    """A scene that stays, its last frame and history; the engine keeps it with the session, as ``partner``."""
 
     def __init__(self, open_link: Callable[[Listener], SessionLink], scene: Scene, on_frame: Callable[[], None]):
         self.scene, self._on_frame = scene, on_frame

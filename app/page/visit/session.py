@@ -69,8 +69,7 @@ class Session:
         self._ask()
 
     def set(self, **fields: object) -> None:
-        """Ask for some fields of the scene. What cannot be is refused in words (:attr:`refused`), the present scene
-        runs on, and what was refused is wished no longer."""
+        """Asks for some fields of the scene; what is :attr:`refused` is forgotten and the present scene runs on."""
         with self._lock:
             wished = self._wished | fields
             try:
@@ -85,8 +84,7 @@ class Session:
             self._ask()
 
     def choose(self, scene: Scene, speed: float | None = None, ends: bool = False) -> None:
-        """Take a scene whole, at so many periods a second, to its end or further; what was wished of the one before is
-        forgotten."""
+        """Takes a whole scene, at so many periods a second, to its end or further; earlier wishes are forgotten."""
         with self._lock:
             if crowd := too_many(scene):
                 self.refuse(crowd)
@@ -123,8 +121,7 @@ class Session:
         return monotonic() - self._asked_at
 
     def break_down(self, particle: int | None, step: bool = True) -> int:
-        """Pause, and take one ``step`` apart around a particle, or the last one again; None asks for no more of that.
-        The number of the wish."""
+        """Pauses and takes one ``step`` apart around a particle, or the last one again; returns the wish's number."""
         with self._lock:
             self._frame = replace(self._frame, broken_down=particle)
             if particle is None:
@@ -192,8 +189,7 @@ class Session:
             self._ask()
 
     def pin(self, on_frame: Callable[[], None], scene: Scene | None = None) -> None:
-        """Have a scene, that of the run on the stage unless it is given, stay beside what is asked for from now on;
-        both begin at t = 0."""
+        """Keeps a scene, or the one on the stage, beside what is asked for from now on; both begin at t = 0."""
         with self._lock:
             shown = self.report.scene if self.report else self.scene
             scene = scene or (shown if shown.problem == self.scene.problem else self.scene)

@@ -13,8 +13,7 @@ BROKEN = 30.0  # error index from which on an estimate is no estimate
 
 @dataclass(frozen=True)
 class Notice:
-    """A sentence for the visitor. ``kind`` is "refused", "unstable", "lost", "wait" or "trouble"; one that is ``seen``
-    elsewhere, under the control that it is of, is here for screen readers only."""
+    """A sentence for the visitor; one ``seen`` elsewhere, under its control, is here for screen readers only."""
 
     kind: str
     sentence: str

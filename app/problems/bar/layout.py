@@ -1,5 +1,4 @@
-"""Where the bar's things stand: two lanes with crossings between them and the plot of the field below, along one axis;
-beside a pinned run, for each of the two a plot with its lanes below."""
+"""Where the bar's things stand: two lanes and the plot of the field below; beside a pinned run the plot above them."""
 
 from dataclasses import dataclass
 
@@ -15,8 +14,7 @@ LANE, MOST_LANE, GAP = 0.155, 96.0, 0.62  # of the height below the numbers; in 
 
 @dataclass(frozen=True)
 class BarPlaces(Places):
-    """The middles of the lanes of the estimate and the truth and how high a lane is; where the crossings are, if they
-    have a place of their own; and the lowest line of a heading."""
+    """The middles of both lanes and their height, the place of crossings, if any, and of a heading."""
 
     estimate: float
     truth: float

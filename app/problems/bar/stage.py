@@ -121,8 +121,7 @@ class BarStage(Stage[BarScene]):
 
 
 def _alike(text: str, places: BarPlaces, taken: tuple[float, float] = (0.0, 0.0)) -> Label:
-    """What lanes that are alike mean: below the lower one at its right end, or at its left one where from ``taken[0]``
-    to ``taken[1]`` something else is written."""
+    """Says what alike lanes mean, below the lower one: right, or left if ``taken`` (from, to) is written there."""
     room, below = places.room, places.truth - 0.5 * places.lane - 8 * places.room.pixel
     wide = room.extent(text + "  ")[0]
     right = taken[1] < 1 - wide

@@ -1,5 +1,4 @@
-"""How the bar is shown, beside its stage and its pictures: regions, the reach of its sliders, words about it, and
-what it asks."""
+"""How the bar is shown beside its stage and pictures: regions, the reach of sliders, texts and sparks."""
 
 import math
 from dataclasses import replace

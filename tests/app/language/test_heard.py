@@ -117,7 +117,7 @@ def test_what_nobody_knows_stays_as_it_is(sentence):
 def test_a_sentence_that_quotes_anything_takes_a_bounded_time():
     """It counts the texts that are looked up, for the clock says what else runs."""
     looked = {}
-    translator("de")._part(("has {x}, b: c (give and " * LONGEST)[:LONGEST], looked)
+    translator("de")._known(("has {x}, b: c (give and " * LONGEST)[:LONGEST], looked, 0)
     assert len(looked) == MOST_TEXTS
 
 

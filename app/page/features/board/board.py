@@ -27,8 +27,7 @@ FAILED = lazy("What came out could not be worked out.")
 
 @dataclass(frozen=True)
 class Place:
-    """What a board shows: a step, counted from 1 (0 is the beginning, one more than there are the end), what of it,
-    and whether that is not ``now`` but looked back at."""
+    """What a board shows: a step (0 is the beginning), what of it, and whether it is ``now`` or looked back at."""
 
     turn: int
     at: int
@@ -41,8 +40,7 @@ class Place:
 
 
 class Board:
-    """Of one class in one ``lesson``, or its ``core`` alone, whose runs the ``outcomes`` have. All have the lesson's
-    first set of numbers: what is shown in one picture must have been asked of all. Any thread may call."""
+    """The board of a class in one ``lesson``, or its ``core``, with the first set of numbers. Any thread may call."""
 
     def __init__(self, lesson: Lesson, outcomes: RunCache, core: bool = False):
         self.core = core and bool(lesson.deeper)
@@ -114,8 +112,7 @@ class Board:
             seat.open()
 
     def came_out(self, step: Step) -> Right | str | None:
-        """What is right in a step's question; a sentence in English where that cannot be said, None while it is worked
-        out."""
+        """Returns what is right in a step's question, a sentence if that fails, None while it is worked out."""
         run = self._rights.get(step.key)
         if run is None or not run.done():
             return None
@@ -178,8 +175,7 @@ class Board:
 
 
 class BoardSeat:
-    """A page of the visitor with this ``key``. Steps are counted as :class:`~app.lessons.student_progress.Progress`
-    counts them."""
+    """A page of the visitor with this ``key``; steps are counted as in :class:`Progress`."""
 
     def __init__(self, board: Board, key: str):
         self._board, self._key, self._gone = board, key, False

@@ -22,8 +22,7 @@ MOST = 1000  # visitors; further ones have their lesson, and are not counted: a 
 
 @dataclass
 class VisitorAnswers:
-    """Of one visitor: how many of his ``pages`` are open, the ``step`` that he has come to, what he has ``said`` that
-    counts, to which questions he came ``late``, and his own ``answers``, which all of his pages share."""
+    """One visitor's open ``pages``, ``step``, ``said`` answers that count, ``late`` questions, and own ``answers``."""
 
     pages: int = 0
     step: int = 0

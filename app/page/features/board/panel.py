@@ -28,8 +28,7 @@ OF_NO_USE = lazy("Only this computer can open this address: serve with --host 0.
 
 @dataclass(frozen=True)
 class LecturerContext:
-    """What a lecturer's page has beside that of others: the ``board``, and the ``door`` by which a class comes in, as
-    far as the server knows it."""
+    """What a lecturer's page has: the ``board`` and the ``door`` by which a class comes in."""
 
     board: Board
     door: JoinInfo
@@ -83,8 +82,7 @@ class BoardPanel:
             self._closed.wait(AGAIN)
 
     def _hear(self, said: Any) -> None:
-        """What was pressed, and at which turn of the board; of the stage, whether it is to be seen. Anything may be
-        said."""
+        """Handles what was pressed and at which turn, or whether the stage is to be seen; may be given anything."""
         if not (isinstance(said, list) and len(said) == 2 and type(said[1]) is int):
             return
         what, turn = said
@@ -106,8 +104,7 @@ def stage_of(board: Board, at: int) -> str:
 
 
 def saved(board: Board) -> str:
-    """What was answered, without names, as JSON: each question with its answers, sorted, and what came out,
-    where that has been revealed."""
+    """Returns all answers without names as JSON, by question and sorted, with what came out if revealed."""
     questions = []
     for at, step in enumerate(board.lesson.steps, 1):
         if step.question is None:

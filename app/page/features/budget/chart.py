@@ -1,5 +1,4 @@
-"""Who made the error of a run, as html: parts of it stacked over time, each cause's share, and what became of the error
-without one of them. Colours are the style's (``css/37-budget.css``)."""
+"""The error budget of a run as html: parts stacked over time, shares, and the error without a cause."""
 
 import math
 from collections.abc import Sequence
@@ -29,8 +28,7 @@ PHRASES = {"before": lazy("before"), "predicted": lazy("foretold"), "again": laz
 
 @dataclass(frozen=True)
 class BudgetData:
-    """A run with a budget: its ``name`` where there are two, its ``scene``, the ``series`` of all of it, and of what
-    plots show of it."""
+    """A run with a budget, its ``name`` beside another, its whole ``series``, and what plots show of it."""
 
     name: str
     scene: Scene
@@ -76,8 +74,7 @@ def taken_away(scene: Scene) -> str:
 
 
 def chart(runs: Sequence[BudgetData], field: str) -> str:
-    """The runs' errors of a field, stacked over time, on one scale; below, the share of each cause over the run so far.
-    A run whose budget says nothing has the reason in its place."""
+    """Returns the stacked errors of a field on one scale, with each cause's share, or why a run has no shares."""
     drawn = [run for run in runs if not run.not_valid]
     axes = _axes(drawn, field) if drawn else None
     figures = "".join(_figure(run, field, axes) if axes and not run.not_valid else
@@ -148,8 +145,7 @@ def _shares(runs: Sequence[BudgetData], field: str) -> str:
 
 
 def outcome(before: BudgetData, again: BudgetData, field: str, cause: str) -> str:
-    """The error before, as the budget of then foretold it without a cause, and of the run without it: RMS over the time
-    that both have."""
+    """Returns RMS errors before, as predicted without a cause, and without it, over the time that both runs have."""
     end = min(run.series["time"][-1] for run in (before, again)) * (1 + WHOLE)
     first, second = until(before.series, end), until(again.series, end)
     sizes = {"before": budget.rms(first, field), "predicted": budget.rms(first, field, without=cause),

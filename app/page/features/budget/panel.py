@@ -91,8 +91,7 @@ class BudgetFold:
                                pinned=None if state.pinned is None else _with_budget(state.pinned)))
 
     def show(self, numbers: Numbers, choice: Choice, studying: bool) -> None:
-        """Show what is known of a run's budget. While one is ``studying`` there is only what the lesson has asked
-        for."""
+        """Shows the budget of a run; while a lesson is ``studying`` only if the lesson has asked for it."""
         scene = self._session.scene if numbers.scene is not None else None
         own = scene is not None and EFFECT in scene.OWN_EFFECTS
         on = scene is not None and EFFECT in scene.effects
@@ -110,11 +109,8 @@ class BudgetFold:
         _see(own and taken_away(scene) != NOTHING, self._back)
         # Why there is no chart yet, or cannot be one.
         reason = next((text for text in scene.warnings() if text.startswith("error budget")), "") if own and on else ""
-        why = (
-            f"<p class='lab-budget-offer'>{escape(sentence(translate_message(reason).partition(': ')[2]))}</p>"
-            if reason
-            else ""
-        )
+        why = f"<p class='lab-budget-offer'>{escape(sentence(translate_message(reason).partition(': ')[2]))}</p>" \
+            if reason else ""
         self._offer.content = why or _offer(WAITING if on else OFFER) if own else _going(found) or _offer(ON_DEMAND)
         if choice.quantity != self._followed:  # its field is divided
             self._followed, self._drawn_at = choice.quantity, -math.inf

@@ -93,8 +93,7 @@ class Axes:
         return self.times or UNTIMED
 
     def place(self, run: NumberedRun) -> tuple[float, float]:
-        """From the left and from the top, in percent. A broken run is at the top, for its error may be anything; one
-        that was not timed alone at the left, in a band of its own."""
+        """Returns a run's place from left and top in %; a broken run is at the top, an untimed one at the left."""
         return (_percent(self.across.part(run.seconds)) if run.alone else 0.0,
                 0.0 if run.broken else _percent(1 - self.up.part(run.size)))
 
@@ -112,8 +111,7 @@ def axes(runs: Sequence[NumberedRun], tolerance: float, before: Axes | None = No
 
 
 def picture(runs: Sequence[NumberedRun], like: Sequence[NumberedRun], scene: Scene, inside: Axes) -> str:
-    """The drawing of the runs of the scene's problem; those that are not among the ones ``like`` it are faint, and its
-    own is marked."""
+    """Draws the runs of the scene's problem; those not comparable (``like``) are faint, the scene's own is marked."""
     numbers = {run.number for run in like}
     dots = [run for run in runs if run.drawable]
     best = front(like)
@@ -256,8 +254,7 @@ WORSE = 1.1  # times the error of the coarsest grid, from which on a method gets
 
 def headline(like: Sequence[NumberedRun], scene: Scene, tolerance: float, trouble: str, sweep: int,
              provisional: bool = False) -> tuple[str, str]:
-    """The answer and a second line, as html, out of the runs that can be compared with the scene. ``trouble`` is why
-    there is no tolerance, ``sweep`` the number of runs that a small sweep makes; ``provisional`` while more come."""
+    """Returns the answer and a second line as html; ``trouble`` is why there is no tolerance, ``sweep`` its runs."""
     known, of = measured(like), whole(scene)
     if not known:
         begin = tr("Begin with a small sweep of {n} runs", n=sweep)
@@ -287,8 +284,7 @@ def headline(like: Sequence[NumberedRun], scene: Scene, tolerance: float, troubl
 
 
 def line(like: Sequence[NumberedRun], scene: Scene, tolerance: float, inside: Axes | None) -> str:
-    """The line of the accuracy wanted, as a mark that the script reads: the axis, as powers of ten, the value, its
-    words, and the run that it lights up with its price."""
+    """Returns the line of the accuracy wanted, as a mark that the script reads."""
     if inside is None or not math.isfinite(tolerance):
         return "<i class='lab-cost-line'></i>"
     best, text = cheapest(like, tolerance), percent(tolerance)

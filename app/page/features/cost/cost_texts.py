@@ -27,8 +27,7 @@ NOTHING_TO_FIND = lazy("There is nothing to find in a patch test: its error is r
 ENDS = {LOST: lazy("lost"), UNSTABLE: lazy("unstable"), FAILED: lazy("failed")}  # of runs that have no error
 #: What is said of a job, of a sweep and of a search.
 STARTING = {SWEEP: lazy("Sweep: starting."), SEARCH: lazy("Search: starting.")}
-ON_THE_WAY = {SWEEP: lazy("Sweep: {done} of {total} runs."),
-              SEARCH: lazy("Search: {done} of at least {total} runs.")}
+ON_THE_WAY = {SWEEP: lazy("Sweep: {done} of {total} runs."), SEARCH: lazy("Search: {done} of at least {total} runs.")}
 DONE = {SWEEP: lazy("Sweep: {done} runs."),
         SEARCH: lazy("Search: {done} runs. It ends when none that has not been made promises to be cheaper.")}
 CANCELLED = {SWEEP: lazy("The sweep was cancelled."), SEARCH: lazy("The search was cancelled.")}

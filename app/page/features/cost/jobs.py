@@ -34,8 +34,7 @@ RESTS = 300.0  # seconds after which one that nobody has needed ends
 
 @dataclass
 class _Point:
-    """What is known of one run: as ``solvers.study.background_jobs.told`` says it, and its rates with the moments at
-    which they were taken, by whether nothing disturbed them."""
+    """What is known of one run, and its rates with the times when they were taken, by whether undisturbed."""
 
     told: dict
     rates: dict[bool, tuple[float | None, float]] = field(default_factory=dict)
@@ -61,8 +60,7 @@ class SearchCache:
                 self._questions.popitem(last=False)
 
     def known(self, question: str, quiet: bool) -> dict[str, dict]:
-        """The points of a question, for a search that nothing disturbs, or that runs beside other work: with rates that
-        were taken alike, and not too long ago; else without."""
+        """Returns the known points of a question, with the recent rates that were taken as ``quiet`` as this search."""
         with self._lock:
             since = self._now() - HOLDS
             found = self._questions.get(question, {})
@@ -84,8 +82,7 @@ class WarmWorker:
         self._timer: threading.Timer | None = None
 
     def prepare(self, question: Mapping, gives_way: bool) -> None:
-        """Have a process get ready by answering a question, unless one is, or there is no place; one that ``gives_way``
-        waits for whatever else wants a processor, now and when it is taken."""
+        """Starts a process that answers a question to get ready, if there is a place; it may give way to others."""
         pool = WorkerPool(self._work)
         if self.keep(pool):
             pool.submit(question)
@@ -154,8 +151,7 @@ def search(scene: Scene, tolerance: float, budget: float) -> SearchJob:
 
 @dataclass(frozen=True)
 class CostStatus(JobStatus):
-    """Of a "sweep" or a "search". ``total`` counts a sweep's runs, or those of a search that are certain; ``task`` is
-    what a search looks at, and ``known`` counts those of its runs that earlier searches have made."""
+    """A "sweep" or "search": ``done`` of ``total`` certain runs, ``known`` from earlier ones, and the ``task`` now."""
 
     done: int = 0
     total: int = 0
@@ -165,8 +161,7 @@ class CostStatus(JobStatus):
 
 
 class Jobs(Background[CostStatus]):
-    """What a visitor's jobs measure goes to ``runs``. Rows stay, whatever becomes of the job; what a search learns is
-    ``kept`` for those of others, too."""
+    """The jobs of a visitor, which add rows to ``runs``; what searches learn is ``kept`` for all visitors."""
 
     WORK = "solvers.study.background_jobs"
     BUSY = lazy("Other visitors' sweeps and searches keep this server busy: it does {n} at a time. Try again in a "
@@ -212,8 +207,7 @@ class Jobs(Background[CostStatus]):
         self._start(CostStatus("search"), asdict(replace(job, known=self._kept.known(self._about, quiet))))
 
     def beside(self) -> None:
-        """Something moves beside the job that runs: it gives way from now on, a search as soon as it has shown a first
-        run, for until then it has hardly begun and somebody waits for it."""
+        """Lets the job give way to something that moves beside it, a search only after its first run."""
         self._quiet = False
         if self.status.kind != "search" or self.status.done:
             self.give_way()
@@ -230,8 +224,7 @@ class Jobs(Background[CostStatus]):
 
 
 class QuietStage:
-    """Pauses a session's stage while its visitor's job runs, and lets it go on afterwards. Play stays the visitor's: a
-    stage that moves meanwhile is left alone from then on."""
+    """Pauses a session's stage while its visitor's job runs, unless the visitor lets it play."""
 
     def __init__(self, session: Session):
         self._session, self._running, self._lock = session, False, threading.Lock()

@@ -33,8 +33,7 @@ PICKED, WANTED = "<i class='lab-picked'></i>", "<i class='lab-wanted'></i>"
 
 
 class CostTab:
-    """Made inside its tab, with the chart that takes the stage's place; ``load`` puts a scene on the stage. Any thread
-    may call."""
+    """The Cost tab with its chart; ``load`` puts a scene on the stage. Any thread may call."""
 
     def __init__(self, client: viser.ClientHandle, session: Session, load: Callable[[Scene], None]):
         self._client, self._session, self._load = client, session, load

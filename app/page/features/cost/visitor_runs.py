@@ -1,6 +1,4 @@
-"""A visitor's runs, one row each, numbered: those of small sweeps, those that a search has made, and those that came to
-their end on the stage. Which of them can be compared, which none beats, and which is the cheapest that is accurate
-enough."""
+"""A visitor's numbered runs, a row each, from sweeps, searches and the stage: comparable, Pareto front, cheapest."""
 
 import functools
 import math
@@ -30,8 +28,7 @@ KNOWN = {LIVE: 0, SEARCH: 1, SWEEP: 2}  # of one scene the row with more to say 
 
 @dataclass(frozen=True)
 class NumberedRun:
-    """A row (``solvers.study.row``) with its number and where it comes from. What follows from the row is found once:
-    all runs are drawn anew with every one that is added."""
+    """A row (``solvers.study.row``) with its number and source; what follows from it is computed once."""
 
     number: int
     source: str
@@ -64,8 +61,7 @@ class NumberedRun:
 
     @property
     def seconds(self) -> float:
-        """Of the bare run where it was timed alone, of a live one those of everything that was computed; NaN if not
-        known."""
+        """The seconds of the bare run timed alone, or of everything on the stage; NaN if not known."""
         seconds = self.row.get("seconds") or {}
         return seconds.get("min") or seconds.get("full") or math.nan
 
@@ -106,8 +102,7 @@ class Runs:
         self._numbers = self.version = 0
 
     def add(self, row: dict, source: str) -> None:
-        """Take a row in. A scene that is there keeps its number and the row that says most (``KNOWN``), and a row that
-        was lost replaces none."""
+        """Adds a row; of a scene known already, only one that says as much (``KNOWN``) and has not failed."""
         key = row["key"]
         with self._lock:
             before = self._runs.get(key)
@@ -155,8 +150,7 @@ class LiveRows:
 
 
 def live_row(report: FrameReport, history: History) -> dict:
-    """A row like those of ``solvers.study.row``, with the errors up to the end of the scene. Its seconds are those of
-    all that the engine computes; the bare method's are not known."""
+    """Returns a row as in ``solvers.study.row`` up to the scene's end, with the seconds of all that was computed."""
     scene, series = report.scene, history.series
     status = report.status
     if report.since is None or report.since > scene.end_time:
@@ -197,8 +191,7 @@ def question(scene: Scene) -> dict:
 
 
 def comparable(runs: Sequence[NumberedRun], scene: Scene) -> list[NumberedRun]:
-    """Those that compute what the scene computes, by whatever method and remedies: the others' errors and times are
-    answers to another question."""
+    """Returns the runs that compute what the scene computes, by whatever method and remedies."""
     asked = question(replace(scene, remedies=()))
     return [run for run in runs if run.row["problem"] == scene.problem
             and question(replace(run.scene, remedies=())) == asked]

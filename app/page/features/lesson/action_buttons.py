@@ -1,5 +1,4 @@
-"""What a lesson tells its reader to do, as buttons that do it: "Set **Cells** to `80`" on a line of its own. The words
-are those of the language that is spoken: a lesson's own."""
+"""What a lesson asks its reader to do, such as "Set **Cells** to `80`", as buttons that do it."""
 
 import itertools
 import re
@@ -50,8 +49,7 @@ NAMES = (*FIELDS, *LOOKS, *PRESSED, ASKED)
 
 @dataclass(frozen=True)
 class Act:
-    """Such as to "Set" what is called "Cells" to "80"; what is pressed has no value. Verb and name are English, the
-    value is in the ``language`` of the text."""
+    """An instruction: verb and control in English and a value in the ``language`` of the text, or none."""
 
     verb: str
     name: str
@@ -82,8 +80,7 @@ def found(html: str) -> list[Act]:
 
 
 def with_buttons(html: str) -> str:
-    """The html with a button in the place of each act that :func:`found` gives, of the one that puts the step's run on
-    the stage, and of that which asks who made its error."""
+    """Returns html with a button for each act of :func:`found`, for the step's run, and for its error budget."""
     count = itertools.count()
 
     def button(line: re.Match[str]) -> str:
@@ -117,8 +114,7 @@ def _parts(line: re.Match[str]) -> tuple[str, str]:
 
 
 def pressed(said: object, step: int, known: Sequence[Act]) -> Act | str | None:
-    """What of the step that is shown a browser says is pressed, by the step's number and the act's, which may be
-    anything: one of the acts, or :data:`STAGE` for the step's run."""
+    """Returns the act, or :data:`STAGE`, that a browser says is pressed in the step; it may say anything."""
     if not isinstance(said, list) or len(said) != 2 or said[0] != step:
         return None
     number = said[1]

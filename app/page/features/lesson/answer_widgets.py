@@ -20,9 +20,8 @@ LOGARITHMIC = "<i class='lab-logarithmic'></i>"  # a slider whose number box wou
 
 
 class AnswerWidgets:
-    """Made where the gui stands. ``value`` is what they say now: None, or a text, where it is no answer yet. A control
-    that has been moved on the stage is answered with what the ``stage`` has. ``lang`` is html's attribute of that name
-    for what the lesson says, or ""."""
+    """Widgets for an answer: ``value`` is what they say, None or a text while that is no answer; a control's is that
+    of the ``stage``. ``lang`` is the html attribute of the lesson's language, or ""."""
 
     def __init__(self, gui: viser.GuiApi, step: Step, numbers: Numbers, answer: Any, fixed: bool,
                  stage: Callable[[], Scene], lang: str = ""):

@@ -1,5 +1,4 @@
-"""The core of a lesson on the page: what it takes, where one is in it, what marks the steps that are
-deeper, and the way through: the buttons below a step, and why the one for the next is not free yet."""
+"""The core of a lesson on the page: its duration, the marks of deeper steps, and the buttons from step to step."""
 
 from collections.abc import Callable
 

@@ -21,9 +21,8 @@ POLITE = 10  # more than the engines: marks can wait, stages cannot
 
 @dataclass(frozen=True)
 class Classroom:
-    """What all visitors of one server share: the lesson that everyone is opened on, if any, whether teacher's notes are
-    shown, what answers are marked by, and whether lessons begin with their core alone. And what each has alone: a
-    ``seat``, where a board paces the lesson."""
+    """What the visitors of a server share: the ``lesson`` opened, teacher's notes, outcomes, whether lessons begin with
+    the core; and of each visitor a ``seat``, where a board paces the lesson."""
 
     lesson: str = ""
     teacher: bool = False
@@ -39,8 +38,7 @@ class Classroom:
 
 
 class Marker:
-    """Marks answers one after the other in a thread of its own. ``marks`` are those of what was answered first, by the
-    steps' keys; a sentence stands where there can be none."""
+    """Marks answers one after the other in a thread; ``marks`` of first answers by key, or a sentence why not."""
 
     def __init__(self, outcomes: RunCache):
         self._outcomes = outcomes
@@ -109,8 +107,7 @@ def asked_since(lesson: Lesson, step: Step) -> list[Step]:
 
 
 def bets_ahead(lesson: Lesson, step: Step) -> Step | None:
-    """The step that ends a round, where it shows bets: they are found from the run on, so that they are there when it
-    is explained; nothing of a round runs before its predictions."""
+    """Returns the step that ends a round, if it shows bets: they are computed ahead, from the round's run on."""
     ends = next((other for other in lesson.steps[lesson.steps.index(step):] if other.kind == EXPLAIN), None)
     return ends if ends is not None and ends.bets and step.kind != PREDICT else None
 

@@ -25,8 +25,8 @@ FIRST = -1e9  # in the order of what stands in the tab: a step, and then the con
 
 
 class Player:
-    """One visitor's, in a ``tab``, where the ``controls`` that a lesson needs stand below its text; ``on_change`` is
-    called when what the browser should keep has changed. What it says through its ``store`` may be anything."""
+    """One visitor's lessons in a ``tab``, above the ``controls`` that a lesson needs; ``on_change`` is called when what
+    the browser should keep has changed. What it says through its ``store`` may be anything."""
 
     def __init__(self, client: viser.ClientHandle, tab: viser.GuiTabHandle, classroom: Classroom,
                  controls: action_buttons.AllowedControls, store: BrowserStore, on_change: Callable[[], None]):

@@ -73,8 +73,7 @@ def step_html(lesson: Lesson, step: Step, numbers: Numbers, before: str, teacher
 
 
 def choices_html(options: Sequence[str], chosen: int | None, fixed: bool, key: str, lang: str = "") -> str:
-    """A question's options, of which one is ``chosen``, counted from 1; ``key`` tells them from those of another,
-    ``lang`` is html's attribute of that name, or ""."""
+    """Returns a question's options, one of them ``chosen`` (from 1); ``lang`` is the html attribute, or ""."""
     rows = "".join(
         f"<label class='lab-choice'><input type='radio' name='lab-answer' value='{k}' data-question='{escape(key)}'"
         f"{' checked' * (k == chosen)}{' disabled' * fixed}><span{lang}><b>{letter})</b> {escape(option)}</span>"
@@ -111,8 +110,7 @@ def compared_html(lesson: Lesson, steps: Sequence[Step], answers: Mapping[str, A
 
 
 def taken_html(lesson: Lesson, step: Step, answer: Answer, numbers: Numbers, comment: str, right: bool | None) -> str:
-    """That the answer of a step has been taken: what it was, and what is to be said of it. It is read out by
-    ``js/lesson_aloud.js``."""
+    """Returns an answer that was taken and a comment on it, which ``js/lesson_aloud.js`` reads out."""
     said, own = filled(shown(step.asked, answer.last), numbers), lang(lesson) if step.asked.kind == CHOICE else ""
     kind, sign, word = SIGNS[right]
     mark = f" <span class='lab-{kind}'>{sign} {tr(word)}</span>" if sign else ""
@@ -122,8 +120,7 @@ def taken_html(lesson: Lesson, step: Step, answer: Answer, numbers: Numbers, com
 
 def end_html(lesson: Lesson, progress: Progress, marks: Mapping[str, AnswerMark | str], numbers: Numbers,
              paced: bool) -> str:
-    """The end: all answers, what to do with them, in a class that is ``paced`` by a board or without, and what there is
-    more."""
+    """Returns the end: all answers, what to do with them, ``paced`` by a board or not, and what there is more."""
     table = compared_html(lesson, list(lesson.questions.values()), progress.answers, marks, numbers)
     missing = sum(step.question is not None and step.key not in progress.answers for step in lesson.walk(progress.core))
     open_ones = trn("{count} question is still open; go back to answer.",

@@ -1,5 +1,4 @@
-"""A visitor's file while it is judged, in a process that nobody else needs, for a limited time; and the question of
-which problem its particles are, where they are not those of the problem on the stage."""
+"""A visitor's file while a process judges it, for a limited time; and the question of which problem it is."""
 
 import functools
 import secrets

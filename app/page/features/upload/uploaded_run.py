@@ -1,5 +1,4 @@
-"""A visitor's file as a run: its frames, as the stage draws them, its norms over time, as the plots do, and what is
-said of it: the sentence above the stage, and the numbers beside it."""
+"""A visitor's file as a run: frames for the stage, norms for the plots, the headline and the readout."""
 
 from collections.abc import Mapping, Sequence
 from contextlib import suppress
@@ -34,8 +33,7 @@ NO_ACCELERATION = lazy("a file is not judged by its acceleration")
 
 
 class UploadedRun(RunSeries):
-    """T frames of a file called ``name``. What the companion and the judge say comes later: ``estimate`` has norms over
-    the times by quantity, ``verdict`` the judge's report on the grid."""
+    """A file of T frames; later its ``estimate``, norms by quantity, and its ``verdict``, the judge's report."""
 
     def __init__(self, name: str, shown: Shown, table: Path):
         self.scene = Task(**shown.task).scene()
