@@ -26,11 +26,10 @@ if TYPE_CHECKING:
     from solvers.study.sweep import sweep
     from solvers.untrusted.quoting import FileError
 else:
-    _HOMES = {"BarScene": "problems.bar.scene", "RingScene": "problems.ring",
-              "VortexScene": "problems.vortex", "SquareScene": "problems.square", "run": "running.run",
-              "sweep": "study.sweep",
-              "judge": "judging.verdict", "check": "judging.check", "Result": "running.result",
-              "SceneError": "scene.rules", "FileError": "outside.quoting"}
+    _HOMES = {"BarScene": "problems.bar.scene", "RingScene": "problems.ring", "VortexScene": "problems.vortex",
+              "SquareScene": "problems.square", "run": "running.run", "sweep": "study.sweep",
+              "judge": "judging.judgement", "check": "judging.check", "Result": "running.result",
+              "SceneError": "scene.validation", "FileError": "untrusted.quoting"}
 
     def __getattr__(name):
         if name not in _HOMES:
