@@ -26,9 +26,8 @@ if TYPE_CHECKING:
     from solvers.study.sweep import sweep
     from solvers.untrusted.quoting import FileError
 else:
-    _HOMES = {"BarScene": "problems.bar.scene", "RingScene": "problems.ring",
-              "VortexScene": "problems.vortex", "SquareScene": "problems.square", "run": "running.run",
-              "sweep": "study.sweep",
+    _HOMES = {"BarScene": "problems.bar.scene", "RingScene": "problems.ring", "VortexScene": "problems.vortex",
+              "SquareScene": "problems.square", "run": "running.run", "sweep": "study.sweep",
               "judge": "judging.judgement", "check": "judging.check", "Result": "running.result",
               "SceneError": "scene.validation", "FileError": "untrusted.quoting"}
 

@@ -66,10 +66,7 @@ def session(pool):
 @pytest.fixture(scope="module")
 def here():
     """A lab without engines for a file's tests, which takes whatever many messages a second."""
-    from app.viewer import (
-        incoming_messages,  # here: few files need the viewer
-        web_server,
-    )
+    from app.viewer import incoming_messages, web_server  # here: few files need the viewer
     from tests.support.doors import lab
 
     with pytest.MonkeyPatch.context() as patch:

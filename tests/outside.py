@@ -45,10 +45,9 @@ def sample_strain(bar: ti.template(), row, step, on: ti.template()):
 
 register(Estimator(
     "zero", "says that there is no error", colour="#606060", dashes=(1, 3), symbol="X",
-    hooks={"bar": EstimatorHooks(
-        memory={"zero_one": real, "zero_counts": reals},
-        allocate=lambda scene: {"zero_one": 1.0, "zero_counts": np.zeros(scene.particles)},
-        interval=lambda scene: 1, after_step=count, verdict=verdict)}))
+    hooks={"bar": EstimatorHooks(memory={"zero_one": real, "zero_counts": reals},
+                                 allocate=lambda scene: {"zero_one": 1.0, "zero_counts": np.zeros(scene.particles)},
+                                 interval=lambda scene: 1, after_step=count, verdict=verdict)}))
 register(Estimator("loud", "says that every particle is a metre off", colour="#a0a0a0", hooks={"ring": EstimatorHooks(
     memory={}, allocate=lambda scene: {}, interval=lambda scene: 1, report=overstate)}))
 register_effect(Effect(

@@ -18,55 +18,20 @@ from solvers.solver.soundness import NOUNS
 from tests.support.paths import ROOT
 
 #: Where they stand.
-FILES = (
-    "motion/formula.py",
-    "motion/typed_motion.py",
-    "scene/validation.py",
-    "scene/scene.py",
-    "scene/typed.py",
-    "scene/step_bound.py",
-    "scene/estimator_registry.py",
-    "scene/effects.py",
-    "problems/[!_]*.py",
-    "problems/*/problem.py",
-    "problems/*/scene.py",
-    "problems/planar/box.py",
-    "problems/*/limits.py",
-    "problems/bar/patch_test.py",
-    "problems/*/solver.py",
-    "problems/*/estimators/recovered_tables.py",
-    "problems/planar/budget/on_demand.py",
-    "estimators/companion.py",
-    "estimators/two_grid_dispersion.py",
-    "estimators/recovery.py",
-    "estimators/transport.py",
-    "estimators/two_grid.py",
-    "solver/base.py",
-    "solver/soundness.py",
-    "solver/verdict_basis.py",
-    "solver/budget.py",
-    "solver/rounding.py",
-    "running/budget.py",
-    "running/scene_text.py",
-    "engine/engine_pool.py",
-    "engine/engine_worker.py",
-    "engine/engine_process.py",
-    "untrusted/size_limits.py",
-    "untrusted/npz_reader.py",
-    "untrusted/quoting.py",
-    "study/advise.py",
-    "study/background_jobs.py",
-    *(
-        f"judging/findings/{name}.py"
-        for name in ("outliers", "completeness", "evidence", "constitutive_law", "all_findings", "time_consistency",
-                     "placement")
-    ),
-    *(
-        f"judging/{name}.py"
-        for name in ("column_names", "frames", "particle_matching", "particle_readers", "scene_metadata", "file_view",
-                     "judgement")
-    ),
-)
+FILES = ("motion/formula.py", "motion/typed_motion.py", "scene/validation.py", "scene/scene.py", "scene/typed.py",
+         "scene/step_bound.py", "scene/estimator_registry.py", "scene/effects.py", "problems/[!_]*.py",
+         "problems/*/problem.py", "problems/*/scene.py", "problems/planar/box.py", "problems/*/limits.py",
+         "problems/bar/patch_test.py", "problems/*/solver.py", "problems/*/estimators/recovered_tables.py",
+         "problems/planar/budget/on_demand.py", "estimators/companion.py", "estimators/two_grid_dispersion.py",
+         "estimators/recovery.py", "estimators/transport.py", "estimators/two_grid.py", "solver/base.py",
+         "solver/soundness.py", "solver/verdict_basis.py", "solver/budget.py", "solver/rounding.py",
+         "running/budget.py", "running/scene_text.py", "engine/engine_pool.py", "engine/engine_worker.py",
+         "engine/engine_process.py", "untrusted/size_limits.py", "untrusted/npz_reader.py", "untrusted/quoting.py",
+         "study/advise.py", "study/background_jobs.py",
+         *(f"judging/findings/{name}.py" for name in ("outliers", "completeness", "evidence", "constitutive_law",
+                                                      "all_findings", "time_consistency", "placement")),
+         *(f"judging/{name}.py" for name in ("column_names", "frames", "particle_matching", "particle_readers",
+                                             "scene_metadata", "file_view", "judgement")))
 #: Calls whose texts are for the command line and logs alone, and names that tables have.
 NOT_SAID = ("option", "debug", "info", "warning", "error", "exception", "compile", "on_progress", "unknown")
 NAMES = re.compile("[A-Z_]*(NAMES?[A-Z_]*|UNITS?|SETTING|PLACES|SPEEDS|CLOCK|VELOCITY|STRESS|ORDER|DRIFT|AXES|FIGURES)")

@@ -157,12 +157,8 @@ def test_alone_it_has_its_names_for_all(builds, tmp_path):
     environment = Environment(tmp_path / "env")
     environment.install(builds[1])
     done = environment.run(
-        "python",
-        "-c",
-        "from solvers import run\nimport mpm_lab, app.cli, solvers.scene.estimator_registry\n"
-        "print(run is mpm_lab.run, mpm_lab.HOME.name)",
-        cwd=tmp_path,
-    )
+        "python", "-c", "from solvers import run\nimport mpm_lab, app.cli, solvers.scene.estimator_registry\n"
+        "print(run is mpm_lab.run, mpm_lab.HOME.name)", cwd=tmp_path)
     assert done.stdout.split() == ["True", "packages"], done.stderr
 
 

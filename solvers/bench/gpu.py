@@ -74,8 +74,7 @@ def row(scene: Scene, where: str, limit: float) -> dict:
     everywhere: dict[str, Any] = {"plan": "parallel", "threads": os.cpu_count() or 1}
     for plan, inputs in {"serial": {}, "parallel": everywhere}.items():
         rates[plan] = rate(build(replace(scene, **inputs))) if scene.particles <= MOST_PARTICLES else None
-    moved = MOVED + MORE[scene.method]
-    share = None if rates["gpu"] is None else 1e6 * rates["gpu"] * moved / limit
+    share = None if rates["gpu"] is None else 1e6 * rates["gpu"] * (MOVED + MORE[scene.method]) / limit
     return {"problem": scene.problem, "method": scene.method, "cells": scene.cells, "particles": scene.particles,
             "rates": rates, "share": share}
 

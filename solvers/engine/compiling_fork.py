@@ -114,8 +114,7 @@ def _compile(scenes: Sequence[Scene]) -> int:
     """Compile what the scenes need, one after another until time is up; returns how many."""
     begun = monotonic()
     for done, scene in enumerate(scenes, 1):
-        solver = build(scene)
-        solver.compile()
+        build(scene).compile()
         if monotonic() - begun > LONG_ENOUGH:
             return done
     return len(scenes)

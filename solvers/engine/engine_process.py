@@ -206,15 +206,8 @@ class EngineProcess:
         self._leaving = [process_id for process_id in self._leaving if here(process_id)]
         return self._leaving
 
-    def _dispatch(
-        self,
-        message: engine_messages.Frames
-        | engine_messages.Compiling
-        | engine_messages.Forked
-        | engine_messages.Moved
-        | engine_messages.EngineError
-        | engine_messages.Ready,
-    ) -> None:
+    def _dispatch(self, message: engine_messages.Frames | engine_messages.Compiling | engine_messages.Forked
+                  | engine_messages.Moved | engine_messages.EngineError | engine_messages.Ready) -> None:
         if self._leaving:
             self._unburied()
         if isinstance(message, engine_messages.Frames):

@@ -142,9 +142,8 @@ class Worker:
             self._pipe.send(engine_messages.Compiling(wish.session, wish.number))
             if stepper:
                 now = stepper.wish
-                stepper.accept(replace(
-                    now, pace=replace(now.pace, playing=wish.pace.playing, speed=wish.pace.speed),
-                    frame=replace(wish.frame, broken_down=now.frame.broken_down)))
+                stepper.accept(replace(now, pace=replace(now.pace, playing=wish.pace.playing, speed=wish.pace.speed),
+                                       frame=replace(wish.frame, broken_down=now.frame.broken_down)))
         elif stepper:
             anew = stepper.accept(wish)
         else:

@@ -98,8 +98,7 @@ class Stepper:
 
     def state(self) -> dict[str, Any]:
         """All that a stepper in another process needs to go on from here (:meth:`resumed`); clocks are shared."""
-        return {**{name: value for name, value in vars(self).items()
-                   if name not in ("solver", "partner", "_block")},
+        return {**{name: value for name, value in vars(self).items() if name not in ("solver", "partner", "_block")},
                 "solver": self.solver.state()}
 
     @classmethod
@@ -224,8 +223,7 @@ class Stepper:
     def _slice(self) -> int:
         """Steps that fit into one turn: in a full engine frames come first, and runs are slower than they were asked
         to be."""
-        share = ROUND_SECONDS / self.sessions - self._seconds_a_frame
-        seconds = max(SHORTEST_SLICE, min(SLICE_SECONDS, share))
+        seconds = max(SHORTEST_SLICE, min(SLICE_SECONDS, ROUND_SECONDS / self.sessions - self._seconds_a_frame))
         return max(1, int(seconds / self._seconds_a_step))
 
     @property

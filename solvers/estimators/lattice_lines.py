@@ -1,11 +1,10 @@
 """Operators along one line of a material lattice: recovery of smooth fields, B-splines, integrals.
 
-The particles of the bar, and those of a polar lattice along an angle or a radius, begin at j + 1/2,
-j = 0, 1, ... in units of their spacing. A field known at particles is *recovered* between them by a weighted
-least-squares polynomial (moving least squares on a line); an *error grid* of quadratic B-splines, one an element,
-stands on the same line. All operators are rows of few weights on consecutive entries: a :class:`Rows` each.
-Two-dimensional operators are products of an angular and a radial one, so that nothing in two dimensions has ever to be
-stored.
+The particles of the bar, and those of a polar lattice along an angle or a radius, begin at j + 1/2, j = 0, 1, ... in
+units of their spacing. A field known at particles is *recovered* between them by a weighted least-squares polynomial
+(moving least squares on a line); an *error grid* of quadratic B-splines, one an element, stands on the same line. All
+operators are rows of few weights on consecutive entries: a :class:`Rows` each. Two-dimensional operators are products
+of an angular and a radial one, so that nothing in two dimensions has ever to be stored.
 
 What lies beyond the ends of a line is said by ``ends``: "periodic", "free" (nothing: recovery becomes one-sided), or a
 symmetry plane at each end, across which one component is odd: "mirror" where the planes are at right angles to each
@@ -148,16 +147,14 @@ class Line:
         if self.ends == "free":
             first = np.clip(first, 0, self.points - width)
         index = first[:, None] + np.arange(width)
-        offset = index + 0.5 - at[:, None]
-        unique, back = np.unique(offset.round(9), axis=0, return_inverse=True)
+        unique, back = np.unique((index + 0.5 - at[:, None]).round(9), axis=0, return_inverse=True)
         furthest = np.maximum(1.01 * np.abs(unique).max(axis=1, keepdims=True), 0.5 * width + 0.3)
         weight = (1 - (unique / furthest) ** 2) ** 2
         powers = unique[:, :, None] ** np.arange(min(degree, width - 1) + 1)
         weighted = weight[:, :, None] * powers
         found = np.linalg.solve(np.einsum("qka,qkb->qab", weighted, powers), weighted.transpose(0, 2, 1))
         slope = found[:, 1] if found.shape[1] > 1 else np.zeros_like(found[:, 0])
-        back = back.ravel()
-        return index, found[back, 0], slope[back]
+        return index, found[back.ravel(), 0], slope[back.ravel()]
 
     def _splines(self, at: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
         """The three quadratic B-splines that reach each place ``at`` (in particle spacings): index, value, slope."""
@@ -165,8 +162,7 @@ class Line:
         element = np.clip(np.floor(x), 0, self.elements - 1).astype(np.int64)
         s = x - element
         value = np.stack([0.5 * (1 - s) ** 2, 0.5 + s - s * s, 0.5 * s * s], axis=1)
-        slope = np.stack([s - 1, 1 - 2 * s, s], axis=1)
-        return element[:, None] + np.arange(-1, 2), value, slope
+        return element[:, None] + np.arange(-1, 2), value, np.stack([s - 1, 1 - 2 * s, s], axis=1)
 
     def _fold_nodes(self, index: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         return (index + 1, np.ones((*index.shape, 1))) if self.ends == "free" else self._fold(index, self.elements)

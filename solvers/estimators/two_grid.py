@@ -98,24 +98,6 @@ def begin(own: ti.template()):
 
 
 @ti.func
-def smooth_run(own: ti.template(), fields: ti.template()):
-    """Bring the run's part of q* to the common lattice."""
-    transfer(own, fields, "down", own.fields, "fine", own.common, "common", 1 + own.gain)
-
-
-@ti.func
-def smooth_second(own: ti.template(), fields: ti.template()):
-    """Bring the second run's part of q* to the common lattice."""
-    transfer(own, fields, "over", own.fields, "coarse", own.common, "common", -own.gain)
-
-
-@ti.func
-def subtract(own: ti.template(), fields: ti.template()):
-    """Leave of the run's fields the errors, e = q_h - I q*."""
-    transfer(own, fields, "up", own.common, "common", own.fields, "fine", -1.0)
-
-
-@ti.func
 def remember_largest(own: ti.template(), square):
     """Keep a mean square of e_x if it is the largest so far; what is no number replaces any."""
     if not square <= own.largest[0]:

@@ -3,12 +3,11 @@
 A wave of wavenumber k passes four transfers in a step. Velocity to nodes and acceleration back, together the mass
 matrix over the lumped one, let through 1 - (k h)^2 (1/6 + 1/(12 n^2)) of it with hats, of which n particles in a cell
 take the values in the middle of their domains, and 1 - (k h)^2/4 with quadratic B-splines. Velocity gradient to
-particles and stress to forces, together the stiffness, let through 1 - (k h)^2/12 and 1 - (k h)^2/4. So the wave
-swings at 1 - s (k h)^2 times its frequency, s = 1/8 + 1/(24 n^2) and 1/4, and after the time t it is behind by s (k
-h)^2 k c t: by phi in the second run, by phi/4 in the run. It is wrong by -phi cos + phi^2/2 sin then, and of the
-second term, which falls like h^4, extrapolation makes an error of phi/2 times the one sought. That holds for errors
-too: they swing as waves of their own, even where the motion is forced and keeps step.
-Source: derived for this program.
+particles and stress to forces, together the stiffness, let through 1 - (k h)^2/12 and 1 - (k h)^2/4. So the wave swings
+at 1 - s (k h)^2 times its frequency, s = 1/8 + 1/(24 n^2) and 1/4, and after the time t it is behind by s (k h)^2 k c
+t: by phi in the second run, by phi/4 in the run. It is wrong by -phi cos + phi^2/2 sin then, and of the second term,
+which falls like h^4, extrapolation makes an error of phi/2 times the one sought. That holds for errors too: they swing
+as waves of their own, even where the motion is forced and keeps step. Source: derived for this program.
 """
 
 import math

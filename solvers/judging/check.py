@@ -43,13 +43,12 @@ class Checked:
 
     def to_dict(self) -> dict[str, Any]:
         motion = self.motion
-        return {"schema": SCHEMA, "verdict": self.verdict, "files": list(self.files),
-                "particles": len(motion.number), "dimensions": motion.dimensions, "times": motion.times.tolist(),
+        return {"schema": SCHEMA, "verdict": self.verdict, "files": list(self.files), "particles": len(motion.number),
+                "dimensions": motion.dimensions, "times": motion.times.tolist(),
                 "quantities": [key for key in ("x", "v", "F", "sigma", "mass", "volume") if key in motion.fields],
                 "reference": "the first moment" if motion.from_start else "X", "notes": motion.notes,
                 "spacing": None if np.isnan(motion.spacing) else motion.spacing, "motion": motion.amplitude,
-                "findings": [one.to_dict() for one in self.findings],
-                "contradictions": len(self.wrong),
+                "findings": [one.to_dict() for one in self.findings], "contradictions": len(self.wrong),
                 "not_told": [f"{one.name}: {one.says}" for one in self.findings if one.verdict == UNKNOWN],
                 "never_told": list(NEVER_TOLD)}
 

@@ -18,13 +18,10 @@ from solvers.untrusted.quoting import FileError, quoted
 from solvers.untrusted.size_limits import LIMITS, Limits, check_name
 
 #: What else each quantity may be called. X and x, which differ only in size, are the only names whose size counts.
-NAMES = {"t": ("t", "time", "timevalue"),
-         "id": ("id", "ids", "particle_id", "particle", "pid", "global_id"),
+NAMES = {"t": ("t", "time", "timevalue"), "id": ("id", "ids", "particle_id", "particle", "pid", "global_id"),
          "X": ("X", "X0", "x0", "material_position", "initial_position", "reference_position"),
-         "x": ("x", "position", "positions", "points", "coordinates", "coords"),
-         "v": ("v", "velocity", "velocities"),
-         "F": ("f", "deformation_gradient", "defgrad"),
-         "sigma": ("sigma", "stress", "cauchy_stress", "s"),
+         "x": ("x", "position", "positions", "points", "coordinates", "coords"), "v": ("v", "velocity", "velocities"),
+         "F": ("f", "deformation_gradient", "defgrad"), "sigma": ("sigma", "stress", "cauchy_stress", "s"),
          "mass": ("mass", "masses", "particle_mass"), "volume": ("volume", "volumes", "particle_volume")}
 LETTERS = "xyz"
 SCALARS, VECTORS, TENSORS = ("t", "id", "mass", "volume"), ("X", "x", "v"), ("F", "sigma")

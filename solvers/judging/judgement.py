@@ -88,25 +88,20 @@ class GridJudgement:
         estimates = error_norms.series(self.estimated)
         true = error_norms.series(self.true) if self.true else None
         doubts = [self.companions.doubt(frame) for frame in frames]
-        return {
-            "cells": self.grid.cells,
-            "h": self.scene.spacing,
-            "files": list(dict.fromkeys(f.file for f in frames)),
-            "particles": len(frames[-1].number),
-            "times": times.tolist(),
-            "notes": self.notes(),
-            "checks": [one.as_check() for one in self.checks],
-            "error": None if true is None else error_norms.summarised(times, true),
-            "norms": None if true is None else error_norms.listed(true),
-            "estimate": {"companion": error_norms.summarised(times, estimates), "norms": error_norms.listed(estimates),
-                         "own_error": {q: finite(float(np.max([doubt[q] for doubt in doubts]))) for q in QUANTITIES},
-                         "index": None if true is None else error_norms.index(estimates, true, self.scene),
-                         "distance": None if true is None else error_norms.distances(self.estimated, self.true)},
-            "worst": {q: None if (found := self.worst(q)) is None else found.to_dict() for q in QUANTITIES},
-            "neighbour_gap": None if self.apart is None else self.apart.to_dict(self.scene),
-            "crossings_at_least": error_norms.crossings(self.scene, frames),
-            "ours": [run.to_dict() for run in self.ours],
-        }
+        return {"cells": self.grid.cells, "h": self.scene.spacing, "files": list(dict.fromkeys(f.file for f in frames)),
+                "particles": len(frames[-1].number), "times": times.tolist(), "notes": self.notes(),
+                "checks": [one.as_check() for one in self.checks],
+                "error": None if true is None else error_norms.summarised(times, true),
+                "norms": None if true is None else error_norms.listed(true),
+                "estimate": {
+                    "companion": error_norms.summarised(times, estimates), "norms": error_norms.listed(estimates),
+                    "own_error": {q: finite(float(np.max([doubt[q] for doubt in doubts]))) for q in QUANTITIES},
+                    "index": None if true is None else error_norms.index(estimates, true, self.scene),
+                    "distance": None if true is None else error_norms.distances(self.estimated, self.true)},
+                "worst": {q: None if (found := self.worst(q)) is None else found.to_dict() for q in QUANTITIES},
+                "neighbour_gap": None if self.apart is None else self.apart.to_dict(self.scene),
+                "crossings_at_least": error_norms.crossings(self.scene, frames),
+                "ours": [run.to_dict() for run in self.ours]}
 
     def notes(self) -> list[str]:
         """Sentences about what was found in the files."""
@@ -195,8 +190,7 @@ def judge(scene: Scene, files: Particles | Sequence[Particles], *, cells: Sequen
             raise SceneError(name, " ".join(map(str, given)), f"is {len(given)} numbers for {len(sources)} files; give "
                              "one for each")
     scene, found = placed(read_all(sources), scene, cells or [scene.cells], times)
-    every = tuple(sorted({frame.time for grid in found for frame in grid.frames}))
-    companions = Companions(scene, every)
+    companions = Companions(scene, tuple(sorted({frame.time for grid in found for frame in grid.frames})))
     judged: list[GridJudgement] = []
     for k, grid in enumerate(found):
         one = GridJudgement(replace(scene, cells=grid.cells), grid, companions)

@@ -154,8 +154,7 @@ def _frames(raw: Raw, scene: Scene, reference: ProblemReference, given: float | 
                 raise ParticleMismatch(
                     frame.file,
                     f"has particles at t = 0 that are not where those of the {scene.problem} begin, by {far:.3g} m",
-                    "give ids in the order of `mpm-lab problem`, the right --cells and --ppc, or material positions",
-                )
+                    "give ids in the order of `mpm-lab problem`, the right --cells and --ppc, or material positions")
         found.append(frame)
     return found, notes
 
@@ -224,12 +223,9 @@ def _material(raw: Raw, scene: Scene, reference: ProblemReference,
             points = reference.start(scene).material_position
             begin = " and ".join(f"{axis.upper()} from {a:.3g} to {b:.3g} m" for axis, a, b in zip(
                 reference.axes, points.min(axis=0), points.max(axis=0), strict=True))
-            raise ParticleMismatch(
-                raw.file,
-                f"has {int(wrong.sum()):,} of {n:,} material positions outside the {scene.problem} "
-                f"(they reach from {reach}): its origin may be shifted",
-                f"particles begin at {begin}",
-            )
+            raise ParticleMismatch(raw.file, f"has {int(wrong.sum()):,} of {n:,} material positions outside the "
+                                   f"{scene.problem} (they reach from {reach}): its origin may be shifted",
+                                   f"particles begin at {begin}")
         return X, np.arange(n) if ids is None else ids.astype(int)
     assert ids is not None
     start, number = reference.start(scene), ids.astype(int)

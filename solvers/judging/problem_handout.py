@@ -27,8 +27,7 @@ def initial(scene: Scene) -> Frame:
 
 def masses(scene: Scene) -> np.ndarray:
     """Of the particles (P,), of a thickness of 1 m, in kg: the density is that of the material without deformation."""
-    first = initial(scene)
-    return scene.density * start(scene).volume / np.linalg.det(np.asarray(first.deformation_gradient))
+    return scene.density * start(scene).volume / np.linalg.det(np.asarray(initial(scene).deformation_gradient))
 
 
 def exact(scene: Scene, t: float) -> Frame:

@@ -29,9 +29,8 @@ APPENDED = re.compile(rb"[^>]*>\s*_")
 AT_ONCE = 1 << 20  # letters, which are four for three bytes
 MOST_BLOCKS = 100_000
 MOST_MEMORY = 100_000_000  # bytes that unpacking may take beside what it unpacks
-PACKINGS: dict[str, Any] = {
-    "vtkZLibDataCompressor": zlib.decompressobj,
-    "vtkLZMADataCompressor": lambda: lzma.LZMADecompressor(memlimit=MOST_MEMORY)}
+PACKINGS: dict[str, Any] = {"vtkZLibDataCompressor": zlib.decompressobj,
+                            "vtkLZMADataCompressor": lambda: lzma.LZMADecompressor(memlimit=MOST_MEMORY)}
 
 
 class _Appended(Exception):
@@ -244,8 +243,7 @@ class Encoding:
         data, _ = source.unit(after, sum(packed))
         out, done, begin = bytearray(size), 0, 0
         for length, unpacked in zip(packed, sizes, strict=True):
-            packed_block = data[begin:begin + length]
-            piece = PACKINGS[self.packing or ""]().decompress(packed_block, unpacked + 1)
+            piece = PACKINGS[self.packing or ""]().decompress(data[begin:begin + length], unpacked + 1)
             if len(piece) != unpacked:
                 raise NotVTK("a block that does not unpack to its size")
             out[done:done + unpacked] = piece

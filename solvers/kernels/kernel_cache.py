@@ -26,7 +26,8 @@ def keep_more() -> None:
 def find_room() -> None:
     """Have this process and those that it starts keep what they compile in a folder that goes with this process, where
     the usual one takes nothing. Call before Taichi is imported; does nothing where all is well."""
-    if os.name == "nt" or (_takes(_usual()) and _takes(os.environ.get(KERNELS))):
+    below_home = os.path.join(os.environ["HOME"], ".cache") if "HOME" in os.environ else ""
+    if os.name == "nt" or (_takes(os.environ.get(HOME, below_home)) and _takes(os.environ.get(KERNELS))):
         return  # Windows has another place, and no home that is read only
     with suppress(OSError):  # there is no room anywhere: let Taichi say so
         folder = tempfile.mkdtemp(prefix="mpm-lab-")
@@ -34,12 +35,6 @@ def find_room() -> None:
         os.environ[HOME] = folder
         os.environ.pop(KERNELS, None)
         os.environ.setdefault(PICTURES, folder)
-
-
-def _usual() -> str | None:
-    if HOME in os.environ:
-        return os.environ[HOME]
-    return os.path.join(os.environ["HOME"], ".cache") if "HOME" in os.environ else ""
 
 
 def _takes(folder: str | None) -> bool:

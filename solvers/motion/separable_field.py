@@ -76,7 +76,8 @@ def separate(field: Field, places: np.ndarray, period: float) -> SeparableField:
     """
     some = places[np.unique(np.linspace(0, len(places) - 1, min(SAMPLE_PLACES, len(places))).astype(int))]
     values, times = _resolved(field, some, period)
-    T = _independent(values)
+    _, size, V = np.linalg.svd(np.linalg.qr(values, mode="r"))  # functions of time that span the values, largest first
+    T = V[:max(1, int(np.count_nonzero(size > RANK_TOLERANCE * np.sqrt(values.size) * size[0])))]
     chosen = _telling_times(T, min(len(times), 2 * len(T)))
     modes = _at(field, places, times[chosen]) @ np.linalg.pinv(T[:, chosen])  # (P C, r)
     return SeparableField(modes.reshape(len(places), -1, len(T)).swapaxes(1, 2).copy(),
@@ -118,12 +119,6 @@ def _at(field: Field, places: np.ndarray, times: np.ndarray) -> np.ndarray:
     found = [field(np.tile(places, (len(some), 1)), np.repeat(some, len(places))).reshape(len(some), -1)
              for some in np.split(times, range(together, len(times), together))]
     return np.concatenate(found).T
-
-
-def _independent(values: np.ndarray) -> np.ndarray:
-    """Orthonormal functions of time (r, M) that span the values (n C, M) to rounding, the largest first."""
-    _, size, V = np.linalg.svd(np.linalg.qr(values, mode="r"))
-    return V[:max(1, int(np.count_nonzero(size > RANK_TOLERANCE * np.sqrt(values.size) * size[0])))]
 
 
 def _telling_times(T: np.ndarray, count: int) -> np.ndarray:

@@ -122,8 +122,7 @@ class LineInputs(NamedTuple):
 @functools.lru_cache(maxsize=64)  # of scenes that differ in cells, method or step alone
 @np.errstate(all="ignore")
 def find_period(text: str, scene: MotionInputs | LineInputs) -> float:
-    """The shortest period in s among quarters of 2 pi/w and of a second, of a typed motion that the body can
-    have.
+    """The shortest period in s among quarters of 2 pi/w and of a second, of a typed motion that the body can have.
 
     Raises
     ------

@@ -278,8 +278,7 @@ class Result:
         """The object of ``mpm-lab run --json``: everything that a switched-off effect left out is None."""
         return {
             "schema": SCHEMA, "scene": self.scene.to_dict(), "status": self.status, "reason": self.reason,
-            **self.verdict,
-            "t": self.time, "steps": self.steps, "particles": self.particles,
+            **self.verdict, "t": self.time, "steps": self.steps, "particles": self.particles,
             "error": self.error, "estimate": self.estimate, "index": self.index, "rounding": self.rounding,
             "distance": self.distance, "goals": self.goals,
             **{effect.json_key: self.found(name) for name, effect in ALL.items() if effect.numbers},

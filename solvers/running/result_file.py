@@ -153,11 +153,10 @@ class _Reading:
         each: dict[str, Any] = {key: {
             name: self._array(f"{moment}/{key}/{name}", (P, len(samples.QUANTITIES)))
             for name in self._scene.active_estimators if f"{moment}/{key}/{name}" in self._found} for key in ERRORS}
-        return Snapshot(
-            step=_count(said["step"]), time=_number(said["time"]), **whole, **each,
-            error=self._maybe_array(f"{moment}/error", (P, len(samples.QUANTITIES))),
-            last_crossing=self._maybe_array(f"{moment}/last_crossing", (P,), "i"),
-            plotted=self._maybe_array(f"{moment}/plotted", (P, 2)))
+        return Snapshot(step=_count(said["step"]), time=_number(said["time"]), **whole, **each,
+                        error=self._maybe_array(f"{moment}/error", (P, len(samples.QUANTITIES))),
+                        last_crossing=self._maybe_array(f"{moment}/last_crossing", (P,), "i"),
+                        plotted=self._maybe_array(f"{moment}/plotted", (P, 2)))
 
     def _maybe_array(self, name: str, shape: tuple[int, ...], kind: str = "f") -> np.ndarray | None:
         return self._array(name, shape, kind) if name in self._found else None

@@ -45,8 +45,7 @@ def scene_of(given: Scene | type[Scene] | str) -> Scene:
 
 
 def run(scene: Scene | type[Scene] | str, on_progress: Callable[[float], None] | None = None, prices: bool = False,
-        mid_run: bool = True, on_sample: Callable[[Snapshot], None] | None = None,
-        goals: Sequence[str] = ()) -> Result:
+        mid_run: bool = True, on_sample: Callable[[Snapshot], None] | None = None, goals: Sequence[str] = ()) -> Result:
     """Run a scene to its end, or to where it goes unstable, which is a result too and never an exception.
 
     Parameters
@@ -116,7 +115,10 @@ def run(scene: Scene | type[Scene] | str, on_progress: Callable[[float], None] |
     final = solver.snapshot()
     series = samples.read(np.concatenate(rows), scene, len(final.position), margin_unit(scene))
     not_valid = solver.not_valid()
-    status, reason, broken_at = _status(solver, series, not_valid, final.error)
+    finding = earliest(findings(scene, series), not_valid)
+    if finding and finding.particle is None and final.error is not None:
+        finding = replace(finding, particle=int(np.argmax(np.nan_to_num(final.error[:, 0]))))
+    status, reason, broken_at = solver.status(finding, as_large_as_itself(scene, series, not_valid))
     seconds = Seconds(solver.setup_seconds, compiled, ran, {name: part * ran for name, part in shares.items()})
     fields = solver.fields() if wanted else None
     reached = {goal.name: measured(goal, fields, scene, solver.step) for goal in wanted} if fields else {}
@@ -134,12 +136,3 @@ def shown_step(scene: Scene) -> int:
     if not scene.swings or abs(math.sin(math.pi * turns)) >= SMALL_MOTION or largest < 0:
         return scene.steps
     return min(scene.steps, max(1, round(largest * 0.5 * scene.period / scene.time_step)))
-
-
-def _status(solver: Solver, series: dict[str, np.ndarray],
-             not_valid: dict[str, str], error: np.ndarray | None) -> tuple[str, str | None, float | None]:
-    """Status, reason and time of breakdown of a run that has ended; ``error`` are the true ones at its end."""
-    finding = earliest(findings(solver.scene, series), not_valid)
-    if finding and finding.particle is None and error is not None:
-        finding = replace(finding, particle=int(np.argmax(np.nan_to_num(error[:, 0]))))
-    return solver.status(finding, as_large_as_itself(solver.scene, series, not_valid))

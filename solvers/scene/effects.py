@@ -192,8 +192,7 @@ def effects_of(problem: str, own: tuple[str, ...]) -> tuple[str, ...]:
     """The effects that a problem has: those that all have, its ``own``, and others from outside;
     :class:`~solvers.scene.extensions.ExtensionError` where one of these cannot be imported."""
     extensions.load_extensions()
-    return tuple(name for name, effect in ALL.items()
-                 if name in EFFECTS or name in own or problem in effect.samplers)
+    return tuple(name for name, effect in ALL.items() if name in EFFECTS or name in own or problem in effect.samplers)
 
 
 def require_offered(chosen: object, problem: str, offered: tuple[str, ...]) -> None:

@@ -125,8 +125,7 @@ class _Step:
     def smoothing(self, field: np.ndarray) -> np.ndarray:
         """M^-1/2 S^T m S M^-1/2."""
         S, mass = self._of.weights, self._of.mass
-        given = [(mass * np.einsum("npk,npk->np", v, S))[..., None] * S
-                 for v in self._at_links(self._carrying, field)]
+        given = [(mass * np.einsum("npk,npk->np", v, S))[..., None] * S for v in self._at_links(self._carrying, field)]
         return self._summed(self._carrying, given) * self._scale
 
     def counted(self, field: np.ndarray) -> np.ndarray:

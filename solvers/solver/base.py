@@ -17,7 +17,7 @@ from solvers.solver.samples import MARGIN, ROWS
 from solvers.solver.snapshot import Fields, Snapshot
 from solvers.solver.soundness import LOST, OK, UNSTABLE, Finding
 from solvers.solver.state_arrays import Diagnostics
-from solvers.solver.step_breakdown import Carried, StepBreakdown
+from solvers.solver.step_breakdown import StepBreakdown
 from solvers.solver.verdict_basis import LargeRelativeError, sentence
 
 STEP, MEASURE, REPORT = 0, 1, 2  # what a launch is for
@@ -36,6 +36,7 @@ class Solver(ABC):
     HOOKS: ClassVar[Mapping[str, EstimatorHooks]]  # of every estimator that the problem has
     PHASES: ClassVar[Any]  # of ``solvers.solver.run_loop``
     STATE: ClassVar[type[Diagnostics]]
+    STEP_BREAKDOWN: Any  # the problem's module of this name
     _arrays: Diagnostics
     _stepping: Any  # what launches the kernels on them: such as ``solvers.solver.run_loop.OneThread``
     _switches: KernelOptions
@@ -107,10 +108,10 @@ class Solver(ABC):
     def break_down(self, particle: int) -> tuple[np.ndarray, StepBreakdown]:
         """Take one ordinary step around a particle (its number); return its rows of samples and what it did there."""
         self._stepping.fetch()
-        before = self._carried()
+        before = self.STEP_BREAKDOWN.carried(self.scene, self._arrays)
         rows = self.advance(1)
         self._stepping.fetch()
-        return rows, self._breakdown(particle, before)
+        return rows, self.STEP_BREAKDOWN.breakdown(self.scene, self._arrays, particle, self.step, before)
 
     def measure(self) -> np.ndarray:
         """Check the state and sample it now: one row (1, columns)."""
@@ -232,14 +233,6 @@ class Solver(ABC):
     @abstractmethod
     def fields(self) -> Fields:
         """All that the particles are now, and the signed errors of it that are known or estimated."""
-
-    @abstractmethod
-    def _carried(self) -> Carried:
-        """What the particles carry now, copied."""
-
-    @abstractmethod
-    def _breakdown(self, particle: int, before: Carried) -> StepBreakdown:
-        """The last step taken apart around a particle; ``before`` is what was carried when it began."""
 
     def _run(self, steps: int) -> None:
         """Launch the kernels for ``steps`` steps from ``self.step``."""

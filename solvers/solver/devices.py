@@ -35,17 +35,11 @@ def place(arch: str) -> str:
     if arch == CPU:
         return CPU
     if arch == GPU:
-        return next(
-            (kind for kind in KINDS if probe_device(kind)["missing"] is None and not probe_device(kind)["software"]),
-            CPU,
-        )
-    if probe_device(arch)["missing"]:
-        raise SceneError(
-            "arch",
-            arch,
-            f"no {TITLES[arch]} device was found that computes in double precision "
-            f"({probe_device(arch)['missing']}); give gpu, which takes what there is, or cpu",
-        )
+        there = (kind for kind in KINDS if probe_device(kind)["missing"] is None and not probe_device(kind)["software"])
+        return next(there, CPU)
+    if missing := probe_device(arch)["missing"]:
+        raise SceneError("arch", arch, f"no {TITLES[arch]} device was found that computes in double precision "
+                         f"({missing}); give gpu, which takes what there is, or cpu")
     return arch
 
 

@@ -19,8 +19,7 @@ QUANTITIES = ("x", "v", "sigma", "a")
 #: ``motion_0`` ... are sums of displacements for ``solvers.scene.momentum_balance``, ``margin`` is dt over its bound;
 #: what is
 #: switched off stays NaN.
-BASE = ("step", "error_x", "error_v", "error_sigma", "error_a", "error_extra",
-        "kinetic", "strain", "work", "crossings",
+BASE = ("step", "error_x", "error_v", "error_sigma", "error_a", "error_extra", "kinetic", "strain", "work", "crossings",
         "neighbour_gap", "mean_drift", "out_of_shape", "displacement_mismatch", "place", "motion_square",
         *(f"motion_{k}" for k in range(MODES)), "margin")
 MARGIN = BASE.index("margin")  # which the host fills in, once for every stretch of steps

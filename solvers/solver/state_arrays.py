@@ -66,8 +66,7 @@ def watch(scene: Scene, on: KernelOptions, particles: int, farthest: float, hook
     """The members of a :class:`Diagnostics` at the start of a run of so many particles."""
     intervals = [hooks[name].interval(scene) for name in scene.active_estimators]
     return {"sample_interval": scene.sample_interval, "look_interval": scene.look_interval,
-            "step_margin": np.full(1, np.nan),
-            "farthest": farthest,
+            "step_margin": np.full(1, np.nan), "farthest": farthest,
             "last_crossing": np.full(particles if on.crossings else 1, -1, np.int32),
             "estimate": zeros(len(on.estimators) * particles, 4, when=bool(on.estimators)),
             "estimate_intervals": np.array(intervals or [NEVER], np.int32), "memory": allocate_memory(hooks, scene),

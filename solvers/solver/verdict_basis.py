@@ -36,10 +36,7 @@ def as_large_as_itself(scene: Scene, series: Mapping[str, np.ndarray],
                        not_valid: Collection[str] = ()) -> dict[str, LargeRelativeError]:
     """Of v, sigma and a those that were once as wrong as they are large, by the truth where it is on, else by an
     estimator that judges and holds."""
-    judges = [
-        name for name in scene.active_estimators if estimator_registry.ESTIMATORS[name].judges and name not in not_valid
-    ]
-    found = {}
+    judges, found = _judges(scene, not_valid), {}
     for quantity in NOUNS:
         unit = scene.rms_of(quantity)
         known = [("truth", f"error_{quantity}")] if scene.has("truth") else \
@@ -51,6 +48,11 @@ def as_large_as_itself(scene: Scene, series: Mapping[str, np.ndarray],
                 found[quantity] = LargeRelativeError(float(series["time"][beyond[0]]), size / unit, who)
                 break
     return found
+
+
+def _judges(scene: Scene, not_valid: Collection[str]) -> list[str]:
+    return [name for name in scene.active_estimators
+            if estimator_registry.ESTIMATORS[name].judges and name not in not_valid]
 
 
 def merged(before: Mapping[str, LargeRelativeError],
@@ -70,10 +72,7 @@ def sentence(found: Mapping[str, LargeRelativeError]) -> str | None:
 def checked(scene: Scene, not_valid: Collection[str], balance: bool) -> dict[str, list[str]]:
     """For each of x, v, sigma and a what it was held against: "truth", estimators that judge and hold, and for x
     "contradictions" and, among them, the ``balance`` of momentum, if it was :func:`followed`."""
-    judges = [
-        name for name in scene.active_estimators if estimator_registry.ESTIMATORS[name].judges and name not in not_valid
-    ]
-    held = {q: ["truth"] * scene.has("truth") + judges for q in QUANTITIES}
+    held = {q: ["truth"] * scene.has("truth") + _judges(scene, not_valid) for q in QUANTITIES}
     if not scene.has("acceleration"):
         held["a"] = []
     if scene.has("soundness"):

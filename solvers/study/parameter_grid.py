@@ -60,8 +60,7 @@ class Task:
         except SceneError:
             values = {"problem": self.problem, **self.inputs}
         values = {name: float(value) if type(value) is int else value for name, value in values.items()}  # 1 is 1.0
-        text = json.dumps(values, sort_keys=True)
-        return hashlib.sha256(text.encode()).hexdigest()[:16]
+        return hashlib.sha256(json.dumps(values, sort_keys=True).encode()).hexdigest()[:16]
 
     @property
     def kind(self) -> Hashable:

@@ -46,17 +46,10 @@ IDENTITY = {"key": str, "problem": str, "asked": dict, "status": str, "reason": 
 NORMS = MapOf(MapOf(NUMBER_OR_NONE))  # of each quantity, by kind of norm
 #: What the row of a run has beside that.
 MEASURED = {
-    "scene": dict,
-    "h": NUMBER,
-    "steps": int,
-    "particles": int,
-    "error": NORMS,
-    "estimate": MapOf(NORMS),
+    "scene": dict, "h": NUMBER, "steps": int, "particles": int, "error": NORMS, "estimate": MapOf(NORMS),
     "index": NORMS,
     "seconds": {"repeats": list, "min": NUMBER, "full": NUMBER, "estimators": MapOf(NUMBER), "effects": MapOf(NUMBER)},
-    "rate": NUMBER_OR_NONE,
-    "life": MapOf(NUMBER_OR_NONE),
-}
+    "rate": NUMBER_OR_NONE, "life": MapOf(NUMBER_OR_NONE)}
 SCENE = {"method": str, "cells": int, "ppc": NUMBER, "amplitude": NUMBER_OR_NONE, "dt": NUMBER, "cfl": NUMBER,
          "periods": NUMBER, "estimator": list, "effects": list, "remedies": list}
 BLANK = dict.fromkeys(("scene", "h", "status", "reason", "t", "steps", "particles", "particle_steps"))

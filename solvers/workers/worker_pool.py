@@ -122,10 +122,7 @@ class WorkerPool:
 def one_of_each_first(things: Iterable[T], kind: Callable[[T], Hashable]) -> list[T]:
     """The same things, one of each kind in front: asked in this order, processes begin with different kinds."""
     ahead: dict[Hashable, T] = {}
-    rest = []
-    for thing in things:
-        if ahead.setdefault(kind(thing), thing) is not thing:
-            rest.append(thing)
+    rest = [thing for thing in things if ahead.setdefault(kind(thing), thing) is not thing]
     return [*ahead.values(), *rest]
 
 

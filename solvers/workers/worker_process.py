@@ -65,10 +65,9 @@ class WorkerProcess:
         if self.process_id is None:
             self._end()
             paths = [path or os.getcwd() for path in sys.path]
-            self._process = subprocess.Popen(
-                [sys.executable, "-c", START, self._work, str(HOME), *paths],
-                env={**os.environ, **(self._environment or {})}, stdin=subprocess.PIPE, stdout=subprocess.PIPE,
-                stderr=subprocess.DEVNULL, text=True)
+            self._process = subprocess.Popen([sys.executable, "-c", START, self._work, str(HOME), *paths],
+                                             env={**os.environ, **(self._environment or {})}, stdin=subprocess.PIPE,
+                                             stdout=subprocess.PIPE, stderr=subprocess.DEVNULL, text=True)
             if self._closed:  # meanwhile
                 self._process.kill()
         return cast(subprocess.Popen, self._process)

@@ -163,8 +163,7 @@ def tab_to(page, name, most=80):
 def stage(page):
     """The stage between the panels and what is above and below it, as an array of colours."""
     box = stage_box(page)
-    shot = page.screenshot(clip={"x": box["x"], "y": 0, "width": box["width"],
-                                 "height": page.viewport_size["height"]})
+    shot = page.screenshot(clip={"x": box["x"], "y": 0, "width": box["width"], "height": page.viewport_size["height"]})
     return np.asarray(Image.open(io.BytesIO(shot)).convert("RGB")).astype(int)
 
 

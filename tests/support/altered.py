@@ -63,8 +63,7 @@ def as_files(scene: Scene, frames: Sequence[Frame], stress: bool = False) -> Fil
     law = PROBLEMS[scene.problem].reference.stress
     if stress:
         frames = [f if f.stress is not None else replace(f, stress=law(scene, f.deformation_gradient)) for f in frames]
-    arrays = {"t": np.array([f.time for f in frames]), "cells": np.array(scene.cells),
-              "X": frames[0].material_position}
+    arrays = {"t": np.array([f.time for f in frames]), "cells": np.array(scene.cells), "X": frames[0].material_position}
     return arrays | {key: np.stack([getattr(f, KEYS[key]) for f in frames])
                      for key in ("x", "v", "F", "sigma") if getattr(frames[0], KEYS[key]) is not None}
 

@@ -25,6 +25,7 @@ TRAPEZOID = 1 / 3  # of what F departs from its neighbours', by which the rule b
 OTHERWISE = 0.3  # of the miss is left at most where F is something else
 INSIDE_OUT, OVERTAKEN = "det F is positive", "neighbours keep their order"
 FLATTEST = 1e-3  # det F, below which a particle counts as crushed, as in our own runs
+FEWEST = {1: 8, 2: 16, 3: 40}  # particles, by dimension, that a body needs for its inside to be more than its rim
 MANY = 0.02  # of all pairs: more of them are no accident of a rim
 FEW_AT_A_RIM = 0.005  # of all pairs in the plane or in space, where a rim may have so many; along a line none can
 DEEP = 0.7  # of their distance in the reference: where a body is crushed, a few in good runs of ours are less far past
@@ -98,14 +99,9 @@ def gathered(edges: Edges, values: np.ndarray, count: int, rounds: int = 300) ->
     return field - field.mean(axis=0)
 
 
-def fewest(motion: Motion) -> int:
-    """Particles that a body needs for its inside to be more than its rim."""
-    return {1: 8, 2: 16, 3: 40}[motion.dimensions]
-
-
 def of_f(motion: Motion) -> list[Finding]:
     """Whether neighbours stand where the F of both say."""
-    F, few = motion.gradient, fewest(motion)
+    F, few = motion.gradient, FEWEST[motion.dimensions]
     assert F is not None
     if motion.edges is None or len(motion.reference) < few:
         return [unknown(name, f"fewer than {few} particles lie so that they have neighbours") for name in NAMES_OF_F]
@@ -134,12 +130,9 @@ def _gap(motion: Motion, F: np.ndarray, every: list[tuple[int, Misses]]) -> Find
 
 def _torn(motion: Motion, every: list[tuple[int, Misses]]) -> Finding:
     """Misses that add up over the body: late waves, which each pair shows little of."""
-    found = []
-    for moment, pairs in every:
-        field = gathered(pairs.edges, pairs.miss, len(motion.reference))
-        found.append((float(np.sqrt(np.mean(np.sum(field**2, axis=1)))), moment,
-                      int(np.argmax(np.sum(field**2, axis=1)))))
-    size, moment, p = max(found)
+    fields = ((moment, gathered(pairs.edges, pairs.miss, len(motion.reference))) for moment, pairs in every)
+    squares = ((moment, np.sum(field**2, axis=1)) for moment, field in fields)
+    size, moment, p = max((float(np.sqrt(np.mean(one))), moment, int(np.argmax(one))) for moment, one in squares)
     return _told(TORN, size / motion.amplitude, MOST_TORN, NO_SUM, "of the motion",
                  f"the displacements are not the sum of what F says, by {size:.3g} m (RMS), {{share}} of the motion, "
                  f"at t = {motion.times[moment]:.4g} s", motion.at(moment, p))
@@ -212,8 +205,7 @@ def overtaken(motion: Motion) -> Finding:
             told = [edges.moved_by(one) for one in slopes]
         ahead = np.max([np.sum(now * one, axis=1) / np.maximum(np.linalg.norm(one, axis=1), TINY) for one in told],
                        axis=0)
-        turned = ahead <= 0
-        deep = ahead <= -DEEP * edges.length
+        turned, deep = ahead <= 0, ahead <= -DEEP * edges.length
         few = FEW_AT_A_RIM if motion.dimensions > 1 else 0.0
         found.append(turned if turned.mean() > MANY else deep if deep.mean() > few else np.zeros_like(deep))
     shares = [float(turned.mean()) for turned in found]

@@ -69,10 +69,7 @@ class Motion:
         F = self.fields.get("F")
         if F is None or not self.from_start:
             return F
-        start = F[0]
-        if not (np.abs(np.linalg.det(start)) > TINY).all():
-            return None
-        return F @ np.linalg.inv(start)
+        return F @ np.linalg.inv(F[0]) if (np.abs(np.linalg.det(F[0])) > TINY).all() else None
 
     def get(self, needed: str) -> np.ndarray | None:
         """A quantity by its key, or F from the reference on as ``gradient``; None where there is none."""
@@ -130,8 +127,7 @@ class Motion:
         place = np.minimum((sides * (self.reference - low) / np.maximum(reach, TINY)).astype(int), sides - 1)
         boxes, box, counts = np.unique(place, axis=0, return_inverse=True, return_counts=True)
         order = np.argsort(np.arange(len(boxes)) * 0.5 * (5**0.5 - 1) % 1)  # far from each other, one after the other
-        chosen = order[:max(1, int(np.sum(np.cumsum(counts[order]) <= MOST)))]
-        which = np.isin(box.ravel(), chosen)
+        which = np.isin(box.ravel(), order[:max(1, int(np.sum(np.cumsum(counts[order]) <= MOST)))])
         return replace(self, number=self.number[which], reference=self.reference[which],
                        fields={key: values[:, which] for key, values in self.fields.items()})
 

@@ -67,8 +67,7 @@ class Nearby:
         return np.take_along_axis(far, chosen, 1), np.take_along_axis(who, chosen, 1)
 
     def _bin(self, points: np.ndarray) -> np.ndarray:
-        place = np.floor((points - self._corner) / self.width)
-        return np.clip(place, -10, 2**31 // 4).astype(int)
+        return np.clip(np.floor((points - self._corner) / self.width), -10, 2**31 // 4).astype(int)
 
     def _number(self, bins: np.ndarray) -> np.ndarray:
         number = np.zeros(bins.shape[:-1], int)

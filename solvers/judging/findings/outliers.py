@@ -114,8 +114,7 @@ def _lasting(score: np.ndarray, longer: int, passes: float) -> tuple[np.ndarray,
     return np.where(lasts, order[longer], order[0]), np.maximum(lasting, passing), np.where(lasts, 1.0, passes)
 
 
-def _with_neighbours(evidence: Evidence, quantity: str,
-                     most: int) -> Iterator[tuple[Frame, np.ndarray, Neighbourhood]]:
+def _with_neighbours(evidence: Evidence, quantity: str, most: int) -> Iterator[tuple[Frame, np.ndarray, Neighbourhood]]:
     """Of so many frames at most their errors (P, C), with who is whose neighbour, looked for once where it stays."""
     pairs = [(f, e[quantity]) for f, e in zip(evidence.frames, evidence.errors, strict=True) if quantity in e]
     before: np.ndarray | None = None

@@ -62,8 +62,7 @@ def speeds(evidence: Evidence) -> Finding:
     size = rms(right)
     if not size > 0:
         return unknown(SPEEDS, "the problem begins at rest")
-    step = 0.5 * evidence.step * evidence.scene.angular_frequency
-    off, tolerance = rms(error) / size, OTHER_SPEED + step
+    off, tolerance = rms(error) / size, OTHER_SPEED + 0.5 * evidence.step * evidence.scene.angular_frequency
     if off <= tolerance:
         return Finding(SPEEDS, HOLDS, off, tolerance, "of v")
     factor = float(np.sum(frame.velocity * right) / np.sum(right**2))
@@ -171,23 +170,17 @@ def _distance(X: np.ndarray) -> float:
 def axes(evidence: Evidence) -> Finding:
     """Whether the error would be far less, were the file read otherwise."""
     frames = sorted(evidence.frames, key=lambda f: -float(np.sum((f.position - f.material_position)**2)))[:LOOKED_AT]
-    frames = [_thinned(frame) for frame in frames]
+    some: list[dict[str, Any]] = [{field.name: value[::-(-len(frame.number) // MOST_FOLLOWED)]
+                                   for field in fields(frame)
+                                   if isinstance(value := getattr(frame, field.name), np.ndarray)} for frame in frames]
+    frames = [replace(frame, **chosen) for frame, chosen in zip(frames, some, strict=True)]
     now = _sizes([evidence.again(frame) for frame in frames])
     left, words = min(((_sizes([evidence.again(other(f)) for f in frames])[q] / now[q], words)
-                       for words, q, other in _readings(frames[0]) if now.get(q, 0.0) > 0),
-                      default=(None, ""))
+                       for words, q, other in _readings(frames[0]) if now.get(q, 0.0) > 0), default=(None, ""))
     if left is None or not 0 < left < np.inf:
         return unknown(AXES, "nothing to exchange, or no errors that could tell")
     return Finding(AXES, HOLDS if left > FITS else OFF, 1 / left, 1 / FITS, "times less error if read otherwise",
                    "" if left > FITS else f"{words}: read so, the error is {left:.2g} of what it is")
-
-
-def _thinned(frame: Frame) -> Frame:
-    """Of some of the particles."""
-    chosen = slice(None, None, -(-len(frame.number) // MOST_FOLLOWED))
-    some: dict[str, Any] = {field.name: value[chosen] for field in fields(frame)
-                            if isinstance(value := getattr(frame, field.name), np.ndarray)}
-    return replace(frame, **some)
 
 
 def _sizes(errors: list[Errors]) -> dict[str, float]:
@@ -199,28 +192,23 @@ def _readings(frame: Frame) -> Iterator[tuple[str, str, Callable[[Frame], Frame]
     F, plane = frame.deformation_gradient, frame.position.shape[1] == 2
     yield ("the positions seem to be displacements", "x",
            lambda f: replace(f, position=f.position + f.material_position))
-    yield ("the positions seem to be in mm", "x", lambda f: replace(f, position=1e-3 * f.position))
+    yield "the positions seem to be in mm", "x", _changed("position", lambda x: 1e-3 * x)
     if plane:
-        yield ("x and y of the positions seem to be exchanged", "x",
-               lambda f: replace(f, position=f.position[:, ::-1]))
+        yield "x and y of the positions seem to be exchanged", "x", _changed("position", lambda x: x[:, ::-1])
         yield ("x and y of everything seem to be exchanged, or one axis to point the other way", "x",
                lambda f: replace(f, position=f.position[:, ::-1], material_position=f.material_position[:, ::-1]))
     if frame.velocity is not None:
         if plane:
-            yield ("x and y of the velocities seem to be exchanged", "v",
-                   lambda f: replace(f, velocity=_given(f.velocity)[:, ::-1]))
-        yield ("the velocities seem to have the other sign", "v",
-               lambda f: replace(f, velocity=-_given(f.velocity)))
+            yield "x and y of the velocities seem to be exchanged", "v", _changed("velocity", lambda v: v[:, ::-1])
+        yield "the velocities seem to have the other sign", "v", _changed("velocity", lambda v: -v)
     if F is not None and frame.stress is None:
         if plane:
-            yield ("F seems to be transposed", "sigma",
-                   lambda f: replace(f, deformation_gradient=_given(f.deformation_gradient).transpose(0, 2, 1)))
-        yield ("F seems to be its inverse, dX/dx", "sigma",
-               lambda f: replace(f, deformation_gradient=np.linalg.pinv(_given(f.deformation_gradient))))
+            yield "F seems to be transposed", "sigma", _changed("deformation_gradient", lambda F: F.transpose(0, 2, 1))
+        yield "F seems to be its inverse, dX/dx", "sigma", _changed("deformation_gradient", np.linalg.pinv)
         yield ("F seems to be the gradient of the displacement, F - I", "sigma",
-               lambda f: replace(f, deformation_gradient=_given(f.deformation_gradient) + np.eye(F.shape[1])))
+               _changed("deformation_gradient", lambda F: F + np.eye(F.shape[1])))
 
 
-def _given(values: np.ndarray | None) -> np.ndarray:
-    assert values is not None
-    return values
+def _changed(name: str, change: Callable[[Any], Any]) -> Callable[[Frame], Frame]:
+    """The frame with another array of that name."""
+    return lambda f: replace(f, **{name: change(getattr(f, name))})

@@ -51,8 +51,7 @@ def velocity(evidence: Evidence) -> Finding:
     if tracks is None or len(tracks.time) < FEWEST_TIMES or "v" not in tracks.exact:
         return unknown(VELOCITY, FEW if "v" in evidence.errors[0] else "no velocities in the files")
     x, v = (tracks.own[q] - tracks.exact[q] for q in ("x", "v"))
-    interval = np.diff(tracks.time)[:, None, None]
-    gap = 0.5 * interval * (v[1:] + v[:-1]) - np.diff(x, axis=0)
+    gap = 0.5 * np.diff(tracks.time)[:, None, None] * (v[1:] + v[:-1]) - np.diff(x, axis=0)
     moved, gained = np.diff(tracks.exact["x"], axis=0), np.diff(tracks.exact["v"], axis=0)
     late, sure = fitted(gap, [-gained, moved])
     slack = (SURE * sure[0] + _of_size(late[0, 1], v, rate(tracks.time, tracks.exact["v"]))) / step
@@ -89,9 +88,7 @@ def clock(evidence: Evidence) -> Finding:
     late, slow = found[0]
     rest = x + late * speed + slow * growing
     apart, _ = fitted(growing, [speed])  # what of a growing lag is not a lag that stays
-    alone = growing - apart[0, 0] * speed
-    size = rms(alone)
-    scene = evidence.scene
+    size, scene = rms(growing - apart[0, 0] * speed), evidence.scene
     grid = DISPERSION * (scene.angular_frequency * scene.spacing / scene.wave_speed) ** 2
     left = rms(rest) / size if size > 0 else np.inf
     tolerance = max(CLOCK_OFF, grid, TELLS * left) if slow > 0 else \
@@ -224,5 +221,4 @@ def _centre(motion: Motion, moved: np.ndarray) -> Finding:
     way = ", ".join(f"{value:.3g}" for value in mean)
     return Finding(CENTRE, SUSPICIOUS, far, LEAST_DRIFT, "of the motion",
                    f"the middle of the particles drifts by {way} m/s beyond the mean of their v, the same at all "
-                   "times",
-                   time=float(motion.times[-1]))
+                   "times", time=float(motion.times[-1]))

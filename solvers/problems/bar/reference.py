@@ -96,8 +96,7 @@ class BarCompanionBody(ElasticBody):
     def read(self, u: np.ndarray, X: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         element, values, slopes = self._elements.locate(X[:, 0])
         local = u[self._elements.of_node[element], 0]
-        return (np.einsum("pi,pi->p", values, local)[:, None],
-                np.einsum("pi,pi->p", slopes, local)[:, None, None])
+        return (np.einsum("pi,pi->p", values, local)[:, None], np.einsum("pi,pi->p", slopes, local)[:, None, None])
 
 
 REFERENCE = BarReference()

@@ -5,17 +5,15 @@ import time
 import numpy as np
 
 from solvers.kernels import runtime
-from solvers.problems.bar import exact_solution
+from solvers.problems.bar import exact_solution, step_breakdown
 from solvers.problems.bar.scene import BarScene
 from solvers.problems.bar.state import HOOKS, BarState, WatchedBar, allocate_state, farthest
 from solvers.problems.bar.step import KERNELS, PHASES
-from solvers.problems.bar.step_breakdown import breakdown, carried
 from solvers.scene.kernel_options import kernel_options_of
 from solvers.scene.remedies import CENTRED, COUPLED, FILTER, FROZEN, PIECES
 from solvers.solver.base import REPORT, Solver
 from solvers.solver.run_loop import OneThread
 from solvers.solver.snapshot import TRUTH, Fields, Snapshot, Values
-from solvers.solver.step_breakdown import Carried, StepBreakdown
 
 HATS_LIMIT = 0.14  # amplitude from which on no rate of a remedy holds hat functions together
 
@@ -23,7 +21,7 @@ HATS_LIMIT = 0.14  # amplitude from which on no rate of a remedy holds hat funct
 class BarSolver(Solver):
     """Owns the arrays of one bar. The whole step loop runs in one serial kernel, whatever threads the scene allows."""
 
-    HOOKS, PHASES, STATE = HOOKS, PHASES, WatchedBar
+    HOOKS, PHASES, STATE, STEP_BREAKDOWN = HOOKS, PHASES, WatchedBar, step_breakdown
     scene: BarScene
     _arrays: WatchedBar
 
@@ -55,9 +53,8 @@ class BarSolver(Solver):
         missed = {} if errors is None or not differences else {
             name: np.abs(estimate - errors) for name, estimate in estimates.items()}
         return Snapshot(step=self.step, time=t, material_position=X, position=a.position.copy(),
-                        velocity=a.velocity.copy(), deformation_gradient=F,
-                        error=errors, estimate=estimates, difference=missed,
-                        plotted=None if plotted is None else self.plotted(plotted),
+                        velocity=a.velocity.copy(), deformation_gradient=F, error=errors, estimate=estimates,
+                        difference=missed, plotted=None if plotted is None else self.plotted(plotted),
                         last_crossing=a.last_crossing.copy() if self._switches.crossings else None)
 
     def plotted(self, quantity: str) -> np.ndarray:
@@ -78,12 +75,6 @@ class BarSolver(Solver):
         return Fields(a.material_position[:, None].copy(), np.full(a.particles, a.density * a.volume),
                       np.full(a.particles, a.volume), _columns(values),
                       {name: _columns(errors) for name, errors in said.items()})
-
-    def _carried(self) -> Carried:
-        return carried(self._arrays)
-
-    def _breakdown(self, particle: int, before: Carried) -> StepBreakdown:
-        return breakdown(self.scene, self._arrays, particle, self.step, before)
 
     def _escape(self) -> str:
         return f"moved {farthest(self.scene):.3g} m or more from where it began"

@@ -15,9 +15,8 @@ from solvers.scene.kernel_options import kernel_options_of
 from solvers.solver.state_arrays import Diagnostics, watch
 
 #: What the solver calls of each estimator that the bar has, by name.
-HOOKS = estimator_registry.hooks_of("bar", {
-    "companion": companion.HOOKS, "recovered": recovered.HOOKS, "transport": transport.HOOKS,
-    "two-grid": two_grid.HOOKS})
+HOOKS = estimator_registry.hooks_of("bar", {"companion": companion.HOOKS, "recovered": recovered.HOOKS,
+                                            "transport": transport.HOOKS, "two-grid": two_grid.HOOKS})
 
 
 @dataclass

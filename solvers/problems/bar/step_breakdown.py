@@ -8,7 +8,7 @@ from solvers.problems.bar.state import WatchedBar
 from solvers.solver.step_breakdown import Carried, Image, StepBreakdown, link
 
 
-def carried(a: WatchedBar) -> Carried:
+def carried(scene: BarScene, a: WatchedBar) -> Carried:
     """What the particles carry now, copied."""
     x, v, F = (values[:, None].copy() for values in (a.position, a.velocity, a.deformation_gradient))
     return Carried(x, v, F[:, None] / a.unstretched, a.modulus * (F[:, None] - a.unstretched))
@@ -40,11 +40,11 @@ def breakdown(scene: BarScene, a: WatchedBar, particle: int, step: int, before: 
         return values[:, None].copy()
 
     k = links.members
-    return StepBreakdown(
-        step, time, scene.time_step, h, links, seen, carried(a).seen(links), np.full(len(k), mass),
-        place[k] + links.shift, column(width[k])[:, None], column(tension[k])[:, None],
-        column((links.nodes - 1) * h + period[particle]), node_mass, column(mass * a.node_sums[g, 1]),
-        column(internal), column(body), column(acceleration), column(velocity))
+    return StepBreakdown(step, time, scene.time_step, h, links, seen, carried(scene, a).seen(links),
+                         np.full(len(k), mass), place[k] + links.shift, column(width[k])[:, None],
+                         column(tension[k])[:, None],
+                         column((links.nodes - 1) * h + period[particle]), node_mass, column(mass * a.node_sums[g, 1]),
+                         column(internal), column(body), column(acceleration), column(velocity))
 
 
 def _weights(a: WatchedBar, some: np.ndarray) -> tuple[np.ndarray, np.ndarray]:

@@ -28,8 +28,6 @@ TRUSTED = 0.05  # of the amplitude: what the element's polynomials leave out, up
 MOST_STEPS = 200_000  # of one scene, some five seconds; a motion that needs more is not followed to its end
 MOST_KEPT = 20_000  # instants of a run that goes on and on
 AT_ONCE = 16  # steps whose loads are found together, and between two looks at how stiff the body has become
-
-
 COMPLEX = np.array([1, 1j])  # what makes a number of a vector
 
 
@@ -99,8 +97,7 @@ class CircleMotion:
             t = end if steps == left else t + steps * (end - t) / left
             self._steps += steps
         # What the element's polynomials leave out is not to be more than is to be trusted.
-        if z is not None and not \
-                abs(unresolved((z - self._R)[None], 1)[0]) <= TRUSTED * self._scene.motion_amplitude:
+        if z is not None and not abs(unresolved((z - self._R)[None], 1)[0]) <= TRUSTED * self._scene.motion_amplitude:
             z = None
         return Instant(end, z, v)
 

@@ -45,7 +45,9 @@ class PlanarScene(Scene):
     CIRCULAR: ClassVar[bool] = False  # whether the motion is the same all around
     PLOTTED: ClassVar[str] = ""  # the component of it that a plot shows: "radial" or "angular"
     VOLUMETRIC: ClassVar[bool] = True  # whether lambda may be other than 0, which costs a logarithm a particle and step
-    EARLIER: ClassVar[float] = 0.5  # time steps before t = 0 to which the initial velocity belongs, as in leapfrog
+    #: Time steps before t = 0 to which the initial velocity belongs. Symplectic Euler is the leapfrog scheme: where
+    #: a(0) is not zero, a run that begins with v(0) is only first-order in the step.
+    EARLIER: ClassVar[float] = 0.5
     EXTREMES: ClassVar[tuple[float, float]] = (0.0, 1.0)  # periods between which the motion takes on all its shapes
     FARTHEST_MOVE: ClassVar[float] = math.inf  # amplitudes that a particle of a sound run may be from where it began
     COARSE_BELOW: ClassVar[int] = 0  # cells, of which recovered's fits over four are too wide for the acceleration
@@ -157,13 +159,6 @@ class PlanarScene(Scene):
         """Of pressure waves in the material at rest, in m/s."""
         bulk, mu = self.lame_moduli
         return math.sqrt((bulk + 2 * mu) / self.density)
-
-    @property
-    def velocity_time(self) -> float:
-        """The time in s of the exact velocity with which a run begins. Symplectic Euler is the leapfrog scheme, whose
-        velocities belong to the middle of the steps: where a(0) is not zero, a run that begins with v(0) is only
-        first-order in the step."""
-        return -self.EARLIER * self.time_step
 
     def critical_time_step(self) -> StepBound:
         return step_bound.critical_time_step(self)

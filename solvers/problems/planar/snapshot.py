@@ -23,7 +23,10 @@ Errors = list[Parts]  # of x, v, sigma and a
 def true_fields(scene: Any, a: PlanarBody, step: int) -> Errors:
     """The true errors of x, v, sigma and, with the effect, a after ``step`` steps."""
     time = step * scene.time_step
-    used = acceleration_error(scene, a, time - scene.time_step) if step and scene.has("acceleration") else None
+    used = None
+    if step and scene.has("acceleration"):  # the one that the last step has used
+        x, y = _turned(a, *scene.EXACT.jets(scene, a.orbit_point, time - scene.time_step).acceleration)
+        used = a.acceleration[:, 0] - x, a.acceleration[:, 1] - y
     return [*vector_errors(scene, a, time), stress_error(scene, a, time), used]
 
 
@@ -49,12 +52,6 @@ def vector_errors(scene: Any, a: PlanarBody, time: float) -> tuple[Vector, Vecto
     (x, y), (v_x, v_y) = _turned(a, exact.x.value, exact.y.value), _turned(a, *exact.velocity)
     X, q = a.material_position, a.position_velocity
     return (q[:, 0] - X[:, 0] - x, q[:, 1] - X[:, 1] - y), (q[:, 2] - v_x, q[:, 3] - v_y)
-
-
-def acceleration_error(scene: Any, a: PlanarBody, time: float) -> Vector:
-    """Of the one that a step from that time on has used."""
-    x, y = _turned(a, *scene.EXACT.jets(scene, a.orbit_point, time).acceleration)
-    return a.acceleration[:, 0] - x, a.acceleration[:, 1] - y
 
 
 def cauchy_stress_of(scene: Any, a: PlanarBody) -> Tensor:

@@ -8,6 +8,7 @@ import numpy as np
 
 from solvers.kernels import runtime
 from solvers.motion.separable_field import SeparableField
+from solvers.problems.planar import step_breakdown
 from solvers.problems.planar.estimators import circular_companion, companion, recovered, transport, two_grid
 from solvers.problems.planar.estimators.recovered_operators import BOX, Lattice
 from solvers.problems.planar.kernel_parts import PlanarParts
@@ -18,7 +19,6 @@ from solvers.problems.planar.plans.cpu_plan import Kernels, OnProcessor, kernels
 from solvers.problems.planar.plans.gpu_plan import BesideGpu, OnDevice
 from solvers.problems.planar.scene import PlanarScene, motion_table
 from solvers.problems.planar.snapshot import Errors, cauchy_stress_of, plotted_field, true_fields
-from solvers.problems.planar.step_breakdown import breakdown, carried
 from solvers.scene import estimator_registry
 from solvers.scene.kernel_options import kernel_options_of
 from solvers.scene.scene import MOST_PARTICLES
@@ -27,7 +27,6 @@ from solvers.solver import devices
 from solvers.solver.base import REPORT, Solver
 from solvers.solver.samples import column
 from solvers.solver.snapshot import TRUTH, Fields, Snapshot, Values
-from solvers.solver.step_breakdown import Carried, StepBreakdown
 
 PARALLEL_FROM = 300_000  # particles from which on two threads beat one: a parallel step has a launch to pay for
 
@@ -41,6 +40,7 @@ class PlanarSolver(Solver):
 
     PARTS: ClassVar[PlanarParts]
     KERNELS: ClassVar[Kernels]
+    STEP_BREAKDOWN = step_breakdown
     scene: Any
     _arrays: InstrumentedBody
 
@@ -100,8 +100,7 @@ class PlanarSolver(Solver):
         with np.errstate(all="ignore"):  # a run gone bad holds anything
             stress = cauchy_stress_of(self.scene, a)
         return Fields(X.copy(), a.mass.copy(), a.mass / self.scene.density,
-                      columns([(motion[:, 0] - X[:, 0], motion[:, 1] - X[:, 1]), tuple(motion.T[2:]),
-                               stress]),
+                      columns([(motion[:, 0] - X[:, 0], motion[:, 1] - X[:, 1]), tuple(motion.T[2:]), stress]),
                       {name: columns(parts[:3]) for name, parts in said.items()})
 
     def advance(self, steps: int) -> np.ndarray:
@@ -132,12 +131,6 @@ class PlanarSolver(Solver):
 
     def _other_advice(self) -> str:
         return self.scene.other_advice()
-
-    def _carried(self) -> Carried:
-        return carried(self.scene, self._arrays)
-
-    def _breakdown(self, particle: int, before: Carried) -> StepBreakdown:
-        return breakdown(self.scene, self._arrays, particle, self.step, before, self.PARTS.traits.first)
 
 
 def estimated_fields(a: InstrumentedBody, estimator: int) -> Errors:

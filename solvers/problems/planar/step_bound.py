@@ -69,8 +69,9 @@ class Look:
         kept = np.full(len(layout.volume), True) if self._low else (layout.position > 0).all(axis=1)  # none on an axis
         self._volume, self._X = layout.volume[kept], layout.position[kept]
         F = [self._deformed(part) for part in parts]
-        self.found = [weights(scene, self._place(part), one, layout.edges[kept])
-                      for part, one in zip(parts, F, strict=True)]
+        middle = 0.0 if self._low else 0.5 * (scene.cells % 2) * scene.spacing  # from there or the planes nodes count
+        places = [self._X if scene.frozen else scene.EXACT.position(scene, self._X, self._time(part)) for part in parts]
+        self.found = [weights(scene, x + middle, one, layout.edges[kept]) for x, one in zip(places, F, strict=True)]
         self.F = np.stack(F)
         self.limits = limits(self._side_by_side())
 
@@ -95,12 +96,6 @@ class Look:
 
     def _deformed(self, part: float) -> np.ndarray:
         return self.scene.EXACT.deformation_gradient(self.scene, self._X, self._time(part))
-
-    def _place(self, part: float) -> np.ndarray:
-        """From where nodes are numbered: from the planes, or half a cell beside the middle where cells are odd."""
-        scene, X = self.scene, self._X
-        middle = 0.0 if self._low else 0.5 * (scene.cells % 2) * scene.spacing
-        return (X if scene.frozen else scene.EXACT.position(scene, X, self._time(part))) + middle
 
     def _images(self, i: np.ndarray, j: np.ndarray) -> Images:
         """What the symmetry makes of nodes' places."""

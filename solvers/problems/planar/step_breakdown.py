@@ -4,7 +4,7 @@ import numpy as np
 
 from solvers.problems.planar.layout import half_edges
 from solvers.problems.planar.method.body import InstrumentedBody
-from solvers.problems.planar.scene import PlanarScene
+from solvers.problems.planar.scene import GHOSTS, PlanarScene
 from solvers.problems.planar.snapshot import body_force, cauchy_stress_of
 from solvers.problems.planar.weights import Grid, nodes_of, weights_of
 from solvers.solver.step_breakdown import Carried, Image, StepBreakdown, flipped, link
@@ -18,10 +18,9 @@ def carried(scene: PlanarScene, a: InstrumentedBody) -> Carried:
                    np.stack([xx, xy, xy, yy], axis=1).reshape(-1, 2, 2))
 
 
-def breakdown(scene: PlanarScene, a: InstrumentedBody, particle: int, step: int, before: Carried,
-              ghosts: int) -> StepBreakdown:
-    """Of the step number ``step``, just taken, around a particle; ``before`` is what was carried then. The first
-    ``ghosts`` rows of nodes either way lie beyond a symmetry plane."""
+def breakdown(scene: PlanarScene, a: InstrumentedBody, particle: int, step: int, before: Carried) -> StepBreakdown:
+    """Of the step number ``step``, just taken, around a particle; ``before`` is what was carried then."""
+    ghosts = GHOSTS if scene.PLANES[0] else 0  # rows of nodes beyond a symmetry plane
     edges, row = half_edges(scene, before.deformation_gradient, a.edges), a.row
     grid = Grid(row, ghosts, scene.PLANES[1])
     links = link(particle, nodes_of(scene, a), lambda some: weights_of(scene, a, edges, some),

@@ -5,11 +5,10 @@ estimated over true error, in norms summed over the run. Only runs that ended as
 those in which it did not refuse.
 
 Beside estimators stand the grid convergence index and its successors, which say how uncertain a number is from the same
-number on coarser grids, and mean to hold the truth in 95 of 100 cases:
-P. J. Roache, "Perspective: a method for uniform reporting of grid refinement studies", J. Fluids Eng. 116 (1994) 405;
-I. B. Celik and others, "Procedure for estimation and reporting of uncertainty due to discretization in CFD
-applications", J. Fluids Eng. 130 (2008) 078001; T. Xing and F. Stern, "Factors of safety for Richardson extrapolation",
-J. Fluids Eng. 132 (2010) 061403.
+number on coarser grids, and mean to hold the truth in 95 of 100 cases: P. J. Roache, "Perspective: a method for uniform
+reporting of grid refinement studies", J. Fluids Eng. 116 (1994) 405; I. B. Celik and others, "Procedure for estimation
+and reporting of uncertainty due to discretization in CFD applications", J. Fluids Eng. 130 (2008) 078001; T. Xing and
+F. Stern, "Factors of safety for Richardson extrapolation", J. Fluids Eng. 132 (2010) 061403.
 """
 
 import functools
@@ -158,8 +157,7 @@ def three_grids(values: Sequence[float]) -> float | None:
     """Roache's index of three grids with the observed order, at most the formal one: 1.25 |f2 - f1| / (r^p - 1); None
     where no order is observed."""
     order = observed_order(values)
-    return None if order is None else \
-        THREE_GRIDS * abs(values[1] - values[0]) / (RATIO**min(order, MOST_ORDER) - 1)
+    return None if order is None else THREE_GRIDS * abs(values[1] - values[0]) / (RATIO**min(order, MOST_ORDER) - 1)
 
 
 def factor_of_safety(values: Sequence[float]) -> float | None:

@@ -45,10 +45,8 @@ def estimates(counted: Mapping) -> str:
 
 def middles(counted: Mapping) -> str:
     """Where the middle of the true errors lies, by what each estimator says of the end."""
-    lines = []
-    for name, split in counted["estimators"].items():
-        cells = [_middle(split["all"][q]["at the end"]["middle"]) for q in QUANTITIES]
-        lines.append([name, *cells])
+    lines = [[name, *(_middle(split["all"][q]["at the end"]["middle"]) for q in QUANTITIES)]
+             for name, split in counted["estimators"].items()]
     return (f"## Where {100 * MIDDLE:g} of 100 true errors lie\n\nAt the end of the run, in multiples of the estimate; "
             "as many lie below as above. Between these an estimator bets in lesson 10.\n\n"
             + grid(["estimator", *(PARTS[q] for q in QUANTITIES)], lines))

@@ -73,9 +73,8 @@ REACH = {"bar": Reach((16, 128), (1, 6), (1e-4, 0.12)),
          "vortex": Reach((32, 64), (1, 3), (1e-2, 1.0), periods=(0.02, 1.0)),
          "square": Reach((32, 64), (1, 3), (1e-3, 0.08), periods=(0.1, 1.5))}
 #: How likely a choice is that is not as likely as the others of its field.
-SHARES: Mapping[str, Mapping[Any, float]] = {
-    "velocity": {"grid": 0.8}, "linearity_preserving": {False: 0.75}, "body_force": {"material": 0.7},
-    "layout": {"polar": 0.75}}
+SHARES: Mapping[str, Mapping[Any, float]] = {"velocity": {"grid": 0.8}, "linearity_preserving": {False: 0.75},
+                                             "body_force": {"material": 0.7}, "layout": {"polar": 0.75}}
 FORCES = {"bar": ("material", "node")}  # with exact solutions; elsewhere only that at material points
 
 
@@ -142,8 +141,7 @@ def _drawn(problem: str, chance: np.random.Generator) -> Scene | None:
     inputs: dict[str, Any] = {
         "cells": COARSEST * round(_between(chance, *(n / COARSEST for n in reach.cells))),
         "ppc": int(chance.integers(reach.ppc[0], reach.ppc[1] + 1)), "amplitude": _between(chance, *reach.amplitude),
-        "periods": _between(chance, *reach.periods),
-        "method": _choice(chance, kind.choices("method")),
+        "periods": _between(chance, *reach.periods), "method": _choice(chance, kind.choices("method")),
         "body_force": _choice(chance, FORCES.get(problem, ("material",)), "body_force"),
         "velocity": _choice(chance, kind.choices("velocity"), "velocity"),
         "linearity_preserving": _choice(chance, (False, True), "linearity_preserving"),
@@ -206,8 +204,7 @@ def _measured(draw: Draw) -> dict:
             "estimators": {name: {"refused": refused(name, scene, result), **_ratios(result, name)}
                            for name in scene.estimators},
             "goals": {kind: {"grids": numbers[kind], **{key: result.goals[name][key] for key in KEPT}}
-                      for kind, name in goals.items()},
-            "seconds": time.perf_counter() - begun}
+                      for kind, name in goals.items()}, "seconds": time.perf_counter() - begun}
 
 
 def refused(name: str, scene: Scene, result: Result) -> str:

@@ -47,9 +47,7 @@ def right(scene: Scene, estimator: str, quantity: str = "x") -> tuple[int, int] 
     factor of 1.1 of the true error, and of how many; None where there were too few."""
     split = _of(scene, "estimators", estimator)
     found = split and split.get(quantity)
-    if not found or found["runs"] < FEWEST:
-        return None
-    return found["within"][f"{FACTORS[0]:g}"], found["runs"]
+    return (found["within"][f"{FACTORS[0]:g}"], found["runs"]) if found and found["runs"] >= FEWEST else None
 
 
 def middle(problem: str, estimator: str, quantity: str) -> tuple[float, float] | None:
@@ -66,8 +64,7 @@ def middle(problem: str, estimator: str, quantity: str) -> tuple[float, float] |
 def held(scene: Scene, goal: str, estimator: str) -> tuple[int, int] | None:
     """In how many such runs a bar of twice the estimated error around a goal (by its name) held the truth, and of how
     many; None where there were too few."""
-    kind = DISPLACEMENT if goal.startswith(DISPLACEMENT) else goal
-    split = _of(scene, "goals", kind)
+    split = _of(scene, "goals", DISPLACEMENT if goal.startswith(DISPLACEMENT) else goal)
     found = split and split.get(f"{SAFETY:g} x {estimator}")
     return (found["held"], found["runs"]) if found and found["runs"] >= FEWEST else None
 

@@ -18,10 +18,9 @@ SCHEMA, RUN_SCHEMA = "mpm-lab/tables/1", "mpm-lab/tables-run/1"
 PAPERS_ESTIMATOR = "transport"
 TIMED = ("cost",)  # runs of which times are shown: they are made alone
 #: What is read of a run.
-MEASURED = {"result": {
-    "scene": dict, "t": NUMBER, "particles": int, "error": NORMS, "index": dict, "distance": dict,
-    "grid_crossings": (int, type(None)), "not_valid": MapOf(str),
-    "seconds": {"setup": NUMBER, "compile": NUMBER, "run": NUMBER, "estimators": MapOf(NUMBER)}}}
+MEASURED = {"result": {"scene": dict, "t": NUMBER, "particles": int, "error": NORMS, "index": dict, "distance": dict,
+                       "grid_crossings": (int, type(None)), "not_valid": MapOf(str),
+                       "seconds": {"setup": NUMBER, "compile": NUMBER, "run": NUMBER, "estimators": MapOf(NUMBER)}}}
 
 Results = Mapping[str, dict]  # the object of ``mpm-lab run --json`` for each run of a row
 
@@ -104,8 +103,7 @@ def _estimator(name: str, results: Results) -> dict:
     reason = run["not_valid"].get(name) or cost["not_valid"].get(name)
     return {"index": {q: _of(run, "index", name, q) for q in QUANTITIES},
             "distance": {q: _of(run, "distance", name, q) for q in QUANTITIES},
-            "cost": None if seconds is None or reason else _ratio(seconds, cost["seconds"]["run"]),
-            "not_valid": reason}
+            "cost": None if seconds is None or reason else _ratio(seconds, cost["seconds"]["run"]), "not_valid": reason}
 
 
 def _of(run: dict, kind: str, name: str, quantity: str) -> float | None:

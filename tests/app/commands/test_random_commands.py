@@ -19,9 +19,8 @@ FLAGS = {name: sorted("--" + field.replace("_", "-") for field in kind.__datacla
                       if kind.__dataclass_fields__[field]._field_type.name == "_FIELD")
          for name, kind in commands().items()}
 ODD = ["nan", "inf", "-inf", "1e400", "-1e400", "-1", "0", "-0", "1e-400", "5e-324", "", " ", "Ω", "１２", "٣", "1_0",
-       "0x10", "9" * 5000, "\n", "\udcff", "\0", "-", "--", "--=", "-h ", "None", "True",
-       "a" * 300, "no/such/x.json", ".",
-       "x.png"]
+       "0x10", "9" * 5000, "\n", "\udcff", "\0", "-", "--", "--=", "-h ", "None", "True", "a" * 300, "no/such/x.json",
+       ".", "x.png"]
 FINE = ["8", "12", "2", "1e1", "0.05", "0.3", "1e-3", "mpm", "ugimp", "cpdi", "grid", "node", "none", "all", "truth",
         "x", "truth,energy", "transport", "auto", "frozen-weights", "serial", "polar", "1", "3", "out.json"]
 

@@ -177,10 +177,8 @@ def test_a_lattice_has_sixty_runs_and_stays_within_the_budget(problem):
     assert [len(axis.values) for axis in axes] == [5, 4, 3] and len(one.runs) == 60
     assert all(axis.values[axis.start] == getattr(shown.scene, axis.field) for axis in axes)
     most = next(iter(export_plan.wanted([one]).values())).particles
-    assert (
-        sum(export_plan._bytes(one, min(state.read(text).scene.particles, most)) for text in one.runs)
-        <= export_plan.BUDGET
-    )
+    sizes = [export_plan._bytes(one, min(state.read(text).scene.particles, most)) for text in one.runs]
+    assert sum(sizes) <= export_plan.BUDGET
 
 
 def test_what_a_lesson_names_is_on_the_sliders():

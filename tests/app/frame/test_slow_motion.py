@@ -24,21 +24,19 @@ GUI = SimpleNamespace(add_html=lambda content: SimpleNamespace())
 ROUND_OFF = 1e-12  # of sums of a few dozen terms of the size that the comparison is relative to
 BAR, RING = BarScene(cells=12, ppc=2, amplitude=0.05), RingScene(cells=12, estimators=())
 VORTEX = VortexScene(cells=12, ppc=2, amplitude=0.25, cfl=0.01, estimators=())
-SCENES = {
-    **{f"bar {method}": replace(BAR, method=method) for method in ("mpm", "ugimp", "cpgimp", "bspline")},
-    "bar node": replace(BAR, body_force="node"), "bar free": replace(BAR, body_force="none"),
-    "bar corners": replace(BAR, method="cpgimp", velocity="corners"),
-    "bar particle": replace(BAR, velocity="particle"), "bar linear": replace(BAR, linearity_preserving=True),
-    "bar frozen": replace(BAR, remedies=("frozen-weights",)),
-    "bar pieces": replace(BAR, remedies=("pieces",)),
-    "bar mended": replace(BAR, remedies=("null-space-filter", "coupled-deformation")),
-    **{f"ring {method}": replace(RING, method=method) for method in ("mpm", "ugimp", "cpgimp", "cpdi")},
-    "ring free": replace(RING, body_force="none"), "ring cartesian": replace(RING, layout="cartesian"),
-    "ring parallel": replace(RING, plan="parallel", threads=2),
-    "ring frozen": replace(RING, remedies=("frozen-weights",)),
-    "ring frozen gimp": replace(RING, method="ugimp", remedies=("frozen-weights",)),
-    "vortex cpdi": VORTEX, "vortex stretched": replace(VORTEX, method="cpgimp-v"),
-    "vortex frozen": replace(VORTEX, method="ugimp", remedies=("frozen-weights",))}
+SCENES = {**{f"bar {method}": replace(BAR, method=method) for method in ("mpm", "ugimp", "cpgimp", "bspline")},
+          "bar node": replace(BAR, body_force="node"), "bar free": replace(BAR, body_force="none"),
+          "bar corners": replace(BAR, method="cpgimp", velocity="corners"),
+          "bar particle": replace(BAR, velocity="particle"), "bar linear": replace(BAR, linearity_preserving=True),
+          "bar frozen": replace(BAR, remedies=("frozen-weights",)), "bar pieces": replace(BAR, remedies=("pieces",)),
+          "bar mended": replace(BAR, remedies=("null-space-filter", "coupled-deformation")),
+          **{f"ring {method}": replace(RING, method=method) for method in ("mpm", "ugimp", "cpgimp", "cpdi")},
+          "ring free": replace(RING, body_force="none"), "ring cartesian": replace(RING, layout="cartesian"),
+          "ring parallel": replace(RING, plan="parallel", threads=2),
+          "ring frozen": replace(RING, remedies=("frozen-weights",)),
+          "ring frozen gimp": replace(RING, method="ugimp", remedies=("frozen-weights",)), "vortex cpdi": VORTEX,
+          "vortex stretched": replace(VORTEX, method="cpgimp-v"),
+          "vortex frozen": replace(VORTEX, method="ugimp", remedies=("frozen-weights",))}
 
 #: Whose kernels nothing else here needs: their steps are those of the others with other weights or forces.
 RARE = ("bar node", "bar free", "bar particle", "ring mpm", "ring ugimp", "ring cpgimp", "ring free", "ring cartesian",

@@ -66,11 +66,9 @@ def test_both_halves_show_sizes_and_the_difference_knows_signs(difference, title
     np.testing.assert_allclose(view.estimated, np.abs(SIGNED))  # what is read off stays the estimate
 
 
-@pytest.mark.parametrize(("changes", "left", "right"), [
-    ({"body_force": "two-tone"}, "", UNKNOWN),
-    ({"effects": ("estimate",)}, "", TRUTH_OFF),
-    ({"effects": ("truth",)}, ESTIMATE_OFF, ""),
-])
+@pytest.mark.parametrize(("changes", "left", "right"), [({"body_force": "two-tone"}, "", UNKNOWN),
+                                                        ({"effects": ("estimate",)}, "", TRUTH_OFF),
+                                                        ({"effects": ("truth",)}, ESTIMATE_OFF, "")])
 def test_an_empty_half_says_why(changes, left, right):
     view = view_of(replace(BAR, **changes))
     assert (view.left.silence, view.right.silence) == (left, right)
@@ -289,9 +287,8 @@ def test_every_estimator_is_explained():
         assert {"Assumes", "Sees", "Misses"} <= set(bold)
 
 
-@pytest.mark.parametrize(("share", "shown"), [
-    (-0.0274, "−2.74%"), (0.0007, "+0.07%"), (-1e-6, "0.00%"), (0.0, "0.00%"), (-1.42784, "−142.78%"),
-    (530.0, "+5 × 10⁴%"), (None, "–")])
+@pytest.mark.parametrize(("share", "shown"), [(-0.0274, "−2.74%"), (0.0007, "+0.07%"), (-1e-6, "0.00%"), (0.0, "0.00%"),
+                                              (-1.42784, "−142.78%"), (530.0, "+5 × 10⁴%"), (None, "–")])
 def test_shares_are_read(share, shown):
     """With a minus as everywhere else on the page, none before nothing, and no digits that nobody reads."""
     assert _percent(share) == shown

@@ -36,8 +36,7 @@ def scenes(kind: type[Scene]) -> list[Scene]:
     usual = kind()
     found = [replace(usual, body_force=kind.choices("body_force")[-1]), replace(usual, effects=()),
              replace(usual, estimators=()), replace(usual, dt="auto"), replace(usual, cells=12),
-             replace(usual, velocity="particle"),
-             *(replace(usual, method=method) for method in kind.choices("method")),
+             replace(usual, velocity="particle"), *(replace(usual, method=method) for method in kind.choices("method")),
              *(replace(usual, remedies=(remedy,)) for remedy in kind.REMEDIES if remedy != "coupled-deformation")]
     if "motion" in kind.__dataclass_fields__:
         found.append(kind(motion="patch", estimators=("companion",)))

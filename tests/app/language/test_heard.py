@@ -96,12 +96,9 @@ def test_why_a_run_is_lost_is_heard_with_all_its_parts(rule, advice):
 
 def test_what_stands_in_a_sentence_is_heard_too_and_names_stay():
     with use_language("de"):
-        assert (
-            translate_message(
-                "The file of the ring.csv has no names in its first line; begin with a line such as id,x,vx"
-            )
-            == "Die Datei of the ring.csv hat keine Namen in ihrer ersten Zeile; fang mit einer Zeile wie id,x,vx an"
-        )
+        assert translate_message(
+            "The file of the ring.csv has no names in its first line; begin with a line such as id,x,vx") == \
+            "Die Datei of the ring.csv hat keine Namen in ihrer ersten Zeile; fang mit einer Zeile wie id,x,vx an"
         assert translate_message(
             "velocity, stress and acceleration were held against nothing: the effect truth or the estimator "
             "companion would"

@@ -7,17 +7,7 @@ import polib
 import pytest
 
 from app.language import translation
-from app.language.translation import (
-    LANGUAGES,
-    Language,
-    language,
-    language_cache,
-    localised,
-    tr,
-    trn,
-    use_language,
-    with_language,
-)
+from app.language.translation import LANGUAGES, Language, language, localised, tr, trn, use_language, with_language
 
 WORDS = {"Play": "Los", "{n} of {all} are here": "von {all} sind {n} da"}
 
@@ -64,7 +54,7 @@ def test_a_thread_speaks_what_was_spoken_where_its_work_was_given_to_it(other):
 def test_what_is_kept_is_kept_by_language(other):
     asked = []
 
-    @language_cache(4)
+    @translation.language_cache(4)
     def said(name):
         asked.append(name)
         return tr("Play")

@@ -51,9 +51,8 @@ def test_a_round_is_of_the_core_as_its_first_step_says(two):
     assert [step.key for step in two.steps] == [step.key for step in plain.steps]  # a mark is not part of the title
 
 
-@pytest.mark.parametrize("old, new, where", [
-    ("status == ok", "fine.status == ok", "fine.status"),
-    ('"first(grids', '"fine.error.x.final + first(grids', 'kind = "number"')])
+@pytest.mark.parametrize("old, new, where", [("status == ok", "fine.status == ok", "fine.status"),
+                                             ('"first(grids', '"fine.error.x.final + first(grids', 'kind = "number"')])
 def test_the_core_needs_no_run_of_a_deeper_step(old, new, where):
     text = TWO.replace(old, new, 1)
     with pytest.raises(LessonError, match="the core needs the run fine of the deeper step in line") as mistake:
@@ -106,9 +105,8 @@ def test_thinking_takes_longer_than_telling_and_what_is_compared_counts():
     predict, observe, explain = step(PREDICT, question=asked), step(OBSERVE, question=asked), step(EXPLAIN)
 
     def seconds(*steps):
-        return (
-            duration.round_seconds(steps, lesson(*steps)) - len(steps) * duration.TURN_SECONDS - len(steps[:2]) * 4 / 3
-        )
+        spent = duration.round_seconds(steps, lesson(*steps))
+        return spent - len(steps) * duration.TURN_SECONDS - len(steps[:2]) * 4 / 3
 
     assert seconds(predict, predict) == pytest.approx(120) and seconds(observe, observe) == pytest.approx(60)
     assert seconds(predict, observe, explain) == pytest.approx(60 + 30 + 2 * 10)
@@ -119,10 +117,8 @@ def test_minutes_are_whole_and_told():
     deep = step(text=WORDS, core=False)
     found = lesson(step(text=f"{WORDS} {WORDS}"), deep, intro=WORDS)
     assert (found.core_minutes, found.minutes) == (3, 4)
-    assert (
-        duration.minutes_text(found) == "3 min core, 4 min in all"
-        and duration.minutes_text(lesson(deep)) == "1 min core, 1 min in all"
-    )
+    assert duration.minutes_text(found) == "3 min core, 4 min in all"
+    assert duration.minutes_text(lesson(deep)) == "1 min core, 1 min in all"
     assert duration.minutes_text(lesson(step(text=WORDS))) == "1 min"
 
 

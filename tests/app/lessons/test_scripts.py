@@ -79,8 +79,7 @@ def test_own_problem_is_of_second_order_and_known_everywhere(tmp_path):
     assert len(rows) == 3, done.stderr
     errors, indices = [row[1] for row in rows], [row[2] for row in rows]
     assert indices == pytest.approx([1, 1, 1], abs=0.01)
-    assert [math.log2(coarse / fine) for coarse, fine in itertools.pairwise(errors)] == pytest.approx(
-        [2, 2], abs=0.15)
+    assert [math.log2(coarse / fine) for coarse, fine in itertools.pairwise(errors)] == pytest.approx([2, 2], abs=0.15)
     told = {"PYTHONPATH": os.pathsep.join((str(ROOT), str(SCRIPTS))), "MPM_LAB_EXTENSIONS": "own_problem"}
     done = python("-c", COMMANDS, cwd=tmp_path, **told)
     assert done.returncode == 0, done.stderr

@@ -47,8 +47,7 @@ def ends(line):
 
 
 def show(line, end, now=None, scene=SCENE):
-    line.show(Past(end, scene), ("transport",), "x", False, None, "transport",
-              now or Now(end, (0.5 * end, end), True))
+    line.show(Past(end, scene), ("transport",), "x", False, None, "transport", now or Now(end, (0.5 * end, end), True))
     return said(line)
 
 

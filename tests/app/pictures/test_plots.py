@@ -32,8 +32,7 @@ def result() -> Result:
 
 def panels(figure) -> dict:
     """The panels in the order in which they are drawn: three of norms, the index, the curve, the lanes."""
-    return {"norms": figure.axes[:3], "index": figure.axes[3], "curve": figure.axes[4],
-            "particles": figure.axes[5]}
+    return {"norms": figure.axes[:3], "index": figure.axes[3], "curve": figure.axes[4], "particles": figure.axes[5]}
 
 
 def test_the_picture_of_a_bar_shows_its_result(result):

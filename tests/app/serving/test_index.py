@@ -56,9 +56,8 @@ def test_script_of_a_viewer_that_packs_otherwise_is_not_known():
 #: Each leads to a file when it is put behind the folder of the page, on this system or on Windows.
 ELSEWHERE = ("/C:/Windows/win.ini", "/c:\\Windows\\win.ini", "//server/share/file", "/\\\\server\\share\\file",
              "/..%5c..%5cx", "/../x", "/%2e%2e/x", "/C:index.html", "/index.html::$DATA", "/index.html.",
-             "/index.html ", "/INDEX.HTML",
-             "/CON", "/NUL", "/aux.html", "/./index.html", "//index.html", "/index.html/", "", "*", "/%00",
-             "\\index.html")
+             "/index.html ", "/INDEX.HTML", "/CON", "/NUL", "/aux.html", "/./index.html", "//index.html",
+             "/index.html/", "", "*", "/%00", "\\index.html")
 
 
 @pytest.mark.parametrize("path", ELSEWHERE)

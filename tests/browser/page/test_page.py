@@ -6,25 +6,13 @@ import numpy as np
 import pytest
 
 from app.words import size_in
-from tests.browser.driving import (
-    click,
-    coloured,
-    plotted,
-    press,
-    readout,
-    row,
-    stage,
-    step_size,
-    steps,
-    tick,
-    time,
-    until,
-)
+from tests.browser import driving
+from tests.browser.driving import click, plotted, press, readout, row, stage, steps, tick, time, until
 
 
 def the_bar_moves_and_is_coloured(page):
     """Frames follow each other, lanes carry the map's own colours, time runs and all four plots fill."""
-    until(lambda: coloured(stage(page)) > 0.05, "two coloured lanes and a colour bar")
+    until(lambda: driving.coloured(stage(page)) > 0.05, "two driving.coloured lanes and a colour bar")
     first, before = stage(page), time(page)
     until(lambda: np.any(np.abs(stage(page) - first) > 30, axis=2).mean() > 0.005, "another picture")
     until(lambda: time(page) > before, "time running")
@@ -105,7 +93,7 @@ def test_auto_step_follows_the_scene_and_gives_way_to_the_slider(page):
     until(lambda: chosen(page, "CFL number", "") != before, "another bound")
     press(page, "CFL number", "Home")
     until(lambda: not page.get_by_label("Auto step").is_checked(), "the box unticked")
-    until(lambda: step_size(page) == pytest.approx(0.01 / 40 / 2, rel=1e-2), "a step of one's own")
+    until(lambda: driving.step_size(page) == pytest.approx(0.01 / 40 / 2, rel=1e-2), "a step of one's own")
 
 
 def test_lost_run_is_said_and_goes_on(page):

@@ -36,8 +36,7 @@ def test_kernel_follows_the_formulas(method, velocity, body_force, linear):
     Both round differently. A rounding of x (1e-16) is divided by the domain (h/8) twice on its way into F and
     v, and 40 steps add up: 1e-16 x 100^2 x 40 = 4e-11 bounds the difference; it is 1000 times less than any
     slip in a formula would make, dt^2 a = 1e-5."""
-    scene = replace(BASE, method=method, velocity=velocity, body_force=body_force,
-                    linearity_preserving=linear)
+    scene = replace(BASE, method=method, velocity=velocity, body_force=body_force, linearity_preserving=linear)
     solver, bar = stirred(scene)
     solver.advance(STEPS)
     for n in range(STEPS):

@@ -38,11 +38,9 @@ def test_sampled_norms_are_those_of_the_final_state():
     assert scene.steps % 7 and result.series["time"][-1] == pytest.approx(t, rel=1e-15)
     X, sine = final.material_position, np.sin(2 * np.pi * final.material_position)
     F = 1 + 2 * np.pi * A * np.cos(2 * np.pi * X) * np.sin(w * t)
-    expected = {"x": final.position - X - A * sine * np.sin(w * t),
-                "v": final.velocity - A * w * sine * np.cos(w * t),
+    expected = {"x": final.position - X - A * sine * np.sin(w * t), "v": final.velocity - A * w * sine * np.cos(w * t),
                 "sigma": scene.modulus * (final.deformation_gradient - F),
-                "sigma_log": scene.modulus * (np.log(final.deformation_gradient) - F + 1),
-                "a": final.error[:, 3]}
+                "sigma_log": scene.modulus * (np.log(final.deformation_gradient) - F + 1), "a": final.error[:, 3]}
     for name, error in expected.items():
         # sums of cancelling numbers up to 1: their rounding over the norm, 1e-16/1e-4
         assert result.error[name]["final"] == pytest.approx(np.sqrt(np.mean(error**2)), rel=1e-10)

@@ -38,9 +38,8 @@ class Failing(BarScene):
 
 def test_page_process_stays_free_of_taichi():
     """A kernel launch would hold the lock that the web server needs: the page never even imports Taichi."""
-    code = (
-        "import sys, app.page.page, app.page.page_server, solvers.engine.engine_pool; sys.exit('taichi' in sys.modules)"
-    )
+    code = "import sys, app.page.page, app.page.page_server, solvers.engine.engine_pool\n" \
+        "sys.exit('taichi' in sys.modules)"
     assert subprocess.run([sys.executable, "-c", code]).returncode == 0
 
 

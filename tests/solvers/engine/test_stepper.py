@@ -111,9 +111,8 @@ def test_frames_keep_their_beat(clock, apart):
 
     Counted each from the one before it, they would be 22."""
     times = []
-    with one_session(
-        SessionRequest(1, 1, "", replace(SCENE, cells=8), Pace(speed=1e-6), frame_seconds=apart)
-    ) as session:
+    with one_session(SessionRequest(1, 1, "", replace(SCENE, cells=8), Pace(speed=1e-6),
+                                    frame_seconds=apart)) as session:
         while clock.now < 103.0:
             clock.now += 0.007
             if session.ready:

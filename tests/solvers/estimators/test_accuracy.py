@@ -252,8 +252,7 @@ SLOW = [
 
 #: A scene each with its bounds, and whether it is for the slow set.
 CASES: dict[str, tuple[Scene, tuple[Bound, ...], bool]] = {
-    **{f"{case} {force} {cells}": (table_1(case, force, cells), table_1_bounds(case, force, cells),
-                                   cells == 160)
+    **{f"{case} {force} {cells}": (table_1(case, force, cells), table_1_bounds(case, force, cells), cells == 160)
        for case in TABLE for force in ("material", "node") for cells in CELLS},
     **{f"{problem} {change}": (replace(KINDS[problem], **change), tuple(bounds), slow)
        for slow, cases in enumerate((OTHERS, SLOW)) for problem, change, *bounds in cases}}
@@ -321,9 +320,6 @@ def test_what_is_refused_is_wrong(changes, word, monkeypatch):
     assert not all(index[q] is not None and 0.9 <= index[q] <= 1.1 for q in XVS)
 
 
-# ---- the runs' own errors, in the papers' tables ------------------------------------------------------------------
-
-
 def worst(result: Result) -> dict[str, float]:
     """The largest error norm of each quantity over the run."""
     assert result.status == "ok", result.reason
@@ -385,9 +381,6 @@ def test_cpdi_is_second_order(simulate):
     for coarse, fine in itertools.pairwise(errors):
         assert math.log2(coarse["x"]["final"] / fine["x"]["final"]) >= 1.9
         assert math.log2(coarse["v"]["final"] / fine["v"]["final"]) >= 1.7
-
-
-# ---- samples ------------------------------------------------------------------------------------------------------
 
 
 def test_samples_hold_the_particles_estimates(simulate):

@@ -28,9 +28,6 @@ EACH = pytest.mark.parametrize("scene", [replace(BAR, cells=20), replace(RING, c
                                ids=lambda scene: scene.problem)
 
 
-# ---- its parts ------------------------------------------------------------------------------------------------
-
-
 @pytest.mark.parametrize("order", [1, 3, 4, 6])
 def test_elements_are_exact_for_their_polynomials(order):
     """Values and derivatives up to x^p, integrals up to x^(2p-1), as Gauss-Lobatto quadrature has it."""
@@ -119,9 +116,6 @@ def test_the_highest_frequency_of_the_vortex_is_found():
         K[np.ix_(row, row)] += D.T @ np.diag(elements.weights * R) @ D + np.diag(elements.weights / R)
     true = np.sqrt(np.linalg.eigvals(K / circular_body.masses(elements)[:, None]).real.max())
     assert 0.98 * true < circular_body.unit_frequency(elements) < 1.0001 * true
-
-
-# ---- how it behaves ---------------------------------------------------------------------------------------------
 
 
 @EACH

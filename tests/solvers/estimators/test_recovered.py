@@ -19,9 +19,6 @@ RING = RingScene(cells=24, dt=2e-5, estimators=("recovered",))
 SQUARE = SquareScene(cells=16, estimators=("recovered",))
 
 
-# ---- operators of a line ------------------------------------------------------------------------------------------
-
-
 @pytest.mark.parametrize("points", [4, 7, 16])
 def test_a_fit_reproduces_cubics_up_to_free_ends(points):
     line = Line(points, max(1, points // 2), 0.2, "free")
@@ -58,9 +55,6 @@ def test_a_pattern_repeats_on_a_longer_line():
     values = np.random.default_rng(1).random(100)
     assert np.allclose(few.gather(4, 2).repeated(25, 1, 4)(values), many.gather(4, 2)(values))
     assert np.allclose(few.fit(17, 3).repeated(25, 4, 4)(values), many.fit(17, 3)(values))
-
-
-# ---- estimates ----------------------------------------------------------------------------------------------------
 
 
 def velocities(solver) -> np.ndarray:
@@ -139,9 +133,6 @@ def test_a_force_that_starts_at_full_size_on_the_ring():
     (R, u, estimate), (R_fine, u_fine, _) = motions
     truth = u - np.polyval(np.polyfit(R_fine - 0.5, u_fine, 7), R - 0.5)
     assert np.linalg.norm(estimate) == pytest.approx(np.linalg.norm(truth), rel=0.2)
-
-
-# ---- reports ------------------------------------------------------------------------------------------------------
 
 
 @pytest.mark.parametrize("scene", [replace(BAR, cells=40, modulus=1000.0), RING], ids=["bar", "ring"])

@@ -69,8 +69,7 @@ def test_what_each_rule_refuses(scene, changes, word):
 
 def test_what_no_rule_refuses():
     """Next to where one begins. What is not said of a quantity is warned of."""
-    for scene in (replace(RING, cells=15, ppc=2, **RECOVERED),
-                  replace(RING, amplitude=0.23, periods=0.6, **RECOVERED),
+    for scene in (replace(RING, cells=15, ppc=2, **RECOVERED), replace(RING, amplitude=0.23, periods=0.6, **RECOVERED),
                   replace(VORTEX, cells=50, amplitude=1.05, cfl=0.05, **RECOVERED),
                   replace(BAR, remedies=("null-space-filter",), amplitude=1e-3, **TWO_GRID),
                   replace(RING, method="cpgimp", ppc=3, cells=24, **TWO_GRID)):

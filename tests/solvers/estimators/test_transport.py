@@ -50,8 +50,7 @@ def test_summary_leaves_out_the_start():
 @pytest.mark.parametrize("method", ["mpm", "ugimp", "cpgimp"])
 def test_a_rigid_motion_has_no_error(method, linear):
     """v = const is exact for every method, so the estimate stays at rounding, through cells and the seam."""
-    solver = BarSolver(BarScene(method=method, linearity_preserving=linear, body_force="none", cells=12,
-                             cfl=0.2))
+    solver = BarSolver(BarScene(method=method, linearity_preserving=linear, body_force="none", cells=12, cfl=0.2))
     solver._arrays.velocity[:] = 0.3
     solver.advance(100)
     assert solver.time * 0.3 > solver.scene.spacing

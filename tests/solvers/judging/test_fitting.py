@@ -35,9 +35,8 @@ def own(tmp_path_factory):
     for problem in PROBLEMS:
         frames, scene = frames_of(problem, amplitude=0.01), scene_of(problem, amplitude=0.01)
         (folder / f"{problem}.npz").write_bytes(particle_writers.npz(frames, scene))
-        (folder / f"{problem}.csv").write_bytes(
-            particle_writers.csv(particle_writers.table(frames), {"scene": line(scene)})
-        )
+        table = particle_writers.csv(particle_writers.table(frames), {"scene": line(scene)})
+        (folder / f"{problem}.csv").write_bytes(table)
     return folder
 
 

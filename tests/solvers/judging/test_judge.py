@@ -1,6 +1,5 @@
 """The referee: our own runs get our own errors, moved particles are found, every file that cannot be judged is told."""
 
-import io
 import json
 from dataclasses import replace
 from pathlib import Path
@@ -166,11 +165,8 @@ def test_several_grids_have_the_order_of_the_method_that_made_them(tmp_path):
 @pytest.mark.parametrize("cells", [(20,), (20, 30)], ids=["one grid", "two"])
 def test_particles_that_miss_nothing_have_their_pictures(cells, tmp_path, capsys):
     """The start, and no other time: all errors are zero, and so are those of our methods beside."""
-    files = [
-        csv_file(tmp_path, particle_writers.table([problem_handout.exact(PROBLEMS["bar"].scene(cells=n), 0.0)]),
-                 f"{n}.csv")
-        for n in cells
-    ]
+    starts = {n: problem_handout.exact(PROBLEMS["bar"].scene(cells=n), 0.0) for n in cells}
+    files = [csv_file(tmp_path, particle_writers.table([start]), f"{n}.csv") for n, start in starts.items()]
     assert main(["judge", "bar", *files, "--cells", *map(str, cells), "--out", str(tmp_path / "out"), "--quiet"]) == 0
     assert (tmp_path / "out" / "order.png").exists() and not capsys.readouterr().err
 
@@ -233,10 +229,8 @@ def table(problem="bar", **changed):
 
 
 def csv_file(folder: Path, columns, name="bad.csv") -> str:
-    out = io.StringIO()
-    out.write(",".join(columns) + "\n")
-    out.writelines(",".join(map(str, row)) + "\n" for row in zip(*columns.values(), strict=True))
-    (folder / name).write_text(out.getvalue())
+    rows = [columns, *zip(*columns.values(), strict=True)]
+    (folder / name).write_text("".join(",".join(map(str, row)) + "\n" for row in rows))
     return str(folder / name)
 
 

@@ -95,9 +95,6 @@ def test_what_is_zero_by_structure_costs_nothing():
     assert isinstance(np.ones(3) * X, Jet) and (3.0 - X).value.tolist() == [2.0, 2.0, 2.0]
 
 
-# ---- as data ------------------------------------------------------------------------------------------------------
-
-
 def test_a_field_is_few_functions_of_time(problem):
     """Values at any time, and both derivatives, to 1e-13 of the largest; ring and vortex have small ranks."""
     scene, solution, _, X = problem

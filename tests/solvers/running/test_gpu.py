@@ -118,10 +118,8 @@ def leave_the_processor_running():
 def tabulate(x: reals, values: quads):
     """sin, cos and log of each, and in the last column twice the same, found by the kernel itself between two loops."""
     for k in range(x.shape[0]):
-        values[k] = ti.Vector(
-            [elementary_functions.sin(x[k]), elementary_functions.cos(x[k]), elementary_functions.log(ti.abs(x[k])),
-             0.0]
-        )
+        values[k] = ti.Vector([elementary_functions.sin(x[k]), elementary_functions.cos(x[k]),
+                               elementary_functions.log(ti.abs(x[k])), 0.0])
     one = elementary_functions.cos(x[0]) + elementary_functions.sin(x[0])
     for k in range(x.shape[0]):
         values[k][3] = one
@@ -216,8 +214,7 @@ def verdicts(scene: Scene) -> dict[str, list[tuple[bool, str]]]:
 
 
 @pytest.mark.parametrize("kind", SPOILED)
-@pytest.mark.parametrize("scene", [RING, pytest.param(VORTEX, marks=pytest.mark.slow)],
-                         ids=lambda scene: scene.problem)
+@pytest.mark.parametrize("scene", [RING, pytest.param(VORTEX, marks=pytest.mark.slow)], ids=lambda scene: scene.problem)
 def test_the_check_finds_the_particle_that_the_processors_finds(scene, kind):
     require_gpu()
     mine, theirs = verdicts(scene)[kind]
@@ -357,13 +354,11 @@ def test_the_bench_of_a_gpu():
     require_gpu()
     found = gpu.measured(ARCH, {"ring": (16,)}, copied=100_000)
     assert found["arch"] == ARCH and found["bandwidth"] > 0 and found["missing"] is None
-    assert [(row["problem"], row["method"]) for row in found["rows"]] == [
-        ("ring", method) for method in gpu.METHODS]
+    assert [(row["problem"], row["method"]) for row in found["rows"]] == [("ring", method) for method in gpu.METHODS]
     for row in found["rows"]:
         assert all(row["rates"][name] > 0 for name in ("gpu", "serial", "parallel")) and 0 < row["share"]
-    empty = {"rates": [], "estimators": [], "effects": [], "off": [], "limit": [],
-             "start": {"failed": "not here"}, "arch": "x64",
-             "precision": "double", "quick": True, "seconds": 1.0,
+    empty = {"rates": [], "estimators": [], "effects": [], "off": [], "limit": [], "start": {"failed": "not here"},
+             "arch": "x64", "precision": "double", "quick": True, "seconds": 1.0,
              "machine": {"load": 0.0, "system": "", "processor": "", "cores": 2, "python": "", "taichi": ""}}
     text = bench_table({**empty, "gpu": found})
     assert found["name"] in text and "of the limit" in text and "ring cpdi 16" in text

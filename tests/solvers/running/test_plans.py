@@ -19,15 +19,13 @@ VORTEX = VortexScene(cells=16, ppc=2, estimators=())
 BOTH = ("null-space-filter", "coupled-deformation")
 PLANS = {"serial": {"plan": "serial"}, "parallel": {"plan": "parallel", "threads": 2}}
 #: One of each kind of mapping, of each estimator and of the remedies; the slow ones repeat what others show.
-SCENES = {
-    "cpdi": RING, "ugimp": replace(RING, method="ugimp"), "vortex": VORTEX,
-    "remedies": replace(RING, method="ugimp", remedies=BOTH, estimators=()),
-    "companion": replace(RING, method="ugimp", estimators=("companion",))}
-SLOW = {
-    "recovered": replace(RING, method="ugimp", estimators=("recovered",)),
-    "cpgimp": replace(RING, method="cpgimp"), "mpm": replace(RING, method="mpm"),
-    "vortex of boxes": replace(VORTEX, method="ugimp"), "two-grid": replace(RING, estimators=("two-grid",)),
-    "companion of the vortex": replace(VORTEX, cells=24, method="ugimp", estimators=("companion",))}
+SCENES = {"cpdi": RING, "ugimp": replace(RING, method="ugimp"), "vortex": VORTEX,
+          "remedies": replace(RING, method="ugimp", remedies=BOTH, estimators=()),
+          "companion": replace(RING, method="ugimp", estimators=("companion",))}
+SLOW = {"recovered": replace(RING, method="ugimp", estimators=("recovered",)), "cpgimp": replace(RING, method="cpgimp"),
+        "mpm": replace(RING, method="mpm"), "vortex of boxes": replace(VORTEX, method="ugimp"),
+        "two-grid": replace(RING, estimators=("two-grid",)),
+        "companion of the vortex": replace(VORTEX, cells=24, method="ugimp", estimators=("companion",))}
 
 
 @functools.cache

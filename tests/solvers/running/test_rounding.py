@@ -35,10 +35,9 @@ def test_one_that_fails_has(simulate):
     assert values["rounding"] == {} and values["index"]["x"] == pytest.approx(1, abs=0.01)
 
 
-@pytest.mark.parametrize("scene", [
-    BarScene(amplitude=1e-7, cells=80, linearity_preserving=True, periods=0.5),
-    pytest.param(BarScene(cells=12, periods=0.5), marks=pytest.mark.slow),
-    VortexScene(amplitude=1e-6, cells=18, ppc=2, cfl=0.2)])
+@pytest.mark.parametrize("scene", [BarScene(amplitude=1e-7, cells=80, linearity_preserving=True, periods=0.5),
+                                   pytest.param(BarScene(cells=12, periods=0.5), marks=pytest.mark.slow),
+                                   VortexScene(amplitude=1e-6, cells=18, ppc=2, cfl=0.2)])
 def test_a_motion_has_however_small(scene, simulate):
     values = simulate(replace(scene, estimators=("companion",), effects=INDEX)).to_dict()
     assert values["rounding"] == {} and None not in values["index"].values()

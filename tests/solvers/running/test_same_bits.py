@@ -39,13 +39,11 @@ class Way(NamedTuple):
     apart: tuple[str, ...] = ()  # estimators whose own steps follow the samples'
 
 
-WAYS = {
-    "again": Way({}), "in slices": Way({}, (1, 7, 13, 40, 23)), "with frames": Way({}, (7,) * 12, frames=True),
-    "sampled often": Way({"sample_every": 3}, apart=("transport", "two-grid")),
-    "priced": Way({}, (40, 44), prices=True),
-    "by nobody": Way({"estimators": ()}), "without truth": Way({"effects": ("estimate", "acceleration")}),
-    **{f"by {name} alone": Way({"estimators": (name,)}) for name in BarScene.choices("estimators")},
-}
+WAYS = {"again": Way({}), "in slices": Way({}, (1, 7, 13, 40, 23)), "with frames": Way({}, (7,) * 12, frames=True),
+        "sampled often": Way({"sample_every": 3}, apart=("transport", "two-grid")),
+        "priced": Way({}, (40, 44), prices=True), "by nobody": Way({"estimators": ()}),
+        "without truth": Way({"effects": ("estimate", "acceleration")}),
+        **{f"by {name} alone": Way({"estimators": (name,)}) for name in BarScene.choices("estimators")}}
 #: Compile longer than they run: in the plane one estimator has to do, in the vortex, which has the ring's, none.
 SLOW = {("ring", "by transport alone"), ("ring", "by recovered alone"), ("ring", "by two-grid alone"),
         ("ring", "without truth"), *(("vortex", name) for name, way in WAYS.items() if "effects" in way.changes),

@@ -8,10 +8,9 @@ import pytest
 from app.cli import main
 from solvers import BarScene, FileError, Result, RingScene, judge, run
 
-SCENES = [
-    BarScene(cells=20, periods=1, estimators=("companion",), effects=BarScene.choices("effects"), dt="auto"),
-    BarScene(method="mpm", cells=20, cfl=1.5, estimators=(), effects=("truth", "soundness")),
-    RingScene(cells=12, amplitude=0.05, periods=0.5, cfl=0.2, estimators=("companion",), layout="cartesian")]
+SCENES = [BarScene(cells=20, periods=1, estimators=("companion",), effects=BarScene.choices("effects"), dt="auto"),
+          BarScene(method="mpm", cells=20, cfl=1.5, estimators=(), effects=("truth", "soundness")),
+          RingScene(cells=12, amplitude=0.05, periods=0.5, cfl=0.2, estimators=("companion",), layout="cartesian")]
 
 
 def bits(result: Result) -> dict[str, tuple]:

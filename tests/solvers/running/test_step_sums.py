@@ -17,8 +17,7 @@ def test_what_a_step_adds_up(problem, changes):
     the torque's impulse dt (x f_y - y f_x), before the step; crossings are of lines in x and in y. Step by step."""
     kind, reference = PROBLEMS[problem].scene, PROBLEMS[problem].reference
     spin = kind.OWN_EFFECTS == ("spin",)
-    scene = kind(**changes, cfl=0.3, periods=0.3, estimators=(),
-                 effects=("energy", "crossings", *["spin"] * spin))
+    scene = kind(**changes, cfl=0.3, periods=0.3, estimators=(), effects=("energy", "crossings", *["spin"] * spin))
     solver, corner = build(scene), reference.grid_corner(scene)
     sums = {"work": [0.0], "crossings": [0.0], "spin/torque": [0.0]}
     before, mass = solver.snapshot(), np.array(solver._arrays.mass)

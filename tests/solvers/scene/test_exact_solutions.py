@@ -25,10 +25,9 @@ def moments(draw: st.DrawFn, problem: str) -> tuple[Scene, np.ndarray, float]:
     more = {"bar": draw(line.map(lambda inputs: {name: st.just(value) for name, value in inputs.items()})),
             "vortex": {"poisson_ratio": st.floats(0.0, 0.45), "frequency": logarithmic(0.1, 10.0)},
             "square": {"displacement": st.just("") | typed_motions(), "law": st.sampled_from([*LAWS])}}.get(problem, {})
-    scene = PROBLEMS[problem].scene(
-        cells=24, estimators=(), amplitude=draw(logarithmic(1e-3, 0.9)) * LARGEST[problem],
-        modulus=draw(logarithmic(1e-3, 1e9)), density=draw(logarithmic(1e-2, 1e4)),
-        **{name: draw(values) for name, values in more.items()})
+    scene = PROBLEMS[problem].scene(cells=24, estimators=(), amplitude=draw(logarithmic(1e-3, 0.9)) * LARGEST[problem],
+                                    modulus=draw(logarithmic(1e-3, 1e9)), density=draw(logarithmic(1e-2, 1e4)),
+                                    **{name: draw(values) for name, values in more.items()})
     X = PROBLEMS[problem].reference.start(scene).material_position
     which = draw(st.lists(st.integers(0, len(X) - 1), min_size=1, max_size=8, unique=True))
     return scene, X[which], draw(st.floats(0.0, 2.0)) * scene.period

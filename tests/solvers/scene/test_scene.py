@@ -33,9 +33,8 @@ def refusal(**values) -> SceneError:
 
 def test_every_field_is_of_a_kind_that_these_tests_know():
     """A field of a new kind must get rules and tests of its own."""
-    assert {f.type for f in fields(BarScene)} == {
-        "str", "int", "float", "float | None", "float | str | None", "bool", "tuple[str, ...]",
-        "int | None", "int | float"}
+    assert {f.type for f in fields(BarScene)} == {"str", "int", "float", "float | None", "float | str | None", "bool",
+                                                  "tuple[str, ...]", "int | None", "int | float"}
     assert len(NUMBERS) >= 11 and set(CHOICES) >= {"problem", "method", "body_force", "velocity", "arch"}
 
 
@@ -126,16 +125,14 @@ def test_a_list_makes_the_same_hashable_scene_as_a_tuple():
     ({"cells": 4}, {"cells": 3}, "cells"),
     ({"cells": 100_000, "ppc": 1}, {"cells": 100_001, "ppc": 1}, "cells"),
     ({"ppc": 64}, {"ppc": 65}, "ppc"),
-    ({"cells": 15_625, "ppc": 64}, {"cells": 15_626, "ppc": 64},
-     "ppc"),
+    ({"cells": 15_625, "ppc": 64}, {"cells": 15_626, "ppc": 64}, "ppc"),
     ({"amplitude": 0.159}, {"amplitude": 0.16}, "amplitude"),
     ({"modulus": 1.1e-6}, {"modulus": 1e-6}, "modulus"), ({"modulus": 1e12}, {"modulus": 1.1e12}, "modulus"),
     ({"density": 1.1e-6}, {"density": 1e-6}, "density"), ({"density": 1e12}, {"density": 1.1e12}, "density"),
     ({"cfl": 10.0}, {"cfl": 10.1}, "cfl"), ({"dt": 0.124}, {"dt": 0.126}, "dt"),
     ({"cfl": 1e-9, "periods": 1e-4}, {"cfl": 9e-10, "periods": 1e-4}, "cfl"),
     ({"dt": 1.3e-11, "t_end": 1e-6}, {"dt": 1.2e-11, "t_end": 1e-6}, "dt"),
-    ({"dt": 1e-3, "t_end": 1.9e6, "sample_every": 10**6},
-     {"dt": 1e-3, "t_end": 2.1e6, "sample_every": 10**6}, "t_end"),
+    ({"dt": 1e-3, "t_end": 1.9e6, "sample_every": 10**6}, {"dt": 1e-3, "t_end": 2.1e6, "sample_every": 10**6}, "t_end"),
     ({"cfl": 0.1, "periods": 2.4e6, "sample_every": 10**6},
      {"cfl": 0.1, "periods": 2.6e6, "sample_every": 10**6}, "periods"),
     ({"threads": 1024}, {"threads": 1025}, "threads"),
@@ -176,8 +173,7 @@ def test_derived_quantities():
     assert BarScene(cfl=1.0, t_end=1e-9).steps == 1
 
 
-@pytest.mark.parametrize(("cfl", "interval"),
-                         [(1e-3, 10), (0.05, 10), (0.1, 5), (0.2, 2), (0.3, 1), (1.5, 1)])
+@pytest.mark.parametrize(("cfl", "interval"), [(1e-3, 10), (0.05, 10), (0.1, 5), (0.2, 2), (0.3, 1), (1.5, 1)])
 def test_estimate_interval(cfl, interval):
     """k = clamp(h/(2 c dt), 1, 10): an estimator steps twice while a wave crosses a cell."""
     scene = BarScene(cfl=cfl)

@@ -12,20 +12,10 @@ from solvers.problems import PROBLEMS
 from solvers.running.quantities_of_interest import ENERGY
 from solvers.solver.soundness import OK
 from solvers.study.coverage import coverage_counts as bars
-from solvers.study.coverage import track_record
+from solvers.study.coverage import random_runs, track_record
 from solvers.study.coverage.coverage_counts import MIDDLE, NORMAL, STAY, TWO_GRIDS, interval, regime, tally
 from solvers.study.coverage.coverage_tables import summary
-from solvers.study.coverage.random_runs import (
-    BEFORE,
-    COARSEST,
-    IDENTITY,
-    IMPOSSIBLE,
-    MEASURED,
-    REACH,
-    Draw,
-    coarser,
-    measure,
-)
+from solvers.study.coverage.random_runs import BEFORE, IDENTITY, MEASURED, REACH, Draw, coarser, measure
 from solvers.study.coverage.track_record import JUDGES, bets, by_its_word, by_the_record
 from solvers.study.row import fault
 from tests.support.paths import ROOT
@@ -45,7 +35,7 @@ def test_a_draw_is_a_run_of_its_own_number(problem):
     assert scenes == [Draw(problem, SEED, number).scene() for number in range(20)] and len(set(scenes)) == 20
     assert len({draw.key for draw in drawn}) == 20
     for draw, scene in zip(drawn, scenes, strict=True):
-        assert reach.cells[0] <= scene.cells <= reach.cells[1] and scene.cells % COARSEST == 0
+        assert reach.cells[0] <= scene.cells <= reach.cells[1] and scene.cells % random_runs.COARSEST == 0
         assert scene.particles * scene.steps <= reach.work and scene.time_step < scene.step_bound
         wide = coarser(scene, 2)
         assert wide.spacing == pytest.approx(2 * scene.spacing) and wide.time_step == pytest.approx(2 * scene.time_step)
@@ -128,7 +118,8 @@ def test_what_cannot_run_is_not_run():
     """Recovered has no tables for a lattice that is not polar: asked all the same it would write beyond them."""
     draw = next(draw for number in range(100) if (draw := Draw("ring", SEED, number)).scene().layout == "cartesian")
     row = measure(draw)
-    assert fault(row, MEASURED, IDENTITY) is None and row["estimators"]["recovered"]["refused"] == IMPOSSIBLE
+    assert fault(row, MEASURED, IDENTITY) is None
+    assert row["estimators"]["recovered"]["refused"] == random_runs.IMPOSSIBLE
     assert set(row["estimators"]["recovered"]["index"].values()) == {None}
 
 

@@ -82,9 +82,6 @@ def test_a_row_of_the_tables_has_what_is_read_of_it():
         assert says in fault(spoilt, MEASURED)
 
 
-# ---- closed streams -------------------------------------------------------------------------------------------
-
-
 @pytest.mark.skipif(os.name == "nt", reason="POSIX shells")
 @pytest.mark.parametrize("closed", [*(pytest.param(one, marks=pytest.mark.slow) for one in (">&-", "2>&-")),
                                     "<&- >&- 2>&-"])

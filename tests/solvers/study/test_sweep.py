@@ -20,9 +20,6 @@ from tests.support.rows import made_up
 QUICK = {"cells": 8, "ppc": 2, "periods": 0.2}
 
 
-# ---- tasks ------------------------------------------------------------------------------------------------
-
-
 def test_every_combination_once_in_order():
     assert combinations({"a": [1, 2], "b": "xy"}) == [{"a": 1, "b": "x"}, {"a": 1, "b": "y"}, {"a": 2, "b": "x"},
                                                       {"a": 2, "b": "y"}]
@@ -44,9 +41,6 @@ def test_a_task_survives_json():
     assert task.refusal().field == "amplitude" and task.remarks() == [f"refused: {task.refusal()}"]
     with pytest.raises(SceneError, match="amplitude"):
         plan("bar", {"amplitude": [0.2, 0.3]})
-
-
-# ---- one row ----------------------------------------------------------------------------------------------
 
 
 def test_a_row_holds_the_run_and_what_it_cost():
@@ -81,9 +75,6 @@ def test_bad_runs_are_rows(monkeypatch):
     monkeypatch.setattr("solvers.running.run.build", lambda scene: (_ for _ in ()).throw(MemoryError("no\nroom")))
     failed = row.measure(Task("bar", QUICK))
     assert (failed["status"], failed["reason"]) == ("failed", "MemoryError: no room")
-
-
-# ---- many rows --------------------------------------------------------------------------------------------
 
 
 class Fragile:
@@ -138,9 +129,6 @@ def test_rows_run_in_processes_of_their_own_and_these_end():
     for process in processes:
         with pytest.raises(ProcessLookupError):
             os.kill(process, 0)
-
-
-# ---- rows on disk -----------------------------------------------------------------------------------------
 
 
 def test_a_row_cut_short_is_measured_again(tmp_path):

@@ -56,9 +56,6 @@ def made(results) -> dict[str, dict]:
     return {number: json.loads(json.dumps(document(table, results), allow_nan=False)) for number, table in CUT.items()}
 
 
-# ---- what is in a table ---------------------------------------------------------------------------------------
-
-
 def test_the_papers_numbers_are_those_of_the_bars_reference():
     reference = json.loads((ROOT / "assets/reference/bar.json").read_text())["table1"]
     for case in ("small", "large"):
@@ -68,12 +65,8 @@ def test_the_papers_numbers_are_those_of_the_bars_reference():
             assert {q: printed[f"index_{q}"] for q in row["paper_index"]} == row["paper_index"]
     assert paper_tables.printed_ring_errors("cpdi", 96) == {"x": 8.9e-6, "v": 1.4e-2, "a_nodes": 7.6e1}
     assert paper_tables.printed_ring_index("ugimp", 12) == {"index_x": 0.69}
-    assert (
-        paper_tables.printed_bar(4.0, 21)
-        == paper_tables.printed_ring_errors("cpdi", 13)
+    assert paper_tables.printed_bar(4.0, 21) == paper_tables.printed_ring_errors("cpdi", 13) == {} \
         == paper_tables.printed_ring_index("mpm", 12)
-        == {}
-    )
 
 
 def test_whole_tables_have_the_papers_rows_twice(monkeypatch):
@@ -156,10 +149,9 @@ def test_several_estimators_are_told_apart(retold, made):
 def test_pictures_have_a_colour_an_estimator_and_no_dead_panel(retold):
     """A quantity without any index has no row of panels, and a part without one has words and no axes."""
     names = ("transport", "companion")
-    table = retold(lambda run: {
-        "scene": {**run["scene"], "estimator": [*names]}, "not_valid": {},
-        "index": {"transport": run["index"], "companion": {**run["index"], "sigma": None}},
-        "distance": dict.fromkeys(names, run["distance"])})
+    table = retold(lambda run: {"scene": {**run["scene"], "estimator": [*names]}, "not_valid": {},
+                                "index": {"transport": run["index"], "companion": {**run["index"], "sigma": None}},
+                                "distance": dict.fromkeys(names, run["distance"])})
     assert table["rows"][0]["estimators"]["transport"]["index"]["sigma"] is None
     panels = figure(table).subfigs[0].axes
     assert [panel.get_ylabel() for panel in panels] == [f"index of {QUANTITIES[q]}" for q in ("x", "v", "a")]
@@ -170,9 +162,6 @@ def test_pictures_have_a_colour_an_estimator_and_no_dead_panel(retold):
     panels = figure({**table, "rows": [*table["rows"], stressed]}).subfigs[0].axes
     dead = [panel for panel in panels if not panel.axison]
     assert [text.get_text() for panel in dead for text in panel.texts] == ["no index of σ here"]
-
-
-# ---- Markdown and pictures ------------------------------------------------------------------------------------
 
 
 def test_markdown_has_the_setup_the_papers_numbers_ours_and_the_ratio(made):
@@ -207,9 +196,6 @@ def test_pictures_show_ours_and_the_papers(made):
             shown = {"1": ("x", "v", "sigma_log", "index_x"), "2": ("x", "v", "a_nodes"), "3": ("index_x",)}
             for key in shown[table["table"]]:
                 assert row["ours"][key] in values and row["paper"][key] in values
-
-
-# ---- the command ----------------------------------------------------------------------------------------------
 
 
 def test_runs_are_made_once_those_that_are_timed_alone(measured):

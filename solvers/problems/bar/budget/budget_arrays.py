@@ -23,8 +23,6 @@ from solvers.solver.state_arrays import zeros
 #: velocity and force of the errors, with linearity preservation their sum S P too.
 REFERENCE, PIECES, VELOCITY, FORCE, STRESS = range(5)
 KEEPS_ALL = -1
-
-
 #: What it keeps; P particles, and arrays of length one where the effect is off. One array for each type holds them all,
 #: so that a run without a budget has few more arguments to launch.
 MEMBERS = {
@@ -59,12 +57,9 @@ def budget(scene: BarScene, on: KernelOptions) -> dict:
     causes = zeros(layers * P, 4, when=on.budget)
     if on.budget and scene.displacement:
         causes[P:2 * P, list(CAUSES).index("time_step")] = -scene.early * motion_table(scene)(0.0, 2)[:P, 0]
-    return BUDGET.values({
-        "taken_away": list(CAUSES).index(scene.take_away) if taken else KEEPS_ALL,
-        "cause_errors": causes,
-        "budget_nodes": zeros(5 * nodes, 4, when=on.budget),
-        **_companion(scene, on),
-        "removed": zeros(P, 4, when=taken)})
+    return BUDGET.values({"taken_away": list(CAUSES).index(scene.take_away) if taken else KEEPS_ALL,
+                          "cause_errors": causes, "budget_nodes": zeros(5 * nodes, 4, when=on.budget),
+                          **_companion(scene, on), "removed": zeros(P, 4, when=taken)})
 
 
 def _companion(scene: BarScene, on: KernelOptions) -> dict:

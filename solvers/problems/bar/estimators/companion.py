@@ -107,20 +107,15 @@ def allocate(scene) -> dict[str, np.ndarray]:
     inverse_mass[:, 0] = 1 / (scene.density / scene.initial_stretch * masses(elements))
     velocity = np.stack([exact_solution.velocity(scene, X, 0.0), np.zeros(len(X))], axis=1)
     frequency = scene.wave_speed * scene.initial_stretch * unit_frequency(elements)  # of the bar as it starts
-    particles = (np.arange(scene.particles) + 0.5) * (scene.spacing / scene.ppc)
-    element, basis, _ = elements.locate(particles)
-    table = of_pairs(force_table(scene, X) if scene.displacement else None)
-    return {
-        **shared.start((elements.order, elements.count, 1, len(X), len(X), 1), frequency, scene.time_step, velocity,
-                       inverse_mass),
-        "companion_waves": np.stack([np.sin(exact_solution.WAVENUMBER * X), np.cos(exact_solution.WAVENUMBER * X)],
-                                    axis=1),
-        "companion_matrices": np.stack([elements.derivative.ravel(), np.repeat(elements.weights, n)], axis=1),
-        "companion_element": element,
-        "companion_basis": basis.ravel(),
-        "companion_elements": np.zeros((elements.count * n, 4)),
-        **dict(zip(("companion_force_sizes", "companion_force"), pack(table), strict=True)),
-    }
+    element, basis, _ = elements.locate((np.arange(scene.particles) + 0.5) * (scene.spacing / scene.ppc))
+    sizes, force = pack(of_pairs(force_table(scene, X) if scene.displacement else None))
+    start = shared.start((elements.order, elements.count, 1, len(X), len(X), 1), frequency, scene.time_step, velocity,
+                         inverse_mass)
+    waves = np.stack([np.sin(exact_solution.WAVENUMBER * X), np.cos(exact_solution.WAVENUMBER * X)], axis=1)
+    return {**start, "companion_waves": waves, "companion_element": element, "companion_basis": basis.ravel(),
+            "companion_matrices": np.stack([elements.derivative.ravel(), np.repeat(elements.weights, n)], axis=1),
+            "companion_elements": np.zeros((elements.count * n, 4)),
+            "companion_force_sizes": sizes, "companion_force": force}
 
 
 def masses(elements: Elements) -> np.ndarray:
@@ -158,8 +153,6 @@ HOOKS = shared.hooks(
         "companion_matrices": pairs,  # d/dX in an element, row by row, and at each row's point the weight
         "companion_element": integers,  # the particle's element
         "companion_basis": reals,  # the element's p + 1 polynomials at the particle
-        "companion_force": quads,  # the table of a typed motion's body force at the nodes
-        "companion_force_sizes": integers,
+        "companion_force": quads, "companion_force_sizes": integers,  # the table of a typed motion's force at the nodes
         "companion_elements": quads,  # u, v, u_X, a at the points of each element, for a report
-    },
-    allocate=allocate, report=report, verdict=verdict)
+    }, allocate=allocate, report=report, verdict=verdict)

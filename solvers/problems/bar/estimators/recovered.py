@@ -296,14 +296,11 @@ def allocate(scene):
             "recovered_field": np.zeros((scene.particles + beyond, 4))}
 
 
-HOOKS = EstimatorHooks(
-    memory={
-        "recovered_numbers": reals,  # by the names of solvers.estimators.recovery
-        **recovery.table_types(TABLES),
-        "recovered_stride": ti.i32, "recovered_beyond": ti.i32,  # nodes of a block; particles repeated behind the last
-        "recovered_nodes": quads,  # nodal values, block by block, each closed by a repetition of its beginning
-        "recovered_force": quads,  # the table of M b of a typed motion
-        "recovered_force_sizes": integers,
-        "recovered_field": quads,  # u, v, a, P at particles, and likewise
-    },
-    allocate=allocate, interval=interval, after_step=after_step, report=report, verdict=recovered_tables.verdict)
+HOOKS = EstimatorHooks(memory={
+    "recovered_numbers": reals,  # by the names of solvers.estimators.recovery
+    **recovery.table_types(TABLES),
+    "recovered_stride": ti.i32, "recovered_beyond": ti.i32,  # nodes of a block; particles repeated behind the last
+    "recovered_nodes": quads,  # nodal values, block by block, each closed by a repetition of its beginning
+    "recovered_force": quads, "recovered_force_sizes": integers,  # the table of M b of a typed motion
+    "recovered_field": quads,  # u, v, a, P at particles, and likewise
+}, allocate=allocate, interval=interval, after_step=after_step, report=report, verdict=recovered_tables.verdict)

@@ -17,8 +17,6 @@ PATTERN_CELLS = 12  # on which the operators are found; all cells are alike
 #: C, what drives U (M of u and v, D of the fitted slope of u), and D of the slope of B-splines.
 TABLES = tuple(f"recovered_{what}_" for what in ("fit", "spread", "gather", "smoothing", "drive", "stiffness"))
 FIT, SPREAD, GATHER, SMOOTHING, DRIVE, STIFFNESS = TABLES
-
-
 #: What the fits miss, as parts of the error found, by which that comes out too small or too large: measured on 500 bars
 #: of 6 to 120 cells, x and sigma are .9 at the first; up to the second they are good, for it lies across the error.
 MOST_MISSED, MOST_ADDED = 0.09, 0.3
@@ -47,8 +45,7 @@ def operators(scene: BarScene) -> dict[str, Rows]:
 
 def in_lanes(rows: Rows, last: int) -> Rows:
     """The rows' value for u, v and a, and again or the slope for u."""
-    weights = rows.weights[:, :, 0]
-    return Rows(rows.first, weights[:, :, [0, 0, 0, last]])
+    return Rows(rows.first, rows.weights[:, :, 0][:, :, [0, 0, 0, last]])
 
 
 def around(weights: np.ndarray, cells: int) -> Rows:

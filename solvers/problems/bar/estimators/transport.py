@@ -165,12 +165,10 @@ def verdict(scene, memory):
     return doubt(np.abs(a).max(), memory["transport_nodes"].any(), scene.size_of("a"))
 
 
-HOOKS = EstimatorHooks(
-    memory={
-        "transport_dt": real,  # H = k dt
-        # Sums of S Ev, D* source, S source, D* r^2, and D*, D* r, S sigma, S F V0; or S r^2 and nothing.
-        "transport_nodes": octets,
-        "transport_slope": reals,  # d(sigma)/dx as the step saw it
-        "transport_errors": quads,  # nodal errors of v and a, v_xx, v
-    },
-    allocate=allocate, interval=interval, in_step=in_step, verdict=verdict)
+HOOKS = EstimatorHooks(memory={
+    "transport_dt": real,  # H = k dt
+    # Sums of S Ev, D* source, S source, D* r^2, and D*, D* r, S sigma, S F V0; or S r^2 and nothing.
+    "transport_nodes": octets,
+    "transport_slope": reals,  # d(sigma)/dx as the step saw it
+    "transport_errors": quads,  # nodal errors of v and a, v_xx, v
+}, allocate=allocate, interval=interval, in_step=in_step, verdict=verdict)

@@ -46,11 +46,11 @@ def report(bar: ti.template(), base, step, on: ti.template()):
     own, coarse = ti.static([part(bar, "two_grid_"), part(bar, "coarse_")])
     two_grid.begin(own)
     run_fields(bar, own, on)
-    two_grid.smooth_run(own, FIELDS)
+    two_grid.transfer(own, FIELDS, "down", own.fields, "fine", own.common, "common", 1 + own.gain)
     coarse_fields(bar, own, coarse, step)
-    two_grid.smooth_second(own, FIELDS)
+    two_grid.transfer(own, FIELDS, "over", own.fields, "coarse", own.common, "common", -own.gain)
     run_fields(bar, own, on)
-    two_grid.subtract(own, FIELDS)
+    two_grid.transfer(own, FIELDS, "up", own.common, "common", own.fields, "fine", -1.0)
     square = 0.0
     for p in range(bar.particles):
         e = own.fields[p]

@@ -30,8 +30,7 @@ def true_error(bar: ti.template(), p, now, on: ti.template()):
         moved, v = known[0], known[1]
         strain -= known[3]
         a -= now[2] * known[2]
-    return ti.Vector([bar.position[p] - bar.material_position[p] - moved, bar.velocity[p] - v,
-                      bar.modulus * strain, a])
+    return ti.Vector([bar.position[p] - bar.material_position[p] - moved, bar.velocity[p] - v, bar.modulus * strain, a])
 
 
 @ti.func

@@ -46,13 +46,9 @@ class CircularBody(ElasticBody):
         self.velocity = scene.EXACT.velocity(scene, self.points, 0.0)
         self.force = body_force_of(scene, self.points)
         self.frequency_at_rest = scene.wave_speed * unit_frequency(self.elements)
-        self.frequency = self.frequency_at_rest * self._stiffening(scene)
-
-    def _stiffening(self, scene: Any) -> float:
-        """How many times as high the frequency becomes at most along the exact motion."""
         times = np.arange(INSTANTS) / INSTANTS * scene.period
         F = np.concatenate([scene.EXACT.deformation_gradient(scene, self.points, t) for t in times])
-        return self.stiffening(F.reshape(-1, 4).T)
+        self.frequency = self.frequency_at_rest * self.stiffening(F.reshape(-1, 4).T)
 
     def stiffening(self, F: Any) -> float:
         """The same of F by (e_R, e_Theta): waves run along the radius, and |F^-T e_R| = |F e_Theta|/J."""

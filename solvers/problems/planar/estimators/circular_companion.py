@@ -138,16 +138,13 @@ def allocate(scene) -> dict[str, np.ndarray]:
     n, R = elements.order + 1, elements.nodes
     element, *basis = elements.locate(layout.orbits[:, 0])
     sizes, force = pack(*map(of_pairs, solved.force[1:]))
-    return {
-        **shared.start((elements.order, elements.count, 1, len(R), len(R), len(R)), solved.frequency_at_rest,
-                       scene.time_step, solved.velocity, solved.inverse_mass),
-        "companion_radii": R,
-        "companion_matrices": np.stack([elements.derivative.ravel(), np.repeat(elements.weights, n)], axis=1),
-        "companion_first": (element * elements.order).astype(np.int32),
-        "companion_basis": np.stack(basis, axis=2).reshape(-1, 2),
-        "companion_circles": np.zeros((len(layout.orbits), 8)),
-        "companion_circle_stress": np.zeros((len(layout.orbits), 4)),
-        "companion_force": force, "companion_force_sizes": sizes}
+    start = shared.start((elements.order, elements.count, 1, len(R), len(R), len(R)), solved.frequency_at_rest,
+                         scene.time_step, solved.velocity, solved.inverse_mass)
+    return {**start, "companion_radii": R, "companion_first": (element * elements.order).astype(np.int32),
+            "companion_matrices": np.stack([elements.derivative.ravel(), np.repeat(elements.weights, n)], axis=1),
+            "companion_basis": np.stack(basis, axis=2).reshape(-1, 2),
+            "companion_circles": np.zeros((len(layout.orbits), 8)), "companion_force_sizes": sizes,
+            "companion_circle_stress": np.zeros((len(layout.orbits), 4)), "companion_force": force}
 
 
 def verdict(scene, memory) -> str | None:
@@ -168,8 +165,6 @@ HOOKS = shared.hooks(
         "companion_basis": pairs,  # the element's p + 1 polynomials there: value and slope
         "companion_circles": octets,  # u, v, a, u' at the particles' radii, for a report
         "companion_circle_stress": quads,  # the Cauchy stress there, as RR, R Theta, Theta Theta and nothing
-        "companion_force": quads,  # the tables of the body force at the nodes
-        "companion_force_sizes": integers,
-    },
-    allocate=allocate, report=report, verdict=verdict, report_at_once=report_at_once,
+        "companion_force": quads, "companion_force_sizes": integers,  # the tables of the body force at the nodes
+    }, allocate=allocate, report=report, verdict=verdict, report_at_once=report_at_once,
     standalone=lambda scene: scene.companion_body(fine=None))

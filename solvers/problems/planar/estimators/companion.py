@@ -77,9 +77,8 @@ def element_stresses(body: ti.template(), corner, on: ti.template()):
                 pressed = half + sign * root
                 stiffest = ti.max(stiffest, stiffness(q, r, A, x, 1 / pressed, pressed) / at_rest)
             P = piola(F, q, (r - q) * per_J)
-            body.companion_stresses[i * n + j] = w * ti.Vector([
-                P[0] * g[0] + P[1] * g[1], P[2] * g[0] + P[3] * g[1],
-                P[0] * g[2] + P[1] * g[3], P[2] * g[2] + P[3] * g[3]])
+            body.companion_stresses[i * n + j] = w * ti.Vector([P[0] * g[0] + P[1] * g[1], P[2] * g[0] + P[3] * g[1],
+                                                                P[0] * g[2] + P[1] * g[3], P[2] * g[2] + P[3] * g[3]])
     return stiffest
 
 
@@ -252,8 +251,7 @@ MEMORY = {
     "companion_stresses": quads,  # w j P grad xi and w j P grad eta at the points of the element at work
     "companion_basis": pairs,  # see ParticleBasis
     "companion_places": integers,  # rows of four, see ParticleBasis
-    "companion_force": quads,  # the table of the body force at the nodes
-    "companion_force_sizes": integers,
+    "companion_force": quads, "companion_force_sizes": integers,  # the table of the body force at the nodes
 }
 
 

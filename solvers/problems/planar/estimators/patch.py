@@ -70,24 +70,17 @@ class Patch(ElasticBody):
             _frequencies[key] = highest_frequency(lambda u: self.inverse_mass * self._pull(u, self._linear_stress),
                                                   self.inverse_mass)
         self.frequency_at_rest = _frequencies[key]
-        self.frequency = self.frequency_at_rest * self._stiffening(scene)
-
-    def _stiffening(self, scene: Any) -> float:
-        """How many times as high as at rest the frequency becomes at most, along the exact motion."""
         times = np.arange(INSTANTS) / INSTANTS * scene.period
         F = np.concatenate([scene.EXACT.deformation_gradient(scene, self.places, t) for t in times])
         axes = np.linalg.svd(F, compute_uv=False).T ** 2
-        return max(self._material.stiffening(F.reshape(-1, 4).T, one, 1 / one) for one in axes)
+        self.frequency = self.frequency_at_rest * max(
+            self._material.stiffening(F.reshape(-1, 4).T, one, 1 / one) for one in axes)
 
     def _linear_stress(self, xx: Any, xy: Any, yx: Any, yy: Any) -> tuple[Any, Any, Any, Any]:
         """Of Grad u, by Hooke's law."""
         _, bulk, mu = self._material
         shear = mu * (xy + yx)
         return bulk * (xx + yy) + 2 * mu * xx, shear, shear, bulk * (xx + yy) + 2 * mu * yy
-
-    def _stress(self, xx: Any, xy: Any, yx: Any, yy: Any) -> tuple[Any, Any, Any, Any]:
-        """Of Grad u = F - I, by the law of the material."""
-        return self._material.first_piola_stress((1 + xx, xy, yx, 1 + yy))
 
     def _pull(self, u: np.ndarray, law: Callable[..., Any]) -> np.ndarray:
         """The internal forces (N, 2) of displacements, in N: what draws the nodes back."""
@@ -107,7 +100,8 @@ class Patch(ElasticBody):
         return total
 
     def accelerations(self, u: np.ndarray, t: float) -> np.ndarray:
-        return self._free * self.force(t) - self.inverse_mass * self._pull(u, self._stress)
+        return self._free * self.force(t) - self.inverse_mass * self._pull(
+            u, lambda xx, xy, yx, yy: self._material.first_piola_stress((1 + xx, xy, yx, 1 + yy)))
 
     def read(self, u: np.ndarray, X: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         xi, eta = self.map.coordinates(X)

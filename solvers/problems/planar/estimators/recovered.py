@@ -4,10 +4,9 @@ The weak form, in the material frame with the error grid's functions N = N_b(R) 
 
     (M u)'' = M b - D P / rho,    M f = int N f / int N,    D P = int P grad N / int N,
 
-leaves the free surfaces natural: a traction on them would be seen. P grad N = (P e_R) N_b' N_a
-+ (P e_angle) N_b N_a'/R. Every operator is a product of one along the radius and one along the angle
-(``lattice_lines``); symmetry planes are mirrors, with signs of their own for each component, and a whole turn closes on
-itself.
+leaves the free surfaces natural: a traction on them would be seen. P grad N = (P e_R) N_b' N_a + (P e_angle) N_b
+N_a'/R. Every operator is a product of one along the radius and one along the angle (``lattice_lines``); symmetry planes
+are mirrors, with signs of their own for each component, and a whole turn closes on itself.
 
 All else is as on the bar: U = M u_exact is integrated from the initial state, driven by P at the recovered gradient
 less that of the error; E = sum_i N_i (2 e - C e)_i + (u - fit u), e = M u - U; and sigma is compared with the stress at

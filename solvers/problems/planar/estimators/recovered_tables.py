@@ -104,9 +104,8 @@ def allocate(scene):
     return {"recovered_numbers": recovery.numbers(scene, interval(scene)),
             **recovery.table_values(dict(zip(op.TABLES, tables, strict=True))),
             "recovered_count": across.nodes * along.nodes, "recovered_line": along.points,
-            "recovered_line_nodes": along.nodes,
-            "recovered_silent": 2 if scene.uneven else int(scene.coarse), "recovered_nodes": nodes.reshape(-1, 4),
-            "recovered_particles": np.zeros((fields, 4))}
+            "recovered_line_nodes": along.nodes, "recovered_silent": 2 if scene.uneven else int(scene.coarse),
+            "recovered_nodes": nodes.reshape(-1, 4), "recovered_particles": np.zeros((fields, 4))}
 
 
 def verdict(scene: PlanarScene, memory: Mapping[str, np.ndarray]) -> str | None:

@@ -57,11 +57,11 @@ def report(body: ti.template(), base, step, fields: ti.template(), on: ti.templa
     own, coarse = ti.static([part(body, "two_grid_"), part(body, "coarse_")])
     two_grid.begin(own)
     run_fields(body, own, on)
-    two_grid.smooth_run(own, fields)
+    two_grid.transfer(own, fields, "down", own.fields, "fine", own.common, "common", 1 + own.gain)
     coarse_fields(body, own, coarse, step, on)
-    two_grid.smooth_second(own, fields)
+    two_grid.transfer(own, fields, "over", own.fields, "coarse", own.common, "common", -own.gain)
     run_fields(body, own, on)
-    two_grid.subtract(own, fields)
+    two_grid.transfer(own, fields, "up", own.common, "common", own.fields, "fine", -1.0)
     square = 0.0
     for p in range(body.particles):
         e = own.fields[p]

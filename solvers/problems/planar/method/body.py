@@ -91,34 +91,30 @@ def initial_body(scene: PlanarScene, on: KernelOptions, slabs: int) -> dict:
     known = on.truth or bool(on.estimators) or on.soundness
     grid = scene.grid_field() if known and on.acceleration else None
     sizes, tables = pack(*map(of_pairs, body_force_of(scene, layout.orbits)[1:]),
-                         of_motions(motion_table(scene) if known else None),
-                         of_vectors(grid))
-    return {
-        "particles": P, "nodes": N, "row": row, "active": scene.active_rows, "slabs": slabs, "orbits": K,
-        "spacing": scene.spacing, "cells_per_length": 1 / scene.spacing, "origin": scene.origin, "dt": scene.time_step,
-        "lame_modulus": lame_modulus, "shear_modulus": shear_modulus, "density": scene.density,
-        "half_width": 0.5 / scene.ppc, "angular_frequency": scene.angular_frequency,
-        "farthest_move": scene.FARTHEST_MOVE * scene.amplitude, "material_position": X,
-        "position_velocity": np.concatenate([X, scene.EXACT.velocity(scene, X, scene.velocity_time)], axis=1),
-        "deformation_gradient": np.tile([1.0, 0.0, 0.0, 1.0], (P, 1)), "mass": scene.density * layout.volume,
-        "orbit": layout.orbit, "direction": layout.direction, "orbit_point": layout.orbits, "orbit_force": zeros(K, 2),
-        "exact": zeros(3 * K + (len(grid.modes) if grid and scene.CIRCULAR else 0), 4, when=known),
-        "volumetric": zeros(P),
-        "table_sizes": sizes, "tables": tables,
-        "edges": layout.edges if on.method == "cpdi" else zeros(1, 4), "weights": room(on.method, P),
-        "first_node": zeros(P, when=on.method != "cpdi", kind=np.int32),
-        "acceleration": zeros(P, 2, when=on.acceleration),
-        "node_sums": zeros(slabs * N, 8), "node_mass": zeros(N), "node_motion": zeros(N, 4),
-        "totals": zeros(TOTALS * slabs),
-        "neighbours": layout.neighbours.ravel().astype(np.int32) if on.soundness else zeros(1, kind=np.int32),
-        **remedy_rates(scene),
-        "particle_scratch": zeros(P, 4, when=mended), "node_scratch": zeros(N, 4, when=mended or on.margin),
-        "node_remedy": zeros(N, 4, when=mended)}
+                         of_motions(motion_table(scene) if known else None), of_vectors(grid))
+    v = scene.EXACT.velocity(scene, X, -scene.EARLIER * scene.time_step)
+    return {"particles": P, "nodes": N, "row": row, "active": scene.active_rows, "slabs": slabs, "orbits": K,
+            "spacing": scene.spacing, "cells_per_length": 1 / scene.spacing, "origin": scene.origin,
+            "dt": scene.time_step, "lame_modulus": lame_modulus, "shear_modulus": shear_modulus,
+            "density": scene.density, "half_width": 0.5 / scene.ppc, "angular_frequency": scene.angular_frequency,
+            "farthest_move": scene.FARTHEST_MOVE * scene.amplitude, "material_position": X,
+            "position_velocity": np.concatenate([X, v], axis=1),
+            "deformation_gradient": np.tile([1.0, 0.0, 0.0, 1.0], (P, 1)), "mass": scene.density * layout.volume,
+            "orbit": layout.orbit, "direction": layout.direction, "orbit_point": layout.orbits,
+            "orbit_force": zeros(K, 2),
+            "exact": zeros(3 * K + (len(grid.modes) if grid and scene.CIRCULAR else 0), 4, when=known),
+            "volumetric": zeros(P), "table_sizes": sizes, "tables": tables,
+            "edges": layout.edges if on.method == "cpdi" else zeros(1, 4), "weights": room(on.method, P),
+            "first_node": zeros(P, when=on.method != "cpdi", kind=np.int32),
+            "acceleration": zeros(P, 2, when=on.acceleration), "node_sums": zeros(slabs * N, 8), "node_mass": zeros(N),
+            "node_motion": zeros(N, 4), "totals": zeros(TOTALS * slabs),
+            "neighbours": layout.neighbours.ravel().astype(np.int32) if on.soundness else zeros(1, kind=np.int32),
+            **remedy_rates(scene), "particle_scratch": zeros(P, 4, when=mended),
+            "node_scratch": zeros(N, 4, when=mended or on.margin), "node_remedy": zeros(N, 4, when=mended)}
 
 
 def watched(scene: Scene, on: KernelOptions, particles: int, farthest: float, hooks: dict[str, EstimatorHooks]) -> dict:
     """The members of a :class:`InstrumentedBody` that are not of the body, at the start."""
     estimated, entries = bool(on.estimators), len(on.estimators) * particles
-    return {**watch(scene, on, particles, farthest, hooks),
-            "estimate_acceleration": zeros(entries, 2, when=estimated),
+    return {**watch(scene, on, particles, farthest, hooks), "estimate_acceleration": zeros(entries, 2, when=estimated),
             "estimate_stress": zeros(entries, 4, when=estimated)}

@@ -1,9 +1,8 @@
 """Steps of a plane body with all particles at once, as a GPU takes them, and the other kernels of such a run.
 
 They call the phases that the plans of a processor call, from the kernel itself: there, Taichi makes every loop a launch
-of as many threads as it has turns, in functions too. So nothing here may call them under an ``if``, which would leave
-a single thread to do it all; what is to be done is decided by who launches
-(``solvers.problems.planar.plans.gpu_plan``).
+of as many threads as it has turns, in functions too. So nothing here may call them under an ``if``, which would leave a
+single thread to do it all; what is to be done is decided by who launches (``solvers.problems.planar.plans.gpu_plan``).
 """
 
 from typing import Any, NamedTuple

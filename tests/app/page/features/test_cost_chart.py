@@ -8,19 +8,10 @@ import numpy as np
 import pytest
 
 from app.colours import GROUNDS, METHOD_COLOURS
+from app.page.features.cost import visitor_runs
 from app.page.features.cost.cost_chart import LogAxis, around, axes, headline, line, names, picture, unnamed
 from app.page.features.cost.cost_texts import percent, seconds
-from app.page.features.cost.visitor_runs import (
-    LIVE,
-    SEARCH,
-    SWEEP,
-    NumberedRun,
-    Runs,
-    cheapest,
-    comparable,
-    front,
-    staged,
-)
+from app.page.features.cost.visitor_runs import LIVE, SEARCH, SWEEP, Runs, cheapest, comparable, front, staged
 from app.page.panels.page_header import WEB
 from solvers.problems.bar.scene import BarScene
 from solvers.study.parameter_grid import task_of
@@ -86,7 +77,8 @@ def test_every_run_is_a_button_where_its_error_and_time_are():
     rows = [(made_up("ugimp", cells, cfl), SWEEP) for cfl in (0.1, 0.5) for cells in (10, 20)]
     assert [words for _, words in names(numbered(*rows))] == ["uGIMP, CFL 0.1", "uGIMP, CFL 0.5"]
     assert not buttons(drawn([])) and "time of one run" in drawn([])  # what will be there
-    stranger = drawn([NumberedRun(1, SWEEP, made_up(status="lost", reason="<img src=x onerror='alert(1)'>"))])
+    lost = made_up(status="lost", reason="<img src=x onerror='alert(1)'>")
+    stranger = drawn([visitor_runs.NumberedRun(1, SWEEP, lost)])
     assert "<img" not in stranger and "onerror=&#x27;" in stranger
 
 

@@ -13,18 +13,7 @@ import pytest
 from app.page.features import background_job
 from app.page.features.cost import cost_texts
 from app.page.features.cost import jobs as cost_jobs
-from app.page.features.cost.jobs import (
-    HOLDS,
-    MOST_POINTS,
-    MOST_QUESTIONS,
-    CostStatus,
-    Jobs,
-    QuietStage,
-    SearchCache,
-    WarmWorker,
-    search,
-    small_sweep,
-)
+from app.page.features.cost.jobs import CostStatus, Jobs, SearchCache, WarmWorker, search, small_sweep
 from app.page.features.cost.panel import CostTab
 from app.page.features.cost.visitor_runs import Runs, cheapest, question
 from solvers.problems.bar.scene import BarScene
@@ -118,9 +107,8 @@ def test_a_sweep_and_a_search_in_processes_of_their_own(jobs):
         until(lambda one=one: not one.status.running, "the end of a search")
     advice, found = searcher.status.advice, searcher.runs.all()
     assert advice["met"] and advice["error"] <= 1e-2 * SCENE.amplitude
-    assert cost_texts.going(searcher.status).startswith("Take uGIMP") and "estimate" in cost_texts.going(
-        searcher.status
-    )
+    said = cost_texts.going(searcher.status)
+    assert said.startswith("Take uGIMP") and "estimate" in said
     assert len(found) == advice["looks"] == searcher.status.done and searcher.status.known == 0
     assert {(run.source, run.error, run.estimator) for run in found} == {("search", None, "companion")}
     assert all(run.drawable for run in found)
@@ -247,15 +235,15 @@ def test_what_is_kept_is_bounded_and_times_hold_for_an_hour():
     now = [0.0]
     kept = SearchCache(lambda: now[0])
     point = {"error": 1e-3, "rate": 1e-8, "status": "ok", "reason": None}
-    for k in range(MOST_POINTS + 1):
+    for k in range(cost_jobs.MOST_POINTS + 1):
         kept.keep("a", f"{k}", point, True)
-    assert len(kept.known("a", True)) == MOST_POINTS and "0" not in kept.known("a", True)
+    assert len(kept.known("a", True)) == cost_jobs.MOST_POINTS and "0" not in kept.known("a", True)
     assert kept.known("a", True)["1"] == point
-    now[0] = HOLDS
+    now[0] = cost_jobs.HOLDS
     kept.keep("a", "2", {**point, "rate": None}, True)  # a run that goes bad when it is timed
     known = kept.known("a", True)
     assert "rate" not in known["1"] and known["1"]["error"] == 1e-3 and known["2"]["rate"] is None
-    for k in range(MOST_QUESTIONS):
+    for k in range(cost_jobs.MOST_QUESTIONS):
         kept.keep(f"question {k}", "1", point, True)
     assert kept.known("a", True) == {} and kept.known("question 0", True)
 
@@ -273,7 +261,7 @@ class Stage:
 def test_stage_stands_still_while_a_job_runs():
     """It goes on afterwards if it moved before, and is left alone once its visitor has pressed Play."""
     stage = Stage()
-    quiet = QuietStage(stage)
+    quiet = cost_jobs.QuietStage(stage)
     for running, playing in [(False, True), (True, False), (True, False), (False, True)]:
         quiet.follow(running)
         assert stage.playing == playing and quiet.paused == (running and not playing)

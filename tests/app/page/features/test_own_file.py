@@ -136,9 +136,8 @@ def test_where_no_solution_is_known_the_companion_alone_is_shown(process, tmp_pa
     scene = PROBLEMS["bar"].scene(cells=12, body_force="two-tone")
     frame = exact(replace(scene, body_force="material"), 0.1)
     file = tmp_path / "mine.csv"
-    file.write_bytes(
-        particle_writers.csv(particle_writers.table([replace(frame, stress=None, deformation_gradient=None)]))
-    )
+    bare = replace(frame, stress=None, deformation_gradient=None)
+    file.write_bytes(particle_writers.csv(particle_writers.table([bare])))
     run, _ = run_of(process, file, scene, tmp_path)
     assert run.true is None and run.missing == ["sigma"]
     _, arrays = run.frame(0, "x", False)
