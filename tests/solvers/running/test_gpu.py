@@ -306,7 +306,7 @@ def test_what_a_gpu_does_not_take_is_refused_in_words(make: Callable[[], Scene],
 @pytest.fixture
 def nothing_there(monkeypatch):
     """A machine without any GPU."""
-    monkeypatch.setattr(devices, "found", lambda kind: {"name": "", "software": False, "missing": "Taichi sees none"})
+    monkeypatch.setattr(devices, "probe_device", lambda kind: {"name": "", "software": False, "missing": "Taichi sees none"})
 
 
 @pytest.mark.parametrize("arch, title", [("cuda", "CUDA"), ("vulkan", "Vulkan")])
@@ -333,7 +333,7 @@ def test_so_many_particles_need_the_gpu(nothing_there):
 def test_any_gpu_is_not_one_that_the_processor_plays(monkeypatch):
     there = {"cuda": {"name": "", "software": False, "missing": "Taichi sees none"},
              "vulkan": {"name": "llvmpipe", "software": True, "missing": None}}
-    monkeypatch.setattr(devices, "found", there.get)
+    monkeypatch.setattr(devices, "probe_device", there.get)
     assert devices.place("gpu") == "cpu" and devices.place("vulkan") == "vulkan" and devices.place("cpu") == "cpu"
     there["vulkan"]["software"] = False
     assert devices.place("gpu") == "vulkan"
