@@ -102,7 +102,7 @@ def lesson_file(lesson, tmp_path_factory):
     """The lesson's file, and what came of its runs."""
     path = tmp_path_factory.mktemp("export") / "lesson.html"
     with closing(RunCache()) as outcomes, pytest.MonkeyPatch.context() as patch:
-        patch.setattr("app.export.lesson_data.Outcomes", lambda processes: outcomes)
+        patch.setattr("app.export.lesson_data.RunCache", lambda processes: outcomes)
         patch.setattr(outcomes, "close", lambda: None)
         path.write_text(lesson_page(lesson, 1, silent, {}), encoding="utf-8")
         patch.undo()
