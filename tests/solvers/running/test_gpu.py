@@ -306,7 +306,8 @@ def test_what_a_gpu_does_not_take_is_refused_in_words(make: Callable[[], Scene],
 @pytest.fixture
 def nothing_there(monkeypatch):
     """A machine without any GPU."""
-    monkeypatch.setattr(devices, "probe_device", lambda kind: {"name": "", "software": False, "missing": "Taichi sees none"})
+    monkeypatch.setattr(devices, "probe_device",
+                        lambda kind: {"name": "", "software": False, "missing": "Taichi sees none"})
 
 
 @pytest.mark.parametrize("arch, title", [("cuda", "CUDA"), ("vulkan", "Vulkan")])
