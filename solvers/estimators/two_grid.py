@@ -56,23 +56,24 @@ class Fields(NamedTuple):
     along: tuple[int, ...]
     across: tuple[int, ...] = ()
 
-    def memory(self, vectors: object) -> dict:
-        """Types of what the estimator of any problem keeps; ``vectors`` is that of arrays of these fields."""
-        return {
-            **{f"two_grid_{table}_{way}_{member}": kind for table in TABLES for way in ("along", "across")
-               for member, kind in STENCILS.items()},
-            **{f"two_grid_{lattice}_{size}": ti.i32 for lattice in LATTICES for size in ("points", "lines")},
-            "two_grid_gain": real, "two_grid_interval": ti.i32,  # 1/(r^2 - 1); steps to one of the second run
-            "two_grid_fields": vectors,  # of either run; at last the errors of the run's
-            "two_grid_band": vectors,  # those on the way from one lattice to another, brought along the lines only
-            "two_grid_common": vectors,  # the extrapolated ones on the common lattice
-            "two_grid_largest": reals,  # the largest mean square of e_x that was reported
-        }
+
+def memory_types(vectors: object) -> dict:
+    """Types of what the estimator of any problem keeps; ``vectors`` is that of arrays of the fields."""
+    return {
+        **{f"two_grid_{table}_{way}_{member}": kind for table in TABLES for way in ("along", "across")
+           for member, kind in STENCILS.items()},
+        **{f"two_grid_{lattice}_{size}": ti.i32 for lattice in LATTICES for size in ("points", "lines")},
+        "two_grid_gain": real, "two_grid_interval": ti.i32,  # 1/(r^2 - 1); steps to one of the second run
+        "two_grid_fields": vectors,  # of either run; at last the errors of the run's
+        "two_grid_band": vectors,  # those on the way from one lattice to another, brought along the lines only
+        "two_grid_common": vectors,  # the extrapolated ones on the common lattice
+        "two_grid_largest": reals,  # the largest mean square of e_x that was reported
+    }
 
 
 def allocate(scene: Scene, fields: Fields, fine: tuple[int, int], coarse: tuple[int, int], common: tuple[int, int],
              ends: tuple[str, str]) -> dict:
-    """The values of :meth:`Fields.memory`. Lattices are given as points on a line and lines; ``ends`` says what lies
+    """The values of :func:`memory_types`. Lattices are given as points on a line and lines; ``ends`` says what lies
     beyond the ends of a line, and beyond the first and last lines."""
     smooth, cubic = (WINDOWS[0] * scene.ppc, WINDOWS[1] * scene.ppc), (CUBIC, CUBIC)
     values: dict = {}
@@ -158,7 +159,7 @@ def bare(on: KernelOptions) -> KernelOptions:
 
 
 def coarse_run_verdict(scene: Scene, determinant: np.ndarray, displacement: np.ndarray, farthest: float,
-            largest: np.ndarray) -> str | None:
+                       largest: np.ndarray) -> str | None:
     """Whether the coarse run went bad: particles turned inside out, crushed or farther off than can be; or lost.
 
     ``largest`` is the largest mean square of e_x; the coarse run's error is r^2 times e_x if all is well, and there is

@@ -51,7 +51,7 @@ def run(scene: Scene | type[Scene] | str, on_progress: Callable[[float], None] |
     Parameters
     ----------
     scene
-        What to run: a ``BarScene``, ``RingScene`` or ``VortexScene``; or such a class, or the name of a problem, for
+        What to run: a scene such as ``BarScene``; or such a class, or the name of a problem, for
         the defaults.
     on_progress
         Called several times a second with the part done, 0 to 1.

@@ -99,6 +99,13 @@ def test_two_grid_finds_the_size_of_the_error(method, cells, amplitude):
     assert result.distance["two-grid"]["x"] < 0.4 and result.not_valid == {}
 
 
+def test_two_grid_bears_a_typed_motion_larger_than_the_default_amplitude():
+    """At a quarter of a period particles are 0.1 m from where they began; A, which the formula ignores, is 0.02 m."""
+    result = run(SquareScene(displacement="0.1*sin(pi*X)*sin(w*t), 0", cfl=0.2, periods=0.25,
+                             estimators=("two-grid",), effects=("truth", "estimate")), prices=False)
+    assert result.not_valid == {} and result.index["two-grid"]["x"] == pytest.approx(1, abs=0.1)
+
+
 def test_transport_is_silent_where_domains_tile():
     """Its defect is that of weights that do not reproduce a linear field: CPDI's parallelograms leave none."""
     scene = SquareScene(cells=16, cfl=0.2, periods=0.5, estimators=("transport",), effects=("truth", "estimate"))

@@ -23,7 +23,7 @@ from solvers.scene.kernel_options import kernel_options_of
 FIELDS = two_grid.Fields(along=(0, 0, 0, 1))  # u, v, sigma; and a, whose fits go over more cells
 MEMORY = {
     **{"coarse_" + name: kind for name, kind in BarBody.types().items()},
-    **FIELDS.memory(quads),
+    **two_grid.memory_types(quads),
     "two_grid_before": quads,  # F and a of the second bar a step ago, a two steps ago, and nothing
     "two_grid_noisy": ti.i32,  # whether nothing is said of a
 }

@@ -24,6 +24,7 @@ from solvers.problems.planar.kernel_parts import ProblemKernels
 from solvers.problems.planar.method.body import PlanarBody, initial_body
 from solvers.problems.planar.method.material import cauchy_stress, cauchy_stress_of
 from solvers.problems.planar.method.phases import nodes_to_particles, update_grid
+from solvers.problems.planar.method.rotation import turned, turned_tensor
 from solvers.scene.estimator_hooks import EstimatorHooks
 from solvers.scene.kernel_options import kernel_options_of
 
@@ -35,7 +36,7 @@ POLAR, BOX = two_grid.Fields((0,) * 8, ACROSS), two_grid.Fields((1, 0, 1, 0, 0, 
 
 MEMORY = {
     **{"coarse_" + name: kind for name, kind in PlanarBody.types().items()},
-    **POLAR.memory(octets),
+    **two_grid.memory_types(octets),
     "two_grid_before": quads, "two_grid_before_a": pairs,  # F and a of the second run a step ago
 }
 
@@ -66,33 +67,21 @@ def report(body: ti.template(), base, step, fields: ti.template(), on: ti.templa
     for p in range(body.particles):
         e = own.fields[p]
         square += e[0] ** 2 + e[1] ** 2
-        c, s = body.direction[p][0], body.direction[p][1]
-        body.estimate[base + p] = ti.Vector([c * e[0] - s * e[1], s * e[0] + c * e[1],
-                                             c * e[2] - s * e[3], s * e[2] + c * e[3]])
-        turned = 2 * c * s * e[5]
-        body.estimate_stress[base + p] = ti.Vector([
-            c * c * e[4] + s * s * e[6] - turned, c * s * (e[4] - e[6]) + (c * c - s * s) * e[5],
-            s * s * e[4] + c * c * e[6] + turned, 0.0])
+        axis = body.direction[p]
+        x, v, sigma = turned(axis, e[0], e[1]), turned(axis, e[2], e[3]), turned_tensor(axis, e[4], e[5], e[6])
+        body.estimate[base + p] = ti.Vector([x[0], x[1], v[0], v[1]])
+        body.estimate_stress[base + p] = ti.Vector([sigma[0], sigma[1], sigma[2], 0.0])
         body.estimate_acceleration[base + p] = ti.Vector([ti.math.nan] * 2)
     two_grid.remember_largest(own, square / body.particles)
 
 
 @ti.func
-def polar(direction, x, y):
-    """Components along and across e_R."""
-    return direction[0] * x + direction[1] * y, direction[0] * y - direction[1] * x
-
-
-@ti.func
-def record(displacement_x, displacement_y, v_x, v_y, direction, sigma):
-    """u, v and the Cauchy stress, given as xx, xy, yy, in polar components."""
-    u_R, u_t = polar(direction, displacement_x, displacement_y)
-    v_R, v_t = polar(direction, v_x, v_y)
-    c, s = direction[0], direction[1]
-    turned = 2 * c * s * sigma[1]
-    return ti.Vector([u_R, u_t, v_R, v_t, c * c * sigma[0] + s * s * sigma[2] + turned,
-                      c * s * (sigma[2] - sigma[0]) + (c * c - s * s) * sigma[1],
-                      s * s * sigma[0] + c * c * sigma[2] - turned, 0.0])
+def record(u_x, u_y, v_x, v_y, direction, sigma):
+    """u, v and the Cauchy stress, given as xx, xy, yy, in components along and across the ``direction``."""
+    back = ti.Vector([direction[0], -direction[1]])
+    u, v = turned(back, u_x, u_y), turned(back, v_x, v_y)
+    local = turned_tensor(back, sigma[0], sigma[1], sigma[2])
+    return ti.Vector([u[0], u[1], v[0], v[1], local[0], local[1], local[2], 0.0])
 
 
 @ti.func
@@ -152,7 +141,7 @@ def allocate(scene):
 
 def verdict(scene, memory):
     """Whether the second run is sound, and near enough."""
-    F, farthest = memory["coarse_deformation_gradient"].T, 1.5 * scene.amplitude + 2 * scene.spacing
+    F, farthest = memory["coarse_deformation_gradient"].T, 1.5 * scene.motion_amplitude + 2 * scene.spacing
     with np.errstate(invalid="ignore", over="ignore"):
         moved = memory["coarse_position_velocity"][:, :2] - memory["coarse_material_position"]
         determinant = F[0] * F[3] - F[1] * F[2]
