@@ -35,7 +35,7 @@ class LoginResult(NamedTuple):
     wait: int = 0
 
 
-class CodeHolder(NamedTuple):
+class AccessIdentity(NamedTuple):
     """Who brings a cookie: with ``whose`` code he has come, and the ``key`` that all pages of his browser have."""
 
     whose: str
@@ -67,11 +67,11 @@ class ClassCode:
         """Whether a request brings a cookie of this server."""
         return self.guest(headers) is not None
 
-    def guest(self, headers: Headers) -> CodeHolder | None:
+    def guest(self, headers: Headers) -> AccessIdentity | None:
         """Who asks, by the cookie that opens most; all are looked at, so that the time tells nothing."""
         pairs = (pair.partition("=") for line in headers.get_all("Cookie") for pair in line.split(";"))
         brought = [value.strip().partition(".") for name, _, value in pairs if name.strip() == self._name]
-        found = [CodeHolder(whose, key) for whose in self._secrets for key, _, proof in brought
+        found = [AccessIdentity(whose, key) for whose in self._secrets for key, _, proof in brought
                  if hmac.compare_digest(_digest(self._proof(whose, key)), _digest(proof))]
         return found[-1] if found else None
 

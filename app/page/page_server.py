@@ -16,7 +16,7 @@ from typing import Any
 from urllib.parse import quote
 
 from app.access.allowed_hosts import Addresses
-from app.access.class_code import BOARD, CLASS, TEACHER, ClassCode, CodeHolder, generate_code
+from app.access.class_code import BOARD, CLASS, TEACHER, AccessIdentity, ClassCode, generate_code
 from app.access.log_limit import RateLimitFilter
 from app.identity import ICON
 from app.language.translation import lazy, tr, with_language
@@ -229,7 +229,7 @@ def _start_server(host: str, port: int, pool: EnginePool, max_sessions: int, add
     set_up(server.gui)
 
     def make_page(client: Any, links: PageLinks) -> Any:
-        whose, key = doors.guest(client.client_id) or CodeHolder(CLASS)
+        whose, key = doors.guest(client.client_id) or AccessIdentity(CLASS)
         seat = board.seat(key) if board and whose == CLASS else None
         lectern = LecturerContext(board, JoinInfo(f"http://{_outside(host)}:{port}/", code)) \
             if board and whose == BOARD else None
@@ -243,7 +243,7 @@ def _start_server(host: str, port: int, pool: EnginePool, max_sessions: int, add
 
     def expects(client: Any) -> bool:
         """The lecturer's page has a place, however many are here."""
-        return (doors.guest(client.client_id) or CodeHolder(CLASS)).whose == BOARD
+        return (doors.guest(client.client_id) or AccessIdentity(CLASS)).whose == BOARD
 
     visitors = Visitors(pool, max_sessions, make_page, _show, expects)
     doors.watch(server, visitors)

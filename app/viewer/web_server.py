@@ -20,7 +20,7 @@ from websockets.exceptions import ConnectionClosed, InvalidMessage
 from websockets.http11 import Request, Response
 
 from app.access.allowed_hosts import FOREIGN_PAGE, Addresses, untidy
-from app.access.class_code import TEACHER, ClassCode, CodeHolder
+from app.access.class_code import TEACHER, AccessIdentity, ClassCode
 from app.access.log_limit import Refusals, log_failure
 from app.access.network_limits import TokenBucket, TokenBuckets, network_of
 from app.language import translation
@@ -201,10 +201,10 @@ class Doors:
         there = self._visitors is not None and self._visitors.attend(looks[2], looks[1] == "here")
         return said(HTTPStatus.NO_CONTENT if there else HTTPStatus.NOT_FOUND, "")
 
-    def guest(self, visitor: int) -> CodeHolder | None:
+    def guest(self, visitor: int) -> AccessIdentity | None:
         """Returns with whose code a visitor has come, the teacher's where none is needed; None for one who left."""
         if self._code is None:
-            return CodeHolder(TEACHER)
+            return AccessIdentity(TEACHER)
         connection = self._connection(visitor)
         return None if connection is None else self._code.guest(connection.request.headers)
 

@@ -49,7 +49,7 @@ LATTICES = ("fine", "coarse", "common")  # of the run, of the second run, and th
 STENCILS = {"first": integers, "row": integers, "taps": ti.i32, "weights": pairs}
 
 
-class Fields(NamedTuple):
+class ComparedFields(NamedTuple):
     """What is compared, one vector a particle: which of a stencil's two weights each component is taken times, along
     the lines of the lattice, and across them where there are more lines than one."""
 
@@ -71,8 +71,8 @@ def memory_types(vectors: object) -> dict:
     }
 
 
-def allocate(scene: Scene, fields: Fields, fine: tuple[int, int], coarse: tuple[int, int], common: tuple[int, int],
-             ends: tuple[str, str]) -> dict:
+def allocate(scene: Scene, fields: ComparedFields, fine: tuple[int, int], coarse: tuple[int, int],
+             common: tuple[int, int], ends: tuple[str, str]) -> dict:
     """The values of :func:`memory_types`. Lattices are given as points on a line and lines; ``ends`` says what lies
     beyond the ends of a line, and beyond the first and last lines."""
     smooth, cubic = (WINDOWS[0] * scene.ppc, WINDOWS[1] * scene.ppc), (CUBIC, CUBIC)

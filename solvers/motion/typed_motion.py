@@ -62,7 +62,7 @@ def _split(text: str) -> list[str]:
     return parts
 
 
-class MotionInputs(NamedTuple):
+class PlaneMotionInputs(NamedTuple):
     """What of a scene its motion, and the body force that makes it, are made of: w in 1/s, A, its material and SI. And
     what a body in a square between planes asks of its motion."""
 
@@ -93,7 +93,7 @@ class MotionInputs(NamedTuple):
                                    f"d u_{'yx'[axis]}/d{'XY'[axis]} must be zero there")
 
 
-class LineInputs(NamedTuple):
+class LineMotionInputs(NamedTuple):
     """The same of a bar, one period of an endless one: w in 1/s, A, and the speed c of its waves in m/s."""
 
     base_frequency: float
@@ -121,7 +121,7 @@ class LineInputs(NamedTuple):
 
 @functools.lru_cache(maxsize=64)  # of scenes that differ in cells, method or step alone
 @np.errstate(all="ignore")
-def find_period(text: str, scene: MotionInputs | LineInputs) -> float:
+def find_period(text: str, scene: PlaneMotionInputs | LineMotionInputs) -> float:
     """The shortest period in s among quarters of 2 pi/w and of a second, of a typed motion that the body can have.
 
     Raises

@@ -11,16 +11,16 @@ from dataclasses import dataclass
 from typing import Any
 
 from solvers.motion.jets import sin
-from solvers.motion.typed_motion import MotionInputs, read_motion
+from solvers.motion.typed_motion import PlaneMotionInputs, read_motion
 from solvers.problems.planar.box import BoxScene
 from solvers.problems.planar.problem import PlanarProblem, ViewSettings
 from solvers.scene.field_options import document_fields, option
-from solvers.scene.typed import MaybeTyped
+from solvers.scene.typed import TypedMotionScene
 
 
 @document_fields
 @dataclass(frozen=True)
-class SquareScene(MaybeTyped, BoxScene):
+class SquareScene(TypedMotionScene, BoxScene):
     """One run of the square: h = 1 m/``cells``, ``ppc`` counts per direction."""
 
     problem: str = option("square", choices=("square",))
@@ -35,8 +35,8 @@ class SquareScene(MaybeTyped, BoxScene):
     GENTLE_AMPLITUDE, HARD_AMPLITUDES = 0.01, (0.02, 0.05, 0.1)
 
     @property
-    def motion_inputs(self) -> MotionInputs:
-        return MotionInputs(self.base_frequency, self.amplitude, self.material, self.density, self.SIDE)
+    def motion_inputs(self) -> PlaneMotionInputs:
+        return PlaneMotionInputs(self.base_frequency, self.amplitude, self.material, self.density, self.SIDE)
 
     @property
     def angular_frequency(self) -> float:

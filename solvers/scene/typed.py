@@ -8,7 +8,7 @@ from abc import abstractmethod
 from typing import TYPE_CHECKING, Any, ClassVar
 
 from solvers.motion.formula import FormulaError
-from solvers.motion.typed_motion import LineInputs, MotionInputs, find_period, read_motion
+from solvers.motion.typed_motion import LineMotionInputs, PlaneMotionInputs, find_period, read_motion
 from solvers.scene.validation import SceneError, require_number
 
 TYPED = "typed"  # what is compiled of such a motion where that depends on it: whatever the formula
@@ -19,7 +19,7 @@ else:
     Scene = object  # a dataclass as base would give its fields again, in front of those of other bases
 
 
-class MaybeTyped(Scene):
+class TypedMotionScene(Scene):
     """A scene with a field ``displacement``, "" for the built-in one."""
 
     TYPED_TITLE: ClassVar[str]
@@ -27,7 +27,7 @@ class MaybeTyped(Scene):
 
     @property
     @abstractmethod
-    def motion_inputs(self) -> MotionInputs | LineInputs:
+    def motion_inputs(self) -> PlaneMotionInputs | LineMotionInputs:
         """What its typed motion is made of."""
 
     @property

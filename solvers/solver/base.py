@@ -38,7 +38,7 @@ class Solver(ABC):
     STATE: ClassVar[type[Diagnostics]]
     STEP_BREAKDOWN: Any  # the problem's module of this name
     _arrays: Diagnostics
-    _stepping: Any  # what launches the kernels on them: such as ``solvers.solver.run_loop.OneThread``
+    _stepping: Any  # what launches the kernels on them: such as ``solvers.solver.run_loop.SerialStepper``
     _switches: KernelOptions
 
     def __init__(self, scene: Scene):

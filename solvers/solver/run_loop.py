@@ -61,7 +61,7 @@ def serial_kernels(State: Any, phases: Phases) -> SerialKernels:
     return SerialKernels(advance, freeze, find_margin)
 
 
-class OneThread:
+class SerialStepper:
     """Steps the arrays of a ``pack`` as they are, on one thread."""
 
     def __init__(self, kernels: SerialKernels, pack: Any, on: KernelOptions):

@@ -14,7 +14,7 @@ from collections.abc import Callable
 from typing import Any, NamedTuple
 
 
-class Law(NamedTuple):
+class MaterialLaw(NamedTuple):
     """A law by its name and its ``text`` for other codes, with functions of F, J and the moduli lambda and mu."""
 
     name: str

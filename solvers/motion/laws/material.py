@@ -6,9 +6,9 @@ import numpy as np
 
 from solvers.motion.jets import log
 from solvers.motion.laws import neo_hookean, st_venant_kirchhoff
-from solvers.motion.laws.law import Law, determinant, kirchhoff, piola, stiffness
+from solvers.motion.laws.law import MaterialLaw, determinant, kirchhoff, piola, stiffness
 
-LAWS: dict[str, Law] = {one.LAW.name: one.LAW for one in (neo_hookean, st_venant_kirchhoff)}
+LAWS: dict[str, MaterialLaw] = {one.LAW.name: one.LAW for one in (neo_hookean, st_venant_kirchhoff)}
 NEO_HOOKEAN = neo_hookean.LAW.name
 ANGLES = np.linspace(0, np.pi, 24, endpoint=False)[:, None]  # of directions in which waves are looked at
 
@@ -16,7 +16,7 @@ ANGLES = np.linspace(0, np.pi, 24, endpoint=False)[:, None]  # of directions in 
 class Material(NamedTuple):
     """Moduli in Pa; F is (xx, xy, yx, yy), arrays (P,) or jets, and J may be another than its own."""
 
-    law: Law
+    law: MaterialLaw
     bulk: float  # lambda
     mu: float
 

@@ -5,7 +5,7 @@ Source: Bonet & Wood, Nonlinear Continuum Mechanics, 2nd ed., Cambridge 2008, se
 
 from typing import Any
 
-from solvers.motion.laws.law import Law
+from solvers.motion.laws.law import MaterialLaw
 
 
 def energy(F: Any, J: Any, growth: Any, bulk: Any, mu: Any) -> Any:
@@ -17,5 +17,5 @@ def coefficients(F: Any, J: Any, volumetric: Any, bulk: Any, mu: Any) -> Any:
     return mu, volumetric, 0.0, bulk
 
 
-LAW = Law("neo-hookean", r"Neo-Hookean: $\sigma = \frac{\lambda \ln J}{J} I + \frac{\mu}{J}(F F^T - I)$, "
-          r"$P = \mu F + (\lambda \ln J - \mu) F^{-T}$", energy, coefficients, logarithmic=True)
+LAW = MaterialLaw("neo-hookean", r"Neo-Hookean: $\sigma = \frac{\lambda \ln J}{J} I + \frac{\mu}{J}(F F^T - I)$, "
+                  r"$P = \mu F + (\lambda \ln J - \mu) F^{-T}$", energy, coefficients, logarithmic=True)

@@ -7,7 +7,7 @@ Source: Holzapfel, Nonlinear Solid Mechanics, Wiley 2000, section 6.5.
 
 from typing import Any
 
-from solvers.motion.laws.law import Law
+from solvers.motion.laws.law import MaterialLaw
 
 
 def energy(F: Any, J: Any, growth: Any, bulk: Any, mu: Any) -> Any:
@@ -22,6 +22,6 @@ def coefficients(F: Any, J: Any, volumetric: Any, bulk: Any, mu: Any) -> Any:
     return q, q - mu * J * J, bulk + 2 * mu, -2 * mu * J * J
 
 
-LAW = Law("st-venant-kirchhoff", r"St. Venant-Kirchhoff: $S = \lambda\,\mathrm{tr}(E) I + 2 \mu E$ with "
-          r"$E = \frac{1}{2}(F^T F - I)$, $P = F S$, $\sigma = \frac{1}{J} P F^T$",
-          energy, coefficients, logarithmic=False)
+LAW = MaterialLaw("st-venant-kirchhoff", r"St. Venant-Kirchhoff: $S = \lambda\,\mathrm{tr}(E) I + 2 \mu E$ with "
+                  r"$E = \frac{1}{2}(F^T F - I)$, $P = F S$, $\sigma = \frac{1}{J} P F^T$",
+                  energy, coefficients, logarithmic=False)

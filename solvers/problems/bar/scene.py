@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 
 from solvers.motion.line_solution import HALF_WRONG, LineSizes, line_sizes
-from solvers.motion.typed_motion import LineInputs
+from solvers.motion.typed_motion import LineMotionInputs
 from solvers.problems.bar import exact_solution, limits, patch_test, step_bound
 from solvers.problems.bar.patch_test import PATCH, VIBRATE
 from solvers.scene.defaults import MOST_PER_CELL
@@ -20,7 +20,7 @@ from solvers.scene.momentum_balance import Moments
 from solvers.scene.remedies import CENTRED, COUPLED, FILTER, FROZEN, PIECES
 from solvers.scene.scene import Scene
 from solvers.scene.step_bound import StepBound
-from solvers.scene.typed import TYPED, MaybeTyped
+from solvers.scene.typed import TYPED, TypedMotionScene
 from solvers.scene.validation import SceneError, require_number
 
 #: Above this amplitude the exact bar turns inside out: F = 1 + 2 pi A cos(2 pi X) sin(wt) reaches 0.
@@ -29,7 +29,7 @@ BAR_AMPLITUDE_LIMIT = 1 / (2 * math.pi)
 
 @document_fields
 @dataclass(frozen=True)
-class BarScene(MaybeTyped, Scene):
+class BarScene(TypedMotionScene, Scene):
     """One run of the bar of unit length: h = 1/``cells`` (see :class:`~solvers.scene.scene.Scene`)."""
 
     problem: str = option("bar", choices=("bar",))
@@ -104,8 +104,8 @@ class BarScene(MaybeTyped, Scene):
         return TYPED if self.displacement else self.motion
 
     @property
-    def motion_inputs(self) -> LineInputs:
-        return LineInputs(self.base_frequency, self.amplitude, self.wave_speed)
+    def motion_inputs(self) -> LineMotionInputs:
+        return LineMotionInputs(self.base_frequency, self.amplitude, self.wave_speed)
 
     @property
     def swings(self) -> bool:

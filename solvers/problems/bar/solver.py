@@ -12,7 +12,7 @@ from solvers.problems.bar.step import KERNELS, PHASES
 from solvers.scene.kernel_options import kernel_options_of
 from solvers.scene.remedies import CENTRED, COUPLED, FILTER, FROZEN, PIECES
 from solvers.solver.base import REPORT, Solver
-from solvers.solver.run_loop import OneThread
+from solvers.solver.run_loop import SerialStepper
 from solvers.solver.snapshot import TRUTH, Fields, Snapshot, Values
 
 HATS_LIMIT = 0.14  # amplitude from which on no rate of a remedy holds hat functions together
@@ -31,7 +31,7 @@ class BarSolver(Solver):
         begun = time.perf_counter()
         self._switches = kernel_options_of(scene)
         self._arrays = allocate_state(scene)
-        self._stepping = OneThread(KERNELS, BarState(**self._arrays.members()), self._switches)
+        self._stepping = SerialStepper(KERNELS, BarState(**self._arrays.members()), self._switches)
         self.setup_seconds = time.perf_counter() - begun
 
     def snapshot(self, differences: bool = False, plotted: str | None = None) -> Snapshot:

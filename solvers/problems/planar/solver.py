@@ -15,8 +15,8 @@ from solvers.problems.planar.kernel_parts import PlanarParts
 from solvers.problems.planar.method.body import InstrumentedBody, initial_body, watched
 from solvers.problems.planar.method.diagnostic_kernels import measures_of
 from solvers.problems.planar.method.problem_kernels import traits_of
-from solvers.problems.planar.plans.cpu_plan import Kernels, OnProcessor, kernels
-from solvers.problems.planar.plans.gpu_plan import BesideGpu, OnDevice
+from solvers.problems.planar.plans.cpu_plan import CpuStepper, Kernels, kernels
+from solvers.problems.planar.plans.gpu_plan import CompanionOnCpu, GpuStepper
 from solvers.problems.planar.scene import PlanarScene, motion_table
 from solvers.problems.planar.snapshot import Errors, cauchy_stress_of, plotted_field, true_fields
 from solvers.scene import estimator_registry
@@ -63,11 +63,11 @@ class PlanarSolver(Solver):
         self._arrays = InstrumentedBody(**own, **watched(scene, on, own["particles"], scene.farthest, parts.hooks))
         if self.plan == "gpu":
             makers = [make for name in on.estimators if (make := self.HOOKS[name].standalone)]
-            beside = BesideGpu(makers[0](scene), self._memory, scene.time_step) if makers else None
-            self._stepping: OnProcessor | OnDevice = OnDevice(
+            beside = CompanionOnCpu(makers[0](scene), self._memory, scene.time_step) if makers else None
+            self._stepping: CpuStepper | GpuStepper = GpuStepper(
                 self.KERNELS.at_once, self.KERNELS.state, scene, self._arrays, self._switches, beside)
         else:
-            self._stepping = OnProcessor(self.KERNELS, scene, self._arrays, self._switches, self.plan == "parallel",
+            self._stepping = CpuStepper(self.KERNELS, scene, self._arrays, self._switches, self.plan == "parallel",
                                          self.threads)
         self.setup_seconds = time.perf_counter() - begun
 

@@ -31,7 +31,7 @@ from solvers.kernels.dtypes import integers, octets, pairs, quads, reals
 from solvers.problems.planar.estimators.companion import keep_errors
 from solvers.problems.planar.layout import particle_layout
 from solvers.problems.planar.method.material import cauchy_stress_of, coefficients, piola, stiffness
-from solvers.problems.planar.method.rotation import turned, turned_tensor
+from solvers.problems.planar.method.rotation import rotate_tensor, rotate_vector
 from solvers.solver.field_tables import find_force_functions, force_at, of_pairs, pack
 
 
@@ -127,8 +127,10 @@ def report_at_once(body: ti.template(), base, step, on: ti.template()):
 def particle_error(body: ti.template(), base, p, step, on: ti.template()):
     """Errors of x and v, of the Cauchy stress and of a at a particle. Returns the square of that of x."""
     f, e, true = body.companion_circles[body.orbit[p]], body.direction[p], body.companion_circle_stress[body.orbit[p]]
-    u, v, sigma = turned(e, f[0], f[1]), turned(e, f[2], f[3]), turned_tensor(e, true[0], true[1], true[2])
-    return keep_errors(body, base, p, step, ti.Vector([u[0], u[1], v[0], v[1]]), turned(e, f[4], f[5]), sigma, on)
+    u, v, sigma = (rotate_vector(e, f[0], f[1]), rotate_vector(e, f[2], f[3]),
+                   rotate_tensor(e, true[0], true[1], true[2]))
+    return keep_errors(body, base, p, step, ti.Vector([u[0], u[1], v[0], v[1]]), rotate_vector(e, f[4], f[5]), sigma,
+                       on)
 
 
 def allocate(scene) -> dict[str, np.ndarray]:

@@ -24,7 +24,7 @@ from solvers.problems.planar.kernel_parts import ProblemKernels
 from solvers.problems.planar.method.body import PlanarBody, initial_body
 from solvers.problems.planar.method.material import cauchy_stress, cauchy_stress_of
 from solvers.problems.planar.method.phases import nodes_to_particles, update_grid
-from solvers.problems.planar.method.rotation import turned, turned_tensor
+from solvers.problems.planar.method.rotation import rotate_tensor, rotate_vector
 from solvers.scene.estimator_hooks import EstimatorHooks
 from solvers.scene.kernel_options import kernel_options_of
 
@@ -32,7 +32,7 @@ FEWEST_CELLS = 6
 #: u, v and sigma, of which the second component is odd across the planes at the first and the last line, with the shear
 #: stress; of a box the first is, and again the shear stress, at the ends of each line.
 ACROSS = (0, 1, 0, 1, 0, 1, 0, 0)
-POLAR, BOX = two_grid.Fields((0,) * 8, ACROSS), two_grid.Fields((1, 0, 1, 0, 0, 1, 0, 0), ACROSS)
+POLAR, BOX = two_grid.ComparedFields((0,) * 8, ACROSS), two_grid.ComparedFields((1, 0, 1, 0, 0, 1, 0, 0), ACROSS)
 
 MEMORY = {
     **{"coarse_" + name: kind for name, kind in PlanarBody.types().items()},
@@ -68,7 +68,8 @@ def report(body: ti.template(), base, step, fields: ti.template(), on: ti.templa
         e = own.fields[p]
         square += e[0] ** 2 + e[1] ** 2
         axis = body.direction[p]
-        x, v, sigma = turned(axis, e[0], e[1]), turned(axis, e[2], e[3]), turned_tensor(axis, e[4], e[5], e[6])
+        x, v, sigma = (rotate_vector(axis, e[0], e[1]), rotate_vector(axis, e[2], e[3]),
+                       rotate_tensor(axis, e[4], e[5], e[6]))
         body.estimate[base + p] = ti.Vector([x[0], x[1], v[0], v[1]])
         body.estimate_stress[base + p] = ti.Vector([sigma[0], sigma[1], sigma[2], 0.0])
         body.estimate_acceleration[base + p] = ti.Vector([ti.math.nan] * 2)
@@ -79,8 +80,8 @@ def report(body: ti.template(), base, step, fields: ti.template(), on: ti.templa
 def record(u_x, u_y, v_x, v_y, direction, sigma):
     """u, v and the Cauchy stress, given as xx, xy, yy, in components along and across the ``direction``."""
     back = ti.Vector([direction[0], -direction[1]])
-    u, v = turned(back, u_x, u_y), turned(back, v_x, v_y)
-    local = turned_tensor(back, sigma[0], sigma[1], sigma[2])
+    u, v = rotate_vector(back, u_x, u_y), rotate_vector(back, v_x, v_y)
+    local = rotate_tensor(back, sigma[0], sigma[1], sigma[2])
     return ti.Vector([u[0], u[1], v[0], v[1], local[0], local[1], local[2], 0.0])
 
 
@@ -148,7 +149,7 @@ def verdict(scene, memory):
         return two_grid.coarse_run_verdict(scene, determinant, moved, farthest, memory["two_grid_largest"])
 
 
-def hooks(traits: ProblemKernels, fields: two_grid.Fields) -> EstimatorHooks:
+def hooks(traits: ProblemKernels, fields: two_grid.ComparedFields) -> EstimatorHooks:
     """The estimator of a problem with these traits, of which such fields are compared."""
     @ti.func
     def its_step(body: ti.template(), base, step, on: ti.template()):

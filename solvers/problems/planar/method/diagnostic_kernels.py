@@ -6,7 +6,7 @@ from solvers.problems.planar.kernel_parts import DiagnosticKernels
 from solvers.problems.planar.method.material import cauchy_stress, cauchy_stress_of, strain_energy
 from solvers.problems.planar.method.node_errors import circular_node_error, node_error
 from solvers.problems.planar.method.phases import TOTALS
-from solvers.problems.planar.method.rotation import turned, turned_tensor
+from solvers.problems.planar.method.rotation import rotate_tensor, rotate_vector
 from solvers.problems.planar.method.soundness import look_at_circles, look_at_modes
 from solvers.problems.planar.scene import PlanarScene
 from solvers.scene.effects import samplers
@@ -42,11 +42,11 @@ def vector_errors(body: ti.template(), p, on: ti.template()):
     """Errors of x and v as one vector of four, and of a, at particle p."""
     at, e, X, q = 3 * body.orbit[p], body.direction[p], body.material_position[p], body.position_velocity[p]
     f = body.exact[at]
-    u, v = turned(e, f[0], f[1]), turned(e, f[2], f[3])
+    u, v = rotate_vector(e, f[0], f[1]), rotate_vector(e, f[2], f[3])
     a = ti.Vector([0.0, 0.0])
     if ti.static(on.acceleration):
         g = body.exact[at + 1]
-        a = body.acceleration[p] - turned(e, g[0], g[1])
+        a = body.acceleration[p] - rotate_vector(e, g[0], g[1])
     return ti.Vector([q[0] - X[0] - u[0], q[1] - X[1] - u[1], q[2] - v[0], q[3] - v[1]]), a
 
 
@@ -54,7 +54,7 @@ def vector_errors(body: ti.template(), p, on: ti.template()):
 def stress_error(body: ti.template(), p, on: ti.template()):
     """Error of the Cauchy stress, as xx, xy, yy."""
     f = body.exact[3 * body.orbit[p] + 2]
-    return cauchy_stress(body, p, on) - turned_tensor(body.direction[p], f[0], f[1], f[2])
+    return cauchy_stress(body, p, on) - rotate_tensor(body.direction[p], f[0], f[1], f[2])
 
 
 @ti.func

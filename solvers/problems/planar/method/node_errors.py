@@ -5,7 +5,7 @@ from collections.abc import Callable
 
 import taichi as ti
 
-from solvers.problems.planar.method.rotation import turned
+from solvers.problems.planar.method.rotation import rotate_vector
 from solvers.problems.planar.scene import PlanarScene
 from solvers.solver.field_tables import GRID, MODES, PRESENT, RANK, fact
 
@@ -86,7 +86,7 @@ def circular_node_error(kind: type[PlanarScene], first: int) -> Callable:
                             rate = ((1 + slope[0] / half) * along + slope[1] / half * around) / size
                             step = (size - r) / rate
                             R -= step
-                a = turned(e, a[0], a[1])
+                a = rotate_vector(e, a[0], a[1])
                 motion = body.node_motion[node]
                 miss_x, miss_y = motion[2] - a[0], motion[3] - a[1]
                 total += miss_x * miss_x + miss_y * miss_y

@@ -5,7 +5,7 @@ import taichi as ti
 from solvers.problems.planar.kernel_parts import ProblemKernels
 from solvers.problems.planar.method.material import LAWS, determinant, kirchhoff, piola
 from solvers.problems.planar.method.neo_hookean import find_volumetric
-from solvers.problems.planar.method.rotation import turned
+from solvers.problems.planar.method.rotation import rotate_vector
 from solvers.problems.planar.method.symmetry_planes import symmetry_planes
 from solvers.problems.planar.scene import PlanarScene
 from solvers.solver.field_tables import find_force_functions, force_at
@@ -37,7 +37,7 @@ def traits_of(kind: type[PlanarScene]) -> ProblemKernels:
         """The body force on a particle, in N."""
         f = body.orbit_force[body.orbit[p]]
         if ti.static(circular):
-            f = turned(body.direction[p], f[0], f[1])
+            f = rotate_vector(body.direction[p], f[0], f[1])
         return body.mass[p] * f
 
     @ti.func

@@ -19,7 +19,7 @@ from solvers.problems.planar.plans.gpu_kernels import KernelsAtOnce, kernels_at_
 from solvers.scene.kernel_options import KernelOptions
 from solvers.scene.scene import Scene
 from solvers.solver.base import MEASURE, REPORT, SOUND, STEP
-from solvers.solver.run_loop import CHECK_EVERY, OneThread, Phases, SerialKernels, check, serial_kernels
+from solvers.solver.run_loop import CHECK_EVERY, Phases, SerialKernels, SerialStepper, check, serial_kernels
 
 TASK = 512  # indices that a parallel loop never splits between threads
 
@@ -114,7 +114,7 @@ def kernels(parts: PlanarParts) -> Kernels:
                    kernels_at_once(State, parts))
 
 
-class OnProcessor(OneThread):
+class CpuStepper(SerialStepper):
     """Steps the arrays as they are, on so many ``threads``; on one with the serial kernel unless ``parallel``."""
 
     def __init__(self, kernels: Kernels, scene: Scene, arrays: InstrumentedBody, on: KernelOptions, parallel: bool,

@@ -27,7 +27,7 @@ NODES = "companion_nodes"  # what the processor brings to each sample
 WATCHED = ("verdict", "samples", "step_margin", "memory_reals")  # what is fetched whenever steps have been taken
 
 
-class BesideGpu:
+class CompanionOnCpu:
     """A ``body`` whose nodes are those of the ``memory`` of a companion, and steps of ``dt`` seconds."""
 
     def __init__(self, body: ElasticBody, memory: Mapping[str, np.ndarray], dt: float):
@@ -97,7 +97,7 @@ class DeviceArrays:
             self.copies = {}
 
 
-class OnDevice:
+class GpuStepper:
     """Steps copies of the arrays on a GPU. The arrays themselves are what was there when they were last fetched; after
     steps, that is the verdict and the samples.
 
@@ -106,7 +106,7 @@ class OnDevice:
     """
 
     def __init__(self, kernels: KernelsAtOnce, State: Any, scene: Scene, arrays: InstrumentedBody, on: KernelOptions,
-                 beside: BesideGpu | None):
+                 beside: CompanionOnCpu | None):
         self._scene, self._arrays, self._on, self._beside = scene, arrays, on, beside
         members = arrays.members()
         self._names = [name for name, value in members.items() if isinstance(value, np.ndarray)]
