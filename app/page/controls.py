@@ -9,11 +9,11 @@ import viser
 from app.frame.colour_scale import ColourScale
 from app.language.translation import lazy, tr
 from app.page.display_source import Choice
-from app.page.features.budget.panel import who
+from app.page.features.budget.panel import cause_button
 from app.page.features.slow_motion import SlowMotion
 from app.page.panels.browser_store import BrowserStore
 from app.page.panels.history_controls import DrawingOptions, HistoryControls
-from app.page.panels.page_header import mark, marked
+from app.page.panels.page_header import add_anchor, anchor_html
 from app.page.panels.run_settings import RunWidgets
 from app.page.panels.scene_widgets import Answers, SceneWidgets
 from app.page.panels.stage_choice import EstimatorCards, StageChoice
@@ -21,7 +21,7 @@ from app.page.playback_controls import Transport
 from app.page.visit.session import Session, first_scene
 from app.problems.views import VIEWS
 from app.state import State
-from app.words import choices
+from app.words import choice_labels
 from solvers.engine.engine_messages import FrameReport
 from solvers.engine.shared_frames import FrameArrays
 from solvers.problems import PROBLEMS
@@ -209,7 +209,7 @@ class Controls:
             self._run.build(self._gui, self._part)
             with self._part("estimators"):
                 self.judges.build(self._gui)
-                self._gui.add_html(who())
+                self._gui.add_html(cause_button())
             with self._fold("drawn", tr("What is drawn"), "estimators", "colours", "trace", "domains"):
                 self._drawn.build(self._gui, self._part)
             if view.motion or view.material:
@@ -221,10 +221,10 @@ class Controls:
                     with self._part("modulus"):
                         self._bound.sliders(view.material)
             with self._part("slow-motion"):
-                mark(self._gui, "lab-slow-fold", words=tr("phase by phase"))
+                add_anchor(self._gui, "lab-slow-fold", words=tr("phase by phase"))
                 self._slow.build(self._gui)
             with self._part("details"):
-                self._folds["details"] = mark(self._gui, words=says["details"])
+                self._folds["details"] = add_anchor(self._gui, words=says["details"])
                 with self._gui.add_folder(tr("Method details and remedies"), expand_by_default=False):
                     for field, hint in view.details.items():
                         if field != "body_force" or scene.swings:
@@ -232,7 +232,7 @@ class Controls:
                     self._gui.add_html(f"<div class='lab-group'>{tr('Remedies for long and large motions')}</div>")
                     self._bound.boxes("remedies", REMEDIES)
             with self._part("effects"):
-                self._folds["effects"] = mark(self._gui, words=says["effects"])
+                self._folds["effects"] = add_anchor(self._gui, words=says["effects"])
                 with self._gui.add_folder(tr("Effects: compute only what you need"), expand_by_default=False):
                     self._bound.boxes("effects", ALL)
 
@@ -249,14 +249,14 @@ class Controls:
         """A folded part of the panel; with the few controls that a lesson leaves there is nothing to fold."""
         if self._offered:
             return self._gui.add_folder(None, visible=not {*controls}.isdisjoint(self._offered))
-        self._folds[name] = mark(self._gui, words=self._fold_words()[name])
+        self._folds[name] = add_anchor(self._gui, words=self._fold_words()[name])
         return self._gui.add_folder(label, expand_by_default=False)
 
     def _fold_words(self) -> dict[str, str]:
         """What is set in each fold, for the right of its name."""
         scene, view = self._session.scene, VIEWS[self._session.scene.problem]
         values = scene.to_dict()
-        motion = [choices(type(scene), "motion")[values["motion"]]] if view.motion else []
+        motion = [choice_labels(type(scene), "motion")[values["motion"]]] if view.motion else []
         material = [f"{tr(slider[0]).split()[-1]} = {values[field]:g}" for field, slider in view.material.items()]
         return {"drawn": self._drawn.words, "motion": ", ".join([*motion, *material]),
                 "details": ", ".join(tr(REMEDIES[name].label) for name in scene.remedies) or tr("none"),
@@ -275,5 +275,5 @@ class Controls:
             self._run.refresh()
             says = self._fold_words()
             for fold, handle in self._folds.items():
-                handle.content = marked(words=says[fold])
+                handle.content = anchor_html(words=says[fold])
         self._answers.refresh(self._session.compiling)

@@ -28,9 +28,11 @@ WIDE = 1.0 + 1e-6  # cells from a particle that has crossed, within which an err
 #: What a visitor sees first who has followed no link: hat functions beside B-splines, slowly, for the quarter of a
 #: period in which the first particles change their cell and the stress is wrong there; then it stops. At larger
 #: amplitudes, where all cross again and again, those that crossed err no more than the others.
-OPENING = state.read("bar;method=mpm;amplitude=0.0034;periods=0.25;estimators=recovered,transport;error-of=sigma;"
-                     "speed=0.0125;stops;"
-                     "pinned;method=bspline;amplitude=0.0034;periods=0.25;estimators=recovered,transport")
+OPENING = state.parse_state(
+    "bar;method=mpm;amplitude=0.0034;periods=0.25;estimators=recovered,transport;error-of=sigma;"
+    "speed=0.0125;stops;"
+    "pinned;method=bspline;amplitude=0.0034;periods=0.25;estimators=recovered,transport"
+)
 
 class OpeningTour:
     """One visitor's tour: ``open_on`` shows the opening, ``hurry`` restores the speed; ``story.js`` starts it."""

@@ -11,7 +11,7 @@ from app.access.log_limit import log_failure
 from app.frame.colour_scale import ColourScale
 from app.frame.headline import Headline
 from app.language.message_translation import translate_message
-from app.language.translation import language, tr, with_language
+from app.language.translation import current_language, tr, with_language
 from app.page.canvas import Canvas
 from app.page.controls import Controls
 from app.page.display_source import Source
@@ -31,14 +31,14 @@ from app.page.panels.history_controls import HistoryControls
 from app.page.panels.page_header import PresentationMode, ProblemButtons, set_up
 from app.page.panels.suggestions import Suggestions
 from app.page.readout_panel import Measurements
-from app.page.sharing import Sharing, link, parts
+from app.page.sharing import Sharing, parse_link, state_link
 from app.page.visit.engine_links import PageLinks
 from app.page.visit.frame_buffer import FrameBuffer
 from app.page.visit.particle_trace import Trace
 from app.page.visit.session import Session
 from app.viewer.connection import stands_still
-from app.viewer.viser_patches import speak
-from app.viewer.widgets import number
+from app.viewer.viser_patches import run_in_language
+from app.viewer.widgets import is_number_between
 from solvers.engine.engine_messages import FrameReport
 from solvers.engine.shared_frames import FrameArrays
 
@@ -54,12 +54,12 @@ class Page:
     def __init__(self, client: viser.ClientHandle, pool: PageLinks, classroom: Classroom,
                  lectern: LecturerContext | None = None):
         self.client, self._ready, self._links, self._classroom = client, False, pool, classroom
-        self.token, self.language = secrets.token_urlsafe(12), language()
+        self.token, self.language = secrets.token_urlsafe(12), current_language()
         self._closed, self._drawing, self._refreshing = threading.Event(), threading.Lock(), threading.Lock()
         self._keeping = threading.Lock()
         self._watched = self._takes = True  # the browser shows the page, and takes what is sent to it
         self._stands = threading.Event()  # the frame that has come is the last for now
-        speak(client)
+        run_in_language(client)
         self._recent = FrameBuffer()
         self._trace = Trace(self._recent)
         self._scale = ColourScale()
@@ -176,13 +176,13 @@ class Page:
 
     def _follow_link(self, link: str) -> None:
         """Show what the address says; what it cannot mean is refused in words."""
-        lesson, text = parts(link)
+        lesson, text = parse_link(link)
         with self._store.keep_after():
             if lesson:
                 self._player.open(lesson)
             try:
                 if text:
-                    self._controls.show(state.read(text))
+                    self._controls.show(state.parse_state(text))
             except state.StateError as error:
                 self._session.refuse(tr("The link cannot be followed: {reason}", reason=translate_message(str(error))))
 
@@ -190,7 +190,7 @@ class Page:
         """Have the browser keep what is seen: in its address, and the answers to a lesson."""
         with self._keeping:  # else a refresh could put what was before in the place of what is
             lesson = self._player.name
-            self._store.keep(link(self._controls.state, lesson), lesson, self._player.answers)
+            self._store.keep(state_link(self._controls.state, lesson), lesson, self._player.answers)
 
     @property
     def _source(self) -> Source:
@@ -227,15 +227,15 @@ class Page:
             self._player.turn(self._lectern.board.core, step)
             if (stage := stage_of(self._lectern.board, step)) != self._at:
                 self._at = stage
-                self._controls.show(state.read(stage))
+                self._controls.show(state.parse_state(stage))
 
     def _point(self, said: object) -> None:
         """The visitor reads the curves over time at a part of their axis, or no longer."""
-        self._measurements.timeline.point(float(said) if number(said, 0, 1) else None)  # type: ignore[arg-type]
+        self._measurements.timeline.point(float(said) if is_number_between(said, 0, 1) else None)  # type: ignore[arg-type]
 
     def _seek(self, said: object) -> None:
         """The visitor has pointed at a place of the plot over time, a part of its axis."""
-        if number(said, 0, 1) and self._source.at_once is False:
+        if is_number_between(said, 0, 1) and self._source.at_once is False:
             assert isinstance(said, float | int)
             self._looking.seek(self._measurements.timeline.time_at(said))
 

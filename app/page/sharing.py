@@ -20,12 +20,13 @@ HERE = ("localhost", "127.0.0.1", "::1")
 OF_NO_USE = lazy("Only this computer can open this address, no phone can: serve with --host 0.0.0.0 for a class.")
 
 
-def link(shown: state.State, lesson: str) -> str:
+def state_link(shown: state.State, lesson: str) -> str:
     """The fragment of the address of what is seen, and of the lesson that is open."""
-    return ";".join(filter(None, [f"{LESSON}{quote(lesson)}" if lesson else "", quote(state.write(shown), safe=SAFE)]))
+    return ";".join(filter(None, [f"{LESSON}{quote(lesson)}" if lesson else "",
+                                  quote(state.write_state(shown), safe=SAFE)]))
 
 
-def parts(text: str) -> tuple[str, str]:
+def parse_link(text: str) -> tuple[str, str]:
     """The lesson that a link opens, and the state that it puts on the stage; each may be missing."""
     if not text.startswith(LESSON):
         return "", text
@@ -49,14 +50,14 @@ class Sharing:
 
     def show_code(self) -> None:
         """Show what is seen as a code, as large as the window, and as words."""
-        address = f"{self._store.here}#{link(self._controls.state, '')}"
+        address = f"{self._store.here}#{state_link(self._controls.state, '')}"
         with self._gui.add_modal(tr("This scene")) as modal:
             if urlsplit(self._store.here).hostname in HERE:
                 self._gui.add_html(f"<div class='lab-code'><p><b>{tr(OF_NO_USE)}</b></p></div>")
             if self._store.here and len(address) <= MOST_QR:
                 picture = segno.make(address, error="l").svg_inline(border=2, omitsize=True)
                 self._gui.add_html(f"<div class='lab-code'>{picture}</div>")
-            command = f"<code>mpm-lab run --scene '{escape(state.write(self._controls.state))}'</code>"
+            command = f"<code>mpm-lab run --scene '{escape(state.write_state(self._controls.state))}'</code>"
             self._gui.add_html(f"<div class='lab-code'><p>{escape(address)}</p>"
                                f"<p>{tr('Without a page: {command}', command=command)}</p></div>")
             close = self._gui.add_button(tr("Close"))

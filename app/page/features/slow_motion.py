@@ -12,7 +12,7 @@ from app.frame.headline import Headline
 from app.frame.layout import Rectangle
 from app.frame.primitives import Bounds
 from app.frame.slow_motion.stage import DIGITS, SlowStage
-from app.frame.slow_motion.step_phases import PHASES, scaled
+from app.frame.slow_motion.step_phases import PHASES, format_scaled
 from app.language.translation import tr, with_language
 from app.page.canvas import Canvas
 from app.page.display_source import Choice, Display, FrameView, Source
@@ -224,7 +224,7 @@ def _table(scene: Scene, a: StepBreakdown, phase: int) -> str:
     what = PHASES[phase]
     names, rows = [tr("node at, m")], [[", ".join(f"{x:.4g}".replace("-", "−") for x in place) for place in a.nodes]]
     for column in what.columns:
-        texts, unit = scaled(column.scale * column.values(a), column.unit, DIGITS[a.nodes.shape[1]])
+        texts, unit = format_scaled(column.scale * column.values(a), column.unit, DIGITS[a.nodes.shape[1]])
         name = tr(column.name)
         names.append(f"{name}, {unit.replace(' ', NO_BREAK)}" if unit else name)
         rows.append(texts)

@@ -13,12 +13,12 @@ import viser
 from app.language.message_translation import translate_message
 from app.language.translation import lazy, tr
 from app.page.headline import in_common, periods_of
-from app.page.visit.history import until
+from app.page.visit.history import series_until
 from app.page.visit.session import Session
-from app.problems.suggestion import Answer, NotNow, Ran, Suggestion, asked
+from app.problems.suggestion import Answer, NotNow, Ran, Suggestion, changed_state
 from app.problems.views import VIEWS
 from app.state import State
-from app.words import METHODS, number
+from app.words import METHODS, format_number
 from solvers.engine.engine_messages import FrameReport
 from solvers.scene.remedies import COUPLED, FILTER, FROZEN, REMEDIES
 from solvers.scene.scene import AUTO, Scene
@@ -55,7 +55,7 @@ def what_now(state: State, report: FrameReport, seek: Callable[[float], bool], s
             show(replace(state, scene=replace(scene, periods=None, t_end=back), speed=None, stops=True))
 
     other = next(name for name in OTHERS if name in scene.choices("method") and name != scene.method)
-    hint = tr("back to t = {time} s, paused", time=number(back))
+    hint = tr("back to t = {time} s, paused", time=format_number(back))
     return [(Card("back", "back", tr("See the moment it broke"), hint), look),
             _changed("cure", "filter", state, show, *_cure(scene)),
             _changed("other", "halve", state, show, tr("Take {method} instead", method=METHODS[other].name),
@@ -66,7 +66,7 @@ def _changed(key: str, icon: str, state: State, show: Callable[[State], None], t
              changes: dict[str, object]) -> tuple[Card, Callable[[], None]]:
     """A button that starts the scene again with changes, where it can be that."""
     try:
-        wanted = asked(state, changes, pinned=False)
+        wanted = changed_state(state, changes, pinned=False)
     except NotNow as reason:
         return Card(key, icon, title, translate_message(str(reason)), off=True), lambda: None
     return Card(key, icon, title, hint, off=not changes), lambda: show(wanted)
@@ -195,7 +195,8 @@ class Suggestions:
         series = [history.series for history in histories]
         if min(map(periods_of, series, scenes)) < spark.periods - WHOLE:
             return None
-        series = [until(one, spark.periods * its.period * (1 + WHOLE)) for one, its in zip(series, scenes, strict=True)]
+        series = [series_until(one, spark.periods * its.period * (1 + WHOLE)) for one,
+                  its in zip(series, scenes, strict=True)]
         ratio = math.nan if pinned is None or state.pinned is None else \
             in_common(series[0], series[1], f"error_{state.quantity}", (scene, state.pinned))
         return Ran(state, series[0], series[1] if pinned else {}, ratio, report.not_valid)

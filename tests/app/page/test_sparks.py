@@ -18,7 +18,8 @@ from solvers.running.run import build
 from solvers.scene.scene import AUTO
 from tests.app.frame.test_view import report_of
 
-BASES = [*map(first_scene, PROBLEMS), state.read("bar;motion=patch;modulus=1000;cfl=0.2;estimators=companion").scene]
+BASES = [*map(first_scene, PROBLEMS),
+         state.parse_state("bar;motion=patch;modulus=1000;cfl=0.2;estimators=companion").scene]
 
 
 def ran(scene, periods):
@@ -38,7 +39,7 @@ def test_three_a_problem_each_of_which_can_be_asked(base):
     for spark in sparks:
         asked = spark.offer(State(base)).state
         assert asked.scene != base and asked.pinned in (None, replace(base, periods=None, t_end=None))
-        assert state.read(state.write(asked)) == asked
+        assert state.parse_state(state.write_state(asked)) == asked
 
 
 def test_what_cannot_be_asked_says_why():
@@ -106,7 +107,7 @@ def test_the_next_one_is_compared_with_the_run_before_the_first():
 
 def test_a_lost_run_has_ways_on():
     """Back to before it broke, what cures it, another method: each does what it says."""
-    scene = state.read("bar;method=mpm;amplitude=0.1;estimators=companion").scene
+    scene = state.parse_state("bar;method=mpm;amplitude=0.1;estimators=companion").scene
     report = replace(report_of(scene), status="lost", since=1.225, reason="the run is lost from t = 1.225 s on: so")
     shown, sought = [], []
     ways = dict((card.key, act) for card, act in what_now(State(scene), report, sought.append, shown.append))

@@ -85,7 +85,7 @@ def test_icons_and_kinds_of_values_are_the_viewers():
     icon = viser.Icon.SCHOOL
     with ZipFile(viser_patches._ICONS) as archive:
         drawing = archive.read(f"{icon}.svg").decode()
-    assert viser_patches.icon(icon) == drawing and drawing.startswith("<svg")
+    assert viser_patches.icon_svg(icon) == drawing and drawing.startswith("<svg")
     handle = SimpleNamespace(_impl=SimpleNamespace(props=GuiSliderProps.__new__(GuiSliderProps)))
     found = viser_patches.kinds_of_values(handle)
     assert found == get_type_hints(GuiSliderProps) and found is viser_patches.kinds_of_values(handle)

@@ -16,7 +16,7 @@ from tests.support.processes import until
 from tests.support.pupils import Pupil, cookie_of
 
 CODE, NOTES, OWN = "wave-4711", "tide-0815", "surf-2323"
-LESSON = catalogue.lesson("04-grid-crossing")
+LESSON = catalogue.load_lesson("04-grid-crossing")
 STEPS = LESSON.steps
 NUMBER = next(at for at, step in enumerate(STEPS, 1) if step.key == "where-does-the-trouble-begin")
 

@@ -14,10 +14,10 @@ from app.access.allowed_hosts import is_loopback
 from app.access.log_limit import log_failure
 from app.language.translation import lazy, tr, with_language
 from app.lessons.answer_check import Right
-from app.lessons.lesson import filled
+from app.lessons.lesson import fill_numbers
 from app.page.features.board.board import BACK, NEXT, REVEALED, Board, has_chart
 from app.page.features.board.chart import right_among
-from app.page.features.board.slides import JoinInfo, says_next, slide
+from app.page.features.board.slides import JoinInfo, says_next, slide_html
 from app.page.panels.browser_store import BrowserStore
 
 AGAIN = 0.25  # seconds at least between two pictures: thirty may answer at once
@@ -68,7 +68,7 @@ class BoardPanel:
             self._says.content = (
                 f"<template class='lab-board' data-turn='{place.turn}' data-covers='{'yes' * self._covers}' "
                 f"data-next='{escape(says_next(self._board, place))}' data-back='{'yes' * (place.at > 0)}'>"
-                f"{slide(self._board, place, self._lectern.seen_from(self._store.here))}</template>")
+                f"{slide_html(self._board, place, self._lectern.seen_from(self._store.here))}</template>")
 
     def _follow(self) -> None:
         while not self._closed.is_set():
@@ -92,7 +92,7 @@ class BoardPanel:
             self._covers = turn == 0
             self._on_cover(self._covers, self._board.place.at)
         elif what == SAVE:
-            self._client.send_file_download(f"{self._board.lesson.name}-class.json", saved(self._board).encode(),
+            self._client.send_file_download(f"{self._board.lesson.name}-class.json", answers_json(self._board).encode(),
                                             save_immediately=True)
         self.draw()
 
@@ -100,10 +100,10 @@ class BoardPanel:
 def stage_of(board: Board, at: int) -> str:
     """The state that belongs on the stage at a place of the lesson: that of the last step up to there which has one."""
     stages = [step.stage for step in board.lesson.steps[:at] if step.stage]
-    return filled(stages[-1], board.numbers) if stages else ""
+    return fill_numbers(stages[-1], board.numbers) if stages else ""
 
 
-def saved(board: Board) -> str:
+def answers_json(board: Board) -> str:
     """Returns all answers without names as JSON, by question and sorted, with what came out if revealed."""
     questions = []
     for at, step in enumerate(board.lesson.steps, 1):
@@ -112,9 +112,9 @@ def saved(board: Board) -> str:
         answers, came = board.tally.answers(step.key), board.came_out(step)
         revealed = came if board.stage(at) == REVEALED and isinstance(came, Right) else None
         questions.append({
-            "key": step.key, "step": step.kind, "title": filled(step.title, board.numbers),
+            "key": step.key, "step": step.kind, "title": fill_numbers(step.title, board.numbers),
             "kind": step.asked.kind, "unit": step.asked.unit,
-            "options": [filled(option, board.numbers) for option in step.asked.options],
+            "options": [fill_numbers(option, board.numbers) for option in step.asked.options],
             "count": len(answers), "late": board.tally.late(step.key),
             "answers": answers if has_chart(step) else None, "came_out": revealed and revealed.told,
             "right": None if revealed is None else right_among(step.asked, answers, revealed)})

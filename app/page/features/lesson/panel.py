@@ -10,16 +10,16 @@ from app import state
 from app.language.translation import tr, use_language, with_language
 from app.lessons import catalogue
 from app.lessons import student_progress as kept
-from app.lessons.answer_check import LONGEST, AnswerMark, trouble
-from app.lessons.lesson import EXPLAIN, PREDICT, TEXT, Lesson, Numbers, Step, drawn, filled
+from app.lessons.answer_check import LONGEST, AnswerMark, why_invalid
+from app.lessons.lesson import EXPLAIN, PREDICT, TEXT, Lesson, Numbers, Step, draw_numbers, fill_numbers
 from app.page.features.board.board import BoardSeat
 from app.page.features.lesson import action_buttons, core
 from app.page.features.lesson import step_html as page
 from app.page.features.lesson.answer_widgets import AnswerWidgets
 from app.page.features.lesson.core import KEPT, MAIN, PACED, StepNavigation
-from app.page.features.lesson.marking import Classroom, Marker, asked_since, bets_ahead, comment
+from app.page.features.lesson.marking import Classroom, Marker, answer_comment, asked_since, bets_ahead
 from app.page.panels.browser_store import BrowserStore
-from app.viewer.widgets import allow, is_removed
+from app.viewer.widgets import is_removed, set_max_length
 
 FIRST = -1e9  # in the order of what stands in the tab: a step, and then the controls that it needs
 
@@ -67,7 +67,7 @@ class Player:
 
     def open(self, name: str) -> None:
         """Begin a lesson; one that is not there changes nothing."""
-        lesson = catalogue.lessons().get(name)
+        lesson = catalogue.load_lessons().get(name)
         if lesson is None or lesson is self._lesson:
             return
         with self._lock:
@@ -125,7 +125,7 @@ class Player:
             self._paced.shows(self._progress.step)
         with self._widgets:
             if self._lesson is None:
-                self._gui.add_html(page.shelf_html(catalogue.lessons()))
+                self._gui.add_html(page.shelf_html(catalogue.load_lessons()))
                 return
             head = self._gui.add_html(page.head_html(self._lesson, self._progress))
             if (step := self._step) is not None:
@@ -144,7 +144,7 @@ class Player:
         name = self._gui.add_text(tr("Your name"), self._progress.name, hint=hint)
         name.on_update(lambda _: self._call(name.value))
         if lesson.deeper:
-            only = core.choice(self._gui, lesson, self._progress.core)
+            only = core.core_checkbox(self._gui, lesson, self._progress.core)
             only.on_update(lambda _: self._choose_core(lesson, only.value, head))
         self._buttons(back=False, onward=True)
 
@@ -176,7 +176,7 @@ class Player:
             self._marker.lay(lesson, ahead, self._progress,
                              lambda: self._show(text, lambda: self._explained(lesson, step)))
         with use_language(lesson.language):
-            self._acts = action_buttons.found(page.text_html(step.text, self._numbers))
+            self._acts = action_buttons.find_actions(page.text_html(step.text, self._numbers))
         if step.question is not None:
             return self._ask(lesson, step)
         self._buttons(back=True, onward=True)
@@ -185,10 +185,10 @@ class Player:
         answered = self._progress.answers.get(step.key)
         fixed = step.kind == PREDICT and answered is not None  # what one has predicted stays
         widgets = AnswerWidgets(self._gui, step, self._numbers, answered.last if answered else None, fixed,
-                                lambda: self._controls.state.scene, page.lang(lesson))
+                                lambda: self._controls.state.scene, page.lang_attribute(lesson))
         self._answer = None if fixed else widgets
         for text in widgets.texts:
-            allow(text, LONGEST)
+            set_max_length(text, LONGEST)
         said = self._gui.add_html("" if answered is None else self._taken(step, None))
         self._gui.add_html(MAIN)
         does = tr("Record my prediction") if step.kind == PREDICT else tr("Check my answer")
@@ -196,7 +196,7 @@ class Player:
         self._buttons(back=True, onward=answered is not None, main=answered is not None)
 
         def take(_: viser.GuiEvent) -> None:
-            if why := trouble(step.asked, answer := widgets.value):
+            if why := why_invalid(step.asked, answer := widgets.value):
                 return self._show(said, lambda: f"<div class='lab-lesson lab-recorded' role='alert'>{why}</div>")
             with self._lock:
                 if step.kind != PREDICT or step.key not in self._progress.answers:  # on another page of his meanwhile
@@ -222,12 +222,12 @@ class Player:
     def _act(self, said: object) -> None:
         """The visitor has pressed what a step's text tells him to do: a step's number, and that of the act."""
         with self._lock:
-            act, step = action_buttons.pressed(said, self._progress.step, self._acts), self._step
-            stage = filled(step.stage, self._numbers) if step and act == action_buttons.STAGE else ""
+            act, step = action_buttons.parse_click(said, self._progress.step, self._acts), self._step
+            stage = fill_numbers(step.stage, self._numbers) if step and act == action_buttons.STAGE else ""
         if stage:
-            self._controls.show(state.read(stage))
+            self._controls.show(state.parse_state(stage))
         elif isinstance(act, action_buttons.Act):
-            action_buttons.do(act, self._controls)
+            action_buttons.perform(act, self._controls)
 
     @property
     def _step(self) -> Step | None:
@@ -238,7 +238,7 @@ class Player:
         """What is said of the answer that the step has."""
         assert self._lesson is not None
         answer = self._progress.answers[step.key]
-        return page.taken_html(self._lesson, step, answer, self._numbers, *comment(step, answer, found))
+        return page.taken_html(self._lesson, step, answer, self._numbers, *answer_comment(step, answer, found))
 
     def _check(self, lesson: Lesson, step: Step, said: viser.GuiHtmlHandle) -> None:
         """Mark the answer, which may need a run, and say so; the way on is free, and may have been taken already."""
@@ -273,7 +273,7 @@ class Player:
     def _build_end(self, lesson: Lesson) -> None:
         text = self._gui.add_html(self._end(lesson))
         self._mark_all(lesson, None, text)
-        if following := catalogue.after(lesson):
+        if following := catalogue.next_lesson(lesson):
             self._gui.add_html(MAIN)
             title = tr("Next lesson: {title}", title=following.title)
             self._gui.add_button(title).on_click(lambda _: self.open(following.name))
@@ -316,4 +316,4 @@ class Player:
     @property
     def _numbers(self) -> Numbers:
         """The visitor's own."""
-        return drawn(self._lesson, self._progress.name) if self._lesson else {}
+        return draw_numbers(self._lesson, self._progress.name) if self._lesson else {}

@@ -13,8 +13,15 @@ from app.frame.captions import NO_INDEX
 from app.frame.headline import Headline
 from app.language.translation import lazy, tr, with_language
 from app.page.display_source import Choice, Display, FrameView
-from app.page.features.upload.judging_process import FIRST, Judging, Question, sentence
-from app.page.features.upload.uploaded_run import JUDGE, UploadedRun, headline, readout, scene_of, taken
+from app.page.features.upload.judging_process import FIRST, Judging, ProblemQuestion, question_sentence
+from app.page.features.upload.uploaded_run import (
+    JUDGE,
+    UploadedRun,
+    file_headline,
+    file_readout,
+    loaded_notice,
+    scene_of,
+)
 from app.page.panels.page_header import BARE
 from app.page.panels.timeline import Now
 from app.page.readout_panel import Numbers
@@ -73,7 +80,7 @@ class UploadPanel:
             self._back = gui.add_button(tr(BACK), icon=viser.Icon.ARROW_BACK_UP, visible=False, hint=tr(BACK_HINT))
             self._text = gui.add_html("")
         self._back.on_click(lambda _: self.leave())
-        self._question = Question(gui, self._answer)
+        self._question = ProblemQuestion(gui, self._answer)
         self._folder = gui.add_folder(tr("Your file on the stage"), order=FIRST, visible=False)
         with self._folder:
             self._slider = gui.add_slider(tr("Frame"), 1, 2, 1, 1,
@@ -177,7 +184,7 @@ class UploadPanel:
 
     def _ask(self, name: str, reason: str, problems: tuple[str, ...]) -> None:
         """A file that is not of the problem on the stage: it waits for an answer."""
-        said = sentence(name, reason, problems)
+        said = question_sentence(name, reason, problems)
         self._news = monotonic(), Notice("refused", tr("{question} Say it at the top of Explore.", question=said))
         self._question.ask(said, problems)
         self._say(said)
@@ -202,7 +209,7 @@ class UploadPanel:
             self._session.play(False)
             self._moves = self._session.moves
         self._run, self._k = run, 0
-        self._say(taken(run, self._session.scene))
+        self._say(loaded_notice(run, self._session.scene))
         self._slider.max, self._slider.value = max(2, len(run)), 1  # type: ignore[misc]
         self._slider.disabled = len(run) < 2
         self._folder.visible = self._back.visible = True
@@ -274,7 +281,7 @@ class UploadPanel:
         if (shown := self.shown) is None:
             return None
         run, k = shown
-        return Numbers(readout(run, k, choice.quantity, probed), None if run.estimate is None else run,
+        return Numbers(file_readout(run, k, choice.quantity, probed), None if run.estimate is None else run,
                        (JUDGE,), (JUDGE,), JUDGE, Now(run.times[k], (run.times[0], run.times[-1]), self.playing),
                        "" if run.true is not None else tr(NO_INDEX))
 
@@ -284,4 +291,4 @@ class UploadPanel:
             return Headline()
         worst = WorstRegions()  # of this frame: at another time a file may have other particles
         worst.look(picture.report, picture.arrays, picture.view, choice.quantity)
-        return headline(*shown, picture.view, worst, choice.quantity)
+        return file_headline(*shown, picture.view, worst, choice.quantity)
