@@ -18,12 +18,12 @@ from urllib.parse import quote
 from app.access.allowed_hosts import Addresses
 from app.access.class_code import BOARD, CLASS, TEACHER, AccessIdentity, ClassCode, generate_code
 from app.access.log_limit import RateLimitFilter
+from app.classroom.board import Board
+from app.classroom.class_context import Classroom
 from app.identity import ICON
 from app.language.translation import lazy, tr, with_language
 from app.lessons import catalogue
-from app.page.features.board.board import Board
-from app.page.features.lesson.marking import Classroom
-from app.page.opening_tour import OPENING
+from app.page.features.opening_tour import OPENING
 from app.page.prewarm import usual_scenes
 from app.page.shutdown import exit_within, in_background
 from app.page.visit.engine_links import PageLinks, SessionCount
@@ -208,7 +208,7 @@ def serve(host: str, port: int, max_sessions: int, warm_up: bool = True, code: s
 
 def _start_server(host: str, port: int, pool: EnginePool, max_sessions: int, addresses: Addresses,
                   codes: Mapping[str, str], classroom: Classroom, board: Board | None = None) -> Any:
-    from app.page.features.board.panel import JoinInfo, LecturerContext
+    from app.classroom.class_context import JoinInfo, LecturerContext
     from app.page.page import Page
     from app.page.panels.page_header import initial_html, set_up
     from app.viewer import viser_patches

@@ -14,7 +14,7 @@ from typing import Any
 from app import state
 from app.lessons.lesson import Lesson, fill_numbers
 from app.page.features.budget.panel import EFFECT
-from app.page.opening_tour import OPENING
+from app.page.features.opening_tour import OPENING
 from app.page.visit.session import first_scene
 from app.problems.views import VIEWS
 from solvers.problems import PROBLEMS

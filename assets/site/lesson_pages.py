@@ -31,7 +31,7 @@ from app.lessons.lesson import (
 from app.lessons.lesson_parser import parse_lesson, parts_of, split_head
 from app.lessons.rounds import split_rounds
 from app.page.features.lesson import core
-from app.page.sharing import state_link
+from app.page.features.sharing import state_link
 
 FOLDER = "lessons/"
 CLASSES = "lessons/classes/"

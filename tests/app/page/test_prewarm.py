@@ -7,7 +7,7 @@ import pytest
 from app import state
 from app.lessons import catalogue
 from app.lessons.lesson import fill_numbers
-from app.page.opening_tour import OPENING
+from app.page.features.opening_tour import OPENING
 from app.page.prewarm import usual_scenes
 from app.page.visit.session import first_scene
 from solvers.problems import PROBLEMS

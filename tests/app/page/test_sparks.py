@@ -6,7 +6,7 @@ from types import SimpleNamespace
 import pytest
 
 from app import state
-from app.page.panels.suggestions import Suggestions, what_now
+from app.page.features.suggestions import Suggestions, what_now
 from app.page.visit.history import History
 from app.page.visit.session import first_scene
 from app.problems.suggestion import NotNow
@@ -17,6 +17,7 @@ from solvers.problems import PROBLEMS
 from solvers.running.run import build
 from solvers.scene.scene import AUTO
 from tests.app.frame.test_view import report_of
+from tests.app.page.panel import page_view
 
 BASES = [*map(first_scene, PROBLEMS),
          state.parse_state("bar;motion=patch;modulus=1000;cfl=0.2;estimators=companion").scene]
@@ -61,7 +62,8 @@ class Stage:
         self.session = SimpleNamespace(scene=scene, report=self.report, pinned=None, history=None)
         self.html = SimpleNamespace(content="")
         gui = SimpleNamespace(add_html=lambda _: self.html)
-        self.sparks = Suggestions(gui, self.session, lambda: self.state, self.show, lambda _: False)
+        self.sparks = Suggestions(gui, self.session, lambda: self.state, self.show, lambda _: False,
+                                  lambda: False)
 
     def show(self, shown):
         self.state, session = shown, self.session
@@ -69,7 +71,7 @@ class Stage:
         session.pinned = shown.pinned and SimpleNamespace(scene=shown.pinned, history=None)
 
     def look(self):
-        self.sparks.refresh(True)
+        self.sparks.refresh(page_view())
         return self.html.content
 
 

@@ -6,11 +6,11 @@ from contextlib import ExitStack
 
 import pytest
 
+from app.classroom.board import NEXT, Board
+from app.classroom.class_context import Classroom
 from app.lessons import catalogue
 from app.lessons.lesson_runs import RunCache, RunFailed
 from app.lessons.student_progress import SCHEMA
-from app.page.features.board.board import NEXT, Board
-from app.page.features.lesson.marking import Classroom
 from tests.support.doors import lab
 from tests.support.processes import until
 from tests.support.pupils import Pupil, cookie_of

@@ -12,8 +12,8 @@ from websockets.exceptions import InvalidStatus
 from app.access import class_code
 from app.access.class_code import ALL, CLASS, LETTERS, ONE, ClassCode, generate_code
 from app.access.network_limits import REMEMBERED, TokenBucket
+from app.classroom.class_context import Classroom
 from app.lessons import catalogue
-from app.page.features.lesson.marking import Classroom
 from tests.browser.conftest import serving
 from tests.support.doors import get, lab
 from tests.support.processes import until

@@ -2,17 +2,17 @@
 
 from dataclasses import dataclass
 from html import escape
-from urllib.parse import quote
 
 import segno
 
+from app.classroom.board import COUNTED, REVEALED, Board, Place, has_chart
+from app.classroom.class_context import JoinInfo
 from app.language.translation import lazy, tr, trn
 from app.lessons import catalogue
 from app.lessons.answer_check import Right
 from app.lessons.lesson import CHOICE, INTERVAL, PREDICT, TITLES, Step, fill_numbers
 from app.lessons.markdown_html import to_html
 from app.page.features.board import chart
-from app.page.features.board.board import COUNTED, REVEALED, Board, Place, has_chart
 
 IN_ONE = 8  # scores, in one column
 NOBODY, WORKING = lazy("Nobody is here yet."), lazy("What came out is being worked out …")
@@ -20,20 +20,6 @@ HOW, HELD, RIGHT = lazy("How the class did"), lazy("{right} of {of} held"), lazy
 PREDICTIONS = lazy("{right} of {of} predictions were right: {share} %")
 OBSERVATIONS = lazy("{right} of {of} observations were right: {share} %")
 INTERVALS = lazy("{right} of {of} intervals hold what came out: {share} %, where {level} % was said")
-
-
-@dataclass(frozen=True)
-class JoinInfo:
-    """By which a class comes in: its ``link`` without the code, the ``code``, a ``warning`` where nobody else can."""
-
-    link: str
-    code: str
-    warning: str = ""
-
-    @property
-    def whole(self) -> str:
-        """The link that brings the code along."""
-        return f"{self.link}#code={quote(self.code)}"
 
 
 @dataclass(frozen=True)

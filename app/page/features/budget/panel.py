@@ -3,7 +3,7 @@ first run stays pinned beside the second, with what the budget has foretold and 
 their budget with them; in the plane it is found beside the stage, when it is asked for."""
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import replace
 from html import escape
 from time import monotonic
@@ -14,9 +14,10 @@ import viser
 from app.frame.budget_chart import QUESTION, field_of, format_percent, has_budget, largest_share
 from app.language.message_translation import translate_message
 from app.language.translation import lazy, tr
-from app.page.display_source import Choice
+from app.page.feature import Feature, PageView
 from app.page.features.budget.chart import BudgetData, as_sentence, budget_chart, removal_outcome, taken_away
 from app.page.features.budget.jobs import BudgetJobs, BudgetProgress
+from app.page.page_context import PageContext
 from app.page.panels.page_header import anchor_html
 from app.page.readout_panel import Numbers
 from app.page.visit.session import Session
@@ -43,7 +44,7 @@ def cause_button() -> str:
             f"<span>{tr('crossings, grid, body force or time step')}</span></button>")
 
 
-class BudgetFold:
+class BudgetFold(Feature):
     """Widgets of one visitor. ``state`` is what is seen, ``show`` puts another state on the stage."""
 
     def __init__(self, gui: viser.GuiApi, session: Session, state: Callable[[], State], show: Callable[[State], None],
@@ -75,6 +76,18 @@ class BudgetFold:
             state := self._state(), scene=_without(NOTHING, state.scene), pinned=None)))
         self._field.on_update(lambda _: setattr(self, "_drawn_at", -math.inf))
 
+    @classmethod
+    def build(cls, page: PageContext) -> "BudgetFold":
+        page.controls.extend("estimators", lambda: page.gui.add_html(cause_button()))
+        return cls(page.gui, page.session, lambda: page.controls.state, page.controls.show)
+
+    @property
+    def messages(self) -> Mapping[str, Callable[[Any], None]]:
+        return {"budget": self.press}
+
+    def close(self) -> None:
+        self.jobs.close()
+
     def press(self, said: object) -> None:
         """The visitor has asked who made the error."""
         if said is True:
@@ -90,13 +103,16 @@ class BudgetFold:
             self._show(replace(state, scene=_with_budget(state.scene),
                                pinned=None if state.pinned is None else _with_budget(state.pinned)))
 
-    def show(self, numbers: Numbers, choice: Choice, studying: bool) -> None:
-        """Shows the budget of a run; while a lesson is ``studying`` only if the lesson has asked for it."""
+    def refresh(self, view: PageView) -> None:
+        """Shows the budget of a run; in a lesson only if that has asked for it."""
+        if (numbers := view.numbers) is None:
+            return
+        choice = view.choice
         scene = self._session.scene if numbers.scene is not None else None
         own = scene is not None and EFFECT in scene.OWN_EFFECTS
         on = scene is not None and EFFECT in scene.effects
         found = self._found(scene)
-        _see(scene is not None and (on or not studying), self._mark, self._fold)
+        _see(scene is not None and (on or not view.in_lesson), self._mark, self._fold)
         if scene is None or not self._fold.visible:
             return
         runs = _runs_found(found) if not own else self._runs(numbers, scene, choice.latest) if on else []

@@ -1,14 +1,16 @@
 """The Cost tab: what accuracy costs in time, out of a visitor's own runs."""
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from html import escape
 from threading import Lock
 from time import monotonic
+from typing import Any
 
 import viser
 
 from app.language.translation import tr
+from app.page.feature import Feature, PageView
 from app.page.features.cost import cost_texts
 from app.page.features.cost.cost_chart import Axes, answer_headline, axes_for, draw_runs, tolerance_line
 from app.page.features.cost.jobs import CostStatus, Jobs, QuietStage, scenes_to_time, search_job, small_sweep
@@ -21,9 +23,9 @@ from app.page.features.cost.visitor_runs import (
     csv_bytes,
     run_of_scene,
 )
+from app.page.page_context import PageContext
 from app.page.panels.page_header import BESIDE
 from app.page.visit.engine_links import too_many
-from app.page.visit.history import History
 from app.page.visit.session import Session
 from app.page.visit.status_message import Notice
 from app.words import command_line
@@ -40,7 +42,7 @@ STREAM_SECONDS = 0.5  # between two pictures of what a job finds
 PICKED, WANTED = "<i class='lab-picked'></i>", "<i class='lab-wanted'></i>"
 
 
-class CostTab:
+class CostTab(Feature):
     """The Cost tab with its chart; ``load`` puts a scene on the stage. Any thread may call."""
 
     def __init__(self, client: viser.ClientHandle, session: Session, load: Callable[[Scene], None]):
@@ -61,9 +63,21 @@ class CostTab:
         self._remarked_on: tuple | None = None
         self._build(client.gui)
 
-    def follow(self, report: FrameReport, history: History) -> None:
+    @classmethod
+    def build(cls, page: PageContext) -> "CostTab":
+        with page.tabs["cost"]:
+            return cls(page.client, page.session, page.controls.load)
+
+    @property
+    def messages(self) -> Mapping[str, Callable[[Any], None]]:
+        return {"cost": self.open}
+
+    def close(self) -> None:
+        self.jobs.close()
+
+    def follow(self, report: FrameReport) -> None:
         """A frame has come: take its run's row when it is complete."""
-        if row := self._live.follow(report, history):
+        if row := self._live.follow(report, self._session.history):
             self.runs.add(row, LIVE)
 
     def open(self, _: object) -> None:
@@ -76,7 +90,7 @@ class CostTab:
         """Whether nothing of other visitors moves on this server."""
         return not (self.jobs.others or self._session.others_playing)
 
-    def refresh(self) -> None:
+    def refresh(self, view: PageView | None = None) -> None:
         """Now and then, and when the line of the tolerance has been moved."""
         with self._refreshing:
             status = self.jobs.status  # once: a job that begins meanwhile must not give way to a stage yet to be paused

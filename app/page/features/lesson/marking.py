@@ -3,7 +3,6 @@
 import logging
 from collections.abc import Callable
 from concurrent.futures import ThreadPoolExecutor
-from dataclasses import dataclass, field
 from typing import Any
 
 from app.language.translation import lazy, tr, with_language
@@ -13,28 +12,8 @@ from app.lessons.claims import ClaimError
 from app.lessons.lesson import EXPLAIN, PREDICT, Lesson, Step, draw_numbers
 from app.lessons.lesson_runs import RunCache, RunFailed
 from app.lessons.student_progress import Answer, Progress
-from app.page.features.board.board import BoardSeat
 
 LATER = lazy("could not be checked just now")
-POLITE = 10  # more than the engines: marks can wait, stages cannot
-
-
-@dataclass(frozen=True)
-class Classroom:
-    """What the visitors of a server share: the ``lesson`` opened, teacher's notes, outcomes, whether lessons begin with
-    the core; and of each visitor a ``seat``, where a board paces the lesson."""
-
-    lesson: str = ""
-    teacher: bool = False
-    outcomes: RunCache = field(default_factory=lambda: RunCache(politeness=POLITE))
-    core: bool = False
-    seat: BoardSeat | None = None
-
-    def begun(self, lesson: Lesson) -> Progress:
-        """How somebody begins a lesson, or goes on with the one that is paced."""
-        if self.seat and self.seat.lesson == lesson.name:
-            return self.seat.progress()
-        return Progress(lesson.name, lesson.fingerprint, core=self.core and bool(lesson.deeper))
 
 
 class Marker:

@@ -1,35 +1,38 @@
 """The lesson player: one step at a time beside the stage, a prediction before what it is about runs."""
 
 import threading
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from time import monotonic
+from typing import Any
 
 import viser
 
 from app import state
+from app.classroom.board import BoardSeat
+from app.classroom.class_context import Classroom
 from app.language.translation import tr, use_language, with_language
 from app.lessons import catalogue
 from app.lessons import student_progress as kept
 from app.lessons.answer_check import LONGEST, AnswerMark, why_invalid
 from app.lessons.lesson import EXPLAIN, PREDICT, TEXT, Lesson, Numbers, Step, draw_numbers, fill_numbers
-from app.page.features.board.board import BoardSeat
+from app.page.feature import Feature, PageView
 from app.page.features.lesson import action_buttons, core
 from app.page.features.lesson import step_html as page
 from app.page.features.lesson.answer_widgets import AnswerWidgets
 from app.page.features.lesson.core import KEPT, MAIN, PACED, StepNavigation
-from app.page.features.lesson.marking import Classroom, Marker, answer_comment, asked_since, bets_ahead
-from app.page.panels.browser_store import BrowserStore
+from app.page.features.lesson.marking import Marker, answer_comment, asked_since, bets_ahead
+from app.page.page_context import PageContext
 from app.viewer.widgets import is_removed, set_max_length
 
 FIRST = -1e9  # in the order of what stands in the tab: a step, and then the controls that it needs
 
 
-class Player:
+class Player(Feature):
     """One visitor's lessons in a ``tab``, above the ``controls`` that a lesson needs; ``on_change`` is called when what
-    the browser should keep has changed. What it says through its ``store`` may be anything."""
+    the browser should keep has changed."""
 
     def __init__(self, client: viser.ClientHandle, tab: viser.GuiTabHandle, classroom: Classroom,
-                 controls: action_buttons.AllowedControls, store: BrowserStore, on_change: Callable[[], None]):
+                 controls: action_buttons.AllowedControls, on_change: Callable[[], None]):
         self._client, self._gui, self._tab, self._room = client, client.gui, tab, classroom
         self._controls, self._on_change = controls, on_change
         self._lock = threading.RLock()
@@ -45,8 +48,17 @@ class Player:
         self._widgets = self._gui.add_folder(None, order=FIRST)
         self._below = self._gui.add_folder(None)  # the controls' own: only one thread may put into a place at a time
         self._build()
-        store.heard |= {"open": lambda name: self.open(name) if isinstance(name, str) else None,
-                        "choice": self._choose, "do": self._act}
+
+    @classmethod
+    def build(cls, page: PageContext) -> "Player":
+        with page.tabs["lessons"] as tab:
+            page.lesson = player = cls(page.client, tab, page.classroom, page.controls, lambda: page.keep())
+        return player
+
+    @property
+    def messages(self) -> Mapping[str, Callable[[Any], None]]:
+        return {"open": lambda name: self.open(name) if isinstance(name, str) else None,
+                "choice": self._choose, "do": self._act}
 
     @property
     def name(self) -> str:
@@ -77,8 +89,8 @@ class Player:
         self._rebuild()
         self._on_change()
 
-    def refresh(self) -> None:
-        """Call now and then: what a question says of the stage follows it."""
+    def refresh(self, view: PageView) -> None:
+        """What a question says of the stage follows it."""
         with self._lock:
             if self._answer is not None:
                 self._answer.refresh()

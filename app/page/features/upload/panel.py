@@ -13,6 +13,7 @@ from app.frame.captions import NO_INDEX
 from app.frame.headline import Headline
 from app.language.translation import lazy, tr, with_language
 from app.page.display_source import Choice, Display, FrameView
+from app.page.feature import Feature
 from app.page.features.upload.judging_process import FIRST, Judging, ProblemQuestion, question_sentence
 from app.page.features.upload.uploaded_run import (
     JUDGE,
@@ -22,6 +23,7 @@ from app.page.features.upload.uploaded_run import (
     loaded_notice,
     scene_of,
 )
+from app.page.page_context import PageContext
 from app.page.panels.page_header import BARE
 from app.page.panels.timeline import Now
 from app.page.readout_panel import Numbers
@@ -30,6 +32,7 @@ from app.page.visit.session import Session, first_scene
 from app.page.visit.status_message import Notice
 from app.viewer.upload import LARGEST, TOO_LARGE, Upload
 from app.words import on_page
+from solvers.engine.engine_messages import FrameReport
 from solvers.judging.file_view import Shown
 from solvers.judging.particle_readers import KINDS
 from solvers.scene.scene import Scene
@@ -45,7 +48,7 @@ WHAT = lazy("Drop a file of particles anywhere on this page, or choose it ({kind
              "and shown on the stage. <code>mpm-lab problem</code> writes all that a code needs.")
 
 
-class UploadPanel:
+class UploadPanel(Feature):
     """One visitor's. ``on_view`` is called when something else is to be drawn, ``on_begin`` before a file takes the
     stage, ``on_scene`` with the scene of one that is of another problem than the stage. While one is :attr:`shown`
     (:class:`~app.page.display_source.Source`), in the colours of all its times, the run rests; that ends when
@@ -55,6 +58,7 @@ class UploadPanel:
                  on_begin: Callable[[], None], on_scene: Callable[[Scene], None]):
         gui = client.gui
         self._session, self._on_view, self._on_begin, self._on_scene = session, on_view, on_begin, on_scene
+        self.source = self
         self._lock = threading.RLock()
         self._judging: Judging | None = None
         self._run: UploadedRun | None = None
@@ -69,7 +73,14 @@ class UploadPanel:
         self._upload = Upload(gui, button, with_language(self._arrived),
                               with_language(lambda text: self._refuse(tr(text))))
 
-    def build(self, gui: viser.GuiApi) -> None:
+    @classmethod
+    def build(cls, page: PageContext) -> "UploadPanel":
+        panel = cls(page.client, page.session, page.stage.draw, lambda: page.clear_stage(), page.controls.load)
+        with page.tabs["explore"]:
+            panel._build_folds(page.gui)
+        return panel
+
+    def _build_folds(self, gui: viser.GuiApi) -> None:
         """Make the widgets, in their tab."""
         with gui.add_folder(tr("Your own code, judged"), order=LAST, expand_by_default=False):
             what = tr(WHAT, kinds=", ".join(KINDS), most=LARGEST / 1e6)
@@ -99,7 +110,7 @@ class UploadPanel:
         run = self._run
         return None if run is None else (run, min(self._k, len(run) - 1))
 
-    def follow(self) -> None:
+    def follow(self, report: FrameReport) -> None:
         """A frame of our run has come: if that is to move on, it is wanted."""
         with self._lock:
             if self._run is not None and self._session.moves != self._moves:

@@ -7,13 +7,13 @@ from dataclasses import replace
 
 import pytest
 
+from app.classroom import class_answers as tally_module
+from app.classroom.board import BACK, COUNTED, NEXT, REVEALED, SHOWN, Board
+from app.classroom.class_answers import ClassAnswers
 from app.lessons import catalogue
 from app.lessons.lesson import CHOICE, INTERVAL, TEXT
 from app.lessons.lesson_runs import RunCache, RunFailed
 from app.lessons.student_progress import Answer
-from app.page.features.board import class_answers as tally_module
-from app.page.features.board.board import BACK, COUNTED, NEXT, REVEALED, SHOWN, Board
-from app.page.features.board.class_answers import ClassAnswers
 from app.page.features.board.panel import LecturerContext, answers_json
 from app.page.features.board.slides import JoinInfo, calibration, question_scores, says_next, slide_html
 from tests.support.processes import until

@@ -13,6 +13,7 @@ import numpy as np
 from app import state
 from app.frame.budget_chart import MEANINGS, error_rms, field_of, format_percent, largest_cause_fact, stack_layers
 from app.page.display_source import Choice
+from app.page.feature import PageView
 from app.page.features.budget.chart import HEIGHT, MOST, WIDTH, BudgetData, budget_chart
 from app.page.features.budget.panel import BudgetFold
 from app.page.panels.timeline import Now
@@ -67,7 +68,7 @@ class Stage:
         """What is read in the fold after another refresh."""
         now = Now(0.0, (0.0, 0.0), playing)
         numbers = Numbers(SimpleNamespace(), history, (), (), None, now, "", pinned, scene=scene)
-        self.fold.show(numbers, Choice(quantity, None, False, False, 1, False), studying)
+        self.fold.refresh(PageView(Choice(quantity, None, False, False, 1, False), numbers, studying, True))
         fold = self.fold
         return "".join(html.content for html in (fold._offer, fold._chart, fold._outcome) if html.visible)
 

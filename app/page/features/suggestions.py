@@ -4,15 +4,18 @@ makes buttons of them and says which was pressed."""
 
 import json
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import asdict, dataclass, replace
 from html import escape
+from typing import Any
 
 import viser
 
 from app.language.message_translation import translate_message
 from app.language.translation import lazy, tr
+from app.page.feature import Feature, PageView
 from app.page.headline import in_common, periods_of
+from app.page.page_context import PageContext
 from app.page.visit.history import series_until
 from app.page.visit.session import Session
 from app.problems.suggestion import Answer, NotNow, Ran, Suggestion, changed_state
@@ -87,18 +90,30 @@ TRY, COMPARING, ANSWER, LOST = lazy("Try one"), lazy("Comparing …"), lazy("The
 WHOLE = 1e-9  # by which rounding may keep a run from its last period
 
 
-class Suggestions:
+class Suggestions(Feature):
     """One visitor's sparks; ``show`` puts a state on the stage, ``seek`` looks back to a time in s if that is kept."""
 
     def __init__(self, gui: viser.GuiApi, session: Session, state: Callable[[], State], show: Callable[[State], None],
-                 seek: Callable[[float], bool]):
+                 seek: Callable[[float], bool], is_touring: Callable[[], bool]):
         self._session, self._state, self._show, self._seek = session, state, show, seek
+        self._is_touring = is_touring
         self._html = gui.add_html("")
         self._done: set[str] = set()
         # A spark, what was on the stage, and what it put there.
         self._asked: tuple[Suggestion, State, State] | None = None
         self._answers: dict[str, Answer] = {}  # by quantity
         self._ways: dict[str, Callable[[], None]] = {}  # out of a run that is lost
+
+    @classmethod
+    def build(cls, page: PageContext) -> "Suggestions":
+        with page.tabs["explore"]:
+            page.gui.add_html("<div class='lab-sparks-here'></div>")  # on a phone
+        return cls(page.gui, page.session, lambda: page.controls.state, page.controls.show, page.history.back_to,
+                   lambda: page.is_touring())
+
+    @property
+    def messages(self) -> Mapping[str, Callable[[Any], None]]:
+        return {"spark": self.press}
 
     def press(self, key: object) -> None:
         """The visitor has pressed a button."""
@@ -119,10 +134,10 @@ class Suggestions:
         self._show(state)
         self._asked = spark, base, state  # from now on: while it was put there, something else was
 
-    def refresh(self, offered: bool) -> None:
-        """Show what there is to be pressed or read now; nothing where sparks are not ``offered``."""
+    def refresh(self, view: PageView) -> None:
+        """Show what there is to be pressed or read now; nothing beside a lesson or the tour."""
         content = ""
-        if offered and self._session.report is not None:
+        if view.alone and not self._is_touring() and self._session.report is not None:
             label, answer, cards = self._now()
             said = json.dumps({"label": tr(label), "answer": answer, "cards": [asdict(card) for card in cards]},
                               ensure_ascii=False)

@@ -12,13 +12,13 @@ from dataclasses import dataclass
 from typing import Any
 
 from app.access.log_limit import log_failure
+from app.classroom.class_answers import ClassAnswers
 from app.language.translation import lazy
 from app.lessons.answer_check import Right, right_answer
 from app.lessons.claims import ClaimError
 from app.lessons.lesson import TEXT, Lesson, Step
 from app.lessons.lesson_runs import RunCache, RunFailed
 from app.lessons.student_progress import Progress
-from app.page.features.board.class_answers import ClassAnswers
 
 COUNTED, SHOWN, REVEALED = range(3)  # what is shown of a question
 NEXT, BACK = "next", "back"
