@@ -22,7 +22,6 @@ from app.page.visit.engine_links import PageLinks
 from app.viewer.connection import stands_still
 from app.viewer.viser_patches import run_in_language
 from solvers.engine.engine_messages import FrameReport
-from solvers.engine.shared_frames import FrameArrays
 
 REFRESH_SECONDS = 0.2  # for numbers, plots and notices; the stage follows every frame
 UNTOUCHED = 20 * 60.0  # seconds after which a run rests that nobody asks anything of; a presented one goes on
@@ -50,7 +49,8 @@ class Page:
         context.stage.build(context.store, context.history.seek)
         controls = context.controls
         controls.open_on(OPENING)
-        controls.build(context.tabs["explore"])
+        with context.tabs["explore"] as explore:
+            controls.build(explore)
         with context.tabs["about"]:
             add_about(client.gui)
         controls.begin()
@@ -90,9 +90,7 @@ class Page:
         for feature in self._features:
             feature.leave_stage()
 
-    def _on_frame(self, report: FrameReport, arrays: FrameArrays) -> None:
-        self._links.frames.add()
-        self._context.take_frame(report, arrays)
+    def _on_frame(self, report: FrameReport) -> None:
         if not report.playing:  # it is the last for now
             self._stands.set()
         for feature in self._features:

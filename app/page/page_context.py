@@ -52,7 +52,7 @@ class PageContext:
 
     def __init__(self, client: viser.ClientHandle, links: PageLinks, classroom: Classroom,
                  lecturer: LecturerContext | None, opening: State,
-                 on_frame: Callable[[FrameReport, FrameArrays], None], notice: Callable[[], Notice | None]):
+                 on_frame: Callable[[FrameReport], None], notice: Callable[[], Notice | None]):
         self.client, self.gui, self.links = client, client.gui, links
         self.classroom, self.lecturer = classroom, lecturer
         self.lesson: OpenLesson | None = None
@@ -62,9 +62,9 @@ class PageContext:
         self.trace = Trace(self.recent)
         self.store = BrowserStore(self.gui)
         self.presenter = PresentationMode(self.gui)
-        self.session = Session(links, opening.scene, on_frame, opening.speed, opening.stops)
         self.canvas = Canvas(client, self.scale, self.trace, opening.scene.problem)
-        self.stage = StageView(client, self.canvas)
+        self.stage, self._on_frame = StageView(client, self.canvas), on_frame
+        self.session = Session(links, opening.scene, self._take_frame, opening.speed, opening.stops)
         self.history = HistoryControls(self.session, self.recent, self.trace, self.stage.draw)
         self.controls = Controls(self.gui, self.session, self.scale, self.stage.draw, self.history, self.store)
         self.run = LiveRun(self.session, self.recent, self.trace, notice)
@@ -97,13 +97,15 @@ class PageContext:
         self.session.close()
         self.links.close()
 
-    def take_frame(self, report: FrameReport, arrays: FrameArrays) -> None:
+    def _take_frame(self, report: FrameReport, arrays: FrameArrays) -> None:
         """Keeps a new frame of the run, and draws it."""
+        self.links.frames.add()
         if report.fresh:
             self.scale.forget()
         self.recent.add(report, arrays)
         self.trace.follow(report, arrays)
         self.stage.draw()
+        self._on_frame(report)
 
     def refresh(self, idle_seconds: float) -> None:
         """Shows what the session has come to by itself; pauses a run that nobody has touched for so long."""

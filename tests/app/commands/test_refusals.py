@@ -29,9 +29,10 @@ from solvers.study.summary import csv_text, summary
 EVIL = "\x1b]0;owned\x07\x1b[31m\u202e\u2066evil\x9b2J"
 TEXTS = [EVIL, EVIL * 300, "9" * 10_000, "=cmd|' /C calc'!A0\t" + EVIL, "<img src=x>![](http://evil.example)`" + EVIL]
 LONGEST = 410  # letters of a message
-SLOW = ("app.page.page_server.serve", "app.commands.run.command._run", "app.commands.run.budget.working",
-        "app.commands.bench.command.working", "app.commands.lesson.working", "app.commands.export.working",
-        "app.commands.judge.command.working", "app.commands.check.command.working", "app.commands.judge.problem._files",
+SLOW = ("app.page.page_server.serve", "app.commands.run.command._run", "app.commands.run.budget.show_progress",
+        "app.commands.bench.command.show_progress", "app.commands.lesson.show_progress",
+        "app.commands.export.show_progress", "app.commands.judge.command.show_progress",
+        "app.commands.check.command.show_progress", "app.commands.judge.problem._files",
         "app.commands.study.study_command.Study._place", "app.commands.study.advise.Advise._search")
 
 

@@ -51,7 +51,7 @@ def test_a_player_is_framed_and_saved_as_it_is(tmp_path):
 
 def test_sliders_bring_runs_around_it(monkeypatch):
     around, told = slider_grid.axes_around, []
-    monkeypatch.setattr(slider_grid, "around", lambda scene, counts: around(scene, {"cells": 2}))
+    monkeypatch.setattr(slider_grid, "axes_around", lambda scene, counts: around(scene, {"cells": 2}))
     player = show(SMALL, sliders=True, processes=1, on_progress=lambda part, doing: told.append(part))
     assert told[-1] == 1.0 and len(player.page) > len(show(SMALL).page)
 

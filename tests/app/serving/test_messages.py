@@ -198,7 +198,7 @@ def test_every_message_goes_through_the_check(here, visitor, monkeypatch):
     one, _ = here
     heard = []
     check = incoming_messages.why_refused
-    monkeypatch.setattr(incoming_messages, "refusal", lambda message,
+    monkeypatch.setattr(incoming_messages, "why_refused", lambda message,
                         *how: heard.append(message) or check(message, *how))
     widget = visitor.find("Longest run, s")
     visitor.set(widget, "8")

@@ -32,7 +32,8 @@ LONG = "Ω" * 500
 @pytest.fixture(scope="module")
 def packed():
     with pytest.MonkeyPatch.context() as patch:  # a process of their own would take seconds to start
-        patch.setattr("app.export.html_file.recordings", lambda wanted, *others: [record_scene(one) for one in wanted])
+        patch.setattr("app.export.html_file.record_scenes",
+                      lambda wanted, *others: [record_scene(one) for one in wanted])
         return package_lessons(LESSONS, 1, lambda part, what: None, {})
 
 

@@ -93,7 +93,8 @@ def lesson():
 def recorded_here():
     """Recordings are made by this process, which a process of their own would take seconds to start for."""
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr("app.export.html_file.recordings", lambda wanted, *others: [record_scene(one) for one in wanted])
+        patch.setattr("app.export.html_file.record_scenes",
+                      lambda wanted, *others: [record_scene(one) for one in wanted])
         yield
 
 

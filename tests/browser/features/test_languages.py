@@ -141,7 +141,7 @@ def test_nothing_on_the_page_is_said_outside_the_catalogue(chromium, address):
 @pytest.mark.slow
 def test_nothing_in_a_file_is_said_outside_the_catalogue(chromium, tmp_path, monkeypatch):
     """A lesson, which is in English: each step, and what is said of answers."""
-    monkeypatch.setattr("app.export.html_file.recordings", lambda wanted,
+    monkeypatch.setattr("app.export.html_file.record_scenes", lambda wanted,
                         *others: [record_scene(one) for one in wanted])
     path = tmp_path / "lesson.html"
     with use_language(pseudo.CODE):
