@@ -35,7 +35,7 @@ class StateError(ValueError):
     """A text that is no state: one sentence that names the word, says what is wrong and what is allowed."""
 
     def __init__(self, sentence: str):
-        super().__init__(quoting.sentence(sentence))
+        super().__init__(quoting.one_line(sentence))
 
 
 @dataclass(frozen=True)
@@ -74,7 +74,7 @@ def parse_state(text: str) -> State:
         raise StateError(f"a scene of {len(text):,} characters is too long; at most {LONGEST:,} are allowed")
     problem, *rest = _words(text) or [""]
     if problem not in PROBLEMS:
-        raise StateError(f"{_quoted(problem)} is no problem{quoting.meant(problem, PROBLEMS)}; begin with "
+        raise StateError(f"{_quoted(problem)} is no problem{quoting.suggest_word(problem, PROBLEMS)}; begin with "
                          f"{' or '.join(PROBLEMS)}")
     cut = rest.index(PINNED) if PINNED in rest else len(rest)
     view: dict[str, Any] = {}
@@ -124,7 +124,7 @@ def _scene(problem: str, words: list[str], of_pinned: bool = False) -> Scene:
     try:
         return kind(**given)
     except SceneError as error:
-        raise StateError(f"{_key(error.field)}={quoting.quoted(_shown(error.value))}: {error.sentence}") from None
+        raise StateError(f"{_key(error.field)}={quoting.quote(_shown(error.value))}: {error.sentence}") from None
 
 
 def _unknown(problem: str, word: str, name: str, known: list[str], of_pinned: bool) -> str:
@@ -137,7 +137,7 @@ def _unknown(problem: str, word: str, name: str, known: list[str], of_pinned: bo
     if of_pinned and name in VIEW:
         return f"{_quoted(word)} is of the view, which both runs share; give it before the word {PINNED}"
     more = "" if of_pinned else f", or {', '.join(VIEW)}"
-    return f"{_quoted(word)} means nothing here{quoting.meant(name, known)}; give what `mpm-lab run {problem} " \
+    return f"{_quoted(word)} means nothing here{quoting.suggest_word(name, known)}; give what `mpm-lab run {problem} " \
            f"--help` names{more}"
 
 
@@ -169,7 +169,7 @@ def _take(word: str, view: dict[str, Any]) -> bool:
 
 def _number(text: str) -> Any:
     """A whole number or a float where the text is one, else the text, of which the scene knows what to say."""
-    return number_parsing.number(text) if number_parsing.is_number(text) else text
+    return number_parsing.parse_number(text) if number_parsing.is_number(text) else text
 
 
 def _yes_or_no(key: str, text: str) -> bool:
@@ -182,7 +182,7 @@ def _one_of(meanings: Mapping[str, Any]) -> Callable[[str, str], Any]:
     def read_one(key: str, text: str) -> Any:
         if text not in meanings:
             raise StateError(f"{key}={_quoted(text)}: give one of {', '.join(meanings)}"
-                             + quoting.meant(text, meanings))
+                             + quoting.suggest_word(text, meanings))
         return meanings[text]
 
     return read_one
@@ -196,7 +196,7 @@ def _speed(key: str, text: str) -> float:
 
 
 def _particle(key: str, text: str) -> int:
-    if (number := number_parsing.count(text)) is None:
+    if (number := number_parsing.parse_count(text)) is None:
         raise StateError(f"{key}={_quoted(text)}: give the number of a particle, 0 or more")
     return number
 
@@ -210,7 +210,7 @@ def _shown(value: Any) -> str:
 
 
 def _quoted(text: str) -> str:
-    return f"'{quoting.quoted(text, 40)}'" if text else "''"
+    return f"'{quoting.quote(text, 40)}'" if text else "''"
 
 
 def _key(field: str) -> str:

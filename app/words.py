@@ -278,7 +278,7 @@ def size_in(text: str, unit: str) -> float:
     found = re.fullmatch(rf"([+0-9.,eE-]+?)\s*(?:({'|'.join(prefixes)})({re.escape(unit)}))?", text.strip())
     if not found:
         raise ValueError(text)
-    value = number_parsing.real(found[1].replace(",", ".")) * 1000.0 ** prefixes[found[2] or ""]
+    value = number_parsing.parse_float(found[1].replace(",", ".")) * 1000.0 ** prefixes[found[2] or ""]
     if not 0 < value < math.inf:
         raise ValueError(text)
     return float(f"{value:.12g}")

@@ -52,5 +52,5 @@ os.environ.setdefault("TI_ENABLE_PYBUF", "0")
 # For numpy, where nobody has imported it before: matrices here are small, and its second thread would wait more than it
 # works, on busy processors for seconds.
 os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
-kernel_cache.keep_more()
-kernel_cache.find_room()
+kernel_cache.raise_cache_size()
+kernel_cache.ensure_cache_folder()

@@ -17,7 +17,7 @@ import numpy as np
 
 from solvers.problems.bar.scene import BarScene
 from solvers.problems.bar.solver import BarSolver
-from solvers.problems.planar.budget.causes import MAKERS
+from solvers.problems.planar.budget.causes import LOCAL_CAUSES
 from solvers.problems.planar.budget.on_demand import BudgetRun
 from solvers.problems.ring import RingScene
 from solvers.problems.ring_limits import RESONANCE
@@ -30,7 +30,7 @@ from solvers.scene.scene import Scene
 from solvers.scene.validation import SceneError
 from solvers.solver import budget
 from solvers.solver.budget import MOST_CANCELLED, ROUND_OFF
-from solvers.study.markdown import grid
+from solvers.study.markdown import markdown_table
 from tests.support.paths import ROOT
 
 SEED = 26
@@ -174,7 +174,7 @@ def words(scene: Any) -> str:
 
 
 def usable(trial: Trial) -> bool:
-    """Whether the budget counts as valid in it (``solvers.solver.budget.not_valid``)."""
+    """Whether the budget counts as valid in it (``solvers.solver.budget.why_not_valid``)."""
     return max(trial.cancelled) <= MOST_CANCELLED and trial.before[0] > ROUND_OFF
 
 
@@ -192,7 +192,7 @@ def causal_table(found: Sequence[Trial]) -> str:
     """A line a trial."""
     heads = ["scene", "without", *(f"{field}: {what}" for field in FIELDS
                                    for what in ("before", "predicted", "observed", "deviation"))]
-    return grid(heads, [[words(trial.scene), CAUSES[trial.cause], *(
+    return markdown_table(heads, [[words(trial.scene), CAUSES[trial.cause], *(
         format(values[k], form) for k in range(len(FIELDS))
         for values, form in ((trial.before, ".2e"), (trial.foretold, ".2e"), (trial.came, ".2e"),
                              (trial.miss, ".3f")))] for trial in found], heads[:2])
@@ -208,22 +208,23 @@ def calibration_table(found: Sequence[Trial]) -> str:
         if len(misses):
             lines.append([f"{low:g} to {high:g}", str(len(misses)), *(f"{np.quantile(misses, q):.3f}"
                           for q in (0.5, 0.9, 0.99, 1)), f"{100 * np.mean(misses <= GOOD):.1f} %"])
-    return grid(["cancellation", "cases", "median deviation", "90 %", "99 %", "largest", f"up to {GOOD}"], lines)
+    return markdown_table(["cancellation", "cases", "median deviation", "90 %", "99 %", "largest", f"up to {GOOD}"],
+                          lines)
 
 
 def shares_table(scenes: Sequence[RingScene]) -> str:
     """Who made the error, a line a scene."""
     heads = ["cells", "A", "lattice", "method", "RMS error of x",
-             *(f"{field}: {CAUSES[cause]}" for field in FIELDS for cause in MAKERS)]
+             *(f"{field}: {CAUSES[cause]}" for field in FIELDS for cause in LOCAL_CAUSES)]
     rows = []
     for scene in scenes:
         found = run_budget(scene)
         shares = found.to_dict()["budget"]
         error = budget.rms(found.result.series, "x")
-        numbers = [f"{error:.2e}", *(f"{shares[field][cause]:.3f}" for field in FIELDS for cause in MAKERS)] \
-            if shares["not_valid"] is None else ["goes bad", *["–"] * len(FIELDS) * len(MAKERS)]
+        numbers = [f"{error:.2e}", *(f"{shares[field][cause]:.3f}" for field in FIELDS for cause in LOCAL_CAUSES)] \
+            if shares["not_valid"] is None else ["goes bad", *["–"] * len(FIELDS) * len(LOCAL_CAUSES)]
         rows.append([f"{scene.cells}", f"{scene.amplitude:g}", scene.layout, scene.method, *numbers])
-    return grid(heads, rows, heads[2:4])
+    return markdown_table(heads, rows, heads[2:4])
 
 
 def texts() -> tuple[str, str]:
@@ -240,7 +241,7 @@ def texts() -> tuple[str, str]:
 
 def _numbers(found: Sequence[Trial]) -> dict[str, Any]:
     """Of trials in which a cause was taken away, three of each scene."""
-    return {"trials": len(found), "scenes": len(found) // len(MAKERS), "seed": SEED, "near": GOOD,
+    return {"trials": len(found), "scenes": len(found) // len(LOCAL_CAUSES), "seed": SEED, "near": GOOD,
             "good": sum(max(trial.miss) <= GOOD for trial in found), "table": causal_table(found)}
 
 

@@ -14,7 +14,7 @@ from solvers.engine.engine_pool import EnginePool
 from solvers.running.result import Result
 from solvers.running.run import run
 from solvers.scene.scene import Scene
-from tests.support.listening import PATIENCE, SCENE, Listener
+from tests.support.session_listener import PATIENCE, SCENE, Listener
 
 pytest_plugins = ["tests.tiers"]
 
@@ -67,10 +67,10 @@ def session(pool):
 def here():
     """A lab without engines for a file's tests, which takes whatever many messages a second."""
     from app.viewer import incoming_messages, web_server  # here: few files need the viewer
-    from tests.support.doors import lab
+    from tests.support.page_server import start_server
 
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(incoming_messages, "MESSAGES", 1e9)
         patch.setattr(web_server, "HANDSHAKES", 1e9)
-        with lab() as one:
+        with start_server() as one:
             yield one

@@ -19,18 +19,18 @@ from typing import Any
 import numpy as np
 
 from solvers.judging.check import CONSISTENT, check
-from solvers.judging.column_names import from_arrays
-from solvers.judging.error_norms import Companions, summarised
+from solvers.judging.column_names import table_from_arrays
+from solvers.judging.error_norms import Companions, summarise_norms
 from solvers.judging.judgement import GridJudgement
-from solvers.judging.particle_matching import placed
-from solvers.judging.reference_runs import framed
+from solvers.judging.particle_matching import match_files
+from solvers.judging.reference_runs import frame_of_snapshot
 from solvers.problems import PROBLEMS
 from solvers.running.run import build
 from solvers.scene.scene import Scene
 from solvers.scene.validation import SceneError
-from solvers.study.markdown import grid
+from solvers.study.markdown import markdown_table
 from solvers.untrusted.quoting import FileError
-from tests.support.altered import ALL, ALTERATIONS, FRAMES, Files, as_files, files, rounded, scene_of, single, stepped
+from tests.support.altered import ALL, ALTERATIONS, FRAMES, Files, as_files, files, record, rounded, scene_of, single
 from tests.support.known_runs import KnownRun, known_runs
 from tests.support.paths import ROOT
 
@@ -66,14 +66,15 @@ class Judged:
 def judged(scene: Scene, arrays: Files) -> Judged:
     found = judgement(scene, arrays)
     found.check()
-    errors = summarised(found.grid.times, found.norms)
+    errors = summarise_norms(found.grid.times, found.norms)
     return Judged({q: errors[q]["max"] or np.nan for q in errors}, tuple(found.notes()),
                   len(found.apart.which) if found.apart else 0)
 
 
 def judgement(scene: Scene, arrays: Files) -> GridJudgement:
     """What is known of files; the companion is not asked, for it takes longest and the truth is known."""
-    settled, [found] = placed([from_arrays("files", arrays)], replace(scene, cells=type(scene)().cells), [], [])
+    settled, [found] = match_files([table_from_arrays("files", arrays)], replace(scene, cells=type(scene)().cells), [],
+                                   [])
     own = replace(settled, cells=found.cells)
     return GridJudgement(own, found, Companions(own, tuple(found.times.tolist())))
 
@@ -108,7 +109,7 @@ def honest(scene: Scene) -> Files | None:
     every = max(1, scene.steps // FRAMES[scene.problem])
     while solver.step < scene.steps and solver.sound:
         solver.advance(min(every, scene.steps - solver.step))
-        frames.append(framed(solver.snapshot(), scene))
+        frames.append(frame_of_snapshot(solver.snapshot(), scene))
     return as_files(scene, frames, stress=True) if solver.sound else None
 
 
@@ -118,15 +119,19 @@ def checked(particles: Mapping[str, Any]) -> tuple[str, list[str], str]:
         found = check({key: values for key, values in particles.items() if key != "cells"})
     except FileError as refused:
         return "refused", [], f"refused: {refused.sentence}"
-    says = f"{found.verdict}: {'; '.join(one.says for one in found.wrong)}" if found.wrong else found.verdict
-    return found.verdict, [one.name for one in found.wrong], says
+    says = (
+        f"{found.verdict}: {'; '.join(one.says for one in found.contradictions)}"
+        if found.contradictions
+        else found.verdict
+    )
+    return found.verdict, [one.name for one in found.contradictions], says
 
 
 def altered() -> list[list[str]]:
     """A row for each alteration of each problem: what it makes of the errors, and what both say."""
     rows = []
     for problem in ALL:
-        run = stepped(scene_of(problem))
+        run = record(scene_of(problem))
         plain = judged(run.scene, files(run)).errors
         for name, (problems, change) in ALTERATIONS.items():
             if problem in problems:
@@ -166,9 +171,9 @@ def random_runs(seed: int) -> tuple[str, str]:
     counts = {problem: Counter(name for run, _, names in found if run.label in LOST for name in set(names))
               for problem, found in every.items()}
     names = sorted(set().union(*counts.values()), key=lambda name: -sum(count[name] for count in counts.values()))
-    return (grid(["runs", *every], rows, ("runs",)),
-            grid(["finding", *every], [[name, *(str(count[name]) for count in counts.values())] for name in names],
-                 ("finding",)))
+    return (markdown_table(["runs", *every], rows, ("runs",)),
+            markdown_table(["finding", *every],
+                           [[name, *(str(count[name]) for count in counts.values())] for name in names], ("finding",)))
 
 
 def main() -> None:
@@ -180,8 +185,8 @@ def main() -> None:
     if seed is not None:
         return
     rows, heads = altered(), ["problem", "what is wrong", "x", "v", "σ", "the judge", "the check"]
-    both = grid(heads, rows, (*heads[:2], *heads[5:]))
-    judge = grid([*heads[:5], "said"], [row[:6] for row in rows], (*heads[:2], "said"))
+    both = markdown_table(heads, rows, (*heads[:2], *heads[5:]))
+    judge = markdown_table([*heads[:5], "said"], [row[:6] for row in rows], (*heads[:2], "said"))
     head, of_runs, tail, judge_head = (ROOT / "tests" / "findings.md").read_text(encoding="utf-8").split("{{}}\n")
     for name, text in (("check", f"{head}{found[0]}\n\nWhat found the lost and unstable ones:\n\n{found[1]}\n{of_runs}"
                                  f"{both}\n{tail}"), ("judge", f"{judge_head}{judge}\n\n{false_alarms()}\n")):

@@ -14,7 +14,7 @@ from solvers.scene.effects import Effect, Number
 from solvers.scene.effects import register as register_effect
 from solvers.scene.estimator_hooks import EstimatorHooks
 from solvers.scene.estimator_registry import Estimator, register
-from solvers.solver.samples import column
+from solvers.solver.samples import column_index
 
 
 @ti.func
@@ -40,7 +40,7 @@ def sample_strain(bar: ti.template(), row, step, on: ti.template()):
     largest = 0.0
     for p in range(bar.particles):
         largest = ti.max(largest, abs(bar.deformation_gradient[p] - 1))
-    bar.samples[row, ti.static(column("strain/size", on))] = largest
+    bar.samples[row, ti.static(column_index("strain/size", on))] = largest
 
 
 register(Estimator(

@@ -18,7 +18,7 @@ from app.commands import commands
 from solvers.problems import PROBLEMS
 from tests import texts
 from tests.support.paths import ROOT
-from tests.support.processes import python
+from tests.support.processes import run_python
 from tests.texts import Piece
 
 if sys.version_info >= (3, 11):
@@ -165,7 +165,7 @@ def test_python_of_a_page_runs_from_top_to_bottom(tmp_path):
     pieces = list(texts.python_blocks())
     for page in sorted({piece.page for piece in pieces}):
         code = "\n".join(piece.text for piece in pieces if piece.page == page)
-        done = python("-c", code, cwd=tmp_path, MPLBACKEND="agg")
+        done = run_python("-c", code, cwd=tmp_path, MPLBACKEND="agg")
         assert done.returncode == 0, f"{page}: {done.stderr}"
         if page == "README.md":
             assert re.search(r"largest error of x in m: \S+ estimated over true error: (1\.00|0\.99)\d*\n", done.stdout)

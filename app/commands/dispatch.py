@@ -20,7 +20,7 @@ from app.commands.help import PROGRAM, VERBOSE, PrintCapture, commands_overview,
 from app.commands.output import NotWritten, print_message, put_text, showing_places
 from solvers.scene.extensions import ExtensionError
 from solvers.scene.validation import SceneError, field_flag
-from solvers.untrusted.quoting import meant, quoted, sentence
+from solvers.untrusted.quoting import one_line, quote, suggest_word
 
 FAILED, BAD_INPUT, BROKEN_PIPE = 1, 2, 141
 LONGEST_COMPLAINT = 200  # letters of what the reader of flags says
@@ -52,7 +52,7 @@ def _status(arguments: list[str]) -> int:
     except Exception as error:
         if _wants_traceback():
             raise
-        print_message(sentence(f"failed: {type(error).__name__}: {error}"))
+        print_message(one_line(f"failed: {type(error).__name__}: {error}"))
         return FAILED
 
 
@@ -87,7 +87,7 @@ def _find_command(arguments: list[str]) -> tuple[tuple[str, ...], list[str]]:
             return name, []
         flag, equals, value = word.partition("=") if word.startswith("-") else (word, "", "")  # run --scene=TEXT
         if flag not in _next_words(name):
-            raise BadInput("", word, f"is not a command{meant(word, _next_words(name))}; {_give(name)}")
+            raise BadInput("", word, f"is not a command{suggest_word(word, _next_words(name))}; {_give(name)}")
         name += (flag,)
         if name in commands():
             return name, [*([value] if equals else []), *arguments[position + 1:]]
@@ -118,7 +118,7 @@ def _read_flags(kind: type, program: str, arguments: list[str]) -> Any:
         # tyro's boxed complaint as one sentence: the first line between the borders.
         lines = [line.strip(" │|╭╮╰╯─-") for line in complaints.getvalue().splitlines()]
         says = [line for line in lines if line and not line.startswith(("Missing", "Parsing", "For full"))]
-        raise BadInput("", program, quoted(says[0], LONGEST_COMPLAINT) if says else
+        raise BadInput("", program, quote(says[0], LONGEST_COMPLAINT) if says else
                        "the flags could not be read; --help shows them") from None
     if unknown:
         raise _unexpected(unknown[0], kind, program)
@@ -134,4 +134,4 @@ def _unexpected(word: str, kind: type, program: str) -> BadInput:
         return BadInput("", flag, f"is gone from {program}: {reason}")
     if hasattr(kind, "SCENE") and (reason := kind.SCENE.RUN_ONLY.get(flag.lstrip("-").replace("-", "_"))):
         return BadInput("", flag, f"is not a flag of {program}: {reason}")
-    return BadInput("", flag, f"is not a flag of {program}{meant(flag, flags)}; --help shows them all")
+    return BadInput("", flag, f"is not a flag of {program}{suggest_word(flag, flags)}; --help shows them all")

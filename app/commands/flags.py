@@ -13,7 +13,7 @@ import tyro
 
 from solvers.scene.validation import require_whole
 from solvers.untrusted import number_parsing, quoting
-from solvers.workers.cpu_count import MOST_PROCESSES, usual_processes
+from solvers.workers.cpu_count import MOST_PROCESSES, default_processes
 
 MOST_FILES = 10_000
 
@@ -23,24 +23,24 @@ class BadInput(Exception):
 
     def __init__(self, flag: str, value: object, sentence: str):
         self.flag, self.value, self.sentence = flag, value, sentence
-        super().__init__(quoting.sentence(f"{f'--{flag} ' if flag else ''}{quoting.quoted(value)}: {sentence}"))
+        super().__init__(quoting.one_line(f"{f'--{flag} ' if flag else ''}{quoting.quote(value)}: {sentence}"))
 
 
 def _lenient(metavar: str, parse: Callable[[list[str]], Any]) -> Any:
     """A tyro constructor that takes any words and never fails."""
     return tyro.constructors.PrimitiveConstructorSpec(
         nargs="*", metavar=metavar, instance_from_str=parse, is_instance=lambda value: True,
-        str_from_instance=lambda value: list(map(str, value)) if isinstance(value, tuple) else [quoting.quoted(value)])
+        str_from_instance=lambda value: list(map(str, value)) if isinstance(value, tuple) else [quoting.quote(value)])
 
 
 def parse_number(words: list[str]) -> Any:
     """A whole number or a float where the words are one, else the words."""
-    return _read(number_parsing.number, words)
+    return _read(number_parsing.parse_number, words)
 
 
 def parse_float(words: list[str]) -> Any:
     """A float where the words are one, else the words."""
-    return _read(number_parsing.real, words)
+    return _read(number_parsing.parse_float, words)
 
 
 def _read(reader: Callable[[str], float], words: list[str]) -> Any:
@@ -93,7 +93,7 @@ ProcessesFlag = Annotated[NumberFlag, default_hint("one on each processor")]
 def side_by_side(processes: Any) -> int:
     """How many processes are to work side by side, of what was typed; unless anything was, one on each processor."""
     if processes is None:
-        return usual_processes()
+        return default_processes()
     require_whole("processes", processes, 1, MOST_PROCESSES)
     return processes
 

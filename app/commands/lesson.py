@@ -15,7 +15,7 @@ from app.language.translation import ENGLISH, LANGUAGES, use_language
 from app.lessons.lesson import Lesson, LessonError
 from solvers.scene.validation import require_choice, require_whole
 from solvers.untrusted.quoting import file_name
-from solvers.workers.cpu_count import usual_processes
+from solvers.workers.cpu_count import default_processes
 
 if TYPE_CHECKING:
     from app.lessons.student_progress import Progress
@@ -172,7 +172,7 @@ class LessonGrade:
         from app.lessons.lesson_runs import RunCache
         read = [answers for file in self.files if (answers := _answers(file)) is not None]
         lessons = catalogue.load_lessons()
-        with show_progress(self.quiet) as show, closing(RunCache(usual_processes())) as outcomes:
+        with show_progress(self.quiet) as show, closing(RunCache(default_processes())) as outcomes:
             rows = []
             for done, (file, found) in enumerate(read):
                 show(done / len(read))

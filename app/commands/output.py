@@ -52,7 +52,7 @@ def print_message(message: object) -> None:
     with contextlib.suppress(OSError):  # where nobody can be told anything, the exit status still says it
         for line in places:
             print("".join(letter if letter.isprintable() else "?" for letter in line), file=sys.stderr)
-        print(f"mpm-lab: {quoting.sentence(message, LONGEST_LINE)}", file=sys.stderr, flush=True)
+        print(f"mpm-lab: {quoting.one_line(message, LONGEST_LINE)}", file=sys.stderr, flush=True)
 
 
 def json_text(values: dict, lines: bool = False) -> str:
@@ -81,7 +81,7 @@ class Target:
 
     def write(self, content: bytes) -> None:
         """Write the content, replacing what was there; raises :class:`NotWritten`."""
-        with report_write_errors(STDOUT if self.is_stdout else f"--{self.flag} {quoting.quoted(self.text)}"):
+        with report_write_errors(STDOUT if self.is_stdout else f"--{self.flag} {quoting.quote(self.text)}"):
             self._write(content)
 
     def _write(self, content: bytes) -> None:

@@ -22,7 +22,7 @@ from app.language.translation import ENGLISH, use_language
 from app.problems.views import VIEWS
 from solvers.running.run import build
 from solvers.scene.error_causes import CAUSES, FIELDS
-from solvers.scene.kernel_options import combination
+from solvers.scene.kernel_options import kernel_key
 from solvers.scene.scene import Scene
 from solvers.scene.step_bound import margin_unit
 from solvers.solver import budget, samples
@@ -30,8 +30,8 @@ from solvers.solver.base import Solver
 from solvers.solver.error_norms import RATIOS
 from solvers.solver.rounding import rounding
 from solvers.solver.snapshot import Snapshot
-from solvers.solver.soundness import earliest, findings
-from solvers.solver.verdict_basis import LargeRelativeError, as_large_as_itself, merged
+from solvers.solver.soundness import earliest_finding, findings
+from solvers.solver.verdict_basis import LargeRelativeError, large_errors, merge
 from solvers.workers.worker_pool import WorkerPool, one_of_each_first
 
 CURVE_POINTS = 41  # at which the exact field is kept
@@ -68,7 +68,7 @@ def record_scenes(wanted: Sequence[RecordingRequest], processes: int,
 
 def _compiled(wanted: RecordingRequest) -> tuple:
     """What has to be compiled for it."""
-    return combination(state.parse_state(wanted.scene).scene)
+    return kernel_key(state.parse_state(wanted.scene).scene)
 
 
 def work(question: Mapping[str, Any], answer: Callable[[dict], None]) -> None:
@@ -100,7 +100,7 @@ def _recorded(wanted: RecordingRequest) -> dict[str, Any]:
     kept = _shown(scene.DIMENSIONS, _count(shots), wanted.particles)
     marked = kept[::one_in(len(kept), VIEWS[scene.problem].stage.MOST_MARKED)]
     tracks = _tracks(wanted, scene, kept, marked, shots)
-    regular, pictures = (samples.read(np.concatenate(some), scene, _count(shots), margin_unit(scene))
+    regular, pictures = (samples.read_rows(np.concatenate(some), scene, _count(shots), margin_unit(scene))
                          for some in (rows, own))
     tracks += _norms(scene, regular, pictures)
     if scene.has("budget"):  # of each field the error, RMS over particles, and the part that each cause has made
@@ -240,10 +240,10 @@ def _columns(series: Mapping[str, np.ndarray], name: str) -> np.ndarray:
 def _head(wanted: RecordingRequest, scene: Scene, solver: Solver, not_valid: dict[str, str], shown: int,
           shots: list[dict[str, Snapshot]], *series: Mapping[str, np.ndarray]) -> dict[str, Any]:
     """What the player must know of a run beside its numbers."""
-    found = [finding for one in series if (finding := earliest(findings(scene, one), not_valid))]
+    found = [finding for one in series if (finding := earliest_finding(findings(scene, one), not_valid))]
     large: dict[str, LargeRelativeError] = {}
     for one in series:
-        large = merged(large, as_large_as_itself(scene, one, not_valid))
+        large = merge(large, large_errors(scene, one, not_valid))
     status, reason, since = solver.status(min(found, key=lambda finding: finding.time, default=None), large)
     stage = VIEWS[scene.problem].stage
     return {"problem": scene.problem, "particles": _count(shots), "shown": shown,
@@ -256,4 +256,4 @@ def _head(wanted: RecordingRequest, scene: Scene, solver: Solver, not_valid: dic
             "estimators": scene.active_estimators, "not_valid": not_valid, "quantities": wanted.quantities,
             "status": status, "reason": reason or "", "since": since, "budget": None if not scene.has("budget") else {
                 "shares": {field: budget.shares(series[0], field) for field in FIELDS},
-                "whose": error_source_note(scene), "not_valid": budget.not_valid(series[0])}}
+                "whose": error_source_note(scene), "not_valid": budget.why_not_valid(series[0])}}

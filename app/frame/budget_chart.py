@@ -74,7 +74,7 @@ def format_percent(share: float | None) -> str:
 
 def largest_share(series: Mapping[str, np.ndarray], field: str) -> tuple[str, float] | None:
     """The cause that has made most of the error so far and its share, as far as shares mean something by now."""
-    if not has_budget(series) or budget.not_valid(series):
+    if not has_budget(series) or budget.why_not_valid(series):
         return None
     known = {cause: share for cause, share in budget.shares(series, field).items() if share is not None}
     return max(known.items(), key=lambda item: item[1]) if known else None

@@ -34,7 +34,7 @@ def resolve_name(name: str, folder: Path = FOLDER) -> str:
     found = [full for full in known if name in (full, *full.split("-", 1))]
     found = found or [full for full in known if full.split("-", 1)[0].lstrip("0") == name]
     if len(found) != 1:
-        raise UnknownLesson(f"there is no lesson '{quoting.quoted(name)}'; give one of {', '.join(known)}")
+        raise UnknownLesson(f"there is no lesson '{quoting.quote(name)}'; give one of {', '.join(known)}")
     return found[0]
 
 

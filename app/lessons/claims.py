@@ -30,7 +30,7 @@ from solvers.scene.error_causes import CAUSES, FIELDS
 from solvers.scene.estimator_registry import ESTIMATORS
 from solvers.scene.extensions import load_extensions
 from solvers.study.coverage import random_runs
-from solvers.untrusted.quoting import quoted, sentence
+from solvers.untrusted.quoting import one_line, quote
 
 WORDS = {word: word for word in ("ok", "unstable", "lost", "yes", "no")}
 NORMS = ("final", "max", "mean")
@@ -67,7 +67,7 @@ class ClaimError(ValueError):
     """An expression that means nothing, or that has no value here: why, and what was expected."""
 
     def __init__(self, why: str):
-        super().__init__(sentence(why))
+        super().__init__(one_line(why))
 
 
 @dataclass(frozen=True)
@@ -170,7 +170,7 @@ def _split(claim: str) -> tuple[str, ...]:
     for pattern in (_RANGE, _COMPARED) if len(claim) <= LONGEST else ():
         if found := pattern.fullmatch(claim.strip()):
             return tuple(part.strip() for part in found.groups())
-    raise ClaimError(f"'{quoted(claim)}' claims nothing; give something like error.x.max < 1e-5 or "
+    raise ClaimError(f"'{quote(claim)}' claims nothing; give something like error.x.max < 1e-5 or "
                      "order(x) in 1.9..2.1")
 
 
@@ -178,13 +178,13 @@ def _parsed(text: str) -> ast.expr:
     try:
         tree = ast.parse(text.strip() if len(text) <= LONGEST else "", mode="eval").body
     except (SyntaxError, ValueError, RecursionError, MemoryError):  # of what is nested too deep, the last two
-        raise ClaimError(f"'{quoted(text)}' cannot be read; give numbers, paths such as error.x.max, + - * / ** and "
+        raise ClaimError(f"'{quote(text)}' cannot be read; give numbers, paths such as error.x.max, + - * / ** and "
                          f"{', '.join(f'{name}(…)' for name in FUNCTIONS)}") from None
     allowed = (ast.BinOp, ast.UnaryOp, ast.USub, ast.Constant, ast.Attribute, ast.Name, ast.Call, ast.Load, *_OPERATORS)
     for node in ast.walk(tree):
         if not isinstance(node, allowed) or (isinstance(node, ast.Constant) and not _is_real(node.value)):
-            part = quoted(ast.unparse(node)) if isinstance(node, ast.expr) else "this"
-            raise ClaimError(f"'{quoted(text)}': {part} means nothing here; give numbers, paths such as error.x.max, "
+            part = quote(ast.unparse(node)) if isinstance(node, ast.expr) else "this"
+            raise ClaimError(f"'{quote(text)}': {part} means nothing here; give numbers, paths such as error.x.max, "
                              "+ - * / ** and functions")
     return tree
 

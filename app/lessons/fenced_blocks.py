@@ -156,7 +156,7 @@ def parse_bettors(text: str, line: int) -> tuple[str, ...]:
     """Whose bets a block lays side by side, one a line."""
     found = tuple(row.strip() for row in text.splitlines() if row.strip())
     if unknown := [name for name in found if name not in BETTORS]:
-        raise LessonError(line, f"'{quoting.quoted(unknown[0])}' does not bet; give {', '.join(BETTORS)}, one a line")
+        raise LessonError(line, f"'{quoting.quote(unknown[0])}' does not bet; give {', '.join(BETTORS)}, one a line")
     if not found:
         raise LessonError(line, f"nobody bets here; give {', '.join(BETTORS)}, one a line")
     return tuple(dict.fromkeys(found))

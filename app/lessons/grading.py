@@ -81,7 +81,7 @@ def grades_csv(rows: Sequence[GradedFile]) -> str:
             cells += [said, "" if found is None or found.right is None else _yes(found.right)]
             if (lesson, key) in bets:
                 cells.append(_score(found.bet.score if found is not None and found.bet else None))
-        write.writerow([quoting.cell(cell) for cell in cells])
+        write.writerow([quoting.csv_cell(cell) for cell in cells])
     return out.getvalue()
 
 

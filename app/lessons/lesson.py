@@ -46,8 +46,8 @@ class LessonError(ValueError):
     """A file that is no lesson: where, what is wrong and what was expected, in one sentence."""
 
     def __init__(self, line: int, sentence: str, file: str = ""):
-        self.line, self.sentence = line, quoting.sentence(sentence)
-        super().__init__(quoting.sentence(f"{quoting.file_name(file or 'lesson')}, line {line}: {sentence}"))
+        self.line, self.sentence = line, quoting.one_line(sentence)
+        super().__init__(quoting.one_line(f"{quoting.file_name(file or 'lesson')}, line {line}: {sentence}"))
 
 
 @dataclass(frozen=True)

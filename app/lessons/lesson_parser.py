@@ -57,7 +57,7 @@ def parts_of(lines: list[str], first: int) -> list[LessonSection]:
         elif fence.startswith(FENCE):
             block, opened = fence[len(FENCE):].strip(), number
             if block not in BLOCKS:
-                raise LessonError(number, f"a block '{quoting.quoted(block)}' is not known; give "
+                raise LessonError(number, f"a block '{quoting.quote(block)}' is not known; give "
                                           f"{', '.join(BLOCKS)} after {FENCE}")
         elif line.startswith("## "):
             parts.append(LessonSection(line, number, [], []))
@@ -144,7 +144,7 @@ def _lesson(head: str, name: str, fingerprint: str) -> Lesson:
     controls = fenced_blocks.require_texts(values, "controls", at("controls"))
     for control in controls:
         if control not in CONTROLS:
-            raise LessonError(at("controls"), f"controls: '{quoting.quoted(control)}' is not known; give "
+            raise LessonError(at("controls"), f"controls: '{quoting.quote(control)}' is not known; give "
                                               f"{', '.join(CONTROLS)}")
     return Lesson(name, title.strip(), goals, controls,
                   fenced_blocks.require_texts(values, "prerequisites", at("prerequisites")),
@@ -195,8 +195,8 @@ def _kind(part: LessonSection) -> tuple[str, str, bool]:
     found = HEADING.fullmatch(part.heading.strip())
     kind = found["kind"].strip().lower() if found else ""
     if not found or kind not in KINDS:
-        meant = quoting.meant(kind.capitalize(), [known.capitalize() for known in KINDS])
-        raise LessonError(part.line, f"'{quoting.quoted(part.heading.strip())}' begins no step{meant}; give "
+        meant = quoting.suggest_word(kind.capitalize(), [known.capitalize() for known in KINDS])
+        raise LessonError(part.line, f"'{quoting.quote(part.heading.strip())}' begins no step{meant}; give "
                           "## Predict: ..., ## Run: ..., ## Observe: ... or ## Explain: ..., of a core round "
                           "## Predict (core): ...")
     return kind, found["title"].strip(), bool(found["core"])

@@ -10,7 +10,7 @@ from app import state
 from app.lessons.bets import Ends, about_bets, bets_by_judge
 from app.lessons.claims import Outcome, Scope, runs_needed
 from app.lessons.lesson import Lesson, Numbers, Step, fill_numbers
-from solvers.scene.kernel_options import combination
+from solvers.scene.kernel_options import kernel_key
 from solvers.workers.worker_pool import WorkerPool, one_of_each_first
 from solvers.workers.worker_process import ProcessDied
 
@@ -90,7 +90,7 @@ def _scene(text: str) -> str:
 
 def _compiled(text: str) -> tuple:
     """What has to be compiled for the scene of a state."""
-    return combination(state.parse_state(text).scene)
+    return kernel_key(state.parse_state(text).scene)
 
 
 def scene_texts(lesson: Lesson, numbers: Numbers) -> list[str]:

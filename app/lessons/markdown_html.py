@@ -11,7 +11,7 @@ from markdown_it.renderer import RendererHTML
 from mdit_py_plugins.dollarmath import dollarmath_plugin
 
 from app.language.translation import lazy
-from solvers.untrusted.quoting import quoted, sentence
+from solvers.untrusted.quoting import one_line, quote
 
 KINDS = {".svg": "image/svg+xml", ".png": "image/png"}
 #: What a text tells its reader to do, by what is done. What is named stands in bold, its value as code, and the name
@@ -29,7 +29,7 @@ class RenderError(ValueError):
 
     def __init__(self, piece: str, why: str):
         self.piece = piece
-        super().__init__(sentence(why))
+        super().__init__(one_line(why))
 
 
 def to_html(markdown: str, folder: Path | None = None) -> str:
@@ -59,10 +59,10 @@ def to_mathml(latex: str, display: bool) -> str:
     try:
         found = latex2mathml.converter.convert(latex, display="block" if display else "inline")
     except Exception as error:  # the library raises what comes
-        raise RenderError(latex, f"the formula ${quoted(latex)}$ cannot be shown ({type(error).__name__}); "
+        raise RenderError(latex, f"the formula ${quote(latex)}$ cannot be shown ({type(error).__name__}); "
                                  "give plain LaTeX such as $\\frac{h}{2}$") from None
     if unknown := re.search(r"\\\w+", found):  # a command that nobody knows would be shown as it is typed
-        raise RenderError(latex, f"the formula ${quoted(latex)}$ has {quoted(unknown[0])}, which cannot be "
+        raise RenderError(latex, f"the formula ${quote(latex)}$ has {quote(unknown[0])}, which cannot be "
                                  "shown; give plain LaTeX such as $\\frac{h}{2}$")
     return found
 
@@ -72,6 +72,6 @@ def _data(folder: Path | None, source: str) -> str:
     path = None if folder is None else folder / source
     kind = KINDS.get(Path(source).suffix)
     if kind is None or path is None or not re.fullmatch(r"[\w./-]+", source) or ".." in source or not path.is_file():
-        raise RenderError(source, f"the picture {quoted(source)} is not there; give an .svg or .png file beside "
+        raise RenderError(source, f"the picture {quote(source)} is not there; give an .svg or .png file beside "
                                   "the lesson")
     return f"data:{kind};base64,{base64.b64encode(path.read_bytes()).decode()}"

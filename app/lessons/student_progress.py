@@ -8,7 +8,7 @@ from typing import Any
 
 from app.lessons.answer_check import why_invalid
 from app.lessons.lesson import Lesson
-from solvers.study.json_schema import MapOf, mismatch, parsed
+from solvers.study.json_schema import MapOf, describe_mismatch, parse_json
 from solvers.untrusted import quoting
 
 SCHEMA = "mpm-lab/answers/1"
@@ -22,7 +22,7 @@ class NotAnswers(ValueError):
     """A text that no lesson has written; the message says why."""
 
     def __init__(self, sentence: str):
-        super().__init__(quoting.sentence(sentence))
+        super().__init__(quoting.one_line(sentence))
 
 
 @dataclass
@@ -66,16 +66,16 @@ class Progress:
 def parse_progress(text: str, find: Callable[[str], Lesson | None]) -> Progress:
     """Reads the progress in a text, for a lesson that ``find`` gives by name; raises :class:`NotAnswers`."""
     try:
-        values = parsed(text)
+        values = parse_json(text)
     except ValueError:
         raise NotAnswers("is no JSON; give a file that the page has handed in") from None
-    if wrong := mismatch(values, FORM):
+    if wrong := describe_mismatch(values, FORM):
         raise NotAnswers(f"is no file of answers: {wrong}")
     if values["schema"] != SCHEMA:
-        raise NotAnswers(f"is of another version ({quoting.quoted(values['schema'], 40)}); {SCHEMA} can be read")
+        raise NotAnswers(f"is of another version ({quoting.quote(values['schema'], 40)}); {SCHEMA} can be read")
     lesson = find(values["lesson"])
     if lesson is None:
-        raise NotAnswers(f"is about a lesson that is not here: {quoting.quoted(values['lesson'])}")
+        raise NotAnswers(f"is about a lesson that is not here: {quoting.quote(values['lesson'])}")
     answers = {}
     for key, given in values["answers"].items():
         if key in lesson.questions and given["attempts"] > 0 and 0 <= given["seconds"] < MOST_SECONDS and not any(

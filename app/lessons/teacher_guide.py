@@ -13,7 +13,7 @@ from app.lessons.lesson_runs import RunCache, RunFailed
 from app.lessons.markdown_html import to_html
 from app.lessons.rounds import split_rounds
 from app.templates import render_template
-from solvers.study.markdown import grid
+from solvers.study.markdown import markdown_table
 
 PAGE = Path(__file__).parent / "guide.html"
 
@@ -31,7 +31,7 @@ def guide_markdown(lesson: Lesson, outcomes: RunCache, core: bool = False) -> st
     if names := list(lesson.variants[0]):
         rows = ([str(k), *(f"{numbers[name]}" for name in names)] for k, numbers in enumerate(lesson.variants, 1))
         differ = tr("Numbers differ from student to student, drawn from the name:")
-        variants = f"{differ}\n\n{grid([tr('variant'), *names], rows)}"
+        variants = f"{differ}\n\n{markdown_table([tr('variant'), *names], rows)}"
     flag = " --core" if core else ""
     parts += [tr("Open the class on it: `mpm-lab serve --lesson {name}`. Handed-in files become one table by "
                  "`mpm-lab lesson grade {files}`.", name=f"{lesson.name}{flag}", files=f"FILES{flag}"),
@@ -69,7 +69,7 @@ def _question(lesson: Lesson, step: Step, outcomes: RunCache) -> Iterator[str]:
         yield tr("**Answer:** {answer}", answer=answers[0])
     else:
         rows = ([str(k), one] for k, one in enumerate(answers, 1))
-        yield tr("**Answer:**") + "\n\n" + grid([tr("variant"), tr("answer")], rows)
+        yield tr("**Answer:**") + "\n\n" + markdown_table([tr("variant"), tr("answer")], rows)
 
 
 def _answer(lesson: Lesson, step: Step, numbers: Numbers, outcomes: RunCache) -> str:

@@ -29,7 +29,7 @@ from app.page.shutdown import exit_within, in_background
 from app.page.visit.engine_links import PageLinks, SessionCount
 from solvers.engine.engine_messages import FRAME_SECONDS
 from solvers.engine.engine_pool import EnginePool
-from solvers.workers.cpu_count import processors
+from solvers.workers.cpu_count import available_cpus
 
 EVERYWHERE, HERE = ("", "0.0.0.0"), "127.0.0.1"
 HEARS_WITHIN, TOLD_WITHIN = 0.2, 0.5  # seconds until it hears of its end, and has told all others at most
@@ -186,12 +186,12 @@ def serve(host: str, port: int, max_sessions: int, warm_up: bool = True, code: s
                   f"http://{_outside(host)}:{server.get_port()}/", codes)
         lessons = catalogue.load_lessons()  # while nothing else is to be done: the first visitor wants them
         if warm_up:
-            pool.expect(usual_scenes(lessons, lesson))
+            pool.prewarm(usual_scenes(lessons, lesson))
         while True:  # the system may give Ctrl-C to any thread, and does not wake this one for it then
             sleep(HEARS_WITHIN)
     finally:
         with exit_within(ENDS_WITHIN):
-            pool.dismiss()  # first: it takes them longest
+            pool.request_stop()  # first: it takes them longest
             closing = [] if server is None else server.visitors.say_goodbye()
             closing.append(in_background(classroom.outcomes.close))
             if shared is not None:
@@ -217,7 +217,7 @@ def _start_server(host: str, port: int, pool: EnginePool, max_sessions: int, add
     from app.viewer.web_server import AccessControl, Lab
 
     patch_viser()
-    pool.gather(batch_messages)
+    pool.deliver_within(batch_messages)
     viser_patches.mend_callbacks()
     # A frame may be drawn for a visitor who left a moment ago; that is nobody's fault.
     warnings.filterwarnings("ignore", message="Queued a .* on a closed connection")
@@ -297,7 +297,7 @@ def _outside(host: str) -> str:
 
 def _engine_count() -> int:
     """One engine fewer than the processors that this process may use, so that the page keeps one."""
-    return min(MOST_ENGINES, max(1, processors() - 1))
+    return min(MOST_ENGINES, max(1, available_cpus() - 1))
 
 
 def _require_free(host: str, port: int) -> None:

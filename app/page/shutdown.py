@@ -5,7 +5,7 @@ import threading
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 
-from solvers.workers.worker_process import end_after
+from solvers.workers.worker_process import exit_after
 
 TIDY = 0.2  # seconds in which Python tidies up when all is done
 INTERRUPTED = 130  # what a shell expects of a process that was ended by Ctrl-C
@@ -16,9 +16,9 @@ def exit_within(seconds: float) -> Iterator[None]:
     """The last that this process does: after so many seconds it ends in any case, and ignores Ctrl-C."""
     for kind in (signal.SIGINT, signal.SIGTERM):
         signal.signal(kind, signal.SIG_IGN)
-    in_background(end_after, seconds, INTERRUPTED)
+    in_background(exit_after, seconds, INTERRUPTED)
     yield
-    in_background(end_after, TIDY, INTERRUPTED)
+    in_background(exit_after, TIDY, INTERRUPTED)
 
 
 def in_background(work: Callable, *what: object) -> threading.Thread:

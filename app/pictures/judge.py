@@ -13,9 +13,9 @@ from app.renderers import panel_style
 from app.renderers.panel_style import positive_or_gap, subsample_indices, write_note
 from app.renderers.picture_style import in_sizes
 from app.words import QUANTITIES, method_name
-from solvers.judging.check import Checked
+from solvers.judging.check import MotionCheck
 from solvers.judging.error_norms import QUANTITIES as JUDGED
-from solvers.judging.error_norms import series, sizes
+from solvers.judging.error_norms import norm_series, sizes
 from solvers.judging.findings.neighbours import departures
 from solvers.judging.judgement import GridJudgement, Judgement
 from solvers.solver.error_norms import largest
@@ -55,8 +55,8 @@ def _says_nothing(axes: Axes) -> bool:
 def _draw_norms(axes: Axes, g: GridJudgement, q: str, k: int, count: int) -> None:
     shade = 1.0 if count == 1 else 0.35 + 0.65 * (k + 1) / count
     mark = MARKS[k % len(MARKS)] if len(g.grid.times) <= 12 else None
-    lines = [("truth", series(g.true)[q], TRUTH, "-")] if g.true else []
-    lines.append(("companion", series(g.estimated)[q], ESTIMATE, "--"))
+    lines = [("truth", norm_series(g.true)[q], TRUTH, "-")] if g.true else []
+    lines.append(("companion", norm_series(g.estimated)[q], ESTIMATE, "--"))
     for label, values, colour, style in lines:
         moved = g.grid.times > 0  # the error of the start is rounding, far below all others
         values, times = positive_or_gap(values[moved]), g.grid.times[moved]
@@ -138,13 +138,13 @@ FIGURES: dict[str, Callable[[Judgement], Figure | None]] = {
     "norms": norms_figure, "space": space_figure, "order": order_figure}
 
 
-def places_figure(checked: Checked) -> Figure | None:
+def places_figure(checked: MotionCheck) -> Figure | None:
     """The particles at the moment of the first contradiction, else the last: displacements along a line, or places in
     the first two directions. None where nobody has neighbours."""
-    motion = checked.motion.part
+    motion = checked.motion.representative_part
     if motion.near is None:
         return None
-    named = [one for one in checked.wrong if one.time is not None and one.particle is not None]
+    named = [one for one in checked.contradictions if one.time is not None and one.particle is not None]
     moment = int(np.argmin(np.abs(motion.times - named[0].time))) if named else len(motion.times) - 1
     with np.errstate(all="ignore"):
         far = np.nan_to_num(departures(motion.near, motion.x[moment] - motion.reference), posinf=0.0)
@@ -171,4 +171,4 @@ def places_figure(checked: Checked) -> Figure | None:
     return figure
 
 
-CHECKED: dict[str, Callable[[Checked], Figure | None]] = {"places": places_figure}
+CHECKED: dict[str, Callable[[MotionCheck], Figure | None]] = {"places": places_figure}

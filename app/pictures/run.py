@@ -43,7 +43,7 @@ def run_figure(result: Result) -> Figure:
         several = max(1, len(result.scene.active_estimators))
         upper, lower = height / (1 + lower), lower * (MIN_SHARE + (1 - MIN_SHARE) / several)
         height = upper * (1 + lower)
-    divided = result.scene.has("budget") and budget.not_valid(result.series) is None
+    divided = result.scene.has("budget") and budget.why_not_valid(result.series) is None
     figure = make_figure(WIDTH, height + MADE * divided, _title(result))
     places = figure.add_gridspec(2 + divided, 2, height_ratios=(1, lower, MADE * (1 + lower) / height)[:2 + divided])
     norms = places[0, 0].subgridspec(len(DRAWN), 1).subplots(squeeze=False)[:, 0]

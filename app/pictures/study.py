@@ -19,7 +19,7 @@ from app.renderers.panel_style import Look, write_note
 from app.renderers.picture_style import SizeFormatter, in_sizes
 from app.words import METHODS, QUANTITIES
 from solvers.solver.soundness import BROKEN, OK
-from solvers.study.convergence import Series, balance, error_of, measured, pareto
+from solvers.study.convergence import Series, completed_rows, error_of, fit_space_time, pareto
 
 REST = "everything else\nthat was measured"
 NO_TRUTH = "no row has a true error"
@@ -38,7 +38,7 @@ BALANCE_LOOK: Look = {"marker": "*", "markersize": 15, "markeredgecolor": INK, "
 def error_time_figure(rows: Sequence[dict]) -> Figure:
     """Error against seconds: lower left is better. The front is made of the rows that none beats in both."""
     title = "What accuracy costs: error against time"
-    cells = sorted({row["scene"]["cells"] for row in measured(rows)})
+    cells = sorted({row["scene"]["cells"] for row in completed_rows(rows)})
     shown = parts.known_quantities(rows, DRAWN)
     if not shown:
         return parts.empty_figure(title, NO_TRUTH)
@@ -47,7 +47,7 @@ def error_time_figure(rows: Sequence[dict]) -> Figure:
         title += f"; from left to right along a line: {', '.join(map(str, cells))} cells"
     figure, axes = parts.frame(title, 1, len(shown), (WIDTH, 5.6))
     for panel, quantity in zip(axes[0], shown, strict=True):
-        points = [(row["seconds"]["min"], error) for row in measured(rows)
+        points = [(row["seconds"]["min"], error) for row in completed_rows(rows)
                   if row["status"] == OK and (error := error_of(row, quantity))]
         if points:
             best = [points[k] for k in pareto(*zip(*points, strict=True))]
@@ -70,10 +70,10 @@ def error_spacing_figure(rows: Sequence[dict]) -> Figure:
     figure, axes = parts.frame(title, 1, len(shown), (WIDTH, 6.2))
     for panel, quantity in zip(axes[0], shown, strict=True):
         parts.draw_errors(panel, lines, quantity, lambda row: row["h"], joined=False)
-        spacings = sorted({row["h"] for row in measured(rows)})
+        spacings = sorted({row["h"] for row in completed_rows(rows)})
         _fits(panel, lines, quantity)
         if len(spacings) > 1:
-            _triangles(panel, [(row["h"], error_of(row, quantity)) for row in measured(rows)])
+            _triangles(panel, [(row["h"], error_of(row, quantity)) for row in completed_rows(rows)])
             panel.set_xlim(spacings[0] / 1.25, spacings[-1] * 1.25)
         else:
             panel.text(0.03, 0.03, "one h only: no order to fit", transform=panel.transAxes, color=INK3)
@@ -87,7 +87,7 @@ def error_spacing_figure(rows: Sequence[dict]) -> Figure:
 def estimate_truth_figure(rows: Sequence[dict]) -> Figure:
     """Estimated against true error, a row of panels for each estimator; on the line they are equal."""
     title = "Can the estimate be believed? Estimated against true error (largest RMS of each run)"
-    rows = measured(rows)
+    rows = completed_rows(rows)
     shown = parts.known_quantities(rows)
     names = list(dict.fromkeys(name for row in rows for name, norms in row["estimate"].items()
                                if any(norms.get(quantity, {}).get("max") for quantity in shown)))
@@ -108,7 +108,7 @@ def estimate_truth_figure(rows: Sequence[dict]) -> Figure:
 def cost_figure(rows: Sequence[dict]) -> Figure:
     """Nanoseconds of a particle-step of each method, and the price of whatever came on top of it."""
     title = "What a run costs"
-    rows = [row for row in measured(rows) if row["status"] == OK and row["rate"]]
+    rows = [row for row in completed_rows(rows) if row["status"] == OK and row["rate"]]
     if not rows:
         return parts.empty_figure(title, "no run stood to its end")
     prices = _extra_prices(rows)
@@ -177,7 +177,7 @@ def _balances(axes: Axes, lines: Sequence[tuple[Series, Look]], quantity: str) -
     for line, look in lines:
         points = [(row["scene"]["dt"], error) for row in line.rows
                   if row["status"] == OK and (error := error_of(row, quantity))]
-        found = balance([dt for dt, _ in points], [error for _, error in points])
+        found = fit_space_time([dt for dt, _ in points], [error for _, error in points])
         if found is None or found.misfit > MOST_MISFIT:
             notes += [NEITHER] * (found is not None)
             if points:
@@ -188,7 +188,7 @@ def _balances(axes: Axes, lines: Sequence[tuple[Series, Look]], quantity: str) -
         if found.dt:
             axes.plot([found.dt], found.at(np.array([found.dt])), color=look["color"], zorder=4, **BALANCE_LOOK)
         else:
-            notes.append(SPACE if found.space_rules else TIME)
+            notes.append(SPACE if found.space_dominates else TIME)
     said = "".join(f"\n{note}" + ("" if number == len(lines) else f" ({number} of {len(lines)} series)")
                    for note in (SPACE, TIME, NEITHER) if (number := notes.count(note)))
     axes.set_title(axes.get_title("left") + said)

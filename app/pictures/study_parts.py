@@ -20,9 +20,9 @@ from solvers.problems import PROBLEMS
 from solvers.running.quantities_of_interest import SAFETY
 from solvers.scene.estimator_registry import ESTIMATORS
 from solvers.solver.soundness import BROKEN
-from solvers.study.convergence import Series, error_of, measured, series
-from solvers.study.coverage.coverage_counts import FACTORS, INTERVALS, REGIMES, interval
-from solvers.study.stability import TREATMENTS, held, survived, treatment_of
+from solvers.study.convergence import Series, completed_rows, error_of, group_series
+from solvers.study.coverage.coverage_counts import FACTORS, INTERVALS, REGIMES, wilson
+from solvers.study.stability import TREATMENTS, stayed_accurate, survived_periods, treatment_of
 
 LINE_STYLES = ("-", "--", ":", "-.")
 MOST_LEGEND_ENTRIES = 12
@@ -47,12 +47,12 @@ def empty_figure(title: str, sentence: str) -> Figure:
 
 def known_quantities(rows: Sequence[dict], among: Iterable[str] = QUANTITIES) -> list[str]:
     """The quantities of which some row knows an error."""
-    return [q for q in among if any(error_of(row, q) for row in measured(rows))]
+    return [q for q in among if any(error_of(row, q) for row in completed_rows(rows))]
 
 
 def series_styles(rows: Sequence[dict], along: str = "cells") -> list[tuple[Series, Look]]:
     """Each series and how it is drawn: colour and mark say the method, line style and filling what else differs."""
-    lines = series(rows, along)
+    lines = group_series(rows, along)
     numbers = {variant: k for k, variant in enumerate(dict.fromkeys(line.variant for line in lines))}
     return [(line, {"color": METHOD_COLOURS[line.method], "marker": METHOD_MARKS[line.method], "markersize": 6,
                     "linewidth": 1.3, "linestyle": LINE_STYLES[(k := numbers[line.variant]) % len(LINE_STYLES)],
@@ -167,7 +167,7 @@ def _rows(axes: Axes, names: Sequence[str], counts: Callable[[str, str], tuple[i
         for k, (symbol, regime) in enumerate(zip(SYMBOLS, REGIMES, strict=True)):
             held, of = counts(name, regime)
             if of:
-                low, high = interval(held, of)
+                low, high = wilson(held, of)
                 y = row + (k - 1) * SPREAD
                 axes.plot([100 * low, 100 * high], [y, y], color=colour, linewidth=1.5)
                 axes.plot([100 * held / of], [y], symbol, color=colour, markersize=6)
@@ -183,7 +183,7 @@ SHORTEST = 0.1  # periods, at the dark end of the scale
 
 def stability_figure(rows: Sequence[dict]) -> Figure:
     """Bright held long, dark broke soon; a tick marks what held to the end."""
-    shown = measured(rows)
+    shown = completed_rows(rows)
     if not shown:
         return empty_figure("Stability", "no run was possible")
     kind = PROBLEMS[shown[0]["problem"]].scene
@@ -202,8 +202,8 @@ def stability_figure(rows: Sequence[dict]) -> Figure:
             lives = np.full((len(steps), len(amplitudes)), np.nan)
             for row in own:
                 at = steps.index(row["scene"]["cfl"]), amplitudes.index(row["scene"]["amplitude"])
-                lives[at] = max(survived(row), SHORTEST)
-                text = "✓" if held(row) else f"{survived(row):.2g}"
+                lives[at] = max(survived_periods(row), SHORTEST)
+                text = "✓" if stayed_accurate(row) else f"{survived_periods(row):.2g}"
                 dark = lives[at] < np.sqrt(SHORTEST * longest)
                 panel.text(at[1], at[0], text, ha="center", va="center", fontsize=10, color="w" if dark else INK)
             panel.imshow(lives, origin="lower", aspect="auto", norm=LogNorm(SHORTEST, longest), cmap="cividis")

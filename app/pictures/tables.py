@@ -13,8 +13,8 @@ from app.renderers.panel_style import Look, line_style, write_note
 from app.renderers.picture_style import in_sizes, make_figure
 from app.words import EXTRA_NORMS, QUANTITIES, method_name, with_unit
 from solvers.scene.estimator_registry import ESTIMATORS
-from solvers.study.tables.paper_tables import short
-from solvers.study.tables.table_runs import parts
+from solvers.study.tables.paper_tables import format_round
+from solvers.study.tables.table_runs import rows_by_part
 
 PAPER: Look = dict(color=INK, marker="x", markersize=7, markeredgewidth=1.6, linestyle="none",
                    label="the paper's, printed")
@@ -44,7 +44,8 @@ def _bar_errors(figure: SubFigure, table: dict) -> None:
         series = {"ours, force at nodes": forces["node"], "ours, force at material points": forces["material"]}
         for panel, key in zip(across, ("x", "v", "sigma_log"), strict=True):
             _draw_errors(panel, series, key)
-        across[1].set_title(f"E = {modulus:g} Pa, A = {short(amplitude)} m: largest RMS error over time", loc="center")
+        across[1].set_title(f"E = {modulus:g} Pa, A = {format_round(amplitude)} m: largest RMS error over time",
+                            loc="center")
     _legend(figure, axes[0, 0])
 
 
@@ -53,7 +54,7 @@ def _ring_errors(figure: SubFigure, table: dict) -> None:
     methods = _by("method", table["rows"])
     axes = figure.subplots(3, len(methods), squeeze=False, sharey="row")
     for panels, method in zip(axes.T, methods, strict=True):
-        series = {part: _by("method", rows)[method] for part, rows in parts(table).items()}
+        series = {part: _by("method", rows)[method] for part, rows in rows_by_part(table).items()}
         for panel, key in zip(panels, ("x", "v", "a_nodes"), strict=True):
             _draw_errors(panel, series, key)
         panels[0].set_title(method_name(method))
@@ -65,10 +66,10 @@ def _ring_errors(figure: SubFigure, table: dict) -> None:
 def _indices(figure: SubFigure, table: dict) -> None:
     """Draws a row of panels for each quantity and a column for each part or method; a row shares its axis."""
     if table["table"] == "1":
-        columns = {"\n".join(part.rsplit(", ", 1)): rows for part, rows in parts(table).items()}
+        columns = {"\n".join(part.rsplit(", ", 1)): rows for part, rows in rows_by_part(table).items()}
     else:
         columns = {"\n".join([method_name(method), *part.partition(" (")[0].rsplit(", ", 1)]): rows
-                   for part, found in parts(table).items() for method, rows in _by("method", found).items()}
+                   for part, found in rows_by_part(table).items() for method, rows in _by("method", found).items()}
     known = [quantity for quantity in QUANTITIES if any(_has_index(row, quantity) for row in table["rows"])]
     if not known:
         write_note(figure.subplots(), "no estimator gives an index here")
@@ -161,7 +162,7 @@ def _number(axes: Axes) -> None:
     """Numbers on a logarithmic axis as people write them: 1, 2, 5 where it is short, else powers of ten."""
     low, high = axes.get_ylim()
     axes.yaxis.set_major_locator(LogLocator(subs=(1, 2, 5) if high / low < 60 else (1,)))
-    axes.yaxis.set_major_formatter(lambda value, _: short(value))
+    axes.yaxis.set_major_formatter(lambda value, _: format_round(value))
     axes.yaxis.set_minor_formatter(NullFormatter())
 
 

@@ -15,7 +15,7 @@ import numpy as np
 
 from solvers.problems import PROBLEMS
 from solvers.running.run import build
-from solvers.running.timing import Stretch, rate, ratios, take_turns
+from solvers.running.timing import TimedSteps, particle_step_rate, time_interleaved, time_ratios
 from solvers.scene.scene import Scene
 from solvers.scene.validation import SceneError
 from solvers.solver.base import Solver
@@ -23,7 +23,7 @@ from solvers.solver.error_norms import finite
 from solvers.study.row import PRICED
 
 
-def priced(scene: type[Scene]) -> dict[str, tuple[dict[str, Any], dict[str, Any]]]:
+def optional_inputs(scene: type[Scene]) -> dict[str, tuple[dict[str, Any], dict[str, Any]]]:
     """What is optional in a problem's step: the inputs that switch it on and those that it is compared with; the rest
     is bare."""
     found: dict[str, tuple[dict[str, Any], dict[str, Any]]] = {
@@ -51,41 +51,42 @@ FULL = Effort({1: (40, 160, 640), 2: (24, 96)}, {1: 160, 2: 48}, 5, 7, 15, 0.04)
 QUICK = Effort({1: (40, 160), 2: (24,)}, {1: 40, 2: 24}, 3, 3, 5, 0.02)
 
 
-def bare(problem: str, cells: int, **inputs: Any) -> Scene:
+def bare_scene(problem: str, cells: int, **inputs: Any) -> Scene:
     kind = PROBLEMS[problem].scene
     return kind(**{"cells": cells, "effects": (), "estimators": (), "amplitude": kind.GENTLE_AMPLITUDE, **inputs})
 
 
-def rates(problem: str, method: str, effort: Effort) -> list[dict]:
+def measure_rates(problem: str, method: str, effort: Effort) -> list[dict]:
     """Million particle-steps per second at each size."""
-    scenes = [bare(problem, cells, method=method) for cells in effort.cells[PROBLEMS[problem].scene.DIMENSIONS]]
-    return [{**_identity(scene), "particles": scene.particles, "rate": finite(rate(build(scene), effort.rate_turns))}
-            for scene in scenes]
+    scenes = [bare_scene(problem, cells, method=method) for cells in effort.cells[PROBLEMS[problem].scene.DIMENSIONS]]
+    return [{**_scene_columns(scene), "particles": scene.particles,
+             "rate": finite(particle_step_rate(build(scene), effort.rate_turns))} for scene in scenes]
 
 
 def estimator_prices(problem: str, effort: Effort) -> list[dict]:
     """A step with each estimator, all four quantities, over a bare one; null with a reason where it is not valid."""
     kind, with_it = PROBLEMS[problem].scene, dict[str, Scene]()
     for name in PROBLEMS[problem].estimators:  # of the default method, or the first for which the estimator is valid
-        scenes = [_priced_scene(problem, effort, method=method, effects=("estimate", "acceleration"),
-                                estimators=(name,)) for method in (kind.method, *kind.choices("method"))]
+        scenes = [_scene_with_options(problem, effort, method=method, effects=("estimate", "acceleration"),
+                                      estimators=(name,)) for method in (kind.method, *kind.choices("method"))]
         with_it[name] = next((scene for scene in scenes if not scene.not_valid), scenes[0])
     without = {name: replace(scene, effects=(), estimators=()) for name, scene in with_it.items()}
     valid = [name for name, scene in with_it.items() if not scene.not_valid]
-    found = ratios({name: (with_it[name], without[name]) for name in valid}, effort.price_turns)
-    return [{**_identity(scene), "name": name, "ratio": finite(found.get(name, math.nan)),
+    found = time_ratios({name: (with_it[name], without[name]) for name in valid}, effort.price_turns)
+    return [{**_scene_columns(scene), "name": name, "ratio": finite(found.get(name, math.nan)),
              "not_valid": scene.not_valid.get(name)} for name, scene in with_it.items()]
 
 
 def effect_prices(problem: str, effort: Effort) -> list[dict]:
     """A step with each effect over one without it."""
-    scene = _priced_scene(problem, effort)
-    pairs = {name: (replace(scene, **on), replace(scene, **off)) for name, (on, off) in priced(type(scene)).items()}
-    found = ratios(pairs, effort.price_turns)
-    return [{**_identity(scene), "name": name, "ratio": finite(ratio)} for name, ratio in found.items()]
+    scene = _scene_with_options(problem, effort)
+    pairs = {name: (replace(scene, **on), replace(scene, **off)) for name,
+             (on, off) in optional_inputs(type(scene)).items()}
+    found = time_ratios(pairs, effort.price_turns)
+    return [{**_scene_columns(scene), "name": name, "ratio": finite(ratio)} for name, ratio in found.items()]
 
 
-def off(problem: str, effort: Effort) -> dict:
+def measure_options_overhead(problem: str, effort: Effort) -> dict:
     """A bare step over one baseline by hand of all that is optional, and how far to believe that.
 
     Two solvers of each kind take turns. ``ratio`` is the median over the turns, ``low`` and ``high`` are the quartiles;
@@ -94,23 +95,23 @@ def off(problem: str, effort: Effort) -> dict:
     and ``call_stripped`` are the seconds that a call of the kernel costs, however many steps it takes: they are not
     part of a step, but more arguments, used or not, make a call longer.
     """
-    scene = _priced_scene(problem, effort)
+    scene = _scene_with_options(problem, effort)
     own, baseline = PROBLEMS[problem].solver, PROBLEMS[problem].baseline
     solvers = [kind(scene) for kind in (baseline, own, baseline, own)]
-    stretches = [Stretch(solver, effort.off_seconds) for solver in solvers]
+    stretches = [TimedSteps(solver, effort.off_seconds) for solver in solvers]
     steps = max(stretch.steps for stretch in stretches)
     for stretch in stretches:
         stretch.steps = steps
-    calls = np.array([_call_seconds(solver) for solver in solvers])
-    turns = take_turns(stretches, effort.off_turns) - calls / steps
+    calls = np.array([_seconds_per_call(solver) for solver in solvers])
+    turns = time_interleaved(stretches, effort.off_turns) - calls / steps
     over = turns[:, [1, 3]].min(axis=1) / turns[:, [0, 2]].min(axis=1)
     low, ratio, high = np.quantile(over, [0.25, 0.5, 0.75])
-    return {**_identity(scene), "ratio": finite(ratio), "low": finite(low), "high": finite(high),
+    return {**_scene_columns(scene), "ratio": finite(ratio), "low": finite(low), "high": finite(high),
             "same": finite(np.median(turns[:, 3] / turns[:, 1])),
             "call": min(calls[1], calls[3]), "call_stripped": min(calls[0], calls[2])}
 
 
-def _call_seconds(solver: Solver) -> float:
+def _seconds_per_call(solver: Solver) -> float:
     took = []
     for _ in range(50):
         begun = time.thread_time()
@@ -119,9 +120,9 @@ def _call_seconds(solver: Solver) -> float:
     return min(took)
 
 
-def _priced_scene(problem: str, effort: Effort, **inputs: Any) -> Scene:
-    return bare(problem, effort.priced_cells[PROBLEMS[problem].scene.DIMENSIONS], **inputs)
+def _scene_with_options(problem: str, effort: Effort, **inputs: Any) -> Scene:
+    return bare_scene(problem, effort.priced_cells[PROBLEMS[problem].scene.DIMENSIONS], **inputs)
 
 
-def _identity(scene: Scene) -> dict:
+def _scene_columns(scene: Scene) -> dict:
     return {"problem": scene.problem, "method": scene.method, "cells": scene.cells}

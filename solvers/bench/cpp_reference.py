@@ -13,15 +13,15 @@ from pathlib import Path
 
 import numpy as np
 
-from solvers.bench.benchmarks import bare
+from solvers.bench.benchmarks import bare_scene
 from solvers.problems import PROBLEMS
 from solvers.running.run import build
-from solvers.running.timing import Stretch
+from solvers.running.timing import TimedSteps
 
-CODE = Path(__file__).parent / "cpp"
+CPP_SOURCES = Path(__file__).parent / "cpp"
 FLAGS = ("-O3", "-march=native", "-ffast-math", "-fopenmp-simd", "-std=c++17")
 #: What a program is compiled with beside that: the ring's nodes are vectors of eight numbers.
-MORE = {"bar": (), "ring": ("-mprefer-vector-width=512",)}
+EXTRA_FLAGS = {"bar": (), "ring": ("-mprefer-vector-width=512",)}
 COMPILERS = ("g++", "clang++", "c++")
 PATIENCE = 120.0  # seconds
 TURNS, QUICK_TURNS = 5, 3
@@ -31,45 +31,48 @@ RING_METHODS = ("ugimp", "cpgimp", "cpdi")
 RING_CELLS, RING_STEPS = 96, 512  # beyond 0.01 s the C++ ring, without remedies for long runs, breaks
 
 
-class NoLimit(Exception):
+class CppMissing(Exception):
     """There is nothing to compare a rate with here; the sentence says why, and what would help."""
 
 
-class Program:
-    """The step of a problem in C++, compiled into a folder. Raises :class:`NoLimit` where that cannot be."""
+class CppProgram:
+    """The step of a problem in C++, compiled into a folder. Raises :class:`CppMissing` where that cannot be."""
 
     def __init__(self, problem: str, folder: Path):
         self.path = folder / problem
-        said = _run(compiler(), *FLAGS, *MORE[problem], str(CODE / f"{problem}.cpp"), "-o", str(self.path))
+        said = _run_command(find_compiler(), *FLAGS, *EXTRA_FLAGS[problem], str(CPP_SOURCES / f"{problem}.cpp"), "-o",
+                            str(self.path))
         if said.returncode:
             reasons = [line for line in said.stderr.splitlines() if "error" in line] or ["it failed"]
-            raise NoLimit(f"the C++ of the {problem} does not compile: {reasons[0].rpartition('error')[2].strip(': ')}")
+            raise CppMissing(
+                f"the C++ of the {problem} does not compile: {reasons[0].rpartition('error')[2].strip(': ')}"
+            )
 
     def run(self, *arguments: object) -> tuple[float, float]:
         """Million particle-steps a second of the processor's time, the start not counted; and the largest error of x
         over the amplitude, by which one sees that it has done the work."""
-        said = _run(str(self.path), *map(str, arguments))
+        said = _run_command(str(self.path), *map(str, arguments))
         if said.returncode:
-            raise NoLimit(f"the C++ of the {self.path.name} ended with status {said.returncode}")
+            raise CppMissing(f"the C++ of the {self.path.name} ended with status {said.returncode}")
         rate, error = map(float, said.stdout.split())
         return rate, error
 
 
-def compiler() -> str:
+def find_compiler() -> str:
     """The compiler that the variable CXX names, or the first that is found."""
     names = (os.environ["CXX"],) if os.environ.get("CXX") else COMPILERS
     for name in names:
         if found := shutil.which(name):
             return found
-    raise NoLimit(f"there is no C++ compiler ({', '.join(names)}); install one, or name it in the variable CXX")
+    raise CppMissing(f"there is no C++ compiler ({', '.join(names)}); install one, or name it in the variable CXX")
 
 
-def _run(*command: str) -> subprocess.CompletedProcess:
+def _run_command(*command: str) -> subprocess.CompletedProcess:
     try:
         return subprocess.run(command, capture_output=True, text=True, errors="replace", timeout=PATIENCE,
                               stdin=subprocess.DEVNULL)
     except (OSError, subprocess.TimeoutExpired) as error:
-        raise NoLimit(f"{Path(command[0]).name} cannot be run: {' '.join(str(error).split())}") from None
+        raise CppMissing(f"{Path(command[0]).name} cannot be run: {' '.join(str(error).split())}") from None
 
 
 @dataclass(frozen=True)
@@ -81,14 +84,14 @@ class Case:
     arguments: tuple[object, ...]
 
 
-def cases(problem: str) -> list[Case]:
+def comparison_cases(problem: str) -> list[Case]:
     """The bar's methods, all against the C++ step of uGIMP; the ring's boxes and CPDI, each against its own."""
     if problem == "bar":
         return [Case(method, BAR_CELLS, (BAR_CELLS, BAR_STEPS)) for method in PROBLEMS[problem].scene.choices("method")]
     return [Case(method, RING_CELLS, (method, RING_CELLS, RING_STEPS)) for method in RING_METHODS]
 
 
-def ratios(problem: str, quick: bool) -> dict:
+def measure_ratios(problem: str, quick: bool) -> dict:
     """A row for each case of a problem, or why there is none. In a turn each case is measured twice, the solver and at
     once the C++, after a turn that does not count.
 
@@ -97,19 +100,19 @@ def ratios(problem: str, quick: bool) -> dict:
     """
     with tempfile.TemporaryDirectory(prefix="mpm-lab-limit-", ignore_cleanup_errors=True) as folder:
         try:
-            program = Program(problem, Path(folder))
-            pairs = [(case, Stretch(build(bare(problem, case.cells, method=case.method)), SECONDS))
-                     for case in cases(problem)]
+            program = CppProgram(problem, Path(folder))
+            pairs = [(case, TimedSteps(build(bare_scene(problem, case.cells, method=case.method)), SECONDS))
+                     for case in comparison_cases(problem)]
             turns = [[(stretch.time(), program.run(*case.arguments)[0]) for case, stretch in pairs]
                      for _ in range(1 + (QUICK_TURNS if quick else TURNS))]
-        except NoLimit as why:
+        except CppMissing as why:
             return {"problem": problem, "missing": str(why), "cases": []}
     return {"problem": problem, "missing": None, "cases": [
-        _row(case, stretch.solver.scene.particles, np.array(taken))
+        _ratio_row(case, stretch.solver.scene.particles, np.array(taken))
         for (case, stretch), taken in zip(pairs, np.swapaxes(turns[1:], 0, 1), strict=True)]}
 
 
-def _row(case: Case, particles: int, turns: np.ndarray) -> dict:
+def _ratio_row(case: Case, particles: int, turns: np.ndarray) -> dict:
     """``turns``: seconds a step of the solver and the rate of the C++, a row a turn."""
     seconds, limits = turns.T
     rates = 1e-6 * particles / seconds

@@ -15,7 +15,7 @@ from typing import Any
 import numpy as np
 import taichi as ti
 
-from solvers.bench.benchmarks import bare
+from solvers.bench.benchmarks import bare_scene
 from solvers.kernels import runtime
 from solvers.kernels.dtypes import quads
 from solvers.running.run import build
@@ -31,79 +31,80 @@ METHODS = ("ugimp", "cpdi")
 QUICK_SIZES = 2
 SECONDS, TURNS = 0.2, 3  # of a stretch, at least, and stretches, of which the fastest counts
 PATIENCE = 1200.0  # seconds, for all of it
-COPIED = 20_000_000  # vectors of four numbers, to find the bandwidth
+COPIED_VECTORS = 20_000_000  # vectors of four numbers, to find the bandwidth
 
 #: Bytes that a step moves of each particle: x and v, and F, each read three times and written once; mass, radius and
 #: direction; the weights written once and read twice, with the first node or, for CPDI, gradients and first nodes of
 #: four corners; and F and the corners' edges, read to find these.
-MOVED = 32 * 4 + 32 * 3 + 8 + 4 + 16 + 64 * 3
-MORE = {"ugimp": 4 * 3, "cpdi": 64 * 3 + 32 + 32}
+BASE_BYTES = 32 * 4 + 32 * 3 + 8 + 4 + 16 + 64 * 3
+EXTRA_BYTES = {"ugimp": 4 * 3, "cpdi": 64 * 3 + 32 + 32}
 
 
-def gpu(quick: bool) -> dict:
+def measure_gpu(quick: bool) -> dict:
     """The GPU that ``gpu`` takes, its bandwidth in GB/s and a row for each problem, method and size; None and no rows,
     with a reason, where there is none or the process fails."""
-    where = devices.place(devices.GPU)
+    where = devices.resolve_arch(devices.GPU)
     nothing = {"arch": None, "name": "", "bandwidth": None, "rows": []}
     if where == devices.CPU:
         return {**nothing, "missing": "no GPU was found"}
     try:
-        return ask_fresh(f"{__name__}:measure", {"sizes": QUICK_SIZES if quick else None}, patience=PATIENCE)
+        return ask_fresh(f"{__name__}:measure_in_worker", {"sizes": QUICK_SIZES if quick else None}, patience=PATIENCE)
     except ProcessDied as error:
         return {**nothing, "missing": f"could not be measured: {error}"}
 
 
-def measure(question: dict, answer: Callable[[dict], None]) -> None:
-    answer(measured(devices.place(devices.GPU), {name: cells[:question["sizes"]] for name, cells in CELLS.items()}))
+def measure_in_worker(question: dict, answer: Callable[[dict], None]) -> None:
+    answer(measure_device(devices.resolve_arch(devices.GPU),
+                          {name: cells[:question["sizes"]] for name, cells in CELLS.items()}))
 
 
-def measured(where: str, sizes: Mapping[str, Sequence[int]], copied: int = COPIED) -> dict:
+def measure_device(where: str, sizes: Mapping[str, Sequence[int]], copied: int = COPIED_VECTORS) -> dict:
     """The measurements on one kind of GPU, of scenes with so many cells of each problem."""
     runtime.start(where)
-    limit = bandwidth(copied)
-    rows = [row(bare(problem, n, method=method), where, limit)
+    limit = measure_bandwidth(copied)
+    rows = [measure_scene(bare_scene(problem, n, method=method), where, limit)
             for problem, cells in sizes.items() for method in METHODS for n in cells]
     return {"arch": where, "name": devices.probe_device(where)["name"], "missing": None, "bandwidth": 1e-9 * limit,
             "rows": rows}
 
 
-def row(scene: Scene, where: str, limit: float) -> dict:
+def measure_scene(scene: Scene, where: str, limit: float) -> dict:
     """Rates of a scene, in million particle-steps a second, by the GPU and by the processor's plans, as far as these
     take so many particles; and the share that the first is of what the bandwidth allows."""
-    rates = {"gpu": rate(build(replace(scene, arch=where)))}
+    rates = {"gpu": measure_rate(build(replace(scene, arch=where)))}
     everywhere: dict[str, Any] = {"plan": "parallel", "threads": os.cpu_count() or 1}
     for plan, inputs in {"serial": {}, "parallel": everywhere}.items():
-        rates[plan] = rate(build(replace(scene, **inputs))) if scene.particles <= MOST_PARTICLES else None
-    share = None if rates["gpu"] is None else 1e6 * rates["gpu"] * (MOVED + MORE[scene.method]) / limit
+        rates[plan] = measure_rate(build(replace(scene, **inputs))) if scene.particles <= MOST_PARTICLES else None
+    share = None if rates["gpu"] is None else 1e6 * rates["gpu"] * (BASE_BYTES + EXTRA_BYTES[scene.method]) / limit
     return {"problem": scene.problem, "method": scene.method, "cells": scene.cells, "particles": scene.particles,
             "rates": rates, "share": share}
 
 
-def rate(solver: Solver) -> float | None:
+def measure_rate(solver: Solver) -> float | None:
     """Million particle-steps a second of wall time, while the run goes on; None if it goes bad."""
     solver.compile()
     steps, most = 1, solver.longest_advance
-    while (took := _seconds(partial(solver.advance, steps))) < SECONDS and 2 * steps <= most:
+    while (took := _time_call(partial(solver.advance, steps))) < SECONDS and 2 * steps <= most:
         steps *= 2
-    took = min(took, *(_seconds(partial(solver.advance, steps)) for _ in range(TURNS)))
+    took = min(took, *(_time_call(partial(solver.advance, steps)) for _ in range(TURNS)))
     return finite(1e-6 * solver.scene.particles * steps / took) if solver.sound else None
 
 
-def bandwidth(vectors: int) -> float:
+def measure_bandwidth(vectors: int) -> float:
     """Bytes a second that the GPU reads and writes when it copies so many vectors of four numbers."""
     one, other = (ti.ndarray(quads.dtype, vectors) for _ in range(2))
-    copy(one, other)
-    took = [_seconds(lambda: (copy(one, other), ti.sync())) for _ in range(TURNS)]
+    copy_vectors(one, other)
+    took = [_time_call(lambda: (copy_vectors(one, other), ti.sync())) for _ in range(TURNS)]
     return 2 * 32 * vectors / float(np.min(took))
 
 
 @ti.kernel
-def copy(one: quads, other: quads):
+def copy_vectors(one: quads, other: quads):
     for k in range(one.shape[0]):
         other[k] = one[k]
 
 
-def _seconds(work: Callable[[], object]) -> float:
+def _time_call(work: Callable[[], object]) -> float:
     begun = time.perf_counter()
     work()
     return time.perf_counter() - begun

@@ -12,7 +12,7 @@ from pathlib import Path
 
 from solvers.workers.worker_process import ProcessDied, ask_fresh
 
-CACHE = "TI_OFFLINE_CACHE_FILE_PATH"  # the variable by which Taichi is told where its cache is
+CACHE_VARIABLE = "TI_OFFLINE_CACHE_FILE_PATH"  # the variable by which Taichi is told where its cache is
 ROOT = Path(__file__).resolve().parents[2]  # where the packages lie, so that -m finds them
 TURNS = 3
 PATIENCE = 120.0  # seconds
@@ -22,17 +22,17 @@ def start_times(command: Sequence[str], problems: Sequence[str]) -> dict:
     """Seconds of a command, to import, to start Taichi and to compile the default scenes of the ``problems``, cold and
     warm; all None, with a reason, where a process fails."""
     try:
-        ready = min(seconds(command) for _ in range(TURNS))
+        ready = min(time_command(command) for _ in range(TURNS))
         with tempfile.TemporaryDirectory(prefix="mpm-lab-bench-", ignore_cleanup_errors=True) as cache:
-            question, environment = {"problems": list(problems)}, {CACHE: cache}
-            cold, warm = (ask_fresh(f"{__name__}:measure", question, environment) for _ in range(2))
+            question, environment = {"problems": list(problems)}, {CACHE_VARIABLE: cache}
+            cold, warm = (ask_fresh(f"{__name__}:measure_in_worker", question, environment) for _ in range(2))
     except ProcessDied as error:
         return dict.fromkeys(("command", "import", "taichi", "cold", "warm")) | {"failed": str(error)}
     return {"command": ready, "import": warm["import"], "taichi": warm["taichi"], "cold": cold["compile"],
             "warm": warm["compile"], "failed": None}
 
 
-def seconds(command: Sequence[str]) -> float:
+def time_command(command: Sequence[str]) -> float:
     begun = time.perf_counter()
     try:
         subprocess.run(command, cwd=ROOT, capture_output=True, stdin=subprocess.DEVNULL, timeout=PATIENCE, check=True)
@@ -41,7 +41,7 @@ def seconds(command: Sequence[str]) -> float:
     return time.perf_counter() - begun
 
 
-def measure(question: dict, answer: Callable[[dict], None]) -> None:
+def measure_in_worker(question: dict, answer: Callable[[dict], None]) -> None:
     begun = time.perf_counter()
     from solvers.kernels import runtime
     from solvers.problems import PROBLEMS

@@ -21,9 +21,9 @@ from solvers.running.run import build
 from solvers.scene.scene import Scene
 from solvers.workers import worker_process
 
-POSSIBLE = worker_process.LINUX
-PREPARED, TAKEN = "prepared", "taken over"
-LONG_ENOUGH = 3.0  # seconds of compiling after which what is there is handed over
+CAN_FORK = worker_process.LINUX
+PREPARED, TAKEN_OVER = "prepared", "taken over"
+COMPILE_SECONDS = 3.0  # seconds of compiling after which what is there is handed over
 
 
 class CompilingFork:
@@ -35,7 +35,7 @@ class CompilingFork:
         self.compiled: Sequence[Scene] = ()  # those that it has done with
         self.process_id, self._rests = process_id, False
 
-    def ready(self, announced: Callable[[], Any]) -> bool:
+    def can_take_over(self, announced: Callable[[], Any]) -> bool:
         """Whether it can take over. Once it has compiled it is told what is ``announced``, and prepares for that.
         Raises EOFError when it has died of its work, and MemoryError when that is why it could not do it."""
         if not self.pipe.poll(0):
@@ -49,7 +49,7 @@ class CompilingFork:
         self.pipe.send(announced())
         return False
 
-    def rest(self, wanted: bool) -> None:
+    def pause(self, wanted: bool) -> None:
         """Have it do nothing for now, or go on."""
         if wanted != self._rests:
             self._rests = wanted
@@ -59,11 +59,11 @@ class CompilingFork:
     def take_over(self, estate: Any) -> None:
         """Hand everything over. When this returns the parent must touch nothing more and leave; raises EOFError or
         OSError if the child died: then all is still the parent's."""
-        self.rest(False)
+        self.pause(False)
         self.pipe.send(estate)
         self.pipe.recv()
 
-    def end(self) -> None:
+    def terminate(self) -> None:
         """End it if it has not ended, and bury it."""
         with suppress(ProcessLookupError):
             os.kill(self.process_id, signal.SIGKILL)
@@ -98,7 +98,7 @@ def fork(scenes: Sequence[Scene], asked_for: bool, prepare: Callable[[Any], None
         estate = theirs.recv()
         os.sched_setscheduler(0, os.SCHED_OTHER, os.sched_param(0))
         worker_process.die_with_parent(False)
-        theirs.send(TAKEN)
+        theirs.send(TAKEN_OVER)
         theirs.close()
         return estate
     except (ConnectionError, EOFError):  # the parent has ended: nobody waits for what has been compiled
@@ -115,6 +115,6 @@ def _compile(scenes: Sequence[Scene]) -> int:
     begun = monotonic()
     for done, scene in enumerate(scenes, 1):
         build(scene).compile()
-        if monotonic() - begun > LONG_ENOUGH:
+        if monotonic() - begun > COMPILE_SECONDS:
             return done
     return len(scenes)

@@ -71,7 +71,7 @@ class FrameReport:
     run has stopped; a lost one goes on; one that is ok for positions has a reason where other quantities are as wrong
     as they are large. ``not_checked`` says what nobody looks at. ``breakdown`` is of the last step, if the wish asks
     for it and that was a single one. ``goals`` are numbers of the body as of half a second ago at most, while the run
-    moves (:func:`solvers.running.quantities_of_interest.measured`).
+    moves (:func:`solvers.running.quantities_of_interest.evaluate`).
     """
 
     session: int
@@ -103,7 +103,7 @@ class FrameReport:
 
 
 @dataclass(frozen=True)
-class Frames:
+class FrameBatch:
     """Frames of several sessions that have come due about together: each message by itself wakes the page's threads."""
 
     reports: tuple[FrameReport, ...]
@@ -119,7 +119,7 @@ class EngineError:
 
 
 @dataclass(frozen=True)
-class Compiling:
+class CompilePending:
     """What wish ``number`` asks for has to be compiled first; the scene before it goes on meanwhile."""
 
     session: int
@@ -127,19 +127,19 @@ class Compiling:
 
 
 @dataclass(frozen=True)
-class Forked:
+class ForkStarted:
     """The engine has a successor at work: should the engine die, that is left to the page."""
 
     process_id: int
 
 
 @dataclass(frozen=True)
-class Moved:
+class EngineReplaced:
     """The engine has been replaced by a successor of its own, which has all that it had
     (``solvers.engine.compiling_fork``); this is the process that speaks from now on."""
 
     process_id: int
 
 
-class Ready:
+class EngineReady:
     """The engine has started and compiled what the first page needs."""

@@ -12,7 +12,7 @@ from time import monotonic
 
 from solvers.engine import shared_frames
 from solvers.engine.engine_messages import FRAME_SECONDS, FrameReport, Pace, SessionClosed, SessionRequest
-from solvers.engine.engine_process import CANNOT_START, EngineProcess, Listener
+from solvers.engine.engine_process import CANNOT_START, EngineProcess, SessionListener
 from solvers.engine.shared_frames import FrameOptions
 from solvers.scene.scene import Scene
 from solvers.workers.worker_process import adopt_orphans
@@ -39,17 +39,17 @@ class EnginePool:
         adopt_orphans()
         self._engines = [EngineProcess(warm_up) for _ in range(engines)]
 
-    def expect(self, usual: Sequence[Scene]) -> None:
+    def prewarm(self, usual: Sequence[Scene]) -> None:
         """Have every engine compile what is ``usual`` beside its work, the first first."""
         for engine in self._engines:
-            engine.expect(usual)
+            engine.prewarm(usual)
 
-    def gather(self, together: Callable[[], AbstractContextManager]) -> None:
+    def deliver_within(self, together: Callable[[], AbstractContextManager]) -> None:
         """From now on sessions hear of frames that come at once in one context that this gives."""
         for engine in self._engines:
             engine.together = together
 
-    def open(self, listener: Listener, beside: SessionLink | None = None) -> SessionLink:
+    def open(self, listener: SessionListener, beside: SessionLink | None = None) -> SessionLink:
         """A new session, on the engine that has fewest; on one that has been given up only if all have.
 
         Parameters
@@ -78,14 +78,14 @@ class EnginePool:
     def process_ids(self) -> list[int]:
         return [engine.process_id for engine in self._engines]
 
-    def dismiss(self) -> None:
+    def request_stop(self) -> None:
         """Have all engines end, and do not wait for that."""
         for engine in self._engines:
-            engine.dismiss()
+            engine.request_stop()
 
     def close(self, patience: float = PATIENCE) -> None:
         """End all lines and all engines, after so many seconds by force. The pool cannot be used afterwards."""
-        self.dismiss()
+        self.request_stop()
         for link in [link for engine in self._engines for link in list(engine.links.values())]:
             link.close()
         end = monotonic() + patience
@@ -97,7 +97,7 @@ class SessionLink:
     """One session's line to its engine. Thread-safe; a wish replaces the one before. The engine's reader thread calls
     :meth:`receive` and :meth:`engine_lost`."""
 
-    def __init__(self, session: int, engine: EngineProcess, listener: Listener, partner: int | None,
+    def __init__(self, session: int, engine: EngineProcess, listener: SessionListener, partner: int | None,
                  frame_seconds: float):
         self.session, self.engine, self.listener = session, engine, listener
         self.wish: SessionRequest | None = None
@@ -108,7 +108,7 @@ class SessionLink:
         self._deaths = 0
         self._closed = False
         engine.links[session] = self
-        if engine.dismissed:  # whoever opens it now opens it for nobody
+        if engine.stop_requested:  # whoever opens it now opens it for nobody
             self.close()
 
     def ask(self, scene: Scene, pace: Pace = Pace(), frame: FrameOptions = FrameOptions()) -> int:
@@ -136,7 +136,7 @@ class SessionLink:
             self._deaths = 0
             self.engine.send(self.wish)
         if self.engine.given_up:
-            self.listener.on_trouble(CANNOT_START)
+            self.listener.on_error(CANNOT_START)
         return number
 
     def close(self) -> None:
@@ -159,7 +159,7 @@ class SessionLink:
             block = next((b for b in self._blocks if b.name == report.memory), None)
             if block is None:  # it is closed, or that was for a wish that a later one has overtaken
                 return
-            arrays = shared_frames.read(block, report.scene, report.particles, report.holds)
+            arrays = shared_frames.read_frame(block, report.scene, report.particles, report.holds)
             if block is self._blocks[-1]:
                 self._free_all_but(1)
         self.listener.on_frame(report, arrays)
@@ -169,7 +169,7 @@ class SessionLink:
         never came to work (``had_worked``) has not read the scene: that cannot be the cause."""
         self._deaths += had_worked
         if self._deaths > DEATHS_ALLOWED:
-            self.listener.on_trouble("the simulation process keeps ending with this scene; change a setting")
+            self.listener.on_error("the simulation process keeps ending with this scene; change a setting")
             return
         self.listener.on_engine_lost()
         with self._lock:

@@ -24,23 +24,23 @@ from solvers.workers import worker_process
 FIRST_PAUSE = 0.5  # seconds before the next start when an engine dies before it is ready; doubles every time
 LONGEST_PAUSE = 10.0
 FAILURES_ALLOWED = 6  # engines in a row that die before they are ready, until none is started any more
-BURIED_WITHIN = 2.0  # seconds in which a process that is killed is gone
+REAP_SECONDS = 2.0  # seconds in which a process that is killed is gone
 CANNOT_START = "the simulation process cannot be started; see the terminal"
 
 
-class Listener(Protocol):
+class SessionListener(Protocol):
     """What a session hears. Called from the engine's reader thread: be quick."""
 
     def on_frame(self, report: FrameReport, arrays: FrameArrays) -> None: ...
     def on_compiling(self, number: int) -> None: ...
-    def on_trouble(self, sentence: str) -> None: ...
+    def on_error(self, sentence: str) -> None: ...
     def on_engine_lost(self) -> None: ...
 
 
 class Link(Protocol):
     """A session's line, as its engine knows it; see :class:`~solvers.engine.engine_pool.SessionLink`."""
 
-    listener: Listener
+    listener: SessionListener
     wish: SessionRequest | None
 
     def receive(self, report: FrameReport) -> None: ...
@@ -48,7 +48,7 @@ class Link(Protocol):
     def close(self) -> None: ...
 
 
-def become_engine(pipe: Connection, warm_up: Scene, usual: Sequence[Scene]) -> None:
+def run_engine_process(pipe: Connection, warm_up: Scene, usual: Sequence[Scene]) -> None:
     """Where an engine process begins. Taichi is imported there and only there: the page's process stays light."""
     from solvers.engine import engine_worker
 
@@ -57,8 +57,8 @@ def become_engine(pipe: Connection, warm_up: Scene, usual: Sequence[Scene]) -> N
 
 class EngineProcess:
     """Starts the process, restarts it when it dies, and passes messages to and from ``links``, by session. The process
-    may put a successor in its place (:class:`~solvers.engine.engine_messages.Moved`): the pipe is the same. Of frames
-    that come at once sessions hear ``together``, in a context that this gives."""
+    may put a successor in its place (:class:`~solvers.engine.engine_messages.EngineReplaced`): the pipe is the same.
+    Of frames that come at once sessions hear ``together``, in a context that this gives."""
 
     def __init__(self, warm_up: Scene):
         self.together: Callable[[], AbstractContextManager] = nullcontext
@@ -78,7 +78,7 @@ class EngineProcess:
         for work in (self._read, self._write):
             threading.Thread(target=work, name=f"engine{work.__name__}", daemon=True).start()
 
-    def expect(self, usual: Sequence[Scene]) -> None:
+    def prewarm(self, usual: Sequence[Scene]) -> None:
         """Have the process, and any that takes its place, compile what is ``usual`` beside its work."""
         with self._news:
             self._usual = tuple(usual)
@@ -99,11 +99,11 @@ class EngineProcess:
             self._news.notify_all()
 
     @property
-    def dismissed(self) -> bool:
+    def stop_requested(self) -> bool:
         """Whether the process is to end, or has ended, for good."""
         return self._closing
 
-    def dismiss(self) -> None:
+    def request_stop(self) -> None:
         """Have the process end; a second time does nothing."""
         with self._news:
             if not self._closing:
@@ -113,14 +113,14 @@ class EngineProcess:
 
     def close(self, patience: float) -> None:
         """Have the process end, and end it if it has not after so many seconds."""
-        self.dismiss()
+        self.request_stop()
         end = monotonic() + patience
-        while self._unburied() and monotonic() < end:
+        while self._unreaped() and monotonic() < end:
             sleep(0.01)
         for process_id in self._leaving:
             with suppress(OSError):  # it has ended
-                os.kill(process_id, worker_process.KILL)
-        while self._unburied() and monotonic() < end + BURIED_WITHIN:
+                os.kill(process_id, worker_process.KILL_SIGNAL)
+        while self._unreaped() and monotonic() < end + REAP_SECONDS:
             sleep(0.01)
 
     def _read(self) -> None:
@@ -131,7 +131,7 @@ class EngineProcess:
                 if not self._closing:
                     self._restart()
                 continue
-            _tell(self._dispatch, message)
+            _notify(self._dispatch, message)
 
     def _write(self) -> None:
         while True:
@@ -150,7 +150,7 @@ class EngineProcess:
     def _start(self) -> None:
         context = multiprocessing.get_context("spawn")  # a fork would copy the locks of the page's threads
         ours, theirs = context.Pipe()
-        process = context.Process(None, become_engine, "mpm-lab-engine", (theirs, self._warm_up, self._usual),
+        process = context.Process(None, run_engine_process, "mpm-lab-engine", (theirs, self._warm_up, self._usual),
                                   daemon=True)
         process.start()
         theirs.close()
@@ -180,7 +180,7 @@ class EngineProcess:
             except OSError:  # the old pipe stays and fails again: one more failure, and a longer pause
                 logging.getLogger(__name__).exception("the simulation process could not be started")
         for link in list(self.links.values()):
-            _tell(link.engine_lost, had_worked)
+            _notify(link.engine_lost, had_worked)
 
     def _give_up(self) -> None:
         with self._news:
@@ -190,9 +190,9 @@ class EngineProcess:
         logging.getLogger(__name__).error("%d simulation processes in a row ended before they were ready; "
                                           "no more are started", self._failures)
         for link in list(self.links.values()):
-            _tell(link.listener.on_trouble, CANNOT_START)
+            _notify(link.listener.on_error, CANNOT_START)
 
-    def _unburied(self) -> list[int]:
+    def _unreaped(self) -> list[int]:
         """Those that are leaving and have not left yet. Successors are children of the page's process once the engine
         before them has ended, where the system knows such a thing."""
         def here(process_id: int) -> bool:
@@ -206,31 +206,32 @@ class EngineProcess:
         self._leaving = [process_id for process_id in self._leaving if here(process_id)]
         return self._leaving
 
-    def _dispatch(self, message: engine_messages.Frames | engine_messages.Compiling | engine_messages.Forked
-                  | engine_messages.Moved | engine_messages.EngineError | engine_messages.Ready) -> None:
+    def _dispatch(self,
+                  message: engine_messages.FrameBatch | engine_messages.CompilePending | engine_messages.ForkStarted
+                  | engine_messages.EngineReplaced | engine_messages.EngineError | engine_messages.EngineReady) -> None:
         if self._leaving:
-            self._unburied()
-        if isinstance(message, engine_messages.Frames):
+            self._unreaped()
+        if isinstance(message, engine_messages.FrameBatch):
             with self.together():
                 for report in message.reports:
                     if link := self.links.get(report.session):
-                        _tell(link.receive, report)
-        elif isinstance(message, engine_messages.Ready):
+                        _notify(link.receive, report)
+        elif isinstance(message, engine_messages.EngineReady):
             self._failures = 0
             self.ready.set()
-        elif isinstance(message, engine_messages.Moved):
+        elif isinstance(message, engine_messages.EngineReplaced):
             self._leaving.append(self.process_id)
             self.process_id, self._successor = message.process_id, 0
-        elif isinstance(message, engine_messages.Forked):
+        elif isinstance(message, engine_messages.ForkStarted):
             self._successor = message.process_id
         elif link := self.links.get(message.session):
-            if isinstance(message, engine_messages.Compiling):
+            if isinstance(message, engine_messages.CompilePending):
                 link.listener.on_compiling(message.number)
             else:
-                link.listener.on_trouble(message.sentence)
+                link.listener.on_error(message.sentence)
 
 
-def _tell(hear: Callable, what: object) -> None:
+def _notify(hear: Callable, what: object) -> None:
     """Log what a session raises: a page that fails to draw must not stop the others' frames."""
     try:
         hear(what)

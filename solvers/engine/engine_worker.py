@@ -22,17 +22,17 @@ from time import perf_counter
 from solvers.engine import compiling_fork, engine_messages
 from solvers.engine.compiling_fork import CompilingFork
 from solvers.engine.engine_messages import FrameReport, SessionRequest
-from solvers.engine.session_stepper import BlockGone, Stepper
+from solvers.engine.session_stepper import BlockFreed, Stepper
 from solvers.kernels import runtime
 from solvers.running.run import build
-from solvers.scene.kernel_options import combination
+from solvers.scene.kernel_options import kernel_key
 from solvers.scene.scene import Scene
 from solvers.solver.base import Solver
 
 IDLE_SECONDS = 0.5
 WISHES_SECONDS = 0.03  # of a round for new wishes, after which the next has to wait; a new scene takes some 10 ms
 TOGETHER_SECONDS = 0.006  # that a frame waits for others to go with, in a round of many sessions
-SPARE = 0.2  # seconds of each second in which what nobody waits for is compiled though frames come late
+BACKGROUND_SHARE = 0.2  # seconds of each second in which what nobody waits for is compiled though frames come late
 NO_MEMORY = "this scene needs more memory than there is: choose fewer particles"
 FAILED = "the simulation of this scene failed; change a setting"
 
@@ -41,17 +41,17 @@ def main(pipe: Connection, warm_up: Scene, usual: Sequence[Scene]) -> None:
     """Serve sessions until the page goes away, or a successor takes over. ``warm_up`` is compiled before the first
     visitor comes, what is ``usual`` when there is time."""
     signal.signal(signal.SIGINT, signal.SIG_IGN)  # Ctrl-C is the page's to handle; the pipe then closes
-    if compiling_fork.POSSIBLE:
+    if compiling_fork.CAN_FORK:
         runtime.allow_forks()
     runtime.start()
     build(warm_up).compile()
     first = os.getpid()
     # Until the page is gone, and so is the reason to be here.
     with suppress(EOFError, BrokenPipeError, ConnectionResetError):
-        pipe.send(engine_messages.Ready())
-        Worker(pipe, {combination(warm_up)}, usual).serve()
+        pipe.send(engine_messages.EngineReady())
+        Worker(pipe, {kernel_key(warm_up)}, usual).serve()
     if os.getpid() != first:
-        runtime.leave()
+        runtime.exit_process()
 
 
 class Worker:
@@ -73,13 +73,13 @@ class Worker:
         """Until a successor has taken over; raises EOFError when the page has gone."""
         while True:
             self._read_messages()
-            self._fulfil()
-            self._pair()
+            self._act_on_requests()
+            self._update_partners()
             busy = [self._serve_one(stepper) for stepper in list(self._steppers.values())]
             self._send_frames()
-            if self._successor and self._handed_over(self._successor):
+            if self._successor and self._try_hand_over(self._successor):
                 return
-            inherited = compiling_fork.POSSIBLE and self._compile_aside()
+            inherited = compiling_fork.CAN_FORK and self._compile_in_fork()
             if not (any(busy) or inherited or self._wishes):  # sleep until a message comes or a frame or step is due
                 due = min((s.next_due for s in self._steppers.values()), default=float("inf"))
                 pipes = [self._pipe, *([self._successor.pipe] if self._successor else [])]
@@ -91,15 +91,15 @@ class Worker:
 
         def work() -> FrameReport | None:
             nonlocal busy
-            busy = stepper.behind
+            busy = stepper.is_behind
             takes = stepper.turn_seconds if busy else 0.0
             if self._frames and perf_counter() + takes > self._first + TOGETHER_SECONDS:
                 self._send_frames()
             if busy:
-                stepper.turn()
-            return stepper.frame() if stepper.ready else None
+                stepper.advance_slice()
+            return stepper.write_frame() if stepper.frame_is_ready else None
 
-        report = self._contain(stepper.wish, work)
+        report = self._run_guarded(stepper.wish, work)
         if report is not None:
             self._first = self._first if self._frames else perf_counter()
             self._frames.append(report)
@@ -107,7 +107,7 @@ class Worker:
 
     def _send_frames(self) -> None:
         if self._frames:
-            self._pipe.send(engine_messages.Frames(tuple(self._frames)))
+            self._pipe.send(engine_messages.FrameBatch(tuple(self._frames)))
             self._frames.clear()
 
     def _read_messages(self) -> None:
@@ -125,21 +125,21 @@ class Worker:
                     self._wishes.pop(message.session, None)
                     self._drop(message.session)
 
-    def _fulfil(self) -> None:
+    def _act_on_requests(self) -> None:
         """Act on wishes, the oldest first, for a short time: the others wait for the next round."""
         begun = perf_counter()
         while self._wishes and perf_counter() - begun < WISHES_SECONDS:
             wish = self._wishes.pop(next(iter(self._wishes)))
-            self._contain(wish, partial(self._accept, wish))
+            self._run_guarded(wish, partial(self._accept, wish))
 
     def _accept(self, wish: SessionRequest) -> None:
         """Act on a wish. One for the compiler waits, but for what of it concerns the scene before."""
         self._waiting.pop(wish.session, None)
         stepper = self._steppers.get(wish.session)
         anew = False
-        if compiling_fork.POSSIBLE and combination(wish.scene) not in self._compiled:
+        if compiling_fork.CAN_FORK and kernel_key(wish.scene) not in self._compiled:
             self._waiting[wish.session] = wish
-            self._pipe.send(engine_messages.Compiling(wish.session, wish.number))
+            self._pipe.send(engine_messages.CompilePending(wish.session, wish.number))
             if stepper:
                 now = stepper.wish
                 stepper.accept(replace(now, pace=replace(now.pace, playing=wish.pace.playing, speed=wish.pace.speed),
@@ -152,12 +152,12 @@ class Worker:
         partner = next((stepper for session, stepper in self._steppers.items()
                         if session == wish.partner or stepper.wish.partner == wish.session), None)
         if anew and partner:
-            self._contain(partner.wish, partner.rebuild)
+            self._run_guarded(partner.wish, partner.rebuild)
 
-    def _pair(self) -> None:
+    def _update_partners(self) -> None:
         """Let sessions know how many of them move, and partners each other: anyone may have come, left or failed. And
         find out whether most of them get their frames late."""
-        running = [stepper.late for stepper in self._steppers.values() if stepper.running]
+        running = [stepper.frames_are_late for stepper in self._steppers.values() if stepper.running]
         moving, self._late = len(running), 2 * sum(running) > len(running)
         for stepper in self._steppers.values():
             stepper.partner, stepper.sessions = None, max(1, moving)
@@ -165,7 +165,7 @@ class Worker:
             if partner := self._steppers.get(stepper.wish.partner or 0):
                 stepper.partner, partner.partner = partner, stepper
 
-    def _compile_aside(self) -> bool:
+    def _compile_in_fork(self) -> bool:
         """Have a successor compile what a visitor waits for, or else what is usual: that is given up for a visitor, and
         does little while frames come late.
 
@@ -174,32 +174,32 @@ class Worker:
         wanted = [wish.scene for wish in self._waiting.values()]
         if self._successor:
             soon = bool(self._successor.compiled)  # it prepares to take over: what is wanted now comes next
-            if soon or not wanted or combination(self._successor.scenes[0]) in map(combination, wanted):
+            if soon or not wanted or kernel_key(self._successor.scenes[0]) in map(kernel_key, wanted):
                 urgent = soon or bool(wanted) or not self._late
-                self._successor.rest(not urgent and perf_counter() % 1.0 > SPARE)
+                self._successor.pause(not urgent and perf_counter() % 1.0 > BACKGROUND_SHARE)
                 return False
-            self._successor.end()
+            self._successor.terminate()
             self._successor = None
         elif not wanted and self._usual:
-            self._usual = [scene for scene in self._usual if combination(scene) not in self._compiled]
+            self._usual = [scene for scene in self._usual if kernel_key(scene) not in self._compiled]
         if scenes := wanted[:1] or self._usual:
             answer = compiling_fork.fork(scenes, bool(wanted), self._prepare)
             if not isinstance(answer, CompilingFork):
                 self._take_state(*answer)
                 return True
             self._successor = answer
-            self._pipe.send(engine_messages.Forked(answer.process_id))
+            self._pipe.send(engine_messages.ForkStarted(answer.process_id))
         return False
 
-    def _handed_over(self, replacement: CompilingFork) -> bool:
+    def _try_hand_over(self, replacement: CompilingFork) -> bool:
         """Whether the successor had compiled and has taken over everything: then this process has nothing left."""
         try:
-            if not replacement.ready(lambda: {session: stepper.solver.scene
-                                              for session, stepper in self._steppers.items()}):
+            if not replacement.can_take_over(lambda: {session: stepper.solver.scene
+                                                      for session, stepper in self._steppers.items()}):
                 return False
             states = {session: (stepper.wish, stepper.state()) for session, stepper in self._steppers.items()}
             replacement.take_over((states, {**self._waiting, **self._wishes},
-                                   self._compiled | set(map(combination, replacement.compiled)), self._usual))
+                                   self._compiled | set(map(kernel_key, replacement.compiled)), self._usual))
             return True
         except MemoryError:
             self._give_up(replacement, NO_MEMORY)
@@ -209,10 +209,10 @@ class Worker:
 
     def _give_up(self, replacement: CompilingFork, sentence: str) -> None:
         """The successor could not compile: say so to those who wait for it, and do not try again unasked."""
-        replacement.end()
-        self._successor, failed = None, combination(replacement.scenes[0])
-        self._usual = [scene for scene in self._usual if combination(scene) != failed]
-        for wish in [wish for wish in self._waiting.values() if combination(wish.scene) == failed]:
+        replacement.terminate()
+        self._successor, failed = None, kernel_key(replacement.scenes[0])
+        self._usual = [scene for scene in self._usual if kernel_key(scene) != failed]
+        for wish in [wish for wish in self._waiting.values() if kernel_key(wish.scene) == failed]:
             del self._waiting[wish.session]
             self._pipe.send(engine_messages.EngineError(wish.session, wish.number, sentence))
 
@@ -237,21 +237,21 @@ class Worker:
         those that waited for the compiler."""
         self._wishes, self._waiting, self._successor = wishes, {}, None
         self._compiled, self._usual = compiled, usual
-        self._pipe.send(engine_messages.Moved(os.getpid()))
+        self._pipe.send(engine_messages.EngineReplaced(os.getpid()))
         for wish, state in states.values():
-            self._contain(wish, partial(self._resume, state))
+            self._run_guarded(wish, partial(self._resume, state))
         self._prepared.clear()
 
     def _resume(self, state: dict) -> None:
         session = state["wish"].session
-        self._steppers[session] = Stepper.resumed(state, self._prepared.get(session))
+        self._steppers[session] = Stepper.from_state(state, self._prepared.get(session))
 
-    def _contain(self, wish: SessionRequest, work: Callable[[], FrameReport | None]) -> FrameReport | None:
+    def _run_guarded(self, wish: SessionRequest, work: Callable[[], FrameReport | None]) -> FrameReport | None:
         """Do a piece of one session's work; what goes wrong in it costs that session alone."""
         sentence = None
         try:
             return work()
-        except BlockGone:
+        except BlockFreed:
             pass
         except MemoryError:
             sentence = NO_MEMORY

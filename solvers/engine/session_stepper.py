@@ -11,7 +11,7 @@ import numpy as np
 from solvers.engine import shared_frames
 from solvers.engine.engine_messages import FrameReport, SessionRequest
 from solvers.engine.soundness_watch import SoundnessWatch
-from solvers.running.quantities_of_interest import ENERGY, STRESS, Goal, measured, without
+from solvers.running.quantities_of_interest import ENERGY, STRESS, Goal, evaluate, mask_refused
 from solvers.running.run import build
 from solvers.scene.scene import MOST_STEPS
 from solvers.solver.base import Solver
@@ -21,7 +21,7 @@ SLICE_SECONDS = 0.008  # one turn of one session: short, because a launch cannot
 ROUND_SECONDS = 0.05  # in which every session of a full engine should have had its turn and frame: shorter ones then
 SHORTEST_SLICE = 0.0004  # some ten launches' worth
 FRAME_WEIGHT = 0.1  # of the last frame in what frames cost, and in how late they go out
-LATE = 0.25  # of the time between two frames, by which they are then late
+LATE_SHARE = 0.25  # of the time between two frames, by which they are then late
 MOST_APART = 1 / 40  # of a period: partners, at speeds that are too high for one of them
 LAG_SECONDS = 0.1  # with more work than this in arrears the clock gives them up: the session is capped
 SPEED_WINDOW = 1.0  # seconds over which the real speed is measured
@@ -31,7 +31,7 @@ EXPECTED_RATE = 3e7  # particle-steps per second, before the first measurement
 LAST_STEP = MOST_STEPS - 1_000_000_000  # a page left open for days stops here
 
 
-class BlockGone(Exception):
+class BlockFreed(Exception):
     """The page has freed the block that a wish names: its visitor has left, and nobody waits for an answer."""
 
 
@@ -44,7 +44,7 @@ class Stepper:
         self._seconds_a_frame = self._lateness = 0.0
         self.partner: Stepper | None = None  # keeps together with this one (``Wish.partner``), if it is there
         self._block = _attach(wish.memory)
-        shared_frames.clear(self._block)  # of what an engine has left there that has died
+        shared_frames.mark_as_read(self._block)  # of what an engine has left there that has died
         try:
             self.rebuild()
         except BaseException:
@@ -91,24 +91,24 @@ class Stepper:
         elif old.pace.playing and not wish.pace.playing:
             self._sample()  # and so does who looks at one moment
         elif particle is not None and particle != old.frame.broken_down and self._before_step:
-            self.solver.put(*self._before_step)
+            self.solver.restore(*self._before_step)
             self._breakdown = self.solver.break_down(particle)[1]
         self._start_clock()
         return anew
 
     def state(self) -> dict[str, Any]:
-        """All that a stepper in another process needs to go on from here (:meth:`resumed`); clocks are shared."""
+        """All that a stepper in another process needs to go on from here (:meth:`from_state`); clocks are shared."""
         return {**{name: value for name, value in vars(self).items() if name not in ("solver", "partner", "_block")},
                 "solver": self.solver.state()}
 
     @classmethod
-    def resumed(cls, state: dict[str, Any], prepared: Solver | None) -> "Stepper":
+    def from_state(cls, state: dict[str, Any], prepared: Solver | None) -> "Stepper":
         """The stepper that had this state, to the bit. A solver that has been ``prepared`` is taken if it is of the
         scene."""
         stepper, scene = cls.__new__(cls), state["wish"].scene
         solver = prepared if prepared and prepared.scene == scene else build(scene)
         vars(stepper).update(state, solver=solver, partner=None, _block=_attach(state["wish"].memory))
-        stepper.solver.put(*state["solver"])
+        stepper.solver.restore(*state["solver"])
         return stepper
 
     def close(self) -> None:
@@ -116,21 +116,21 @@ class Stepper:
             self._block.close()
 
     @property
-    def behind(self) -> bool:
+    def is_behind(self) -> bool:
         """Whether it is time to step: a frame is due, or there is a whole slice of work to catch up with."""
-        if not self.running or (self._frame_due() and self._unseen):
+        if not self.running or (self._frame_due() and self._frame_is_unread):
             return False
         if self._frame_due():
             return self._steps_wanted() >= 1
-        enough = self._slice
+        enough = self._slice_steps
         if self.partner is not None:  # half of what a partner that waits is ahead
-            enough = max(1, min(enough, int(0.5 * self._lead / self.solver.scene.time_step)))
+            enough = max(1, min(enough, int(0.5 * self._max_lead / self.solver.scene.time_step)))
         return self._steps_wanted() >= enough
 
     @property
-    def ready(self) -> bool:
+    def frame_is_ready(self) -> bool:
         """Whether a frame can go: the last was seen and this one is due. A turn before it catches up what it can."""
-        return (self._frame_wanted or (self.running and self._frame_due())) and not self._unseen
+        return (self._frame_wanted or (self.running and self._frame_due())) and not self._frame_is_unread
 
     @property
     def next_due(self) -> float:
@@ -138,12 +138,12 @@ class Stepper:
         last frame, where another has to wait for that."""
         if not (self.running or self._frame_wanted):
             return float("inf")
-        return max(self._due, perf_counter() + LOOK_SECONDS) if self._unseen else self._due
+        return max(self._due, perf_counter() + LOOK_SECONDS) if self._frame_is_unread else self._due
 
-    def turn(self) -> None:
+    def advance_slice(self) -> None:
         """Step for at most one slice towards the clock's time."""
         wanted = self._steps_wanted()
-        self._advance(max(1, min(wanted, self._slice, self.solver.longest_advance)))
+        self._advance(max(1, min(wanted, self._slice_steps, self.solver.longest_advance)))
         if wanted * self._seconds_a_step > LAG_SECONDS:
             self._anchor = (perf_counter(), self.solver.time)
         if self.wish.pace.ends and self.solver.step == self._last_step:
@@ -156,20 +156,20 @@ class Stepper:
             self._rows.append(self.solver.measure())
             self._measured = self.solver.step
 
-    def frame(self) -> FrameReport:
+    def write_frame(self) -> FrameReport:
         """Write the particles into the block and report. Call when ``next_due`` has come."""
         now, solver, wished = perf_counter(), self.solver, self.wish.frame
         shot = solver.snapshot(wished.differences, wished.plotted)
-        shared_frames.write(self._block, solver.scene, shot)
+        shared_frames.write_frame(self._block, solver.scene, shot)
         wall, simulated = self._window
         if now - wall > 0.2:
             self._real_speed = (solver.time - simulated) / (now - wall)
         if now - wall > SPEED_WINDOW:
             self._window = (now, solver.time)
         particle_steps = self._kernel_steps * solver.scene.particles  # since the build
-        rows, not_valid = np.concatenate(self._rows), self._watch.doubted(solver.time, solver.not_valid())
-        self._watch.look(rows, len(shot.position), self.running)
-        status, reason, since = self._watch.tell(solver, not_valid)
+        rows, not_valid = np.concatenate(self._rows), self._watch.doubted_estimators(solver.time, solver.not_valid())
+        self._watch.check_samples(rows, len(shot.position), self.running)
+        status, reason, since = self._watch.current_status(solver, not_valid)
         report = FrameReport(
             session=self.wish.session, number=self.wish.number, memory=self._block.name, scene=solver.scene,
             fresh=self._fresh, playing=self.running, particles=len(shot.position), step=solver.step, time=solver.time,
@@ -177,7 +177,7 @@ class Stepper:
             rate=1e-6 * particle_steps / self._kernel_seconds if particle_steps else 0.0, real_speed=self._real_speed,
             arch=solver.arch, not_valid=not_valid, holds=replace(wished, differences=bool(shot.difference)),
             breakdown=self._breakdown if wished.broken_down is not None else None,
-            goals=without(self._goals_at(now), not_valid))
+            goals=mask_refused(self._goals_at(now), not_valid))
         if not self._frame_wanted:  # else it may have stood still since it was due
             self._lateness += FRAME_WEIGHT * (now - self._due - self._lateness)
         self._rows = [report.rows[:0]]
@@ -194,17 +194,17 @@ class Stepper:
         if now >= self._goals_due or not self.running:
             solver, self._goals_due = self.solver, now + GOAL_SECONDS
             fields = solver.fields()
-            self._goals = {name: measured(Goal(name), fields, solver.scene, solver.step) for name in (ENERGY, STRESS)}
+            self._goals = {name: evaluate(Goal(name), fields, solver.scene, solver.step) for name in (ENERGY, STRESS)}
         return self._goals
 
     @property
-    def late(self) -> bool:
+    def frames_are_late(self) -> bool:
         """Whether frames have lately gone out later than was asked for."""
-        return self._lateness > LATE * self.wish.frame_seconds
+        return self._lateness > LATE_SHARE * self.wish.frame_seconds
 
     @property
-    def _unseen(self) -> bool:
-        return shared_frames.unseen(self._block)
+    def _frame_is_unread(self) -> bool:
+        return shared_frames.is_unread(self._block)
 
     @property
     def running(self) -> bool:
@@ -220,7 +220,7 @@ class Stepper:
         return self.solver.scene.steps if self.wish.pace.ends else LAST_STEP
 
     @property
-    def _slice(self) -> int:
+    def _slice_steps(self) -> int:
         """Steps that fit into one turn: in a full engine frames come first, and runs are slower than they were asked
         to be."""
         seconds = max(SHORTEST_SLICE, min(SLICE_SECONDS, ROUND_SECONDS / self.sessions - self._seconds_a_frame))
@@ -229,7 +229,7 @@ class Stepper:
     @property
     def turn_seconds(self) -> float:
         """How long a turn takes at most, as far as is known."""
-        return self._slice * self._seconds_a_step
+        return self._slice_steps * self._seconds_a_step
 
     def _frame_due(self) -> bool:
         return perf_counter() >= self._due
@@ -240,14 +240,14 @@ class Stepper:
         now, (wall, simulated) = perf_counter(), self._anchor
         target, partner = simulated + (now - wall) * self._speed, self.partner
         if partner is not None and partner.running:  # no farther than ``_lead`` beyond its number of periods
-            bound = partner.solver.time / partner.solver.scene.period * self.solver.scene.period + self._lead
+            bound = partner.solver.time / partner.solver.scene.period * self.solver.scene.period + self._max_lead
             if bound < target:
                 target = bound
                 self._anchor = (now, bound)
         return min(int((target - self.solver.time) / self.solver.scene.time_step), self._last_step - self.solver.step)
 
     @property
-    def _lead(self) -> float:
+    def _max_lead(self) -> float:
         """How far ahead of its partner a session may be, in s: a frame's worth, but not so far that one would see it at
         high speeds; and two steps in any case, so that the one behind can always take one."""
         scene = self.solver.scene
@@ -273,6 +273,6 @@ class Stepper:
 
 def _attach(name: str) -> SharedMemory:
     try:
-        return shared_frames.attach(name)
+        return shared_frames.attach_block(name)
     except FileNotFoundError as error:
-        raise BlockGone(name) from error
+        raise BlockFreed(name) from error

@@ -59,7 +59,7 @@ def block_bytes(scene: Scene) -> int:
     return HEADER + 4 * (scene.particles + scene.particles // 8 + 64) * sum(_widths(scene, True, True).values())
 
 
-def attach(name: str) -> SharedMemory:
+def attach_block(name: str) -> SharedMemory:
     """A block that another process has made and will remove. Raises FileNotFoundError when that has happened.
 
     Python before 3.13 has the tracker of a process remove, in the end, what the process only opened. All processes
@@ -76,8 +76,8 @@ def attach(name: str) -> SharedMemory:
         resource_tracker.register = register
 
 
-def write(block: SharedMemory, scene: Scene, shot: Snapshot) -> None:
-    """Put a snapshot into the block, which is then :func:`unseen`."""
+def write_frame(block: SharedMemory, scene: Scene, shot: Snapshot) -> None:
+    """Put a snapshot into the block, which is then :func:`is_unread`."""
     P, crossing = len(shot.position), shot.last_crossing
     columns = {"position": shot.position, "displacement": shot.position - shot.material_position,
                "deformation_gradient": shot.deformation_gradient,
@@ -86,29 +86,29 @@ def write(block: SharedMemory, scene: Scene, shot: Snapshot) -> None:
                **{DIFFERENCE.format(name): sizes for name, sizes in shot.difference.items()}, "plotted": shot.plotted}
     with np.errstate(over="ignore"):  # a run that has gone bad may exceed single precision
         widths = _widths(scene, bool(shot.difference), shot.plotted is not None)
-        for name, part in _parts(_opened(block), P, widths, HEADER).items():
+        for name, part in _views(_open_block(block), P, widths, HEADER).items():
             values = columns[name]
             part[:] = values.reshape(P, -1) if isinstance(values, np.ndarray) else values
-    _opened(block)[0] = 1
+    _open_block(block)[0] = 1
 
 
-def unseen(block: SharedMemory) -> bool:
+def is_unread(block: SharedMemory) -> bool:
     """Whether a frame lies in the block that the page has not copied yet."""
-    return _opened(block)[0] != 0
+    return _open_block(block)[0] != 0
 
 
-def clear(block: SharedMemory) -> None:
+def mark_as_read(block: SharedMemory) -> None:
     """The block may be written."""
-    _opened(block)[0] = 0
+    _open_block(block)[0] = 0
 
 
-def read(block: SharedMemory, scene: Scene, particles: int, holds: FrameOptions = FrameOptions()) -> FrameArrays:
+def read_frame(block: SharedMemory, scene: Scene, particles: int, holds: FrameOptions = FrameOptions()) -> FrameArrays:
     """Copy the frame of ``scene`` with so many particles and what else it ``holds`` out of the block, which may then be
     written again."""
     widths = _widths(scene, holds.differences, holds.plotted is not None)
-    held = bytes(_opened(block)[HEADER:HEADER + 4 * particles * sum(widths.values())])
-    clear(block)
-    parts = _parts(held, particles, widths)
+    held = bytes(_open_block(block)[HEADER:HEADER + 4 * particles * sum(widths.values())])
+    mark_as_read(block)
+    parts = _views(held, particles, widths)
     return FrameArrays(parts["position"], parts["displacement"], parts["deformation_gradient"],
                        parts["steps_since_crossing"][:, 0], parts["error"],
                        {name: parts[name] for name in scene.active_estimators},
@@ -125,7 +125,7 @@ def _widths(scene: Scene, differences: bool, plotted: bool) -> dict[str, int]:
             **dict.fromkeys((*active, *compared), WIDTH), **({"plotted": 2} if plotted else {})}
 
 
-def _parts(held: bytes | memoryview, particles: int, widths: dict[str, int], start: int = 0) -> dict[str, np.ndarray]:
+def _views(held: bytes | memoryview, particles: int, widths: dict[str, int], start: int = 0) -> dict[str, np.ndarray]:
     """Bytes from ``start`` on as one array (P, width) for each thing they hold."""
     parts = {}
     for name, width in widths.items():
@@ -134,6 +134,6 @@ def _parts(held: bytes | memoryview, particles: int, widths: dict[str, int], sta
     return parts
 
 
-def _opened(block: SharedMemory) -> memoryview:
+def _open_block(block: SharedMemory) -> memoryview:
     assert block.buf is not None
     return block.buf

@@ -5,11 +5,11 @@ import numpy as np
 from solvers.scene.scene import Scene
 from solvers.solver import samples
 from solvers.solver.base import Solver
-from solvers.solver.soundness import Finding, earliest, findings
-from solvers.solver.verdict_basis import LargeRelativeError, as_large_as_itself, checked, followed, merged, not_checked
+from solvers.solver.soundness import Finding, earliest_finding, findings
+from solvers.solver.verdict_basis import LargeRelativeError, checked_by, large_errors, merge, motion_known, unchecked
 
 MOST_WAITING = 20  # samples
-REMEMBERED = 0.5  # periods
+DOUBT_PERIODS = 0.5  # periods
 
 
 class SoundnessWatch:
@@ -24,7 +24,7 @@ class SoundnessWatch:
         self._looked: np.ndarray | None = None  # the last sample (1, C) that looked for contradictions
         self._doubts: dict[str, tuple[float, str]] = {}  # when, in s, an estimator was last found not to hold, and why
 
-    def look(self, rows: np.ndarray, particles: int, goes_on: bool = False) -> None:
+    def check_samples(self, rows: np.ndarray, particles: int, goes_on: bool = False) -> None:
         """Judge new samples of so many particles. Once something is found that stays, nothing later can be first.
 
         To judge a few costs as much as to judge many: in a run that ``goes_on`` they wait for one that looked for
@@ -35,31 +35,31 @@ class SoundnessWatch:
             self._waiting.append(rows)
         if not self._waiting or any(name not in scene.active_estimators for name in self._findings):
             return
-        looked = np.flatnonzero(np.isfinite(rows[:, samples.column("place")]))
+        looked = np.flatnonzero(np.isfinite(rows[:, samples.column_index("place")]))
         if goes_on and not len(looked) and sum(map(len, self._waiting)) < MOST_WAITING:
             return
         waiting = [*([] if self._looked is None else [self._looked]), *self._waiting]
         self._waiting = []
         self._looked = rows[looked[-1:]] if len(looked) else self._looked
-        series = samples.read(np.concatenate(waiting), scene, particles)
+        series = samples.read_rows(np.concatenate(waiting), scene, particles)
         self._findings = {**findings(scene, series), **self._findings}
-        self._large = merged(self._large, as_large_as_itself(scene, series))
-        self._followed = followed(scene, series)
+        self._large = merge(self._large, large_errors(scene, series))
+        self._followed = motion_known(scene, series)
 
-    def doubted(self, time: float, found: dict[str, str]) -> dict[str, str]:
+    def doubted_estimators(self, time: float, found: dict[str, str]) -> dict[str, str]:
         """The estimators that do not hold at a time in s, each with a sentence: those ``found`` not to now, and those
         of the half period before. One that has broken down meets its bounds at moments, by chance, and would come and
         go with every frame."""
         self._doubts |= {name: (time, sentence) for name, sentence in found.items()}
         return {name: sentence for name, (last, sentence) in self._doubts.items()
-                if time - last < REMEMBERED * self._scene.period}
+                if time - last < DOUBT_PERIODS * self._scene.period}
 
-    def tell(self, solver: Solver, not_valid: dict[str, str]) -> tuple[str, str | None, float | None]:
+    def current_status(self, solver: Solver, not_valid: dict[str, str]) -> tuple[str, str | None, float | None]:
         """Status, its sentence, and the time in s since when. An estimator may be found not to hold (``not_valid``)
         after it has found something: then that counts no longer."""
         large = {quantity: one for quantity, one in self._large.items() if one.by not in not_valid}
-        return solver.status(earliest(self._findings, not_valid), large)
+        return solver.status(earliest_finding(self._findings, not_valid), large)
 
     def not_checked(self, not_valid: dict[str, str]) -> str | None:
         """What nobody has looked at so far, in a sentence (``solvers.solver.verdict_basis``)."""
-        return not_checked(self._scene, checked(self._scene, not_valid, self._followed))
+        return unchecked(self._scene, checked_by(self._scene, not_valid, self._followed))

@@ -25,7 +25,7 @@ from typing import Any
 import numpy as np
 import taichi as ti
 
-from solvers.estimators.spectral_elements import unresolved
+from solvers.estimators.spectral_elements import unresolved_size
 from solvers.kernels.dtypes import integers, reals, rows
 from solvers.scene.estimator_hooks import EstimatorHooks
 
@@ -33,7 +33,7 @@ STABLE = 2.4  # omega H up to which a sub-step is taken; Nystrom's method is sta
 CHOSEN = 2.2  # omega H of the interval at rest: strain may stiffen the body by (2.4/2.2)^2 before a step is cut in two
 MOST_INTERVAL = 20  # particle steps: beyond, there is nothing left to save
 MOST_SUBSTEPS = 64  # a body strained beyond what these allow is no elastic body any more
-BAD_SHARE = 0.2  # of the estimate that the companion's own error may be
+MAX_ERROR_SHARE = 0.2  # of the estimate that the companion's own error may be
 
 #: Places in ``companion_counts``: order p, elements (across the body and around it), nodes (in a row and in all), radii
 #: of nodes, and particle steps to an interval.
@@ -58,7 +58,7 @@ def step_ahead(body: ti.template(), step, accelerate: ti.template(), on: ti.temp
     """
     begun = step - 1
     if begun % body.companion_counts[INTERVAL] == 0:
-        keep_start(body)
+        store_start(body)
         length = body.companion_counts[INTERVAL] * body.dt
         # Strain stiffens: the highest frequency grows with the square root of the stiffest tangent.
         highest = body.companion_numbers[FREQUENCY] * ti.sqrt(body.companion_numbers[STIFFEST])
@@ -70,11 +70,11 @@ def step_ahead(body: ti.template(), step, accelerate: ti.template(), on: ti.temp
                 accelerate(body, begun * body.dt + (k + (0.5 if stage == 0 else 1.0)) * H, on)
                 finish_stage(body, stage, H)
             if k < 0:
-                keep_start(body)
+                store_start(body)
 
 
 @ti.func
-def keep_start(body: ti.template()):
+def store_start(body: ti.template()):
     """The end of one interval is the start of the next."""
     N = body.companion_counts[NODES]
     for i in range(N):
@@ -165,7 +165,7 @@ def interval(frequency: float, dt: float) -> int:
     return max(1, min(MOST_INTERVAL, int(CHOSEN / (frequency * dt))))
 
 
-def doubt(elements: np.ndarray, axes: tuple[int, ...], square: float) -> str | None:
+def why_not_trusted(elements: np.ndarray, axes: tuple[int, ...], square: float) -> str | None:
     """Why the estimate is not to be trusted, as a sentence, or None.
 
     ``elements`` are the displacements (..., 2) at the elements' points, which ``axes`` count; ``square`` is the mean
@@ -173,8 +173,8 @@ def doubt(elements: np.ndarray, axes: tuple[int, ...], square: float) -> str | N
     """
     if not np.all(np.isfinite(elements)):
         return "not valid here: the companion solve itself has failed; choose a smaller amplitude or fewer periods"
-    missed = max(float(np.sqrt(np.mean(np.sum(unresolved(elements, axis) ** 2, axis=-1)))) for axis in axes)
-    if missed > BAD_SHARE * np.sqrt(square):  # a run gone bad is as wrong as can be: then nothing is missed
+    missed = max(float(np.sqrt(np.mean(np.sum(unresolved_size(elements, axis) ** 2, axis=-1)))) for axis in axes)
+    if missed > MAX_ERROR_SHARE * np.sqrt(square):  # a run gone bad is as wrong as can be: then nothing is missed
         return (f"not valid here: the companion solve itself may be {missed:.1g} m off, against an estimated error of "
                 f"{np.sqrt(square):.1g} m")
     return None

@@ -5,7 +5,7 @@ import numpy as np
 import taichi as ti
 
 from solvers.kernels.dtypes import integers, quads
-from solvers.kernels.packing import part
+from solvers.kernels.packing import prefix_view
 
 DAMPING = 0.4  # tau c/h of waves as short as the error grid; 0.8 is unstable on the ring
 #: Places in the estimators' numbers: the reference's time step, the damping's time, how far the reference has come, and
@@ -20,31 +20,31 @@ TABLE = {"first": integers, "width": ti.i32, "weights": quads}  # members of a t
 MOST_GROWTH = 2.0  # amplitudes of the motion
 #: Of a reference that swings from node to node the fourth differences are 16 times the swing. Measured on 80 rings and
 #: bars of uneven particles, where it does: x and v within .9 to 1.1 up to .8 of the error found.
-SWING = 16.0
+SWING_FACTOR = 16.0
 MOST_SWING = 1.0  # of the error found
 MOST_STEPS = 50  # of the run between two of the estimator's
-TURNS_A_LOOK = 4  # of the estimator, to one at which the sums for the verdict grow: they are of a whole run
+TURNS_PER_CHECK = 4  # of the estimator, to one at which the sums for the verdict grow: they are of a whole run
 #: Sums over rows that are taken side by side, with the same weights: one alone waits for each addition before the next.
 #: As many as any error grid has nodes across; there are more cells than that, more particles and more radii.
-ABREAST = 3
+ROWS_PER_GROUP = 3
 
 
 @ti.func
-def groups(count):
-    """How many groups of ``ABREAST`` there are to ``count`` things; the last two overlap."""
-    return (count + (ABREAST - 1)) // ABREAST
+def group_count(count):
+    """How many groups of ``ROWS_PER_GROUP`` there are to ``count`` things; the last two overlap."""
+    return (count + (ROWS_PER_GROUP - 1)) // ROWS_PER_GROUP
 
 
 @ti.func
-def first_of(group, count):
+def first_in_group(group, count):
     """The first thing of a group."""
-    return ti.min(group * ABREAST, count - ABREAST)
+    return ti.min(group * ROWS_PER_GROUP, count - ROWS_PER_GROUP)
 
 
 @ti.func
-def put(field: ti.template(), place, apart, values: ti.template()):
+def store_sums(field: ti.template(), place, apart, values: ti.template()):
     """Keep what was summed side by side, the second ``apart`` behind the first."""
-    for k in ti.static(range(ABREAST)):
+    for k in ti.static(range(ROWS_PER_GROUP)):
         field[place + k * apart] = values[k]
 
 
@@ -55,7 +55,7 @@ def fourth_factor(k):
 
 
 @ti.func
-def with_start(reference, a, interval):
+def initial_reference(reference, a, interval):
     """A reference as allocated, with the mean rate w = v, that begins with the acceleration ``a``: w = v + H/2 a."""
     return ti.Vector([reference[0], reference[1] + 0.5 * interval * a, a, a])
 
@@ -108,7 +108,7 @@ def steps_between(scene, length):
     return max(1, min(MOST_STEPS, int(length / (scene.wave_speed * scene.time_step))))
 
 
-def numbers(scene, steps):
+def initial_numbers(scene, steps):
     """The estimators' numbers at the start."""
     return np.array([steps * scene.time_step, DAMPING * scene.spacing / scene.wave_speed, NEW, *[0.0] * 5])
 
@@ -126,20 +126,20 @@ def time_since(step, dt, interval):
 
 
 @ti.func
-def looks(step, dt, interval):
+def is_check_due(step, dt, interval):
     """Whether the turn after ``step`` steps is one that the verdict looks at; the first is."""
     steps = ti.cast(interval / dt + 0.5, ti.i32)
-    return step // steps % TURNS_A_LOOK == 1
+    return step // steps % TURNS_PER_CHECK == 1
 
 
 @ti.func
-def row_of(state: ti.template(), table: ti.template(), row, pattern):
+def table_row(state: ti.template(), table: ti.template(), row, pattern):
     """Row ``row`` of a table: its first entry, and the first and the end of its weights.
 
     ``table`` is what the names of its members begin with; ``pattern`` is the row itself, or the one that it repeats.
     """
-    width = part(state, table).width
-    return part(state, table).first[row], pattern * width, (pattern + 1) * width
+    width = prefix_view(state, table).width
+    return prefix_view(state, table).first[row], pattern * width, (pattern + 1) * width
 
 
 def table_types(names):
@@ -157,7 +157,7 @@ def table_values(tables):
         ("weights", rows.weights.reshape(-1, rows.weights.shape[-1])))}
 
 
-def doubt(memory, growth):
+def why_not_trusted(memory, growth):
     """Why not to trust what was reported: the reference has turned inside out, run away, or swings from node to node.
 
     It swings where it follows uneven particles and where it goes unstable: then what is estimated is the reference's
@@ -170,8 +170,8 @@ def doubt(memory, growth):
     if not growth < MOST_GROWTH:
         return (f"not valid here: recovered's own reference has grown to {growth:.2g} amplitudes, because its equation "
                 "of motion is unstable here; take more particles per cell or a smaller amplitude")
-    if numbers[ROUGH] > (SWING * MOST_SWING) ** 2 * numbers[SIZE]:
+    if numbers[ROUGH] > (SWING_FACTOR * MOST_SWING) ** 2 * numbers[SIZE]:
         return (f"not valid here: recovered's own reference is too rough (it swings from node to node by "
-                f"{np.sqrt(numbers[ROUGH] / numbers[SIZE]) / SWING:.2g} times the error found, and may by "
+                f"{np.sqrt(numbers[ROUGH] / numbers[SIZE]) / SWING_FACTOR:.2g} times the error found, and may by "
                 f"{MOST_SWING:.2g}); take two or more particles per cell that move with the grid")
     return None

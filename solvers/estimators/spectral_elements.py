@@ -42,7 +42,7 @@ class Elements:
     @property
     def derivative(self) -> np.ndarray:
         """D (p+1, p+1): values at an element's points to the derivative there, per unit of the coordinate."""
-        return differentiation(self.points) * (2 / self.length)
+        return differentiation_matrix(self.points) * (2 / self.length)
 
     @property
     def nodes(self) -> np.ndarray:
@@ -51,14 +51,14 @@ class Elements:
         return np.append(inner.ravel(), self.end)
 
     @property
-    def of_node(self) -> np.ndarray:
+    def node_of_point(self) -> np.ndarray:
         """The node of each element's point (count, p+1)."""
         return np.arange(self.count)[:, None] * self.order + np.arange(self.order + 1)
 
     @property
     def assembled_weights(self) -> np.ndarray:
         """Quadrature weights of all nodes: the sums over the elements that share them."""
-        return np.bincount(self.of_node.ravel(), np.tile(self.weights, self.count))
+        return np.bincount(self.node_of_point.ravel(), np.tile(self.weights, self.count))
 
     def locate(self, x: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
         """Element of each place x (K,), and there the values and the derivatives of its p + 1 polynomials (K, p+1).
@@ -83,7 +83,7 @@ def lobatto(order: int) -> tuple[np.ndarray, np.ndarray]:
     return points, weights
 
 
-def differentiation(points: np.ndarray) -> np.ndarray:
+def differentiation_matrix(points: np.ndarray) -> np.ndarray:
     """D with (D f)_i the derivative at point i of the polynomial through f, by barycentric weights."""
     gap = points[:, None] - points
     np.fill_diagonal(gap, 1.0)
@@ -94,7 +94,7 @@ def differentiation(points: np.ndarray) -> np.ndarray:
     return D
 
 
-def unresolved(values: np.ndarray, axis: int) -> np.ndarray:
+def unresolved_size(values: np.ndarray, axis: int) -> np.ndarray:
     """Size of what the elements' polynomials leave out along ``axis``, from the decay of the Legendre modes.
 
     The highest mode is the last that was kept; carried on at the rate of decay it tells the first that was not:

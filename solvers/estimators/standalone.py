@@ -10,7 +10,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-SAFE = 1.5  # omega H of a step: 2.58 is where the method ends; at 1.5 its error is no part of the whole
+SAFE_STEP = 1.5  # omega H of a step: 2.58 is where the method ends; at 1.5 its error is no part of the whole
 
 
 class ElasticBody(ABC):
@@ -31,7 +31,7 @@ class ElasticBody(ABC):
         """Of a field of the nodes (N, D): its values (P, D) and gradients (P, D, D) at the material points X (P, D)."""
 
 
-class Lost(ArithmeticError):
+class MotionLost(ArithmeticError):
     """A motion that the companion cannot follow to the ``time``: it is no number any more."""
 
     def __init__(self, time: float):
@@ -41,7 +41,7 @@ class Lost(ArithmeticError):
 
 def longest_step(body: ElasticBody) -> float:
     """Of a step in seconds, so that what it adds to the error is no part of the whole."""
-    return SAFE / body.frequency
+    return SAFE_STEP / body.frequency
 
 
 class NystromIntegrator:
@@ -53,8 +53,8 @@ class NystromIntegrator:
         self.u, self.v = np.zeros_like(body.velocity), body.velocity.copy()
         self.a = body.accelerations(self.u, 0.0)
 
-    def to(self, time: float) -> None:
-        """Go on to a time that is not earlier. Raises :class:`Lost` where the motion breaks down."""
+    def advance_to(self, time: float) -> None:
+        """Go on to a time that is not earlier. Raises :class:`MotionLost` where the motion breaks down."""
         u, v, k1, body = self.u, self.v, self.a, self.body
         steps = math.ceil((time - self.time) / self.longest)
         for step in range(steps):
@@ -66,16 +66,16 @@ class NystromIntegrator:
             k1 = body.accelerations(u, t + H)
         self.u, self.v, self.a, self.time = u, v, k1, time
         if not (np.isfinite(u) & np.isfinite(v)).all():
-            raise Lost(time)
+            raise MotionLost(time)
 
 
 def solve(body: ElasticBody, times: Sequence[float]) -> list[tuple[np.ndarray, np.ndarray]]:
     """Displacement and velocity of the nodes, (N, D) each, at the times, which do not fall and begin at 0 or later.
 
-    Raises :class:`Lost` where the motion breaks down.
+    Raises :class:`MotionLost` where the motion breaks down.
     """
     integrator, found = NystromIntegrator(body), []
     for time in times:
-        integrator.to(time)
+        integrator.advance_to(time)
         found.append((integrator.u, integrator.v))
     return found

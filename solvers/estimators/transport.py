@@ -4,7 +4,7 @@ NOTHING = 1e-9  # of the motion's acceleration: rounding of second differences, 
 MOST = 100.0  # of the motion's acceleration, at the worst node; up to 60 were seen where the index was still below 2
 
 
-def doubt(error: float, begun: bool, size: float) -> str | None:
+def why_not_trusted(error: float, begun: bool, size: float) -> str | None:
     """Why not to trust it, or None. ``error`` is the largest estimated error of a at the nodes, in m/s^2, ``size`` that
     of the motion's own acceleration; a run that has not ``begun`` has none."""
     if begun and error < NOTHING * size:

@@ -10,9 +10,9 @@ its smooth field has not is error. So
 
     e = q_h - I q*,   q* = (r^2 S q_h - S q_rh)/(r^2 - 1),
 
-S a fit of cubics over ``WINDOWS`` cells and I cubic interpolation. The time step is not refined with the grid. It makes
-no first-order error but one: v belongs to a time dt/2 earlier than x (symplectic Euler is the leapfrog scheme started
-at rest of the forces, a(0) = 0), which is known and taken into account for both runs.
+S a fit of cubics over ``FIT_CELLS`` cells and I cubic interpolation. The time step is not refined with the grid. It
+makes no first-order error but one: v belongs to a time dt/2 earlier than x (symplectic Euler is the leapfrog scheme
+started at rest of the forces, a(0) = 0), which is known and taken into account for both runs.
 
 Particles lie on lattices of lines that are evenly spaced in the material coordinate (the bar's X; the ring's angle and
 radius; the square's X and Y), so every smoothing or interpolation is a product of 1-D stencils that never change. A
@@ -33,16 +33,16 @@ import numpy as np
 import taichi as ti
 
 from solvers.kernels.dtypes import integers, pairs, real, reals
-from solvers.kernels.packing import part
+from solvers.kernels.packing import prefix_view
 from solvers.scene.kernel_options import KernelOptions
 from solvers.scene.scene import Scene
 
-WINDOWS = (4, 6)  # cells that a fit spans: of x, v and sigma; and of a, whose noise has longer waves
+FIT_CELLS = (4, 6)  # cells that a fit spans: of x, v and sigma; and of a, whose noise has longer waves
 MOST_COURANT = 0.25  # steps of the coarse run, in multiples of the time a wave takes through a cell of the fine grid
 MOST_STEPS = 10  # of the run to one of the coarse run
-CRUSHED = 1e-3  # det F from which on a particle of the coarse run counts as crushed
-LOST = 0.5  # of the amplitude: a run with such an error of x no longer knows where its particles are
-CUBIC = 4  # coefficients
+CRUSHED_JACOBIAN = 1e-3  # det F from which on a particle of the coarse run counts as crushed
+LOST_DISPLACEMENT = 0.5  # of the amplitude: a run with such an error of x no longer knows where its particles are
+CUBIC_COEFFICIENTS = 4  # coefficients
 
 TABLES = ("down", "over", "up")  # from the run's lattice to the common one, from the second run's, and to the run's
 LATTICES = ("fine", "coarse", "common")  # of the run, of the second run, and the one on which they meet
@@ -75,31 +75,31 @@ def allocate(scene: Scene, fields: ComparedFields, fine: tuple[int, int], coarse
              common: tuple[int, int], ends: tuple[str, str]) -> dict:
     """The values of :func:`memory_types`. Lattices are given as points on a line and lines; ``ends`` says what lies
     beyond the ends of a line, and beyond the first and last lines."""
-    smooth, cubic = (WINDOWS[0] * scene.ppc, WINDOWS[1] * scene.ppc), (CUBIC, CUBIC)
+    smooth, cubic = (FIT_CELLS[0] * scene.ppc, FIT_CELLS[1] * scene.ppc), (CUBIC_COEFFICIENTS, CUBIC_COEFFICIENTS)
     values: dict = {}
     for table, source, target, fit in zip(TABLES, (fine, coarse, common), (common, common, fine),
                                           (smooth, smooth, cubic), strict=True):
         for k, way in enumerate(("along", "across")):
             values |= {f"two_grid_{table}_{way}_{member}": value for member, value in stencils(
-                centres(target[k], source[k]), source[k], fit, ends[k]).items()}
+                point_positions(target[k], source[k]), source[k], fit, ends[k]).items()}
     for lattice, (points, lines) in zip(LATTICES, (fine, coarse, common), strict=True):
         values |= {f"two_grid_{lattice}_points": points, f"two_grid_{lattice}_lines": lines}
     width, most = len(fields.along), max(math.prod(fine), math.prod(coarse))
     band = max(fine[1] * common[0], coarse[1] * common[0], common[1] * fine[0])
-    return {**values, "two_grid_gain": gain(scene), "two_grid_interval": interval(scene),
+    return {**values, "two_grid_gain": extrapolation_factor(scene), "two_grid_interval": interval(scene),
             "two_grid_fields": np.zeros((most, width)), "two_grid_band": np.zeros((band, width)),
             "two_grid_common": np.zeros((math.prod(common), width)), "two_grid_largest": np.zeros(1)}
 
 
 @ti.func
-def begin(own: ti.template()):
+def clear_common_lattice(own: ti.template()):
     """Nothing on the common lattice yet."""
     for t in range(own.common_points * own.common_lines):
         own.common[t] = own.common[t] * 0.0
 
 
 @ti.func
-def remember_largest(own: ti.template(), square):
+def store_largest(own: ti.template(), square):
     """Keep a mean square of e_x if it is the largest so far; what is no number replaces any."""
     if not square <= own.largest[0]:
         own.largest[0] = square
@@ -109,8 +109,8 @@ def remember_largest(own: ti.template(), square):
 def transfer(own: ti.template(), fields: ti.template(), table: ti.template(), source: ti.template(),
              at: ti.template(), into: ti.template(), to: ti.template(), share):
     """Add a share of the fields on the lattice ``at``, smoothed or interpolated, to those on the lattice ``to``."""
-    from_lattice, to_lattice = ti.static([part(own, at + "_"), part(own, to + "_")])
-    along, across = ti.static([part(own, table + "_along_"), part(own, table + "_across_")])
+    from_lattice, to_lattice = ti.static([prefix_view(own, at + "_"), prefix_view(own, to + "_")])
+    along, across = ti.static([prefix_view(own, table + "_along_"), prefix_view(own, table + "_across_")])
     points, lines, wanted = from_lattice.points, from_lattice.lines, to_lattice.points
     for i in range(lines):
         for j in range(wanted):
@@ -148,12 +148,12 @@ def interval(scene: Scene) -> int:
     return max((k for k in range(2, most + 1) if scene.sample_interval % k == 0), default=most)
 
 
-def gain(scene: Scene) -> float:
+def extrapolation_factor(scene: Scene) -> float:
     """1/(r^2 - 1) with r the ratio of the cells."""
     return 1 / ((scene.cells / (scene.cells // 2)) ** 2 - 1)
 
 
-def bare(on: KernelOptions) -> KernelOptions:
+def method_options(on: KernelOptions) -> KernelOptions:
     """The switches of the second run: the method as it is, nothing measured but the acceleration."""
     return on._replace(effects=("acceleration",), estimators=())
 
@@ -166,11 +166,11 @@ def coarse_run_verdict(scene: Scene, determinant: np.ndarray, displacement: np.n
     nothing to extrapolate from a run that is lost.
     """
     with np.errstate(invalid="ignore", over="ignore"):
-        sound = np.all(determinant > CRUSHED) and np.all(np.abs(displacement) < farthest)  # False for NaN
-        share = (1 + 1 / gain(scene)) * float(np.sqrt(largest[0])) / scene.motion_amplitude
+        sound = np.all(determinant > CRUSHED_JACOBIAN) and np.all(np.abs(displacement) < farthest)  # False for NaN
+        share = (1 + 1 / extrapolation_factor(scene)) * float(np.sqrt(largest[0])) / scene.motion_amplitude
     if not sound:
         return "not valid here: the second run, with half the cells, went unstable"
-    if not share <= LOST:
+    if not share <= LOST_DISPLACEMENT:
         return (f"not valid here: the second run, with half the cells, seems to be {share:.2g} of the amplitude off, "
                 "too far to extrapolate; take more cells or end earlier")
     return None
@@ -186,7 +186,7 @@ def stencils(places: np.ndarray, count: int, windows: tuple[int, int], ends: str
     fewer points than four allow.
     """
     taps = min(max(windows), count) if ends == "free" else windows[0] if ends == "mirror" else max(windows)
-    first = _begin(places, taps, count, ends)
+    first = _first_points(places, taps, count, ends)
     beyond = (taps > count) | (ends == "mirror") & ((first < 0) | (first + taps > count))
     offset, width = places - first, min(taps, count)
     start = np.where(beyond, np.clip(first, 0, count - width), first % count)
@@ -198,8 +198,8 @@ def stencils(places: np.ndarray, count: int, windows: tuple[int, int], ends: str
         index, mirrored = np.where((ends == "mirror") & (turns % 2 == 1), count - 1 - index, index), 1 - 2 * (turns % 2)
         for kind, window in enumerate(windows):
             points = min(window, taps)
-            begin = int(_begin(places[t:t + 1], points, count, ends)[0] - first[t])
-            powers = np.vander(np.arange(points) + begin - offset[t], min(CUBIC, points), increasing=True)
+            begin = int(_first_points(places[t:t + 1], points, count, ends)[0] - first[t])
+            powers = np.vander(np.arange(points) + begin - offset[t], min(CUBIC_COEFFICIENTS, points), increasing=True)
             fit = np.zeros(taps)
             fit[begin:begin + points] = np.linalg.pinv(powers)[0]
             if ends == "mirror" and kind:
@@ -209,12 +209,12 @@ def stencils(places: np.ndarray, count: int, windows: tuple[int, int], ends: str
             "weights": weights.reshape(-1, 2)}
 
 
-def _begin(places: np.ndarray, points: int, count: int, ends: str) -> np.ndarray:
+def _first_points(places: np.ndarray, points: int, count: int, ends: str) -> np.ndarray:
     """First of the ``points`` lattice points that lie nearest around each place."""
     first = np.round(places - 0.5 * (points - 1) + 1e-9).astype(int)
     return np.clip(first, 0, count - points) if ends == "free" else first
 
 
-def centres(targets: int, count: int) -> np.ndarray:
+def point_positions(targets: int, count: int) -> np.ndarray:
     """The points of a lattice of ``targets`` points, in spacings of one of ``count`` that fills the same length."""
     return (np.arange(targets) + 0.5) * (count / targets) - 0.5

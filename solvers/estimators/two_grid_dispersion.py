@@ -21,7 +21,7 @@ from solvers.scene.estimator_limits import Limit
 MOST_LAG = 0.9
 
 
-def lag(scene: Any, wavenumber: float | Callable[[Any], float]) -> float:
+def phase_lag(scene: Any, wavenumber: float | Callable[[Any], float]) -> float:
     """Radians by which a wave, in 1/m, of the second run is behind the exact one at the end."""
     slowing = 1 / 4 if scene.method == "bspline" else 1 / 8 + 1 / (24 * scene.ppc**2)
     k = wavenumber(scene) if callable(wavenumber) else wavenumber
@@ -29,9 +29,9 @@ def lag(scene: Any, wavenumber: float | Callable[[Any], float]) -> float:
     return slowing * (k * coarse) ** 2 * k * scene.wave_speed * scene.end_time
 
 
-def in_step(wavenumber: float | Callable[[Any], float], **where: Any) -> Limit:
+def phase_lag_limit(wavenumber: float | Callable[[Any], float], **where: Any) -> Limit:
     """The limit that waves of the second run end not too far behind; the lag falls with the square of the cells."""
-    return Limit("two-grid", lambda scene: lag(scene, wavenumber), most=MOST_LAG, where=where, give={
+    return Limit("two-grid", lambda scene: phase_lag(scene, wavenumber), most=MOST_LAG, where=where, give={
         "cells": lambda scene, lag: 2 * math.ceil(scene.cells / 2 * math.sqrt(lag / MOST_LAG) + 1),
         "end_time": lambda scene, lag: scene.end_time * MOST_LAG / lag},
         why="by the end, waves on the second run's cells would be {value:.2g} radians behind, too far to extrapolate "

@@ -6,9 +6,9 @@ from typing import Any
 
 import numpy as np
 
-from solvers.judging.findings.all_findings import INSIDE_OUT, OF_A_MOTION
+from solvers.judging.findings.all_findings import INSIDE_OUT, MOTION_FINDINGS
 from solvers.judging.findings.finding import BROKEN, SUSPICIOUS, UNKNOWN, Finding
-from solvers.judging.findings.motion import Motion, followed
+from solvers.judging.findings.motion import Motion, read_motion
 from solvers.judging.particle_readers import Particles, read_all
 from solvers.untrusted.quoting import FileError
 
@@ -16,7 +16,7 @@ SCHEMA = "mpm-lab/check/1"
 CONSISTENT = "consistent"
 Progress = Callable[[float, str], None]
 #: What no motion says of itself, whatever the files hold.
-NEVER_TOLD = (
+NOT_CHECKABLE = (
     "whether the motion is that of your problem: forces, material and boundary are not known here",
     "the balance of energy and of momentum with the forces: body forces and walls may do any work",
     "the order of accuracy, and how large the error is: `mpm-lab judge` measures them on a problem whose solution is "
@@ -24,7 +24,7 @@ NEVER_TOLD = (
 
 
 @dataclass(frozen=True)
-class Checked:
+class MotionCheck:
     """A ``motion`` with its findings, in the order in which they are told."""
 
     files: tuple[str, ...]
@@ -37,9 +37,9 @@ class Checked:
         return next((one for one in (BROKEN, SUSPICIOUS) if one in verdicts), CONSISTENT)
 
     @property
-    def wrong(self) -> list[Finding]:
+    def contradictions(self) -> list[Finding]:
         """What contradicts the motion, what breaks it first."""
-        return sorted((one for one in self.findings if one.wrong), key=lambda one: one.verdict != BROKEN)
+        return sorted((one for one in self.findings if one.is_contradiction), key=lambda one: one.verdict != BROKEN)
 
     def to_dict(self) -> dict[str, Any]:
         motion = self.motion
@@ -48,13 +48,13 @@ class Checked:
                 "quantities": [key for key in ("x", "v", "F", "sigma", "mass", "volume") if key in motion.fields],
                 "reference": "the first moment" if motion.from_start else "X", "notes": motion.notes,
                 "spacing": None if np.isnan(motion.spacing) else motion.spacing, "motion": motion.amplitude,
-                "findings": [one.to_dict() for one in self.findings], "contradictions": len(self.wrong),
+                "findings": [one.to_dict() for one in self.findings], "contradictions": len(self.contradictions),
                 "not_told": [f"{one.name}: {one.says}" for one in self.findings if one.verdict == UNKNOWN],
-                "never_told": list(NEVER_TOLD)}
+                "never_told": list(NOT_CHECKABLE)}
 
 
 def check(files: Particles | Sequence[Particles], *, times: Sequence[float] = (),
-          on_progress: Progress = lambda part, what: None) -> Checked:
+          on_progress: Progress = lambda part, what: None) -> MotionCheck:
     """Look for contradictions within the motion of particles, of any code and problem, without a solution.
 
     Parameters
@@ -84,13 +84,13 @@ def check(files: Particles | Sequence[Particles], *, times: Sequence[float] = ()
                                       "for each")
     on_progress(0.1, "following the particles")
     with np.errstate(all="ignore"):  # files may have any numbers, and what is made of the largest may be none
-        motion, findings = followed(raws, times)
-        findings += INSIDE_OUT.found(motion)
-        part = motion.part
-        for k, kind in enumerate(OF_A_MOTION):
-            on_progress(0.2 + 0.8 * k / len(OF_A_MOTION), "looking for contradictions")
-            findings += kind.found(part)
+        motion, findings = read_motion(raws, times)
+        findings += INSIDE_OUT.find_in(motion)
+        part = motion.representative_part
+        for k, kind in enumerate(MOTION_FINDINGS):
+            on_progress(0.2 + 0.8 * k / len(MOTION_FINDINGS), "looking for contradictions")
+            findings += kind.find_in(part)
         if part is not motion:
             motion.notes.append(f"{len(part.number):,} of the {len(motion.number):,} particles, in boxes spread over "
                                 "the body, were held against their neighbours")
-    return Checked(tuple(dict.fromkeys(raw.file for raw in raws)), motion, findings)
+    return MotionCheck(tuple(dict.fromkeys(raw.file for raw in raws)), motion, findings)

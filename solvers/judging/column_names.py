@@ -12,9 +12,9 @@ from typing import Any, cast
 
 import numpy as np
 
-from solvers.judging.frames import Raw
-from solvers.judging.scene_metadata import read_line
-from solvers.untrusted.quoting import FileError, quoted
+from solvers.judging.frames import RawTable
+from solvers.judging.scene_metadata import parse_scene_line
+from solvers.untrusted.quoting import FileError, quote
 from solvers.untrusted.size_limits import LIMITS, Limits, check_name
 
 #: What else each quantity may be called. X and x, which differ only in size, are the only names whose size counts.
@@ -48,7 +48,7 @@ COMPONENTS = _components()
 WHOLE = {name: (key, None) for key, names in NAMES.items() for name in names}
 
 
-def meaning(name: str) -> tuple[str, tuple[int, ...] | None] | None:
+def parse_name(name: str) -> tuple[str, tuple[int, ...] | None] | None:
     """The quantity of a column or an array, and its component where it is only that; None for any other. A unit in
     brackets at the end says nothing."""
     bare = re.sub(r"\s*[\[(][^\])]*[\])]\s*$", "", name.strip().strip('"'))
@@ -56,7 +56,7 @@ def meaning(name: str) -> tuple[str, tuple[int, ...] | None] | None:
     return next((table[text] for table in tables for text in (bare, bare.lower()) if text in table), None)
 
 
-def spelled(key: str, dimensions: int) -> str:
+def describe_columns(key: str, dimensions: int) -> str:
     """What the columns of a quantity are called in a file of so many dimensions, for a sentence."""
     return ", ".join(name for name in column_names(key, dimensions) if name != "syx")  # one of sxy and syx is enough
 
@@ -69,16 +69,16 @@ def column_names(key: str, dimensions: int) -> list[str]:
     return [f"{'s' if key == 'sigma' else 'F'}{i}{j}" for i in letters for j in letters]
 
 
-def gathered(path: str, named: dict[str, np.ndarray], time: float | None, cells: int | None,
-             limits: Limits = LIMITS) -> Raw:
+def build_table(path: str, named: dict[str, np.ndarray], time: float | None, cells: int | None,
+                limits: Limits = LIMITS) -> RawTable:
     """The table of named arrays (n, ...): components put together, the rest left out."""
-    known_ones = [array for name, array in named.items() if meaning(name)]
+    known_ones = [array for name, array in named.items() if parse_name(name)]
     limits.check_rows(path, max((len(array) for array in known_ones if array.ndim), default=0))
     limits.check_numbers(path, sum(array.size for array in known_ones))
     columns: dict[str, np.ndarray] = {}
     parts: dict[str, dict[tuple[int, ...], np.ndarray]] = {}
     for name, array in named.items():
-        known = meaning(name)
+        known = parse_name(name)
         if known is None:
             continue
         key, component = known
@@ -87,18 +87,18 @@ def gathered(path: str, named: dict[str, np.ndarray], time: float | None, cells:
             component = None  # a whole vector, called as its first component is
         if component is None and not (values.ndim == 1 and key in VECTORS + TENSORS):
             if key in columns:
-                raise FileError(path, f"has {key} twice, the second time as {quoted(name)}; give it once")
-            columns[key] = _shaped(path, key, name, values)
+                raise FileError(path, f"has {key} twice, the second time as {quote(name)}; give it once")
+            columns[key] = _reshape_array(path, key, name, values)
         else:
             where = component or ((0,) if key in VECTORS else (0, 0))
             if where in parts.setdefault(key, {}):
-                raise FileError(path, f"has the same component of {key} twice, the second time as {quoted(name)}; "
+                raise FileError(path, f"has the same component of {key} twice, the second time as {quote(name)}; "
                                       "give it once")
             parts[key][where] = values
     for key, pieces in parts.items():
         if key in columns:
             raise FileError(path, f"has {key} as a whole and in components; give one of the two")
-        columns[key] = _joined(path, key, pieces)
+        columns[key] = _join_components(path, key, pieces)
     lengths = {key: len(array) for key, array in columns.items()}
     if len(set(lengths.values())) > 1:
         told = ", ".join(f"{key} has {n}" for key, n in lengths.items())
@@ -106,18 +106,18 @@ def gathered(path: str, named: dict[str, np.ndarray], time: float | None, cells:
     if 0 in lengths.values():
         raise FileError(path, "holds no particles: its columns are empty; give a row for each particle in all of them")
     if not columns.keys() - {"mass", "volume"}:
-        some = ", ".join(quoted(name, 30) for name in list(named)[:8]) or "nothing"
+        some = ", ".join(quote(name, 30) for name in list(named)[:8]) or "nothing"
         raise FileError(path, f"holds no particles that are known by name, but {some}; give columns such as id, x, vx")
     if "t" in columns:
         limits.check_times(path, len(np.unique(columns["t"])))
-    return Raw(path, columns, tuple(named), time, cells)
+    return RawTable(path, columns, tuple(named), time, cells)
 
 
-def _shaped(path: str, key: str, name: str, values: np.ndarray) -> np.ndarray:
+def _reshape_array(path: str, key: str, name: str, values: np.ndarray) -> np.ndarray:
     """An array (n, ...) as (n,), (n, d) or (n, d, d)."""
     if key in SCALARS:
         if values.ndim != 1:
-            raise FileError(path, f"has {quoted(name)} of the shape {values.shape}; give one number for each particle")
+            raise FileError(path, f"has {quote(name)} of the shape {values.shape}; give one number for each particle")
         return values
     if key in VECTORS and values.ndim == 2 and values.shape[1] in (1, 2, 3):
         return values
@@ -129,11 +129,11 @@ def _shaped(path: str, key: str, name: str, values: np.ndarray) -> np.ndarray:
             return values.reshape(-1, size, size)
         if values.ndim == 2 and values.shape[1] == 6 and key == "sigma":  # VTK's order: xx, yy, zz, xy, yz, xz
             return values[:, [0, 3, 5, 3, 1, 4, 5, 4, 2]].reshape(-1, 3, 3)
-    raise FileError(path, f"has {quoted(name)} of the shape {values.shape}; give a row for each particle, with 1 "
+    raise FileError(path, f"has {quote(name)} of the shape {values.shape}; give a row for each particle, with 1 "
                           "to 3 numbers of a vector, and 1, 4 or 9 of a tensor, row by row")
 
 
-def _joined(path: str, key: str, pieces: dict[tuple[int, ...], np.ndarray]) -> np.ndarray:
+def _join_components(path: str, key: str, pieces: dict[tuple[int, ...], np.ndarray]) -> np.ndarray:
     """Components (n,) as a vector (n, d) or a tensor (n, d, d); of a stress one of xy and yx is enough."""
     size = 1 + max(max(where) for where in pieces)
     n = len(next(iter(pieces.values())))
@@ -156,44 +156,44 @@ def _joined(path: str, key: str, pieces: dict[tuple[int, ...], np.ndarray]) -> n
     return out
 
 
-def wanted(name: str) -> bool:
+def is_known_name(name: str) -> bool:
     """Whether an array of this name is looked at."""
-    return bool(meaning(name)) or name in ("cells", "scene")
+    return bool(parse_name(name)) or name in ("cells", "scene")
 
 
-def from_arrays(path: str, arrays: Mapping[str, np.ndarray], limits: Limits = LIMITS) -> Raw:
+def table_from_arrays(path: str, arrays: Mapping[str, np.ndarray], limits: Limits = LIMITS) -> RawTable:
     """The table of named arrays, as they stand in a .npz; ``path`` is what messages call it."""
     limits.check_columns(path, len(arrays))
     for name, array in arrays.items():
         check_name(path, name)
-        if meaning(name) and array.dtype.kind not in "iuf":
-            raise FileError(path, f"has no numbers in {quoted(name)}; give numbers, real and not objects or texts")
+        if parse_name(name) and array.dtype.kind not in "iuf":
+            raise FileError(path, f"has no numbers in {quote(name)}; give numbers, real and not objects or texts")
     scalars = {name: array.item() for name, array in arrays.items() if array.size == 1 and array.dtype.kind in "iuf"}
     cells = scalars.get("cells")
-    times = next((arrays[name] for name in arrays if _key(name) == "t"), None)
-    many = {name: array for name, array in arrays.items() if meaning(name) and array.ndim > 0}
-    place = next((array for name, array in many.items() if _key(name) == "x"), None)
+    times = next((arrays[name] for name in arrays if _quantity_key(name) == "t"), None)
+    many = {name: array for name, array in arrays.items() if parse_name(name) and array.ndim > 0}
+    place = next((array for name, array in many.items() if _quantity_key(name) == "x"), None)
     # Positions of T times are (T, P) or (T, P, D), those of one table (n,) or (n, D).
     stacked = place is not None and (place.ndim == 3 or (place.ndim == 2 and place.shape[1] > 3))
     line = arrays["scene"].item() if "scene" in arrays and arrays["scene"].size == 1 else None
     if times is None or times.ndim == 0 or not stacked:
         time = None if times is None or times.ndim else float(times)
-        return with_scene(gathered(path, many, time, whole(path, cells), limits), line)
-    rows = _unstacked(path, many, times, limits)
-    return with_scene(gathered(path, rows, None, whole(path, cells), limits), line)
+        return add_scene(build_table(path, many, time, check_cell_count(path, cells), limits), line)
+    rows = _flatten_times(path, many, times, limits)
+    return add_scene(build_table(path, rows, None, check_cell_count(path, cells), limits), line)
 
 
-def with_scene(raw: Raw, line: object) -> Raw:
+def add_scene(raw: RawTable, line: object) -> RawTable:
     """The file with what it says of its scene."""
-    said = read_line(raw.file, line, raw.cells)
+    said = parse_scene_line(raw.file, line, raw.cells)
     return raw if said is None else replace(raw, said=said, cells=said.inputs.get("cells", raw.cells), step=said.step)
 
 
-def _unstacked(path: str, many: dict[str, np.ndarray], times: np.ndarray, limits: Limits) -> dict[str, np.ndarray]:
+def _flatten_times(path: str, many: dict[str, np.ndarray], times: np.ndarray, limits: Limits) -> dict[str, np.ndarray]:
     """Arrays (T, P, ...) as rows, one for every time and particle; what is known once for all, ids and material
     positions, is repeated."""
     T = len(times)
-    place = next(array for name, array in many.items() if _key(name) == "x")
+    place = next(array for name, array in many.items() if _quantity_key(name) == "x")
     P = place.shape[1] if place.ndim > 1 else 0
     if len(place) != T or P == 0:
         raise FileError(path, f"has {T} times and positions of the shape {place.shape}; give positions of the shape "
@@ -204,23 +204,23 @@ def _unstacked(path: str, many: dict[str, np.ndarray], times: np.ndarray, limits
     limits.check_numbers(path, T * P, sum(int(np.prod(shape, dtype=object)) for shape in shapes))
     rows: dict[str, np.ndarray] = {}
     for name, array in many.items():
-        if _key(name) == "t":
+        if _quantity_key(name) == "t":
             rows[name] = np.repeat(array, P)
         elif array.shape[:2] == (T, P):
             rows[name] = array.reshape(T * P, *array.shape[2:])
-        elif len(array) == P and _key(name) in ("id", "X", "mass", "volume"):
+        elif len(array) == P and _quantity_key(name) in ("id", "X", "mass", "volume"):
             rows[name] = np.tile(array, (T,) + (1,) * (array.ndim - 1))
         else:
-            raise FileError(path, f"has {quoted(name)} of the shape {array.shape} beside {T} times of {P} particles; "
+            raise FileError(path, f"has {quote(name)} of the shape {array.shape} beside {T} times of {P} particles; "
                                   f"give ({T}, {P}, ...)")
     return rows
 
 
-def _key(name: str) -> str:
-    return (meaning(name) or ("",))[0]
+def _quantity_key(name: str) -> str:
+    return (parse_name(name) or ("",))[0]
 
 
-def whole(path: str, value: float | None) -> int | None:
+def check_cell_count(path: str, value: float | None) -> int | None:
     if value is not None and not float(value).is_integer():
         raise FileError(path, f"says that it has {value} cells; give a whole number")
     return None if value is None else int(value)

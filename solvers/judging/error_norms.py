@@ -12,7 +12,7 @@ import numpy as np
 
 from solvers.estimators.standalone import ElasticBody
 from solvers.judging.frames import Frame
-from solvers.judging.problem_handout import carried, solution
+from solvers.judging.problem_handout import fields_at_points, solve_companion
 from solvers.problems import PROBLEMS
 from solvers.scene.scene import Scene
 from solvers.solver.error_norms import error_index, finite, summary
@@ -22,10 +22,10 @@ QUANTITIES = ("x", "v", "sigma")
 Errors = dict[str, np.ndarray]  # (P, D) or (P, D, D) by quantity, for those that the file has
 
 
-def truth(scene: Scene, frame: Frame) -> Errors:
+def true_errors(scene: Scene, frame: Frame) -> Errors:
     reference, X, t = PROBLEMS[scene.problem].reference, frame.material_position, frame.time
-    return _errors(scene, frame, reference.displacement(scene, X, t), reference.velocity(scene, X, t),
-                   reference.exact_stress(scene, X, t))
+    return _errors_against(scene, frame, reference.displacement(scene, X, t), reference.velocity(scene, X, t),
+                           reference.exact_stress(scene, X, t))
 
 
 def stress(scene: Scene, frame: Frame) -> np.ndarray | None:
@@ -54,11 +54,11 @@ class Companions:
 
     @functools.cached_property
     def _solved(self) -> list[tuple[ElasticBody, list[tuple[np.ndarray, np.ndarray]]]]:
-        return [solution(self.scene, fine, self.times) for fine in (True, False)]
+        return [solve_companion(self.scene, fine, self.times) for fine in (True, False)]
 
     def errors(self, frame: Frame, fine: bool = True) -> Errors:
         """The errors of a frame as the companion sees them."""
-        return _errors(self.scene, frame, *self._fields(frame, fine))
+        return _errors_against(self.scene, frame, *self._fields(frame, fine))
 
     def doubt(self, frame: Frame) -> dict[str, float]:
         """How far the companion's two meshes are apart at the frame's particles."""
@@ -68,11 +68,11 @@ class Companions:
     def _fields(self, frame: Frame, fine: bool) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
         body, solved = self._solved[0 if fine else 1]
         motion = solved[self.times.index(frame.time)]
-        u, v, _, sigma = carried(self.scene, body, motion, frame.material_position)
+        u, v, _, sigma = fields_at_points(self.scene, body, motion, frame.material_position)
         return u, v, sigma
 
 
-def _errors(scene: Scene, frame: Frame, u: np.ndarray, v: np.ndarray, sigma: np.ndarray) -> Errors:
+def _errors_against(scene: Scene, frame: Frame, u: np.ndarray, v: np.ndarray, sigma: np.ndarray) -> Errors:
     found = {"x": frame.position - frame.material_position - u}
     if frame.velocity is not None:
         found["v"] = frame.velocity - v
@@ -82,17 +82,17 @@ def _errors(scene: Scene, frame: Frame, u: np.ndarray, v: np.ndarray, sigma: np.
     return found
 
 
-def series(errors: Sequence[Errors]) -> dict[str, np.ndarray]:
+def norm_series(errors: Sequence[Errors]) -> dict[str, np.ndarray]:
     """The norms over time of each quantity, NaN where a file does not have it."""
     return {q: np.array([rms(e[q]) if q in e else np.nan for e in errors]) for q in QUANTITIES}
 
 
-def listed(norms: dict[str, np.ndarray]) -> dict[str, list[float | None]]:
+def as_json(norms: dict[str, np.ndarray]) -> dict[str, list[float | None]]:
     """Norms over time as JSON has them, None where one is not known."""
     return {q: [finite(value) for value in values] for q, values in norms.items()}
 
 
-def summarised(times: np.ndarray, norms: dict[str, np.ndarray]) -> dict[str, dict[str, float | None]]:
+def summarise_norms(times: np.ndarray, norms: dict[str, np.ndarray]) -> dict[str, dict[str, float | None]]:
     """Final, largest and mean norms over the times after the start, as those of our runs; None without any."""
     return {q: summary(np.concatenate([[np.nan], values[times > 0]])) for q, values in norms.items()}
 
@@ -112,7 +112,7 @@ class WorstParticle:
                 "file": self.file}
 
 
-def worst(frames: Sequence[Frame], errors: Sequence[Errors], quantity: str) -> WorstParticle | None:
+def largest_error(frames: Sequence[Frame], errors: Sequence[Errors], quantity: str) -> WorstParticle | None:
     """The largest error of all times; None where no file has the quantity."""
     found = [(float(sizes(e[quantity]).max()), k) for k, e in enumerate(errors) if quantity in e]
     if not found:
@@ -138,14 +138,14 @@ def crossed(scene: Scene, frames: Sequence[Frame]) -> Iterator[np.ndarray]:
         before = X, x
 
 
-def crossings(scene: Scene, frames: Sequence[Frame]) -> int:
+def count_crossings(scene: Scene, frames: Sequence[Frame]) -> int:
     """Times that a particle was in another cell than at the time before: at least so many crossings, for between two
     times it may have gone to and fro."""
     return sum(int(moved.sum()) for moved in crossed(scene, frames))
 
 
-def index(estimated: dict[str, np.ndarray], true: dict[str, np.ndarray],
-          scene: Scene | None = None) -> dict[str, float | None]:
+def effectivity(estimated: dict[str, np.ndarray], true: dict[str, np.ndarray],
+                scene: Scene | None = None) -> dict[str, float | None]:
     """Estimated over true error; with a scene, None where the true one is nothing but rounding."""
     return {q: error_index(estimated[q], true[q], rounding(scene, q, scene.steps) if scene else 0.0)
             for q in QUANTITIES}
@@ -158,4 +158,4 @@ def differences(estimates: Sequence[Errors], errors: Sequence[Errors]) -> list[E
 
 def distances(estimates: Sequence[Errors], errors: Sequence[Errors]) -> dict[str, float | None]:
     """How far estimates are from the truth particle by particle, over the size of the truth."""
-    return index(series(differences(estimates, errors)), series(errors))
+    return effectivity(norm_series(differences(estimates, errors)), norm_series(errors))

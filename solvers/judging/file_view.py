@@ -2,7 +2,7 @@
 
 The process says, one after the other::
 
-    {"frames": {...}}     the file can be judged: what :class:`Shown` needs; the truth is in the table
+    {"frames": {...}}     the file can be judged: what :class:`FileSummary` needs; the truth is in the table
     {"estimate": {...}}   the companion's estimate is in the table too: its norms over time
     {"verdict": {...}}    the grid's part of the judge's report
     {"refused": sentence} it cannot be judged, and nothing more comes
@@ -21,11 +21,11 @@ from typing import Any
 
 import numpy as np
 
-from solvers.judging.error_norms import Companions, Errors, crossed, differences, listed, series, sizes, stress
-from solvers.judging.frames import Frame, Grid, ParticleMismatch
+from solvers.judging.error_norms import Companions, Errors, as_json, crossed, differences, norm_series, sizes, stress
+from solvers.judging.frames import Frame, GridRun, ParticleMismatch
 from solvers.judging.judgement import GridJudgement
-from solvers.judging.particle_matching import own_scene, placed
-from solvers.judging.particle_readers import read
+from solvers.judging.particle_matching import match_files, scene_of_file
+from solvers.judging.particle_readers import read_file
 from solvers.problems import PROBLEMS
 from solvers.scene.scene import Scene
 from solvers.scene.validation import SceneError
@@ -56,7 +56,7 @@ class ShowRequest:
 
 
 @dataclass(frozen=True)
-class Shown:
+class FileSummary:
     """What is on the table: the scene, T times in s, at each the number of particles and of those that have ``crossed``
     a cell boundary since the time before, and the norms of the true error over the times by quantity, None where it is
     not known. ``missing`` are quantities that the file does not have."""
@@ -69,7 +69,7 @@ class Shown:
     missing: list[str]
 
 
-def columns(dimensions: int) -> dict[str, slice]:
+def table_columns(dimensions: int) -> dict[str, slice]:
     """Which columns of the table (rows, width) hold what; the last one ends at its width. ``field`` has two for each
     quantity: a component for a plot and its deviation from the exact one; ``crossed`` is 1 where the particle was in
     another cell at the time before. Sizes of errors go by quantity."""
@@ -79,13 +79,13 @@ def columns(dimensions: int) -> dict[str, slice]:
     return {name: slice(start, end) for name, start, end in zip(widths, ends[:-1], ends[1:], strict=True)}
 
 
-def show(question: dict, tell: Callable[[dict], None]) -> None:
+def judge_in_worker(question: dict, tell: Callable[[dict], None]) -> None:
     asked = ShowRequest(**question)
     if sys.platform == "linux":  # a file may unpack to more than it seems: it is not the machine that is to run out
         import resource
         resource.setrlimit(resource.RLIMIT_AS, (MEMORY, MEMORY))
     try:
-        _show(asked, tell)
+        _judge_file(asked, tell)
     except ParticleMismatch as misfit:
         if misfit.problems:
             tell({"asks": {"reason": misfit.reason, "problems": list(misfit.problems)}})
@@ -99,10 +99,10 @@ def show(question: dict, tell: Callable[[dict], None]) -> None:
         tell({"refused": f"The file {asked.name} {TOO_LARGE}"})
 
 
-def _show(asked: ShowRequest, tell: Callable[[dict], None]) -> None:
-    raw = replace(read(asked.file, LIMITS), file=asked.name)
+def _judge_file(asked: ShowRequest, tell: Callable[[dict], None]) -> None:
+    raw = replace(read_file(asked.file, LIMITS), file=asked.name)
     raw = replace(raw, said=None) if asked.chosen else raw
-    scene, [grid] = placed([raw], own_scene(raw, Task(**asked.task).scene()), [], [])
+    scene, [grid] = match_files([raw], scene_of_file(raw, Task(**asked.task).scene()), [], [])
     del raw
     own = replace(scene, cells=grid.cells)
     most = max(own.particles, *(len(frame.number) for frame in grid.frames))
@@ -112,9 +112,9 @@ def _show(asked: ShowRequest, tell: Callable[[dict], None]) -> None:
     judged = GridJudgement(own, grid, Companions(own, tuple(grid.times.tolist())))
     judged.check()  # where no truth is known only the companion can tell whether the origin is right
     true = judged.true
-    table = _Table(own, grid, asked.table)
+    table = _ParticleTable(own, grid, asked.table)
     table.put_frames()
-    table.put("error", true)
+    table.put_errors("error", true)
     counts = [len(frame.number) for frame in grid.frames]
     missing = [q for q in ("v", "sigma") if any(
         (frame.velocity if q == "v" else stress(own, frame)) is None for frame in grid.frames)]
@@ -122,20 +122,20 @@ def _show(asked: ShowRequest, tell: Callable[[dict], None]) -> None:
                     cfl=None, sample_every=None)
     with contextlib.suppress(SceneError):  # to its usual end, or where that is too many steps to its own
         shown = replace(shown, t_end=None, periods=None)
-    tell({"frames": asdict(Shown(task_of(shown).to_dict(), grid.times.tolist(), counts, table.crossed,
-                                 listed(series(true)) if true else None, missing))})
+    tell({"frames": asdict(FileSummary(task_of(shown).to_dict(), grid.times.tolist(), counts, table.crossed,
+                                       as_json(norm_series(true)) if true else None, missing))})
     if true:
-        table.put("difference", differences(judged.estimated, true))
-    table.put("estimate", judged.estimated)
-    tell({"estimate": listed(series(judged.estimated))})
+        table.put_errors("difference", differences(judged.estimated, true))
+    table.put_errors("estimate", judged.estimated)
+    tell({"estimate": as_json(norm_series(judged.estimated))})
     tell({"verdict": judged.to_dict()})
 
 
-class _Table:
+class _ParticleTable:
     """The rows of all frames, one frame after the other, in single precision, on disk."""
 
-    def __init__(self, scene: Scene, grid: Grid, path: str):
-        self._scene, self._grid, self._columns = scene, grid, columns(scene.DIMENSIONS)
+    def __init__(self, scene: Scene, grid: GridRun, path: str):
+        self._scene, self._grid, self._columns = scene, grid, table_columns(scene.DIMENSIONS)
         ends = np.cumsum([0, *(len(frame.number) for frame in grid.frames)]).tolist()
         self._rows = [slice(start, end) for start, end in itertools.pairwise(ends)]
         self.crossed: list[int] = []
@@ -157,7 +157,7 @@ class _Table:
                 column = first + 2 * QUANTITIES.index(q)
                 self._values[rows, column], self._values[rows, column + 1] = own, deviation
 
-    def put(self, name: str, errors: Sequence[Errors]) -> None:
+    def put_errors(self, name: str, errors: Sequence[Errors]) -> None:
         """The sizes of errors."""
         for rows, error in zip(self._rows, errors, strict=False):  # there may be none
             for q, values in error.items():
@@ -184,5 +184,5 @@ class _Table:
 
 def open_table(path: Path, counts: Sequence[int], dimensions: int) -> np.ndarray:
     """The table (rows, width) of a file that has so many particles at its times, as far as it has been filled."""
-    width = max(part.stop for part in columns(dimensions).values())
+    width = max(part.stop for part in table_columns(dimensions).values())
     return np.memmap(path, np.float32, "r", shape=(sum(counts), width))

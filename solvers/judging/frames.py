@@ -16,7 +16,7 @@ class ParticleMismatch(FileError):
     that they could be of."""
 
     def __init__(self, file: str, reason: str, allowed: str, problems: tuple[str, ...] = ()):
-        self.reason, self.allowed, self.problems = quoting.sentence(reason), allowed, problems
+        self.reason, self.allowed, self.problems = quoting.one_line(reason), allowed, problems
         fits = f"it fits {' or '.join(f'`mpm-lab judge {problem}`' for problem in problems)}" if problems else allowed
         super().__init__(file, f"{reason}; {fits}")
 
@@ -31,7 +31,7 @@ class SceneMetadata:
 
 
 @dataclass(frozen=True)
-class Raw:
+class RawTable:
     """A file as it was read: one table of n rows. ``columns`` maps the keys of ``columns`` to (n, ...), vectors (n, d)
     and tensors (n, d, d) of as many dimensions as the file has; ``cells`` is what it says of its grid, ``said`` of its
     whole scene."""
@@ -64,7 +64,7 @@ class Frame:
 
 
 @dataclass(frozen=True)
-class Grid:
+class GridRun:
     """The frames of one run, by their times; ``notes`` are sentences about what was found in the files, ``step`` is
     that of the run in s where they say it."""
 
@@ -78,7 +78,7 @@ class Grid:
         return np.array([frame.time for frame in self.frames])
 
 
-def times_of(raw: Raw, given: float | None) -> np.ndarray:
+def row_times(raw: RawTable, given: float | None) -> np.ndarray:
     """The time of each row, from the column, the file or the flag, which must not contradict each other."""
     n = len(next(iter(raw.columns.values())))
     column = raw.columns.get("t")
@@ -99,7 +99,7 @@ def times_of(raw: Raw, given: float | None) -> np.ndarray:
     return first
 
 
-def by_times(times: np.ndarray) -> Iterator[Any]:
+def group_rows_by_time(times: np.ndarray) -> Iterator[Any]:
     """Which rows are of each time, in their order: views of the rows where these are in order of time, as usual."""
     order = None if (np.diff(times) >= 0).all() else np.argsort(times, kind="stable")
     _, first = np.unique(times if order is None else times[order], return_index=True)

@@ -12,17 +12,17 @@ import numpy as np
 from solvers.judging import error_norms
 from solvers.judging.error_norms import QUANTITIES, Companions, Errors, WorstParticle
 from solvers.judging.findings import outliers
-from solvers.judging.findings.all_findings import of_a_run
+from solvers.judging.findings.all_findings import find_in_run
 from solvers.judging.findings.evidence import Evidence
 from solvers.judging.findings.finding import Finding
 from solvers.judging.findings.outliers import Deviation
-from solvers.judging.frames import Grid
-from solvers.judging.particle_matching import SAME, check_origin, placed
-from solvers.judging.particle_readers import Particles, listed, read_all
+from solvers.judging.frames import GridRun
+from solvers.judging.particle_matching import SAME, check_origin, match_files
+from solvers.judging.particle_readers import Particles, as_list, read_all
 from solvers.scene.scene import Scene
 from solvers.scene.validation import SceneError
 from solvers.solver.error_norms import finite
-from solvers.study.convergence import slope
+from solvers.study.convergence import fit_slope
 
 if TYPE_CHECKING:
     from solvers.judging.reference_runs import ReferenceRun
@@ -36,14 +36,15 @@ class GridJudgement:
     """One grid's particles, judged when it is asked for. Errors are in the order of the frames."""
 
     scene: Scene
-    grid: Grid
+    grid: GridRun
     companions: Companions
     ours: list[ReferenceRun] = field(default_factory=list)
 
     @functools.cached_property
     def true(self) -> list[Errors]:
         """The true errors; empty where none is known."""
-        return [error_norms.truth(self.scene, frame) for frame in self.grid.frames] if self.scene.solution_known else []
+        return [error_norms.true_errors(self.scene,
+                                        frame) for frame in self.grid.frames] if self.scene.solution_known else []
 
     @functools.cached_property
     def estimated(self) -> list[Errors]:
@@ -52,9 +53,9 @@ class GridJudgement:
 
     @functools.cached_property
     def _found(self) -> tuple[list[Finding], Deviation | None]:
-        again = functools.partial(error_norms.truth, self.scene) if self.true else self.companions.errors
-        return of_a_run(Evidence(self.scene, self.grid.frames, self.best, again,
-                                 self.grid.step or self.scene.time_step))
+        again = functools.partial(error_norms.true_errors, self.scene) if self.true else self.companions.errors
+        return find_in_run(Evidence(self.scene, self.grid.frames, self.best, again,
+                                    self.grid.step or self.scene.time_step))
 
     @property
     def checks(self) -> list[Finding]:
@@ -73,7 +74,7 @@ class GridJudgement:
 
     @property
     def norms(self) -> dict[str, np.ndarray]:
-        return error_norms.series(self.best)
+        return error_norms.norm_series(self.best)
 
     def check(self) -> None:
         """Refuse particles that are shifted as a whole."""
@@ -81,32 +82,32 @@ class GridJudgement:
             check_origin(frame, error["x"], self.scene)
 
     def worst(self, quantity: str) -> WorstParticle | None:
-        return error_norms.worst(self.grid.frames, self.best, quantity)
+        return error_norms.largest_error(self.grid.frames, self.best, quantity)
 
     def to_dict(self) -> dict:
         times, frames = self.grid.times, self.grid.frames
-        estimates = error_norms.series(self.estimated)
-        true = error_norms.series(self.true) if self.true else None
+        estimates = error_norms.norm_series(self.estimated)
+        true = error_norms.norm_series(self.true) if self.true else None
         doubts = [self.companions.doubt(frame) for frame in frames]
         return {"cells": self.grid.cells, "h": self.scene.spacing, "files": list(dict.fromkeys(f.file for f in frames)),
                 "particles": len(frames[-1].number), "times": times.tolist(), "notes": self.notes(),
-                "checks": [one.as_check() for one in self.checks],
-                "error": None if true is None else error_norms.summarised(times, true),
-                "norms": None if true is None else error_norms.listed(true),
+                "checks": [one.to_judge_dict() for one in self.checks],
+                "error": None if true is None else error_norms.summarise_norms(times, true),
+                "norms": None if true is None else error_norms.as_json(true),
                 "estimate": {
-                    "companion": error_norms.summarised(times, estimates), "norms": error_norms.listed(estimates),
+                    "companion": error_norms.summarise_norms(times, estimates), "norms": error_norms.as_json(estimates),
                     "own_error": {q: finite(float(np.max([doubt[q] for doubt in doubts]))) for q in QUANTITIES},
-                    "index": None if true is None else error_norms.index(estimates, true, self.scene),
+                    "index": None if true is None else error_norms.effectivity(estimates, true, self.scene),
                     "distance": None if true is None else error_norms.distances(self.estimated, self.true)},
                 "worst": {q: None if (found := self.worst(q)) is None else found.to_dict() for q in QUANTITIES},
                 "neighbour_gap": None if self.apart is None else self.apart.to_dict(self.scene),
-                "crossings_at_least": error_norms.crossings(self.scene, frames),
+                "crossings_at_least": error_norms.count_crossings(self.scene, frames),
                 "ours": [run.to_dict() for run in self.ours]}
 
     def notes(self) -> list[str]:
         """Sentences about what was found in the files."""
         missing = [q for q in QUANTITIES if any(q not in e for e in self.best)]
-        wrong = [one.says for one in self.checks if one.wrong and one.name != BY_PLACE]
+        wrong = [one.says for one in self.checks if one.is_contradiction and one.name != BY_PLACE]
         return [*self.grid.notes, *(f"no {NAMES[q]} in the files (or not at every time), so it is not judged"
                                     for q in missing), *wrong]
 
@@ -140,7 +141,7 @@ class Judgement:
         if len(self.grids) < 2:
             return None
         h = [g.scene.spacing for g in self.grids]
-        found = {q: slope(h, [self.largest(g, q) for g in self.grids]) for q in QUANTITIES}
+        found = {q: fit_slope(h, [self.largest(g, q) for g in self.grids]) for q in QUANTITIES}
         return {q: None if fit is None else {"order": fit.order, "pairwise": list(fit.pairwise)}
                 for q, fit in found.items()}
 
@@ -184,12 +185,12 @@ def judge(scene: Scene, files: Particles | Sequence[Particles], *, cells: Sequen
         For files, or arrays, that cannot be judged; :class:`~solvers.judging.frames.ParticleMismatch` for those of
         another problem. SceneError Where ``cells`` or ``times`` do not fit the files, or a companion is lost.
     """
-    sources = listed(files)
+    sources = as_list(files)
     for name, given, counts in (("cells", cells, {1, len(sources)}), ("time", times, {len(sources)})):
         if given and len(given) not in counts:
             raise SceneError(name, " ".join(map(str, given)), f"is {len(given)} numbers for {len(sources)} files; give "
                              "one for each")
-    scene, found = placed(read_all(sources), scene, cells or [scene.cells], times)
+    scene, found = match_files(read_all(sources), scene, cells or [scene.cells], times)
     companions = Companions(scene, tuple(sorted({frame.time for grid in found for frame in grid.frames})))
     judged: list[GridJudgement] = []
     for k, grid in enumerate(found):
@@ -198,18 +199,18 @@ def judge(scene: Scene, files: Particles | Sequence[Particles], *, cells: Sequen
         one.check()
         assert one.estimated  # worked out here, where it may fail and is waited for
         if compare:
-            one.ours.extend(_compared(one, lambda part, what: on_progress((len(judged) + part) / len(found), what)))
+            one.ours.extend(_run_methods(one, lambda part, what: on_progress((len(judged) + part) / len(found), what)))
         judged.append(one)
     return Judgement(scene, judged)
 
 
-def _compared(one: GridJudgement, on_progress: Progress) -> Iterator[ReferenceRun]:
+def _run_methods(one: GridJudgement, on_progress: Progress) -> Iterator[ReferenceRun]:
     """Our own methods on a grid, at the same times."""
-    from solvers.judging.reference_runs import compared, of_scene  # here: nobody else waits for Taichi
+    from solvers.judging.reference_runs import reference_scenes, run_reference  # here: nobody else waits for Taichi
 
-    scenes = of_scene(one.scene)
+    scenes = reference_scenes(one.scene)
     for n, scene in enumerate(scenes):
         def tell(part: float, n: int = n, method: str = scene.method) -> None:
             on_progress((n + part) / len(scenes), f"{one.grid.cells} cells: our {method}")
 
-        yield compared(scene, one.grid.times.tolist(), None if one.true else one.companions, tell)
+        yield run_reference(scene, one.grid.times.tolist(), None if one.true else one.companions, tell)

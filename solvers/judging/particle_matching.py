@@ -8,14 +8,14 @@ from dataclasses import replace
 import numpy as np
 
 from solvers.estimators.standalone import longest_step
-from solvers.judging.column_names import spelled
-from solvers.judging.frames import Frame, Grid, ParticleMismatch, Raw, by_times, times_of
-from solvers.judging.scene_metadata import HINT, scene_said, settled
+from solvers.judging.column_names import describe_columns
+from solvers.judging.frames import Frame, GridRun, ParticleMismatch, RawTable, group_rows_by_time, row_times
+from solvers.judging.scene_metadata import HINT, resolve_scene, scene_of_metadata
 from solvers.problems import PROBLEMS
 from solvers.problems.reference import ProblemReference
 from solvers.scene.scene import Scene
 from solvers.scene.validation import SceneError
-from solvers.untrusted.quoting import FileError, quoted
+from solvers.untrusted.quoting import FileError, quote
 
 SAME = 1e-9  # of a period: two times that are nearer are one
 FLAT = 1e-6  # of the longest reach of all positions: a direction in which they reach no farther is none
@@ -27,9 +27,9 @@ COUNTS = ("no", "one", "two", "three")
 RIGID = 10.0  # times the rest of the error: from there on a shift is that of an origin, and no error of a method
 
 
-def placed(files: Sequence[Raw], asked: Scene, cells: Sequence[int],
-           times: Sequence[float]) -> tuple[Scene, list[Grid]]:
-    """The scene that files are judged with, and their runs (:func:`grids`).
+def match_files(files: Sequence[RawTable], asked: Scene, cells: Sequence[int],
+                times: Sequence[float]) -> tuple[Scene, list[GridRun]]:
+    """The scene that files are judged with, and their runs (:func:`match_grids`).
 
     Raises
     ------
@@ -40,39 +40,40 @@ def placed(files: Sequence[Raw], asked: Scene, cells: Sequence[int],
         Where they can be judged with no scene.
     """
     listed = list(files)
-    own, notes = _settled(listed, asked)
+    own, notes = _resolve_scene(listed, asked)
     try:
-        found = grids(listed, own, cells, times)
+        found = match_grids(listed, own, cells, times)
     except ParticleMismatch as misfit:
         number = next(k for k, raw in enumerate(listed) if raw.file == misfit.file)
-        raise _told(misfit, listed[number], own, times[number:number + 1]) from None
+        raise _suggest_problems(misfit, listed[number], own, times[number:number + 1]) from None
     return own, [replace(grid, notes=(*notes, *grid.notes)) for grid in found]
 
 
-def own_scene(raw: Raw, asked: Scene) -> Scene:
+def scene_of_file(raw: RawTable, asked: Scene) -> Scene:
     """The scene that a file says that it is of, or the one asked for where it says none."""
-    return asked if raw.said is None else scene_said(raw.file, raw.said)
+    return asked if raw.said is None else scene_of_metadata(raw.file, raw.said)
 
 
-def _settled(files: list[Raw], asked: Scene) -> tuple[Scene, list[str]]:
+def _resolve_scene(files: list[RawTable], asked: Scene) -> tuple[Scene, list[str]]:
     """What the files say, where the particles bear it out."""
     try:
-        return settled(files, asked)
+        return resolve_scene(files, asked)
     except ParticleMismatch as misfit:
         raw = next(raw for raw in files if raw.file == misfit.file)
-        if _fits(raw, scene_said(raw.file, raw.said), ()):  # type: ignore[arg-type]  # it says one
+        if _fits_scene(raw, scene_of_metadata(raw.file, raw.said), ()):  # type: ignore[arg-type]  # it says one
             raise
         raise FileError(raw.file, f"{misfit.reason}, and its particles are not; {HINT}") from None
 
 
-def _told(misfit: ParticleMismatch, raw: Raw, asked: Scene, times: Sequence[float]) -> ParticleMismatch:
+def _suggest_problems(misfit: ParticleMismatch, raw: RawTable, asked: Scene,
+                      times: Sequence[float]) -> ParticleMismatch:
     """The same with the problems that the file fits: on the usual grid or the one asked for, or, where it knows its
     particles by ids alone, on some grid."""
     others = tuple(name for name in PROBLEMS if name != asked.problem and any(
-        _fits(raw, other, times) for other in _usual(name, asked.cells)))
+        _fits_scene(raw, other, times) for other in _usual(name, asked.cells)))
     if not others and "X" not in raw.columns:
         others = tuple(name for name, problem in PROBLEMS.items()
-                       if name != asked.problem and len(problem.reference.axes) == directions(raw))
+                       if name != asked.problem and len(problem.reference.axes) == count_directions(raw))
     if raw.said is None:
         return ParticleMismatch(misfit.file, misfit.reason, misfit.allowed, others)
     return ParticleMismatch(misfit.file, f"says that it is of the {asked.problem}, and {misfit.reason}", HINT, others)
@@ -84,14 +85,14 @@ def _usual(problem: str, cells: int) -> Iterator[Scene]:
         yield PROBLEMS[problem].scene(cells=cells)
 
 
-def _fits(raw: Raw, asked: Scene, times: Sequence[float]) -> bool:
+def _fits_scene(raw: RawTable, asked: Scene, times: Sequence[float]) -> bool:
     """Whether a file's particles can be those of a scene, whatever else is wrong with it."""
     with contextlib.suppress(FileError, SceneError):
-        return bool(grids([raw], asked, [asked.cells], times))
+        return bool(match_grids([raw], asked, [asked.cells], times))
     return False
 
 
-def grids(files: Sequence[Raw], scene: Scene, cells: Sequence[int], times: Sequence[float]) -> list[Grid]:
+def match_grids(files: Sequence[RawTable], scene: Scene, cells: Sequence[int], times: Sequence[float]) -> list[GridRun]:
     """The runs in the files, coarse ones first.
 
     ``cells`` is the scene's own number, or one for each file, and holds where a file says none; ``times`` are those of
@@ -110,39 +111,40 @@ def grids(files: Sequence[Raw], scene: Scene, cells: Sequence[int], times: Seque
         try:
             own = replace(scene, cells=count)
         except SceneError as error:
-            raise FileError(raw.file, f"belongs to a grid of {quoted(count)} cells, which cannot be: {error}") from None
-        found, said = _frames(raw, own, reference, times[k] if times else None)
+            raise FileError(raw.file, f"belongs to a grid of {quote(count)} cells, which cannot be: {error}") from None
+        found, said = _match_frames(raw, own, reference, times[k] if times else None)
         frames.setdefault(count, []).extend(found)
         notes.setdefault(count, []).extend(said)
         steps[count] = raw.step if raw.step is not None else steps.get(count)
-    return [Grid(count, _in_order(frames[count], scene), tuple(dict.fromkeys(notes[count])), steps[count])
+    return [GridRun(count, _sort_frames(frames[count], scene), tuple(dict.fromkeys(notes[count])), steps[count])
             for count in sorted(frames)]
 
 
-def _frames(raw: Raw, scene: Scene, reference: ProblemReference, given: float | None) -> tuple[list[Frame], list[str]]:
+def _match_frames(raw: RawTable, scene: Scene, reference: ProblemReference,
+                  given: float | None) -> tuple[list[Frame], list[str]]:
     """A file's particles, time by time, and what is to be noted of them."""
     D, columns = len(reference.axes), raw.columns
     if "x" not in columns:
-        raise FileError(raw.file, f"has no positions ({spelled('x', D)} or position); its columns are "
-                                  f"{', '.join(quoted(name, 20) for name in raw.names[:12])}")
+        raise FileError(raw.file, f"has no positions ({describe_columns('x', D)} or position); its columns are "
+                                  f"{', '.join(quote(name, 20) for name in raw.names[:12])}")
     if "id" not in columns and "X" not in columns:
         raise FileError(raw.file, "says of no particle which it is: give id, from 0 in the order of `mpm-lab problem`, "
-                                  f"or the material position ({spelled('X', D)})")
-    times = times_of(raw, given)
+                                  f"or the material position ({describe_columns('X', D)})")
+    times = row_times(raw, given)
     check_length(raw.file, scene, float(times.max()))
-    whole: dict[str, np.ndarray] = {key: _in_plane(raw, key, scene, D)
+    whole: dict[str, np.ndarray] = {key: _drop_directions(raw, key, scene, D)
                                     for key in ("x", "X", "v", "F", "sigma") if key in columns}
     whole.update({key: columns[key] for key in ("mass", "volume") if key in columns})
     for key, values in whole.items():
         _check_finite(raw, key, values, times)
     _check_directions(raw, scene, D)
     notes, x = list[str](), whole["x"]
-    X, number = _material(raw, scene, reference, whole.get("X"))
-    moved = reference.unwrapped(scene, X, x, times)
+    X, number = _material_positions(raw, scene, reference, whole.get("X"))
+    moved = reference.unwrap_positions(scene, X, x, times)
     if (turned := int((moved != x).any(axis=1).sum())) > 0:
         notes.append(f"{turned:,} positions were moved back by a period of the grid")
     found = []
-    for at in by_times(times):
+    for at in group_rows_by_time(times):
         part = {key: values[at] for key, values in whole.items()}
         who = number[at] if "id" in columns else np.arange(len(times[at]))
         frame = Frame(raw.file, float(times[at][0]), who, X[at], moved[at], part.get("v"), part.get("F"),
@@ -169,37 +171,39 @@ def check_length(file: str, scene: Scene, time: float) -> None:
                               f"{most * a_step:.4g} s")
 
 
-def _in_plane(raw: Raw, key: str, scene: Scene, D: int) -> np.ndarray:
+def _drop_directions(raw: RawTable, key: str, scene: Scene, D: int) -> np.ndarray:
     """A quantity (n, D) or (n, D, D) in the directions of the problem. What a file has beyond them is left out."""
     values = raw.columns[key]
     size = values.shape[1]
     if size < D:
-        raise ParticleMismatch(raw.file, f"has {key} in {_directions(size)}, and the {scene.problem} has {COUNTS[D]}",
-                     f"give {spelled(key, D)}")
+        raise ParticleMismatch(raw.file,
+                               f"has {key} in {_directions_text(size)}, and the {scene.problem} has {COUNTS[D]}",
+                     f"give {describe_columns(key, D)}")
     return values[:, :D] if values.ndim == 2 else values[:, :D, :D]
 
 
-def _check_directions(raw: Raw, scene: Scene, D: int) -> None:
+def _check_directions(raw: RawTable, scene: Scene, D: int) -> None:
     """Refuse positions that reach in more directions than the problem has, or in fewer."""
-    found = directions(raw)
+    found = count_directions(raw)
     if found is not None and found != D and (found > D or len(raw.columns["x"]) > D):
-        more = f"{_directions(found)}, and the {scene.problem} has {COUNTS[D]}"
-        raise ParticleMismatch(raw.file, f"has positions in {more}", f"give {spelled('x', D)} and nothing beyond"
-                     if found > D else f"give {spelled('x', D)} of particles that are not all on one line")
+        more = f"{_directions_text(found)}, and the {scene.problem} has {COUNTS[D]}"
+        raise ParticleMismatch(raw.file, f"has positions in {more}",
+                               f"give {describe_columns('x', D)} and nothing beyond"
+                     if found > D else f"give {describe_columns('x', D)} of particles that are not all on one line")
 
 
-def directions(raw: Raw) -> int | None:
+def count_directions(raw: RawTable) -> int | None:
     """In how many directions the positions of a file reach; None where nothing tells."""
     x = raw.columns.get("x", np.empty((0, 1)))
     reach = np.ptp(x, axis=0) if len(x) > 1 else np.zeros(1)
     return 1 + int(np.flatnonzero(reach > FLAT * reach.max())[-1]) if 0 < reach.max() < np.inf else None
 
 
-def _directions(count: int) -> str:
+def _directions_text(count: int) -> str:
     return f"{COUNTS[count]} direction{'s' * (count != 1)}"
 
 
-def _check_finite(raw: Raw, key: str, values: np.ndarray, times: np.ndarray) -> None:
+def _check_finite(raw: RawTable, key: str, values: np.ndarray, times: np.ndarray) -> None:
     bad = ~(np.abs(values.reshape(len(values), -1)) < LARGEST).all(axis=1)
     if bad.any():
         row = int(np.argmax(bad))
@@ -209,15 +213,15 @@ def _check_finite(raw: Raw, key: str, values: np.ndarray, times: np.ndarray) -> 
                                   f"{times[row]:g} s; leave times out at which the run had gone bad")
 
 
-def _material(raw: Raw, scene: Scene, reference: ProblemReference,
-              X: np.ndarray | None) -> tuple[np.ndarray, np.ndarray]:
+def _material_positions(raw: RawTable, scene: Scene, reference: ProblemReference,
+                        X: np.ndarray | None) -> tuple[np.ndarray, np.ndarray]:
     """Material position (n, D) and number (n,) of each row."""
     ids = raw.columns.get("id")
     if ids is not None and not ((np.abs(ids) < LARGEST_ID).all() and (ids == np.round(ids)).all()):
         raise FileError(raw.file, "has ids that are no whole numbers; give 0, 1, 2 and so on")
     if X is not None:
         n = len(X)
-        if (wrong := reference.misplaced(scene, X)).any():
+        if (wrong := reference.is_outside(scene, X)).any():
             low, high = X.min(axis=0), X.max(axis=0)
             reach = ", ".join(f"{a:.4g} to {b:.4g} m" for a, b in zip(low, high, strict=True))
             points = reference.start(scene).material_position
@@ -266,11 +270,11 @@ def _check_once(frame: Frame) -> None:
                                     f"{frame.time:g} s; give each its own")
 
 
-def _in_order(frames: list[Frame], scene: Scene) -> tuple[Frame, ...]:
+def _sort_frames(frames: list[Frame], scene: Scene) -> tuple[Frame, ...]:
     frames = sorted(frames, key=lambda frame: frame.time)
     for one, other in itertools.pairwise(frames):
         if other.time - one.time <= SAME * scene.period:
-            raise FileError(other.file, f"has the time {other.time:g} s, which {quoted(one.file)} has too, on one "
+            raise FileError(other.file, f"has the time {other.time:g} s, which {quote(one.file)} has too, on one "
                                         "grid; give each time of a grid once, and --cells with one number for each "
                                         "file of several grids")
     return tuple(frames)

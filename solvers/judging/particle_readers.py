@@ -9,54 +9,54 @@ from typing import Any, TextIO
 
 import numpy as np
 
-from solvers.judging.column_names import from_arrays, gathered, wanted, whole, with_scene
-from solvers.judging.frames import Raw
-from solvers.judging.vtk_common import NotVTK, Points
+from solvers.judging.column_names import add_scene, build_table, check_cell_count, is_known_name, table_from_arrays
+from solvers.judging.frames import RawTable
+from solvers.judging.vtk_common import NotVTK, PointData
 from solvers.judging.vtk_legacy import LegacyReader
 from solvers.judging.vtk_xml import XmlReader
 from solvers.scene.validation import SceneError
 from solvers.untrusted import number_parsing
-from solvers.untrusted.npz_reader import arrays
-from solvers.untrusted.quoting import FileError, quoted
+from solvers.untrusted.npz_reader import read_arrays
+from solvers.untrusted.quoting import FileError, quote
 from solvers.untrusted.size_limits import LIMITS, LONGEST_LINE, Limits, check_name
 
 KINDS = (".csv", ".npz", ".vtk", ".vtu", ".vtp")
 COMMENT = re.compile(r"#\s*([A-Za-z]\w*)\s*[=:]\s*(\S+)\s*$")
-SAID = ("t", "time", "cells", "scene")  # by comments
+COMMENT_KEYS = ("t", "time", "cells", "scene")  # by comments
 MOST_REMARKS = 100_000  # lines that are no rows
 LARGEST = 250_000_000  # bytes of such a file: its text is in memory once, and what it says
 OF_KIND = {".vtu": "UnstructuredGrid", ".vtp": "PolyData"}
 TIMES = ("TimeValue", "TIME", "Time", "time", "t")
 
-Particles = str | os.PathLike | Mapping[str, Any] | Raw  # what they may be given as
+Particles = str | os.PathLike | Mapping[str, Any] | RawTable  # what they may be given as
 
 
-def listed(files: Particles | Sequence[Particles]) -> list[Particles]:
+def as_list(files: Particles | Sequence[Particles]) -> list[Particles]:
     """One or several, as a list; :class:`SceneError` for none."""
-    sources = [files] if isinstance(files, (str, os.PathLike, Mapping, Raw)) else list(files)
+    sources = [files] if isinstance(files, (str, os.PathLike, Mapping, RawTable)) else list(files)
     if not sources:
         raise SceneError("files", "none", "give one or several files of particles, or their arrays")
     return sources
 
 
-def read_all(files: Particles | Sequence[Particles]) -> list[Raw]:
+def read_all(files: Particles | Sequence[Particles]) -> list[RawTable]:
     """What the files hold, all of them together within the limits."""
-    left, found = LIMITS, list[Raw]()
-    for k, source in enumerate(listed(files)):
+    left, found = LIMITS, list[RawTable]()
+    for k, source in enumerate(as_list(files)):
         if isinstance(source, Mapping):
             name = f"arrays {k + 1}"
             try:
-                raw = from_arrays(name, {key: np.asarray(array) for key, array in source.items()}, left)
+                raw = table_from_arrays(name, {key: np.asarray(array) for key, array in source.items()}, left)
             except ValueError as error:
                 raise error if isinstance(error, FileError) else FileError(name, f"are no arrays: {error}") from None
         else:
-            raw = source if isinstance(source, Raw) else read(os.fspath(source), left)
+            raw = source if isinstance(source, RawTable) else read_file(os.fspath(source), left)
         found.append(raw)
-        left = left.less(found[-1].columns)
+        left = left.remaining_after(found[-1].columns)
     return found
 
 
-def read(path: str, limits: Limits = LIMITS) -> Raw:
+def read_file(path: str, limits: Limits = LIMITS) -> RawTable:
     """Read a file of particles.
 
     Parameters
@@ -82,33 +82,34 @@ def read(path: str, limits: Limits = LIMITS) -> Raw:
             raise FileError(path, "is empty; give a file with particles in it")
         limits.check_bytes(path, size)
         if kind == ".npz":
-            return from_arrays(path, arrays(path, wanted, limits), limits)
+            return table_from_arrays(path, read_arrays(path, is_known_name, limits), limits)
         return read_csv(path, limits) if kind == ".csv" else read_vtk(path, limits)
     except (OSError, ValueError) as error:
         if isinstance(error, FileError):
             raise
         if isinstance(error, OSError) or "\0" in path:
-            why = quoted((getattr(error, "strerror", None) or str(error)).lower())
+            why = quote((getattr(error, "strerror", None) or str(error)).lower())
             raise FileError(path, f"cannot be read: {why}; give a file that exists and may be read") from None
         raise
 
 
-def read_csv(path: str, limits: Limits = LIMITS) -> Raw:
+def read_csv(path: str, limits: Limits = LIMITS) -> RawTable:
     """Names in the first line, a particle a line, commas, semicolons, tabs or spaces between; lines such as
     ``# t = 0.1`` or ``# cells = 40`` say what holds for all, ``# scene = ...`` the scene
     (``solvers.judging.scene_metadata``)."""
     said: dict[str, str] = {}
     try:
         with open(path, encoding="utf-8-sig") as text:
-            rows = _rows(path, text, said, limits)
+            rows = _particle_lines(path, text, said, limits)
             head, first = next(rows, ""), next(rows, None)
             if first is None:
                 raise FileError(path, "holds no particles; give names in the first line and a particle in each other")
             mark = next((mark for mark in ",;\t" if mark in head), None)
-            names = _names(path, head, mark, limits)
-            if (width := _width(first, mark)) != len(names):  # the first line says how many are read of all others
+            names = _parse_header(path, head, mark, limits)
+            if (width := _count_columns(first,
+                                        mark)) != len(names):  # the first line says how many are read of all others
                 raise FileError(path, f"has {len(names)} names and {width} numbers in a line; give as many of both")
-            counted = _counted(path, itertools.chain([first], rows), width, limits)
+            counted = _limit_rows(path, itertools.chain([first], rows), width, limits)
             values = np.loadtxt(counted, delimiter=mark, ndmin=2, dtype=float)
     except UnicodeDecodeError:
         raise FileError(path, "is no text; a .csv file has names in its first line and a particle in each "
@@ -116,14 +117,14 @@ def read_csv(path: str, limits: Limits = LIMITS) -> Raw:
     except ValueError as error:
         if isinstance(error, FileError):
             raise
-        raise FileError(path, f"has a line that is no row of {len(names)} numbers ({quoted(error, 100)}); give a "
+        raise FileError(path, f"has a line that is no row of {len(names)} numbers ({quote(error, 100)}); give a "
                               "number in every column of every line") from None
     columns = {name: values[:, k] for k, name in enumerate(names)}
-    time, cells = _number(path, said, "t", "time"), _number(path, said, "cells")
-    return with_scene(gathered(path, columns, time, whole(path, cells), limits), said.get("scene"))
+    time, cells = _comment_number(path, said, "t", "time"), _comment_number(path, said, "cells")
+    return add_scene(build_table(path, columns, time, check_cell_count(path, cells), limits), said.get("scene"))
 
 
-def _rows(path: str, text: TextIO, said: dict[str, str], limits: Limits) -> Iterator[str]:
+def _particle_lines(path: str, text: TextIO, said: dict[str, str], limits: Limits) -> Iterator[str]:
     """The lines that are names or numbers; what comments say is put into ``said``, the last of each name."""
     remarks = 0
     while line := text.readline(LONGEST_LINE):
@@ -134,17 +135,17 @@ def _rows(path: str, text: TextIO, said: dict[str, str], limits: Limits) -> Iter
             continue
         if (remarks := remarks + 1) > MOST_REMARKS:
             raise FileError(path, f"has more than {MOST_REMARKS:,} lines that are no particles; leave them out")
-        if (found := COMMENT.match(line)) and found[1].lower() in SAID:
+        if (found := COMMENT.match(line)) and found[1].lower() in COMMENT_KEYS:
             said[found[1].lower()] = found[2]
 
 
-def _width(line: str, mark: str | None) -> int:
+def _count_columns(line: str, mark: str | None) -> int:
     bare = line.partition("#")[0]
     return bare.count(mark) + 1 if mark else len(bare.split())
 
 
-def _names(path: str, head: str, mark: str | None, limits: Limits) -> list[str]:
-    limits.check_columns(path, _width(head, mark))
+def _parse_header(path: str, head: str, mark: str | None, limits: Limits) -> list[str]:
+    limits.check_columns(path, _count_columns(head, mark))
     names = [name.strip().strip('"') for name in head.split(mark)]
     if all(map(number_parsing.is_number, names)):
         raise FileError(path, "has no names in its first line; begin with a line such as id,x,vx")
@@ -152,11 +153,11 @@ def _names(path: str, head: str, mark: str | None, limits: Limits) -> list[str]:
         check_name(path, name)
     twice = next((name for name in names if names.count(name) > 1), None)
     if twice is not None:
-        raise FileError(path, f"has two columns called {quoted(twice)}; give each its own name")
+        raise FileError(path, f"has two columns called {quote(twice)}; give each its own name")
     return names
 
 
-def _counted(path: str, rows: Iterator[str], width: int, limits: Limits) -> Iterator[str]:
+def _limit_rows(path: str, rows: Iterator[str], width: int, limits: Limits) -> Iterator[str]:
     """The rows, as long as they are not too many."""
     most = min(limits.rows, limits.numbers // width)
     for count, row in enumerate(rows, 1):
@@ -166,15 +167,15 @@ def _counted(path: str, rows: Iterator[str], width: int, limits: Limits) -> Iter
         yield row
 
 
-def _number(path: str, said: dict[str, str], *names: str) -> float | None:
+def _comment_number(path: str, said: dict[str, str], *names: str) -> float | None:
     """What a comment says of the time or the cells; None where it says nothing."""
     text = next((said[name] for name in names if name in said), None)
     if text is not None and not number_parsing.is_number(text):
-        raise FileError(path, f"says {names[0]} = {quoted(text)}; give a number")
-    return None if text is None else number_parsing.real(text)
+        raise FileError(path, f"says {names[0]} = {quote(text)}; give a number")
+    return None if text is None else number_parsing.parse_float(text)
 
 
-def read_vtk(path: str, limits: Limits = LIMITS) -> Raw:
+def read_vtk(path: str, limits: Limits = LIMITS) -> RawTable:
     """Points are positions, data of points the rest; the time may be among the data of the field (``TimeValue``)."""
     kind = Path(path).suffix.lower()
     with open(path, "rb") as file:
@@ -182,7 +183,7 @@ def read_vtk(path: str, limits: Limits = LIMITS) -> Raw:
             raise FileError(path, f"has {size / 1e6:,.0f} MB; give at most {LARGEST / 1e6:,.0f} MB of this kind, with "
                                   "fewer data for example, or a .npz")
         file.seek(0)
-        found = Points(path, limits)
+        found = PointData(path, limits)
         try:
             (LegacyReader(file, found) if kind == ".vtk" else XmlReader(file, OF_KIND[kind], kind, found)).read()
         except (FileError, OSError):
@@ -194,4 +195,4 @@ def read_vtk(path: str, limits: Limits = LIMITS) -> Raw:
     fields = found.fields
     time, cells = (next((float(fields[name][0]) for name in names if len(fields.get(name, ()))), None)
                    for names in (TIMES, ("cells",)))
-    return gathered(path, found.columns(), time, whole(path, cells), limits)
+    return build_table(path, found.columns(), time, check_cell_count(path, cells), limits)

@@ -11,18 +11,19 @@ import numpy as np
 
 from solvers.judging.column_names import column_names
 from solvers.judging.frames import Frame
-from solvers.running.result_file import particles
+from solvers.running.result_file import particle_arrays
 from solvers.scene.scene import Scene
 
-FILE = {"X": "material_position", "x": "position", "v": "velocity", "F": "deformation_gradient", "sigma": "stress"}
+FRAME_FIELDS = {"X": "material_position", "x": "position", "v": "velocity", "F": "deformation_gradient",
+                "sigma": "stress"}
 
 
-def table(frames: Sequence[Frame], more: Mapping[str, np.ndarray] | None = None) -> dict[str, np.ndarray]:
+def frame_columns(frames: Sequence[Frame], more: Mapping[str, np.ndarray] | None = None) -> dict[str, np.ndarray]:
     """Columns (n,) of frames, one below the other: t, id, and what the frames have."""
     columns = {"t": np.concatenate([np.full(len(f.number), f.time) for f in frames]),
                "id": np.concatenate([f.number for f in frames])}
     D = frames[0].position.shape[1]
-    for key, name in FILE.items():
+    for key, name in FRAME_FIELDS.items():
         if any(getattr(f, name) is None for f in frames):
             continue
         values = np.concatenate([getattr(f, name) for f in frames])
@@ -30,7 +31,7 @@ def table(frames: Sequence[Frame], more: Mapping[str, np.ndarray] | None = None)
     return columns | dict(more or {})
 
 
-def csv(columns: Mapping[str, np.ndarray], said: Mapping[str, object] | None = None) -> bytes:
+def csv_text(columns: Mapping[str, np.ndarray], said: Mapping[str, object] | None = None) -> bytes:
     """Columns as text, every number to its last bit; ``said`` stands in front, as ``# name = value``."""
     out = io.StringIO()
     out.writelines(f"# {name} = {value}\n" for name, value in (said or {}).items())
@@ -40,16 +41,16 @@ def csv(columns: Mapping[str, np.ndarray], said: Mapping[str, object] | None = N
     return out.getvalue().encode()
 
 
-def npz(frames: Sequence[Frame], scene: Scene, more: Mapping[str, Any] | None = None) -> bytes:
+def npz_bytes(frames: Sequence[Frame], scene: Scene, more: Mapping[str, Any] | None = None) -> bytes:
     """Frames of the same particles as arrays (T, P, ...), with the scene that they are of, and ``more`` beside."""
-    x, v, F = (np.stack([getattr(f, FILE[key]) for f in frames]) for key in ("x", "v", "F"))
-    arrays = particles(scene, [f.time for f in frames], frames[0].number, frames[0].material_position, x, v, F)
+    x, v, F = (np.stack([getattr(f, FRAME_FIELDS[key]) for f in frames]) for key in ("x", "v", "F"))
+    arrays = particle_arrays(scene, [f.time for f in frames], frames[0].number, frames[0].material_position, x, v, F)
     out = io.BytesIO()
     np.savez_compressed(out, **arrays | dict(more or {}))
     return out.getvalue()
 
 
-def vtu(position: np.ndarray, data: Mapping[str, np.ndarray], time: float) -> bytes:
+def vtu_bytes(position: np.ndarray, data: Mapping[str, np.ndarray], time: float) -> bytes:
     """Points (P, D) with data (P, ...) and the time as a .vtu file, each array packed in one block."""
     P, D = position.shape
     points = np.pad(position, ((0, 0), (0, 3 - D)))
@@ -57,14 +58,14 @@ def vtu(position: np.ndarray, data: Mapping[str, np.ndarray], time: float) -> by
     stamp = ('<DataArray type="Float64" Name="TimeValue" NumberOfTuples="1" format="ascii">'
              f"{time!r}</DataArray>")
     parts = [("Points", {"Points": points}), ("Cells", vertices), ("PointData", data)]
-    body = "".join(f"<{name}>{''.join(_array(key, values) for key, values in arrays.items())}</{name}>"
+    body = "".join(f"<{name}>{''.join(_data_array_xml(key, values) for key, values in arrays.items())}</{name}>"
                    for name, arrays in parts)
     return (f'<?xml version="1.0"?>\n<VTKFile type="UnstructuredGrid" version="1.0" byte_order="LittleEndian" '
             f'header_type="UInt64" compressor="vtkZLibDataCompressor"><UnstructuredGrid><FieldData>{stamp}</FieldData>'
             f'<Piece NumberOfPoints="{P}" NumberOfCells="{P}">{body}</Piece></UnstructuredGrid></VTKFile>\n').encode()
 
 
-def _array(name: str, values: np.ndarray) -> str:
+def _data_array_xml(name: str, values: np.ndarray) -> str:
     letter, size = values.dtype.kind, 8 * values.dtype.itemsize
     content = values.astype(values.dtype.newbyteorder("<")).tobytes()
     packed = zlib.compress(content)

@@ -4,11 +4,11 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from solvers.estimators.standalone import ElasticBody, Lost, solve
+from solvers.estimators.standalone import ElasticBody, MotionLost, solve
 from solvers.judging.column_names import LETTERS
 from solvers.judging.frames import Frame
 from solvers.problems import PROBLEMS
-from solvers.problems.reference import OF_METHODS, Start
+from solvers.problems.reference import METHOD_FIELDS, Start
 from solvers.scene.scene import Scene
 from solvers.scene.validation import SceneError, field_key
 
@@ -19,34 +19,34 @@ def start(scene: Scene) -> Start:
     return PROBLEMS[scene.problem].reference.start(scene)
 
 
-def initial(scene: Scene) -> Frame:
+def initial_frame(scene: Scene) -> Frame:
     reference, X = PROBLEMS[scene.problem].reference, start(scene).material_position
     return Frame("", 0.0, np.arange(len(X)), X, X.copy(), reference.velocity(scene, X, 0.0),
                  reference.initial_deformation_gradient(scene, X))
 
 
-def masses(scene: Scene) -> np.ndarray:
+def particle_masses(scene: Scene) -> np.ndarray:
     """Of the particles (P,), of a thickness of 1 m, in kg: the density is that of the material without deformation."""
-    return scene.density * start(scene).volume / np.linalg.det(np.asarray(initial(scene).deformation_gradient))
+    return scene.density * start(scene).volume / np.linalg.det(np.asarray(initial_frame(scene).deformation_gradient))
 
 
-def exact(scene: Scene, t: float) -> Frame:
+def exact_frame(scene: Scene, t: float) -> Frame:
     """The particles at the time ``t`` in s where they should be, of a scene whose solution is known."""
     reference, X = PROBLEMS[scene.problem].reference, start(scene).material_position
     return Frame("", t, np.arange(len(X)), X, X + reference.displacement(scene, X, t), reference.velocity(scene, X, t),
                  reference.deformation_gradient(scene, X, t), reference.exact_stress(scene, X, t))
 
 
-def companion(scene: Scene, times: Sequence[float]) -> list[Frame]:
+def companion_frames(scene: Scene, times: Sequence[float]) -> list[Frame]:
     """The particles at the times (T,) in s, which grow, where a companion has them: for problems without an exact
     solution. :class:`~solvers.scene.validation.SceneError` where it is lost."""
     X = start(scene).material_position
-    body, solved = solution(scene, True, times)
-    states = (carried(scene, body, motion, X) for motion in solved)
+    body, solved = solve_companion(scene, True, times)
+    states = (fields_at_points(scene, body, motion, X) for motion in solved)
     return [Frame("", t, np.arange(len(X)), X, X + u, *rest) for t, (u, *rest) in zip(times, states, strict=True)]
 
 
-def carried(scene: Scene, body: ElasticBody, motion: tuple[np.ndarray, np.ndarray], X: np.ndarray) -> tuple[
+def fields_at_points(scene: Scene, body: ElasticBody, motion: tuple[np.ndarray, np.ndarray], X: np.ndarray) -> tuple[
         np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
     """Displacement and velocity (P, D), F and Cauchy stress (P, D, D) that a body in motion has at material points."""
     (u, gradient), (v, _) = (body.read(field, X) for field in motion)
@@ -55,20 +55,20 @@ def carried(scene: Scene, body: ElasticBody, motion: tuple[np.ndarray, np.ndarra
     return u, v, F, reference.stress(scene, F)
 
 
-def solution(scene: Scene, fine: bool,
-             times: Sequence[float]) -> tuple[ElasticBody, list[tuple[np.ndarray, np.ndarray]]]:
+def solve_companion(scene: Scene, fine: bool,
+                    times: Sequence[float]) -> tuple[ElasticBody, list[tuple[np.ndarray, np.ndarray]]]:
     """The companion's body and what moves it at the times; :class:`~solvers.scene.validation.SceneError` where it is
     lost."""
     body = PROBLEMS[scene.problem].reference.companion(scene, fine)
     try:
         return body, solve(body, times)
-    except Lost as lost:
+    except MotionLost as lost:
         raise SceneError("amplitude", scene.amplitude, "is so large that the companion, a spectral-element solution of "
                          f"the same problem, is lost before t = {lost.time:.4g} s (body force {scene.body_force}); "
                          "give earlier times or a smaller amplitude") from None
 
 
-def force_table(scene: Scene, points: int, times: int) -> dict[str, np.ndarray]:
+def body_force_table(scene: Scene, points: int, times: int) -> dict[str, np.ndarray]:
     """The body force on a line of material points over the first two periods of its vibration: columns (n,) of t in s,
     X in m and b in m/s^2, about ``points`` at each of so many ``times``."""
     reference = PROBLEMS[scene.problem].reference
@@ -78,9 +78,9 @@ def force_table(scene: Scene, points: int, times: int) -> dict[str, np.ndarray]:
     return {"t": np.repeat(instants, len(X)), **where, **{f"b{LETTERS[k]}": b[:, k] for k in range(X.shape[1])}}
 
 
-def numbers(scene: Scene) -> dict:
+def problem_parameters(scene: Scene) -> dict:
     """The problem's numbers, for programs."""
-    of_methods = {field_key(name) for name in OF_METHODS}
+    of_methods = {field_key(name) for name in METHOD_FIELDS}
     fields = {key: value for key, value in scene.to_dict().items() if key not in of_methods and value is not None}
     return {**fields, "h": scene.spacing, "particles": len(start(scene).volume), "period": scene.period,
             "angular_frequency": scene.angular_frequency, "wave_speed": scene.wave_speed,

@@ -6,7 +6,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from solvers.judging.error_norms import Companions, Errors, series, summarised, truth
+from solvers.judging.error_norms import Companions, Errors, norm_series, summarise_norms, true_errors
 from solvers.judging.frames import Frame
 from solvers.running.run import build
 from solvers.scene.scene import Scene
@@ -29,34 +29,34 @@ class ReferenceRun:
     def to_dict(self) -> dict:
         return {"method": self.scene.method, "linearity_preserving": self.scene.linearity_preserving,
                 "cells": self.scene.cells, "cfl": self.scene.courant_number, "status": self.status,
-                "error": summarised(self.times, self.norms)}
+                "error": summarise_norms(self.times, self.norms)}
 
 
-def of_scene(scene: Scene) -> list[Scene]:
+def reference_scenes(scene: Scene) -> list[Scene]:
     """A scene for each of our methods on the grid of a scene, where one can be."""
     return [replace(scene, method=method, linearity_preserving=lp, estimators=(), effects=(), remedies=())
             for method, lp in scene.candidates()]
 
 
-def compared(scene: Scene, times: Sequence[float], companions: Companions | None = None,
-             on_progress: Callable[[float], None] | None = None) -> ReferenceRun:
+def run_reference(scene: Scene, times: Sequence[float], companions: Companions | None = None,
+                  on_progress: Callable[[float], None] | None = None) -> ReferenceRun:
     """Run a scene and measure it at the times: against the truth, or against a companion where there is none."""
     steps = [round(t / scene.time_step) for t in times]
     if scene.particles * steps[-1] > LONGEST:
-        return ReferenceRun(scene, np.array([]), series([]),
+        return ReferenceRun(scene, np.array([]), norm_series([]),
                     f"not run: {scene.particles * steps[-1]:.2g} particle-steps are too many for a comparison")
-    stepper = _Stepper(scene, on_progress, steps[-1])
+    stepper = _InterpolatedRun(scene, on_progress, steps[-1])
     errors: list[Errors] = []
     for time in times:
-        frame = stepper.frame(time)
+        frame = stepper.frame_at(time)
         if frame is None:
             break
-        errors.append(truth(scene, frame) if companions is None else companions.errors(frame))
+        errors.append(true_errors(scene, frame) if companions is None else companions.errors(frame))
     status = "ok" if len(errors) == len(times) else f"unstable at {stepper.solver.time:.3g} s"
-    return ReferenceRun(scene, np.array(times[:len(errors)]), series(errors), status)
+    return ReferenceRun(scene, np.array(times[:len(errors)]), norm_series(errors), status)
 
 
-class _Stepper:
+class _InterpolatedRun:
     """A run of ours, looked at at times that need not be its own."""
 
     def __init__(self, scene: Scene, on_progress: Callable[[float], None] | None, last: int):
@@ -65,21 +65,21 @@ class _Stepper:
         self.solver.compile()
         self._held: dict[int, Snapshot] = {}
 
-    def frame(self, time: float) -> Frame | None:
+    def frame_at(self, time: float) -> Frame | None:
         """The particles at a time: those of a step, or between two by cubic Hermite polynomials in x and straight lines
         in the rest; None where the run did not get there."""
         turns = time / self._scene.time_step
         whole = abs(turns - round(turns)) < ON_A_STEP
         first = round(turns) if whole else math.floor(turns)
-        shot = self._at(first)
-        later = shot if whole else self._at(first + 1)
+        shot = self._frame_at_step(first)
+        later = shot if whole else self._frame_at_step(first + 1)
         if shot is None or later is None or not (np.isfinite(shot.position) & np.isfinite(later.position)).all():
             return None
         if whole:
-            return framed(shot, self._scene, time)
-        return _between(framed(shot, self._scene), framed(later, self._scene), time)
+            return frame_of_snapshot(shot, self._scene, time)
+        return _interpolate_frames(frame_of_snapshot(shot, self._scene), frame_of_snapshot(later, self._scene), time)
 
-    def _at(self, step: int) -> Snapshot | None:
+    def _frame_at_step(self, step: int) -> Snapshot | None:
         while step not in self._held and self.solver.step < step and self.solver.sound:
             self.solver.advance(min(step - self.solver.step, LONGEST_STRETCH, self.solver.longest_advance))
             self._tell(self.solver.step / self._last)
@@ -90,7 +90,7 @@ class _Stepper:
         return self._held[step]
 
 
-def _between(one: Frame, other: Frame, time: float) -> Frame:
+def _interpolate_frames(one: Frame, other: Frame, time: float) -> Frame:
     """Two frames of a run, a step apart, at a time between them."""
     H = other.time - one.time
     s = (time - one.time) / H
@@ -103,7 +103,7 @@ def _between(one: Frame, other: Frame, time: float) -> Frame:
                    deformation_gradient=left * one.deformation_gradient + s * other.deformation_gradient)
 
 
-def framed(shot: Snapshot, scene: Scene, time: float | None = None) -> Frame:
+def frame_of_snapshot(shot: Snapshot, scene: Scene, time: float | None = None) -> Frame:
     """A snapshot of a run of ours as a frame, at its own time or one that is the same but for rounding."""
     D, P = scene.DIMENSIONS, len(shot.position)
     return Frame("", shot.time if time is None else time, np.arange(P), shot.material_position.reshape(P, D),

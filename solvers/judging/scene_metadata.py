@@ -7,22 +7,22 @@ It is believed in nothing: whatever is not a scene is refused, and a scene that 
 from dataclasses import fields, replace
 from typing import Any
 
-from solvers.judging.frames import ParticleMismatch, Raw, SceneMetadata
+from solvers.judging.frames import ParticleMismatch, RawTable, SceneMetadata
 from solvers.problems import PROBLEMS
-from solvers.problems.reference import OF_METHODS
-from solvers.running.scene_text import FAMILY, HINT, parsed, scene_of
+from solvers.problems.reference import METHOD_FIELDS
+from solvers.running.scene_text import FAMILY, HINT, parse_line, scene_from_inputs
 from solvers.scene.scene import Scene
 from solvers.scene.validation import SceneError, field_flag, field_label, key_field
-from solvers.untrusted.quoting import FileError, quoted
+from solvers.untrusted.quoting import FileError, quote
 
-NOT_OF_THE_PROBLEM = OF_METHODS | {"t_end", "periods"}  # what does not matter to a judge
+NOT_OF_THE_PROBLEM = METHOD_FIELDS | {"t_end", "periods"}  # what does not matter to a judge
 
 
-def read_line(file: str, text: object, cells: int | None) -> SceneMetadata | None:
+def parse_scene_line(file: str, text: object, cells: int | None) -> SceneMetadata | None:
     """What a file says in a line; None where that is none of ours. ``cells`` is what it says beside."""
     if not isinstance(text, str) or FAMILY not in text[:100]:
         return None
-    problem, inputs = parsed(file, text)
+    problem, inputs = parse_line(file, text)
     given = {key_field(key): value for key, value in inputs.items()}
     try:
         step = PROBLEMS[problem].scene(**given).time_step
@@ -30,18 +30,18 @@ def read_line(file: str, text: object, cells: int | None) -> SceneMetadata | Non
         step = None
     said = SceneMetadata(problem, {name: value for name, value in given.items() if name not in NOT_OF_THE_PROBLEM},
                          step)
-    own = scene_said(file, said)
+    own = scene_of_metadata(file, said)
     if "cells" in said.inputs and cells is not None and cells != own.cells:
         raise FileError(file, f"says that it has {cells} cells, and {own.cells} in its scene; {HINT}")
     return said
 
 
-def scene_said(file: str, said: SceneMetadata) -> Scene:
+def scene_of_metadata(file: str, said: SceneMetadata) -> Scene:
     """The scene that is said; :class:`FileError` where there is none such."""
-    return scene_of(file, said.problem, dict(said.inputs))
+    return scene_from_inputs(file, said.problem, dict(said.inputs))
 
 
-def settled(files: list[Raw], asked: Scene) -> tuple[Scene, list[str]]:
+def resolve_scene(files: list[RawTable], asked: Scene) -> tuple[Scene, list[str]]:
     """The scene to judge files with, and what is to be noted of that: what they say of it holds where ``asked`` stands
     at its defaults, but for the number of cells, which each file has its own of.
 
@@ -56,7 +56,7 @@ def settled(files: list[Raw], asked: Scene) -> tuple[Scene, list[str]]:
             continue
         if raw.said.problem != asked.problem:
             raise ParticleMismatch(raw.file, f"says that it is of the {raw.said.problem}", HINT, (raw.said.problem,))
-        own, taken = scene_said(raw.file, raw.said), dict[str, Any]()
+        own, taken = scene_of_metadata(raw.file, raw.said), dict[str, Any]()
         names = [f.name for f in fields(own) if f.name not in NOT_OF_THE_PROBLEM]
         for name in names:
             value, now = getattr(own, name), getattr(settled_scene, name)
@@ -64,7 +64,8 @@ def settled(files: list[Raw], asked: Scene) -> tuple[Scene, list[str]]:
                 continue
             if name in by or now != getattr(default, name):
                 says = f"{by[name]} says" if name in by else f"--{field_flag(name)} says"
-                raise FileError(raw.file, f"says {field_label(name)} {_plain(value)}, and {says} {_plain(now)}; give "
+                raise FileError(raw.file,
+                                f"says {field_label(name)} {_plain_value(value)}, and {says} {_plain_value(now)}; give "
                                           "what was run, or nothing of it")
             taken[name] = value
         by |= dict.fromkeys(names, raw.file)
@@ -73,10 +74,10 @@ def settled(files: list[Raw], asked: Scene) -> tuple[Scene, list[str]]:
                 settled_scene = replace(settled_scene, **taken)
             except SceneError as error:
                 raise FileError(raw.file, f"says a scene that cannot be with the rest: {error}; {HINT}") from None
-            told = ", ".join(f"{field_label(name)} {_plain(value)}" for name, value in taken.items())
-            notes.append(f"judged with what {quoted(raw.file)} says of its scene: {told}")
+            told = ", ".join(f"{field_label(name)} {_plain_value(value)}" for name, value in taken.items())
+            notes.append(f"judged with what {quote(raw.file)} says of its scene: {told}")
     return settled_scene, notes
 
 
-def _plain(value: object) -> str:
+def _plain_value(value: object) -> str:
     return f"{value:g}" if isinstance(value, float) else str(value)

@@ -5,8 +5,8 @@ from collections import defaultdict
 
 import numpy as np
 
-from solvers.judging.column_names import wanted
-from solvers.untrusted.quoting import FileError, quoted
+from solvers.judging.column_names import is_known_name
+from solvers.untrusted.quoting import FileError, quote
 from solvers.untrusted.size_limits import Limits, check_name
 
 POINTS = "points"
@@ -17,7 +17,7 @@ class NotVTK(ValueError):
     """No file of this format; the message says why, in few words."""
 
 
-class Points:
+class PointData:
     """What has been found of a file called ``path``: positions and data of points, piece by piece, and ``fields``,
     which are none of a point's. Whoever reads asks before it does."""
 
@@ -40,11 +40,11 @@ class Points:
         self._limits.check_columns(self.path, self._names)
         check_name(self.path, name)
         if name in self._other:
-            raise FileError(self.path, f"has two arrays called {quoted(name)}; give each its own name")
+            raise FileError(self.path, f"has two arrays called {quote(name)}; give each its own name")
         self._other.add(name)
         if min(rows, width) < 0:
             raise NotVTK("an array of fewer than no numbers")
-        if not (wanted(name) or name == POINTS):
+        if not (is_known_name(name) or name == POINTS):
             self._pieces.setdefault(name, [])
             return False
         self._numbers += rows * width
@@ -55,11 +55,11 @@ class Points:
         """The same for one that is none of a point's."""
         return self.wants(name, 1, 0 if numbers > MOST_FIELD else numbers) and 0 < numbers <= MOST_FIELD
 
-    def put(self, name: str, values: np.ndarray, width: int) -> None:
+    def add_array(self, name: str, values: np.ndarray, width: int) -> None:
         """What such an array holds, in rows of so many."""
         rows = values.reshape(-1, width) if width != 1 else values
         if self._pieces[name] and self._pieces[name][0].shape[1:] != rows.shape[1:]:
-            raise NotVTK(f"pieces with different components of {quoted(name, 20)}")
+            raise NotVTK(f"pieces with different components of {quote(name, 20)}")
         self._pieces[name].append(rows)
 
     def columns(self) -> dict[str, np.ndarray]:
@@ -70,7 +70,7 @@ class Points:
                 for name, pieces in self._pieces.items()}
 
 
-def from_text(text: bytes, count: int) -> np.ndarray:
+def parse_numbers(text: bytes, count: int) -> np.ndarray:
     """So many numbers with blanks between."""
     if not count:
         return np.empty(0)

@@ -7,8 +7,8 @@ from urllib.parse import unquote
 
 import numpy as np
 
-from solvers.judging.vtk_common import POINTS, NotVTK, Points
-from solvers.untrusted.quoting import quoted
+from solvers.judging.vtk_common import POINTS, NotVTK, PointData
+from solvers.untrusted.quoting import quote
 
 LONGEST_LINE = 1000
 MOST_SECTIONS = 10_000
@@ -25,7 +25,7 @@ CELLS = ("CELLS", "VERTICES", "LINES", "POLYGONS", "TRIANGLE_STRIPS")
 class LegacyReader:
     """Puts what a file holds into ``found``."""
 
-    def __init__(self, file: IO[bytes], found: Points):
+    def __init__(self, file: IO[bytes], found: PointData):
         self._file, self._found = file, found
         self._size = file.seek(0, 2)
         file.seek(0)
@@ -34,105 +34,105 @@ class LegacyReader:
         self._before_data = True
 
     def read(self) -> None:
-        self._head()
+        self._read_header()
         for _ in range(MOST_SECTIONS):
-            if not (line := self._line()):
+            if not (line := self._read_line()):
                 return
             if words := line.split():
-                self._section(words[0].upper(), words[1:])
+                self._read_section(words[0].upper(), words[1:])
         raise NotVTK(f"more than {MOST_SECTIONS:,} sections")
 
-    def _line(self) -> str:
+    def _read_line(self) -> str:
         line = self._file.readline(LONGEST_LINE)
         if len(line) >= LONGEST_LINE:
             raise NotVTK(f"a line of more than {LONGEST_LINE} letters where a section should begin")
         return line.decode("utf-8", "replace")
 
-    def _head(self) -> None:
-        first, _, form, dataset = (self._line() for _ in range(4))
+    def _read_header(self) -> None:
+        first, _, form, dataset = (self._read_line() for _ in range(4))
         version = re.match(r"#\s*vtk DataFile Version\s+([0-9])\.([0-9])", first, re.IGNORECASE)
         if not version or form.strip().upper() not in ("ASCII", "BINARY"):
             raise NotVTK("not the first lines of a .vtk file")
         self._old = (int(version[1]), int(version[2])) < (5, 0)
         self._binary = form.strip().upper() == "BINARY"
         while not dataset.strip() and dataset:
-            dataset = self._line()
+            dataset = self._read_line()
         word, _, kind = dataset.strip().upper().partition(" ")
         if word != "DATASET" or kind.strip() not in DATASETS:
-            raise NotVTK(f"{quoted(dataset.strip(), 40)}, and {' or '.join(DATASETS)} can be read")
+            raise NotVTK(f"{quote(dataset.strip(), 40)}, and {' or '.join(DATASETS)} can be read")
 
-    def _section(self, name: str, said: Sequence[str]) -> None:
+    def _read_section(self, name: str, said: Sequence[str]) -> None:
         if name == "METADATA":
-            while self._line().strip():
+            while self._read_line().strip():
                 pass
         elif name == POINTS.upper():
-            rows = _count(said, 0)
+            rows = _parse_count(said, 0)
             self._found.begin_piece(rows)
-            self._array(POINTS, said[1:2], rows, 3, self._found.wants(POINTS, rows, 3))
+            self._read_array(POINTS, said[1:2], rows, 3, self._found.wants(POINTS, rows, 3))
         elif name in CELLS:
-            self._cells(said)
+            self._skip_cells(said)
         elif name == "CELL_TYPES":
-            self._take("i4", _count(said, 0), False)
+            self._read_numbers("i4", _parse_count(said, 0), False)
         elif name in ("POINT_DATA", "CELL_DATA"):
-            self._rows, self._of_points, self._before_data = _count(said, 0), name == "POINT_DATA", False
+            self._rows, self._of_points, self._before_data = _parse_count(said, 0), name == "POINT_DATA", False
         elif name == "FIELD":
-            self._fields(_count(said, 1))
+            self._read_fields(_parse_count(said, 1))
         elif name == "LOOKUP_TABLE":
-            self._take("u1" if self._binary else "f8", 4 * _count(said, 1), False)
+            self._read_numbers("u1" if self._binary else "f8", 4 * _parse_count(said, 1), False)
         elif name == "COLOR_SCALARS":
-            self._take("u1" if self._binary else "f8", _count(said, 1) * self._rows, False)
+            self._read_numbers("u1" if self._binary else "f8", _parse_count(said, 1) * self._rows, False)
         else:
-            self._attribute(name, said)
+            self._read_attribute(name, said)
 
-    def _attribute(self, name: str, said: Sequence[str]) -> None:
+    def _read_attribute(self, name: str, said: Sequence[str]) -> None:
         """An array of the data of points or cells."""
         if len(said) < 2 or name not in (*WIDTHS, "SCALARS", "TEXTURE_COORDINATES"):
-            raise NotVTK(f"the section {quoted(name, 40)}")
+            raise NotVTK(f"the section {quote(name, 40)}")
         kind = said[2:3] if name == "TEXTURE_COORDINATES" else said[1:2]
-        width = WIDTHS.get(name) or (_count(said, 1) if name == "TEXTURE_COORDINATES"
-                                     else _count(said, 2) if len(said) > 2 else 1)
+        width = WIDTHS.get(name) or (_parse_count(said, 1) if name == "TEXTURE_COORDINATES"
+                                     else _parse_count(said, 2) if len(said) > 2 else 1)
         if name == "SCALARS":
             here = self._file.tell()
-            if not self._line().upper().startswith("LOOKUP_TABLE"):
+            if not self._read_line().upper().startswith("LOOKUP_TABLE"):
                 self._file.seek(here)
         wants = self._of_points and self._found.wants(unquote(said[0]), self._rows, width)
-        self._array(unquote(said[0]), kind, self._rows, width, wants)
+        self._read_array(unquote(said[0]), kind, self._rows, width, wants)
 
-    def _fields(self, count: int) -> None:
+    def _read_fields(self, count: int) -> None:
         for _ in range(min(count, MOST_SECTIONS)):
-            words = self._line().split()
+            words = self._read_line().split()
             while words[:1] == ["METADATA"] or not words:
-                while words and self._line().strip():
+                while words and self._read_line().strip():
                     pass
-                if not (line := self._line()):
+                if not (line := self._read_line()):
                     raise NotVTK("fields that end too early")
                 words = line.split()
             if len(words) != 4:
                 raise NotVTK("a field without its name, sizes and type")
-            name, width, rows = unquote(words[0]), _count(words, 1), _count(words, 2)
+            name, width, rows = unquote(words[0]), _parse_count(words, 1), _parse_count(words, 2)
             if self._before_data:
                 wants = self._found.wants_field(name, width * rows)
-                if (values := self._take(_type(words[3:]), width * rows, wants)) is not None:
+                if (values := self._read_numbers(_parse_type(words[3:]), width * rows, wants)) is not None:
                     self._found.fields[name] = values
             else:
-                self._array(name, words[3:], rows, width, self._of_points and self._found.wants(name, rows, width))
+                self._read_array(name, words[3:], rows, width, self._of_points and self._found.wants(name, rows, width))
 
-    def _array(self, name: str, kind: Sequence[str], rows: int, width: int, wants: bool) -> None:
-        if (values := self._take(_type(kind), rows * width, wants)) is not None:
-            self._found.put(name, values, width)
+    def _read_array(self, name: str, kind: Sequence[str], rows: int, width: int, wants: bool) -> None:
+        if (values := self._read_numbers(_parse_type(kind), rows * width, wants)) is not None:
+            self._found.add_array(name, values, width)
 
-    def _cells(self, said: Sequence[str]) -> None:
+    def _skip_cells(self, said: Sequence[str]) -> None:
         """Which nobody wants: their sizes, and the numbers of their points."""
         if self._old:
-            self._take("i4", _count(said, 1), False)
+            self._read_numbers("i4", _parse_count(said, 1), False)
             return
-        for name, size in (("OFFSETS", _count(said, 0)), ("CONNECTIVITY", _count(said, 1))):
-            words = self._line().split() or self._line().split()
+        for name, size in (("OFFSETS", _parse_count(said, 0)), ("CONNECTIVITY", _parse_count(said, 1))):
+            words = self._read_line().split() or self._read_line().split()
             if words[:1] != [name]:
                 raise NotVTK(f"cells without {name}")
-            self._take(_type(words[1:]), size, False)
+            self._read_numbers(_parse_type(words[1:]), size, False)
 
-    def _take(self, kind: str, count: int, wants: bool) -> np.ndarray | None:
+    def _read_numbers(self, kind: str, count: int, wants: bool) -> np.ndarray | None:
         """The numbers that follow, None where they are not wanted. There are no more than the file has bytes."""
         size = count * np.dtype(kind).itemsize if self._binary else 2 * count - 1
         here = self._file.tell()
@@ -150,13 +150,13 @@ class LegacyReader:
         return values if wants else None
 
 
-def _count(words: Sequence[str], which: int) -> int:
+def _parse_count(words: Sequence[str], which: int) -> int:
     if which >= len(words) or not re.fullmatch(r"[0-9]{1,15}", words[which]):
         raise NotVTK("a section that does not say its size")
     return int(words[which])
 
 
-def _type(words: Sequence[str]) -> str:
+def _parse_type(words: Sequence[str]) -> str:
     if not words or words[0].lower() not in TYPES:
-        raise NotVTK(f"numbers of the type {quoted(' '.join(words), 20)}")
+        raise NotVTK(f"numbers of the type {quote(' '.join(words), 20)}")
     return TYPES[words[0].lower()]

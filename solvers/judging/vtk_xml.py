@@ -16,8 +16,8 @@ from xml.parsers import expat
 
 import numpy as np
 
-from solvers.judging.vtk_common import POINTS, NotVTK, Points, from_text
-from solvers.untrusted.quoting import FileError, quoted
+from solvers.judging.vtk_common import POINTS, NotVTK, PointData, parse_numbers
+from solvers.untrusted.quoting import FileError, quote
 
 PIECE_OF_FILE = 1 << 16
 LONGEST_TAG = 1_000_000  # bytes
@@ -33,22 +33,22 @@ PACKINGS: dict[str, Any] = {"vtkZLibDataCompressor": zlib.decompressobj,
                             "vtkLZMADataCompressor": lambda: lzma.LZMADecompressor(memlimit=MOST_MEMORY)}
 
 
-class _Appended(Exception):
+class _AppendedData(Exception):
     """There is no more XML, but data."""
 
 
 class XmlReader:
     """Puts what a file of a ``kind``, as VTK calls it, holds into ``found``."""
 
-    def __init__(self, file: IO[bytes], kind: str, ending: str, found: Points):
+    def __init__(self, file: IO[bytes], kind: str, ending: str, found: PointData):
         self._file, self._kind, self._ending, self._found = file, kind, ending, found
         self._parser = expat.ParserCreate("UTF-8")  # whatever the file says of itself
-        self._parser.StartElementHandler, self._parser.EndElementHandler = self._start, self._end
-        self._parser.CharacterDataHandler = self._text
+        self._parser.StartElementHandler, self._parser.EndElementHandler = self._start_element, self._end_element
+        self._parser.CharacterDataHandler = self._add_text
         self._parser.buffer_text = True
         self._parser.StartDoctypeDeclHandler = self._parser.EntityDeclHandler = self._refuse_doctype
         self._inside: list[str] = []
-        self._elements, self._rows, self._encoding = 0, 0, Encoding.of(None, "u4", None)
+        self._elements, self._rows, self._encoding = 0, 0, NumberEncoding.from_attributes(None, "u4", None)
         self._array: dict[str, Any] | None = None  # that is being read, of which the text comes
         self._later: list[dict[str, Any]] = []  # arrays whose data are appended
         self._appended: tuple[int, bool] | None = None
@@ -62,7 +62,7 @@ class XmlReader:
                 if fed - self._parser.CurrentByteIndex > LONGEST_TAG:
                     raise NotVTK(f"a tag of more than {LONGEST_TAG:,} letters")
             self._parser.Parse(b"", True)
-        except _Appended:
+        except _AppendedData:
             pass
         except expat.ExpatError as error:
             raise NotVTK(f"no XML in UTF-8: {expat.ErrorString(error.code)}") from None
@@ -75,7 +75,7 @@ class XmlReader:
         raise FileError(self._found.path, f"has a document type or an entity, which no {self._ending} file needs and "
                                           "which is not read; leave it out")
 
-    def _start(self, tag: str, said: dict[str, str]) -> None:
+    def _start_element(self, tag: str, said: dict[str, str]) -> None:
         self._elements += 1
         if self._elements > MOST_ELEMENTS:
             raise NotVTK(f"more than {MOST_ELEMENTS:,} elements")
@@ -85,14 +85,15 @@ class XmlReader:
             if said.get("type") != self._kind:
                 raise FileError(self._found.path, f"is no {self._kind}, as a {self._ending} file is; give it the "
                                                   "ending of what it is")
-            self._encoding = Encoding.of(said.get("byte_order"), TYPES.get(said.get("header_type", "UInt32")),
-                                         said.get("compressor"))
+            self._encoding = NumberEncoding.from_attributes(said.get("byte_order"),
+                                                            TYPES.get(said.get("header_type", "UInt32")),
+                                                            said.get("compressor"))
         self._inside.append(tag)
         if tag == "AppendedData":
             self._appended = self._parser.CurrentByteIndex, said.get("encoding") != "raw"
-            raise _Appended
+            raise _AppendedData
         if tag == "Piece":
-            self._rows = _count(said.get("NumberOfPoints"))
+            self._rows = _parse_size(said.get("NumberOfPoints"))
             self._found.begin_piece(self._rows)
         elif tag == "DataArray":
             self._begin_array(said)
@@ -100,43 +101,43 @@ class XmlReader:
     def _begin_array(self, said: dict[str, str]) -> None:
         """Ask whether an array is wanted, and remember where its data are."""
         where, name = self._inside[-2], said.get("Name", "")
-        width = _count(said.get("NumberOfComponents") or "1")
+        width = _parse_size(said.get("NumberOfComponents") or "1")
         if where == "Points":
             name, wants = POINTS, self._found.wants(POINTS, self._rows, width)
         elif where == "PointData":
             wants = self._found.wants(name, self._rows, width)
         elif where == "FieldData":
-            width = _count(said.get("NumberOfTuples") or "1") * width
+            width = _parse_size(said.get("NumberOfTuples") or "1") * width
             wants = self._found.wants_field(name, width)
         else:
             return
         if wants:
             if said.get("type") not in TYPES:
-                raise NotVTK(f"an array of the type {quoted(said.get('type'), 20)}")
+                raise NotVTK(f"an array of the type {quote(said.get('type'), 20)}")
             of_point = where != "FieldData"
             array = {"name": name, "width": width, "count": width * (self._rows if of_point else 1),
                      "of_point": of_point, "type": TYPES[said["type"]], "format": said.get("format", "ascii"),
                      "text": io.BytesIO()}
             if array["format"] == "appended":
-                self._later.append({**array, "offset": _count(said.get("offset"))})
+                self._later.append({**array, "offset": _parse_size(said.get("offset"))})
             else:
                 self._array = array
 
-    def _text(self, text: str) -> None:
+    def _add_text(self, text: str) -> None:
         if self._array is not None:
             letters = text.encode("ascii", "replace")
             self._array["text"].write(letters if self._array["format"] == "ascii" else letters.translate(None, BLANKS))
 
-    def _end(self, tag: str) -> None:
+    def _end_element(self, tag: str) -> None:
         self._inside.pop()
         if tag == "DataArray" and self._array is not None:
             array, self._array = self._array, None
             text = array.pop("text")
             if array["format"] == "ascii":
-                values = from_text(text.getvalue(), array["count"])
+                values = parse_numbers(text.getvalue(), array["count"])
             else:
-                values = self._encoding.numbers(Source(text, 0, True), 0, array["count"], array["type"])
-            self._put(array, values)
+                values = self._encoding.read_numbers(DataSource(text, 0, True), 0, array["count"], array["type"])
+            self._store_array(array, values)
 
     def _read_appended(self) -> None:
         if self._appended is None:
@@ -146,26 +147,27 @@ class XmlReader:
         begin = APPENDED.match(self._file.read(1000))
         if begin is None:
             raise NotVTK("appended data without their beginning")
-        source = Source(self._file, index + begin.end(), in_letters)
+        source = DataSource(self._file, index + begin.end(), in_letters)
         for array in self._later:
-            self._put(array, self._encoding.numbers(source, array["offset"], array["count"], array["type"]))
+            self._store_array(array,
+                              self._encoding.read_numbers(source, array["offset"], array["count"], array["type"]))
 
-    def _put(self, array: dict[str, Any], values: np.ndarray) -> None:
+    def _store_array(self, array: dict[str, Any], values: np.ndarray) -> None:
         if array["of_point"]:
-            self._found.put(array["name"], values, array["width"])
+            self._found.add_array(array["name"], values, array["width"])
         else:
             self._found.fields[array["name"]] = values
 
 
-def _count(text: str | None) -> int:
+def _parse_size(text: str | None) -> int:
     """A size that the file says."""
     if text is None or not re.fullmatch(r"[0-9]{1,15}", text.strip()):
-        raise NotVTK(f"a size that is none: {quoted(text or '', 20)}")
+        raise NotVTK(f"a size that is none: {quote(text or '', 20)}")
     return int(text)
 
 
 @dataclass(frozen=True)
-class Source:
+class DataSource:
     """Where the data lie: in a ``file`` from ``begin`` on, as they are or, three bytes in four letters, as base64."""
 
     file: IO[bytes]
@@ -176,7 +178,7 @@ class Source:
         self.file.seek(self.begin + place)
         return self.file.read(length)
 
-    def unit(self, place: int, size: int) -> tuple[bytes | bytearray, int]:
+    def read_unit(self, place: int, size: int) -> tuple[bytes | bytearray, int]:
         """The ``size`` bytes that begin at a place, and the place after them."""
         length = -(-size // 3) * 4 if self.in_letters else size
         content = bytearray()
@@ -195,7 +197,7 @@ class Source:
 
 
 @dataclass(frozen=True)
-class Encoding:
+class NumberEncoding:
     """How numbers stand in a file: the ``order`` of their bytes, the type of sizes before them, and the ``packing``."""
 
     order: str
@@ -203,44 +205,44 @@ class Encoding:
     packing: str | None
 
     @classmethod
-    def of(cls, byte_order: str | None, header: str | None, packing: str | None) -> "Encoding":
+    def from_attributes(cls, byte_order: str | None, header: str | None, packing: str | None) -> "NumberEncoding":
         if byte_order not in (None, "LittleEndian", "BigEndian") or header not in ("u4", "u8"):
             raise NotVTK("an order or a size of numbers that is not known")
         if packing is not None and packing not in PACKINGS:
-            raise NotVTK(f"data packed by {quoted(packing, 30)}; {' and '.join(PACKINGS)} can be read")
+            raise NotVTK(f"data packed by {quote(packing, 30)}; {' and '.join(PACKINGS)} can be read")
         order = ">" if byte_order == "BigEndian" else "<"
         return cls(order, np.dtype(order + header), packing)
 
-    def numbers(self, source: Source, place: int, count: int, kind: str) -> np.ndarray:
+    def read_numbers(self, source: DataSource, place: int, count: int, kind: str) -> np.ndarray:
         """So many numbers of a type that lie at a place."""
         dtype = np.dtype(self.order + kind)
-        content = (self._plain if self.packing is None else self._unpacked)(source, place, count * dtype.itemsize)
+        content = (self._read_plain if self.packing is None else self._unpack)(source, place, count * dtype.itemsize)
         return np.frombuffer(content, dtype)
 
-    def _plain(self, source: Source, place: int, size: int) -> bytes | bytearray:
-        head, after = source.unit(place, self.size.itemsize)
-        said = self._sizes(head)[0]
+    def _read_plain(self, source: DataSource, place: int, size: int) -> bytes | bytearray:
+        head, after = source.read_unit(place, self.size.itemsize)
+        said = self._parse_sizes(head)[0]
         if said != size:
             raise NotVTK(f"{said:,} bytes where {size:,} are announced")
         if not source.in_letters or source.read(after - 1, 1) == b"=":  # padded: the size stands by itself
-            return source.unit(after, size)[0]
-        return source.unit(place, self.size.itemsize + size)[0][self.size.itemsize:]
+            return source.read_unit(after, size)[0]
+        return source.read_unit(place, self.size.itemsize + size)[0][self.size.itemsize:]
 
-    def _unpacked(self, source: Source, place: int, size: int) -> bytearray:
+    def _unpack(self, source: DataSource, place: int, size: int) -> bytearray:
         """Blocks one after the other: how many, the size of each and of the last, and their sizes as they are packed
         stand before them."""
         width = self.size.itemsize
-        blocks = self._sizes(source.unit(place, width)[0])[0]
+        blocks = self._parse_sizes(source.read_unit(place, width)[0])[0]
         if blocks > MOST_BLOCKS:
             raise NotVTK(f"more than {MOST_BLOCKS:,} blocks")
-        head, after = source.unit(place, (3 + blocks) * width)
-        _, each, last, *packed = self._sizes(head)
+        head, after = source.read_unit(place, (3 + blocks) * width)
+        _, each, last, *packed = self._parse_sizes(head)
         sizes = [each] * blocks
         if blocks and last:
             sizes[-1] = last
         if sum(sizes) != size:
             raise NotVTK(f"blocks of {sum(sizes):,} bytes where {size:,} are announced")
-        data, _ = source.unit(after, sum(packed))
+        data, _ = source.read_unit(after, sum(packed))
         out, done, begin = bytearray(size), 0, 0
         for length, unpacked in zip(packed, sizes, strict=True):
             piece = PACKINGS[self.packing or ""]().decompress(data[begin:begin + length], unpacked + 1)
@@ -250,5 +252,5 @@ class Encoding:
             begin, done = begin + length, done + unpacked
         return out
 
-    def _sizes(self, content: bytes | bytearray) -> list[int]:
+    def _parse_sizes(self, content: bytes | bytearray) -> list[int]:
         return np.frombuffer(content, self.size).tolist()

@@ -25,10 +25,10 @@ EXPONENT_BITS, BIAS = 52, 1023  # of a double: where its exponent begins, and wh
 def sin(x):
     """sin x."""
     value = 0.0
-    if ti.static(runtime.on_processor()):
+    if ti.static(runtime.runs_on_cpu()):
         value = ti.sin(x)
     else:
-        value = _turned(x, 0)
+        value = _sine_of_quarter(x, 0)
     return value
 
 
@@ -36,10 +36,10 @@ def sin(x):
 def cos(x):
     """cos x."""
     value = 0.0
-    if ti.static(runtime.on_processor()):
+    if ti.static(runtime.runs_on_cpu()):
         value = ti.cos(x)
     else:
-        value = _turned(x, 1)
+        value = _sine_of_quarter(x, 1)
     return value
 
 
@@ -47,7 +47,7 @@ def cos(x):
 def log(x):
     """The natural logarithm of a normal number above 0."""
     value = 0.0
-    if ti.static(runtime.on_processor()):
+    if ti.static(runtime.runs_on_cpu()):
         value = ti.log(x)
     else:
         bits = ti.bit_cast(x, ti.i64)
@@ -65,7 +65,7 @@ def log(x):
 
 
 @ti.func
-def _turned(x, quarters):
+def _sine_of_quarter(x, quarters):
     """sin(x + quarters pi/2). Choices are made with whole numbers: on Vulkan, Taichi 1.7.4 loses what is true or false
     on the way from one loop of a kernel to the next."""
     turns = ti.floor(x / (HALF_PI + HALF_PI_NEXT) + 0.5)

@@ -25,29 +25,29 @@ from taichi.lang import argpack, expr, impl, kernel_impl
 from taichi.lang.ast import transform_tree
 from taichi.lang.ast.ast_transformer_utils import ASTTransformerContext
 
-USUAL = (*range(-1, 9), 0.0, 1.0, -1.0, 0.5, 0.25, 2.0, True)  # numbers
+COMMON_NUMBERS = (*range(-1, 9), 0.0, 1.0, -1.0, 0.5, 0.25, 2.0, True)  # numbers
 #: Members that a pack keeps apart from its numbers, and its attribute for what was counted.
-APART = (argpack.sparse_matrix_builder, argpack.ndarray_type.NdarrayType, argpack.texture_type.TextureType,
-         argpack.texture_type.RWTextureType)
-PLACES = "_places_of_members"
+UNPACKED_TYPES = (argpack.sparse_matrix_builder, argpack.ndarray_type.NdarrayType, argpack.texture_type.TextureType,
+                  argpack.texture_type.RWTextureType)
+PLACES_ATTRIBUTE = "_places_of_members"
 
-_set: dict[tuple[type, object], expr.Expr] = {}  # the variables of the kernel that is being compiled
-_write = expr.make_constant_expr
+_constants: dict[tuple[type, object], expr.Expr] = {}  # the variables of the kernel that is being compiled
+_make_constant = expr.make_constant_expr
 _subscript = impl.subscript
 
 
-def lighten() -> None:
+def speed_up_front_end() -> None:
     """Leave that work out from now on: before kernels are decorated, that is imported, and compiled."""
-    ASTTransformerContext.get_pos_info = _place
+    ASTTransformerContext.get_pos_info = _source_location
     kernel_impl.getsourcelines = functools.cache(kernel_impl.getsourcelines)
     kernel_impl._inside_class = lambda level_of_class_stackframe: False  # Taichi passes it by this name
     kernel_impl.transform_tree = _translate
-    expr.make_constant_expr = _number
+    expr.make_constant_expr = _number_expression
     impl.subscript = _entry
     argpack.ArgPack._calc_element_true_index = _member_place
 
 
-def _place(context: ASTTransformerContext, node: syntax | stmt) -> str:
+def _source_location(context: ASTTransformerContext, node: syntax | stmt) -> str:
     """Where a node stands in the source, as the first line of Taichi's own message says it."""
     line = node.lineno + context.lineno_offset
     return f'File "{context.file}", line {line}, in {context.func.func.__name__}:\n'
@@ -60,23 +60,23 @@ def _translate(tree: mod, context: ASTTransformerContext) -> object:
     source = impl.get_runtime().src_info_stack
     source.append("")  # of what has none
     try:
-        variables = {_key(number): impl.expr_init(number) for number in USUAL}
+        variables = {_number_key(number): impl.expr_init(number) for number in COMMON_NUMBERS}
     finally:
         source.pop()
-    _set.update(variables)
+    _constants.update(variables)
     try:
         return transform_tree(tree, context)
     finally:
-        _set.clear()
+        _constants.clear()
 
 
-def _number(value: object, kind: object) -> expr.Expr:
+def _number_expression(value: object, kind: object) -> expr.Expr:
     """An expression for a number: the variable that has this value, if there is one; a given kind is a wish."""
-    known = _set.get(_key(value)) if _set and kind is None else None
-    return _write(value, kind) if known is None else known
+    known = _constants.get(_number_key(value)) if _constants and kind is None else None
+    return _make_constant(value, kind) if known is None else known
 
 
-def _key(value: object) -> tuple[type, object]:
+def _number_key(value: object) -> tuple[type, object]:
     """What tells numbers apart: also 1 from 1.0, and 0.0 from -0.0."""
     return type(value), repr(value)
 
@@ -85,17 +85,17 @@ def _entry(builder: object, value: object, *places: object, **how: object) -> ex
     """An entry of an array or a vector. Which of a vector must be a number, for it to be known in advance."""
     if not isinstance(value, expr.Expr):
         return _subscript(builder, value, *places, **how)
-    aside = dict(_set)
-    _set.clear()
+    aside = dict(_constants)
+    _constants.clear()
     try:
         return _subscript(builder, value, *places, **how)
     finally:
-        _set.update(aside)
+        _constants.update(aside)
 
 
 def _member_place(pack: argpack.ArgPack, member: int) -> int:
     """Where a member of a pack lies among those that are no arrays, counted once for all its members."""
-    if not hasattr(pack, PLACES):
-        apart = [isinstance(kind, APART) for kind in pack._annotations]
-        setattr(pack, PLACES, [k - before for k, before in enumerate(accumulate(apart, initial=0))])
-    return getattr(pack, PLACES)[member]
+    if not hasattr(pack, PLACES_ATTRIBUTE):
+        apart = [isinstance(kind, UNPACKED_TYPES) for kind in pack._annotations]
+        setattr(pack, PLACES_ATTRIBUTE, [k - before for k, before in enumerate(accumulate(apart, initial=0))])
+    return getattr(pack, PLACES_ATTRIBUTE)[member]

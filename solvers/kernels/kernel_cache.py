@@ -13,21 +13,21 @@ import tempfile
 from contextlib import suppress
 from pathlib import Path
 
-SIZE = "TI_OFFLINE_CACHE_MAX_SIZE_OF_FILES"
+CACHE_SIZE = "TI_OFFLINE_CACHE_MAX_SIZE_OF_FILES"
 HOME, KERNELS, PICTURES = "XDG_CACHE_HOME", "TI_OFFLINE_CACHE_FILE_PATH", "MPLCONFIGDIR"
 
 
-def keep_more() -> None:
+def raise_cache_size() -> None:
     """Have Taichi keep 500 MB of kernels, unless the environment says otherwise. A kernel takes 1 MB, and with Taichi's
     own 100 MB a page, a sweep and a class throw each other's out."""
-    os.environ.setdefault(SIZE, str(500 * 2**20))
+    os.environ.setdefault(CACHE_SIZE, str(500 * 2**20))
 
 
-def find_room() -> None:
+def ensure_cache_folder() -> None:
     """Have this process and those that it starts keep what they compile in a folder that goes with this process, where
     the usual one takes nothing. Call before Taichi is imported; does nothing where all is well."""
     below_home = os.path.join(os.environ["HOME"], ".cache") if "HOME" in os.environ else ""
-    if os.name == "nt" or (_takes(os.environ.get(HOME, below_home)) and _takes(os.environ.get(KERNELS))):
+    if os.name == "nt" or (_is_writable(os.environ.get(HOME, below_home)) and _is_writable(os.environ.get(KERNELS))):
         return  # Windows has another place, and no home that is read only
     with suppress(OSError):  # there is no room anywhere: let Taichi say so
         folder = tempfile.mkdtemp(prefix="mpm-lab-")
@@ -37,7 +37,7 @@ def find_room() -> None:
         os.environ.setdefault(PICTURES, folder)
 
 
-def _takes(folder: str | None) -> bool:
+def _is_writable(folder: str | None) -> bool:
     """Whether it can be written to, or made; None is no wish."""
     if folder is None:
         return True

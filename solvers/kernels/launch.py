@@ -25,12 +25,12 @@ class Launch:
         runtime.holders.add(self)
 
     def __call__(self, *numbers: int) -> None:
-        if not runtime.on_processor():
+        if not runtime.runs_on_cpu():
             self._queue(numbers)
             return
         if self._kept is None:
             self._kernel(*numbers, *self._arguments)
-            self._kept = self._made(impl.get_runtime().prog, numbers)
+            self._kept = self._compiled(impl.get_runtime().prog, numbers)
             return
         program, compiled, context = self._kept
         for k, number in enumerate(numbers):
@@ -43,10 +43,10 @@ class Launch:
         own = primal.compiled_kernels[primal.ensure_compiled(*numbers, *self._arguments)]
         self._kept = program, program.compile_kernel(program.config(), program.get_device_caps(), own), own
 
-    def forget(self) -> None:
+    def free(self) -> None:
         """Keep nothing that Taichi has made: it is about to end."""
         self._kept = None
-        if not runtime.on_processor():
+        if not runtime.runs_on_cpu():
             self._arguments = ()  # its arrays too
 
     def _queue(self, numbers: tuple[int, ...]) -> None:
@@ -68,7 +68,7 @@ class Launch:
         return [(pack[name], kind) for name, kind in pack._ArgPack__annotations.items()
                 if isinstance(kind, ndarray_type.NdarrayType)]
 
-    def _made(self, program: Any, numbers: tuple[int, ...]) -> tuple[Any, Any, Any]:
+    def _compiled(self, program: Any, numbers: tuple[int, ...]) -> tuple[Any, Any, Any]:
         """The program, the compiled kernel, and a context that holds the pack."""
         primal, pack, at = self._kernel._primal, self._arguments[0], len(numbers)
         own = primal.compiled_kernels[primal.ensure_compiled(*numbers, *self._arguments)]

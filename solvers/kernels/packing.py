@@ -3,8 +3,8 @@
 Every member of a state's argument pack counts, and an estimator with a second run has a state's worth of them. So all
 that estimators keep is in a :class:`Packing`: the arrays of one type lie one behind the other in a single one, and the
 numbers and the places where arrays begin stand in front. In kernels :class:`MemoryView` gives the state with the packed
-members as attributes, for reading and for writing to arrays, and ``part`` gives those of one prefix by the rest of
-their names, so that functions written for a state (``bar.position[p]``) work on a second one.
+members as attributes, for reading and for writing to arrays, and ``prefix_view`` gives those of one prefix by the rest
+of their names, so that functions written for a state (``bar.position[p]``) work on a second one.
 """
 
 from collections.abc import Iterable, Mapping
@@ -18,7 +18,7 @@ from solvers.kernels.scalar_hoisting import subscript, untranslated, variable
 
 PREFIX = "memory_"  # of the arrays that hold the others, unless a packing has one of its own
 #: Types of arrays that can be packed, by name, with the shape of an entry.
-ARRAYS = {"integers": (), "reals": (), "pairs": (2,), "quads": (4,), "octets": (8,)}
+SHAPES = {"integers": (), "reals": (), "pairs": (2,), "quads": (4,), "octets": (8,)}
 
 
 class Packing:
@@ -33,7 +33,7 @@ class Packing:
         self.places: dict[str, tuple[str, int, bool]] = {}  # array, entry in front, whether it is an array
         self.front = {"integers": 0, "reals": 0}
         for name, kind in members.items():
-            array = next((a for a in ARRAYS if getattr(dtypes, a) is kind), None)
+            array = next((a for a in SHAPES if getattr(dtypes, a) is kind), None)
             if array is None and kind not in (dtypes.real, ti.i32):
                 self.types[name] = kind
                 continue
@@ -42,18 +42,18 @@ class Packing:
             self.places[name] = (array or held, self.front[held], array is not None)
             self.front[held] += 1
         used = {"integers", "reals"} | {place[0] for place in self.places.values()}
-        self.types.update({prefix + array: getattr(dtypes, array) for array in ARRAYS if array in used})
+        self.types.update({prefix + array: getattr(dtypes, array) for array in SHAPES if array in used})
 
     def values(self, members: Mapping[str, Any]) -> dict[str, np.ndarray]:
         """The packed arrays that hold these members."""
         pieces: dict[str, list[np.ndarray]] = {
-            array: [np.zeros((self.front.get(array, 0), *shape), _dtype(array))] for array, shape in ARRAYS.items()}
+            array: [np.zeros((self.front.get(array, 0), *shape), _dtype(array))] for array, shape in SHAPES.items()}
         length = {array: len(piece[0]) for array, piece in pieces.items()}
         for name, (array, slot, is_array) in self.places.items():
             front = pieces["reals" if array == "reals" and not is_array else "integers"][0]
             front[slot] = length[array] if is_array else members[name]
             if is_array:
-                pieces[array].append(np.asarray(members[name], _dtype(array)).reshape(-1, *ARRAYS[array]))
+                pieces[array].append(np.asarray(members[name], _dtype(array)).reshape(-1, *SHAPES[array]))
                 length[array] += len(pieces[array][-1])
         packed = {self.prefix + array: np.concatenate(piece) for array, piece in pieces.items()}
         return {name: packed[name] if name in packed else members[name] for name in self.types}
@@ -61,7 +61,7 @@ class Packing:
     def parts(self, memory: Mapping[str, np.ndarray]) -> dict[str, np.ndarray]:
         """The arrays among the members, as they are now."""
         found = {name: memory[name] for name in self.types if not name.startswith(self.prefix)}
-        for array in ARRAYS:
+        for array in SHAPES:
             begins = sorted((int(memory[self.prefix + "integers"][slot]), name)
                             for name, (held, slot, is_array) in self.places.items() if is_array and held == array)
             for k, (begin, name) in enumerate(begins):
@@ -83,13 +83,13 @@ class MemoryView:
                 array, slot, is_array = packing.places[name]
                 own = getattr(state, packing.prefix + array)
                 number = variable(subscript(getattr(state, packing.prefix + "integers") if is_array else own, slot))
-                self._members[name] = _Array(own, number) if is_array else number
+                self._members[name] = _ArraySlice(own, number) if is_array else number
 
     def __getattr__(self, name: str) -> object:
         return self._members[name] if name in self._members else getattr(self._state, name)
 
 
-class _Part:
+class _PrefixView:
     """Attributes of a state that begin with a prefix, by the rest of their names."""
 
     def __init__(self, state: object, prefix: str):
@@ -99,7 +99,7 @@ class _Part:
         return getattr(self._state, self._prefix + name)
 
 
-class _Array:
+class _ArraySlice:
     """An array within a packed one: its index counts from where it begins."""
 
     def __init__(self, array: object, begin: Any):
@@ -110,9 +110,9 @@ class _Array:
 
 
 @untranslated
-def part(state: object, prefix: str) -> _Part:
+def prefix_view(state: object, prefix: str) -> _PrefixView:
     """For kernels: the members whose names begin with ``prefix``, as attributes by the rest of their names."""
-    return _Part(state, prefix)
+    return _PrefixView(state, prefix)
 
 
 def _dtype(array: str) -> type:

@@ -11,11 +11,11 @@ import taichi as ti
 
 from solvers.kernels import front_end
 
-front_end.lighten()
+front_end.speed_up_front_end()
 
 PROCESSORS = ("x64", "arm64")  # as Taichi calls them
 
-#: What holds on to the running Taichi, and has a ``forget`` to let go of it: before another one starts, and at the end.
+#: What holds on to the running Taichi, and has a ``free`` to let go of it: before another one starts, and at the end.
 holders: weakref.WeakSet[Any] = weakref.WeakSet()
 
 _started: tuple[str, int] | None = None
@@ -28,10 +28,10 @@ def allow_forks() -> None:
     _options["num_compile_threads"] = 0
 
 
-def leave() -> NoReturn:
+def exit_process() -> NoReturn:
     """End the process: write what it has compiled to disk, and go. Taichi's own end would wait for threads that, of a
     fork, only its parent has."""
-    _write()
+    _write_compiled()
     os._exit(0)
 
 
@@ -52,7 +52,7 @@ def start(arch: str = "cpu", threads: int = 1) -> str:
     """
     global _started
     if _started != (arch, threads):
-        _let_go()
+        _release_holders()
         with contextlib.redirect_stdout(io.StringIO()):  # it announces itself on standard output, which is ours
             ti.init(arch=getattr(ti, arch), default_fp=ti.f64, cpu_max_num_threads=threads,
                     fast_math=False, real_matrix_scalarize=arch != "cpu", log_level=ti.ERROR, verbose=False, **_options)
@@ -65,25 +65,25 @@ def running_arch() -> str:
     return ti.lang.impl.current_cfg().arch.name
 
 
-def on_processor() -> bool:
+def runs_on_cpu() -> bool:
     """Whether Taichi runs on processors, where arrays are what numpy sees."""
     return running_arch() in PROCESSORS
 
 
 @atexit.register  # later than Taichi's own end, and so run before it
-def _end() -> None:
+def _write_and_release() -> None:
     """Write what has been compiled to disk, which Taichi does when its program goes: by itself that hangs on the order
     in which Python lets go of classes and modules, and may be never."""
-    _let_go()
-    _write()
+    _release_holders()
+    _write_compiled()
 
 
-def _write() -> None:
+def _write_compiled() -> None:
     if (program := ti.lang.impl.get_runtime().prog) is not None:
         program.finalize()
 
 
-def _let_go() -> None:
+def _release_holders() -> None:
     """Have all that was made of the running Taichi go before it does: later it would look for what is no more."""
     for holder in list(holders):
-        holder.forget()
+        holder.free()

@@ -10,12 +10,12 @@ LANES = 4  # numbers in a register of most processors; no bar has fewer particle
 
 
 @ti.func
-def read(numbers: ti.template(), p):
+def load(numbers: ti.template(), p):
     """``LANES`` numbers from entry ``p`` on."""
     return ti.Vector([numbers[p + k] for k in ti.static(range(LANES))])
 
 
 @ti.func
-def read_component(vectors: ti.template(), some: ti.template(), c: ti.template()):
+def load_component(vectors: ti.template(), some: ti.template(), c: ti.template()):
     """Number ``c`` of each of the vectors with the numbers ``some``."""
     return ti.Vector([vectors[some[k]][c] for k in ti.static(range(some.n))])

@@ -24,7 +24,7 @@ class FormulaError(ValueError):
     """Why a text is no formula: the end of a sentence that begins with the text."""
 
 
-def parse(text: str, names: Sequence[str]) -> tuple[str, Formula]:
+def parse_formula(text: str, names: Sequence[str]) -> tuple[str, Formula]:
     """The formula of a text in which only these ``names`` stand for numbers, besides ``pi``; and the text without
     spaces, as it is written into links.
 
@@ -40,23 +40,23 @@ def parse(text: str, names: Sequence[str]) -> tuple[str, Formula]:
         raise FormulaError("is no formula; give one such as 0.02*sin(2*pi*X)*sin(w*t)") from None
     if sum(1 for _ in ast.walk(tree)) > 3 * MOST_NODES:
         raise FormulaError(f"has too many parts; at most {MOST_NODES} are allowed")
-    return "".join(ast.unparse(tree).split()), _read(tree.body, frozenset(names))
+    return "".join(ast.unparse(tree).split()), _compile(tree.body, frozenset(names))
 
 
-def _read(node: ast.AST, names: frozenset[str]) -> Formula:
+def _compile(node: ast.AST, names: frozenset[str]) -> Formula:
     """The function of a part of a formula."""
     if isinstance(node, ast.Constant):
         return _constant(node.value)
     if isinstance(node, ast.Name):
         return _name(node.id, names)
     if isinstance(node, ast.UnaryOp) and isinstance(node.op, (ast.UAdd, ast.USub)):
-        inner, sign = _read(node.operand, names), -1.0 if isinstance(node.op, ast.USub) else 1.0
+        inner, sign = _compile(node.operand, names), -1.0 if isinstance(node.op, ast.USub) else 1.0
         return lambda values: sign * inner(values)
     if isinstance(node, ast.BinOp) and isinstance(node.op, ast.Pow):
-        base, power = _read(node.left, names), _power(node.right)
+        base, power = _compile(node.left, names), _power(node.right)
         return lambda values: base(values) ** power
     if isinstance(node, ast.BinOp) and type(node.op) in OPERATORS:
-        operate, left, right = OPERATORS[type(node.op)], _read(node.left, names), _read(node.right, names)
+        operate, left, right = OPERATORS[type(node.op)], _compile(node.left, names), _compile(node.right, names)
         return lambda values: operate(left(values), right(values))
     if isinstance(node, ast.Call):
         return _call(node, names)
@@ -100,5 +100,5 @@ def _call(node: ast.Call, names: frozenset[str]) -> Formula:
         raise FormulaError(f"calls {called}, which is no function here; give {', '.join(FUNCTIONS)}")
     if len(node.args) != 1 or node.keywords or isinstance(node.args[0], ast.Starred):
         raise FormulaError(f"gives {node.func.id} something else than one number")
-    function, argument = FUNCTIONS[node.func.id], _read(node.args[0], names)
+    function, argument = FUNCTIONS[node.func.id], _compile(node.args[0], names)
     return lambda values: function(argument(values))

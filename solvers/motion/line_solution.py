@@ -12,8 +12,8 @@ from solvers.motion.jets import Jet, variables
 from solvers.motion.separable_field import SeparableField, separate
 
 PLACES, INSTANTS = 400, 128  # of the line and of a period, at which the size of a motion is looked at
-HALF_WRONG = 0.5  # of F - 1, as RMS: for that alone no place is called lost
-TELLING = 0.03  # of the RMS of F - 1: a wave with less does not matter
+HALF_ERROR = 0.5  # of F - 1, as RMS: for that alone no place is called lost
+MIN_WAVE_SHARE = 0.03  # of the RMS of F - 1: a wave with less does not matter
 
 
 class LineSolution:
@@ -89,9 +89,9 @@ def line_sizes(scene: Any) -> LineSizes:
     u, strain, v, a = derivatives(X, t, (), (X_AXIS,), (TIME,), (TIME, TIME))
     next_u, next_strain = derivatives((X + dX) % 1, t, (), (X_AXIS,))
     fields = {"x": u, "v": v, "sigma": scene.modulus * strain, "a": a}
-    misses = next_u - u - 0.5 * dX * (strain + next_strain), HALF_WRONG * dX * strain
+    misses = next_u - u - 0.5 * dX * (strain + next_strain), HALF_ERROR * dX * strain
     power = (np.abs(np.fft.rfft(strain, axis=1)) ** 2).sum(axis=0)
     return LineSizes({name: float(np.abs(one).max()) for name, one in fields.items()},
                      {name: float(np.sqrt((one**2).mean())) for name, one in fields.items()},
                      float(sum(np.sqrt((miss**2).mean(axis=1)) for miss in misses).max()),
-                     int(np.flatnonzero(power >= TELLING**2 * power.sum())[-1]))
+                     int(np.flatnonzero(power >= MIN_WAVE_SHARE**2 * power.sum())[-1]))

@@ -20,7 +20,7 @@ SPECTRUM_END = 3e-15  # of the largest Fourier coefficient: rounding
 NOISY_FROM, NOISE = 128, 1e-12  # times from which on so much passes for rounding, too: of a formula that cancels
 RANK_TOLERANCE = 2e-16  # of the largest singular value, times the root of the number of values
 BETWEEN, ALIASED = np.array([0.1234567, 0.4142136, 0.8284271]), 1e-9  # of a period; and of the largest value
-AT_ONCE = 100_000  # places and times of one call
+VALUES_PER_CALL = 100_000  # places and times of one call
 LEAST_COEFFICIENT = 1e-15  # of a harmonic that is kept, over the largest
 
 
@@ -75,53 +75,53 @@ def separate(field: Field, places: np.ndarray, period: float) -> SeparableField:
         Where it is not finite, or its spectrum does not end.
     """
     some = places[np.unique(np.linspace(0, len(places) - 1, min(SAMPLE_PLACES, len(places))).astype(int))]
-    values, times = _resolved(field, some, period)
+    values, times = _sample_resolved(field, some, period)
     _, size, V = np.linalg.svd(np.linalg.qr(values, mode="r"))  # functions of time that span the values, largest first
     T = V[:max(1, int(np.count_nonzero(size > RANK_TOLERANCE * np.sqrt(values.size) * size[0])))]
-    chosen = _telling_times(T, min(len(times), 2 * len(T)))
-    modes = _at(field, places, times[chosen]) @ np.linalg.pinv(T[:, chosen])  # (P C, r)
+    chosen = _pivot_times(T, min(len(times), 2 * len(T)))
+    modes = _evaluate(field, places, times[chosen]) @ np.linalg.pinv(T[:, chosen])  # (P C, r)
     return SeparableField(modes.reshape(len(places), -1, len(T)).swapaxes(1, 2).copy(),
                           _fourier_series(T, np.abs(modes).max(axis=0)), 2 * np.pi / period)
 
 
-def _resolved(field: Field, places: np.ndarray, period: float) -> tuple[np.ndarray, np.ndarray]:
+def _sample_resolved(field: Field, places: np.ndarray, period: float) -> tuple[np.ndarray, np.ndarray]:
     """Values (n C, M) at M times of a period, as many as the spectrum needs to end; and the times."""
     M = FEWEST_TIMES
     while True:
         times = period * np.arange(M) / M
-        values = _at(field, places, times)
+        values = _evaluate(field, places, times)
         spectrum = np.abs(np.fft.rfft(values, axis=1)).max(axis=0)
         if not np.isfinite(spectrum).all():
             raise NotPeriodic("it is not finite at some time")
         largest, end = spectrum.max(), spectrum[-max(2, M // 8):].max()
         if (end <= SPECTRUM_END * largest or (M >= NOISY_FROM and end <= NOISE * largest)) \
-                and _holds_between(field, places, period, values):
+                and _interpolates(field, places, period, values):
             return values, times
         if M >= MOST_TIMES:
             raise NotPeriodic(f"{period:g} s is not its period, or it changes too fast")
         M *= 2
 
 
-def _holds_between(field: Field, places: np.ndarray, period: float, values: np.ndarray) -> bool:
+def _interpolates(field: Field, places: np.ndarray, period: float, values: np.ndarray) -> bool:
     """Whether trigonometric interpolation of values (n C, M) over a period is the field at other times, too: what
     changes faster than the times can tell looks as if it were slow."""
     M = values.shape[1]
     coefficients = np.fft.rfft(values, axis=1) / M
     coefficients[:, 1:(M + 1) // 2] *= 2
     waves = np.exp(2j * np.pi * np.outer(np.arange(coefficients.shape[1]), BETWEEN))
-    missed = np.abs((coefficients @ waves).real - _at(field, places, period * BETWEEN)).max()
+    missed = np.abs((coefficients @ waves).real - _evaluate(field, places, period * BETWEEN)).max()
     return bool(missed <= ALIASED * np.abs(values).max())
 
 
-def _at(field: Field, places: np.ndarray, times: np.ndarray) -> np.ndarray:
+def _evaluate(field: Field, places: np.ndarray, times: np.ndarray) -> np.ndarray:
     """The field (n C, M) at places and times, of many points at once."""
-    together = max(1, AT_ONCE // len(places))
+    together = max(1, VALUES_PER_CALL // len(places))
     found = [field(np.tile(places, (len(some), 1)), np.repeat(some, len(places))).reshape(len(some), -1)
              for some in np.split(times, range(together, len(times), together))]
     return np.concatenate(found).T
 
 
-def _telling_times(T: np.ndarray, count: int) -> np.ndarray:
+def _pivot_times(T: np.ndarray, count: int) -> np.ndarray:
     """Numbers of the ``count`` times by which functions (r, M) are told apart best: pivoted elimination, and once more
     among the times that are left."""
     chosen: list[int] = []

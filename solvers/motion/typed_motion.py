@@ -6,19 +6,19 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from solvers.motion.exact_solution import ExactSolution
-from solvers.motion.formula import Formula, FormulaError, parse
+from solvers.motion.formula import Formula, FormulaError, parse_formula
 from solvers.motion.laws.material import Material
 from solvers.motion.line_solution import LineSolution
 from solvers.motion.separable_field import NotPeriodic, separate
 
 NAMES = {1: ("X", "t", "w", "A"), 2: ("X", "Y", "t", "w", "A")}  # along a line, and in the plane
 LINE, INSTANTS = 20, 32  # points a side and times of a period at which the motion is looked at
-ALONG = 400  # points of a line
+LINE_POINTS = 400  # points of a line
 MOST_QUARTERS = 160  # of the base period, among which the period is looked for
-SAME = 1e-9  # of the largest displacement, by which a motion may miss what it must be
-FORCED = 40  # of the points, at which it must be possible to separate the body force
+MOTION_TOLERANCE = 1e-9  # of the largest displacement, by which a motion may miss what it must be
+FORCE_POINTS = 40  # of the points, at which it must be possible to separate the body force
 LEAST_J = 0.05  # of det F: below, the body is next to folding over
-LEVEL = 1e-7  # of a slope, by which it may miss what it must be at an end
+SLOPE_TOLERANCE = 1e-7  # of a slope, by which it may miss what it must be at an end
 MOST_MOVE = 0.25  # m, by which a bar's particles may move: where a period later one comes, another began
 
 
@@ -35,22 +35,22 @@ class TypedMotion(NamedTuple):
 
 
 @functools.lru_cache(maxsize=64)
-def read_motion(text: str, dimensions: int = 2) -> TypedMotion:
+def parse_motion(text: str, dimensions: int = 2) -> TypedMotion:
     """The motion of a text: in the plane u_x and u_y with a comma between, or u_x alone; along a line u.
 
     Raises
     ------
     FormulaError
     """
-    parts = _split(text)
+    parts = _split_at_commas(text)
     if len(parts) > dimensions:
         raise FormulaError("has more than one component; give u" if dimensions == 1 else
                            "has more than two components; give u_x, u_y")
-    texts, formulas = zip(*(parse(part, NAMES[dimensions]) for part in (*parts, "0")[:dimensions]), strict=True)
+    texts, formulas = zip(*(parse_formula(part, NAMES[dimensions]) for part in (*parts, "0")[:dimensions]), strict=True)
     return TypedMotion(",".join(texts).removesuffix(",0"), formulas)
 
 
-def _split(text: str) -> list[str]:
+def _split_at_commas(text: str) -> list[str]:
     """At commas outside brackets."""
     parts, depth = [""], 0
     for letter in text:
@@ -74,7 +74,7 @@ class PlaneMotionInputs(NamedTuple):
 
     @staticmethod
     def solution(text: str) -> ExactSolution:
-        return ExactSolution(read_motion(text).displacement)
+        return ExactSolution(parse_motion(text).displacement)
 
     @property
     def points(self) -> np.ndarray:
@@ -86,9 +86,9 @@ class PlaneMotionInputs(NamedTuple):
         """Refuse displacements (P, 2) and deformation gradients (P, 2, 2) that move its sides, or shear them."""
         for axis, X in enumerate(self.points.T):
             there = (np.abs(X) < 1e-12) | (np.abs(X - self.SIDE) < 1e-12)
-            if np.abs(u[there, axis]).max() > SAME * self.SIDE:
+            if np.abs(u[there, axis]).max() > MOTION_TOLERANCE * self.SIDE:
                 raise FormulaError(f"moves across the sides {'XY'[axis]} = 0 or 1: u_{'xy'[axis]} must be zero there")
-            if np.abs(F[there, 1 - axis, axis]).max() > LEVEL:
+            if np.abs(F[there, 1 - axis, axis]).max() > SLOPE_TOLERANCE:
                 raise FormulaError(f"shears the sides {'XY'[axis]} = 0 or 1, which are planes of symmetry: "
                                    f"d u_{'yx'[axis]}/d{'XY'[axis]} must be zero there")
 
@@ -103,16 +103,16 @@ class LineMotionInputs(NamedTuple):
 
     @staticmethod
     def solution(text: str) -> LineSolution:
-        return LineSolution(read_motion(text, 1).displacement)
+        return LineSolution(parse_motion(text, 1).displacement)
 
     @property
     def points(self) -> np.ndarray:
         """(P, 1)"""
-        return np.linspace(0, self.SIDE, ALONG + 1)[:, None]
+        return np.linspace(0, self.SIDE, LINE_POINTS + 1)[:, None]
 
     def check(self, u: np.ndarray, F: np.ndarray) -> None:
         """Refuse displacements (P, 1) and deformation gradients (P, 1, 1) that do not go on from end to end."""
-        if np.abs(u[-1] - u[0]).max() > SAME * self.SIDE or np.abs(F[-1] - F[0]).max() > LEVEL:
+        if np.abs(u[-1] - u[0]).max() > MOTION_TOLERANCE * self.SIDE or np.abs(F[-1] - F[0]).max() > SLOPE_TOLERANCE:
             raise FormulaError("does not go on from X = 1 to X = 0: the bar is one period of an endless one, and u and "
                                "du/dX must be the same there")
         if np.abs(u).max() > MOST_MOVE:
@@ -137,16 +137,16 @@ def find_period(text: str, scene: PlaneMotionInputs | LineMotionInputs) -> float
         raise FormulaError("is not finite everywhere")
     if size == 0:
         raise FormulaError("does not move; give a displacement that changes with t")
-    if np.abs(exact.displacement(scene, X, 0.0)).max() > SAME * size:
+    if np.abs(exact.displacement(scene, X, 0.0)).max() > MOTION_TOLERANCE * size:
         raise FormulaError("is not zero at t = 0, where the body is undeformed")
-    period = _period(exact, scene, X, base_period, SAME * size)
+    period = _period(exact, scene, X, base_period, MOTION_TOLERANCE * size)
     if period is None:
         raise FormulaError(f"has no period among quarters of {base_period:.6g} s and of 1 s up to {longest:.4g} s; "
                            "give times as multiples of w*t")
     _check_body(exact, scene, X, period)
     force = getattr(exact, "force_terms", exact.body_force)
     try:
-        separate(lambda X, t: force(scene, X, t), X[::len(X) // FORCED], period)
+        separate(lambda X, t: force(scene, X, t), X[::len(X) // FORCE_POINTS], period)
     except NotPeriodic:
         raise FormulaError(f"changes too fast with t for its period of {period:.4g} s; give slower functions") from None
     return period
@@ -175,5 +175,5 @@ def _check_body(exact: Any, scene: Any, X: np.ndarray, period: float) -> None:
         if np.linalg.det(F).min() < LEAST_J:
             raise FormulaError(f"folds the body over, or nearly so: det F falls below {LEAST_J}; give a smaller one")
         strain = max(strain, np.abs(F - np.eye(D)).max())
-    if strain < SAME:
+    if strain < MOTION_TOLERANCE:
         raise FormulaError("moves the body without deforming it; give a displacement that changes with X")

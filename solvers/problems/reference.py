@@ -15,8 +15,8 @@ import numpy as np
 from solvers.estimators.standalone import ElasticBody
 
 #: Fields of a scene that say how we would solve it, and nothing of the problem.
-OF_METHODS = frozenset({"method", "linearity_preserving", "velocity", "estimators", "effects", "remedies", "arch",
-                        "threads", "sample_every", "plan", "dt", "cfl"})
+METHOD_FIELDS = frozenset({"method", "linearity_preserving", "velocity", "estimators", "effects", "remedies", "arch",
+                           "threads", "sample_every", "plan", "dt", "cfl"})
 
 
 @dataclass(frozen=True)
@@ -117,7 +117,7 @@ class ProblemReference(ABC):
         """b (P, D) in m/s^2, per mass, at the material points."""
 
     @abstractmethod
-    def misplaced(self, scene: Any, X: np.ndarray) -> np.ndarray:
+    def is_outside(self, scene: Any, X: np.ndarray) -> np.ndarray:
         """Which of the material points (P,) are none of the body's, by more than rounding."""
 
     @abstractmethod
@@ -141,7 +141,7 @@ class ProblemReference(ABC):
         """Where the lines of our grid begin, in m, in each direction."""
         return 0.0
 
-    def unwrapped(self, scene: Any, X: np.ndarray, x: np.ndarray, t: np.ndarray) -> np.ndarray:
+    def unwrap_positions(self, scene: Any, X: np.ndarray, x: np.ndarray, t: np.ndarray) -> np.ndarray:
         """Positions x (P, D) at the times t (P,) that a code may have moved by a period, moved back; as they are where
         nothing has one."""
         return x

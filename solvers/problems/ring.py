@@ -49,8 +49,8 @@ class RingScene(CircularScene):
     EXTREMES = (-0.25, 0.25)
     BEYOND_RIMS = True
     FARTHEST_MOVE = 20.0
-    ESCAPED = ("left the ring's place (it is {farthest:.3g} m or more from the centre, beyond a plane, or 20 "
-               "amplitudes from where it began)")
+    ESCAPE_SENTENCE = ("left the ring's place (it is {farthest:.3g} m or more from the centre, beyond a plane, or 20 "
+                       "amplitudes from where it began)")
     COMPANION_MESHES = ((40, 1, 4), (72, 2, 4), (128, 2, 5), (math.inf, 3, 6))
     ESTIMATORS = ("transport", "recovered", "companion", "two-grid")
     LIMITS = ring_limits.LIMITS

@@ -4,7 +4,7 @@ and where its own motion is unstable."""
 import math
 from typing import Any
 
-from solvers.estimators.two_grid_dispersion import in_step
+from solvers.estimators.two_grid_dispersion import phase_lag_limit
 from solvers.problems.planar.limits import POLAR, THREE_ACROSS
 from solvers.scene.estimator_limits import Limit
 from solvers.scene.estimator_registry import HALF_REASON, MOVING_WEIGHTS, REMEDIES_REASON
@@ -20,7 +20,7 @@ LARGE_ERROR = 0.1  # and the one that is called the end
 #: Forces that send waves across the ring, whose longest half is as long as the ring is wide, in metres; the
 #: manufactured one moves it as a whole.
 WAVES, WIDTH = ("none", "two-tone"), 0.2
-GAPS = "the boxes of this method do not tile the ring, so its error does not fall with the cell size; use CPDI"
+GAPS_REASON = "the boxes of this method do not tile the ring, so its error does not fall with the cell size; use CPDI"
 
 LIMITS = (
     MOVING_WEIGHTS,
@@ -45,10 +45,10 @@ LIMITS = (
           "another one on each grid, so their errors are not comparable"),
     # Only CPDI's domains tile the lattice on all grids. What the boxes of cpGIMP leave open is less, the more particles
     # there are: x .9 to 1.0 on 12 of 12 rings on which that is less than the error of the cells, on 7 of 50 others.
-    Limit("two-grid", "method", allowed=("cpdi", "cpgimp"), why=GAPS),
-    Limit("two-grid", "ppc", least=3, where={"method": "cpgimp"}, why=GAPS),
-    Limit("two-grid", "cells", least=15, where={"method": "cpgimp"}, why=GAPS),
-    Limit("two-grid", "cells", most=8, of="ppc", where={"method": "cpgimp"}, why=GAPS),
+    Limit("two-grid", "method", allowed=("cpdi", "cpgimp"), why=GAPS_REASON),
+    Limit("two-grid", "ppc", least=3, where={"method": "cpgimp"}, why=GAPS_REASON),
+    Limit("two-grid", "cells", least=15, where={"method": "cpgimp"}, why=GAPS_REASON),
+    Limit("two-grid", "cells", most=8, of="ppc", where={"method": "cpgimp"}, why=GAPS_REASON),
     # Where waves cross the ring, x is .7 with 24 cells; with the filter v is 1.2 and 1.5 with 12 and 13.
     Limit("two-grid", "cells", least=48, where={"body_force": WAVES}, why=HALF_REASON),
     Limit("two-grid", "cells", least=15, where={"remedies": ((FILTER,),)}, why=HALF_REASON),
@@ -66,7 +66,7 @@ LIMITS = (
     Limit("two-grid", lambda scene: scene.growth ** (scene.end_time / scene.period - 1), most=4.0, why="so large a "
           "motion is unstable: after the first period disturbances grow {value:.2g}-fold or more, on each grid at "
           "another rate; end earlier or take a smaller amplitude"),
-    in_step(math.pi / WIDTH, body_force=WAVES))
+    phase_lag_limit(math.pi / WIDTH, body_force=WAVES))
 
 
 def growth(scene: Any) -> float:

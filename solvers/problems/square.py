@@ -11,7 +11,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from solvers.motion.jets import sin
-from solvers.motion.typed_motion import PlaneMotionInputs, read_motion
+from solvers.motion.typed_motion import PlaneMotionInputs, parse_motion
 from solvers.problems.planar.box import BoxScene
 from solvers.problems.planar.problem import PlanarProblem, ViewSettings
 from solvers.scene.field_options import document_fields, option
@@ -44,7 +44,7 @@ class SquareScene(TypedMotionScene, BoxScene):
 
     def displacement_at(self, X: Any, Y: Any, t: Any) -> tuple[Any, ...]:
         if self.displacement:
-            return read_motion(self.displacement).displacement(self, X, Y, t)
+            return parse_motion(self.displacement).displacement(self, X, Y, t)
         A, w = self.amplitude, self.base_frequency
         return A * sin(2 * math.pi * X) * sin(w * t), -A * sin(2 * math.pi * Y) * sin(w * t)
 

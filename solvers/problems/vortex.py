@@ -27,7 +27,7 @@ from solvers.scene.validation import require_number
 MOST_AMPLITUDE = 0.5 * math.pi  # with which the vortex has been studied; beyond, a ring tears on any grid that we had
 
 
-def shape(R: Any) -> Any:
+def swirl_profile(R: Any) -> Any:
     """h(R): the part of the middle circle's angle by which another one turns."""
     square = (R - 1.0) * (R - 1.0)
     return (256.0 * square - 32.0) * square + 1.0
@@ -61,7 +61,7 @@ class VortexScene(CircularScene):
     SETTING = "A ring with radii 0.75 m and 1.25 m, whose circles turn against each other, on a square grid, 3 m wide."
     SIDE, INNER, OUTER, ANGLE = 3.0, 0.75, 1.25, 2 * math.pi
     PLANES, PLOTTED, EXTREMES = (False, False), "angular", (0.0, 0.25)
-    ESCAPED = "was thrown off (it is {farthest:.3g} m or more from the centre, at an edge of the grid)"
+    ESCAPE_SENTENCE = "was thrown off (it is {farthest:.3g} m or more from the centre, at an edge of the grid)"
     COARSE_BELOW = 24  # a fit over four cells is as wide as the ring; measured, a comes out at .5 to .75 of its error
     COMPANION_MESHES = ((math.inf, 6, 6),)  # 2e-7 m and 0.3 Pa off at A = 1, the finest run of the tables 4e-3 and 300
     ESTIMATORS = ("transport", "recovered", "companion")
@@ -78,13 +78,13 @@ class VortexScene(CircularScene):
     MENDS = "the filter mends"
 
     def displacement_at(self, X: Any, Y: Any, t: Any) -> tuple[Any, Any]:
-        angle = self.amplitude * sin(self.angular_frequency * t) * shape(sqrt(X * X + Y * Y))
+        angle = self.amplitude * sin(self.angular_frequency * t) * swirl_profile(sqrt(X * X + Y * Y))
         nearer, around = -2.0 * sin(0.5 * angle) * sin(0.5 * angle), sin(angle)  # cos - 1, sin
         return nearer * X - around * Y, around * X + nearer * Y
 
     def second_tone(self, X: np.ndarray, t: Any) -> np.ndarray:
         x, y = self.EXACT.position(self, X, t).T
-        return self.amplitude * shape(np.linalg.norm(X, axis=1))[:, None] * np.stack([-y, x], axis=1)
+        return self.amplitude * swirl_profile(np.linalg.norm(X, axis=1))[:, None] * np.stack([-y, x], axis=1)
 
     @staticmethod
     def polar_counts(cells: int, ppc: int) -> tuple[int, int]:

@@ -18,7 +18,7 @@ MOST_TURN = 0.39
 ENOUGH = 3  # particles per cell and direction, with which GIMP keeps its rim up to A = 1
 
 
-def slopes(scene: Any) -> tuple[np.ndarray, np.ndarray]:
+def swirl_slopes(scene: Any) -> tuple[np.ndarray, np.ndarray]:
     """Radii R across the ring in m, and h' there in 1/m, of h(R) = 1 - 32 (R-1)^2 + 256 (R-1)^4."""
     R = np.linspace(scene.INNER, scene.OUTER, 101)
     return R, (1024 * (R - 1) ** 2 - 64) * (R - 1)
@@ -31,13 +31,13 @@ def crossing_rate(scene: Any) -> float:
     g/R = A |h'|. Where the shear is largest, circles are wider than the inner rim.
     """
     ratio = 1 / (1 - 2 * scene.poisson_ratio)  # (lambda + mu)/mu
-    R, slope = slopes(scene)
+    R, slope = swirl_slopes(scene)
     return float(np.sqrt((1 / R**2 + ratio / (ratio + 1) * (scene.amplitude * slope) ** 2).max()))
 
 
-def turn(scene: Any) -> float:
+def relative_turn(scene: Any) -> float:
     """Radians by which circles one cell apart turn against each other, at most."""
-    return float(scene.amplitude * scene.spacing * np.abs(slopes(scene)[1]).max())
+    return float(scene.amplitude * scene.spacing * np.abs(swirl_slopes(scene)[1]).max())
 
 
 LIMITS = (
@@ -46,15 +46,15 @@ LIMITS = (
     # On 24 cells along a side the ring is four cells wide, as a fit is. On fewer, errors are resolved only where waves
     # have spread them: measured, x and v .9 to 1.1 in 25 of 27 vortices in which a wave goes 3 m or more in a period,
     # in 4 of 28 others, where they are .6 to .9; with uneven particles, over which fits go farther, in 1 of 20 of all.
-    Limit("recovered", "cells", least=24, where={"uneven": True}, why="particles that are one per cell or move with "
+    Limit("recovered", "cells", least=24, where={"is_uneven": True}, why="particles that are one per cell or move with "
           "their own velocity stand unevenly, and recovered's fits over six cells are wider than the ring; give "
           "{least} cells or more"),
-    Limit("recovered", lambda scene: scene.wave_speed * scene.period, least=FAR_ENOUGH, where={"coarse": True},
+    Limit("recovered", lambda scene: scene.wave_speed * scene.period, least=FAR_ENOUGH, where={"is_coarse": True},
           give={"frequency": lambda scene, reach: reach * scene.frequency / FAR_ENOUGH},
           why="recovered's fits over four cells are wider than the ring, and waves, which go {value:.2g} m in a "
           "period, do not spread the error until they see it; give 24 cells or more, or a frequency of "
           "{frequency:.2g}/s or less"),
-    Limit("recovered", turn, most=MOST_TURN,
+    Limit("recovered", relative_turn, most=MOST_TURN,
           give={"cells": lambda scene, turn: math.ceil(scene.cells * turn / MOST_TURN)},
           why="circles one cell apart turn by {value:.2g} radians against each other, and recovered's fits over four "
           "cells can follow {most:g}; give {cells} cells or a smaller amplitude"),

@@ -34,7 +34,7 @@ class BudgetResult:
         runs has gone bad, all three are of the time that both have."""
         if self.again is None:
             return None
-        before, after = _in_common(self.result.series, self.again.series)
+        before, after = _common_samples(self.result.series, self.again.series)
         return {"class": self.cause, "before": {field: budget.rms(before, field) for field in FIELDS},
                 "predicted": {field: budget.rms(before, field, without=self.cause) for field in FIELDS},
                 "again": {field: budget.rms(after, field) for field in FIELDS}}
@@ -53,10 +53,10 @@ def run_budget(scene: Any, cause: str = NOTHING, on_progress: Progress = lambda 
     Raises :class:`~solvers.scene.validation.SceneError` where there is no budget on demand of the scene.
     """
     on_demand = PROBLEMS[scene.problem].budget
-    once = partial(_with_effect, scene)
+    once = partial(_run_with_effect, scene)
     if on_demand is not None:
         on_demand.check(scene, cause)
-        once = partial(_beside, on_demand, run(scene, prices=False, mid_run=False))
+        once = partial(_run_on_demand, on_demand, run(scene, prices=False, mid_run=False))
     if cause == NOTHING:
         return BudgetResult(once(NOTHING, on_progress), cause, None)
     result = once(NOTHING, lambda part: on_progress(part / 2))
@@ -66,12 +66,12 @@ def run_budget(scene: Any, cause: str = NOTHING, on_progress: Progress = lambda 
     return BudgetResult(result, cause, again)
 
 
-def _with_effect(scene: Any, cause: str, show: Progress) -> Result:
+def _run_with_effect(scene: Any, cause: str, show: Progress) -> Result:
     """A run that carries its budget with it, as it is or without a cause."""
     return run(replace(scene, take_away=cause), show, prices=False, mid_run=cause == NOTHING)
 
 
-def _beside(on_demand: OnDemand, plain: Result, cause: str, show: Progress) -> Result:
+def _run_on_demand(on_demand: OnDemand, plain: Result, cause: str, show: Progress) -> Result:
     """The run that ``plain`` is of, a step at a time with its budget, as it is or without a cause."""
     time = plain.series["time"]
     steps = np.rint(time / plain.scene.time_step).astype(int)
@@ -86,7 +86,7 @@ def _beside(on_demand: OnDemand, plain: Result, cause: str, show: Progress) -> R
     return replace(plain, series={"time": time, **series}, status=status, reason=reason, broken_at=broken_at)
 
 
-def _in_common(first: Mapping[str, np.ndarray], second: Mapping[str, np.ndarray]) -> tuple[dict, dict]:
+def _common_samples(first: Mapping[str, np.ndarray], second: Mapping[str, np.ndarray]) -> tuple[dict, dict]:
     """Of two runs' series the samples that both have, with numbers in them."""
     _, *places = np.intersect1d(first["time"], second["time"], return_indices=True)
     both = [{name: values[at] for name, values in series.items() if name.startswith("budget/")}

@@ -16,7 +16,7 @@ import numpy as np
 from solvers.problems import PROBLEMS
 from solvers.scene.scene import Scene
 from solvers.scene.validation import SceneError
-from solvers.solver.error_norms import UNBOUNDED, finite
+from solvers.solver.error_norms import IGNORE_OVERFLOW, finite
 from solvers.solver.rounding import rounding
 from solvers.solver.snapshot import TRUTH, Fields, Values
 
@@ -25,7 +25,7 @@ from solvers.solver.snapshot import TRUTH, Fields, Values
 SAFETY = 2.0
 DISPLACEMENT, STRESS, ENERGY = "displacement", "mean-stress", "kinetic-energy"
 UNITS = {DISPLACEMENT: "m", STRESS: "Pa", ENERGY: "J"}
-POINT = re.compile(rf"{DISPLACEMENT}@([^,@]+)(?:,([^,@]+))?")
+POINT_PATTERN = re.compile(rf"{DISPLACEMENT}@([^,@]+)(?:,([^,@]+))?")
 #: Particles around a point, and the degree of the polynomial through them, by dimensions: its error is of an order
 #: more than the second, of the method.
 AROUND, DEGREE = {1: 4, 2: 12}, {1: 3, 2: 2}
@@ -44,10 +44,10 @@ class Goal:
     def unit(self) -> str:
         return UNITS[self.name.partition("@")[0]]
 
-    def of(self, fields: Fields) -> Callable[[Values], float]:
+    def functional(self, fields: Fields) -> Callable[[Values], float]:
         """The number as a function of what the particles are."""
         if self.point:
-            weights = weights_at(fields.material_position, np.array(self.point))
+            weights = point_weights(fields.material_position, np.array(self.point))
             size: Callable = np.linalg.norm if len(self.point) > 1 else np.squeeze  # of one component with its sign
             return lambda q: float(size(weights @ q.displacement))
         if self.name == ENERGY:
@@ -61,7 +61,7 @@ class Goal:
         return float(rounding(scene, "x" if self.point else "sigma", steps))
 
 
-def goals_of(scene: Scene, names: Sequence[str]) -> list[Goal]:
+def parse_goals(scene: Scene, names: Sequence[str]) -> list[Goal]:
     """The goals with these names, each once.
 
     Raises
@@ -69,14 +69,14 @@ def goals_of(scene: Scene, names: Sequence[str]) -> list[Goal]:
     SceneError
         For a name that is none, and a point that is not of the body.
     """
-    return [_goal(scene, name) for name in dict.fromkeys(names)]
+    return [_parse_goal(scene, name) for name in dict.fromkeys(names)]
 
 
-def _goal(scene: Scene, name: str) -> Goal:
+def _parse_goal(scene: Scene, name: str) -> Goal:
     if name in (STRESS, ENERGY):
         return Goal(name)
     coordinates = ["X", "X,Y"][scene.DIMENSIONS - 1]
-    found = POINT.fullmatch(name) if isinstance(name, str) else None
+    found = POINT_PATTERN.fullmatch(name) if isinstance(name, str) else None
     if found is None:
         raise SceneError("goal", name, f"is no goal; give {ENERGY}, {STRESS} or {DISPLACEMENT}@{coordinates} with the "
                                        "coordinates of a material point in m")
@@ -87,19 +87,19 @@ def _goal(scene: Scene, name: str) -> Goal:
     if len(point) != scene.DIMENSIONS or not all(map(math.isfinite, point)):
         raise SceneError("goal", name, f"needs {scene.DIMENSIONS} coordinate{'s' * (scene.DIMENSIONS > 1)} in m: give "
                                        f"{DISPLACEMENT}@{coordinates}")
-    if PROBLEMS[scene.problem].reference.misplaced(scene, np.array([point])).any():
+    if PROBLEMS[scene.problem].reference.is_outside(scene, np.array([point])).any():
         raise SceneError("goal", name, "is at no point of the body at rest: " + scene.SETTING.rstrip("."))
     return Goal(name, point)
 
 
-@UNBOUNDED
-def measured(goal: Goal, fields: Fields, scene: Scene, steps: int) -> dict[str, Any]:
+@IGNORE_OVERFLOW
+def evaluate(goal: Goal, fields: Fields, scene: Scene, steps: int) -> dict[str, Any]:
     """What a goal is after so many steps, as in the JSON object: ``value`` in its ``unit``, ``true_error``, what
     ``rounding`` alone may make of it, and by estimator the signed ``estimated_error`` and the ``bar``, :data:`SAFETY`
     times its size. None where there is no such number."""
-    number = goal.of(fields)
+    number = goal.functional(fields)
     value = number(fields.values)
-    errors = {name: finite(value - number(fields.values.less(e))) for name, e in fields.errors.items()}
+    errors = {name: finite(value - number(fields.values.without(e))) for name, e in fields.errors.items()}
     truth = errors.pop(TRUTH, None)
     bars = {name: None if error is None else SAFETY * abs(error) for name, error in errors.items()}
     return {"value": finite(value), "unit": goal.unit, "true_error": truth,
@@ -107,7 +107,7 @@ def measured(goal: Goal, fields: Fields, scene: Scene, steps: int) -> dict[str, 
             "bar": bars}
 
 
-def without(goals: Mapping[str, dict], refused: Mapping[str, str]) -> dict[str, dict]:
+def mask_refused(goals: Mapping[str, dict], refused: Mapping[str, str]) -> dict[str, dict]:
     """The same, with None for estimators that do not hold."""
     def said(of: dict) -> dict:
         return {name: None if name in refused else value for name, value in of.items()}
@@ -115,7 +115,7 @@ def without(goals: Mapping[str, dict], refused: Mapping[str, str]) -> dict[str, 
             for name, goal in goals.items()}
 
 
-def weights_at(X: np.ndarray, point: np.ndarray) -> np.ndarray:
+def point_weights(X: np.ndarray, point: np.ndarray) -> np.ndarray:
     """Weights (P,) with which values at particles X (P, D) give the value at a point (D,): those of the polynomial that
     fits the nearest best."""
     dimensions = X.shape[1]

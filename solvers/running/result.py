@@ -16,16 +16,16 @@ from solvers.scene.effects import ALL
 from solvers.scene.scene import Scene
 from solvers.scene.validation import SceneError
 from solvers.solver import budget, error_norms
-from solvers.solver.error_norms import UNBOUNDED, finite, largest, summary
+from solvers.solver.error_norms import IGNORE_OVERFLOW, finite, largest, summary
 from solvers.solver.rounding import rounding
-from solvers.solver.rounding import sentence as nothing_but
+from solvers.solver.rounding import rounding_sentence as nothing_but
 from solvers.solver.samples import QUANTITIES
 from solvers.solver.snapshot import Seconds, Snapshot
 from solvers.solver.soundness import evidence
-from solvers.solver.verdict_basis import as_large_as_itself, checked, followed, not_checked
+from solvers.solver.verdict_basis import checked_by, large_errors, motion_known, unchecked
 
 SCHEMA = "mpm-lab/run/1"
-VIEWS = "mpm_lab.result"  # of the installed package, ``app``'s picture of a run and its table
+VIEW_ENTRY_POINTS = "mpm_lab.result"  # of the installed package, ``app``'s picture of a run and its table
 ACCURATE = 0.1  # of the motion's amplitude: up to such an error of x a run counts as accurate
 
 
@@ -87,7 +87,7 @@ class Result:
     arch: str
     threads: int
     plan: str  # how the step was spread: "serial" or "parallel"
-    #: The numbers that were wanted of the end, by name (:func:`solvers.running.quantities_of_interest.measured`).
+    #: The numbers that were wanted of the end, by name (:func:`solvers.running.quantities_of_interest.evaluate`).
     goals: dict[str, dict] = field(default_factory=dict)
 
     def __repr__(self) -> str:
@@ -98,7 +98,7 @@ class Result:
 
     def arrays(self) -> dict[str, np.ndarray]:
         """Everything that this is, as arrays and lines of text by name (``solvers.running.result_file``)."""
-        return result_file.arrays(vars(self))
+        return result_file.result_arrays(vars(self))
 
     def save(self, path: str | os.PathLike[str]) -> None:
         """Write all of it to a .npz, which ``mpm-lab judge`` reads as particles too.
@@ -108,7 +108,7 @@ class Result:
         FileError
             For a name that does not end in .npz, and a run of more than 500 MB.
         """
-        result_file.written(os.fspath(path), vars(self))
+        result_file.write(os.fspath(path), vars(self))
 
     @classmethod
     def load(cls, path: str | os.PathLike[str]) -> "Result":
@@ -132,14 +132,14 @@ class Result:
         ImportError
             Where another package called ``app`` has its place in this process.
         """
-        if (draw := view("plot")) is None:
+        if (draw := load_view("plot")) is None:
             raise RuntimeError("nothing that is installed draws a result; install mpm-lab, with `pip install .`")
         return draw(self)
 
     def _repr_html_(self) -> str | None:
         """The table that a notebook shows below a cell; None where nothing that is installed makes one."""
         with suppress(ImportError):
-            if (table := view("table")) is not None:
+            if (table := load_view("table")) is not None:
                 return table(self)
         return None
 
@@ -176,26 +176,26 @@ class Result:
     def estimate(self) -> ByEstimator:
         """What the estimators say of them, in the same form, without the problem's own norm: ``estimate["x"]["max"]``,
         of several estimators ``estimate["companion"]["x"]["max"]``; None where one does not hold here."""
-        return self._each(lambda name: {q: summary(self.series[f"{name}/estimate_{q}"]) for q in QUANTITIES},
-                          summary(np.array([])))
+        return self._by_estimator(lambda name: {q: summary(self.series[f"{name}/estimate_{q}"]) for q in QUANTITIES},
+                                  summary(np.array([])))
 
     @property
     def index(self) -> ByEstimator:
         """The error index (eq 35) of each quantity, estimated over true, 1 is perfect: ``index["x"]``, of several
         estimators ``index["companion"]["x"]``."""
-        return self._each(functools.partial(self._ratio, "index"), None)
+        return self._by_estimator(functools.partial(self._ratio, "index"), None)
 
     @property
     def distance(self) -> ByEstimator:
         """How far the estimate is from the truth particle by particle, over the size of the truth: 0 is perfect."""
-        return self._each(functools.partial(self._ratio, "distance"), None)
+        return self._by_estimator(functools.partial(self._ratio, "distance"), None)
 
     def _ratio(self, ratio: str, estimator: str) -> dict[str, float | None]:
         norm = f"{estimator}/{error_norms.RATIOS[ratio]}"
         return {q: error_norms.error_index(self.series[f"{norm}_{q}"], self.series[f"error_{q}"],
                                      rounding(self.scene, q, self.steps)) for q in QUANTITIES}
 
-    def _each(self, what: Callable[[str], dict], missing: object) -> ByEstimator:
+    def _by_estimator(self, what: Callable[[str], dict], missing: object) -> ByEstimator:
         """The values of each estimator that was asked for, ``missing`` where it does not hold."""
         nothing = dict.fromkeys(QUANTITIES, missing)
         names = self.scene.estimators if "estimate" in self.scene.effects else ()
@@ -206,7 +206,7 @@ class Result:
         """Of the quantities whose true error is nothing but rounding, so that no index is a number, a sentence each."""
         limits = {q: float(rounding(self.scene, q, self.steps)) for q in QUANTITIES}
         return {q: nothing_but(limit) for q, limit in limits.items()
-                if error_norms.nothing_but_rounding(self.series[f"error_{q}"], limit)}
+                if error_norms.is_only_rounding(self.series[f"error_{q}"], limit)}
 
     def found(self, effect: str) -> Any:
         """The numbers of an effect (``solvers.scene.effects``), as in the JSON object; None where it is off."""
@@ -239,7 +239,7 @@ class Result:
         return budget.summary(self.series, reference) if "budget/error_x" in self.series else None
 
     @property
-    @UNBOUNDED
+    @IGNORE_OVERFLOW
     def life(self) -> dict[str, float | None]:
         """Periods until the true error of x first exceeded a tenth of the motion's amplitude ("accurate"), and until
         the run was found lost or unstable ("sound"), None where it did not or the truth is unknown; and the largest
@@ -259,9 +259,9 @@ class Result:
     def verdict(self) -> dict:
         """What status and reason rest on (``solvers.solver.verdict_basis``): ``checked``, ``not_checked`` and
         ``as_large_as_itself``."""
-        held = checked(self.scene, self.not_valid, followed(self.scene, self.series))
-        large = as_large_as_itself(self.scene, self.series, self.not_valid)
-        return {"checked": held, "not_checked": not_checked(self.scene, held),
+        held = checked_by(self.scene, self.not_valid, motion_known(self.scene, self.series))
+        large = large_errors(self.scene, self.series, self.not_valid)
+        return {"checked": held, "not_checked": unchecked(self.scene, held),
                 "as_large_as_itself": {q: {**asdict(one), "size": finite(one.size)} for q, one in large.items()}}
 
     @property
@@ -289,7 +289,7 @@ class Result:
             "rate": finite(self.rate), "arch": self.arch, "threads": self.threads, "plan": self.plan}
 
 
-def view(name: str) -> Callable[[Any], Any] | None:
-    """What draws a result as ``name``: whoever says so under the entry points of ``VIEWS``, for solvers draw nothing
-    themselves; None where nothing that is installed does, as in a tree that was only copied."""
-    return next((entry.load() for entry in entry_points(group=VIEWS, name=name)), None)
+def load_view(name: str) -> Callable[[Any], Any] | None:
+    """What draws a result as ``name``: whoever says so under the entry points of ``VIEW_ENTRY_POINTS``, for solvers
+    draw nothing themselves; None where nothing that is installed does, as in a tree that was only copied."""
+    return next((entry.load() for entry in entry_points(group=VIEW_ENTRY_POINTS, name=name)), None)

@@ -12,13 +12,13 @@ from typing import Any
 
 import numpy as np
 
-from solvers.running.scene_text import line, parsed, scene_of
+from solvers.running.scene_text import parse_line, scene_from_inputs, scene_line
 from solvers.scene.scene import Scene
 from solvers.solver import samples
 from solvers.solver.snapshot import Seconds, Snapshot
 from solvers.solver.soundness import BROKEN, OK
-from solvers.untrusted.npz_reader import arrays as read_arrays
-from solvers.untrusted.quoting import FileError, quoted
+from solvers.untrusted.npz_reader import read_arrays as read_arrays
+from solvers.untrusted.quoting import FileError, quote
 from solvers.untrusted.size_limits import LIMITS
 
 SCHEMA = "mpm-lab/result/1"
@@ -26,25 +26,25 @@ HINT = "write it with Result.save"
 MOMENTS = ("final", "mid_run")
 #: Of a snapshot: arrays that always are there, and others; beyond (P,), by the dimensions of the problem.
 PLACES, ERRORS = ("material_position", "position", "velocity"), ("estimate", "difference")
-LONGEST_SENTENCE = 2000  # letters
-MOST = 2**62  # bytes, steps
+MAX_TEXT = 2000  # letters
+MAX_COUNT = 2**62  # bytes, steps
 
 
-def particles(scene: Scene, times: Sequence[float], number: np.ndarray, X: np.ndarray, x: np.ndarray, v: np.ndarray,
-              F: np.ndarray) -> dict[str, Any]:
+def particle_arrays(scene: Scene, times: Sequence[float], number: np.ndarray, X: np.ndarray, x: np.ndarray,
+                    v: np.ndarray, F: np.ndarray) -> dict[str, Any]:
     """What the judge reads: ``number`` (P,) and material positions X (P, D) of particles with x, v (T, P, D) and F
     (T, P, D, D) at some times, and the scene that they are of."""
-    return {"t": np.array(times), "cells": np.array(scene.cells), "scene": np.array(line(scene)), "id": number, "X": X,
-            "x": x, "v": v, "F": F}
+    return {"t": np.array(times), "cells": np.array(scene.cells), "scene": np.array(scene_line(scene)), "id": number,
+            "X": X, "x": x, "v": v, "F": F}
 
 
-def arrays(values: Mapping[str, Any]) -> dict[str, np.ndarray]:
+def result_arrays(values: Mapping[str, Any]) -> dict[str, np.ndarray]:
     """The fields of a result as arrays by name, beside the particles that the judge reads."""
     moments = {name: values[name] for name in MOMENTS if values[name] is not None}
     said = {name: values[name] for name in values.keys() - {"scene", "series", *MOMENTS}}
     said |= {"schema": SCHEMA, "seconds": asdict(values["seconds"]), "moments": {
         name: {"step": shot.step, "time": shot.time} for name, shot in moments.items()}}
-    found = {"result": np.array(json.dumps(said, sort_keys=True)), "scene": np.array(line(values["scene"]))}
+    found = {"result": np.array(json.dumps(said, sort_keys=True)), "scene": np.array(scene_line(values["scene"]))}
     found |= {f"series/{name}": series for name, series in values["series"].items()}
     for name, shot in moments.items():
         for key, array in vars(shot).items():
@@ -55,7 +55,7 @@ def arrays(values: Mapping[str, Any]) -> dict[str, np.ndarray]:
     return found
 
 
-def written(path: str, values: Mapping[str, Any]) -> None:
+def write(path: str, values: Mapping[str, Any]) -> None:
     """Write the fields of a result, with its particles on the way, if there are such, and at the end."""
     if not path.lower().endswith(".npz"):
         raise FileError(path, "is no name for a saved result; give one that ends in .npz")
@@ -63,8 +63,8 @@ def written(path: str, values: Mapping[str, Any]) -> None:
     D, P = scene.DIMENSIONS, len(shots[0].position)
     x, v = (np.stack([getattr(shot, key).reshape(P, D) for shot in shots]) for key in ("position", "velocity"))
     F = np.stack([shot.deformation_gradient.reshape(P, D, D) for shot in shots])
-    found = particles(scene, [shot.time for shot in shots], np.arange(P), shots[0].material_position.reshape(P, D), x,
-                      v, F) | arrays(values)
+    found = particle_arrays(scene, [shot.time for shot in shots], np.arange(P),
+                            shots[0].material_position.reshape(P, D), x, v, F) | result_arrays(values)
     LIMITS.check_unpacked(path, sum(array.nbytes for array in found.values()))
     np.savez_compressed(path, **found)
 
@@ -80,19 +80,19 @@ def read(path: str) -> dict[str, Any]:
     try:
         found = read_arrays(path, lambda name: name in ("scene", "result") or "/" in name, LIMITS)
     except OSError as error:
-        why = quoted((error.strerror or str(error)).lower())
+        why = quote((error.strerror or str(error)).lower())
         raise FileError(path, f"cannot be read: {why}; give a file that exists and may be read") from None
     if "result" not in found or "scene" not in found:
         raise FileError(path, f"holds no result of a run; {HINT}")
-    return _Reading(path, found).fields()
+    return _ResultReader(path, found).fields()
 
 
-class _Reading:
+class _ResultReader:
     """The arrays of a file, each taken as what it has to be."""
 
     def __init__(self, path: str, found: Mapping[str, np.ndarray]):
         self._path, self._found = path, found
-        self._scene = scene_of(path, *parsed(path, str(found["scene"].item())))
+        self._scene = scene_from_inputs(path, *parse_line(path, str(found["scene"].item())))
 
     def fields(self) -> dict[str, Any]:
         try:
@@ -101,7 +101,7 @@ class _Reading:
         except (ValueError, TypeError, KeyError, RecursionError):
             raise self._refusal("its text called result is none") from None
         if schema != SCHEMA:
-            raise FileError(self._path, f"is of another version ({quoted(schema)}), and {SCHEMA} can be read; {HINT}")
+            raise FileError(self._path, f"is of another version ({quote(schema)}), and {SCHEMA} can be read; {HINT}")
         try:
             return self._fields(said)
         except (ValueError, TypeError, KeyError, AttributeError, OverflowError) as error:
@@ -118,18 +118,18 @@ class _Reading:
         if moments["final"] is None:
             raise KeyError("final")
         return {
-            "scene": self._scene, "status": status, "reason": _maybe(_text, said["reason"]),
-            "broken_at": _maybe(_number, said["broken_at"]), "time": _number(said["time"]),
-            "steps": _count(said["steps"]), "series": self._series(), **moments, "bytes": _count(said["bytes"]),
-            "not_valid": {_text(name): _text(why) for name, why in not_valid.items()},
-            "seconds": Seconds(_number(seconds["setup"]), _number(seconds["compile"]), _number(seconds["run"]),
-                               {_text(name): _number(part) for name, part in seconds["estimators"].items()}),
-            "arch": _text(said["arch"]), "threads": _count(said["threads"]), "plan": _text(said["plan"]),
-            "goals": {_text(name): _goal(goal) for name, goal in said.get("goals", {}).items()}}
+            "scene": self._scene, "status": status, "reason": _maybe(_as_text, said["reason"]),
+            "broken_at": _maybe(_as_number, said["broken_at"]), "time": _as_number(said["time"]),
+            "steps": _as_count(said["steps"]), "series": self._series(), **moments, "bytes": _as_count(said["bytes"]),
+            "not_valid": {_as_text(name): _as_text(why) for name, why in not_valid.items()},
+            "seconds": Seconds(_as_number(seconds["setup"]), _as_number(seconds["compile"]), _as_number(seconds["run"]),
+                               {_as_text(name): _as_number(part) for name, part in seconds["estimators"].items()}),
+            "arch": _as_text(said["arch"]), "threads": _as_count(said["threads"]), "plan": _as_text(said["plan"]),
+            "goals": {_as_text(name): _as_goal(goal) for name, goal in said.get("goals", {}).items()}}
 
     def _series(self) -> dict[str, np.ndarray]:
         """All samples, each (T,)."""
-        columns = samples.columns(self._scene.active_estimators, self._scene.active_effects)
+        columns = samples.column_names(self._scene.active_estimators, self._scene.active_effects)
         names = [*(name for name in columns if name != "step"), "time"]
         if f"series/{samples.BUDGET[0]}" in self._found:
             names += samples.BUDGET
@@ -153,12 +153,12 @@ class _Reading:
         each: dict[str, Any] = {key: {
             name: self._array(f"{moment}/{key}/{name}", (P, len(samples.QUANTITIES)))
             for name in self._scene.active_estimators if f"{moment}/{key}/{name}" in self._found} for key in ERRORS}
-        return Snapshot(step=_count(said["step"]), time=_number(said["time"]), **whole, **each,
-                        error=self._maybe_array(f"{moment}/error", (P, len(samples.QUANTITIES))),
-                        last_crossing=self._maybe_array(f"{moment}/last_crossing", (P,), "i"),
-                        plotted=self._maybe_array(f"{moment}/plotted", (P, 2)))
+        return Snapshot(step=_as_count(said["step"]), time=_as_number(said["time"]), **whole, **each,
+                        error=self._optional_array(f"{moment}/error", (P, len(samples.QUANTITIES))),
+                        last_crossing=self._optional_array(f"{moment}/last_crossing", (P,), "i"),
+                        plotted=self._optional_array(f"{moment}/plotted", (P, 2)))
 
-    def _maybe_array(self, name: str, shape: tuple[int, ...], kind: str = "f") -> np.ndarray | None:
+    def _optional_array(self, name: str, shape: tuple[int, ...], kind: str = "f") -> np.ndarray | None:
         return self._array(name, shape, kind) if name in self._found else None
 
     def _array(self, name: str, shape: tuple[int, ...], kind: str = "f") -> np.ndarray:
@@ -166,7 +166,7 @@ class _Reading:
         if array is None:
             raise self._refusal(f"it has no {name}")
         if array.shape != shape or array.dtype.kind != kind or (kind == "f" and array.dtype != np.float64):
-            raise self._refusal(f"{quoted(name)} is {array.dtype} of the shape {array.shape}, not {shape}")
+            raise self._refusal(f"{quote(name)} is {array.dtype} of the shape {array.shape}, not {shape}")
         return array
 
     def _refusal(self, why: str) -> FileError:
@@ -177,26 +177,26 @@ def _maybe(what: Any, value: Any) -> Any:
     return None if value is None else what(value)
 
 
-def _goal(said: dict[str, Any]) -> dict[str, Any]:
-    numbers = {key: _maybe(_number, said[key]) for key in ("true_error", "rounding")}
-    each = {key: {_text(name): _maybe(_number, value) for name, value in said[key].items()}
+def _as_goal(said: dict[str, Any]) -> dict[str, Any]:
+    numbers = {key: _maybe(_as_number, said[key]) for key in ("true_error", "rounding")}
+    each = {key: {_as_text(name): _maybe(_as_number, value) for name, value in said[key].items()}
             for key in ("estimated_error", "bar")}
-    return {"value": _maybe(_number, said["value"]), "unit": _text(said["unit"]), **numbers, **each}
+    return {"value": _maybe(_as_number, said["value"]), "unit": _as_text(said["unit"]), **numbers, **each}
 
 
-def _text(value: Any) -> str:
-    if not isinstance(value, str) or len(value) > LONGEST_SENTENCE or not value.isprintable():
+def _as_text(value: Any) -> str:
+    if not isinstance(value, str) or len(value) > MAX_TEXT or not value.isprintable():
         raise TypeError
     return value
 
 
-def _number(value: Any) -> float:
+def _as_number(value: Any) -> float:
     if isinstance(value, bool) or not isinstance(value, (int, float)):
         raise TypeError
     return float(value)
 
 
-def _count(value: Any) -> int:
-    if isinstance(value, bool) or not isinstance(value, int) or not 0 <= value <= MOST:
+def _as_count(value: Any) -> int:
+    if isinstance(value, bool) or not isinstance(value, int) or not 0 <= value <= MAX_COUNT:
         raise TypeError
     return value

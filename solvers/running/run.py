@@ -8,7 +8,7 @@ from dataclasses import replace
 import numpy as np
 
 from solvers.problems import PROBLEMS
-from solvers.running.quantities_of_interest import goals_of, measured, without
+from solvers.running.quantities_of_interest import evaluate, mask_refused, parse_goals
 from solvers.running.result import Result
 from solvers.running.timing import estimator_shares
 from solvers.scene.scene import Scene
@@ -17,8 +17,8 @@ from solvers.scene.validation import SceneError, require_choice
 from solvers.solver import samples
 from solvers.solver.base import Solver
 from solvers.solver.snapshot import Seconds, Snapshot
-from solvers.solver.soundness import earliest, findings
-from solvers.solver.verdict_basis import as_large_as_itself
+from solvers.solver.soundness import earliest_finding, findings
+from solvers.solver.verdict_basis import large_errors
 
 SMALL_MOTION = 0.5  # of the amplitude: a picture of less shows little
 SLICE_SECONDS = 0.1  # a kernel launch cannot be interrupted: keep it short enough for progress and Ctrl-C
@@ -30,7 +30,7 @@ def build(scene: Scene) -> Solver:
     return PROBLEMS[scene.problem].solver(scene)
 
 
-def scene_of(given: Scene | type[Scene] | str) -> Scene:
+def as_scene(given: Scene | type[Scene] | str) -> Scene:
     """A scene; of a class of scenes and the name of a problem the one with all its defaults; :class:`SceneError` for
     anything else."""
     if isinstance(given, str):
@@ -76,8 +76,8 @@ def run(scene: Scene | type[Scene] | str, on_progress: Callable[[float], None] |
     SceneError
         For what is no scene, where it names a GPU that is not there, and for a goal that is none.
     """
-    scene = scene_of(scene)
-    wanted = goals_of(scene, goals)
+    scene = as_scene(scene)
+    wanted = parse_goals(scene, goals)
     solver = build(scene)
     begun = time.perf_counter()
     solver.compile()
@@ -113,19 +113,19 @@ def run(scene: Scene | type[Scene] | str, on_progress: Callable[[float], None] |
     else:
         rows[-1][-1:, samples.LOOKS] = last[:, samples.LOOKS]  # that sample may not have been one with a look
     final = solver.snapshot()
-    series = samples.read(np.concatenate(rows), scene, len(final.position), margin_unit(scene))
+    series = samples.read_rows(np.concatenate(rows), scene, len(final.position), margin_unit(scene))
     not_valid = solver.not_valid()
-    finding = earliest(findings(scene, series), not_valid)
+    finding = earliest_finding(findings(scene, series), not_valid)
     if finding and finding.particle is None and final.error is not None:
         finding = replace(finding, particle=int(np.argmax(np.nan_to_num(final.error[:, 0]))))
-    status, reason, broken_at = solver.status(finding, as_large_as_itself(scene, series, not_valid))
+    status, reason, broken_at = solver.status(finding, large_errors(scene, series, not_valid))
     seconds = Seconds(solver.setup_seconds, compiled, ran, {name: part * ran for name, part in shares.items()})
     fields = solver.fields() if wanted else None
-    reached = {goal.name: measured(goal, fields, scene, solver.step) for goal in wanted} if fields else {}
+    reached = {goal.name: evaluate(goal, fields, scene, solver.step) for goal in wanted} if fields else {}
     return Result(scene=scene, status=status, reason=reason, broken_at=broken_at, time=solver.time, steps=solver.step,
                   series=series, final=final, mid_run=kept if solver.sound else None, bytes=solver.bytes,
                   not_valid=not_valid, seconds=seconds, arch=solver.arch, threads=solver.threads, plan=solver.plan,
-                  goals=without(reached, not_valid))
+                  goals=mask_refused(reached, not_valid))
 
 
 def shown_step(scene: Scene) -> int:

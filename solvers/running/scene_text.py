@@ -11,49 +11,49 @@ from typing import Any
 from solvers.problems import PROBLEMS
 from solvers.scene.scene import Scene
 from solvers.scene.validation import SceneError, field_key, key_field
-from solvers.untrusted.quoting import FileError, quoted
+from solvers.untrusted.quoting import FileError, quote
 
 SCHEMA, FAMILY = "mpm-lab/particles/1", "mpm-lab/particles/"
-LONGEST = 4000  # letters of such a line
-LONGEST_WORD = 40  # of a text in it
+MAX_LINE = 4000  # letters of such a line
+MAX_WORD = 40  # of a text in it
 HINT = "take the line called scene out of it, or write it anew"
 
 
-def line(scene: Scene) -> str:
+def scene_line(scene: Scene) -> str:
     """What our own files say: one line without spaces, so that a comment of a .csv can hold it too."""
-    said = {"schema": SCHEMA, "problem": scene.problem, "inputs": inputs(scene)}
+    said = {"schema": SCHEMA, "problem": scene.problem, "inputs": scene_inputs(scene)}
     return json.dumps(said, separators=(",", ":"))
 
 
-def inputs(scene: Scene) -> dict[str, Any]:
+def scene_inputs(scene: Scene) -> dict[str, Any]:
     """What a scene was given, by the names of flags, in plain values; what is None is left out."""
     given = {field.name: getattr(scene, field.name) for field in fields(scene) if field.name != "problem"}
-    return {field_key(name): plain(value) for name, value in given.items() if value is not None}
+    return {field_key(name): to_json_value(value) for name, value in given.items() if value is not None}
 
 
-def plain(value: object) -> object:
+def to_json_value(value: object) -> object:
     """What JSON can say: lists for tuples, words for numbers that it has not."""
     if isinstance(value, float) and not math.isfinite(value):
         return str(value)
     return list(value) if isinstance(value, tuple) else value
 
 
-def parsed(file: str, text: str) -> tuple[str, dict[str, Any]]:
+def parse_line(file: str, text: str) -> tuple[str, dict[str, Any]]:
     """Problem and inputs that a line says, as they stand there; :class:`FileError` where it is none."""
     try:
-        values = json.loads(text[:LONGEST + 1])
+        values = json.loads(text[:MAX_LINE + 1])
         schema, problem, given = values["schema"], values["problem"], dict(values["inputs"])
     except (ValueError, TypeError, KeyError, RecursionError):
         raise FileError(file, f"says a scene that cannot be read; {HINT}") from None
     if schema != SCHEMA:
-        raise FileError(file, f"says its scene in the words of another version ({quoted(schema, LONGEST_WORD)}), and "
+        raise FileError(file, f"says its scene in the words of another version ({quote(schema, MAX_WORD)}), and "
                               f"{SCHEMA} can be read; {HINT}")
     if not isinstance(problem, str) or problem not in PROBLEMS:
         raise FileError(file, f"says that it is of a problem that is none here; {HINT}")
     return problem, given
 
 
-def scene_of(file: str, problem: str, given: dict[str, Any]) -> Scene:
+def scene_from_inputs(file: str, problem: str, given: dict[str, Any]) -> Scene:
     """The scene of a problem's inputs by the names of flags or fields; :class:`FileError` where there is none such."""
     try:
         values: dict[str, Any] = {key_field(key): tuple(value) if isinstance(value, list) else value
@@ -69,5 +69,5 @@ def scene_of(file: str, problem: str, given: dict[str, Any]) -> Scene:
 
 def _is_plain(value: object) -> bool:
     if isinstance(value, tuple):
-        return len(value) <= LONGEST_WORD and all(isinstance(word, str) and _is_plain(word) for word in value)
-    return isinstance(value, (int, float)) or (isinstance(value, str) and len(value) <= LONGEST_WORD)
+        return len(value) <= MAX_WORD and all(isinstance(word, str) and _is_plain(word) for word in value)
+    return isinstance(value, (int, float)) or (isinstance(value, str) and len(value) <= MAX_WORD)

@@ -18,11 +18,11 @@ from solvers.problems import PROBLEMS
 from solvers.scene.scene import MOST_PARTICLES, Scene
 from solvers.solver.base import Solver
 
-SECONDS = 0.01  # that a stretch takes at least: many times the cost of a launch
+MIN_SECONDS = 0.01  # that a stretch takes at least: many times the cost of a launch
 SHARE_SECONDS, LONGEST_SHARE_SECONDS, SHARE_TURNS = 0.006, 0.06, 9  # within a run that somebody waits for
 
 
-class Stretch:
+class TimedSteps:
     """Some steps of a solver, taken again and again from the same state, for ``seconds`` at least.
 
     They are whole rounds of estimators, samples and looks at the run, so that each stretch has its fair part of all; of
@@ -31,7 +31,7 @@ class Stretch:
     stretch's. The solver is left in the state in which it came, to which ``put_back`` brings it back, to the bit.
     """
 
-    def __init__(self, solver: Solver, seconds: float = SECONDS, longest: float = math.inf, steps: int = 0):
+    def __init__(self, solver: Solver, seconds: float = MIN_SECONDS, longest: float = math.inf, steps: int = 0):
         self.solver = solver
         alone = solver.plan == "serial" and solver.arch in PROCESSORS  # others work while this thread waits
         # The processor's own time where one thread does it all, so that what else runs on the machine is not counted;
@@ -69,23 +69,23 @@ class Stretch:
         return took / self.steps if self.solver.sound else math.nan
 
 
-def take_turns(stretches: Sequence[Stretch], turns: int) -> np.ndarray:
+def time_interleaved(stretches: Sequence[TimedSteps], turns: int) -> np.ndarray:
     """Seconds a step of every stretch (columns) in every turn (rows)."""
     return np.array([[stretch.time() for stretch in stretches] for _ in range(turns)])
 
 
-def ratios(pairs: Mapping[Any, tuple[Scene, Scene]], turns: int) -> dict[Any, float]:
+def time_ratios(pairs: Mapping[Any, tuple[Scene, Scene]], turns: int) -> dict[Any, float]:
     """How many times as long a step of the one takes as of the other, by name: the median over turns."""
     scenes = list(dict.fromkeys(scene for pair in pairs.values() for scene in pair))
     solvers = [PROBLEMS[scene.problem].solver(scene) for scene in scenes]
-    columns = take_turns([Stretch(solver) for solver in solvers], turns).T if scenes else ()
+    columns = time_interleaved([TimedSteps(solver) for solver in solvers], turns).T if scenes else ()
     seconds = dict(zip(scenes, columns, strict=True))
     return {name: float(np.median(seconds[one] / seconds[other])) for name, (one, other) in pairs.items()}
 
 
-def rate(solver: Solver, turns: int = 5, seconds: float = SECONDS) -> float:
+def particle_step_rate(solver: Solver, turns: int = 5, seconds: float = MIN_SECONDS) -> float:
     """Million particle-steps per second of a solver; NaN if its run goes bad."""
-    return 1e-6 * solver.scene.particles / float(take_turns([Stretch(solver, seconds)], turns).min())
+    return 1e-6 * solver.scene.particles / float(time_interleaved([TimedSteps(solver, seconds)], turns).min())
 
 
 def estimator_shares(solver: Solver) -> dict[str, float]:
@@ -100,8 +100,8 @@ def estimator_shares(solver: Solver) -> dict[str, float]:
     names = solver.scene.active_estimators
     if not names or not solver.sound or solver.scene.particles > MOST_PARTICLES:  # to have them twice
         return {}
-    stretch = Stretch(solver, SHARE_SECONDS, LONGEST_SHARE_SECONDS)
-    bare = Stretch(solver.without_estimators(), steps=stretch.steps)
+    stretch = TimedSteps(solver, SHARE_SECONDS, LONGEST_SHARE_SECONDS)
+    bare = TimedSteps(solver.without_estimators(), steps=stretch.steps)
     resting = names if len(names) > 1 else ()
     turns = [[stretch.time(), bare.time(), *map(stretch.time, resting)] for _ in range(SHARE_TURNS)]
     stretch.put_back()

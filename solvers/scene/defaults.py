@@ -102,7 +102,7 @@ class SceneDefaults:
         return True
 
     @property
-    def lost_from(self) -> Mapping[str, float]:
+    def loss_limits(self) -> Mapping[str, float]:
         """Errors beside that of x from which on a run counts as lost, over ``size_of`` their quantities."""
         return {}
 

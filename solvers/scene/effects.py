@@ -19,7 +19,7 @@ from solvers.scene import extensions
 from solvers.scene.error_causes import COLUMNS
 from solvers.scene.validation import SceneError
 
-SHARE = "%"  # the unit of a number that is told in per cent
+PER_CENT = "%"  # the unit of a number that is told in per cent
 Series = Mapping[str, np.ndarray]
 
 
@@ -32,13 +32,9 @@ class Number:
     key
         Its name in JSON objects, behind that of its effect; "" for one that stands there for its effect.
     of : series -> number
-        What it is after the last of the samples (``solvers.solver.samples.read``); where not finite, it is unknown.
-    unit
-        In SI; "" for a mere number, :data:`SHARE` for one that people are told in per cent.
-    kind
-        int for what is counted.
-    bounds
-        Sizes from which the page says that it is to be watched, and alarming.
+        What it is after the last of the samples (``solvers.solver.samples.read_rows``); where not finite, it is
+        unknown. unit In SI; "" for a mere number, :data:`PER_CENT` for one that people are told in per cent. kind int
+        for what is counted. bounds Sizes from which the page says that it is to be watched, and alarming.
     """
 
     key: str
@@ -135,7 +131,7 @@ def _energy_drift(series: Series) -> float:
     return (total[-1] - series["work"][-1] - total[0]) / total[0]
 
 
-def _gained(series: Series, against: str) -> float:
+def _relative_gain(series: Series, against: str) -> float:
     """What the angular momentum has gained at the end beyond what another column has, over what it was at first."""
     momentum, known = series["spin/momentum"], series[against]
     return ((momentum[-1] - momentum[0]) - (known[-1] - known[0])) / momentum[0]
@@ -149,7 +145,7 @@ EFFECTS: dict[str, Effect] = {effect.name: effect for effect in (
     Effect("energy", "energy", "follow kinetic and strain energy and the work of the body force", numbers=(
                Number("initial", lambda series: _energy(series)[0], "J"),
                Number("final", lambda series: _energy(series)[-1], "J"),
-               Number("drift", _energy_drift, SHARE, bounds=(0.05, 0.5))),
+               Number("drift", _energy_drift, PER_CENT, bounds=(0.05, 0.5))),
            text=Line("energy drift", "{drift}"),
            readout=Line("energy", "out of balance by {drift}",
                         "kinetic and strain energy less the work of the body force, over the largest energy")),
@@ -165,8 +161,8 @@ OWN: dict[str, Effect] = {effect.name: effect for effect in (
            columns=("momentum", "torque", "exact_momentum"), key="angular_momentum", numbers=(
                Number("initial", lambda series: series["spin/momentum"][0], "N m s"),
                Number("final", lambda series: series["spin/momentum"][-1], "N m s"),
-               Number("drift", lambda series: _gained(series, "spin/torque"), SHARE),
-               Number("error", lambda series: _gained(series, "spin/exact_momentum"), SHARE)),
+               Number("drift", lambda series: _relative_gain(series, "spin/torque"), PER_CENT),
+               Number("error", lambda series: _relative_gain(series, "spin/exact_momentum"), PER_CENT)),
            text=Line("angular momentum",
                      "off its balance by {drift}, off the exact one by {error}, of what it was at first"),
            readout=Line("turning", "balance {drift}, error {error}", "angular momentum: beyond the torque of the body "
@@ -210,11 +206,11 @@ def samplers(problem: str, own: Mapping[str, Callable]) -> dict[str, Callable]:
     ``own`` and those from outside. Taichi functions (state, row, step, on), which write to a row of ``state.samples``;
     ``step`` is the number of steps taken."""
     extensions.load_extensions()
-    extensions.COLLECTED.add(problem)
+    extensions.COMPILED_PROBLEMS.add(problem)
     return {**own, **{name: effect.samplers[problem] for name, effect in ALL.items() if problem in effect.samplers}}
 
 
-def told(wanted: Callable[[Effect], Line | None]) -> dict[str, Line]:
+def effect_lines(wanted: Callable[[Effect], Line | None]) -> dict[str, Line]:
     """The line of each effect that has numbers and one to tell them by, by its name: of what is ``wanted``, or the
     usual one."""
     lines = {name: wanted(effect) or effect.usual_line for name, effect in ALL.items() if effect.numbers}

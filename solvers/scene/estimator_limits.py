@@ -43,11 +43,11 @@ class Limit:
         def at(what: Any) -> Any:
             return what(scene) if callable(what) else getattr(scene, what) if isinstance(what, str) else what
 
-        if any(at(quantity) not in _several(wanted) for quantity, wanted in self.where.items()) \
+        if any(at(quantity) not in _as_tuple(wanted) for quantity, wanted in self.where.items()) \
                 or not at(self.above[0]) > self.above[1]:
             return None
         value, least, most, unit, allowed = map(at, (self.quantity, self.least, self.most, self.of, self.allowed))
-        others = [name for name in _several(value) if name not in allowed] if allowed else []
+        others = [name for name in _as_tuple(value) if name not in allowed] if allowed else []
         if not others and (allowed or (least * unit <= value <= most * unit and value < at(self.below) * unit)):
             return None
         return self.why.format(scene=scene, value=value if self.of == 1 else value / unit, least=least, most=most,
@@ -60,5 +60,5 @@ def reason(limits: Iterable[Limit], estimator: str, scene: Any) -> str | None:
     return next(filter(None, (limit.reason(scene) for limit in limits if limit.estimator == estimator)), None)
 
 
-def _several(value: Any) -> tuple:
+def _as_tuple(value: Any) -> tuple:
     return value if isinstance(value, tuple) else (value,)

@@ -59,9 +59,9 @@ class Estimator:
     @property
     def explanation(self) -> str:
         """Html for a student: what it is, assumes, sees and misses."""
-        return self.explained("en")
+        return self.explanation_in("en")
 
-    def explained(self, language: str) -> str:
+    def explanation_in(self, language: str) -> str:
         """The same in a language by its code, ``de``; where there is none in it, in English."""
         files = (EXPLANATIONS / f"{self.name}.{language}.html", EXPLANATIONS / f"{self.name}.html")
         file = next((file for file in files if file.exists()), None)
@@ -115,5 +115,5 @@ def require_offered(chosen: object, problem: str, offered: tuple[str, ...]) -> N
 def hooks_of(problem: str, own: Mapping[str, EstimatorHooks]) -> dict[str, EstimatorHooks]:
     """The hooks of all estimators that a problem has, by name: its ``own``, and others from outside."""
     found = names(problem, tuple(own))  # loads the extensions
-    extensions.COLLECTED.add(problem)
+    extensions.COMPILED_PROBLEMS.add(problem)
     return {name: ESTIMATORS[name].hooks.get(problem) or own[name] for name in found}

@@ -9,7 +9,7 @@ import os
 from collections.abc import Iterable
 
 EXTENSIONS = "MPM_LAB_EXTENSIONS"
-COLLECTED: set[str] = set()  # problems whose solvers have what they need of all extensions
+COMPILED_PROBLEMS: set[str] = set()  # problems whose solvers have what they need of all extensions
 
 
 class ExtensionError(Exception):
@@ -32,5 +32,5 @@ def load_extensions() -> None:
 def require_early(name: str, problems: Iterable[str]) -> None:
     """RuntimeError where the solver of one of the ``problems`` that ``name`` is for has been imported: its kernels have
     been told what there is. Register first."""
-    if late := [problem for problem in problems if problem in COLLECTED]:
+    if late := [problem for problem in problems if problem in COMPILED_PROBLEMS]:
         raise RuntimeError(f"register {name} before the solver of the {' and '.join(late)} is imported")

@@ -10,7 +10,7 @@ from typing import Any, TypeVar
 from solvers.scene.effects import EFFECTS
 
 Kind = TypeVar("Kind", bound=type[Any])  # of a scene
-WIDTH = 100  # of a line
+LINE_WIDTH = 100  # of a line
 
 
 def option(default: Any, help: str = "", unit: str = "", choices: tuple[str, ...] = (), hint: str = "") -> Any:
@@ -34,17 +34,17 @@ def option(default: Any, help: str = "", unit: str = "", choices: tuple[str, ...
 def document_fields(kind: Kind) -> Kind:
     """A decorator of a scene's class, above ``dataclass``, that puts behind its docstring of each field what it is, in
     which unit, and what it may be."""
-    told = [f"{field.name} : {_type(field.type)}\n{textwrap.indent(_words(kind, field), '    ')}"
+    told = [f"{field.name} : {_type_text(field.type)}\n{textwrap.indent(_help_text(kind, field), '    ')}"
             for field in fields(kind) if field.metadata["help"]]
     kind.__doc__ = "\n".join([inspect.cleandoc(kind.__doc__ or ""), "", "Parameters", "----------", *told])
     return kind
 
 
-def _type(annotation: Any) -> str:
+def _type_text(annotation: Any) -> str:
     return annotation if isinstance(annotation, str) else getattr(annotation, "__name__", str(annotation))
 
 
-def _words(kind: type[Any], field: Any) -> str:
+def _help_text(kind: type[Any], field: Any) -> str:
     meaning, unit, hint = (field.metadata[name] for name in ("help", "unit", "hint"))
     # Those from outside are looked for when a scene is made: one that is missing must not be the end of an import.
     here = {"estimators": kind.ESTIMATORS, "effects": (*EFFECTS, *kind.OWN_EFFECTS)}
@@ -57,4 +57,4 @@ def _words(kind: type[Any], field: Any) -> str:
              f"{several} {', '.join(names)}." if names else "", f"Default: {default}."]
     text = re.sub(r"--([a-z]+)-?([a-z]*)", lambda flag: "_".join(filter(None, flag.groups())),  # a flag is a field here
                   " ".join(filter(None, parts)))
-    return "\n".join(textwrap.wrap(text, WIDTH, break_on_hyphens=False))
+    return "\n".join(textwrap.wrap(text, LINE_WIDTH, break_on_hyphens=False))

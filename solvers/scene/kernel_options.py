@@ -38,13 +38,13 @@ def kernel_options_of(scene: Scene) -> KernelOptions:
                     getattr(scene, "compiled_motion", ""), getattr(scene, "law", ""))
 
 
-def bare(on: KernelOptions) -> KernelOptions:
+def method_options(on: KernelOptions) -> KernelOptions:
     """The same with nothing computed beside the method."""
     return on._replace(effects=(), estimators=())
 
 
 @lru_cache(maxsize=256)  # asked again and again while somebody waits for the compiler
-def combination(scene: Scene) -> tuple:
+def kernel_key(scene: Scene) -> tuple:
     """What makes the compiler work: two scenes with equal combinations run the same kernels on the same processor."""
     plan = getattr(scene, "plan", None)  # of a problem that has several
     return scene.problem, scene.arch, scene.threads, plan, kernel_options_of(scene)

@@ -22,8 +22,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-TOUCHED = 1e-12  # share of a particle's mass below which a node carries nothing
-EXACT = 0.003  # relative change of the eigenvalues at which they are believed
+MIN_MASS_SHARE = 1e-12  # share of a particle's mass below which a node carries nothing
+EIGENVALUE_TOLERANCE = 0.003  # relative change of the eigenvalues at which they are believed
 FEWEST_TURNS, MOST_TURNS = 6, 24
 GROWTH = math.exp(2.0)
 
@@ -31,7 +31,7 @@ Fields = Sequence[np.ndarray]  # the components of a vector or tensor, each an a
 
 
 @dataclass(frozen=True)
-class Links:
+class NodeLinks:
     """What joins particles and nodes at n moments: ``where`` (D arrays (n, P, K)) is the place of each component of a
     node's velocity among the unknowns of its moment, ``sign`` (the same) its sign there, -1 in mirror images."""
 
@@ -47,9 +47,9 @@ class Configurations:
     ----------
     unknowns
         N.
-    carrying, weights
+    mass_links, weights
         The links by which mass and velocity are given to the nodes, and S (n, P, K).
-    pulling, gradients
+    force_links, gradients
         Those of the force, and the components of grad S (D arrays (n, P, K')) in 1/m.
     mass
         Of each particle (P,), in kg.
@@ -61,23 +61,23 @@ class Configurations:
     """
 
     unknowns: int
-    carrying: Links
+    mass_links: NodeLinks
     weights: np.ndarray
-    pulling: Links
+    force_links: NodeLinks
     gradients: Fields
     mass: np.ndarray
     stress: Callable[[Fields], Fields]
     held: np.ndarray | None = None
 
 
-def limits(of: Configurations) -> np.ndarray:
+def longest_steps(of: Configurations) -> np.ndarray:
     """The longest step at each moment (n,), in s."""
-    return 2 / np.sqrt(_Step(of).largest())
+    return 2 / np.sqrt(_StepOperators(of).largest_eigenvalues())
 
 
-def longest(found: np.ndarray, seconds: float) -> float:
-    """The longest step for a motion from one extreme to the other in so many ``seconds`` and back, whose ``limits`` are
-    ``found`` (n,) at moments evenly spaced in time."""
+def longest_step(found: np.ndarray, seconds: float) -> float:
+    """The longest step for a motion from one extreme to the other in so many ``seconds`` and back, whose
+    ``longest_steps`` are ``found`` (n,) at moments evenly spaced in time."""
     low, high = float(found.min()), 2 * float(found.max())
     while high > (1 + 1e-9) * low:
         dt = math.sqrt(low * high)
@@ -87,58 +87,58 @@ def longest(found: np.ndarray, seconds: float) -> float:
     return low
 
 
-class _Step:
+class _StepOperators:
     """The operators of the step on fields (n, N), each unknown times the square root of its mass."""
 
     def __init__(self, of: Configurations):
         self._of, self._n = of, len(of.weights)
-        self._carrying, self._pulling = self._flat(of.carrying), self._flat(of.pulling)
-        carried = [of.mass[:, None] * of.weights] * len(of.carrying.where)
-        mass = self._summed(self._carrying, carried, signed=False)
-        there = mass > TOUCHED * of.mass.max()
+        self._mass_links, self._force_links = self._global_numbers(of.mass_links), self._global_numbers(of.force_links)
+        carried = [of.mass[:, None] * of.weights] * len(of.mass_links.where)
+        mass = self._sum(self._mass_links, carried, signed=False)
+        there = mass > MIN_MASS_SHARE * of.mass.max()
         if of.held is not None:
             there[:, of.held] = False
         self._scale = np.where(there, 1 / np.sqrt(np.where(there, mass, 1.0)), 0.0)
 
-    def _flat(self, links: Links) -> list[tuple[np.ndarray, np.ndarray]]:
+    def _global_numbers(self, links: NodeLinks) -> list[tuple[np.ndarray, np.ndarray]]:
         first = (np.arange(self._n) * self._of.unknowns)[:, None, None]
         return [(where + first, sign) for where, sign in zip(links.where, links.sign, strict=True)]
 
-    def _summed(self, links: list[tuple[np.ndarray, np.ndarray]], parts: Fields, signed: bool = True) -> np.ndarray:
+    def _sum(self, links: list[tuple[np.ndarray, np.ndarray]], parts: Fields, signed: bool = True) -> np.ndarray:
         total = np.zeros(self._n * self._of.unknowns)
         for (where, sign), part in zip(links, parts, strict=True):
             total += np.bincount(where.ravel(), (sign * part if signed else part).ravel(), len(total))
         return total.reshape(self._n, -1)
 
-    def _at_links(self, links: list[tuple[np.ndarray, np.ndarray]], field: np.ndarray) -> list[np.ndarray]:
+    def _gather(self, links: list[tuple[np.ndarray, np.ndarray]], field: np.ndarray) -> list[np.ndarray]:
         values = (field * self._scale).ravel()
         return [sign * values.take(where) for where, sign in links]
 
     def stiffness(self, field: np.ndarray) -> np.ndarray:
         """M^-1/2 K M^-1/2."""
         gradients = self._of.gradients
-        rates = [np.einsum("npk,npk->np", v, g) for v in self._at_links(self._pulling, field) for g in gradients]
+        rates = [np.einsum("npk,npk->np", v, g) for v in self._gather(self._force_links, field) for g in gradients]
         stress, D = self._of.stress(rates), len(gradients)
         force = [np.sum([stress[D * i + j][..., None] * gradients[j] for j in range(D)], axis=0) for i in range(D)]
-        return self._summed(self._pulling, force) * self._scale
+        return self._sum(self._force_links, force) * self._scale
 
     def smoothing(self, field: np.ndarray) -> np.ndarray:
         """M^-1/2 S^T m S M^-1/2."""
         S, mass = self._of.weights, self._of.mass
-        given = [(mass * np.einsum("npk,npk->np", v, S))[..., None] * S for v in self._at_links(self._carrying, field)]
-        return self._summed(self._carrying, given) * self._scale
+        given = [(mass * np.einsum("npk,npk->np", v, S))[..., None] * S for v in self._gather(self._mass_links, field)]
+        return self._sum(self._mass_links, given) * self._scale
 
-    def counted(self, field: np.ndarray) -> np.ndarray:
+    def apply_two_minus_b(self, field: np.ndarray) -> np.ndarray:
         """2 - B."""
         return 2 * field - self.smoothing(field)
 
-    def largest(self) -> np.ndarray:
+    def largest_eigenvalues(self) -> np.ndarray:
         """The largest eigenvalue of M^-1 K (2 - B) at each moment (n,), by Lanczos's method in the product of 2 - B,
         which is positive whatever K is."""
         start = np.random.default_rng(0).normal(size=self._scale.shape) * (self._scale > 0)
         diagonal, beside = list[np.ndarray](), list[np.ndarray]()
         found = np.zeros(self._n)
-        before, q, Cq = np.zeros_like(start), start, self.counted(start)
+        before, q, Cq = np.zeros_like(start), start, self.apply_two_minus_b(start)
         size = np.sqrt(np.einsum("ni,ni->n", q, Cq))
         for _ in range(MOST_TURNS):
             over = np.divide(1.0, size, out=np.zeros_like(size), where=size > 0)[:, None]
@@ -146,17 +146,17 @@ class _Step:
             image = self.stiffness(Cq)
             diagonal.append(np.einsum("ni,ni->n", image, Cq))
             image = image - diagonal[-1][:, None] * q - (beside[-1][:, None] * before if beside else 0.0)
-            known, found = found, _largest_of(diagonal, beside)
-            if len(diagonal) >= FEWEST_TURNS and np.all(found - known <= EXACT * found):
+            known, found = found, _largest_eigenvalues(diagonal, beside)
+            if len(diagonal) >= FEWEST_TURNS and np.all(found - known <= EIGENVALUE_TOLERANCE * found):
                 break
-            before, q, Cq = q, image, self.counted(image)
+            before, q, Cq = q, image, self.apply_two_minus_b(image)
             size = np.sqrt(np.einsum("ni,ni->n", q, Cq))
             size[size < 1e-9 * found] = 0.0  # nothing is left to be found
             beside.append(size)
         return found
 
 
-def _largest_of(diagonal: list[np.ndarray], beside: list[np.ndarray]) -> np.ndarray:
+def _largest_eigenvalues(diagonal: list[np.ndarray], beside: list[np.ndarray]) -> np.ndarray:
     """The largest eigenvalues (n,) of tridiagonal matrices."""
     k = len(diagonal)
     T = np.zeros((len(diagonal[0]), k, k))

@@ -19,7 +19,7 @@ from solvers.scene.defaults import SceneDefaults
 from solvers.scene.effects import ALL, EFFECTS, effects_of
 from solvers.scene.field_options import option
 from solvers.scene.remedies import FROZEN
-from solvers.scene.step_bound import SAFE, StepBound, of_scene, of_step
+from solvers.scene.step_bound import SAFE, StepBound, scene_step_bound, step_warnings
 from solvers.scene.validation import SceneError, field_key, require_choice, require_names, require_number, require_whole
 
 MOST_PARTICLES = 1_000_000  # on a processor
@@ -34,7 +34,7 @@ MOST_MARGINS = 200  # looks at the margin of the step in a run, about
 SAMPLES_A_RUN = 100_000  # that a long run takes unless it is told how many
 LISTS = ("estimators", "effects", "remedies")
 AUTO = "auto"
-ASKED = "Error estimators, one or several"
+ESTIMATORS_HELP = "Error estimators, one or several"
 LEAST_CFL = 1e-9
 MOST_CFL = 10.0  # an unstable run is a result worth seeing; this only keeps the numbers finite for a while
 
@@ -64,7 +64,7 @@ class Scene(SceneDefaults, ABC):
     body_force: str = option("material", "Body force", choices=("material",))
     linearity_preserving: bool = option(False, "Make the particle-grid transfers exact for linear fields")
     velocity: str = option("grid", "Velocity that moves the particles", choices=("grid", "particle"))
-    estimators: tuple[str, ...] = option((), ASKED)  # of each problem the first that it has
+    estimators: tuple[str, ...] = option((), ESTIMATORS_HELP)  # of each problem the first that it has
     effects: tuple[str, ...] = option(tuple(EFFECTS), "What to compute beside the method, with commas between, in "
                                       "place of the default, or +NAME beside it; what is left out costs nothing",
                                       hint="all")
@@ -93,7 +93,7 @@ class Scene(SceneDefaults, ABC):
         super().__init_subclass__(**kwargs)
         if "ESTIMATORS" in vars(cls):  # a scene that says nothing else asks the first
             cls.__annotations__["estimators"] = Scene.__annotations__["estimators"]
-            cls.estimators = option(cls.ESTIMATORS[:1], ASKED)
+            cls.estimators = option(cls.ESTIMATORS[:1], ESTIMATORS_HELP)
 
     @classmethod
     def choices(cls, name: str) -> tuple[str, ...]:
@@ -114,7 +114,7 @@ class Scene(SceneDefaults, ABC):
     def __reduce__(self) -> tuple[Callable[..., Any], tuple]:
         """Pickled as its values, which come out as the same object every time, for a scene is sent with every frame: it
         is checked, and what follows from it is worked out, once for each process."""
-        return _known, (type(self), *(getattr(self, name) for name in self.__match_args__))
+        return _require_known, (type(self), *(getattr(self, name) for name in self.__match_args__))
 
     def __post_init__(self) -> None:
         if self.problem != (kind := type(self)).problem:  # it came first, without a name
@@ -147,7 +147,7 @@ class Scene(SceneDefaults, ABC):
 
     def warnings(self) -> list[str]:
         """Sentences about what is allowed but will surprise."""
-        sentences = of_step(self)
+        sentences = step_warnings(self)
         if "truth" in self.effects and not self.solution_known:
             sentences.append(f"body force {self.body_force}: no exact solution is built in, so the true error is "
                              "unknown")
@@ -168,7 +168,7 @@ class Scene(SceneDefaults, ABC):
     @property
     def step_bound(self) -> float:
         """The longest step in seconds that the motion ahead bears by linear theory (``solvers.scene.step_bound``)."""
-        return of_scene(self).longest
+        return scene_step_bound(self).longest
 
     @property
     def frozen(self) -> bool:
@@ -313,5 +313,5 @@ class Scene(SceneDefaults, ABC):
 
 
 @functools.lru_cache(maxsize=256, typed=True)  # 1, 1.0 and True are not said alike
-def _known(kind: type[Scene], *values: Any) -> Scene:
+def _require_known(kind: type[Scene], *values: Any) -> Scene:
     return kind(*values)

@@ -1,6 +1,6 @@
 """The longest time step that a scene's motion ahead bears, found before anything has run, and what of it is taken.
 
-Along the exact motion, from one extreme to the other, the step is linearised at ``moments`` evenly spaced in time
+Along the exact motion, from one extreme to the other, the step is linearised at ``motion_parts`` evenly spaced in time
 (``solvers.scene.linear_stability``). A run's own motion is not quite the exact one; how much less it bears is measured.
 Particles that hat functions or boxes of one width carry through the grid are not where the weights add up (``SHARE``).
 Where material is drawn out to more than twice its length, stretches of a run exceed the exact ones, by the more the
@@ -11,8 +11,8 @@ just reached is nearly empty. For that moment it bears hardly any step, and what
 short steps as with long ones: such a bound is not ``certain``.
 
 A run's own margin comes from its kernels, which need something cheaper than eigenvalues: Gershgorin's circles about
-the stiffness of the grid (:func:`circles`), K_ij = sum_p k_p V_p grad S_i . grad S_j, k_p the tangent modulus in the
-present configuration. The rows of the similar matrix M^-1/2 K M^-1/2 bound its eigenvalues:
+the stiffness of the grid (:func:`circle_bound`), K_ij = sum_p k_p V_p grad S_i . grad S_j, k_p the tangent modulus in
+the present configuration. The rows of the similar matrix M^-1/2 K M^-1/2 bound its eigenvalues:
 
     dt <= 2/sqrt(max_i sum_p k_p V_p |grad S_ip|/sqrt(m_i) sum_j |grad S_jp|/sqrt(m_j)).
 
@@ -27,7 +27,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from solvers.scene.linear_stability import TOUCHED, longest
+from solvers.scene.linear_stability import MIN_MASS_SHARE, longest_step
 from solvers.scene.remedies import PIECES
 
 SAFE = 0.9  # of the bound
@@ -56,30 +56,30 @@ class StepBound(NamedTuple):
         return StepBound(size * self.longest, size * self.linear, size * self.circles, self.certain)
 
 
-def moments(scene: Any) -> np.ndarray:
+def motion_parts(scene: Any) -> np.ndarray:
     """Moments of the motion from one extreme, 0, to the other, 1, at which it is looked at."""
     momentary = scene.method == "mpm" and scene.DIMENSIONS > 1 and not scene.frozen
     return np.linspace(0, 1, MOMENTS_OF_HATS if momentary else MOMENTS)
 
 
-def bounded(scene: Any, limits: np.ndarray, seconds: float, stretch: float, circles: float,
-            crossed: bool = False) -> StepBound:
+def motion_bound(scene: Any, limits: np.ndarray, seconds: float, stretch: float, circles: float,
+                 crossed: bool = False) -> StepBound:
     """The bound of a motion from one extreme to the other in so many ``seconds``, whose ``limits`` are known at the
-    ``moments``, whose largest ``stretch`` this is, and at whose hardest moment the ``circles`` say this; ``crossed``
-    says whether a particle is in another cell at one moment than at another, in the plane."""
+    ``motion_parts``, whose largest ``stretch`` this is, and at whose hardest moment the ``circles`` say this;
+    ``crossed`` says whether a particle is in another cell at one moment than at another, in the plane."""
     if scene.frozen or PIECES in scene.remedies:  # nothing crosses a cell
-        found = longest(limits, seconds)
+        found = longest_step(limits, seconds)
         excess = FROZEN_EXCESS.get(scene.method, OTHER_FROZEN_EXCESS) * max(0.0, stretch - FROZEN_FROM)
         return StepBound(found / (1 + excess), found, circles)
     # Of hats the least: how empty nodes are between two moments is not known.
-    found = float(limits.min()) if scene.method == "mpm" else longest(limits, seconds)
+    found = float(limits.min()) if scene.method == "mpm" else longest_step(limits, seconds)
     less = SHARE.get(scene.method, 1.0) / (1 + EXCESS[scene.method] * max(0.0, stretch - 2))
     return StepBound(less * found, found, circles, scene.method != "mpm" or not crossed)
 
 
-def circles(nodes: np.ndarray, gradients: np.ndarray, stiffness: np.ndarray, mass: np.ndarray) -> float:
+def circle_bound(nodes: np.ndarray, gradients: np.ndarray, stiffness: np.ndarray, mass: np.ndarray) -> float:
     """The bound in seconds: ``nodes`` and |grad S| at them (P, K), k V of each particle (P,), the nodes' mass (N,)."""
-    carries = mass > TOUCHED * mass.max()
+    carries = mass > MIN_MASS_SHARE * mass.max()
     scaled = np.where(carries[nodes], gradients / np.sqrt(np.where(carries, mass, 1.0))[nodes], 0.0)
     rows = np.bincount(nodes.ravel(), (stiffness[:, None] * scaled.sum(axis=1)[:, None] * scaled).ravel(), len(mass))
     return 2 / float(np.sqrt(rows.max()))
@@ -115,20 +115,20 @@ def _hat_integral(s: np.ndarray) -> np.ndarray:
 
 
 @functools.lru_cache(maxsize=256)  # asked for at every turn of a live run, by way of the automatic step
-def of_scene(scene: Any) -> StepBound:
+def scene_step_bound(scene: Any) -> StepBound:
     """The bound for the motion that a scene has ahead, whatever its own step, end and watchers are."""
-    return _of_motion(replace(scene, dt=None, cfl=None, t_end=AT_ONCE, periods=None, sample_every=None,
-                              estimators=(), effects=()))
+    return _motion_step_bound(replace(scene, dt=None, cfl=None, t_end=AT_ONCE, periods=None, sample_every=None,
+                                      estimators=(), effects=()))
 
 
 @functools.lru_cache(maxsize=64)
-def _of_motion(scene: Any) -> StepBound:
+def _motion_step_bound(scene: Any) -> StepBound:
     return scene.critical_time_step()
 
 
-def of_step(scene: Any) -> list[str]:
+def step_warnings(scene: Any) -> list[str]:
     """Sentences about what a scene's own step will surprise with."""
-    bound, dt = of_scene(scene), scene.time_step
+    bound, dt = scene_step_bound(scene), scene.time_step
     if dt > bound.longest:
         return [f"time step {dt:.3g} s (cfl {scene.courant_number:.2g}): above the {bound.longest:.3g} s that this "
                 "motion bears by linear theory; expect the run to go unstable (--dt auto takes "
@@ -145,5 +145,5 @@ def margin_unit(scene: Any) -> float:
     over what linear theory gives for it; 1 where no margin is asked for."""
     if not scene.has("margin"):
         return 1.0
-    bound = of_scene(scene)
+    bound = scene_step_bound(scene)
     return bound.circles / bound.linear

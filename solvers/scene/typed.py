@@ -8,7 +8,7 @@ from abc import abstractmethod
 from typing import TYPE_CHECKING, Any, ClassVar
 
 from solvers.motion.formula import FormulaError
-from solvers.motion.typed_motion import LineMotionInputs, PlaneMotionInputs, find_period, read_motion
+from solvers.motion.typed_motion import LineMotionInputs, PlaneMotionInputs, find_period, parse_motion
 from solvers.scene.validation import SceneError, require_number
 
 TYPED = "typed"  # what is compiled of such a motion where that depends on it: whatever the formula
@@ -59,7 +59,7 @@ class TypedMotionScene(Scene):
             raise SceneError("displacement", self.displacement, "is no text; give formulas such as "
                                                                 "0.02*sin(2*pi*X)*sin(w*t)")
         try:
-            text = read_motion(self.displacement, self.DIMENSIONS).text if self.displacement.strip() else ""
+            text = parse_motion(self.displacement, self.DIMENSIONS).text if self.displacement.strip() else ""
         except FormulaError as error:
             raise SceneError("displacement", self.displacement, str(error)) from None
         return {**super()._normalized(), "displacement": text}

@@ -15,10 +15,10 @@ class SceneError(ValueError):
     """A value that no run can have. ``field`` names the input, ``sentence`` says what is wrong and allowed."""
 
     def __init__(self, field: str, value: object, sentence: str):
-        self.field, self.value, self.sentence = field, value, quoting.sentence(sentence)
+        self.field, self.value, self.sentence = field, value, quoting.one_line(sentence)
         # A number that came as text stands in its quotes, without which it would look like the number.
         shown = repr(value) if isinstance(value, str) and number_parsing.is_number(value) else value
-        super().__init__(quoting.sentence(f"{field_label(field)} {quoting.quoted(shown)}: {sentence}"))
+        super().__init__(quoting.one_line(f"{field_label(field)} {quoting.quote(shown)}: {sentence}"))
 
 
 def field_key(field: str) -> str:
@@ -45,7 +45,7 @@ def require_choice(field: str, value: object, allowed: tuple[str, ...], also: st
     """:class:`SceneError` for anything but an allowed name; ``also`` is named in its sentence too."""
     if value not in allowed:
         names = ", ".join((*allowed, also) if also else allowed)
-        near = quoting.meant(value, allowed) if isinstance(value, str) else ""
+        near = quoting.suggest_word(value, allowed) if isinstance(value, str) else ""
         raise SceneError(field, value, f"is not known{near}; give {'one of ' if ',' in names else ''}{names}")
 
 
@@ -54,10 +54,10 @@ def normalized(scene: Any, lists: tuple[str, ...]) -> dict[str, Any]:
     text holds several names, and names that begin with + are added to the default."""
     given = {name: getattr(scene, name) for name in scene.__dataclass_fields__}
     return {name: value.item() for name, value in given.items() if isinstance(value, np.generic)} | {
-        name: _names_of(name, given[name], scene.__dataclass_fields__[name].default) for name in lists}
+        name: _names_in_order(name, given[name], scene.__dataclass_fields__[name].default) for name in lists}
 
 
-def _names_of(field: str, given: Any, default: tuple[str, ...]) -> Any:
+def _names_in_order(field: str, given: Any, default: tuple[str, ...]) -> Any:
     if not isinstance(given, (str, list, tuple)):
         return given
     names = tuple(given.replace(",", " ").split() if isinstance(given, str) else given)

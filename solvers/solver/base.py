@@ -13,15 +13,15 @@ from solvers.scene.estimator_hooks import NEVER, EstimatorHooks
 from solvers.scene.kernel_options import KernelOptions
 from solvers.scene.scene import Scene
 from solvers.scene.step_bound import SAFE
-from solvers.solver.samples import MARGIN, ROWS
+from solvers.solver.samples import MARGIN, MAX_ROWS
 from solvers.solver.snapshot import Fields, Snapshot
 from solvers.solver.soundness import LOST, OK, UNSTABLE, Finding
 from solvers.solver.state_arrays import Diagnostics
 from solvers.solver.step_breakdown import StepBreakdown
-from solvers.solver.verdict_basis import LargeRelativeError, sentence
+from solvers.solver.verdict_basis import LargeRelativeError, warning
 
 STEP, MEASURE, REPORT = 0, 1, 2  # what a launch is for
-NOTHING: Mapping[str, LargeRelativeError] = {}
+NO_LARGE_ERRORS: Mapping[str, LargeRelativeError] = {}
 SOUND, INVERTED, CRUSHED, ESCAPED = 0, 1, 2, 3  # the first number of a verdict
 
 
@@ -65,7 +65,7 @@ class Solver(ABC):
     @property
     def longest_advance(self) -> int:
         """Steps that one :meth:`advance` may take before its samples have to be collected."""
-        return (ROWS - 1) * self.scene.sample_interval
+        return (MAX_ROWS - 1) * self.scene.sample_interval
 
     def compile(self) -> None:
         """Compile (or load from the cache) the kernels of this scene, without stepping."""
@@ -93,11 +93,11 @@ class Solver(ABC):
         interval, end, rows = self.scene.margin_interval, self.step + steps, []
         while True:
             stop = min(end, (self.step // interval + 1) * interval) if self.scene.has("margin") else end
-            rows.append(self._stretch(stop - self.step))
+            rows.append(self._launch(stop - self.step))
             if self.step >= end or not self.sound:
                 return np.concatenate(rows) if len(rows) > 1 else rows[0]
 
-    def _stretch(self, steps: int) -> np.ndarray:
+    def _launch(self, steps: int) -> np.ndarray:
         """Take steps in one launch or as many as the plan needs."""
         interval, before = self.scene.sample_interval, self.step
         self._run(steps)
@@ -142,14 +142,14 @@ class Solver(ABC):
 
     def bookmark(self) -> Callable[[], None]:
         """Remember the present state; calling what this returns puts it back, to the bit, any number of times."""
-        return functools.partial(self.put, *self.state())
+        return functools.partial(self.restore, *self.state())
 
     def state(self) -> tuple[int, dict[str, np.ndarray]]:
         """The step and copies of all arrays: what another solver of the same scene needs to go on from here."""
         self._stepping.fetch()
         return self.step, {name: a.copy() for name, a in self._arrays.members().items() if isinstance(a, np.ndarray)}
 
-    def put(self, step: int, arrays: Mapping[str, np.ndarray]) -> None:
+    def restore(self, step: int, arrays: Mapping[str, np.ndarray]) -> None:
         """Take over the :meth:`state` of a solver of the same scene, to the bit."""
         members = self._arrays.members()
         for name, values in arrays.items():
@@ -178,26 +178,26 @@ class Solver(ABC):
         """Why the run stopped, and what to change, in one sentence."""
         kind, step, p = (int(n) for n in self._arrays.verdict)
         what = {INVERTED: "turned inside out (its deformation gradient fell to zero or is not a number)",
-                CRUSHED: "was crushed to less than a thousandth of its size", ESCAPED: self._escape()}[kind]
+                CRUSHED: "was crushed to less than a thousandth of its size", ESCAPED: self._escape_sentence()}[kind]
         return (f"the run went unstable at t = {step * self.scene.time_step:.4g} s: particle {p} "
-                f"(X = {self._place(p)}) {what}; {self._advice()}")
+                f"(X = {self._position_text(p)}) {what}; {self._advice()}")
 
     def status(self, finding: Finding | None,
-               as_large: Mapping[str, LargeRelativeError] = NOTHING) -> tuple[str, str | None, float | None]:
+               as_large: Mapping[str, LargeRelativeError] = NO_LARGE_ERRORS) -> tuple[str, str | None, float | None]:
         """Whether the run is "ok", "unstable" or "lost" if this was found, a sentence, and the time in s since when. A
         run that is ok has a sentence too where the errors of quantities are ``as_large`` as these."""
         since = None if finding is None else finding.time
         if not self.sound:
             return UNSTABLE, self.reason(), self.time if since is None else since
-        return (OK, sentence(as_large), None) if finding is None else (LOST, self.lost(finding), since)
+        return (OK, warning(as_large), None) if finding is None else (LOST, self.loss_sentence(finding), since)
 
-    def lost(self, finding: Finding) -> str:
+    def loss_sentence(self, finding: Finding) -> str:
         """From when on the run is lost, where it shows most, why, and what to change, in one sentence."""
         where = "" if finding.particle is None else \
-            f", most at particle {finding.particle} (X = {self._place(finding.particle)})"
+            f", most at particle {finding.particle} (X = {self._position_text(finding.particle)})"
         return f"the run is lost from t = {finding.time:.4g} s on: {finding.sentence}{where}; {self._advice()}"
 
-    def _place(self, particle: int) -> str:
+    def _position_text(self, particle: int) -> str:
         return ", ".join(f"{x:.4f}" for x in np.atleast_1d(self._arrays.members()["material_position"][particle]))
 
     def _advice(self) -> str:
@@ -239,7 +239,7 @@ class Solver(ABC):
         self._stepping.run(self.step, steps)
 
     @abstractmethod
-    def _escape(self) -> str:
+    def _escape_sentence(self) -> str:
         """What a particle did that is where it cannot be."""
 
     @abstractmethod

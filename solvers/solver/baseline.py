@@ -10,7 +10,7 @@ from typing import Any
 
 import taichi as ti
 
-from solvers.scene.kernel_options import bare
+from solvers.scene.kernel_options import method_options
 from solvers.scene.scene import Scene
 from solvers.solver.base import SOUND, Solver
 from solvers.solver.run_loop import CHECK_EVERY
@@ -40,6 +40,6 @@ def baseline(Own: type[Solver]) -> type[Solver]:
             self._baseline: Any = State(**{name: self._stepping.pack[name] for name in types})
 
         def _run(self, steps: int) -> None:
-            advance(self.step, steps, self._baseline, bare(self._switches))
+            advance(self.step, steps, self._baseline, method_options(self._switches))
 
     return Baseline

@@ -5,7 +5,7 @@ from collections.abc import Mapping
 import numpy as np
 
 from solvers.scene.error_causes import CAUSES, FIELDS
-from solvers.solver.error_norms import UNBOUNDED, finite
+from solvers.solver.error_norms import IGNORE_OVERFLOW, finite
 
 #: The causes' errors, in sizes of the error itself, up to which shares say who made it. Of 600 random runs, three
 #: causes taken away from each (``tests.budget``), up to 3 the budget foretold what was left of x, v and F to 0.15 of
@@ -15,7 +15,7 @@ MOST_CANCELLED = 3.0
 ROUND_OFF = 1e-12  # m: an error of x up to which it may be that of the last digits, of numbers up to some metres
 
 
-@UNBOUNDED
+@IGNORE_OVERFLOW
 def shares(series: Mapping[str, np.ndarray], field: str) -> dict[str, float | None]:
     """Of each cause, sum over samples of mean(e_c e) over that of mean(e^2): they add up to 1, and one that makes the
     error smaller is below 0. None without error."""
@@ -26,13 +26,13 @@ def shares(series: Mapping[str, np.ndarray], field: str) -> dict[str, float | No
             if total > 0 else None for cause in CAUSES}
 
 
-@UNBOUNDED
-def at_end(series: Mapping[str, np.ndarray], field: str) -> dict[str, float | None]:
+@IGNORE_OVERFLOW
+def final_parts(series: Mapping[str, np.ndarray], field: str) -> dict[str, float | None]:
     """The part of the RMS error at the end that each cause has made, in the field's unit: they add up to it."""
     return {cause: finite(series[f"budget/part_{field}_{cause}"][-1]) for cause in CAUSES}
 
 
-@UNBOUNDED
+@IGNORE_OVERFLOW
 def rms(series: Mapping[str, np.ndarray], field: str, without: str | None = None) -> float | None:
     """RMS over particles and samples of the error of a field; or of what would be left of it ``without`` a cause, as
     the budget predicts: e - e_c, of which the mean square is e^2 - 2 e_c e + e_c^2."""
@@ -44,20 +44,20 @@ def rms(series: Mapping[str, np.ndarray], field: str, without: str | None = None
     return finite(float(np.sqrt(np.maximum(np.mean(squares), 0.0))))  # rounding may leave a little less than nothing
 
 
-@UNBOUNDED
-def cancelled(series: Mapping[str, np.ndarray], field: str) -> float:
+@IGNORE_OVERFLOW
+def cancellation(series: Mapping[str, np.ndarray], field: str) -> float:
     """The causes' errors together, in sizes of the error itself, both RMS over the run: 1 where all pull one way."""
     error = np.sqrt(np.mean(series[f"budget/error_{field}"] ** 2))
     causes = sum(np.sqrt(np.mean(series[f"budget/size_{field}_{cause}"] ** 2)) for cause in CAUSES)
     return 0.0 if error == 0 else float(causes / error)
 
 
-@UNBOUNDED
-def not_valid(series: Mapping[str, np.ndarray]) -> str | None:
+@IGNORE_OVERFLOW
+def why_not_valid(series: Mapping[str, np.ndarray]) -> str | None:
     """Why shares say nothing of this run, as a sentence, or None."""
     if np.sqrt(np.mean(series["budget/error_x"] ** 2)) <= ROUND_OFF:
         return "not valid here: the error is no more than round-off, and nobody's"
-    worst = {field: cancelled(series, field) for field in FIELDS}
+    worst = {field: cancellation(series, field) for field in FIELDS}
     field = max(worst, key=lambda name: worst[name] if np.isfinite(worst[name]) else np.inf)
     if worst[field] <= MOST_CANCELLED:
         return None
@@ -73,7 +73,7 @@ def summary(series: Mapping[str, np.ndarray], reference: str) -> dict:
     ``rms`` the error over the run and ``predicted`` what would be left of it without each cause, the ``reference``
     ("exact" or "companion"), and ``not_valid``, a sentence or None."""
     return {**{field: shares(series, field) for field in FIELDS},
-            "at_end": {field: at_end(series, field) for field in FIELDS},
+            "at_end": {field: final_parts(series, field) for field in FIELDS},
             "rms": {field: rms(series, field) for field in FIELDS},
             "predicted": {field: {cause: rms(series, field, without=cause) for cause in CAUSES} for field in FIELDS},
-            "reference": reference, "not_valid": not_valid(series)}
+            "reference": reference, "not_valid": why_not_valid(series)}

@@ -23,13 +23,13 @@ from solvers.workers.worker_process import ProcessDied, ask_fresh
 CPU, GPU = "cpu", "gpu"
 KINDS = ("cuda", "vulkan")  # in the order in which "gpu" takes them
 TITLES = {"cuda": "CUDA", "vulkan": "Vulkan"}
-PATIENCE = 60.0  # seconds
-SOFTWARE = ("llvmpipe", "lavapipe", "swiftshader")  # names of what only plays a GPU, on the processor
+TIMEOUT = 60.0  # seconds
+SOFTWARE_DEVICES = ("llvmpipe", "lavapipe", "swiftshader")  # names of what only plays a GPU, on the processor
 TERMS = 1000  # of the sum
 ROUNDING = 1e-12  # that it may be off: TERMS roundings of numbers below 8, at most 9e-16 each
 
 
-def place(arch: str) -> str:
+def resolve_arch(arch: str) -> str:
     """Where a run with this ``arch`` is: "cpu", "cuda" or "vulkan". ``gpu`` is the first of these GPUs that is there,
     or else the processor; one that is asked for by name and is not there is a :class:`SceneError`."""
     if arch == CPU:
@@ -48,35 +48,35 @@ def probe_device(kind: str) -> dict:
     """What there is of a kind: its ``name`` if it tells one, whether it is ``software`` on the processor, and None or
     why it is ``missing``."""
     try:
-        return ask_fresh(f"{__name__}:probe", {"kind": kind}, patience=PATIENCE)
+        return ask_fresh(f"{__name__}:probe_in_process", {"kind": kind}, patience=TIMEOUT)
     except ProcessDied as error:
         return {"name": "", "software": False, "missing": f"the process that looked for one {error}"}
 
 
 @ti.kernel
-def add_up(terms: ti.i32, total: reals):
+def add_reciprocals(terms: ti.i32, total: reals):
     """Add 1, 1/2, 1/3, ... to the total, all at once."""
     for k in range(terms):
         ti.atomic_add(total[0], 1.0 / (k + 1))
 
 
-def probe(question: dict, answer: Callable[[dict], None]) -> None:
+def probe_in_process(question: dict, answer: Callable[[dict], None]) -> None:
     """What the process does that looks for a kind."""
     kind, total = question["kind"], np.zeros(1)
-    with _told() as told:  # where Taichi's own code writes which device it takes
+    with _capture_stderr() as told:  # where Taichi's own code writes which device it takes
         ti.init(arch=getattr(ti, kind), default_fp=ti.f64, verbose=False, log_level=ti.TRACE)
         runs = runtime.running_arch()
         if runs == kind:
-            add_up(TERMS, total)
+            add_reciprocals(TERMS, total)
     names = re.findall(r"Vulkan Device \"(.+?)\" supports", told())
     name = names[-1] if names else ""
     wrong = abs(total[0] - np.sum(1 / np.arange(1, TERMS + 1))) > ROUNDING
     missing = "Taichi sees none" if runs != kind else "what there is adds wrongly" if wrong else None
-    answer({"name": name, "software": any(word in name.lower() for word in SOFTWARE), "missing": missing})
+    answer({"name": name, "software": any(word in name.lower() for word in SOFTWARE_DEVICES), "missing": missing})
 
 
 @contextlib.contextmanager
-def _told() -> Iterator[Callable[[], str]]:
+def _capture_stderr() -> Iterator[Callable[[], str]]:
     """What is written to standard error meanwhile, by native code too."""
     with tempfile.TemporaryFile() as file:
         before = os.dup(2)

@@ -15,10 +15,10 @@ import numpy as np
 RATIOS = {"index": "estimate", "distance": "difference"}
 
 #: Around arithmetic with what a run gone bad left.
-UNBOUNDED = np.errstate(over="ignore", invalid="ignore", divide="ignore")
+IGNORE_OVERFLOW = np.errstate(over="ignore", invalid="ignore", divide="ignore")
 
 
-@UNBOUNDED
+@IGNORE_OVERFLOW
 def summary(series: np.ndarray) -> dict[str, float | None]:
     """Sum up a series.
 
@@ -45,7 +45,7 @@ def largest(values: np.ndarray) -> float | None:
     return float(known.max()) if len(known) else None
 
 
-@UNBOUNDED
+@IGNORE_OVERFLOW
 def error_index(norms: np.ndarray, true: np.ndarray, rounding: float = 0.0) -> float | None:
     """The paper's eq 35: the sum over time of norms over that of the true error's norms.
 
@@ -62,12 +62,12 @@ def error_index(norms: np.ndarray, true: np.ndarray, rounding: float = 0.0) -> f
     float or None
         None where there was no error but rounding, or nothing is known of it.
     """
-    if nothing_but_rounding(true, rounding):
+    if is_only_rounding(true, rounding):
         return None
-    return finite(float(_over(np.sum(norms), np.sum(true))))
+    return finite(float(_sum_ratio(np.sum(norms), np.sum(true))))
 
 
-def nothing_but_rounding(true: np.ndarray, rounding: float) -> bool:
+def is_only_rounding(true: np.ndarray, rounding: float) -> bool:
     """Whether a true error (T,) is known and never exceeds what ``rounding`` may make."""
     return bool(np.isfinite(true).any()) and not (np.isnan(true) | (true > rounding)).any()
 
@@ -78,7 +78,7 @@ class RunningIndex:
     def __init__(self) -> None:
         self._norms = self._true = self._excess = 0.0
 
-    @UNBOUNDED
+    @IGNORE_OVERFLOW
     def extend(self, norms: np.ndarray, true: np.ndarray, rounding: np.ndarray | float = 0.0) -> np.ndarray:
         """The index up to each of these further times (T,), from the norms at them; NaN where there is none, as long as
         no true error has exceeded the ``rounding`` up to its time."""
@@ -86,10 +86,10 @@ class RunningIndex:
         self._norms, self._true = float(sums[-1]), float(true_sums[-1])
         excess = np.maximum(self._excess, np.maximum.accumulate(true - rounding))
         self._excess = float(excess[-1])
-        return np.where(excess > 0, _over(sums, true_sums), np.nan)
+        return np.where(excess > 0, _sum_ratio(sums, true_sums), np.nan)
 
 
-def _over(sums: np.ndarray, true_sums: np.ndarray) -> np.ndarray:
+def _sum_ratio(sums: np.ndarray, true_sums: np.ndarray) -> np.ndarray:
     return np.where(true_sums > 0, sums / true_sums, np.nan)
 
 

@@ -13,17 +13,17 @@ from solvers.motion.separable_field import SeparableField
 
 #: How many functions of time and harmonics a table has, and at which entries series, modes and present values begin.
 RANK, HARMONICS, SERIES, MODES, PRESENT = range(5)
-FACTS = 5
+SIZES_PER_TABLE = 5
 FORCE, TONE, MOTION, GRID = range(4)  # tables of a body: its force, the second tone of it, its motion, nodes' a
 
 
-def pack(*tables: tuple[SeparableField | None, np.ndarray | None]) -> tuple[np.ndarray, np.ndarray]:
+def pack_tables(*tables: tuple[SeparableField | None, np.ndarray | None]) -> tuple[np.ndarray, np.ndarray]:
     """Sizes (5 n,) and entries (N, 4) of n tables, each with its modes as entries; one that is not there has rank 0.
     The first entry is not used."""
     sizes, parts, entries = [], [np.zeros((1, 4))], 1
     for table, modes in tables:
         if table is None or modes is None:
-            sizes += [0] * FACTS
+            sizes += [0] * SIZES_PER_TABLE
             continue
         waves = np.zeros((1 + table.harmonics, table.rank, 4))
         waves[0, :, 0] = table.series[:, 0]
@@ -35,7 +35,7 @@ def pack(*tables: tuple[SeparableField | None, np.ndarray | None]) -> tuple[np.n
     return np.array(sizes, np.int32), np.concatenate(parts)
 
 
-def of_pairs(table: SeparableField | None) -> tuple[SeparableField | None, np.ndarray | None]:
+def pair_table(table: SeparableField | None) -> tuple[SeparableField | None, np.ndarray | None]:
     """A field of vectors whose modes lie two to an entry, of an even number of them."""
     if table is None:
         return None, None
@@ -46,14 +46,14 @@ def of_pairs(table: SeparableField | None) -> tuple[SeparableField | None, np.nd
     return SeparableField(modes, series, table.angular_frequency), modes.reshape(-1, 4)
 
 
-def of_vectors(table: SeparableField | None) -> tuple[SeparableField | None, np.ndarray | None]:
+def vector_table(table: SeparableField | None) -> tuple[SeparableField | None, np.ndarray | None]:
     """A field of vectors, a mode to an entry: (x, y, 0, 0)."""
     if table is None:
         return None, None
     return table, np.pad(table.modes.reshape(-1, 2), ((0, 0), (0, 2)))
 
 
-def of_motions(table: SeparableField | None) -> tuple[SeparableField | None, np.ndarray | None]:
+def motion_entries(table: SeparableField | None) -> tuple[SeparableField | None, np.ndarray | None]:
     """A field of u and Grad u (P, r, 6), a mode to two entries: (u_x, u_y, 0, 0) and Grad u."""
     if table is None:
         return None, None
@@ -61,9 +61,9 @@ def of_motions(table: SeparableField | None) -> tuple[SeparableField | None, np.
 
 
 @ti.func
-def fact(body: ti.template(), number: ti.template(), which: ti.template()):
+def size_of(body: ti.template(), number: ti.template(), which: ti.template()):
     """Of the sizes of a body's table."""
-    return body.table_sizes[ti.static(FACTS * number + which)]
+    return body.table_sizes[ti.static(SIZES_PER_TABLE * number + which)]
 
 
 @ti.func
@@ -91,7 +91,7 @@ def find_pair_functions(tables: ti.template(), sizes: ti.template(), number: ti.
     """``scale`` T_k at an angle of the first harmonic, of a table of pairs: (T_2k, T_2k, T_2k+1, T_2k+1) an entry.
 
     Each for itself, harmonics by recurrence: on a GPU the outermost loop is spread over threads."""
-    base = ti.static(FACTS * number)
+    base = ti.static(SIZES_PER_TABLE * number)
     rank, at, out = sizes[base + RANK], sizes[base + SERIES], sizes[base + PRESENT]
     for k in range(rank // 2):
         a, b = tables[at + 2 * k][0], tables[at + 2 * k + 1][0]
@@ -108,7 +108,7 @@ def find_pair_functions(tables: ti.template(), sizes: ti.template(), number: ti.
 @ti.func
 def pair_sum(tables: ti.template(), sizes: ti.template(), number: ti.template(), place):
     """The vector of a field of pairs at a place, with the functions that were found last."""
-    base = ti.static(FACTS * number)
+    base = ti.static(SIZES_PER_TABLE * number)
     pairs, modes, now = sizes[base + RANK] // 2, sizes[base + MODES], sizes[base + PRESENT]
     total = ti.Vector([0.0, 0.0, 0.0, 0.0])
     for k in range(pairs):
@@ -120,7 +120,7 @@ def pair_sum(tables: ti.template(), sizes: ti.template(), number: ti.template(),
 def find_functions(tables: ti.template(), sizes: ti.template(), number, frequency, now, before):
     """(T_k, T_k', T_k'' at the angle ``before``, T_k there) of a table at the angle ``now``, of harmonics of a
     ``frequency`` in 1/s: the acceleration that a method has is that of its last step."""
-    base = FACTS * number
+    base = SIZES_PER_TABLE * number
     rank, at, out = sizes[base + RANK], sizes[base + SERIES], sizes[base + PRESENT]
     for k in range(rank):
         mean = tables[at + k][0]

@@ -14,7 +14,7 @@ from solvers.scene.scene import Scene
 
 ROUNDINGS = 100.0
 EPS = float(np.finfo(float).eps)
-LENGTH = 1.0  # m: no coordinate is much larger while a body does not drift
+LARGEST_COORDINATE = 1.0  # m: no coordinate is much larger while a body does not drift
 
 
 def rounding(scene: Scene, quantity: str, steps: Any) -> Any:
@@ -24,11 +24,11 @@ def rounding(scene: Scene, quantity: str, steps: Any) -> Any:
     # velocities that are rounded make of F; of a the forces at a node before they cancel.
     drift, stretch = scene.drift_speed, max(1.0, scene.initial_stretch)
     stress = scene.modulus * stretch * (1 + drift * scene.time_step / scene.spacing)
-    largest = {"x": LENGTH + drift * scene.end_time, "v": scene.wave_speed + drift, "sigma": stress,
+    largest = {"x": LARGEST_COORDINATE + drift * scene.end_time, "v": scene.wave_speed + drift, "sigma": stress,
                "a": stress / (scene.density * scene.spacing)}[quantity]
     return ROUNDINGS * EPS * np.sqrt(np.maximum(1.0, steps)) * largest
 
 
-def sentence(limit: float) -> str:
+def rounding_sentence(limit: float) -> str:
     """Why there is no index, where rounding may make errors up to ``limit``."""
     return f"nothing but rounding: the true error never exceeds {limit:.2g}, which rounding alone may make"

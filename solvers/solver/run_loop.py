@@ -12,8 +12,8 @@ from solvers.scene.kernel_options import KernelOptions
 from solvers.solver.base import CRUSHED, ESCAPED, INVERTED, MEASURE, REPORT, SOUND, STEP
 
 CHECK_EVERY = 8  # steps between two looks for a run that has gone bad
-FLATTEST = 1e-3  # det F below which a particle counts as crushed; the exact bar stays above 1 - 2 pi A
-NO_NUMBER = -1e300  # stands for a det F that is not a number: flatter than any
+MIN_JACOBIAN = 1e-3  # det F below which a particle counts as crushed; the exact bar stays above 1 - 2 pi A
+NAN_JACOBIAN = -1e300  # stands for a det F that is not a number: flatter than any
 
 
 class Phases(NamedTuple):
@@ -121,17 +121,17 @@ def sample_effects(state: ti.template(), row, step, samplers: ti.template(), on:
 
 
 @ti.func
-def check(state: ti.template(), step, flatness: ti.template(), has_escaped: ti.template()):
+def check_particles(state: ti.template(), step, jacobian: ti.template(), has_escaped: ti.template()):
     """Stop a run with a particle with det F, which ``flatness(state, p)`` gives, <= 0, tiny or NaN, the flattest of
     them, or else the first for which ``has_escaped(state, p, step)`` says that none of a sound run is there.
 
     Without the middle one a run that collapses, all particles in a few clusters, would go on for ever.
     """
-    flattest, bad = FLATTEST, -1
+    flattest, bad = MIN_JACOBIAN, -1
     for p in range(state.particles):
-        J = flatness(state, p)
+        J = jacobian(state, p)
         if not J >= flattest:  # true for NaN too
-            flattest, bad = NO_NUMBER if ti.math.isnan(J) else J, p
+            flattest, bad = NAN_JACOBIAN if ti.math.isnan(J) else J, p
             state.verdict[0] = CRUSHED if J > 0 else INVERTED
         elif bad < 0 and has_escaped(state, p, step):
             bad = p

@@ -1,6 +1,6 @@
 """Samples: what a kernel writes about a run every so many steps, and how it reads afterwards.
 
-A sample is one row of sums over particles; :func:`read` turns rows into named series of RMS norms. The same
+A sample is one row of sums over particles; :func:`read_rows` turns rows into named series of RMS norms. The same
 columns serve every problem, so that results, plots and the page need to know only names.
 """
 
@@ -19,33 +19,33 @@ QUANTITIES = ("x", "v", "sigma", "a")
 #: ``motion_0`` ... are sums of displacements for ``solvers.scene.momentum_balance``, ``margin`` is dt over its bound;
 #: what is
 #: switched off stays NaN.
-BASE = ("step", "error_x", "error_v", "error_sigma", "error_a", "error_extra", "kinetic", "strain", "work", "crossings",
-        "neighbour_gap", "mean_drift", "out_of_shape", "displacement_mismatch", "place", "motion_square",
-        *(f"motion_{k}" for k in range(MODES)), "margin")
-MARGIN = BASE.index("margin")  # which the host fills in, once for every stretch of steps
-LOOKS = slice(BASE.index("neighbour_gap"), MARGIN + 1)  # the columns that only some samples have
+BASE_COLUMNS = ("step", "error_x", "error_v", "error_sigma", "error_a", "error_extra", "kinetic", "strain", "work",
+                "crossings", "neighbour_gap", "mean_drift", "out_of_shape", "displacement_mismatch", "place",
+                "motion_square", *(f"motion_{k}" for k in range(MODES)), "margin")
+MARGIN = BASE_COLUMNS.index("margin")  # which the host fills in, once for every stretch of steps
+LOOKS = slice(BASE_COLUMNS.index("neighbour_gap"), MARGIN + 1)  # the columns that only some samples have
 #: Columns of each estimator: squares of the estimate and of its difference from the true error.
-EACH = tuple(f"{kind}_{q}" for kind in ("estimate", "difference") for q in QUANTITIES)
+ESTIMATOR_COLUMNS = tuple(f"{kind}_{q}" for kind in ("estimate", "difference") for q in QUANTITIES)
 #: Columns of the effect of that name, behind it.
 BUDGET = tuple(f"budget/{name}" for name in ALL["budget"].columns)
-SQUARES = ("error_", "estimate_", "difference_", "size_")  # what begins so is a sum of squares
-ROWS = 512  # that fit before the host has to collect them
+SQUARE_PREFIXES = ("error_", "estimate_", "difference_", "size_")  # what begins so is a sum of squares
+MAX_ROWS = 512  # that fit before the host has to collect them
 
 
-def columns(estimators: tuple[str, ...], effects: tuple[str, ...]) -> list[str]:
+def column_names(estimators: tuple[str, ...], effects: tuple[str, ...]) -> list[str]:
     """What the numbers in a row are, by name, of a run with these estimators and effects, in its order: those of an
     effect behind its name."""
-    return [*BASE, *(f"{estimator}/{name}" for estimator in estimators for name in EACH),
+    return [*BASE_COLUMNS, *(f"{estimator}/{name}" for estimator in estimators for name in ESTIMATOR_COLUMNS),
             *(f"{effect}/{name}" for effect in effects for name in ALL[effect].columns)]
 
 
-def column(name: str, on: KernelOptions | None = None) -> int:
+def column_index(name: str, on: KernelOptions | None = None) -> int:
     """The index of a base column, for kernels (use inside ``ti.static``); with ``on`` of any column of the run,
     such as ``spin/torque``."""
-    return BASE.index(name) if on is None else columns(on.estimators, on.effects).index(name)
+    return BASE_COLUMNS.index(name) if on is None else column_names(on.estimators, on.effects).index(name)
 
 
-def read(rows: np.ndarray, scene: Scene, particles: int, margin_unit: float = 1.0) -> dict[str, np.ndarray]:
+def read_rows(rows: np.ndarray, scene: Scene, particles: int, margin_unit: float = 1.0) -> dict[str, np.ndarray]:
     """Rows of samples as named series.
 
     Parameters
@@ -68,13 +68,13 @@ def read(rows: np.ndarray, scene: Scene, particles: int, margin_unit: float = 1.
         part of it that the cause has made, mean(e_c e)/RMS(e), and ``budget/size_x_crossings``, the RMS of e_c. Columns
         of other effects as they are: ``spin/torque``.
     """
-    names = columns(scene.active_estimators, scene.active_effects)
-    as_they_are = {*columns((), scene.active_effects)} - {*BASE, *BUDGET}
+    names = column_names(scene.active_estimators, scene.active_effects)
+    as_they_are = {*column_names((), scene.active_effects)} - {*BASE_COLUMNS, *BUDGET}
     series = dict(zip(names, rows.T.copy(), strict=True))
     series["time"] = series.pop("step") * scene.time_step
     series["margin"] *= margin_unit
     for name, values in series.items():
-        if name not in as_they_are and name.rpartition("/")[2].startswith(SQUARES):
+        if name not in as_they_are and name.rpartition("/")[2].startswith(SQUARE_PREFIXES):
             np.sqrt(values / particles, out=values)
     for name in BUDGET:
         if name in series and "/part_" in name:

@@ -42,7 +42,7 @@ class Values(NamedTuple):
     velocity: np.ndarray
     stress: np.ndarray
 
-    def less(self, errors: "Values") -> "Values":
+    def without(self, errors: "Values") -> "Values":
         """What they would be without these errors."""
         return Values(*(mine - theirs for mine, theirs in zip(self, errors, strict=True)))
 

@@ -15,12 +15,12 @@ import numpy as np
 
 from solvers.scene import estimator_registry
 from solvers.scene.scene import Scene
-from solvers.solver.error_norms import UNBOUNDED, largest
+from solvers.solver.error_norms import IGNORE_OVERFLOW, largest
 
 OK, UNSTABLE, LOST = "ok", "unstable", "lost"
 BROKEN = (UNSTABLE, LOST)
 NOUNS = {"v": "velocity", "sigma": "stress", "a": "acceleration"}
-MOST_ERROR = 0.5  # of x, in amplitudes of the motion: beyond it a run says nothing about where its particles are
+LOST_FROM = 0.5  # of x, in amplitudes of the motion: beyond it a run says nothing about where its particles are
 
 
 @dataclass(frozen=True)
@@ -48,7 +48,7 @@ CONTRADICTIONS: dict[str, Contradiction] = {rule.name: rule for rule in (
     Contradiction("displacement_mismatch", 0.4,
                   "displacements no longer add up to what the deformation says (off by {size} of the amplitude)"),
     # A lower bound of the error, but for that of the balance, a hundredth or less.
-    Contradiction("balance_gap", MOST_ERROR,
+    Contradiction("balance_gap", LOST_FROM,
                   "the particles do not stand where the balance of momentum brings them (off by {size} of the "
                   "amplitude)"),
 )}
@@ -67,7 +67,7 @@ class Finding:
 
 def findings(scene: Scene, series: Mapping[str, np.ndarray]) -> dict[str, Finding]:
     """What each rule, the truth and each estimator that judges was first to find in the ``series`` of a run
-    (:func:`solvers.solver.samples.read`), keyed by their names.
+    (:func:`solvers.solver.samples.read_rows`), keyed by their names.
 
     The truth, where it is on, and the estimators count from an error of half the motion's amplitude on.
     """
@@ -75,12 +75,12 @@ def findings(scene: Scene, series: Mapping[str, np.ndarray]) -> dict[str, Findin
     A, judges = scene.motion_amplitude, [n for n in scene.active_estimators if estimator_registry.ESTIMATORS[n].judges]
     rules = {name: (series[name], rule.most + (scene.lattice_gap if name == "neighbour_gap" else 0.0), A, rule.sentence)
              for name, rule in CONTRADICTIONS.items()}
-    rules["error_x"] = (series["error_x"], MOST_ERROR, A, "the particles have lost the solution (the true error of x "
+    rules["error_x"] = (series["error_x"], LOST_FROM, A, "the particles have lost the solution (the true error of x "
                                                           "is {size} of the amplitude)")
     for name in judges:
         sentence = f"the particles have lost the solution ({name} puts the error of x at {{size}} of the amplitude)"
-        rules[name] = (series[f"{name}/estimate_x"], MOST_ERROR, A, sentence)
-    for quantity, most in scene.lost_from.items():
+        rules[name] = (series[f"{name}/estimate_x"], LOST_FROM, A, sentence)
+    for quantity, most in scene.loss_limits.items():
         noun, unit = NOUNS[quantity], scene.size_of(quantity)
         rules[f"error_{quantity}"] = (series[f"error_{quantity}"], most, unit,
                                       f"the {noun} is not what it should be (its true error is {{size}} of it)")
@@ -88,18 +88,18 @@ def findings(scene: Scene, series: Mapping[str, np.ndarray]) -> dict[str, Findin
             sentence = f"the {noun} is not what it should be ({name} puts its error at {{size}} of it)"
             rules[f"{name}/{quantity}"] = (series[f"{name}/estimate_{quantity}"], most, unit, sentence)
     return {name: found for name, (values, most, unit, sentence) in rules.items()
-            if (found := _first(series, values, most, unit, sentence))}
+            if (found := _first_exceedance(series, values, most, unit, sentence))}
 
 
-def earliest(found: Mapping[str, Finding], not_valid: Collection[str]) -> Finding | None:
+def earliest_finding(found: Mapping[str, Finding], not_valid: Collection[str]) -> Finding | None:
     """The first of several findings, but for those of estimators that do not hold: from there on a run is lost. None
     where nothing was found, which is no proof."""
     return min((finding for name, finding in found.items() if name.partition("/")[0] not in not_valid),
                key=lambda one: one.time, default=None)
 
 
-def _first(series: Mapping[str, np.ndarray], values: np.ndarray, most: float, unit: float,
-           sentence: str) -> Finding | None:
+def _first_exceedance(series: Mapping[str, np.ndarray], values: np.ndarray, most: float, unit: float,
+                      sentence: str) -> Finding | None:
     beyond = np.flatnonzero(values > most * unit)  # NaN, of what is switched off, is not
     if not len(beyond):
         return None
@@ -109,7 +109,7 @@ def _first(series: Mapping[str, np.ndarray], values: np.ndarray, most: float, un
     return Finding(time, sentence.format(size=f"{size:.2g}"), size, int(known[-1]) if len(known) else None)
 
 
-@UNBOUNDED
+@IGNORE_OVERFLOW
 def balance_gap(scene: Scene, series: Mapping[str, np.ndarray]) -> np.ndarray:
     """How far the particles are at least, as RMS in m, from the motion that the balance of momentum makes (T,); NaN
     where it was not looked for or cannot be followed."""
@@ -122,7 +122,7 @@ def balance_gap(scene: Scene, series: Mapping[str, np.ndarray]) -> np.ndarray:
     return gap
 
 
-@UNBOUNDED
+@IGNORE_OVERFLOW
 def evidence(scene: Scene, series: Mapping[str, np.ndarray]) -> dict[str, float | None]:
     """The largest share of the motion's amplitude that each kind of evidence reached, None where it was not looked
     for; for the JSON object."""

@@ -16,7 +16,7 @@ from solvers.kernels.dtypes import Integer, Integers, Matrix, Quads, Real, Reals
 from solvers.scene.estimator_hooks import NEVER, EstimatorHooks
 from solvers.scene.kernel_options import KernelOptions
 from solvers.scene.scene import Scene
-from solvers.solver.samples import ROWS, columns
+from solvers.solver.samples import MAX_ROWS, column_names
 
 ALIGNMENT = 64  # bytes: a cache line, and the widest vector, of eight numbers
 REMEDY_TIME = 0.3  # tau c/h: how fast filter and coupling work, in the time that a wave takes through a cell
@@ -29,7 +29,7 @@ class Members:
 
     def __post_init__(self) -> None:
         for field in fields(self):
-            setattr(self, field.name, aligned(getattr(self, field.name)))
+            setattr(self, field.name, align(getattr(self, field.name)))
 
     @classmethod
     @functools.cache
@@ -62,7 +62,8 @@ class Diagnostics(Members):
         return {**super().members(), **self.memory}
 
 
-def watch(scene: Scene, on: KernelOptions, particles: int, farthest: float, hooks: dict[str, EstimatorHooks]) -> dict:
+def initial_diagnostics(scene: Scene, on: KernelOptions, particles: int, farthest: float,
+                        hooks: dict[str, EstimatorHooks]) -> dict:
     """The members of a :class:`Diagnostics` at the start of a run of so many particles."""
     intervals = [hooks[name].interval(scene) for name in scene.active_estimators]
     return {"sample_interval": scene.sample_interval, "look_interval": scene.look_interval,
@@ -70,7 +71,7 @@ def watch(scene: Scene, on: KernelOptions, particles: int, farthest: float, hook
             "last_crossing": np.full(particles if on.crossings else 1, -1, np.int32),
             "estimate": zeros(len(on.estimators) * particles, 4, when=bool(on.estimators)),
             "estimate_intervals": np.array(intervals or [NEVER], np.int32), "memory": allocate_memory(hooks, scene),
-            "samples": np.full((ROWS, len(columns(on.estimators, on.effects))), np.nan),
+            "samples": np.full((MAX_ROWS, len(column_names(on.estimators, on.effects))), np.nan),
             "verdict": np.zeros(3, np.int32)}
 
 
@@ -86,11 +87,11 @@ def zeros(length: int, width: int | None = None, *, when: bool = True, kind: typ
     return np.zeros(length if width is None else (length, width), kind)
 
 
-def aligned(value: Any) -> Any:
+def align(value: Any) -> Any:
     """A copy of an array, or of every array of a mapping, that starts at a multiple of ``ALIGNMENT``; numpy itself
     promises 16 bytes only. Anything else as it is."""
     if isinstance(value, dict):
-        return {name: aligned(item) for name, item in value.items()}
+        return {name: align(item) for name, item in value.items()}
     if not isinstance(value, np.ndarray):
         return value
     buffer = np.empty(value.nbytes + ALIGNMENT, np.uint8)

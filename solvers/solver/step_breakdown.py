@@ -32,8 +32,8 @@ class Links:
     slope: np.ndarray
 
 
-def link(particle: int, nodes: np.ndarray, weights: Callable[[np.ndarray], tuple[np.ndarray, np.ndarray]],
-         images: Callable[[int], Iterable[Image]]) -> Links:
+def find_links(particle: int, nodes: np.ndarray, weights: Callable[[np.ndarray], tuple[np.ndarray, np.ndarray]],
+               images: Callable[[int], Iterable[Image]]) -> Links:
     """Find them. ``nodes`` (P, M) are of each particle, some perhaps several times, ``weights`` gives S (c, M) and its
     gradient (c, M, D) of some particles (c,), and ``images`` all nodes that are summed with one."""
     S, dS = weights(np.array([particle]))
@@ -57,7 +57,7 @@ def link(particle: int, nodes: np.ndarray, weights: Callable[[np.ndarray], tuple
 
 
 @dataclass(frozen=True)
-class Carried:
+class ParticleState:
     """What k particles carry: x in m, v in m/s (k, D), F and Cauchy's stress in Pa (k, D, D)."""
 
     position: np.ndarray
@@ -65,14 +65,14 @@ class Carried:
     deformation_gradient: np.ndarray
     stress: np.ndarray
 
-    def seen(self, links: Links) -> "Carried":
+    def mirror(self, links: Links) -> "ParticleState":
         """That of the members, as they appear from the particle in front."""
         p, signs = links.members, links.signs
-        return Carried(signs * self.position[p] + links.shift, signs * self.velocity[p],
-                       flipped(self.deformation_gradient[p], signs), flipped(self.stress[p], signs))
+        return ParticleState(signs * self.position[p] + links.shift, signs * self.velocity[p],
+                             mirror_tensors(self.deformation_gradient[p], signs), mirror_tensors(self.stress[p], signs))
 
 
-def flipped(tensors: np.ndarray, signs: np.ndarray) -> np.ndarray:
+def mirror_tensors(tensors: np.ndarray, signs: np.ndarray) -> np.ndarray:
     """Tensors (k, D, D) mirrored along the directions whose ``signs`` (k, D) are -1."""
     return signs[:, :, None] * tensors * signs[:, None, :]
 
@@ -94,8 +94,8 @@ class StepBreakdown:
     time_step: float
     spacing: float
     links: Links
-    before: Carried
-    after: Carried
+    before: ParticleState
+    after: ParticleState
     mass: np.ndarray
     place: np.ndarray
     edges: np.ndarray

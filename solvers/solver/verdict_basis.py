@@ -12,13 +12,13 @@ import numpy as np
 
 from solvers.scene import estimator_registry
 from solvers.scene.scene import Scene
-from solvers.solver.error_norms import UNBOUNDED, largest
+from solvers.solver.error_norms import IGNORE_OVERFLOW, largest
 from solvers.solver.samples import QUANTITIES
 from solvers.solver.soundness import NOUNS, balance_gap
 
-AS_LARGE = 1.0  # an error, as RMS over particles, over the quantity's own RMS over particles and a period
+LARGE_ERROR = 1.0  # an error, as RMS over particles, over the quantity's own RMS over particles and a period
 POSITIONS_HOLD = "positions hold, but "
-SELDOM = 0.2  # periods from one sample to the next, beyond which errors come and go unseen
+LONG_SAMPLE_INTERVAL = 0.2  # periods from one sample to the next, beyond which errors come and go unseen
 
 
 @dataclass(frozen=True)
@@ -31,9 +31,9 @@ class LargeRelativeError:
     by: str
 
 
-@UNBOUNDED
-def as_large_as_itself(scene: Scene, series: Mapping[str, np.ndarray],
-                       not_valid: Collection[str] = ()) -> dict[str, LargeRelativeError]:
+@IGNORE_OVERFLOW
+def large_errors(scene: Scene, series: Mapping[str, np.ndarray],
+                 not_valid: Collection[str] = ()) -> dict[str, LargeRelativeError]:
     """Of v, sigma and a those that were once as wrong as they are large, by the truth where it is on, else by an
     estimator that judges and holds."""
     judges, found = _judges(scene, not_valid), {}
@@ -42,7 +42,7 @@ def as_large_as_itself(scene: Scene, series: Mapping[str, np.ndarray],
         known = [("truth", f"error_{quantity}")] if scene.has("truth") else \
             [(name, f"{name}/estimate_{quantity}") for name in judges]
         for who, name in known:
-            beyond = np.flatnonzero(series[name] > AS_LARGE * unit)
+            beyond = np.flatnonzero(series[name] > LARGE_ERROR * unit)
             if len(beyond):
                 size = largest(series[name]) or np.inf
                 found[quantity] = LargeRelativeError(float(series["time"][beyond[0]]), size / unit, who)
@@ -55,23 +55,23 @@ def _judges(scene: Scene, not_valid: Collection[str]) -> list[str]:
             if estimator_registry.ESTIMATORS[name].judges and name not in not_valid]
 
 
-def merged(before: Mapping[str, LargeRelativeError],
-           now: Mapping[str, LargeRelativeError]) -> dict[str, LargeRelativeError]:
+def merge(before: Mapping[str, LargeRelativeError],
+          now: Mapping[str, LargeRelativeError]) -> dict[str, LargeRelativeError]:
     """What was found in earlier samples and in later ones, as if all had been judged together."""
     return {**now, **{quantity: replace(one, size=max(one.size, now[quantity].size if quantity in now else 0.0))
                       for quantity, one in before.items()}}
 
 
-def sentence(found: Mapping[str, LargeRelativeError]) -> str | None:
+def warning(found: Mapping[str, LargeRelativeError]) -> str | None:
     """What a verdict that is ok for the positions says of the others; None where there is nothing to say."""
     parts = [f"the {NOUNS[quantity]} is off by up to {one.size:.2g} times its own size, from t = {one.since:.4g} s on"
              + f" ({one.by} says so)" * (one.by != "truth") for quantity, one in found.items()]
     return f"{POSITIONS_HOLD}{'; '.join(parts)}" if parts else None
 
 
-def checked(scene: Scene, not_valid: Collection[str], balance: bool) -> dict[str, list[str]]:
+def checked_by(scene: Scene, not_valid: Collection[str], balance: bool) -> dict[str, list[str]]:
     """For each of x, v, sigma and a what it was held against: "truth", estimators that judge and hold, and for x
-    "contradictions" and, among them, the ``balance`` of momentum, if it was :func:`followed`."""
+    "contradictions" and, among them, the ``balance`` of momentum, if it was :func:`motion_known`."""
     held = {q: ["truth"] * scene.has("truth") + _judges(scene, not_valid) for q in QUANTITIES}
     if not scene.has("acceleration"):
         held["a"] = []
@@ -80,8 +80,8 @@ def checked(scene: Scene, not_valid: Collection[str], balance: bool) -> dict[str
     return held
 
 
-def not_checked(scene: Scene, held: Mapping[str, list[str]]) -> str | None:
-    """What of :func:`checked` is missing, in one sentence; None where each quantity was held against something."""
+def unchecked(scene: Scene, held: Mapping[str, list[str]]) -> str | None:
+    """What of :func:`checked_by` is missing, in one sentence; None where each quantity was held against something."""
     if not held["x"]:
         return ("nothing was checked but that numbers stay finite and no particle turns inside out: switch on the "
                 "effect soundness or truth, or the estimator companion")
@@ -94,13 +94,13 @@ def not_checked(scene: Scene, held: Mapping[str, list[str]]) -> str | None:
         parts.append(f"{' and '.join(', '.join(alone).rsplit(', ', 1))} were held against nothing: the effect truth or "
                      "the estimator companion would")
     apart = scene.sample_interval * scene.time_step / scene.period
-    if apart > SELDOM and scene.sample_interval > 1:
+    if apart > LONG_SAMPLE_INTERVAL and scene.sample_interval > 1:
         parts.append(f"what happened between two samples, {apart:.2g} periods apart, was not looked at: give a smaller "
                      "--sample-every")
     return "; ".join(parts) or None
 
 
-def followed(scene: Scene, series: Mapping[str, np.ndarray]) -> bool:
+def motion_known(scene: Scene, series: Mapping[str, np.ndarray]) -> bool:
     """Whether the motion that the balance of momentum makes was known at the last look for contradictions."""
     looked = np.flatnonzero(~np.isnan(series["motion_square"]))[-1:]
     last = {name: series[name][looked] for name in series if name == "time" or name.startswith("motion_")}

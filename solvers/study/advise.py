@@ -108,12 +108,12 @@ def advise(choices: list[Family], goal: Goal,
         What is known of a family's member with so many cells, None for nothing.
     """
     search = _Search(choices, goal, on_look, on_point, recall)
-    search.scout()
-    search.look_at_all()
-    best = search.settle()
+    search.measure_scouts()
+    search.measure_all()
+    best = search.measure_until_cheapest()
     met = best.measured and best.error <= goal.tolerance
-    others = [family for family in choices if _name(family.scene) != _name(best.scene)]
-    search.look_at_runner_up(others)
+    others = [family for family in choices if _method_name(family.scene) != _method_name(best.scene)]
+    search.measure_runner_up(others)
     runner_up, why = _runner_up(others, best, goal, met)
     return Advice(goal, met, best, search.predicted.get((id(best.family), best.cells), best.error), runner_up, why,
                   search.looks)
@@ -129,37 +129,37 @@ class _Search:
         self.looks = 0  # members that were looked at: run, or recalled
         self.predicted: dict[tuple[int, int], float] = {}
 
-    def scout(self) -> None:
+    def measure_scouts(self) -> None:
         """A first answer, long before all is known: one family of each method, the refined methods first, each as far
         as it promises to be cheaper than what has been found so far."""
         followed: list[Family] = []
-        for family in scouts(self._choices):
-            self._look(family, COARSE[family.scene.DIMENSIONS])
+        for family in scout_families(self._choices):
+            self._measure_member(family, COARSE[family.scene.DIMENSIONS])
             followed.append(family)
             while True:
                 ranking, met = _ranking(followed, self._goal)
-                best = _settled(ranking, met, 0.0)
+                best = _accepted_candidate(ranking, met, 0.0)
                 if not met or best.measured or best.family.seconds(_next_cells(best)) > SCOUTED_SECONDS:
                     break
                 self._certain += 1
-                self._look(best.family, _next_cells(best))
+                self._measure_member(best.family, _next_cells(best))
 
-    def look_at_all(self) -> None:
+    def measure_all(self) -> None:
         """Every family on one coarse grid, and on a finer one where that was too coarse for anything."""
         for family in self._choices:
             if not family.points:
-                self._look(family, COARSE[family.scene.DIMENSIONS])
+                self._measure_member(family, COARSE[family.scene.DIMENSIONS])
         for family in self._choices:
             if len(family.points) == 1 and not math.isfinite(family.points[0].error):
-                self._look(family, 2 * family.points[0].cells)
+                self._measure_member(family, 2 * family.points[0].cells)
 
-    def settle(self) -> Candidate:
+    def measure_until_cheapest(self) -> Candidate:
         """Look at whatever is expected to be the cheapest, until that is one that has been run."""
         goal, coarse, begun = self._goal, self.looks, time.process_time()
         while True:
             ranking, met = _ranking(self._choices, goal)
             spent = time.process_time() - begun
-            best = _settled(ranking, met, spent)
+            best = _accepted_candidate(ranking, met, spent)
             if best.measured and met and spent <= PATIENCE + best.seconds:
                 # If families converged at full order from now on: coarse grids often show less.
                 hopes = (_cheapest(family, goal, HIGHEST_ORDER) for family in self._choices)
@@ -167,43 +167,43 @@ class _Search:
                            key=lambda c: c.seconds, default=best)
             if best.measured or self.looks >= coarse + MOST_LOOKS:
                 return best
-            if not met and self._dear(best):
+            if not met and self._is_too_expensive(best):
                 return best
-            self._look(best.family, _next_cells(best))
+            self._measure_member(best.family, _next_cells(best))
 
-    def look_at_runner_up(self, others: list[Family]) -> None:
+    def measure_runner_up(self, others: list[Family]) -> None:
         """A second member of the best family of other methods, of which much is hoped for want of one."""
         for _ in range(RUNNER_UP_LOOKS if others else 0):
             (other, *_), others_meet = _ranking(others, self._goal)
-            if other.measured or len(other.family.points) > 1 or not others_meet or self._dear(other):
+            if other.measured or len(other.family.points) > 1 or not others_meet or self._is_too_expensive(other):
                 return
-            self._look(other.family, _next_cells(other))
+            self._measure_member(other.family, _next_cells(other))
 
-    def _dear(self, candidate: Candidate) -> bool:
+    def _is_too_expensive(self, candidate: Candidate) -> bool:
         return candidate.family.seconds(_next_cells(candidate)) > self._goal.budget / SMALL_PART
 
-    def _look(self, family: Family, cells: int) -> None:
+    def _measure_member(self, family: Family, cells: int) -> None:
         self.looks += 1
         if family.points:
             self.predicted[(id(family), cells)] = family.error(cells)
         known = self._recall(family, cells)
         if known is None:
             self._on_look(self.looks, self._certain, family.member(cells))
-        self._on_point(family, family.measure(cells) if known is None else family.take(known))
+        self._on_point(family, family.measure(cells) if known is None else family.add_point(known))
 
 
-def scouts(choices: Iterable[Family]) -> list[Family]:
+def scout_families(choices: Iterable[Family]) -> list[Family]:
     """Of each method the family that is the most usual, the methods that are listed last first: each mends what the
     ones before it lack."""
     found: dict[str, Family] = {}
     for family in choices:
-        before = found.setdefault(_name(family.scene), family)
-        found[_name(family.scene)] = min(before, family, key=lambda one: (
+        before = found.setdefault(_method_name(family.scene), family)
+        found[_method_name(family.scene)] = min(before, family, key=lambda one: (
             abs(one.scene.ppc - USUAL_PPC), abs(one.scene.courant_number - USUAL_CFL)))
     return list(found.values())[::-1]
 
 
-def _settled(ranking: list[Candidate], met: bool, spent: float) -> Candidate:
+def _accepted_candidate(ranking: list[Candidate], met: bool, spent: float) -> Candidate:
     """The best candidate that has been run, unless one that has not promises to be clearly better and is worth a try:
     while the search has taken less than the run that it may make unnecessary."""
     measured = next((c for c in ranking if c.measured), None)
@@ -252,7 +252,7 @@ def _runner_up(others: list[Family], best: Candidate, goal: Goal, met: bool) -> 
     if not others:
         return None, "no other method was asked for"
     (other, *_), others_meet = _ranking(others, goal)
-    name = _name(other.scene)
+    name = _method_name(other.scene)
     if met and not others_meet:
         return other, (f"{name} does not get there: its error is {other.error:.2g} at {other.cells} cells and falls no "
                        "further within the budget")
@@ -262,5 +262,5 @@ def _runner_up(others: list[Family], best: Candidate, goal: Goal, met: bool) -> 
     return other, f"{name} needs {size}: {other.seconds / best.seconds:.2g} times the time"
 
 
-def _name(scene: Scene) -> str:
+def _method_name(scene: Scene) -> str:
     return f"linearity-preserving {scene.method}" if scene.linearity_preserving else scene.method

@@ -17,9 +17,9 @@ from solvers.scene.effects import EFFECTS
 from solvers.scene.scene import Scene
 from solvers.solver.error_norms import finite
 from solvers.solver.soundness import OK
-from solvers.study.advise import COARSE, Goal, advise, families, scouts
+from solvers.study.advise import COARSE, Goal, advise, families, scout_families
 from solvers.study.parameter_grid import Task, task_of
-from solvers.study.row import measure, of_scene
+from solvers.study.row import measure, row_of_scene
 from solvers.study.run_family import ESTIMATOR, Family, Point, forget_rates
 
 #: What a search chooses from unless it is told: the cheapest runs are often those of one particle per cell, or of steps
@@ -61,13 +61,13 @@ def search(fields: dict, tell: Callable[[dict], None]) -> None:
         tell({"trouble": NO_CHOICE})
         return
     if ready:
-        scouts(choices)[0].compile(COARSE[base.DIMENSIONS])
+        scout_families(choices)[0].compile(COARSE[base.DIMENSIONS])
         return
     forget_rates()  # of an earlier search by this process: its times were given away with its points
     recalled: set[str] = set()
 
     def recall(family: Family, cells: int) -> Point | None:
-        key = to_watch(family.member(cells)).key
+        key = task_to_watch(family.member(cells)).key
         if key not in job.known:
             return None
         recalled.add(key)
@@ -90,7 +90,7 @@ def search(fields: dict, tell: Callable[[dict], None]) -> None:
 
     advice = advise(choices, Goal(job.quantity, job.tolerance, job.budget), look, keep, recall)
     chosen = advice.chosen
-    tell({"advice": {"met": advice.met, "task": to_watch(chosen.scene).to_dict(), "measured": chosen.measured,
+    tell({"advice": {"met": advice.met, "task": task_to_watch(chosen.scene).to_dict(), "measured": chosen.measured,
                      "error": finite(chosen.error), "seconds": chosen.seconds, "why": advice.why,
                      "looks": advice.looks}})
 
@@ -98,16 +98,16 @@ def search(fields: dict, tell: Callable[[dict], None]) -> None:
 def point_row(family: Family, point: Point) -> dict:
     """A row (``solvers.study.row``) with what is known of the run: the estimate of one quantity, and the time of the
     bare run out of its steps, its particles and a rate that was measured alone. It has no true error: a search does
-    without. Its task is :func:`to_watch`."""
+    without. Its task is :func:`task_to_watch`."""
     scene = family.member(point.cells)
-    task, seconds = to_watch(scene), finite(family.seconds(point.cells))
+    task, seconds = task_to_watch(scene), finite(family.seconds(point.cells))
     estimate = {ESTIMATOR: {family.quantity: {"max": point.error}}} if math.isfinite(point.error) else {}
-    return {**of_scene(task, scene), "status": point.status, "reason": None if point.status == OK else point.reason,
+    return {**row_of_scene(task, scene), "status": point.status, "reason": None if point.status == OK else point.reason,
             "t": scene.end_time, "steps": scene.steps, "particles": scene.particles,
             "particle_steps": scene.steps * scene.particles, "error": {}, "estimate": estimate,
             "effects": list(scene.effects), "seconds": {} if seconds is None else {"min": seconds}}
 
 
-def to_watch(scene: Scene) -> Task:
+def task_to_watch(scene: Scene) -> Task:
     """The task of a scene with the estimator that a search goes by, and with every effect."""
     return task_of(replace(scene, estimators=(ESTIMATOR,), effects=tuple(EFFECTS)))

@@ -8,7 +8,7 @@ from dataclasses import asdict, dataclass
 
 import numpy as np
 
-from solvers.solver.error_norms import UNBOUNDED
+from solvers.solver.error_norms import IGNORE_OVERFLOW
 from solvers.solver.samples import QUANTITIES
 from solvers.solver.soundness import OK
 
@@ -30,11 +30,11 @@ class Slope:
         return self.factor * np.asarray(h) ** self.order
 
 
-@UNBOUNDED
-def slope(spacings: Sequence[float], errors: Sequence[float]) -> Slope | None:
+@IGNORE_OVERFLOW
+def fit_slope(spacings: Sequence[float], errors: Sequence[float]) -> Slope | None:
     """Least squares through the points with a positive error; None with fewer than two different h, and
     where the line is too steep for numbers."""
-    h, error = _usable(spacings, errors)
+    h, error = _positive_pairs(spacings, errors)
     if len(np.unique(h)) < 2:
         return None
     order, intercept = np.polyfit(np.log(h), np.log(error), 1)
@@ -74,36 +74,36 @@ class SpaceTimeSplit:
         return dt if self.least <= dt <= self.most else None
 
     @property
-    def space_rules(self) -> bool:
+    def space_dominates(self) -> bool:
         """Whether the error of space is the larger part at the longest step."""
         return self.space > self.factor * self.most**self.power
 
 
-@UNBOUNDED
-def balance(steps: Sequence[float], errors: Sequence[float]) -> SpaceTimeSplit | None:
+@IGNORE_OVERFLOW
+def fit_space_time(steps: Sequence[float], errors: Sequence[float]) -> SpaceTimeSplit | None:
     """Split the error at one h into what the step makes and what is left for dt -> 0, of first or second order.
 
     Relative residuals count, so that small errors do too. From where the error grows faster than any such power on, at
     the brink of stability, it is not looked at. None with fewer than three different steps, or errors too far apart.
     """
-    dt, error = _usable(steps, errors)
+    dt, error = _positive_pairs(steps, errors)
     steep = error[1:] > STEEP * error[:-1] * (dt[1:] / dt[:-1]) ** 2
     sound = int(np.argmax(steep)) + 1 if steep.any() else len(dt)
     dt, error = dt[:sound], error[:sound]
     if len(np.unique(dt)) < 3 or not error.max() / error.min() < WIDEST:
         return None
-    return min((_split(dt, error, power) for power in (1, 2)), key=lambda fit: fit.misfit)
+    return min((_fit_split(dt, error, power) for power in (1, 2)), key=lambda fit: fit.misfit)
 
 
-def _split(dt: np.ndarray, error: np.ndarray, power: int) -> SpaceTimeSplit:
+def _fit_split(dt: np.ndarray, error: np.ndarray, power: int) -> SpaceTimeSplit:
     unit = float(error.max())
     columns = np.stack([np.ones_like(dt), dt**power], axis=1) / (error / unit)[:, None]
-    space, factor = _not_negative(columns)
+    space, factor = _nonnegative_least_squares(columns)
     misfit = float(np.sqrt(np.mean((columns @ (space, factor) - 1) ** 2)))
     return SpaceTimeSplit(space * unit, factor * unit, power, float(dt[0]), float(dt[-1]), misfit)
 
 
-def _not_negative(columns: np.ndarray) -> tuple[float, float]:
+def _nonnegative_least_squares(columns: np.ndarray) -> tuple[float, float]:
     """Least squares of columns @ (a, b) = 1 with a, b >= 0: both, or the better of one alone."""
     ones = np.ones(len(columns))
     scale = np.linalg.norm(columns, axis=0)
@@ -115,7 +115,7 @@ def _not_negative(columns: np.ndarray) -> tuple[float, float]:
     return (alone[0], 0.0) if rest[0] <= rest[1] else (0.0, alone[1])
 
 
-def _usable(x: Sequence[float], y: Sequence[float]) -> tuple[np.ndarray, np.ndarray]:
+def _positive_pairs(x: Sequence[float], y: Sequence[float]) -> tuple[np.ndarray, np.ndarray]:
     """Finite positive pairs, by x."""
     pairs = np.array(sorted((a, b) for a, b in zip(x, y, strict=True)
                             if a and b and np.isfinite(a) and np.isfinite(b) and a > 0 and b > 0)).reshape(-1, 2)
@@ -142,13 +142,13 @@ class Series:
         """Its inputs in words; ``names`` spells methods out."""
         method = (names or {}).get(self.method, self.method)
         words = {"amplitude": "A", "modulus": "E"}
-        return ", ".join([method, *(f"{words.get(name, name.replace('_', ' '))} {_shown(value)}"
+        return ", ".join([method, *(f"{words.get(name, name.replace('_', ' '))} {_format_value(value)}"
                                     for name, value in self.variant)])
 
     def fit(self, quantity: str, norm: str = "max") -> Slope | None:
         """The order of the error in h, over the rows that stood."""
         rows = [row for row in self.rows if row["status"] == OK]
-        return slope([row["h"] for row in rows], [error_of(row, quantity, norm) or 0 for row in rows])
+        return fit_slope([row["h"] for row in rows], [error_of(row, quantity, norm) or 0 for row in rows])
 
 
 def error_of(row: dict, quantity: str, norm: str = "max") -> float | None:
@@ -156,22 +156,22 @@ def error_of(row: dict, quantity: str, norm: str = "max") -> float | None:
     return ((row.get("error") or {}).get(quantity) or {}).get(norm)
 
 
-def measured(rows: Iterable[dict]) -> list[dict]:
+def completed_rows(rows: Iterable[dict]) -> list[dict]:
     """The rows of runs: neither refused nor failed."""
     return [row for row in rows if row.get("seconds")]
 
 
-def varying(rows: Sequence[dict]) -> list[str]:
+def varying_inputs(rows: Sequence[dict]) -> list[str]:
     """The inputs, as they were asked for, that are not the same in all rows."""
     names = dict.fromkeys(name for row in rows for name in row["asked"])
     return [name for name in names if len({json.dumps(row["asked"].get(name)) for row in rows}) > 1]
 
 
-def series(rows: Sequence[dict], along: str = "cells") -> list[Series]:
+def group_series(rows: Sequence[dict], along: str = "cells") -> list[Series]:
     """The measured rows as lines along one input. ``along`` may be ``dt``: then steps given as cfl count too."""
-    rows = measured(rows)
+    rows = completed_rows(rows)
     ignored = TIME_INPUTS if along in TIME_INPUTS else (along,)
-    others = [name for name in varying(rows) if name not in ignored]
+    others = [name for name in varying_inputs(rows) if name not in ignored]
     lines: dict[str, list[dict]] = {}
     for row in rows:
         lines.setdefault(json.dumps([row["asked"].get(name) for name in others]), []).append(row)
@@ -179,10 +179,10 @@ def series(rows: Sequence[dict], along: str = "cells") -> list[Series]:
                    {name: line[0]["asked"].get(name) for name in others}) for line in lines.values()]
 
 
-def fits(rows: Sequence[dict], norm: str = "max") -> list[dict]:
+def fit_orders(rows: Sequence[dict], norm: str = "max") -> list[dict]:
     """The order in h of each quantity and each series with two or more h, as plain values."""
     found = []
-    for line in series(rows):
+    for line in group_series(rows):
         orders = {quantity: line.fit(quantity, norm) for quantity in QUANTITIES}
         if any(orders.values()):
             found.append({"method": line.method, **line.inputs, "norm": norm,
@@ -190,7 +190,7 @@ def fits(rows: Sequence[dict], norm: str = "max") -> list[dict]:
     return found
 
 
-def _shown(value: object) -> str:
+def _format_value(value: object) -> str:
     if isinstance(value, bool):
         return "on" if value else "off"
     if isinstance(value, (list, tuple)):

@@ -18,11 +18,11 @@ from typing import Any, Protocol
 
 from solvers.scene.extensions import EXTENSIONS
 from solvers.study.parameter_grid import Task
-from solvers.study.row import failed, measure
+from solvers.study.row import failed_row, measure
 from solvers.workers.worker_pool import WorkerPool
 from solvers.workers.worker_process import WorkerProcess
 
-MEASURE_ROW = f"{__name__}:measure_row"
+MEASURE_ROW = f"{__name__}:measure_in_worker"
 ATTEMPTS = 3  # that a row has to lose its worker until it is given up
 LOOK_SECONDS = 1.0
 ANSWER_SECONDS = 10.0  # for the scheduler of a cluster to answer
@@ -33,11 +33,11 @@ class ExecutorLost(Exception):
     """The place can measure no more rows; one sentence says why and what to do."""
 
 
-class NoCluster(Exception):
+class ClusterUnavailable(Exception):
     """The cluster cannot be used; one sentence says why."""
 
 
-class Question(Protocol):
+class MeasurementTask(Protocol):
     """What a row is the answer to, such as a :class:`~solvers.study.parameter_grid.Task`."""
 
     @property
@@ -56,7 +56,7 @@ class Question(Protocol):
 
 
 def execute(tasks: Iterable[Any], place: "LocalExecutor | Cluster", on_row: Callable[[dict], None],
-            give_up: Callable[[Any, str], dict] = failed) -> None:
+            give_up: Callable[[Any, str], dict] = failed_row) -> None:
     """Measure every task at a place. A lost worker is replaced; a row that keeps losing workers is marked as failed.
 
     Parameters
@@ -80,7 +80,7 @@ def execute(tasks: Iterable[Any], place: "LocalExecutor | Cluster", on_row: Call
         done, _ = wait(waiting, LOOK_SECONDS, FIRST_COMPLETED)
         for future in [future for future in waiting if future in done]:  # in the order of the tasks
             task = waiting.pop(future)
-            if row := _outcome(task, future, lost, give_up):
+            if row := _row_of_future(task, future, lost, give_up):
                 on_row(row)
             else:
                 waiting[place.submit(task)] = task
@@ -88,8 +88,8 @@ def execute(tasks: Iterable[Any], place: "LocalExecutor | Cluster", on_row: Call
             place.check()
 
 
-def _outcome(task: Question, future: Future[dict], lost: Counter[str],
-             give_up: Callable[[Any, str], dict]) -> dict | None:
+def _row_of_future(task: MeasurementTask, future: Future[dict], lost: Counter[str],
+                   give_up: Callable[[Any, str], dict]) -> dict | None:
     """The row of a task, or None where it is to be measured once more."""
     try:
         error = future.exception()
@@ -105,7 +105,7 @@ def _outcome(task: Question, future: Future[dict], lost: Counter[str],
     return give_up(task, f"lost its worker {times}; the last one: {type(error).__name__}: {error}")
 
 
-def measure_row(task: dict, answer: Callable[[dict], None]) -> None:
+def measure_in_worker(task: dict, answer: Callable[[dict], None]) -> None:
     """What a row process does."""
     answer(measure(Task(**task)))
 
@@ -117,7 +117,7 @@ class LocalExecutor:
     def __init__(self, workers: int = 1, work: str = MEASURE_ROW):
         self.pool = WorkerPool(work, workers)
 
-    def submit(self, task: Question) -> Future[dict]:
+    def submit(self, task: MeasurementTask) -> Future[dict]:
         return self.pool.submit(task.to_dict(), kind=task.kind)
 
     def check(self) -> None:
@@ -128,13 +128,13 @@ class LocalExecutor:
 
 
 @functools.cache
-def _workers_process(work: str, extensions: str) -> WorkerProcess:
+def _cached_process(work: str, extensions: str) -> WorkerProcess:
     return WorkerProcess(work, {EXTENSIONS: extensions})
 
 
-def measure_on_worker(work: str, task: dict, extensions: str) -> dict:
+def measure_on_cluster(work: str, task: dict, extensions: str) -> dict:
     """What a worker of a cluster runs: one row, in the worker's own row process with the extensions of the sweep."""
-    [row] = _workers_process(work, extensions).ask(task)
+    [row] = _cached_process(work, extensions).ask(task)
     return row
 
 
@@ -145,14 +145,14 @@ class Cluster:
         try:
             from distributed import Client
         except ImportError:
-            raise NoCluster("needs the package distributed; install mpm-lab[cluster]") from None
+            raise ClusterUnavailable("needs the package distributed; install mpm-lab[cluster]") from None
         for name in ("distributed.client", "distributed.core", "distributed.comm", "tornado.application"):
             logging.getLogger(name).setLevel(logging.CRITICAL)  # what goes wrong is said in one sentence
         try:
             self._client = Client(address, timeout=ANSWER_SECONDS, set_as_default=False, name="mpm-lab")
         except (OSError, ValueError, ImportError) as error:
-            raise NoCluster(f"no Dask scheduler answers there ({type(error).__name__}); start one with "
-                            "\"dask scheduler\" and give the address that it prints") from None
+            raise ClusterUnavailable(f"no Dask scheduler answers there ({type(error).__name__}); start one with "
+                                     "\"dask scheduler\" and give the address that it prints") from None
         self._address, self._work = address, work
         self._executor = self._client.get_executor(pure=False)
         self._seen = time.monotonic()
@@ -162,8 +162,8 @@ class Cluster:
         """Workers there are now."""
         return len(self._client.scheduler_info(n_workers=-1)["workers"])
 
-    def submit(self, task: Question) -> Future[dict]:
-        return self._executor.submit(measure_on_worker, self._work, task.to_dict(), os.environ.get(EXTENSIONS, ""))
+    def submit(self, task: MeasurementTask) -> Future[dict]:
+        return self._executor.submit(measure_on_cluster, self._work, task.to_dict(), os.environ.get(EXTENSIONS, ""))
 
     def check(self) -> None:
         if self._client.status not in ("running", "connecting"):

@@ -21,7 +21,7 @@ class MapOf:
     form: Any
 
 
-def parsed(text: bytes | str) -> Any:
+def parse_json(text: bytes | str) -> Any:
     """The value of a JSON text; :class:`ValueError` where it is none, or not one that can be written again: NaN and
     infinity, half a character, or nested too deep."""
     try:
@@ -32,21 +32,21 @@ def parsed(text: bytes | str) -> Any:
     return value
 
 
-def mismatch(value: Any, form: Any, name: str = "") -> str | None:
+def describe_mismatch(value: Any, form: Any, name: str = "") -> str | None:
     """What is wrong with a value, ``it has no status`` for example; None where it has the form."""
     if isinstance(form, (dict, MapOf)):
         if not isinstance(value, dict):
             return f"{name or 'it'} is no object"
         missing = [] if isinstance(form, MapOf) else [key for key in form if key not in value]
         if missing:
-            return f"it has no {_joined(name, missing[0])}"
+            return f"it has no {_join_keys(name, missing[0])}"
         parts = dict.fromkeys(value, form.form) if isinstance(form, MapOf) else form
-        found = (mismatch(value[key], part, _joined(name, key)) for key, part in parts.items())
+        found = (describe_mismatch(value[key], part, _join_keys(name, key)) for key, part in parts.items())
         return next(filter(None, found), None)
     types = form if isinstance(form, tuple) else (form,)
     right = isinstance(value, types) and (bool in types or not isinstance(value, bool))
     return None if right else f"{name or 'it'} is of the wrong kind"
 
 
-def _joined(name: str, key: str) -> str:
-    return f"{name}.{quoting.quoted(key)}" if name else quoting.quoted(key)
+def _join_keys(name: str, key: str) -> str:
+    return f"{name}.{quoting.quote(key)}" if name else quoting.quote(key)

@@ -3,7 +3,7 @@
 from collections.abc import Collection, Iterable, Sequence
 
 
-def grid(heads: Sequence[str], lines: Iterable[Sequence[str]], words: Collection[str] | None = None) -> str:
+def markdown_table(heads: Sequence[str], lines: Iterable[Sequence[str]], words: Collection[str] | None = None) -> str:
     """A table. ``words`` are the headings of columns that stand to the left, while numbers stand to the right; without
     it whoever shows the table decides."""
     rules = ["---" if words is None else ":---" if head in words else "---:" for head in heads]

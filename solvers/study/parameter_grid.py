@@ -9,7 +9,7 @@ from typing import Any
 
 from solvers.problems import PROBLEMS
 from solvers.running import scene_text
-from solvers.scene.kernel_options import combination
+from solvers.scene.kernel_options import kernel_key
 from solvers.scene.scene import Scene
 from solvers.scene.validation import SceneError, key_field
 
@@ -66,7 +66,7 @@ class Task:
     def kind(self) -> Hashable:
         """What has to be compiled for it, None where there is no such scene."""
         try:
-            return combination(self.scene())
+            return kernel_key(self.scene())
         except SceneError:
             return None
 
@@ -75,8 +75,8 @@ class Task:
 
 
 def task_of(scene: Scene, **options) -> Task:
-    """The task that asks for a scene; ``options`` as of :func:`plan`."""
-    return Task(scene.problem, scene_text.inputs(scene), **options)
+    """The task that asks for a scene; ``options`` as of :func:`plan_tasks`."""
+    return Task(scene.problem, scene_text.scene_inputs(scene), **options)
 
 
 def combinations(axes: Mapping[str, Sequence]) -> list[dict]:
@@ -84,7 +84,7 @@ def combinations(axes: Mapping[str, Sequence]) -> list[dict]:
     return [dict(zip(axes, values, strict=True)) for values in itertools.product(*axes.values())]
 
 
-def plan(problem: str, axes: Mapping[str, Sequence], **options) -> list[Task]:
+def plan_tasks(problem: str, axes: Mapping[str, Sequence], **options) -> list[Task]:
     """A task for every combination, each scene once.
 
     Parameters
@@ -102,7 +102,7 @@ def plan(problem: str, axes: Mapping[str, Sequence], **options) -> list[Task]:
     """
     tasks: dict[str, Task] = {}
     for given in combinations(axes):
-        task = Task(problem, {name: scene_text.plain(value) for name, value in given.items()}, **options)
+        task = Task(problem, {name: scene_text.to_json_value(value) for name, value in given.items()}, **options)
         tasks.setdefault(task.key, task)
     refusals = [task.refusal() for task in tasks.values()]
     if refusals and refusals[0] and all(refusals):

@@ -28,7 +28,7 @@ from solvers.scene.effects import ALL, EFFECTS
 from solvers.scene.scene import Scene
 from solvers.scene.validation import SceneError, field_key
 from solvers.solver.soundness import BROKEN, OK
-from solvers.study.json_schema import NUMBER, NUMBER_OR_NONE, MapOf, mismatch
+from solvers.study.json_schema import NUMBER, NUMBER_OR_NONE, MapOf, describe_mismatch
 from solvers.study.parameter_grid import Task
 
 SCHEMA = "mpm-lab/row/1"
@@ -59,14 +59,14 @@ def measure(task: Task, of: Callable[[Task, Scene], dict] | None = None) -> dict
     """The row of a task, with the keys above, or what is found ``of`` its scene. Whatever goes wrong in that is a row
     too, and never an exception."""
     if refusal := task.refusal():
-        return refused(task, refusal)
+        return refused_row(task, refusal)
     try:
-        return (of or _measured)(task, task.scene())
+        return (of or _measure_scene)(task, task.scene())
     except Exception as error:
-        return failed(task, f"{type(error).__name__}: {error}")
+        return failed_row(task, f"{type(error).__name__}: {error}")
 
 
-def _measured(task: Task, scene: Scene) -> dict:
+def _measure_scene(task: Task, scene: Scene) -> dict:
     from solvers.running.run import run  # here: a row can be read, kept and drawn without Taichi
 
     results = [run(scene, prices=task.repeats > 0, mid_run=False) for _ in range(max(1, task.repeats))]
@@ -78,7 +78,7 @@ def _measured(task: Task, scene: Scene) -> dict:
     fastest = min(result.seconds.run for result in results)
     prices = {name: fastest * statistics.median(result.seconds.estimators[name] / result.seconds.run
                                                 for result in results) for name in full.seconds.estimators}
-    row = {**identity(task), "scene": values["scene"], "h": scene.spacing}
+    row = {**identity_columns(task), "scene": values["scene"], "h": scene.spacing}
     row |= {name: values[name] for name in ("status", "reason", "t", "steps", "particles")}
     row |= {"particle_steps": full.steps * full.particles, "error": values["error"]}
     each = {"estimate": full.estimate, "index": full.index, "distance": full.distance}
@@ -118,25 +118,25 @@ def time_bare(scene: Scene, repeats: int, effects: tuple[str, ...] = ()) -> tupl
     return seconds, result
 
 
-def of_scene(task: Task, scene: Scene) -> dict:
+def row_of_scene(task: Task, scene: Scene) -> dict:
     """The row of a scene of whose run more is known otherwise than by :func:`measure`."""
     return {**BLANK, "schema": SCHEMA, "key": task.key, "problem": task.problem, "asked": task.inputs,
             "scene": scene.to_dict(), "h": scene.spacing}
 
 
-def refused(task: Task, error: SceneError) -> dict:
+def refused_row(task: Task, error: SceneError) -> dict:
     """The row of a combination that no scene can have."""
-    return {**identity(task), "status": REFUSED, "reason": str(error), "version": task.version}
+    return {**identity_columns(task), "status": REFUSED, "reason": str(error), "version": task.version}
 
 
-def failed(task: Task, reason: str) -> dict:
+def failed_row(task: Task, reason: str) -> dict:
     """The row of a run that was lost."""
     scene = None if task.refusal() else task.scene().to_dict()
-    return {**identity(task), "scene": scene, "status": FAILED, "reason": " ".join(reason.split()),
+    return {**identity_columns(task), "scene": scene, "status": FAILED, "reason": " ".join(reason.split()),
             "version": task.version}
 
 
-def identity(task: Task) -> dict:
+def identity_columns(task: Task) -> dict:
     """What says which row it is, and None for all that is not known yet."""
     return {"schema": SCHEMA, "key": task.key, "problem": task.problem, "asked": task.inputs, **BLANK,
             "solvers": fingerprint()}
@@ -152,10 +152,10 @@ def fingerprint() -> str:
     return digest.hexdigest()
 
 
-def fault(row: Any, measured: dict = MEASURED, identity: dict = IDENTITY) -> str | None:
+def find_fault(row: Any, measured: dict = MEASURED, identity: dict = IDENTITY) -> str | None:
     """What is wrong with a kept row, in words: it has the form of what says which row it is, names a problem and a
     status, and, if something was ``measured``, has the form of that; None where it is whole."""
-    if found := mismatch(row, identity):
+    if found := describe_mismatch(row, identity):
         return found
     named: dict[str, Collection[str]] = {"problem": PROBLEMS, "status": STATUSES}
     for name, known in named.items():
@@ -163,6 +163,6 @@ def fault(row: Any, measured: dict = MEASURED, identity: dict = IDENTITY) -> str
             return f"its {name} is not one of {', '.join(known)}"
     if measured is MEASURED and row["scene"] is not None:
         inputs = {field_key(field.name): ANY for field in fields(PROBLEMS[row["problem"]].scene)} | SCENE
-        if found := mismatch(row["scene"], inputs, "scene"):
+        if found := describe_mismatch(row["scene"], inputs, "scene"):
             return found
-    return mismatch(row, measured) if row["status"] in (OK, *BROKEN) else None
+    return describe_mismatch(row, measured) if row["status"] in (OK, *BROKEN) else None

@@ -7,8 +7,8 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import Any, BinaryIO
 
-from solvers.study.json_schema import parsed
-from solvers.study.row import FAILED, fault, fingerprint
+from solvers.study.json_schema import parse_json
+from solvers.study.row import FAILED, find_fault, fingerprint
 from solvers.untrusted import quoting
 
 NAME = "rows.jsonl"
@@ -19,10 +19,10 @@ class StoreError(Exception):
     """The directory cannot be used; the sentence says why and what to do."""
 
     def __init__(self, sentence: str):
-        super().__init__(quoting.sentence(sentence))
+        super().__init__(quoting.one_line(sentence))
 
 
-class Store:
+class RowStore:
     """The rows of a study in a directory. A row with the key of an earlier one replaces it.
 
     Parameters
@@ -40,7 +40,7 @@ class Store:
     """
 
     def __init__(self, directory: str | os.PathLike, problem: str | None, resume: bool | None = False,
-                 fault: Callable[[Any], str | None] = fault):
+                 fault: Callable[[Any], str | None] = find_fault):
         self._fault = fault
         self._path = Path(directory) / NAME
         self.rows: dict[str, dict] = {}
@@ -63,12 +63,12 @@ class Store:
         os.fsync(self._file.fileno())
         self.rows[row["key"]] = row
 
-    def finished(self, key: str) -> bool:
+    def is_finished(self, key: str) -> bool:
         """Whether there is nothing left to do for a key; what failed may be tried again, and what other source measured
         is measured anew."""
-        return key in self.rows and self.rows[key]["status"] != FAILED and not self.outdated(key)
+        return key in self.rows and self.rows[key]["status"] != FAILED and not self.is_outdated(key)
 
-    def outdated(self, key: str) -> bool:
+    def is_outdated(self, key: str) -> bool:
         """Whether the row of a key is there and was measured by other source than this."""
         return key in self.rows and self.rows[key].get("solvers") != fingerprint()
 
@@ -87,28 +87,28 @@ class Store:
                     raise StoreError(f"holds a {NAME} whose line {number} has more than {LONGEST:,} letters; take that "
                                      "line out, or give another directory")
                 if line.endswith(b"\n"):
-                    self._take(number, line[:-1], problem)
+                    self._add_line(number, line[:-1], problem)
                 else:
                     rest = line
-        if rest and self._wrong(rest):
+        if rest and self._fault_of_line(rest):
             self._file.truncate(size - len(rest))
         elif rest:  # whole but for the end of its line
-            self._take(number, rest, problem)
+            self._add_line(number, rest, problem)
             self._file.write(b"\n")
             self._file.flush()
 
-    def _wrong(self, line: bytes) -> str | None:
+    def _fault_of_line(self, line: bytes) -> str | None:
         try:
-            return self._fault(parsed(line))
+            return self._fault(parse_json(line))
         except ValueError:
             return "it is not JSON"
 
-    def _take(self, number: int, line: bytes, problem: str | None) -> None:
+    def _add_line(self, number: int, line: bytes, problem: str | None) -> None:
         """Take in a line; :class:`StoreError`, and nothing changed on the disk, where it is no row of the problem."""
-        if wrong := self._wrong(line):
+        if wrong := self._fault_of_line(line):
             raise StoreError(f"holds a {NAME} whose line {number} is not a whole row ({wrong}); take that line out, "
                              "and it is measured again, or give another directory")
-        row = parsed(line)
+        row = parse_json(line)
         if row["problem"] != (problem or row["problem"]):
             raise StoreError(f"holds rows of the {row['problem']}; give another directory for the {problem}")
         self.rows[row["key"]] = row

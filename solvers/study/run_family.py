@@ -57,23 +57,23 @@ class Family:
         result = run(self.member(cells), prices=False, mid_run=False)
         largest = result.estimate[ESTIMATOR][self.quantity]["max"] if result.status == OK else None
         error = math.inf if largest is None else largest
-        return self.take(Point(cells, error, math.nan, result.status, result.reason))
+        return self.add_point(Point(cells, error, math.nan, result.status, result.reason))
 
     def compile(self, cells: int) -> None:
         """Have ready what :meth:`measure` needs; of the run itself nothing is remembered."""
         from solvers.running.run import build, run
 
         run(self.member(cells), prices=False, mid_run=False)
-        build(self._bare(cells)).compile()
+        build(self._bare_scene(cells)).compile()
 
-    def _bare(self, cells: int) -> Scene:
+    def _bare_scene(self, cells: int) -> Scene:
         """What a member is timed by: how long a step takes does not depend on its length."""
         return replace(self.member(cells), estimators=(), effects=(), cfl=GENTLE_CFL)
 
-    def take(self, point: Point) -> Point:
+    def add_point(self, point: Point) -> Point:
         """A member that has been measured, whose rate is measured now if it is not known."""
         if math.isnan(point.seconds_per_particle_step):
-            rate = _seconds_per_particle_step(self._bare(point.cells))
+            rate = _seconds_per_particle_step(self._bare_scene(point.cells))
             point = replace(point, seconds_per_particle_step=rate)
         insort(self.points, point)
         return point
@@ -109,14 +109,14 @@ class Family:
         met = [point.cells for point in self.points if point.error <= tolerance]
         if met:
             start = max((point.cells for point in self.points if point.cells < met[0]), default=met[0])
-            candidates = range(self._up(start), met[0] + 1, self.multiple)
+            candidates = range(self._round_up(start), met[0] + 1, self.multiple)
             return next((cells for cells in candidates if self.error(cells) <= tolerance), met[0])
         last, order = self.points[-1], self.order()
         if order == 0 or not math.isfinite(last.error):
             return None
         order = max(order, hoped)
         cells = last.cells * (last.error / tolerance) ** (1 / order)
-        return None if cells > 1e6 else max(self._up(cells), last.cells + self.multiple)
+        return None if cells > 1e6 else max(self._round_up(cells), last.cells + self.multiple)
 
     def cells_within(self, seconds: float) -> int:
         """The most cells whose run is expected to take no longer."""
@@ -129,7 +129,7 @@ class Family:
         nearest = max((p for p in self.points if p.cells <= cells), default=self.points[0])
         return _particle_steps(self.scene, cells) * nearest.seconds_per_particle_step
 
-    def _up(self, cells: float) -> int:
+    def _round_up(self, cells: float) -> int:
         return self.multiple * math.ceil(cells / self.multiple - 1e-9)
 
 
@@ -147,9 +147,9 @@ def _particle_steps(scene: Scene, cells: int) -> float:
 def _seconds_per_particle_step(scene: Scene) -> float:
     """Of the bare method, compiled and warmed up, in the processor's time; infinite for a run that goes bad."""
     from solvers.running.run import build
-    from solvers.running.timing import rate
+    from solvers.running.timing import particle_step_rate
 
-    seconds = 1e-6 / rate(build(scene), TIMED_TURNS, TIMED_SECONDS)
+    seconds = 1e-6 / particle_step_rate(build(scene), TIMED_TURNS, TIMED_SECONDS)
     return seconds if math.isfinite(seconds) else math.inf
 
 

@@ -15,8 +15,8 @@ from solvers.scene.scene import LOOKS_A_PERIOD, Scene
 from solvers.scene.step_bound import SAFE
 from solvers.scene.validation import SceneError
 from solvers.solver.soundness import BROKEN
-from solvers.study.convergence import measured
-from solvers.study.markdown import grid
+from solvers.study.convergence import completed_rows
+from solvers.study.markdown import markdown_table
 from solvers.study.parameter_grid import Task
 
 SCHEMA = "mpm-lab/stability/1"
@@ -41,7 +41,7 @@ TREATMENTS: dict[str, dict[str, Any]] = {
 }
 
 
-def offered(scene: type[Scene]) -> tuple[str, ...]:
+def offered_treatments(scene: type[Scene]) -> tuple[str, ...]:
     """The treatments that a problem has for one of its methods at least."""
     return tuple(name for name in TREATMENTS
                  if any(_scene(scene, {"method": method}, name) for method in scene.choices("method")))
@@ -94,40 +94,41 @@ def scene_of(kind: type[Scene], row: Mapping, treatment: str) -> Scene:
     return found
 
 
-def survived(row: Mapping) -> float:
+def survived_periods(row: Mapping) -> float:
     """Periods until the error of x exceeded a tenth of the amplitude, or until the run was lost; all of them where it
     held to its end."""
     ends = [row["life"][name] for name in ("accurate", "sound") if row["life"][name] is not None]
     return min(ends, default=row["scene"]["periods"])
 
 
-def held(row: Mapping) -> bool:
+def stayed_accurate(row: Mapping) -> bool:
     """Whether the run was accurate to its end."""
     return row["status"] not in BROKEN and row["life"]["accurate"] is None
 
 
-def prices(kind: type[Scene], rows: Iterable[dict]) -> dict[tuple[str, str], float]:
+def measure_prices(kind: type[Scene], rows: Iterable[dict]) -> dict[tuple[str, str], float]:
     """What each treatment of each method costs a step, over the plain method's, measured here and now."""
-    from solvers.running.timing import ratios
+    from solvers.running.timing import time_ratios
 
     pairs: dict[tuple[str, str], tuple[Scene, Scene]] = {}
-    for row in measured(rows):
+    for row in completed_rows(rows):
         plain, treated = (replace(scene_of(kind, row, name), effects=(), estimators=(), sample_every=None)
                           for name in ("plain", treatment_of(row)))
         pairs |= {(plain.method, "plain"): (plain, plain), (plain.method, treatment_of(row)): (treated, plain)}
-    return ratios(pairs, PRICE_TURNS)
+    return time_ratios(pairs, PRICE_TURNS)
 
 
 def as_dict(problem: str, rows: Sequence[dict], prices: Mapping[tuple[str, str], float]) -> dict:
     """The map: a line for every method and treatment, with the lives at each amplitude and step."""
     kind = PROBLEMS[problem].scene
     lines: dict[tuple[str, str], dict[str, Any]] = {}
-    for row in measured(rows):
+    for row in completed_rows(rows):
         scene, key = row["scene"], (row["scene"]["method"], treatment_of(row))
         line = lines.setdefault(key, {"method": key[0], "treatment": key[1], "price": prices.get(key), "lives": [],
                                       "predicted": {}, "automatic_cfl": {}})
-        line["lives"].append({"amplitude": scene["amplitude"], "cfl": scene["cfl"], "periods": survived(row),
-                              "held": held(row), "status": row["status"], "first_period": row["life"]["first_period"],
+        line["lives"].append({"amplitude": scene["amplitude"], "cfl": scene["cfl"], "periods": survived_periods(row),
+                              "held": stayed_accurate(row), "status": row["status"],
+                              "first_period": row["life"]["first_period"],
                               "margin": row["step"]["margin"] if "step" in row else None})
         at = f"{scene['amplitude']:g}"
         if key[1] in TREATMENTS and at not in line["automatic_cfl"]:
@@ -158,7 +159,7 @@ def as_markdown(values: dict) -> str:
             "cfl that --dt auto takes. Price: seconds of a step over the plain method's. Error in period 1: of x, in "
             "amplitudes, at the smallest A and step. Predicted: periods until the drift of the velocity that no node "
             "sees reaches A w, by theory alone, at each A; other causes may come first.",
-            grid(heads, [_line(line, amplitudes, steps) for line in values["lines"]])]
+            markdown_table(heads, [_line(line, amplitudes, steps) for line in values["lines"]])]
     return "\n\n".join(text) + "\n"
 
 

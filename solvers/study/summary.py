@@ -7,8 +7,8 @@ from typing import Any
 
 from solvers.scene.error_causes import CAUSES
 from solvers.solver.soundness import BROKEN, OK
-from solvers.study.convergence import error_of, fits, measured, pareto, series, varying
-from solvers.study.markdown import grid
+from solvers.study.convergence import completed_rows, error_of, fit_orders, group_series, pareto, varying_inputs
+from solvers.study.markdown import markdown_table
 from solvers.study.row import FAILED, REFUSED
 from solvers.untrusted import quoting
 
@@ -17,52 +17,52 @@ BUDGETED = ("x", "v")  # of which the shares of each cause are shown
 NOTHING = "–"
 
 
-def flat(row: Mapping, before: str = "") -> dict:
+def flatten_row(row: Mapping, before: str = "") -> dict:
     """A row without levels: ``error.x.max`` for ``row["error"]["x"]["max"]``; lists become words."""
     values: dict[str, Any] = {}
     for name, value in row.items():
         if isinstance(value, Mapping):
-            values |= flat(value, f"{before}{name}.")
+            values |= flatten_row(value, f"{before}{name}.")
         else:
             values[before + name] = " ".join(map(str, value)) if isinstance(value, (list, tuple)) else value
     return values
 
 
-def columns(rows: Iterable[Mapping]) -> list[dict]:
+def uniform_rows(rows: Iterable[Mapping]) -> list[dict]:
     """Rows without levels, all with the same keys: whatever any row has, and None where one has it not."""
-    lines = [flat({**row, "scene": row["scene"] or row["asked"], "asked": {}}) for row in rows]
+    lines = [flatten_row({**row, "scene": row["scene"] or row["asked"], "asked": {}}) for row in rows]
     names = list(dict.fromkeys(name for line in sorted(lines, key=len, reverse=True) for name in line))
     return [{name: line.get(name) for name in names} for line in lines]
 
 
 def csv_text(rows: Iterable[Mapping]) -> str:
     """One line a row, a column for whatever any row has; what a row has not is empty."""
-    lines = columns(rows)
+    lines = uniform_rows(rows)
     text = io.StringIO()
     writer = csv.DictWriter(text, lines[0] if lines else (), lineterminator="\n")
-    writer.writerow({name: quoting.cell(name) for name in writer.fieldnames})
-    writer.writerows({name: quoting.cell(value) for name, value in line.items()} for line in lines)
+    writer.writerow({name: quoting.csv_cell(name) for name in writer.fieldnames})
+    writer.writerows({name: quoting.csv_cell(value) for name, value in line.items()} for line in lines)
     return text.getvalue()
 
 
-def table_dict(problem: str, rows: Sequence[dict]) -> dict:
+def study_to_dict(problem: str, rows: Sequence[dict]) -> dict:
     """The whole study as one JSON object."""
-    return {"schema": "mpm-lab/sweep/1", "problem": problem, "rows": list(rows), "fits": fits(rows)}
+    return {"schema": "mpm-lab/sweep/1", "problem": problem, "rows": list(rows), "fits": fit_orders(rows)}
 
 
-def summary(problem: str, rows: Sequence[dict], pictures: Sequence[str] = ()) -> str:
+def summarise_study(problem: str, rows: Sequence[dict], pictures: Sequence[str] = ()) -> str:
     """The study in Markdown: every row in short, the orders of convergence, the best for its time, what went wrong."""
     counts = {status: sum(row["status"] == status for row in rows) for status in (OK, *BROKEN, FAILED, REFUSED)}
     parts = [f"# Sweep of the {problem}",
              f"{len(rows)} rows: " + ", ".join(f"{count} {status}" for status, count in counts.items() if count) + "."]
-    names = list(dict.fromkeys(["method", "cells", *varying(rows)]))
-    parts += [_rows(rows, names), _slopes(rows), _front(rows, names), _trouble(rows, names)]
+    names = list(dict.fromkeys(["method", "cells", *varying_inputs(rows)]))
+    parts += [_rows(rows, names), _orders_table(rows), _pareto_table(rows, names), _reasons_list(rows, names)]
     parts += [f"![{name}]({name})" for name in pictures]
     return "\n\n".join(part for part in parts if part) + "\n"
 
 
 def _rows(rows: Sequence[dict], names: Sequence[str]) -> str:
-    estimators = list(dict.fromkeys(name for row in measured(rows) for name in row["index"]))
+    estimators = list(dict.fromkeys(name for row in completed_rows(rows) for name in row["index"]))
     divided = any(row.get("budget") for row in rows)
     shares = [(field, cause) for field in BUDGETED for cause in CAUSES] if divided else []
     heads = [*names, "status", *(f"error {q}" for q in SHOWN), *(f"{e}: index {q}" for e in estimators for q in SHOWN),
@@ -83,13 +83,13 @@ def _rows(rows: Sequence[dict], names: Sequence[str]) -> str:
     most = max((row.get("side_by_side") or 1 for row in rows), default=1)
     beside = f", taken while up to {most} rows ran side by side" * (most > 1)
     return f"Errors are the largest RMS over particles; seconds the shortest of the bare runs{beside}.\n\n" \
-        + grid(heads, lines)
+        + markdown_table(heads, lines)
 
 
-def _slopes(rows: Sequence[dict]) -> str:
+def _orders_table(rows: Sequence[dict]) -> str:
     title = "## Order of convergence: error ~ h^p\n\n"
     lines = []
-    for line in series(rows):
+    for line in group_series(rows):
         found = [line.fit(q) for q in SHOWN]
         if any(found):
             lines.append([line.label(), *(NOTHING if fit is None else f"{fit.order:.2f}" for fit in found),
@@ -98,21 +98,21 @@ def _slopes(rows: Sequence[dict]) -> str:
     if not lines:
         return title + "Nothing to fit: it takes two grids at least, and true errors."
     return title + "Fitted over all stable grids, and from each grid to the next finer one.\n\n" \
-        + grid(["", *SHOWN, *(f"{q}, grid to grid" for q in SHOWN)], lines)
+        + markdown_table(["", *SHOWN, *(f"{q}, grid to grid" for q in SHOWN)], lines)
 
 
-def _front(rows: Sequence[dict], names: Sequence[str]) -> str:
-    usable = [row for row in measured(rows) if row["status"] == OK and error_of(row, "x")]
+def _pareto_table(rows: Sequence[dict], names: Sequence[str]) -> str:
+    usable = [row for row in completed_rows(rows) if row["status"] == OK and error_of(row, "x")]
     if not usable:
         return ""
     front = pareto([row["seconds"]["min"] for row in usable], [error_of(row, "x") or 0 for row in usable])
     lines = [[*(_cell(usable[k]["scene"].get(name)) for name in names), _number(error_of(usable[k], "x"), ".3e"),
               _number(usable[k]["seconds"]["min"], ".4g")] for k in front]
     return "## Best for its time\n\nNo other row has a smaller error of x in less time.\n\n" \
-        + grid([*names, "error x", "seconds"], lines)
+        + markdown_table([*names, "error x", "seconds"], lines)
 
 
-def _trouble(rows: Sequence[dict], names: Sequence[str]) -> str:
+def _reasons_list(rows: Sequence[dict], names: Sequence[str]) -> str:
     """What is not ok, or for positions alone, once for each reason."""
     reasons: dict[tuple[str, str], list[dict]] = {}
     for row in rows:
@@ -122,7 +122,7 @@ def _trouble(rows: Sequence[dict], names: Sequence[str]) -> str:
     for (status, reason), alike in reasons.items():
         first = ", ".join(f"{name} {_cell((alike[0]['scene'] or alike[0]['asked']).get(name))}" for name in names)
         more = f" and {len(alike) - 1} more" if len(alike) > 1 else ""
-        lines.append(f"* {first}{more}: {status}: {quoting.markdown(reason)}")
+        lines.append(f"* {first}{more}: {status}: {quoting.escape_markdown(reason)}")
     return "## Not ok, or not for all\n\n" + "\n".join(lines) if lines else ""
 
 
@@ -130,7 +130,7 @@ def _cell(value: object) -> str:
     if isinstance(value, float):
         return f"{value:.6g}"
     text = " ".join(map(str, value)) if isinstance(value, (list, tuple)) else NOTHING if value is None else str(value)
-    return quoting.markdown(text, quoting.QUOTE)
+    return quoting.escape_markdown(text, quoting.QUOTE)
 
 
 def _number(value: float | None, form: str) -> str:

@@ -10,12 +10,12 @@ from typing import Any, SupportsIndex, overload
 import numpy as np
 
 from solvers.problems import PROBLEMS
-from solvers.running.run import scene_of
+from solvers.running.run import as_scene
 from solvers.scene.scene import LISTS, Scene
 from solvers.scene.validation import SceneError, field_key, key_field, require_choice, require_whole
 from solvers.study.executors import LocalExecutor, execute
-from solvers.study.parameter_grid import MOST_ROWS, plan
-from solvers.study.summary import columns
+from solvers.study.parameter_grid import MOST_ROWS, plan_tasks
+from solvers.study.summary import uniform_rows
 from solvers.untrusted import quoting
 
 #: Two ways to say one input, of which one may be given.
@@ -56,7 +56,8 @@ class Rows(list[dict]):
 
     def _column(self, name: str) -> np.ndarray:
         if name not in self.columns:
-            raise SceneError("column", name, f"is none of these rows{quoting.meant(name, self.columns)}; they have "
+            raise SceneError("column", name,
+                             f"is none of these rows{quoting.suggest_word(name, self.columns)}; they have "
                                              f"{', '.join(self.columns) or 'none'}")
         values = [row[name] for row in self]
         known = [value for value in values if value is not None]
@@ -101,7 +102,7 @@ def sweep(problem: str | Scene | type[Scene], *, repeats: int = 3, workers: int 
         For a problem, an input or a number of workers that there is not, and where no combination makes a scene.
     """
     if not isinstance(problem, str):
-        scene = scene_of(problem)
+        scene = as_scene(problem)
         inputs = {key_field(name): value for name, value in inputs.items()}
         said = {same for name in inputs for same in (name, ALTERNATIVES.get(name))}
         given = {f.name: value for f in fields(scene) if (value := getattr(scene, f.name)) != f.default}
@@ -113,16 +114,16 @@ def sweep(problem: str | Scene | type[Scene], *, repeats: int = 3, workers: int 
     axes = {field_key(name): _values(problem, name, given) for name, given in inputs.items()}
     if (count := math.prod(map(len, axes.values()))) > MOST_ROWS:
         raise SceneError("combinations", f"{count:,}", f"are too many for one sweep; give at most {MOST_ROWS:,}")
-    tasks = plan(problem, axes, repeats=repeats)
+    tasks = plan_tasks(problem, axes, repeats=repeats)
     measured: dict[str, dict] = {}
 
     def keep(row: dict) -> None:
         measured[row["key"]] = row
-        on_progress(len(measured) / len(tasks), *columns([row]))
+        on_progress(len(measured) / len(tasks), *uniform_rows([row]))
 
     with contextlib.closing(LocalExecutor(workers)) as place:
         execute(tasks, place, keep)
-    return Rows(columns([measured[task.key] for task in tasks]))
+    return Rows(uniform_rows([measured[task.key] for task in tasks]))
 
 
 def _values(problem: str, name: str, given: Any) -> list:

@@ -11,7 +11,7 @@ from typing import IO, Any, cast
 
 import numpy as np
 
-from solvers.untrusted.quoting import FileError, quoted
+from solvers.untrusted.quoting import FileError, quote
 from solvers.untrusted.size_limits import Limits, check_name
 
 ENDING = ".npy"
@@ -25,39 +25,39 @@ TEXTS = ("scene", "result")  # arrays that may be a text
 HEADS = {(1, 0): np.lib.format.read_array_header_1_0, (2, 0): np.lib.format.read_array_header_2_0}
 
 
-class _NotPlain(ValueError):
+class _NotPlainArrays(ValueError):
     """No .npz of plain numbers; the message says why."""
 
 
-def arrays(path: str, wanted: Callable[[str], bool], limits: Limits) -> dict[str, np.ndarray]:
+def read_arrays(path: str, wanted: Callable[[str], bool], limits: Limits) -> dict[str, np.ndarray]:
     """The arrays whose names are ``wanted``, each of numbers or one text, by their names; of others nothing but the
     name is looked at, and they are empty here. :class:`FileError` where there are none such."""
     try:
-        with open(path, "rb", buffering=0) as raw, _Measured(raw) as measured, \
+        with open(path, "rb", buffering=0) as raw, _ChunkedFile(raw) as measured, \
                 zipfile.ZipFile(cast(IO[bytes], measured)) as packed:
-            members = dict(_members(path, packed, limits))
-            return {name: _array(path, name, packed, member, limits) if wanted(name) else np.empty(0)
+            members = dict(_read_members(path, packed, limits))
+            return {name: _read_array(path, name, packed, member, limits) if wanted(name) else np.empty(0)
                     for name, member in members.items()}
     except (FileError, OSError):
         raise
-    except _NotPlain as error:
+    except _NotPlainArrays as error:
         raise FileError(path, f"is no .npz of plain numbers ({error}); write it with numpy.savez") from None
     except Exception as error:  # what a broken file makes of a parser
         raise FileError(path, f"is no .npz of plain numbers ({type(error).__name__}); write it with "
                               "numpy.savez") from None
 
 
-class _Measured(io.BufferedReader):
+class _ChunkedFile(io.BufferedReader):
     """A file of which no large piece is read at once: a zip's directory is read as long as it says it is."""
 
     def read(self, size: int | None = -1, /) -> bytes:
         content = super().read(LONGEST_READ + 1 if size is None or not 0 <= size <= LONGEST_READ else size)
         if len(content) > LONGEST_READ:
-            raise _NotPlain("its directory is too long")
+            raise _NotPlainArrays("its directory is too long")
         return content
 
 
-def _members(path: str, packed: zipfile.ZipFile, limits: Limits) -> Iterator[tuple[str, zipfile.ZipInfo]]:
+def _read_members(path: str, packed: zipfile.ZipFile, limits: Limits) -> Iterator[tuple[str, zipfile.ZipInfo]]:
     """Arrays by their names; none twice, and as many and as large as is allowed."""
     listed = packed.infolist()
     limits.check_columns(path, len(listed))
@@ -67,17 +67,17 @@ def _members(path: str, packed: zipfile.ZipFile, limits: Limits) -> Iterator[tup
         name = member.filename.removesuffix(ENDING)
         check_name(path, name)
         if name in seen:
-            raise FileError(path, f"has two arrays called {quoted(name)}; give each its own name")
+            raise FileError(path, f"has two arrays called {quote(name)}; give each its own name")
         seen.add(name)
         yield name, member
 
 
-def _array(path: str, name: str, packed: zipfile.ZipFile, member: zipfile.ZipInfo, limits: Limits) -> np.ndarray:
+def _read_array(path: str, name: str, packed: zipfile.ZipFile, member: zipfile.ZipInfo, limits: Limits) -> np.ndarray:
     if member.compress_type not in PACKINGS or member.flag_bits & ENCRYPTED:
-        raise _NotPlain(f"{quoted(name)} is packed in a way that numpy does not use")
+        raise _NotPlainArrays(f"{quote(name)} is packed in a way that numpy does not use")
     with packed.open(member) as content:
         begun = io.BytesIO(content.read(LONGEST_HEAD))  # no more, however long the head says it is
-        shape, in_columns, dtype = _head(path, name, begun)
+        shape, in_columns, dtype = _read_header(path, name, begun)
         limits.check_numbers(path, *shape)
         data = bytearray(int(np.prod(shape, dtype=object)) * dtype.itemsize)
         done = begun.readinto(data)
@@ -85,21 +85,21 @@ def _array(path: str, name: str, packed: zipfile.ZipFile, member: zipfile.ZipInf
             data[done:done + len(piece)] = piece
             done += len(piece)
     if done < len(data):
-        raise _NotPlain(f"{quoted(name)} ends before its last number")
+        raise _NotPlainArrays(f"{quote(name)} ends before its last number")
     return np.frombuffer(data, dtype).reshape(shape, order="F" if in_columns else "C")
 
 
-def _head(path: str, name: str, content: IO[bytes]) -> tuple[tuple[int, ...], bool, Any]:
+def _read_header(path: str, name: str, content: IO[bytes]) -> tuple[tuple[int, ...], bool, Any]:
     """Shape, order and type of an array, where it has such as are taken."""
     version = np.lib.format.read_magic(content)
     if version not in HEADS:
-        raise _NotPlain(f"{quoted(name)} is of another version")
+        raise _NotPlainArrays(f"{quote(name)} is of another version")
     shape, in_columns, dtype = HEADS[version](content)
     text = dtype.kind in "US" and dtype.itemsize <= 4 * LONGEST_TEXT and shape in ((), (1,))
     if dtype.kind in "bcUS" and not (text and name in TEXTS):
-        raise FileError(path, f"has no numbers in {quoted(name)}; give numbers, real and not objects or texts")
+        raise FileError(path, f"has no numbers in {quote(name)}; give numbers, real and not objects or texts")
     if dtype.kind not in "iufUS":
-        raise _NotPlain(f"{quoted(name)} is no array of numbers")
+        raise _NotPlainArrays(f"{quote(name)} is no array of numbers")
     if len(shape) > MOST_DIRECTIONS or not all(0 <= size < 2**62 for size in shape):
-        raise _NotPlain(f"{quoted(name)} has a shape that none can have")
+        raise _NotPlainArrays(f"{quote(name)} has a shape that none can have")
     return shape, in_columns, dtype

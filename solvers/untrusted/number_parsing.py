@@ -12,7 +12,7 @@ LONGEST = 60  # characters; the shortest that gives any double to its last bit h
 LARGEST_EXACT = 1e15  # "1e3" is a fine way to write 1000, but a float this large no longer means one integer
 
 
-def real(text: str) -> float:
+def parse_float(text: str) -> float:
     """The finite number that a text is; :class:`ValueError` where it is none."""
     bare = text.strip(" ") if len(text) <= LONGEST else ""
     if not NUMERAL.fullmatch(bare) or not math.isfinite(value := float(bare)):
@@ -20,15 +20,15 @@ def real(text: str) -> float:
     return value
 
 
-def number(text: str) -> int | float:
+def parse_number(text: str) -> int | float:
     """The same, as a whole number where the text is one, with an exponent too."""
-    value = real(text)
+    value = parse_float(text)
     if WHOLE.fullmatch(text.strip(" ")):
         return int(text)
     return int(value) if value.is_integer() and abs(value) < LARGEST_EXACT and "e" in text.lower() else value
 
 
-def count(text: str) -> int | None:
+def parse_count(text: str) -> int | None:
     """A whole number from 0 on, of at most nine digits and nothing else; None where the text is none."""
     return int(text) if re.fullmatch("[0-9]{1,9}", text) else None
 
@@ -36,7 +36,7 @@ def count(text: str) -> int | None:
 def is_number(text: str) -> bool:
     """Whether a text is a finite number."""
     try:
-        real(text)
+        parse_float(text)
     except ValueError:
         return False
     return True

@@ -19,7 +19,7 @@ LONGEST_PATH = 4000  # that any system has
 ELLIPSIS = "…"
 NOTHING = "(no value)"
 FORMULA_SIGNS = "=+-@\t\r\n\uff1d\uff0b\uff0d\uff20"  # a spreadsheet would reckon what begins so, also in wide letters
-MARKS = re.compile(r"([\\`*_\[\]<>$#~])")  # that mean something within a line of Markdown
+MARKDOWN_SIGNS = re.compile(r"([\\`*_\[\]<>$#~])")  # that mean something within a line of Markdown
 
 
 class FileError(ValueError):
@@ -27,62 +27,62 @@ class FileError(ValueError):
     allowed."""
 
     def __init__(self, file: str, said: str):
-        self.file, self.sentence = file, sentence(said)
-        super().__init__(sentence(f"{quoted(file)}: {said}"))
+        self.file, self.sentence = file, one_line(said)
+        super().__init__(one_line(f"{quote(file)}: {said}"))
 
 
-def quoted(value: object, most: int = QUOTE) -> str:
+def quote(value: object, most: int = QUOTE) -> str:
     """A value within a sentence, on one line; of a long one the middle is left out, for the end of a name says its
     kind."""
-    text = _text(value)
-    return _middle_cut(text, most) if text.strip() else NOTHING
+    text = _to_text(value)
+    return _cut_middle(text, most) if text.strip() else NOTHING
 
 
-def sentence(value: object, most: int = SENTENCE) -> str:
+def one_line(value: object, most: int = SENTENCE) -> str:
     """A whole sentence, what it quotes included, on one line."""
-    return _cut(_visible(" ".join(_text(value)[:4 * most].split())), most)
+    return _cut_end(_escape_invisible(" ".join(_to_text(value)[:4 * most].split())), most)
 
 
 def file_name(path: object, most: int = NAME) -> str:
     """The last part of a path, as any system writes it."""
-    return _middle_cut(PurePath(_text(path)[-LONGEST_PATH:].replace("\\", "/")).name, most) or "the file"
+    return _cut_middle(PurePath(_to_text(path)[-LONGEST_PATH:].replace("\\", "/")).name, most) or "the file"
 
 
-def markdown(value: object, most: int = SENTENCE) -> str:
+def escape_markdown(value: object, most: int = SENTENCE) -> str:
     """A text in a line of Markdown that means nothing but itself."""
-    return MARKS.sub(r"\\\1", sentence(value, most))
+    return MARKDOWN_SIGNS.sub(r"\\\1", one_line(value, most))
 
 
-def code(value: object, most: int = NAME) -> str:
+def code_span(value: object, most: int = NAME) -> str:
     """A text as code in a line of Markdown."""
-    text = _middle_cut(_text(value), most)
+    text = _cut_middle(_to_text(value), most)
     fence = "`" * (1 + max(map(len, re.findall("`+", text)), default=0))
     pad = " " if "`" in text or not text.strip() else ""
     return f"{fence}{pad}{text}{pad}{fence}"
 
 
-def as_html(value: object, most: int = SENTENCE) -> str:
+def escape_html(value: object, most: int = SENTENCE) -> str:
     """A text in HTML, also as the value of an attribute."""
-    return html.escape(sentence(value, most), quote=True)
+    return html.escape(one_line(value, most), quote=True)
 
 
-def cell(value: object) -> object:
+def csv_cell(value: object) -> object:
     """A cell of a CSV that no spreadsheet takes for a formula: texts that begin as one does get a ' in front, and
     numbers are left as they are."""
     if not isinstance(value, str):
         return value
-    text = _cut(_visible(value[:CELL + 1]), CELL)
+    text = _cut_end(_escape_invisible(value[:CELL + 1]), CELL)
     formula = value.lstrip(" ")[:1] in tuple(FORMULA_SIGNS) and not all(map(is_number, value.split(" ")))
     return f"'{text}" if formula else text
 
 
-def meant(word: str, known: Iterable[str]) -> str:
+def suggest_word(word: str, known: Iterable[str]) -> str:
     """What of the known words is nearest, as an addition to a sentence; "" where none is near."""
     close = get_close_matches(word[:QUOTE], list(known), n=1)
     return f" (did you mean {close[0]}?)" if close else ""
 
 
-def _text(value: object) -> str:
+def _to_text(value: object) -> str:
     """A value as text; numbers of thousands of digits, which have none, by their kind."""
     try:
         return f"{value:.12g}" if isinstance(value, float) else str(value)
@@ -90,17 +90,17 @@ def _text(value: object) -> str:
         return f"a number of more than {10**3:,} digits"
 
 
-def _visible(text: str) -> str:
+def _escape_invisible(text: str) -> str:
     if text.isprintable():
         return text
     return "".join(letter if letter.isprintable() else letter.encode("unicode_escape").decode() for letter in text)
 
 
-def _middle_cut(text: str, most: int) -> str:
-    shown = _visible(text if len(text) <= 2 * most else text[:most] + text[-most:])
+def _cut_middle(text: str, most: int) -> str:
+    shown = _escape_invisible(text if len(text) <= 2 * most else text[:most] + text[-most:])
     half = (most - 1) // 2
     return shown if len(shown) <= most else shown[:most - 1 - half] + ELLIPSIS + shown[-half:]
 
 
-def _cut(text: str, most: int) -> str:
+def _cut_end(text: str, most: int) -> str:
     return text if len(text) <= most else text[:most - 1] + ELLIPSIS

@@ -10,7 +10,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from solvers.untrusted.quoting import FileError, quoted
+from solvers.untrusted.quoting import FileError, quote
 
 FEWER = ", fewer times for example"
 
@@ -54,7 +54,7 @@ class Limits:
         if times > self.times:
             raise self._refusal(file, f"has {times:,} times", f"{self.times:,}")
 
-    def less(self, columns: Mapping[str, np.ndarray]) -> "Limits":
+    def remaining_after(self, columns: Mapping[str, np.ndarray]) -> "Limits":
         """What is left for further files beside one with such columns."""
         rows = len(next(iter(columns.values())))
         numbers = sum(column.size for column in columns.values())
@@ -72,5 +72,5 @@ LONGEST_LINE = 250_000  # letters of a line of text
 def check_name(file: str, name: str) -> None:
     """Refuse a name of a column that nobody would give, which would take long to be understood."""
     if len(name) > LONGEST_NAME:
-        raise FileError(file, f"has a column or an array with a name of {len(name):,} letters ({quoted(name, 30)}); "
+        raise FileError(file, f"has a column or an array with a name of {len(name):,} letters ({quote(name, 30)}); "
                               f"give at most {LONGEST_NAME}")

@@ -24,7 +24,7 @@ Listener = Callable[[dict], object]
 
 
 @dataclass(frozen=True, eq=False)
-class _Waiting:
+class _QueuedQuestion:
     """A question that is to be answered."""
 
     future: Future[dict]
@@ -45,7 +45,7 @@ class WorkerPool:
         self._lock = threading.Lock()
         self._resting = list(self._processes)  # the last has most of what it needs
         self._had: dict[WorkerProcess, set[Hashable]] = {process: set() for process in self._processes}  # kinds
-        self._waiting: deque[_Waiting] = deque()
+        self._waiting: deque[_QueuedQuestion] = deque()
 
     @property
     def process_ids(self) -> list[int]:
@@ -59,7 +59,7 @@ class WorkerPool:
         latest), or the OSError for which no process could be started."""
         future: Future[dict] = Future()
         with self._lock:
-            self._waiting.append(_Waiting(future, question, on_answer, patience, kind))
+            self._waiting.append(_QueuedQuestion(future, question, on_answer, patience, kind))
             process = max(self._resting, key=lambda one: (kind in self._had[one], self._resting.index(one)),
                           default=None)
             if process:
@@ -67,10 +67,10 @@ class WorkerPool:
         if process:
             with contextlib.suppress(OSError, ProcessDied):  # as the future will say
                 process.start()
-            threading.Thread(target=self._work, args=(process,), name="worker-pool", daemon=True).start()
+            threading.Thread(target=self._answer_questions, args=(process,), name="worker-pool", daemon=True).start()
         return future
 
-    def give_way(self) -> None:
+    def lower_priority(self) -> None:
         """Have the processes wait for whatever else wants a processor, from now on: there is no way back."""
         for process_id in self.process_ids:
             with contextlib.suppress(AttributeError, OSError):  # not everywhere is there such a thing
@@ -86,9 +86,9 @@ class WorkerPool:
         for process in self._processes:
             process.close()
 
-    def _work(self, process: WorkerProcess) -> None:
+    def _answer_questions(self, process: WorkerProcess) -> None:
         """Have a process answer questions for as long as there are any."""
-        while waiting := self._next(process):
+        while waiting := self._next_question(process):
             if not waiting.future.set_running_or_notify_cancel():
                 continue
             answer: dict = {}
@@ -102,7 +102,7 @@ class WorkerPool:
             else:
                 waiting.future.set_result(answer)
 
-    def _next(self, process: WorkerProcess) -> _Waiting | None:
+    def _next_question(self, process: WorkerProcess) -> _QueuedQuestion | None:
         """What a process does next; None where it is to rest, for there is nothing or others soon have done it."""
         with self._lock:
             own = self._had[process]
@@ -132,13 +132,13 @@ class Slots:
     def __init__(self, places: int):
         self._places, self._lock, self.taken = places, threading.Lock(), 0
 
-    def take(self) -> bool:
+    def acquire(self) -> bool:
         """Whether there was one left."""
         with self._lock:
             free = self.taken < self._places
             self.taken += free
             return free
 
-    def give_back(self) -> None:
+    def release(self) -> None:
         with self._lock:
             self.taken -= 1

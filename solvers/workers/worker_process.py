@@ -27,9 +27,9 @@ HOME = Path(__file__).resolve().parents[2]
 START = ("import sys; sys.path[:] = sys.argv[2:]; import solvers.workers.worker_process as p; del sys.path[0]; "
          "p.serve(sys.argv[1])")
 
-GOODBYE = 1.5  # seconds that a process may take to put away what it has compiled
+SHUTDOWN_SECONDS = 1.5  # seconds that a process may take to put away what it has compiled
 LINUX = sys.platform == "linux"
-KILL = getattr(signal, "SIGKILL", signal.SIGTERM)  # on Windows there is no other end
+KILL_SIGNAL = getattr(signal, "SIGKILL", signal.SIGTERM)  # on Windows there is no other end
 PARENT_DEATH_SIGNAL, SUBREAPER = 1, 36  # options of Linux's prctl
 
 
@@ -37,7 +37,7 @@ class ProcessDied(Exception):
     """The process ended before its work was done, or the work failed in it; the sentence says how."""
 
 
-class TookTooLong(ProcessDied):
+class WorkerTimeout(ProcessDied):
     """The process was ended because whoever asked would wait no longer."""
 
 
@@ -74,7 +74,7 @@ class WorkerProcess:
 
     def ask(self, question: Mapping | Sequence, patience: float | None = None) -> Generator[dict]:
         """The answers to a question as they come; :class:`ProcessDied` if there will be no more of them, and
-        :class:`TookTooLong` if ``patience`` seconds have passed. Who listens no more ends the process."""
+        :class:`WorkerTimeout` if ``patience`` seconds have passed. Who listens no more ends the process."""
         late = threading.Event()
         with self._lock:
             process = self.start()
@@ -94,7 +94,7 @@ class WorkerProcess:
                 raise
             except ProcessDied:
                 if late.is_set():
-                    raise TookTooLong(f"gave no answer within {patience:g} seconds") from None
+                    raise WorkerTimeout(f"gave no answer within {patience:g} seconds") from None
                 raise
             finally:
                 timer.cancel()
@@ -133,7 +133,7 @@ class WorkerProcess:
                 if process := self._process:  # there will be no more questions
                     with contextlib.suppress(OSError, subprocess.TimeoutExpired):
                         cast(IO[str], process.stdin).close()
-                        process.wait(GOODBYE)
+                        process.wait(SHUTDOWN_SECONDS)
                 self._end()
             finally:
                 self._lock.release()
@@ -179,7 +179,7 @@ def serve(work: str) -> None:
         for line in sys.stdin:
             questions.put(line)
         questions.put(None)
-        time.sleep(GOODBYE)  # it rests, and ends by itself; else nobody wants what is being done
+        time.sleep(SHUTDOWN_SECONDS)  # it rests, and ends by itself; else nobody wants what is being done
         os._exit(0)
 
     def say(**message: object) -> None:
@@ -205,7 +205,7 @@ def adopt_orphans() -> None:
     _process_control(SUBREAPER, 1)
 
 
-def end_after(seconds: float, status: int) -> None:
+def exit_after(seconds: float, status: int) -> None:
     """End this process after so many seconds, whatever it does then."""
     time.sleep(seconds)
     sys.stderr.flush()
@@ -214,7 +214,7 @@ def end_after(seconds: float, status: int) -> None:
 
 def die_with_parent(wanted: bool) -> None:
     """Have this process killed when its parent ends, or no longer, where that can be."""
-    _process_control(PARENT_DEATH_SIGNAL, KILL if wanted else 0)
+    _process_control(PARENT_DEATH_SIGNAL, KILL_SIGNAL if wanted else 0)
 
 
 def _process_control(option: int, value: int) -> None:

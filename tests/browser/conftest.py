@@ -21,7 +21,7 @@ from tests.browser.driving import PATIENCE
 from tests.browser.relay import Relay
 from tests.groups import require_group
 from tests.support.paths import ROOT
-from tests.support.processes import HANG, STARVED, until
+from tests.support.processes import HANG, STARVED, wait_until
 
 BROWSERS = ("chromium", "chromium-browser", "google-chrome", "google-chrome-stable")
 # Software rendering, and none of the browser's own traffic: pages are served from this machine only.
@@ -114,15 +114,15 @@ def visit(chromium, address, query="", script="", size=SIZE, touch=False, **how)
     Any error in the browser's console fails the test.
     """
     page = chromium.new_page(viewport=size, has_touch=touch, is_mobile=touch, **how)
-    # The driver's own waits know the wall clock only: they may take what ``until`` may take at most.
+    # The driver's own waits know the wall clock only: they may take what ``wait_until`` may take at most.
     page.set_default_timeout(1e3 * STARVED * PATIENCE)
     page.add_init_script(FEW_FRAMES + script)
     with no_errors(page), closing(page):  # one that stayed would go on drawing, beside all tests that follow
         page.goto(f"{address}/?fixedDpr=0.5{query}" + ("" if "#" in query else HOME))
-        until(page.locator(".lab-readout", has_text="periods").count, "the first numbers")
+        wait_until(page.locator(".lab-readout", has_text="periods").count, "the first numbers")
         if "#" not in query:
             # Three kinds of run may have to be compiled one after the other, the opening's two first.
-            until(lambda: at_home(page), "the link's scene in place of the opening's", 3 * PATIENCE)
+            wait_until(lambda: at_home(page), "the link's scene in place of the opening's", 3 * PATIENCE)
         yield page
 
 
@@ -175,7 +175,7 @@ class Place:
         if self._page is not None:
             self._take_over(self._page)
             with suppress(AssertionError):
-                until(lambda: at_home(self._page), "the link's scene in place of the opening's", 8.0)
+                wait_until(lambda: at_home(self._page), "the link's scene in place of the opening's", 8.0)
                 return self._page
             self.tidy()
         self._page = self._open.enter_context(visit(self._chromium, self._relay.address))
@@ -191,8 +191,8 @@ class Place:
         page.evaluate(f"history.replaceState(null, '', location.pathname + location.search + '{HOME}');"
                       "dispatchEvent(new HashChangeEvent('hashchange'))")  # else it asks for what it has seen last
         problem = page.get_by_label("Problem", exact=True)
-        until(lambda: problem.count() == 1 and problem.get_attribute("id") != before, "controls of its own")
-        until(page.locator(".lab-readout", has_text="periods").count, "the first numbers")
+        wait_until(lambda: problem.count() == 1 and problem.get_attribute("id") != before, "controls of its own")
+        wait_until(page.locator(".lab-readout", has_text="periods").count, "the first numbers")
 
     def tidy(self):
         """What a failed test has left is nothing to go on from."""

@@ -18,7 +18,7 @@ AGAIN, LOST = 5, 4.0  # times that a click is made, and seconds in which a box s
 
 def until(condition, what, patience=PATIENCE):
     """Wait until ``condition()`` is true."""
-    processes.until(condition, what, patience, 0.1)
+    processes.wait_until(condition, what, patience, 0.1)
 
 
 def shown(page, text):

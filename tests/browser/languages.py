@@ -1,5 +1,5 @@
-"""Finds what is to be read on a page outside the catalogue: in the language of ``tests/support/pseudo.py`` every text
-of the code stands between two brackets, and what does not has not been asked for."""
+"""Finds what is to be read on a page outside the catalogue: in the language of ``tests/support/pseudo_translation.py``
+every text of the code stands between two brackets, and what does not has not been asked for."""
 
 from __future__ import annotations
 

@@ -9,7 +9,7 @@ import pytest
 import solvers
 from solvers import BarScene, FileError, Result, SceneError, judge, run, sweep
 from solvers.judging import problem_handout
-from tests.support.processes import python
+from tests.support.processes import run_python
 
 LIGHT = """
 import sys
@@ -22,7 +22,7 @@ print(*sorted(name for name in ("numpy", "taichi", "matplotlib", "meshio", "vise
     ("import solvers; dir(solvers)", ""), ("from solvers import BarScene, RingScene, VortexScene, SceneError", "numpy"),
     ("import app.cli\ntry: app.cli.main(['--help'])\nexcept SystemExit: pass\nprint()", "numpy")])
 def test_who_only_asks_waits_for_nothing_heavy(what, heavy):
-    done = python("-c", LIGHT.format(what=what))
+    done = run_python("-c", LIGHT.format(what=what))
     assert done.stdout.splitlines()[-1] == heavy, done.stderr
 
 
@@ -127,7 +127,7 @@ def test_arrays_are_judged_as_files_are(tmp_path):
     scene = BarScene(cells=20)
     X = (np.arange(80) + 0.5) / 80
     times = np.array([0.1, 0.2])
-    u = np.stack([problem_handout.exact(scene, t).position[:, 0] - X for t in times])
+    u = np.stack([problem_handout.exact_frame(scene, t).position[:, 0] - X for t in times])
     arrays = {"t": times, "X": X, "x": X + 1.01 * u, "cells": 20}
     np.savez(tmp_path / "run.npz", **arrays)
     told = []

@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 
 from solvers.judging.frames import Frame
-from solvers.judging.reference_runs import framed
+from solvers.judging.reference_runs import frame_of_snapshot
 from solvers.problems import PROBLEMS
 from solvers.running.run import build
 from solvers.scene.scene import Scene
@@ -25,7 +25,7 @@ def scene_of(problem: str, **changed: Any) -> Scene:
 
 
 @dataclass(frozen=True)
-class Steps:
+class RecordedRun:
     """A run of ours, every step of it."""
 
     scene: Scene
@@ -38,22 +38,22 @@ class Steps:
         return range(max(2, every), len(self.frames), every)
 
 
-def stepped(scene: Scene, begin: Callable[[Any], None] = lambda solver: None) -> Steps:
+def record(scene: Scene, begin: Callable[[Any], None] = lambda solver: None) -> RecordedRun:
     solver = build(scene)
     solver.compile()
     begin(solver)
-    frames = [framed(solver.snapshot(), scene)]
+    frames = [frame_of_snapshot(solver.snapshot(), scene)]
     while solver.step < scene.steps and solver.sound:
         solver.advance(1)
-        frames.append(framed(solver.snapshot(), scene))
-    return Steps(scene, frames)
+        frames.append(frame_of_snapshot(solver.snapshot(), scene))
+    return RecordedRun(scene, frames)
 
 
 Files = dict[str, np.ndarray]
-Alteration = Callable[[Steps], Files]
+Alteration = Callable[[RecordedRun], Files]
 
 
-def files(run: Steps, stress: bool = False, before: int = 0) -> Files:
+def files(run: RecordedRun, stress: bool = False, before: int = 0) -> Files:
     """The chosen frames as arrays, or those so many steps ``before`` them."""
     return as_files(run.scene, [run.frames[k - before] for k in run.chosen], stress)
 
@@ -84,7 +84,7 @@ def single(arrays: Files) -> Files:
     return {key: values.astype(np.float32).astype(float) if key in KEYS else values for key, values in arrays.items()}
 
 
-def someone(run: Steps) -> int:
+def moving_particle(run: RecordedRun) -> int:
     """A particle in the thick of it, where x moves and F is not 1."""
     reference, last = PROBLEMS[run.scene.problem].reference, run.frames[-1]
     X = last.material_position
@@ -94,46 +94,46 @@ def someone(run: Steps) -> int:
     return int(np.argmax(np.minimum(moved / moved.max(), strained / strained.max())))
 
 
-def changed(**new: Callable[[Steps, Files], np.ndarray]) -> Alteration:
+def change_arrays(**new: Callable[[RecordedRun, Files], np.ndarray]) -> Alteration:
     """Some of the arrays made anew, from the run and all arrays."""
-    def altered(run: Steps) -> Files:
+    def altered(run: RecordedRun) -> Files:
         arrays = files(run)
         return arrays | {key: make(run, arrays) for key, make in new.items()}
     return altered
 
 
-def of_one(key: str, value: Callable[[Files, int], Any]) -> Alteration:
+def change_particle(key: str, value: Callable[[Files, int], Any]) -> Alteration:
     """One particle's quantity, the same at all times."""
-    def make(run: Steps, arrays: Files) -> np.ndarray:
-        p, values = someone(run), arrays[key].copy()
+    def make(run: RecordedRun, arrays: Files) -> np.ndarray:
+        p, values = moving_particle(run), arrays[key].copy()
         values[:, p] = value(arrays, p)
         return values
-    return changed(**{key: make})
+    return change_arrays(**{key: make})
 
 
-def permuted(key: str, seed: int) -> Callable[[Steps, Files], np.ndarray]:
+def permute(key: str, seed: int) -> Callable[[RecordedRun, Files], np.ndarray]:
     return lambda run, a: a[key][:, np.random.default_rng(seed).permutation(len(a["X"]))]
 
 
-def drift(share: float) -> Alteration:
-    def make(run: Steps, a: Files) -> np.ndarray:
+def add_drift(share: float) -> Alteration:
+    def make(run: RecordedRun, a: Files) -> np.ndarray:
         aside = np.eye(a["x"].shape[-1])[0]
         return a["x"] + share * run.scene.size_of("x") * a["t"][:, None, None] / run.frames[-1].time * aside
-    return changed(x=make)
+    return change_arrays(x=make)
 
 
-def swapped(next_to: bool) -> Alteration:
-    def make(run: Steps, a: Files) -> np.ndarray:
-        p, order = someone(run), np.arange(len(a["X"]))
+def swap(next_to: bool) -> Alteration:
+    def make(run: RecordedRun, a: Files) -> np.ndarray:
+        p, order = moving_particle(run), np.arange(len(a["X"]))
         far = np.linalg.norm(a["X"] - a["X"][p], axis=1)
         q = int(np.argsort(far)[1 if next_to else len(far) // 2])
         order[[p, q]] = q, p
         return a["x"][:, order]
-    return changed(x=make)
+    return change_arrays(x=make)
 
 
-def missing(kept: Callable[[int], np.ndarray], ids: bool = False) -> Alteration:
-    def altered(run: Steps) -> Files:
+def drop_particles(kept: Callable[[int], np.ndarray], ids: bool = False) -> Alteration:
+    def altered(run: RecordedRun) -> Files:
         arrays = files(run)
         chosen = kept(len(arrays["X"]))
         arrays = {key: values if key in ("t", "cells") else values[chosen] if key == "X" else values[:, chosen]
@@ -145,31 +145,31 @@ def missing(kept: Callable[[int], np.ndarray], ids: bool = False) -> Alteration:
     return altered
 
 
-def some(share: float) -> Callable[[int], np.ndarray]:
+def random_share(share: float) -> Callable[[int], np.ndarray]:
     return lambda count: np.sort(np.random.default_rng(3).choice(count, round(share * count), replace=False))
 
 
-def of_another(stress: bool = False, by: Mapping[str, float] | None = None, **inputs: float) -> Alteration:
+def other_inputs(stress: bool = False, by: Mapping[str, float] | None = None, **inputs: float) -> Alteration:
     """A run with other numbers in its scene, some ``by`` a factor, judged as if it had its own."""
-    def altered(run: Steps) -> Files:
+    def altered(run: RecordedRun) -> Files:
         scaled = {name: factor * getattr(run.scene, name) for name, factor in (by or {}).items()}
-        return files(stepped(replace(run.scene, **scaled, **inputs)), stress)
+        return files(record(replace(run.scene, **scaled, **inputs)), stress)
     return altered
 
 
-def one_mass_doubled(told: bool) -> Alteration:
-    def altered(run: Steps) -> Files:
+def double_one_mass(told: bool) -> Alteration:
+    def altered(run: RecordedRun) -> Files:
         def begin(solver: Any) -> None:
-            solver._arrays.mass[someone(run)] *= 2
+            solver._arrays.mass[moving_particle(run)] *= 2
             masses.append(np.array(solver._arrays.mass))
 
         masses: list[np.ndarray] = []
-        arrays = files(stepped(run.scene, begin))
+        arrays = files(record(run.scene, begin))
         return arrays | ({"mass": np.tile(masses[0], (len(arrays["t"]), 1))} if told else {})
     return altered
 
 
-def stress_late(run: Steps, arrays: Files) -> np.ndarray:
+def delay_stress(run: RecordedRun, arrays: Files) -> np.ndarray:
     law = PROBLEMS[run.scene.problem].reference.stress
     return np.stack([law(run.scene, F) for F in files(run, before=1)["F"]])
 
@@ -182,35 +182,35 @@ ALTERATIONS: dict[str, tuple[tuple[str, ...], Alteration]] = {
     "nothing; stress too": (ALL, lambda run: files(run, stress=True)),
     "nothing; stress too, single precision": (ALL, lambda run: single(files(run, stress=True))),
     "nothing; stress too, seven figures": (ALL, lambda run: rounded(files(run, stress=True), 7)),
-    "v half a step late": (ALL, changed(v=lambda run, a: 0.5 * (a["v"] + files(run, before=1)["v"]))),
-    "F a step late": (ALL, changed(F=lambda run, a: files(run, before=1)["F"])),
-    "stress a step late beside F": (ALL, changed(sigma=stress_late)),
-    "x shuffled": (ALL, changed(x=permuted("x", 1))),
-    "ids permuted, the same at all times": (ALL, changed(**{key: permuted(key, 2) for key in ("x", "v", "F")})),
-    "x is the displacement": (ALL, changed(x=lambda run, a: a["x"] - a["X"])),
-    "x in mm": (ALL, changed(x=lambda run, a: 1000 * a["x"])),
-    "x and X in mm": (ALL, changed(x=lambda run, a: 1000 * a["x"], X=lambda run, a: 1000 * a["X"])),
-    "two particles swapped": (ALL, swapped(False)),
-    "two neighbours swapped": (ALL, swapped(True)),
-    "density 1.02 times": (ALL, of_another(by={"density": 1.02})),
-    "E 1.01 times": (ALL, of_another(by={"modulus": 1.01})),
-    "E 1.01 times, its stress too": (ALL, of_another(True, by={"modulus": 1.01})),
-    "Poisson's ratio 0.25 for 0.3": (VORTEX, of_another(poisson_ratio=0.25)),
-    "Poisson's ratio 0.25, its stress too": (VORTEX, of_another(True, poisson_ratio=0.25)),
-    "Poisson's ratio 0 for 0.3": (VORTEX, of_another(poisson_ratio=0.0)),
-    "one mass doubled": (PLANE, one_mass_doubled(False)),
-    "one mass doubled, masses in the file": (PLANE, one_mass_doubled(True)),
-    "one particle stuck": (ALL, of_one("x", lambda a, p: a["X"][p])),
-    "one particle with v = 0": (ALL, of_one("v", lambda a, p: 0.0)),
-    "one particle with F = 1": (ALL, of_one("F", lambda a, p: np.eye(a["X"].shape[1]))),
-    "x drifts by 1e-3 of the motion": (ALL, drift(1e-3)),
-    "x drifts by 1e-2 of the motion": (ALL, drift(1e-2)),
-    "a tenth missing, with ids": (ALL, missing(some(0.9), ids=True)),
-    "every second missing, without ids": (ALL, missing(lambda count: np.arange(0, count, 2))),
-    "half missing by chance, without ids": (ALL, missing(some(0.5))),
-    "F transposed": (PLANE, changed(F=lambda run, a: np.swapaxes(a["F"], -1, -2))),
-    "times 1 % too long": (ALL, changed(t=lambda run, a: 1.01 * a["t"])),
-    "x and y of positions exchanged": (PLANE, changed(x=lambda run, a: a["x"][..., ::-1])),
-    "x and y of everything exchanged": (VORTEX, changed(
+    "v half a step late": (ALL, change_arrays(v=lambda run, a: 0.5 * (a["v"] + files(run, before=1)["v"]))),
+    "F a step late": (ALL, change_arrays(F=lambda run, a: files(run, before=1)["F"])),
+    "stress a step late beside F": (ALL, change_arrays(sigma=delay_stress)),
+    "x shuffled": (ALL, change_arrays(x=permute("x", 1))),
+    "ids permuted, the same at all times": (ALL, change_arrays(**{key: permute(key, 2) for key in ("x", "v", "F")})),
+    "x is the displacement": (ALL, change_arrays(x=lambda run, a: a["x"] - a["X"])),
+    "x in mm": (ALL, change_arrays(x=lambda run, a: 1000 * a["x"])),
+    "x and X in mm": (ALL, change_arrays(x=lambda run, a: 1000 * a["x"], X=lambda run, a: 1000 * a["X"])),
+    "two particles swapped": (ALL, swap(False)),
+    "two neighbours swapped": (ALL, swap(True)),
+    "density 1.02 times": (ALL, other_inputs(by={"density": 1.02})),
+    "E 1.01 times": (ALL, other_inputs(by={"modulus": 1.01})),
+    "E 1.01 times, its stress too": (ALL, other_inputs(True, by={"modulus": 1.01})),
+    "Poisson's ratio 0.25 for 0.3": (VORTEX, other_inputs(poisson_ratio=0.25)),
+    "Poisson's ratio 0.25, its stress too": (VORTEX, other_inputs(True, poisson_ratio=0.25)),
+    "Poisson's ratio 0 for 0.3": (VORTEX, other_inputs(poisson_ratio=0.0)),
+    "one mass doubled": (PLANE, double_one_mass(False)),
+    "one mass doubled, masses in the file": (PLANE, double_one_mass(True)),
+    "one particle stuck": (ALL, change_particle("x", lambda a, p: a["X"][p])),
+    "one particle with v = 0": (ALL, change_particle("v", lambda a, p: 0.0)),
+    "one particle with F = 1": (ALL, change_particle("F", lambda a, p: np.eye(a["X"].shape[1]))),
+    "x drifts by 1e-3 of the motion": (ALL, add_drift(1e-3)),
+    "x drifts by 1e-2 of the motion": (ALL, add_drift(1e-2)),
+    "a tenth missing, with ids": (ALL, drop_particles(random_share(0.9), ids=True)),
+    "every second missing, without ids": (ALL, drop_particles(lambda count: np.arange(0, count, 2))),
+    "half missing by chance, without ids": (ALL, drop_particles(random_share(0.5))),
+    "F transposed": (PLANE, change_arrays(F=lambda run, a: np.swapaxes(a["F"], -1, -2))),
+    "times 1 % too long": (ALL, change_arrays(t=lambda run, a: 1.01 * a["t"])),
+    "x and y of positions exchanged": (PLANE, change_arrays(x=lambda run, a: a["x"][..., ::-1])),
+    "x and y of everything exchanged": (VORTEX, change_arrays(
         **{key: lambda run, a, key=key: a[key][..., ::-1] for key in ("X", "x", "v")},
         F=lambda run, a: a["F"][..., ::-1, ::-1]))}

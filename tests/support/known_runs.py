@@ -12,15 +12,15 @@ from typing import Any
 import numpy as np
 
 from solvers.judging.frames import Frame
-from solvers.judging.reference_runs import framed
+from solvers.judging.reference_runs import frame_of_snapshot
 from solvers.problems import PROBLEMS
 from solvers.running.run import run
 from solvers.scene.remedies import CENTRED, COUPLED, FILTER, FROZEN
 from solvers.scene.scene import Scene
 from solvers.scene.validation import SceneError
 from solvers.solver.snapshot import Snapshot
-from solvers.solver.soundness import LOST, MOST_ERROR, OK, UNSTABLE, findings
-from solvers.solver.verdict_basis import as_large_as_itself
+from solvers.solver.soundness import LOST, LOST_FROM, OK, UNSTABLE, findings
+from solvers.solver.verdict_basis import large_errors
 
 FINE = 0.1  # amplitudes: a run whose error of x never exceeds it, nor v and sigma themselves, must not be called lost
 BETWEEN = 1.2  # looks are 20 a period: between two of them an error may be larger than at either
@@ -80,7 +80,7 @@ class KnownRun:
     @property
     def missed(self) -> bool:
         """Whether it is off by more than half the motion, and nothing says so without the truth."""
-        return self.blind == OK and self.errors["x"] > BETWEEN * MOST_ERROR
+        return self.blind == OK and self.errors["x"] > BETWEEN * LOST_FROM
 
     @property
     def false_alarm(self) -> bool:
@@ -101,7 +101,7 @@ class KnownRun:
         """What became of it, by the first of its kinds."""
         if self.status == UNSTABLE:
             return UNSTABLE
-        if self.status == LOST or self.errors["x"] > MOST_ERROR:
+        if self.status == LOST or self.errors["x"] > LOST_FROM:
             return next((kind for kind in ORDER if kind in self.kinds), "error_x")
         return "good" if self.good else "v or stress wrong" if self.named else "between"  # no small errors, nor large
 
@@ -110,7 +110,7 @@ class KnownRun:
 ORDER = ("neighbour_gap", "displacement_mismatch", "out_of_shape", "mean_drift", "balance_gap")
 
 
-class _Kept:
+class _SampledFrames:
     """Moments of a run, about evenly spread, however many there will be."""
 
     def __init__(self, scene: Scene):
@@ -120,21 +120,21 @@ class _Kept:
     def keep(self, shot: Snapshot) -> None:
         finite = all(np.isfinite(v).all() for v in (shot.position, shot.velocity, shot.deformation_gradient))
         if finite and self._seen % self._every == 0:
-            self.frames.append(framed(shot, self._scene))
+            self.frames.append(frame_of_snapshot(shot, self._scene))
         self._seen += 1
         if len(self.frames) >= 2 * MOMENTS:
             self.frames, self._every = self.frames[::2], 2 * self._every
 
 
-def known(scene: Scene) -> KnownRun:
+def judge_known_run(scene: Scene) -> KnownRun:
     """Run a scene, and judge it again without the truth."""
-    kept = _Kept(scene)
+    kept = _SampledFrames(scene)
     result = run(scene, prices=False, mid_run=False, on_sample=kept.keep)
     series, frames = result.series, kept.frames
     with np.errstate(all="ignore"):
         errors = {"x": float(np.nanmax(series["error_x"])) / scene.motion_amplitude,
                   **{q: float(np.nanmax(series[f"error_{q}"])) / scene.rms_of(q) for q in ("v", "sigma")}}
-    last = framed(result.final, scene)
+    last = frame_of_snapshot(result.final, scene)
     if not frames or last.time > frames[-1].time:  # of a run gone bad, too: a code stops with something
         frames.append(last)
     unseen = {name: np.full_like(values, np.nan) if name.startswith("error_") else values
@@ -144,10 +144,10 @@ def known(scene: Scene) -> KnownRun:
                  "X": frames[0].material_position,
                  **{name: np.stack([getattr(f, key) for f in frames])
                     for name, key in (("x", "position"), ("v", "velocity"), ("F", "deformation_gradient"))}}
-    return KnownRun(scene, errors, result.status, kinds, tuple(sorted(as_large_as_itself(scene, series))), particles)
+    return KnownRun(scene, errors, result.status, kinds, tuple(sorted(large_errors(scene, series))), particles)
 
 
-def numbers(problem: str, parts: Mapping[str, tuple[float, float]], chance: random.Random) -> Numbers:
+def draw_numbers(problem: str, parts: Mapping[str, tuple[float, float]], chance: random.Random) -> Numbers:
     """Numbers of a scene, each from its part of the range."""
     return {name: low * (high / low) ** chance.uniform(*parts.get(name, (0.0, 1.0)))
             for name, (low, high) in RANGES[problem].items()}
@@ -169,8 +169,8 @@ def random_runs(problem: str, count: int, chance: random.Random,
     """So many runs of random scenes, with some of the ``switches`` or any."""
     found: list[KnownRun] = []
     while len(found) < count:
-        if scene := scene_of(problem, chance.choice(switches or SWITCHES[problem]), numbers(problem, {}, chance)):
-            found.append(known(scene))
+        if scene := scene_of(problem, chance.choice(switches or SWITCHES[problem]), draw_numbers(problem, {}, chance)):
+            found.append(judge_known_run(scene))
     return found
 
 
@@ -179,7 +179,7 @@ def known_runs(problem: str, seed: int) -> Iterator[KnownRun]:
     break."""
     chance = random.Random(f"check {seed} {problem}")
     for turn in itertools.count():
-        inputs = numbers(problem, PARTS[turn % len(PARTS)], chance)
+        inputs = draw_numbers(problem, PARTS[turn % len(PARTS)], chance)
         scene = scene_of(problem, chance.choice(SWITCHES[problem]), inputs)
-        if scene and len((found := known(scene)).particles["t"]) > 1:
+        if scene and len((found := judge_known_run(scene)).particles["t"]) > 1:
             yield found

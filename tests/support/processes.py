@@ -1,7 +1,7 @@
 """Processes as the tests see them (Linux): found, held still, waited for, and what other work on the machine cost them.
 
 A test that must not depend on how busy the machine is waits for the event itself, holds a process still while it looks,
-or counts the time in which a process could have run and did not (:class:`Watch`).
+or counts the time in which a process could have run and did not (:class:`RunningTime`).
 """
 
 from __future__ import annotations
@@ -25,39 +25,39 @@ LOOK = 0.5  # seconds between two looks at who waits for a processor
 GONE = (FileNotFoundError, ProcessLookupError)
 
 
-def python(*words: str, cwd: Path = ROOT, **environment: str) -> subprocess.CompletedProcess:
+def run_python(*words: str, cwd: Path = ROOT, **environment: str) -> subprocess.CompletedProcess:
     """What a Python of its own comes to that finds this checkout."""
     return subprocess.run([sys.executable, *words], cwd=cwd, capture_output=True, text=True, timeout=HANG,
                           env=os.environ | {"PYTHONPATH": str(ROOT)} | environment)
 
 
-def until(condition: Callable[[], object], what: str, patience: float = PATIENCE, pause: float = 0.01) -> None:
+def wait_until(condition: Callable[[], object], what: str, patience: float = PATIENCE, pause: float = 0.01) -> None:
     """Wait until ``condition()`` is true.
 
     Time in which one of this process's own processes was ready to run and other work had the processors does not try
     the patience: a sweep behind the page has a low priority and may get a tenth of a busy machine.
     """
     end, calm = monotonic() + STARVED * patience, 0.0
-    at, waits = monotonic(), _waits()
+    at, waits = monotonic(), _waiting_seconds()
     while not condition():
         sleep(pause)
         if monotonic() < at + LOOK:
             continue
-        before, earlier, at, waits = at, waits, monotonic(), _waits()
+        before, earlier, at, waits = at, waits, monotonic(), _waiting_seconds()
         starved = max((wait - earlier.get(process, wait) for process, wait in waits.items()), default=0.0)
         calm += max(0.0, at - before - starved)
         assert calm < patience and at < end, f"never happened: {what}"
 
 
 @contextmanager
-def starving() -> Iterator[Callable[[], float]]:
+def measure_starvation() -> Iterator[Callable[[], float]]:
     """Gives a function that says how many seconds, since then, the one of this process's own processes that had to wait
     longest was ready to run while others had the processors."""
-    before = _waits()
-    yield lambda: max((wait - before.get(process, 0.0) for process, wait in _waits().items()), default=0.0)
+    before = _waiting_seconds()
+    yield lambda: max((wait - before.get(process, 0.0) for process, wait in _waiting_seconds().items()), default=0.0)
 
 
-def _waits() -> dict[int, float]:
+def _waiting_seconds() -> dict[int, float]:
     """Seconds that this process and those below it have spent ready to run without a processor."""
     below, waits, family = defaultdict(list), {}, [os.getpid()]
     for status in Path("/proc").glob("[0-9]*/stat"):
@@ -66,11 +66,11 @@ def _waits() -> dict[int, float]:
     for process in family:  # which grows meanwhile
         family += below[process]
         with suppress(*GONE):
-            waits[process] = _waited(process)
+            waits[process] = _waiting_seconds_of(process)
     return waits
 
 
-def _waited(process: int) -> float:
+def _waiting_seconds_of(process: int) -> float:
     return 1e-9 * int(Path(f"/proc/{process}/schedstat").read_text().split()[1])
 
 
@@ -85,12 +85,12 @@ def children(parent: int, word: str) -> list[int]:
     return found
 
 
-def ended(process: int) -> bool:
+def has_ended(process: int) -> bool:
     """Whether a process has ended, buried or not."""
-    return state(process) in "Z"
+    return process_state(process) in "Z"
 
 
-def state(process: int) -> str:
+def process_state(process: int) -> str:
     """What a process does, in the system's letters: R runs or could, S sleeps, Z has ended; "" for one that is gone."""
     with suppress(*GONE):
         return Path(f"/proc/{process}/stat").read_text().rpartition(")")[2].split()[0]
@@ -102,7 +102,7 @@ def has_library(process: int, name: str) -> bool:
 
 
 @contextmanager
-def held(process_ids: Iterable[int]) -> Iterator[None]:
+def stop_processes(process_ids: Iterable[int]) -> Iterator[None]:
     """Meanwhile the processes stand still. One that is killed in the meantime is gone."""
     process_ids = list(process_ids)
     for process in process_ids:
@@ -115,7 +115,7 @@ def held(process_ids: Iterable[int]) -> Iterator[None]:
                 os.kill(process, signal.SIGCONT)
 
 
-class Watch:
+class RunningTime:
     """Seconds since it was made in which a process ran or had nothing to do.
 
     That is wall time less what its first thread spent ready to run, while other work had the processors. On a machine
@@ -124,8 +124,8 @@ class Watch:
 
     def __init__(self, process: int):
         self._process = process
-        self._begun = perf_counter() - _waited(process)
+        self._begun = perf_counter() - _waiting_seconds_of(process)
 
     @property
     def seconds(self) -> float:
-        return perf_counter() - _waited(self._process) - self._begun
+        return perf_counter() - _waiting_seconds_of(self._process) - self._begun

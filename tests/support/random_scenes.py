@@ -67,17 +67,17 @@ ODD = (math.nan, math.inf, -math.inf, -1, 0, -0.0, 5e-324, 1e308, 10**400, 2**31
        "Ω", (), ("",), ("auto", "auto"), [1], {}, b"x", 1j)
 
 
-def sets() -> tuple[Inputs, ...]:
+def switch_sets() -> tuple[Inputs, ...]:
     """The switches to try: the short list, and as many more as the scenes asked for need."""
     extra = 0 if ASKED is None else ASKED // SCENES_A_SET
-    return SETS + tuple(_drawn_set(random.SystemRandom()) for _ in range(extra))
+    return SETS + tuple(_draw_set(random.SystemRandom()) for _ in range(extra))
 
 
 def scenes_a_set() -> int:
-    return math.ceil((ASKED or SCENES) / len(sets()))
+    return math.ceil((ASKED or SCENES) / len(switch_sets()))
 
 
-def _drawn_set(chance: random.Random) -> Inputs:
+def _draw_set(chance: random.Random) -> Inputs:
     """Switches that go together, whatever the numbers."""
     problem = chance.choice(list(PROBLEMS))
     kind = PROBLEMS[problem].scene

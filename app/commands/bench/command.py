@@ -48,8 +48,8 @@ class Bench:
         with show_progress(self.quiet) as show:  # imports here: bad input and --help must not wait for Taichi
             if self.visitors is None:
                 from app.commands.bench.class_load import ITSELF
-                from solvers.bench.bench import bench
-                values, table = bench(self.quick, (*ITSELF, "--version"), show), bench_table
+                from solvers.bench.bench import run_benchmarks
+                values, table = run_benchmarks(self.quick, (*ITSELF, "--version"), show), bench_table
             else:
                 from app.commands.bench.class_load import Load, class_load, class_table
                 values, table = class_load(Load(self.visitors, 60 * self.minutes), show), class_table

@@ -13,8 +13,8 @@ from app.commands.output import Folder, json_target, json_text, put_report, put_
 from app.commands.progress import show_progress
 from app.templates import render_template
 from app.words import NOTHING, with_unit
-from solvers.study.markdown import grid
-from solvers.untrusted.quoting import FileError, code, file_name, markdown
+from solvers.study.markdown import markdown_table
+from solvers.untrusted.quoting import FileError, code_span, escape_markdown, file_name
 
 CONTRADICTED = 3
 EXPECTABLE = Expectations("run", dict.fromkeys(("contradictions", "broken", "suspicious", "particles"), ()))
@@ -62,7 +62,7 @@ class Check:
             target.write(json_text(values, lines=not target.is_stdout).encode())
         if self.expect:
             return max(status, EXPECTABLE.told(self.expect, [claims_outcome(values)]))
-        return status or (CONTRADICTED if checked.wrong else 0)
+        return status or (CONTRADICTED if checked.contradictions else 0)
 
     def _write(self, folder: Folder | None, checked: Any, values: dict) -> int:
         """The report where it was asked for."""
@@ -88,7 +88,7 @@ NO_CONTRADICTION = "No contradiction was found. That is not to say that the run 
 
 def verdict_text(values: dict) -> str:
     """The verdict, what was found wrong, and what could not be told."""
-    lines = [*map(markdown, values["not_told"]), *values["never_told"]]
+    lines = [*map(escape_markdown, values["not_told"]), *values["never_told"]]
     return "\n\n".join([_verdict(values), *([_wrong(values)] if _wrong(values) else []),
                         "What could not be told:\n\n" + "\n".join(f"* {line}" for line in lines)])
 
@@ -96,12 +96,12 @@ def verdict_text(values: dict) -> str:
 def as_markdown(values: dict, pictures: list[str]) -> str:
     """The whole report; pictures stand after the summary."""
     files, count = values["files"], len(values["files"])
-    notes = ["\n".join(f"* {markdown(note)}" for note in values["notes"])] if values["notes"] else []
-    listed = ", ".join(code(file_name(file)) for file in files[:20]) + f" and {count - 20} more" * (count > 20)
+    notes = ["\n".join(f"* {escape_markdown(note)}" for note in values["notes"])] if values["notes"] else []
+    listed = ", ".join(code_span(file_name(file)) for file in files[:20]) + f" and {count - 20} more" * (count > 20)
     rows = [[one["finding"], _size(one["measured"], one["unit"]), _size(one["limit"], one["unit"]), one["verdict"],
-             markdown(one["says"]) or NOTHING] for one in values["findings"]]
-    looked = "## What was looked at\n\n" + grid(["looked at", "measured", "limit", "verdict", "remark"], rows,
-                                                words=("looked at", "verdict", "remark"))
+             escape_markdown(one["says"]) or NOTHING] for one in values["findings"]]
+    looked = "## What was looked at\n\n" + markdown_table(["looked at", "measured", "limit", "verdict", "remark"], rows,
+                                                          words=("looked at", "verdict", "remark"))
     shown = [f"![{CAPTION}]({name})" for name in pictures]
     return "\n\n".join([f"# {count} file{'s' * (count != 1)} checked: {values['verdict']}", verdict_text(values),
                         *shown, looked, *notes, f"Files: {listed}.", render_template(HERE / "how.md")])
@@ -125,7 +125,7 @@ def _wrong(values: dict) -> str:
     for one in found:
         where = f" at X = {', '.join(f'{c:.4g}' for c in one['X'])}" if one["X"] else ""
         place = "" if one["particle"] is None else f" (particle {one['particle']}{where})"
-        lines.append(f"* **{one['verdict'].capitalize()}**, {one['finding']}: {markdown(one['says'])}{place}.")
+        lines.append(f"* **{one['verdict'].capitalize()}**, {one['finding']}: {escape_markdown(one['says'])}{place}.")
     return "\n".join(lines)
 
 

@@ -19,9 +19,9 @@ from app.templates import render_template
 from app.words import NOTHING, QUANTITIES, format_ratio, method_name, motion_text, particles_per_cell, with_unit
 from solvers.judging.error_norms import QUANTITIES as JUDGED
 from solvers.judging.findings.finding import OFF
-from solvers.problems.reference import OF_METHODS
-from solvers.study.markdown import grid
-from solvers.untrusted.quoting import FileError, code, file_name, markdown
+from solvers.problems.reference import METHOD_FIELDS
+from solvers.study.markdown import markdown_table
+from solvers.untrusted.quoting import FileError, code_span, escape_markdown, file_name
 
 if TYPE_CHECKING:
     from solvers.judging.judgement import Judgement  # which reads files of all kinds: --help must not wait for it
@@ -48,7 +48,7 @@ class Judge(SceneFlags):
     Exit status: 0 judged, 1 not as expected or could not write, 2 bad input.
     """
     EXAMPLE: ClassVar[str] = "mpm-lab judge {problem} mine.csv --cells 40 --out verdict"
-    LEFT_OUT: ClassVar[frozenset[str]] = OF_METHODS - {"dt", "cfl"}
+    LEFT_OUT: ClassVar[frozenset[str]] = METHOD_FIELDS - {"dt", "cfl"}
 
     files: Annotated[flags.FilesFlag, tyro.conf.Positional, tyro.conf.arg(metavar="FILES")] = ()
     """Files of particles."""
@@ -155,7 +155,7 @@ def _largest(values: dict, judged: "Judgement") -> str:
         rows.append([str(g["cells"]), with_unit(g["h"], "m"), f"{g['particles']:,}", when,
                      *(_size(errors[q]["max"], q) for q in JUDGED),
                      NOTHING if x is None else f"{100 * x / one.scene.size_of('x'):.3g} %"])
-    return grid(heads, rows, words=("times",))
+    return markdown_table(heads, rows, words=("times",))
 
 
 def _errors(g: dict) -> dict:
@@ -184,29 +184,30 @@ def _verdict(g: dict, values: dict) -> str:
                          f"{'are' if found['count'] != 1 else 'is'} not where the neighbours are**, by up to "
                          f"{found['farthest_over_h']:.2g} h, at t = {found['t']:.4g} s: the farthest is particle "
                          f"{found['particle']} at {_place(found['X'])}, {_region(values['problem'], found['X'])} "
-                         f"({markdown(file_name(found['file']))}).")
+                         f"({escape_markdown(file_name(found['file']))}).")
     return " ".join(sentences)
 
 
 def _grid(g: dict, values: dict, several: bool) -> str:
     rows = [[str(QUANTITIES[q]), _size(found["size"], q), str(found["particle"]), _place(found["X"]),
-             _region(values["problem"], found["X"]), f"{found['t']:.4g} s", code(file_name(found['file']))]
+             _region(values["problem"], found["X"]), f"{found['t']:.4g} s", code_span(file_name(found['file']))]
             for q, found in g["worst"].items() if found]
     parts = [f"## {g['cells']} cells" if several else "## Errors", _error_table(g),
-             "Worst of all particles and times:\n\n" + grid(["error of", "size", "particle", "X", "where", "t", "file"],
+             "Worst of all particles and times:\n\n" + markdown_table(["error of", "size", "particle", "X", "where",
+                                                                       "t", "file"],
                                                            rows, words=("error of", "where", "file"))]
     parts.append(f"At least {g['crossings_at_least']:,} grid crossings between the times given.")
     rows = [[check["check"], _number(check["measured"]), _number(check["tolerance"]), check["unit"], check["verdict"],
              check["says"]] for check in g["checks"]]
-    parts.append("What was compared, with what tolerance:\n\n" + grid(
+    parts.append("What was compared, with what tolerance:\n\n" + markdown_table(
         ["compared", "measured", "tolerance", "in", "verdict", "remark"], rows,
         words=("compared", "in", "verdict", "remark")))
     if g["ours"]:
         parts += ["Our own methods on the same grid, at the same times:", _ours(g)]
     told = {check["says"] for check in g["checks"]}  # in the table, and above
     if notes := [note for note in g["notes"] if note not in told]:
-        parts.append("\n".join(f"* {markdown(note)}" for note in notes))
-    parts.append("Files: " + ", ".join(code(file_name(file)) for file in g["files"][:20])
+        parts.append("\n".join(f"* {escape_markdown(note)}" for note in notes))
+    parts.append("Files: " + ", ".join(code_span(file_name(file)) for file in g["files"][:20])
                  + (f" and {len(g['files']) - 20} more" if len(g["files"]) > 20 else "") + ".")
     return "\n\n".join(parts)
 
@@ -219,7 +220,7 @@ def _error_table(g: dict) -> str:
         rows.append([str(QUANTITIES[q]), *(_size(true[part], q) for part in ("final", "max", "mean")),
                      _size(estimate["companion"][q]["max"], q), _ratio((estimate["index"] or {}).get(q)),
                      _ratio((estimate["distance"] or {}).get(q)), _size(estimate["own_error"][q], q)])
-    return grid(heads, rows, words=("error of",))
+    return markdown_table(heads, rows, words=("error of",))
 
 
 def _ours(g: dict) -> str:
@@ -233,7 +234,7 @@ def _ours(g: dict) -> str:
         rows.append([_method(run), *(_size(theirs[q]["max"], q) for q in JUDGED),
                      *(NOTHING if one is None or not other else format_ratio(one / other) for one, other in both),
                      f"{run['status']}, cfl {run['cfl']:.3g}"])
-    return grid(heads, rows, words=("method", "ran"))
+    return markdown_table(heads, rows, words=("method", "ran"))
 
 
 def _order(values: dict) -> str:
@@ -245,7 +246,7 @@ def _order(values: dict) -> str:
             for q, fit in values["order"].items()]
     return (f"## Order in h\n\nOf the largest norm over the {len(common)} times that all {len(values['grids'])} grids "
             f"have.\n\n"
-            + grid(["error of", "order", "between neighbours"], rows, words=("error of",)))
+            + markdown_table(["error of", "order", "between neighbours"], rows, words=("error of",)))
 
 
 def _method(run: dict) -> str:

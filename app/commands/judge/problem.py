@@ -14,7 +14,7 @@ from app.templates import render_template
 from app.words import per_cell
 from solvers.judging.column_names import column_names
 from solvers.problems import PROBLEMS
-from solvers.problems.reference import OF_METHODS, Texts
+from solvers.problems.reference import METHOD_FIELDS, Texts
 from solvers.scene.scene import Scene
 from solvers.scene.validation import field_key
 from solvers.untrusted.size_limits import LIMITS
@@ -36,7 +36,7 @@ class ProblemCommand(SceneFlags):
     Exit status: 0 ok, 1 could not write, 2 bad input.
     """
     EXAMPLE: ClassVar[str] = "mpm-lab problem {problem} --cells 40 --out handout"
-    LEFT_OUT: ClassVar[frozenset[str]] = OF_METHODS
+    LEFT_OUT: ClassVar[frozenset[str]] = METHOD_FIELDS
 
     out: Annotated[PathFlag, default_hint("none, it must be given")] = None
     """Directory for the files; it must be new or empty."""
@@ -61,20 +61,20 @@ class ProblemCommand(SceneFlags):
 def _files(scene: Scene, times: list[float]) -> dict[str, bytes]:
     from solvers.judging import particle_writers, problem_handout  # here: bad input must not wait for them
 
-    start, first = problem_handout.start(scene), problem_handout.initial(scene)
-    more = {"volume": start.volume, "mass": problem_handout.masses(scene), **start.more}
-    force = problem_handout.force_table(scene, TABLE_POINTS, TABLE_TIMES)
+    start, first = problem_handout.start(scene), problem_handout.initial_frame(scene)
+    more = {"volume": start.volume, "mass": problem_handout.particle_masses(scene), **start.more}
+    force = problem_handout.body_force_table(scene, TABLE_POINTS, TABLE_TIMES)
     said: dict[str, Any] = {"problem": scene.problem, "cells": scene.cells, "ppc": scene.ppc}
     data = {"id": first.number, "material_position": _in_space(first.material_position),
             "velocity": _in_space(np.asarray(first.velocity)), **more}
-    solution = [problem_handout.exact(scene, t) for t in times] if scene.solution_known else \
-        problem_handout.companion(scene, times)
-    numbers, name = problem_handout.numbers(scene), "exact" if scene.solution_known else "companion"
+    solution = [problem_handout.exact_frame(scene, t) for t in times] if scene.solution_known else \
+        problem_handout.companion_frames(scene, times)
+    numbers, name = problem_handout.problem_parameters(scene), "exact" if scene.solution_known else "companion"
     return {
-        "particles.csv": particle_writers.csv(particle_writers.table([first], more), {**said, "t": 0.0}),
-        "particles.vtu": particle_writers.vtu(first.position, data, 0.0),
-        "body_force.csv": particle_writers.csv(force, {"problem": scene.problem}),
-        f"{name}.csv": particle_writers.csv(particle_writers.table(solution), said),
+        "particles.csv": particle_writers.csv_text(particle_writers.frame_columns([first], more), {**said, "t": 0.0}),
+        "particles.vtu": particle_writers.vtu_bytes(first.position, data, 0.0),
+        "body_force.csv": particle_writers.csv_text(force, {"problem": scene.problem}),
+        f"{name}.csv": particle_writers.csv_text(particle_writers.frame_columns(solution), said),
         "problem.json": json_text({"schema": problem_handout.SCHEMA, **numbers}, lines=True).encode(),
         "problem.md": problem_page(scene, PROBLEMS[scene.problem].reference.texts(scene), times, name).encode()}
 
@@ -94,7 +94,7 @@ def problem_page(scene: Scene, texts: Texts, times: Sequence[float], solution: s
     # What says the problem to the judge: every input but those of methods and of the end.
     flags = (f"--{key.replace('_', '-')} {f'{value:.15g}' if isinstance(value, float) else value}"
              for key, value in scene.to_dict().items() if value is not None
-             and key not in {"problem", "t_end", "periods", *map(field_key, OF_METHODS)})
+             and key not in {"problem", "t_end", "periods", *map(field_key, METHOD_FIELDS)})
     return render_template(
         PAGE, **vars(texts), **columns, title=scene.title, problem=scene.problem, flags=" ".join(flags),
         solution=solution, known=known, times=len(times), cells=scene.cells, h=f"{scene.spacing:.6g}",

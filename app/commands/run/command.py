@@ -15,7 +15,7 @@ from app.commands.progress import show_progress
 from app.commands.run.text import goal_table, run_table
 from app.commands.scene_flags import SceneFlags
 from solvers.judging.frames import Frame
-from solvers.running.quantities_of_interest import goals_of
+from solvers.running.quantities_of_interest import parse_goals
 from solvers.running.result import Result
 from solvers.scene.scene import Scene
 from solvers.solver.snapshot import Snapshot
@@ -46,19 +46,19 @@ class ParticleWriter:
 
     def keep(self, shot: Snapshot) -> None:
         """Keep a sample; one of a run gone bad, with what is no number, is left out."""
-        from solvers.judging.reference_runs import framed
-        frame = framed(shot, self._scene)
+        from solvers.judging.reference_runs import frame_of_snapshot
+        frame = frame_of_snapshot(shot, self._scene)
         if all(np.isfinite(v).all() for v in (shot.position, shot.velocity, shot.deformation_gradient)):
             self._frames.append(frame)
 
     def write(self, result: Result) -> None:
         from solvers.judging import particle_writers
-        from solvers.running.scene_text import line
+        from solvers.running.scene_text import scene_line
         if self._target.path.lower().endswith(".npz"):
-            content = particle_writers.npz(self._frames, self._scene, result.arrays())
+            content = particle_writers.npz_bytes(self._frames, self._scene, result.arrays())
         else:
-            said = {"problem": self._scene.problem, "cells": self._scene.cells, "scene": line(self._scene)}
-            content = particle_writers.csv(particle_writers.table(self._frames), said)
+            said = {"problem": self._scene.problem, "cells": self._scene.cells, "scene": scene_line(self._scene)}
+            content = particle_writers.csv_text(particle_writers.frame_columns(self._frames), said)
         self._target.write(content)
 
 
@@ -81,7 +81,7 @@ class Output:
 
     def run_and_write(self, scene: Scene) -> int:
         """Run a scene and write what was asked for; the exit status. Files are tried first: no typo costs a run."""
-        goals_of(scene, self.goal)
+        parse_goals(scene, self.goal)
         target = json_target(self.json)
         picture = None if self.plot is None else Target("plot", self.plot, ending=".png")
         if target and picture and target.path == picture.path:

@@ -6,7 +6,7 @@ from app.words import QUANTITIES, particles_per_cell, unit_of
 from solvers.motion.laws.material import NEO_HOOKEAN
 from solvers.problems import PROBLEMS
 from solvers.running.quantities_of_interest import SAFETY
-from solvers.scene.effects import ALL, EFFECTS, SHARE, Number, told
+from solvers.scene.effects import ALL, EFFECTS, PER_CENT, Number, effect_lines
 from solvers.scene.error_causes import CAUSES, FIELDS
 from solvers.scene.scene import Scene
 from solvers.study.coverage import track_record
@@ -85,7 +85,7 @@ def take_away_table(values: dict) -> str:
 
 def _effects(result: dict) -> Iterator[tuple[str, str]]:
     """A line for each effect that has numbers; of those that only some problems have, where it is on."""
-    for name, line in told(lambda effect: effect.text).items():
+    for name, line in effect_lines(lambda effect: effect.text).items():
         effect, found = ALL[name], result[ALL[name].json_key]
         if found is not None or name in EFFECTS:
             values = found if isinstance(found, dict) else {"": found}
@@ -94,7 +94,7 @@ def _effects(result: dict) -> Iterator[tuple[str, str]]:
 
 
 def _number(value: float | None, number: Number) -> str:
-    if number.unit == SHARE:
+    if number.unit == PER_CENT:
         return NOTHING if value is None else f"{100 * value:.3g} %"
     return format_value(value, "," if number.kind is int else ".4g") + f" {number.unit}" * bool(number.unit)
 
@@ -128,7 +128,7 @@ def goal_table(scene: Scene, goals: Mapping[str, dict]) -> str:
         unit = goal["unit"]
         lines = [f"{name:<24}{format_value(goal['value'], '.6g'):>{GOAL_WIDTH}} {unit}"]
         for estimator, bar in goal["bar"].items():
-            counts = track_record.held(scene, name, estimator)
+            counts = track_record.bars_held(scene, name, estimator)
             often = f"   held {counts[0]} of {counts[1]}" if counts and bar is not None else ""
             lines.append(f"  {'+- ' + estimator:<22}{format_value(bar, '.2g'):>{GOAL_WIDTH}} {unit}{often}")
         if goal["true_error"] is not None:

@@ -10,8 +10,8 @@ from app.commands.study.study_command import StudyFlags
 from solvers.scene.scene import Scene
 from solvers.scene.validation import require_whole
 from solvers.study.coverage.coverage_counts import tally
-from solvers.study.coverage.coverage_tables import summary
-from solvers.study.coverage.random_runs import IDENTITY, MEASURED, Draw, failed
+from solvers.study.coverage.coverage_tables import coverage_summary
+from solvers.study.coverage.random_runs import IDENTITY, MEASURED, RandomRun, failed_row
 from solvers.study.parameter_grid import MOST_ROWS
 from solvers.study.row import FAILED
 
@@ -34,7 +34,7 @@ class Coverage(StudyFlags):
     SCENE: ClassVar[type[Scene]]
     TIMED = False
     IDENTITY, MEASURED = IDENTITY, MEASURED
-    WORK = "solvers.study.coverage.random_runs:measure_draw"
+    WORK = "solvers.study.coverage.random_runs:measure_in_worker"
 
     runs: NumberFlag = 1000
     """Runs to draw."""
@@ -43,23 +43,24 @@ class Coverage(StudyFlags):
     workers: ProcessesFlag = None
     """Processes on this machine that run rows side by side; nothing is timed."""
 
-    def questions(self) -> list[Draw]:
+    def questions(self) -> list[RandomRun]:
         require_whole("runs", self.runs, 1, MOST_ROWS)
         require_whole("seed", self.seed, 0, MOST_SEED)
         self.check_place(self.runs)
-        return [Draw(self.SCENE.problem, self.seed, number) for number in range(self.runs)]
+        return [RandomRun(self.SCENE.problem, self.seed, number) for number in range(self.runs)]
 
     def document(self, rows: list[dict]) -> int:
         from app.pictures.study_parts import coverage_figure
 
         counted = tally(self.SCENE.problem, self.seed, rows[:self.runs])
         return self.write({"coverage": coverage_figure}, [counted], lambda drawn: {
-            "coverage.json": json_text(counted), "coverage.md": summary(counted, *drawn)}, printed="coverage.md")
+            "coverage.json": json_text(counted), "coverage.md": coverage_summary(counted, *drawn)},
+                          printed="coverage.md")
 
-    def given_up(self, task: Draw, reason: str) -> dict:
-        return failed(task, reason)
+    def given_up(self, task: RandomRun, reason: str) -> dict:
+        return failed_row(task, reason)
 
-    def told(self, row: dict, tasks: Sequence[Draw]) -> str:
+    def told(self, row: dict, tasks: Sequence[RandomRun]) -> str:
         return f"run {row['number']}: {row['status']}" + (f": {row['reason']}" if row["status"] == FAILED else "")
 
     def beside(self, row: dict) -> dict:

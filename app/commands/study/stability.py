@@ -11,7 +11,7 @@ from app.words import unit_of
 from solvers.scene.scene import Scene
 from solvers.scene.validation import require_choice
 from solvers.study.parameter_grid import Task, combinations
-from solvers.study.stability import TREATMENTS, as_dict, as_markdown, map_tasks, offered, prices
+from solvers.study.stability import TREATMENTS, as_dict, as_markdown, map_tasks, measure_prices, offered_treatments
 from solvers.study.summary import csv_text
 
 DEFAULT_CFL = (0.1, 0.3, 0.5, 0.7)
@@ -46,14 +46,14 @@ class Stability(StudyFlags):
     def questions(self) -> list[Task]:
         inputs = combinations(self.axes())
         for treatment in self.treatment:
-            require_choice("treatment", treatment, offered(self.SCENE))
+            require_choice("treatment", treatment, offered_treatments(self.SCENE))
         self.check_place(len(inputs) * len(TREATMENTS))
-        return map_tasks(self.SCENE.problem, inputs, self.treatment or offered(self.SCENE), __version__)
+        return map_tasks(self.SCENE.problem, inputs, self.treatment or offered_treatments(self.SCENE), __version__)
 
     def document(self, rows: list[dict]) -> int:
         from app.pictures.study_parts import stability_figure
 
-        values = as_dict(self.SCENE.problem, rows, prices(self.SCENE, rows))
+        values = as_dict(self.SCENE.problem, rows, measure_prices(self.SCENE, rows))
         return self.write({"stability": stability_figure}, rows, lambda _: {
             "stability.csv": csv_text(rows), "stability.json": json_text(values, lines=True),
             "stability.md": as_markdown(values)}, printed="stability.md")

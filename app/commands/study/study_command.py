@@ -12,13 +12,13 @@ from solvers.scene.scene import Scene
 from solvers.scene.validation import require_whole
 from solvers.solver.soundness import LOST, OK, UNSTABLE
 from solvers.study.parameter_grid import MOST_ROWS
-from solvers.study.row import FAILED, IDENTITY, MEASURED, REFUSED, failed, fault
-from solvers.study.row_store import Store, StoreError
-from solvers.untrusted.quoting import quoted
-from solvers.workers.cpu_count import usual_processes
+from solvers.study.row import FAILED, IDENTITY, MEASURED, REFUSED, failed_row, find_fault
+from solvers.study.row_store import RowStore, StoreError
+from solvers.untrusted.quoting import quote
+from solvers.workers.cpu_count import default_processes
 
 if TYPE_CHECKING:
-    from solvers.study.executors import Cluster, LocalExecutor, Question
+    from solvers.study.executors import Cluster, LocalExecutor, MeasurementTask
 
 INCOMPLETE = 1  # exit status
 ADDRESS = re.compile(r"(tcp|tls|ucx|ws|wss)://\S+:\d+/?")
@@ -29,7 +29,7 @@ class Study:
 
     SCENE: ClassVar[type[Scene]]
     TIMED: ClassVar[bool] = True  # whether rows have times, for the sake of which one runs after the other
-    WORK: ClassVar[str] = "solvers.study.executors:measure_row"  # that measures a row (``solvers.workers``)
+    WORK: ClassVar[str] = "solvers.study.executors:measure_in_worker"  # that measures a row (``solvers.workers``)
     IDENTITY: ClassVar[dict] = IDENTITY  # the form of what says which row it is,
     MEASURED: ClassVar[dict] = MEASURED  # and of what was measured (``solvers.study.json_schema``)
     workers: Any = None
@@ -38,7 +38,7 @@ class Study:
     out: Any
     quiet: bool
 
-    def questions(self) -> Sequence["Question"]:
+    def questions(self) -> Sequence["MeasurementTask"]:
         """Every row that is wanted, in order; refuses bad input."""
         raise NotImplementedError
 
@@ -57,7 +57,7 @@ class Study:
 
     def given_up(self, task: Any, reason: str) -> dict:
         """The row of a question that was lost."""
-        return failed(task, reason)
+        return failed_row(task, reason)
 
     def told(self, row: dict, tasks: Sequence[Any]) -> str:
         """A row in short, for whoever watches."""
@@ -106,15 +106,16 @@ class Study:
 
     def _workers(self) -> int:
         """Processes that run rows here, unless one says how many."""
-        return self.workers or (1 if self.TIMED else usual_processes())
+        return self.workers or (1 if self.TIMED else default_processes())
 
-    def _rows(self, tasks: Sequence["Question"]) -> list[dict] | None:
+    def _rows(self, tasks: Sequence["MeasurementTask"]) -> list[dict] | None:
         """Runs the rows that are missing; returns all rows, the tasks' first, or None if the executor was lost."""
         with contextlib.ExitStack() as stack:
             place = stack.enter_context(contextlib.closing(self._place()))
             try:
-                store = stack.enter_context(contextlib.closing(Store(
-                    self.out, self.only_problem, self.resume, lambda row: fault(row, self.MEASURED, self.IDENTITY))))
+                store = stack.enter_context(contextlib.closing(RowStore(
+                    self.out, self.only_problem, self.resume,
+                    lambda row: find_fault(row, self.MEASURED, self.IDENTITY))))
             except StoreError as error:
                 raise BadInput("out", self.out, str(error)) from None
             self._announce(tasks, store)
@@ -125,34 +126,34 @@ class Study:
 
     def _place(self) -> "LocalExecutor | Cluster":
         """Where rows run."""
-        from solvers.study.executors import Cluster, LocalExecutor, NoCluster
+        from solvers.study.executors import Cluster, ClusterUnavailable, LocalExecutor
         try:
             return LocalExecutor(self._workers(), self.WORK) if self.scheduler is None else \
                 Cluster(self.scheduler, self.WORK)
-        except NoCluster as error:
+        except ClusterUnavailable as error:
             raise BadInput("scheduler", self.scheduler, str(error)) from None
 
-    def _announce(self, tasks: Sequence["Question"], store: Store) -> None:
+    def _announce(self, tasks: Sequence["MeasurementTask"], store: RowStore) -> None:
         if self.quiet:
             return
-        there = sum(store.finished(task.key) for task in tasks)
+        there = sum(store.is_finished(task.key) for task in tasks)
         print_message(f"{len(tasks)} rows" + (f", {there} of them there already" if there else ""))
-        if old := sum(store.outdated(task.key) for task in tasks):
+        if old := sum(store.is_outdated(task.key) for task in tasks):
             print_message(f"{old} row{'s were' if old > 1 else ' was'} measured by another version of the solvers and "
                 f"{'are' if old > 1 else 'is'} measured again")
         for sentence in dict.fromkeys(sentence for task in tasks for sentence in task.remarks()):
             print_message(sentence)
 
-    def _measure(self, tasks: Sequence["Question"], place: "LocalExecutor | Cluster", store: Store) -> bool:
+    def _measure(self, tasks: Sequence["MeasurementTask"], place: "LocalExecutor | Cluster", store: RowStore) -> bool:
         """Fill the store; False if the place where rows run was lost on the way."""
         from solvers.study.executors import ExecutorLost, execute
-        todo = [task for task in tasks if not store.finished(task.key)]
+        todo = [task for task in tasks if not store.is_finished(task.key)]
         done = len(tasks) - len(todo)
 
         def keep(row: dict) -> None:
             nonlocal done
             done += 1
-            with report_write_errors(f"--out {quoted(self.out)}"):
+            with report_write_errors(f"--out {quote(self.out)}"):
                 store.append(self.beside(row))
             if not self.quiet and row["status"] != REFUSED:  # that was said before
                 print_message(f"{done}/{len(tasks)} {self.told(row, tasks)}")

@@ -11,7 +11,7 @@ from app.commands.scene_flags import SceneFlags
 from app.commands.study.study_command import StudyFlags
 from solvers.scene.validation import require_whole
 from solvers.study import summary as table
-from solvers.study.parameter_grid import Task, plan
+from solvers.study.parameter_grid import Task, plan_tasks
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -38,15 +38,16 @@ class Sweep(StudyFlags, SceneFlags):
         require_whole("repeats", self.repeats, 1, 1000)
         axes = self.axes()
         self.check_place(math.prod(map(len, axes.values())))
-        return plan(self.SCENE.problem, axes, repeats=self.repeats, price_effects=self.each_effect, version=__version__)
+        return plan_tasks(self.SCENE.problem, axes, repeats=self.repeats, price_effects=self.each_effect,
+                          version=__version__)
 
     def document(self, rows: list[dict]) -> int:
         from app.pictures.study import FIGURES
 
         problem = self.SCENE.problem
         return self.write(FIGURES, rows, lambda drawn: {
-            "table.csv": table.csv_text(rows), "table.json": json_text(table.table_dict(problem, rows), lines=True),
-            "summary.md": table.summary(problem, rows, drawn)}, printed="summary.md")
+            "table.csv": table.csv_text(rows), "table.json": json_text(table.study_to_dict(problem, rows), lines=True),
+            "summary.md": table.summarise_study(problem, rows, drawn)}, printed="summary.md")
 
     def axes(self) -> dict[str, list]:
         """The values of each input of a scene, by the name of its flag."""

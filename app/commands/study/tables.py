@@ -13,12 +13,12 @@ from app.commands.output import Target, json_text, print_message
 from app.commands.study.study_command import INCOMPLETE, Study
 from app.words import NOTHING, QUANTITIES, method_name
 from solvers.problems import PROBLEMS
-from solvers.study.markdown import grid
+from solvers.study.markdown import markdown_table
 from solvers.study.parameter_grid import Task
 from solvers.study.row import FAILED
 from solvers.study.tables import paper_tables
-from solvers.study.tables.paper_tables import Table, digits
-from solvers.study.tables.table_runs import MEASURED, PAPERS_ESTIMATOR, document, parts, results_of, runs
+from solvers.study.tables.paper_tables import PaperTable, format_digits
+from solvers.study.tables.table_runs import MEASURED, PAPERS_ESTIMATOR, all_runs, results_of, rows_by_part, table_dict
 
 UNSTABLE = 3
 KINDS = ("json", "md", "png")  # of the files of a table
@@ -35,7 +35,7 @@ class Tables(Study):
 
     EXAMPLE = "mpm-lab tables 1 --out tables"
     MEASURED = MEASURED
-    WORK = "solvers.study.tables.table_runs:measure_run"
+    WORK = "solvers.study.tables.table_runs:measure_in_worker"
 
     table: Annotated[TextFlag, tyro.conf.Positional, tyro.conf.arg(metavar="{1,2,3,all}")] = "all"
     """Table of the paper."""
@@ -55,17 +55,17 @@ class Tables(Study):
             raise BadInput("", self.table,
                            f"is not a table of the paper; give {', '.join(paper_tables.NUMBERS)} or all")
         side_by_side(self.processes)
-        wanted = runs(tables := self._tables())
+        wanted = all_runs(tables := self._tables())
         self.check_place(len(wanted))
         for path in (f"{self.out.rstrip('/')}/table{table.number}.{kind}" for table in tables for kind in KINDS):
             if os.path.isdir(path):
                 Target("out", path)  # refuses it now and not after the runs
         return wanted
 
-    def _tables(self) -> list[Table]:
+    def _tables(self) -> list[PaperTable]:
         estimators = {name: problem.estimators for name, problem in PROBLEMS.items()}
         numbers = paper_tables.NUMBERS if self.table == "all" else (self.table,)
-        return [paper_tables.make(number, estimators) for number in numbers]
+        return [paper_tables.make_table(number, estimators) for number in numbers]
 
     def stages(self, tasks: Sequence[Task]) -> Iterable[Sequence[Task]]:
         return [[task for task in tasks if not task.repeats], *([task] for task in tasks if task.repeats)]
@@ -84,11 +84,11 @@ class Tables(Study):
         from app.pictures.tables import table_figure
 
         wanted = self._tables()
-        keys = {task.key for task in runs(wanted)}
+        keys = {task.key for task in all_runs(wanted)}
         if failed := [row for row in rows if row["key"] in keys and row["status"] == FAILED]:
             print_message(f"{len(failed)} runs failed, the first of them: {failed[0]['reason']}; the others are kept")
             return INCOMPLETE
-        made = [document(table, results_of(table, rows)) for table in wanted]
+        made = [table_dict(table, results_of(table, rows)) for table in wanted]
         status = self.write({f"table{table['table']}": functools.partial(lambda table, _: table_figure(table), table)
                              for table in made}, made,
                             lambda _: {f"table{table['table']}.{kind}": text for table in made
@@ -112,7 +112,7 @@ Footnotes = dict[str, int]  # sentences under the table, each once, with their n
 def table_markdown(table: dict) -> str:
     notes: Footnotes = {}
     blocks = [f"# {table['title']}", *table["setup"]]
-    for part, rows in parts(table).items():
+    for part, rows in rows_by_part(table).items():
         blocks += [f"## {part}", _comparison(table["table"], rows, notes)]
         if table["table"] != "2":
             blocks += [f"Index of each estimator, its distance and its cost — {part}:", _estimators(table, rows, notes)]
@@ -144,10 +144,10 @@ def _comparison(number: str, rows: list[dict], notes: Footnotes) -> str:
             elif key == "grid_crossings":
                 cells += map(_count, (row["ours"][key], row["ours"]["grid_crossings_short"]))
             else:
-                cells.append(NOTHING if row["ours"][key] is None else digits(row["ours"][key], 3))
+                cells.append(NOTHING if row["ours"][key] is None else format_digits(row["ours"][key], 3))
             cells += [_printed(key, row["paper"][key]), _factor(row["ratio"][key])]
         lines.append([*cells, *(_index_of_x(row, name, notes) for name in others)])
-    return grid(heads, lines, words=("method",))
+    return markdown_table(heads, lines, words=("method",))
 
 
 def _estimators(table: dict, rows: list[dict], notes: Footnotes) -> str:
@@ -163,7 +163,7 @@ def _estimators(table: dict, rows: list[dict], notes: Footnotes) -> str:
             values = [_factor(said[kind][q]) for kind in ("index", "distance") for q in QUANTITIES]
             cost = NOTHING if said["cost"] is None else f"{100 * said['cost']:.0f} %"
             lines.append([*_row_cells(number, row, notes), name + _why(name, said, notes), *values, cost])
-    return grid(heads, lines, words=("method", "estimator"))
+    return markdown_table(heads, lines, words=("method", "estimator"))
 
 
 def _index_of_x(row: dict, name: str, notes: Footnotes) -> str:
@@ -192,7 +192,7 @@ def _printed(key: str, value: float | None) -> str:
         return _count(round(value))
     if key.startswith("index"):
         return f"{value:.1f}" if value < 10 and value == round(value, 1) else f"{value:g}"
-    return digits(value, 2)
+    return format_digits(value, 2)
 
 
 def _count(value: int | None) -> str:
@@ -205,4 +205,4 @@ def _factor(value: float | None) -> str:
         return NOTHING
     if value >= 1000 or value == 0:
         return f"{value:,.0f}"
-    return f"{value:.2f}" if 0.1 <= value < 9.995 else f"{value:.3g}" if value > 1 else digits(value, 2)
+    return f"{value:.2f}" if 0.1 <= value < 9.995 else f"{value:.3g}" if value > 1 else format_digits(value, 2)

@@ -8,10 +8,10 @@ from typing import Any, ClassVar, Generic, TypeVar
 
 from app.language.message_translation import translate_message
 from app.language.translation import tr, with_language
-from solvers.workers.cpu_count import processors
+from solvers.workers.cpu_count import available_cpus
 from solvers.workers.worker_pool import Slots, WorkerPool
 
-MOST_JOBS = max(1, processors() // 2)  # on this server; each keeps a processor busy
+MOST_JOBS = max(1, available_cpus() // 2)  # on this server; each keeps a processor busy
 SLOTS = Slots(MOST_JOBS)
 
 
@@ -62,7 +62,7 @@ class Background(ABC, Generic[S]):
         """To the stages that move, from now on."""
         with self._lock:
             if self._pool is not None:
-                self._pool.give_way()
+                self._pool.lower_priority()
 
     def close(self) -> None:
         """The visitor has gone."""
@@ -87,7 +87,7 @@ class Background(ABC, Generic[S]):
         with self._lock:
             if self.status.running or self._closed:
                 return
-            if not self.slots.take():
+            if not self.slots.acquire():
                 self.status = replace(status, trouble=tr(self.BUSY, n=MOST_JOBS))
                 return
             self.status = replace(status, running=True)
@@ -114,4 +114,4 @@ class Background(ABC, Generic[S]):
             elif error is not None:
                 trouble = tr("the background process {has_ended}", has_ended=translate_message(str(error)))
             self.status, self._pool = replace(self.status, running=False, trouble=trouble), None
-            self.slots.give_back()
+            self.slots.release()

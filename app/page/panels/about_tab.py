@@ -9,7 +9,7 @@ from solvers.problems import PROBLEMS
 from solvers.scene.estimator_registry import ESTIMATORS
 from solvers.scene.remedies import REMEDIES
 from solvers.scene.step_bound import SAFE
-from solvers.solver.soundness import CONTRADICTIONS, MOST_ERROR
+from solvers.solver.soundness import CONTRADICTIONS, LOST_FROM
 
 
 def add_about(gui: viser.GuiApi) -> None:
@@ -19,7 +19,7 @@ def add_about(gui: viser.GuiApi) -> None:
                               divisions=", ".join(tr(view.division) for view in VIEWS.values())))
     for estimator in ESTIMATORS.values():
         with gui.add_folder(tr("The estimator {title}", title=estimator.title), expand_by_default=False):
-            gui.add_html(f"<div class='lab-about lab-explanation'>{estimator.explained(current_language())}</div>")
+            gui.add_html(f"<div class='lab-about lab-explanation'>{estimator.explanation_in(current_language())}</div>")
     own = "" if current_language() == ENGLISH else f" lang='{current_language()}'"  # what it stands in may be English
     rules, remedies = "", ""
     for rule in CONTRADICTIONS.values():
@@ -31,7 +31,7 @@ def add_about(gui: viser.GuiApi) -> None:
         if len(titles) < len(PROBLEMS):
             label = tr("{label} ({problems} only)", label=label, problems=", ".join(titles))
         remedies += f"<dt{own}>{label}</dt><dd{own}>{tr(remedy.explanation)}.</dd>"
-    gui.add_html(_text("trust.html").format(rules=rules, remedies=remedies, error=MOST_ERROR, safe=SAFE))
+    gui.add_html(_text("trust.html").format(rules=rules, remedies=remedies, error=LOST_FROM, safe=SAFE))
     gui.add_html(f"<div class='lab-about lab-languages'>{language_links()}</div>")
 
 

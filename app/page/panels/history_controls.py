@@ -96,9 +96,9 @@ class HistoryControls:
         if event.client is None or self._session.report is None:
             return
         text, particles = self._number.value.strip(), self._session.report.particles
-        if text and not ((number := number_parsing.count(text)) is not None and number < particles):
+        if text and not ((number := number_parsing.parse_count(text)) is not None and number < particles):
             self._session.refuse(tr("Trace particle: '{typed}' is not the number of one; give one from 0 to {last}, or "
-                                    "nothing", typed=quoting.quoted(text, 20), last=particles - 1))
+                                    "nothing", typed=quoting.quote(text, 20), last=particles - 1))
             self._refused = True
             return
         if self._refused:

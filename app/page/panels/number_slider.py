@@ -117,7 +117,7 @@ class SizeControl:
             value = size_in(text, self._size.unit)
         except ValueError:
             size = self._size
-            refusal = tr(NO_SIZE if size.unit else NO_NUMBER, name=size.name, typed=quoting.quoted(text, 20),
+            refusal = tr(NO_SIZE if size.unit else NO_NUMBER, name=size.name, typed=quoting.quote(text, 20),
                          unit=size.unit, example=self._shown(size.default))
             self._bound.ask(self._slider, lambda: self._bound.refuse(refusal), lambda: self.show(self._value))
             return

@@ -19,9 +19,9 @@ from app.page.visit.session import Session
 from app.words import NOTHING, QUANTITIES, difference_text, format_ratio, with_unit
 from solvers.engine.engine_messages import FrameReport
 from solvers.running.quantities_of_interest import ENERGY, STRESS
-from solvers.scene.effects import ALL, SHARE, Line, Number, told
+from solvers.scene.effects import ALL, PER_CENT, Line, Number, effect_lines
 from solvers.scene.estimator_registry import ESTIMATORS
-from solvers.solver.error_norms import nothing_but_rounding
+from solvers.solver.error_norms import is_only_rounding
 from solvers.solver.rounding import rounding
 from solvers.solver.soundness import OK, UNSTABLE
 from solvers.study.coverage import track_record
@@ -95,7 +95,7 @@ def estimator_cards(report: FrameReport, series: dict[str, np.ndarray], quantity
             judges[name] = {"says": says[:1].upper() + says[1:]}
         else:
             at = gauge_position(last_value(series, f"{name}/index_{quantity}"))
-            counts = track_record.right(report.scene, name, quantity)  # None where nobody counted
+            counts = track_record.accurate_runs(report.scene, name, quantity)  # None where nobody counted
             judges[name] = {"index": _ratio(series, f"{name}/index_{quantity}"), "at": at,
                             "trust": "" if counts is None else tr(
                                 "right within 10\N{NO-BREAK SPACE}% in {n} of {all} runs like this",
@@ -128,7 +128,7 @@ def _run(session: Session, history: History, report: FrameReport, series: dict[s
             ("shown", tr("<b>{periods:.2f} periods back</b>, {rests}", periods=ago, rests=rests)) if ago else
             ("speed", moves if report.playing else
              tr("<b>{rests}</b>, {speed:.3g} periods/s asked", rests=rests, speed=session.speed))]
-    lines = told(lambda effect: effect.readout)
+    lines = effect_lines(lambda effect: effect.readout)
     rows += [(line.name, text) for name, line in lines.items()
              if scene.has(name) and (text := _found(name, line, series))]
     if scene.has("margin"):
@@ -156,7 +156,7 @@ def _goals(report: FrameReport, drawn: str | None) -> Iterator[tuple[str, str]]:
             continue
         text, bar = with_unit(goal["value"], goal["unit"]), goal["bar"].get(drawn)
         if bar is not None:
-            counts, size = track_record.held(report.scene, name, drawn or ""), with_unit(bar, goal["unit"])
+            counts, size = track_record.bars_held(report.scene, name, drawn or ""), with_unit(bar, goal["unit"])
             text = tr(BARS, value=text, bar=size, n=counts[0], all=counts[1]) if counts else f"{text} ± {size}"
         yield GOALS[name], html.escape(text)
 
@@ -173,7 +173,7 @@ def _found(name: str, line: Line, series: dict[str, np.ndarray]) -> str:
 
 
 def _said_number(value: float | None, number: Number) -> str:
-    if number.unit == SHARE or value is None:
+    if number.unit == PER_CENT or value is None:
         return _percent(value)
     return f"{value:,}" if number.kind is int else with_unit(value, number.unit) if number.unit else f"{value:.3g}"
 
@@ -238,7 +238,7 @@ def missing_reasons(report: FrameReport, series: dict[str, np.ndarray], quantity
     silent = {name for name, values in norms.items() if len(values) and not np.isfinite(values).any()}
     reasons = why_no_numbers(report.scene, report.not_valid, quantity, silent)
     true = series.get(f"error_{quantity}", np.zeros(0))
-    if len(true) > 1 and nothing_but_rounding(true, rounding(report.scene, quantity, report.step)):
+    if len(true) > 1 and is_only_rounding(true, rounding(report.scene, quantity, report.step)):
         reasons |= {name: reason or tr(ROUNDED) for name, reason in reasons.items() if name != TRUE}
     return reasons
 

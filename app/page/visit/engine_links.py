@@ -12,7 +12,7 @@ from typing import Any, cast
 from weakref import WeakSet
 
 from app.language.translation import current_language, tr, with_language
-from solvers.engine.engine_pool import EnginePool, Listener, SessionLink
+from solvers.engine.engine_pool import EnginePool, SessionLink, SessionListener
 from solvers.scene.scene import Scene
 
 MOST_WATCHED = 40_000  # particles; browsers show not much more
@@ -54,7 +54,7 @@ def too_many(scene: Scene) -> str:
 class _Told:
     """What a listener hears from the engine's thread, in the language in which the line is opened."""
 
-    def __init__(self, listener: Listener):
+    def __init__(self, listener: SessionListener):
         self._listener, self._language = listener, current_language()
 
     def __getattr__(self, name: str) -> Any:
@@ -70,9 +70,9 @@ class PageLinks:
         self._opening, self._closed = threading.Lock(), False
         self._links = WeakSet[SessionLink]()  # one that is closed is nobody's any more, and neither is what hears of it
 
-    def open(self, listener: Listener, beside: SessionLink | None = None) -> SessionLink:
+    def open(self, listener: SessionListener, beside: SessionLink | None = None) -> SessionLink:
         """A line; where the page is closed already it is closed at once, and nothing comes of it."""
-        link = self._pool.open(cast(Listener, _Told(listener)), beside)
+        link = self._pool.open(cast(SessionListener, _Told(listener)), beside)
         with self._opening:
             self._links.add(link)
             closed = self._closed

@@ -123,7 +123,7 @@ MOST_WAITING = 500  # frames' samples that may wait for a reader
 class History(RunSeries):
     """Sampled norms and the running error index of one run. One thread adds, any may read.
 
-    Its series are named as in ``solvers.solver.samples.read``, and up to that time the error index (eq 35) and the
+    Its series are named as in ``solvers.solver.samples.read_rows``, and up to that time the error index (eq 35) and the
     pointwise distance as ``transport/index_x`` and ``transport/distance_x``. Frames come more often than anybody reads,
     and a few samples cost as much work as many: they wait for the next reader.
     """
@@ -159,7 +159,7 @@ class History(RunSeries):
 
     def _extend(self, rows: np.ndarray) -> None:
         scene = self.scene
-        new = samples.read(rows, scene, self._particles, margin_unit(scene))
+        new = samples.read_rows(rows, scene, self._particles, margin_unit(scene))
         for estimator, q, (ratio, norm) in product(scene.active_estimators, QUANTITIES, RATIOS.items()):
             name = f"{estimator}/{ratio}_{q}"
             new[name] = self._ratios[name].extend(new[f"{estimator}/{norm}_{q}"], new[f"error_{q}"], rounding(

@@ -8,7 +8,7 @@ from app.language.message_translation import translate_message
 from app.language.translation import tr
 from app.page.visit.history import History
 from solvers.engine.engine_messages import FrameReport, Pace
-from solvers.engine.engine_pool import Listener, SessionLink
+from solvers.engine.engine_pool import SessionLink, SessionListener
 from solvers.engine.shared_frames import FrameArrays, FrameOptions
 from solvers.scene.scene import Scene
 from solvers.solver.soundness import UNSTABLE
@@ -17,7 +17,7 @@ from solvers.solver.soundness import UNSTABLE
 class PinnedRun:
     """A scene that stays, its last frame and history; the engine keeps it with the session, as ``partner``."""
 
-    def __init__(self, open_link: Callable[[Listener], SessionLink], scene: Scene, on_frame: Callable[[], None]):
+    def __init__(self, open_link: Callable[[SessionListener], SessionLink], scene: Scene, on_frame: Callable[[], None]):
         self.scene, self._on_frame = scene, on_frame
         self.history = History(scene, scene.particles)
         self.last: tuple[FrameReport, FrameArrays] | None = None
@@ -64,7 +64,7 @@ class PinnedRun:
     def on_compiling(self, number: int) -> None:
         """It is on the stage as soon as it can be."""
 
-    def on_trouble(self, sentence: str) -> None:
+    def on_error(self, sentence: str) -> None:
         self._trouble = sentence
 
     def on_engine_lost(self) -> None:

@@ -276,7 +276,7 @@ class Session:
         with self._lock:
             self._compiled_for = number
 
-    def on_trouble(self, sentence: str) -> None:
+    def on_error(self, sentence: str) -> None:
         with self._lock:
             self._trouble = sentence
 

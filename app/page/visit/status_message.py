@@ -5,7 +5,7 @@ from dataclasses import dataclass
 from app.language.translation import tr
 from app.page.visit.history import History
 from app.words import format_ratio, on_page
-from solvers.untrusted.quoting import as_html
+from solvers.untrusted.quoting import escape_html
 
 LONGEST = 1000  # letters of a sentence; refusals have less
 BROKEN = 30.0  # error index from which on an estimate is no estimate
@@ -23,7 +23,7 @@ class Notice:
     def html(self) -> str:
         """As it stands at the bottom of the stage."""
         return (f"<div class='lab-notice lab-{self.kind}{' lab-seen' * self.seen}' role='status'>"
-                f"{as_html(self.sentence[:1].upper() + self.sentence[1:], LONGEST)}</div>")
+                f"{escape_html(self.sentence[:1].upper() + self.sentence[1:], LONGEST)}</div>")
 
 
 def doubt_notice(history: History, valid: tuple[str, ...]) -> Notice | None:

@@ -44,7 +44,7 @@ def _draw_curve(axes: Axes, result: Result) -> None:
 def _draw_lanes(figure: Figure, axes: Axes, result: Result) -> None:
     """The bar: a lane for each estimate and one for the truth, on one colour scale."""
     shown, cells = result.shown, result.scene.cells
-    position = cast(BarScene, result.scene).within(shown.position)
+    position = cast(BarScene, result.scene).wrap_into_period(shown.position)
     lanes = [("truth", None if shown.error is None else np.abs(shown.error[:, 0]), TRUTH_INK)]
     lanes += [(f"estimate\n({name})", np.abs(shown.estimate[name][:, 0]), ESTIMATE_INK)
               for name in result.scene.active_estimators]

@@ -68,7 +68,7 @@ class BarStage(Stage[BarScene]):
         """Where the particles (P,) stand along the stage; of a run gone bad, off the stage."""
         x = arrays.position[:, 0]
         if self._drawn_scene is not None:
-            x = self._drawn_scene.within(x)
+            x = self._drawn_scene.wrap_into_period(x)
         return np.fmin(np.fmax(x, -0.5), 1.5)  # fmax takes the number where one is none
 
     def _along(self, arrays: FrameArrays) -> np.ndarray:

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from solvers.judging.findings import completeness, constitutive_law, deformation, outliers, placement, time_consistency
-from solvers.judging.findings.evidence import Evidence, kept, some
+from solvers.judging.findings.evidence import Evidence, detect_precision, sample_numbers
 from solvers.judging.findings.finding import HOLDS, OFF, Finding, unknown
 from solvers.judging.findings.motion import Motion
 from solvers.judging.findings.outliers import Deviation
@@ -17,7 +17,7 @@ ROUNDED = 0.1  # of the error, from where on rounding is part of what is judged
 
 
 @dataclass(frozen=True)
-class Kind:
+class FindingGroup:
     """Findings by their names that are looked for together in the motion of any particles, where the files have what
     it ``needs`` beside positions."""
 
@@ -25,51 +25,53 @@ class Kind:
     look: Callable[[Motion], list[Finding]]
     needs: str = "x"
 
-    def found(self, motion: Motion) -> list[Finding]:
+    def find_in(self, motion: Motion) -> list[Finding]:
         if motion.get(self.needs) is None:
             what = "F" if self.needs == "gradient" else self.needs
             return [unknown(name, f"no {what} in the files (or not always a number)") for name in self.names]
         return self.look(motion)
 
 
-def _of_each(look: Callable[[Motion, str], Finding], key: str) -> Callable[[Motion], list[Finding]]:
+def _for_quantity(look: Callable[[Motion, str], Finding], key: str) -> Callable[[Motion], list[Finding]]:
     return lambda motion: [look(motion, key)]
 
 
-INSIDE_OUT = Kind((deformation.INSIDE_OUT,), lambda motion: [deformation.inside_out(motion)], "F")
+INSIDE_OUT = FindingGroup((deformation.INSIDE_OUT,), lambda motion: [deformation.check_inverted(motion)], "F")
 #: What is looked at of particles that have neighbours.
-OF_A_MOTION = (
-    Kind((deformation.OVERTAKEN,), lambda motion: [deformation.overtaken(motion)]),
-    Kind(deformation.NAMES_OF_F, deformation.of_f, "gradient"),
-    Kind(time_consistency.NAMES_OF_V, time_consistency.of_v, "v"),
-    *(Kind((name,), _of_each(outliers.beside_others, key), key) for key, name in outliers.NAMES_OF_MOTION.items()),
-    *(Kind((), _of_each(outliers.rough, key)) for key in ("v", "sigma")))
+MOTION_FINDINGS = (
+    FindingGroup((deformation.OVERTAKEN,), lambda motion: [deformation.check_overtaken(motion)]),
+    FindingGroup(deformation.NAMES_OF_F, deformation.check_f, "gradient"),
+    FindingGroup(time_consistency.NAMES_OF_V, time_consistency.check_velocity, "v"),
+    *(FindingGroup((name,), _for_quantity(outliers.check_outliers, key), key) for key,
+      name in outliers.NAMES_OF_MOTION.items()),
+    *(FindingGroup((), _for_quantity(outliers.check_roughness, key)) for key in ("v", "sigma")))
 
 
-def of_a_run(evidence: Evidence) -> tuple[list[Finding], Deviation | None]:
+def find_in_run(evidence: Evidence) -> tuple[list[Finding], Deviation | None]:
     """What is looked at of a run against its problem; and the frame in which most particles are not where their
     neighbours are. A mean over particles that are lost among the others says nothing."""
     with np.errstate(all="ignore"):  # files may have any numbers, and what is made of the largest may be none
-        places, axes, beside = placement.places(evidence), placement.axes(evidence), outliers.of_places(evidence)
+        places, axes = placement.check_positions(evidence), placement.check_axes(evidence)
+        beside = outliers.position_outliers(evidence)
         order, drift = (unknown(name, "particles are not where they belong")
                         for name in (placement.ORDER, placement.DRIFT))
         if OFF not in (axes.verdict, places.verdict):
-            order = placement.order(evidence)
+            order = placement.check_order(evidence)
         if order.verdict == HOLDS and not (beside and beside.most):
-            drift = placement.drift(evidence)
+            drift = placement.check_mean_error(evidence)
         fewest = min(evidence.frames, key=lambda frame: len(frame.number))
-        return [completeness.check(evidence.scene, fewest), _figures(evidence), places, placement.speeds(evidence),
-                axes, order, drift, outliers.told("x", beside),
-                *(outliers.told(q, outliers.of_values(evidence, q)) for q in ("v", "sigma")),
-                outliers.masses(evidence.frames[0]), time_consistency.clock(evidence),
-                time_consistency.velocity(evidence), time_consistency.stress(evidence),
+        return [completeness.check(evidence.scene, fewest), _check_precision(evidence), places,
+                placement.check_velocities(evidence), axes, order, drift, outliers.outliers_finding("x", beside),
+                *(outliers.outliers_finding(q, outliers.value_outliers(evidence, q)) for q in ("v", "sigma")),
+                outliers.check_masses(evidence.frames[0]), time_consistency.check_clock(evidence),
+                time_consistency.check_velocity_time(evidence), time_consistency.check_stress_time(evidence),
                 constitutive_law.check(evidence)], beside.most if beside else None
 
 
-def _figures(evidence: Evidence) -> Finding:
+def _check_precision(evidence: Evidence) -> Finding:
     """Rounding beside the error of x: errors that are smaller than what the file keeps cannot be seen in it."""
-    places = some([f.position for f in evidence.frames])
-    figures = kept(places)
+    places = sample_numbers([f.position for f in evidence.frames])
+    figures = detect_precision(places)
     size = max(float(rms(error["x"])) for error in evidence.errors)
     rounding = rms(figures.rounding(places)) / np.sqrt(3)  # of rounding that may be anything up to half a unit
     if rounding <= ROUNDED * size:

@@ -5,8 +5,8 @@ from typing import Any
 
 import numpy as np
 
-from solvers.judging.findings.finding import Finding, compared, unknown
-from solvers.judging.findings.neighbours import MOST_ASKED, Nearby
+from solvers.judging.findings.finding import Finding, compare, unknown
+from solvers.judging.findings.neighbours import MOST_ASKED, NeighbourSearch
 from solvers.judging.frames import Frame
 from solvers.problems import PROBLEMS
 from solvers.problems.reference import ProblemReference
@@ -27,29 +27,29 @@ POINTS = 4000  # of the body, about, from which holes are looked for
 
 
 @dataclass(frozen=True)
-class Share:
+class BodyShare:
     """The ``share`` of the body and how it is known; ``least`` is what sound particles may have."""
 
     share: float
     least: float
     how: str
 
-    def check(self, count: int) -> Finding:
-        return compared(NAME, abs(1 - self.share), 1 - self.least, UNIT,
-                        f"the {count:,} particles stand for {100 * self.share:.3g} % of the body ({self.how}): the "
-                        "norms are over these alone", self.how)
+    def to_finding(self, count: int) -> Finding:
+        return compare(NAME, abs(1 - self.share), 1 - self.least, UNIT,
+                       f"the {count:,} particles stand for {100 * self.share:.3g} % of the body ({self.how}): the "
+                       "norms are over these alone", self.how)
 
 
 def check(scene: Scene, frame: Frame) -> Finding:
     """Of the frame with the fewest particles."""
     reference, count = PROBLEMS[scene.problem].reference, len(frame.number)
-    found = _by_weight(scene, reference, frame) or _by_lattice(scene, reference, frame.material_position) \
-        or _by_holes(scene, reference, frame.material_position)
-    return found.check(count) if found else unknown(
+    found = _share_by_mass(scene, reference, frame) or _share_by_lattice(scene, reference, frame.material_position) \
+        or _share_by_holes(scene, reference, frame.material_position)
+    return found.to_finding(count) if found else unknown(
         NAME, f"of {count:,} particles, without masses, volumes or a lattice")
 
 
-def _by_weight(scene: Scene, reference: ProblemReference, frame: Frame) -> Share | None:
+def _share_by_mass(scene: Scene, reference: ProblemReference, frame: Frame) -> BodyShare | None:
     """By masses or volumes in the file."""
     weights, word = (frame.volume, "volumes") if frame.mass is None else (frame.mass, "masses")
     if weights is None:
@@ -62,10 +62,10 @@ def _by_weight(scene: Scene, reference: ProblemReference, frame: Frame) -> Share
     D, P = frame.material_position.shape[1], len(weights)
     side = (size / P) ** (1 / D)
     rims = STAIRS * side**2 * np.sqrt(2 * np.pi * across / side) / size if D > 1 else 0.0
-    return Share(float(np.sum(weights)) / whole, 1 - max(LEAST, rims), f"by the {word} in the files")
+    return BodyShare(float(np.sum(weights)) / whole, 1 - max(LEAST, rims), f"by the {word} in the files")
 
 
-def _by_lattice(scene: Scene, reference: ProblemReference, X: np.ndarray) -> Share | None:
+def _share_by_lattice(scene: Scene, reference: ProblemReference, X: np.ndarray) -> BodyShare | None:
     """Where all places are those of one of our layouts: which of them are taken. Of several the one of the fewest
     particles."""
     fitting: list[tuple[np.ndarray, np.ndarray, Scene]] = []
@@ -78,7 +78,7 @@ def _by_lattice(scene: Scene, reference: ProblemReference, X: np.ndarray) -> Sha
         if len(places) < len(X) or (fitting and len(places) >= len(fitting[0][0])):
             continue
         near = (candidate.spacing / candidate.ppc) * ON_LATTICE
-        lattice = Nearby(places)
+        lattice = NeighbourSearch(places)
         if (lattice.nearest(few, 1)[0] > near).any():
             continue
         far, who = lattice.nearest(X, 1)
@@ -90,8 +90,8 @@ def _by_lattice(scene: Scene, reference: ProblemReference, X: np.ndarray) -> Sha
     short = len(places) - len(X)
     weight = reference.start(candidate).volume
     share = float(weight[who[:, 0]].sum() / weight.sum())
-    return Share(share, 1 - 0.5 / len(places), f"{short:,} of the {len(places):,} places of a lattice of "
-                 f"{candidate.ppc:g} a cell in each direction are empty")
+    return BodyShare(share, 1 - 0.5 / len(places), f"{short:,} of the {len(places):,} places of a lattice of "
+                     f"{candidate.ppc:g} a cell in each direction are empty")
 
 
 def _lattices(scene: Scene) -> list[Scene]:
@@ -107,12 +107,12 @@ def _lattices(scene: Scene) -> list[Scene]:
     return tried
 
 
-def _by_holes(scene: Scene, reference: ProblemReference, X: np.ndarray) -> Share | None:
+def _share_by_holes(scene: Scene, reference: ProblemReference, X: np.ndarray) -> BodyShare | None:
     """By places between particles where none is, and by parts of the body with none near."""
     P, D = X.shape
     if P < 8 * D:
         return None
-    around = Nearby(X)
+    around = NeighbourSearch(X)
     some = np.arange(0, P, -(-P // MOST_ASKED))
     far, who = (found[:, 1:] for found in around.nearest(X[some], FOURTH + 1))  # without itself
     side, apart = float(np.median(far[:, 0])), float(np.median(far[:, -1]))
@@ -120,14 +120,14 @@ def _by_holes(scene: Scene, reference: ProblemReference, X: np.ndarray) -> Share
         return None
     cells = max(type(scene).FEWEST_CELLS, min(scene.cells, round(0.5 * POINTS ** (1 / scene.DIMENSIONS))))
     points = reference.start(replace(scene, cells=cells, ppc=2)).material_position
-    distance = Nearby(X, max(around.width, AT_A_HOLE * apart)).nearest(points, 1)[0][:, 0]
+    distance = NeighbourSearch(X, max(around.width, AT_A_HOLE * apart)).nearest(points, 1)[0][:, 0]
     bare = float(np.mean(distance > AT_A_HOLE * apart))
     vacant = 0.0
     if np.quantile(far[:, 0], 0.75) <= 1.1 * np.quantile(far[:, 0], 0.25):  # a lattice: what is beside one is opposite
         beside = np.nonzero(far <= 1.2 * side)  # the nearest
         step = X[some[beside[0]]] - X[who[beside]]
         place = X[some[beside[0]]] + step
-        inside = ~(reference.misplaced(scene, place) | reference.misplaced(scene, place + 0.6 * step))
+        inside = ~(reference.is_outside(scene, place) | reference.is_outside(scene, place + 0.6 * step))
         if inside.any():
             vacant = float(np.mean(around.nearest(place[inside], 1)[0] > VACANT * side))
-    return Share(1 - max(bare, vacant), 1 - LEAST, "by the holes between them")
+    return BodyShare(1 - max(bare, vacant), 1 - LEAST, "by the holes between them")

@@ -7,9 +7,9 @@ import numpy as np
 
 from solvers.judging.error_norms import rms
 from solvers.judging.findings import time_fits
-from solvers.judging.findings.evidence import Evidence, Tracks, kept, some
+from solvers.judging.findings.evidence import Evidence, Tracks, detect_precision, sample_numbers
 from solvers.judging.findings.finding import HOLDS, OFF, Finding, unknown
-from solvers.judging.findings.time_fits import rate, shifted
+from solvers.judging.findings.time_fits import interpolate_before, time_derivative
 from solvers.problems import PROBLEMS
 from solvers.scene.scene import Scene
 from solvers.scene.validation import SceneError
@@ -30,7 +30,7 @@ def check(evidence: Evidence) -> Finding:
         return unknown(NAME, "the files do not have both F and the stress: another material shows in the motion alone, "
                              "or not at all")
     stress, law = PROBLEMS[scene.problem].reference.stress, []
-    figures_F, figures_sigma = (kept(some(values)) for values in zip(*both, strict=True))
+    figures_F, figures_sigma = (detect_precision(sample_numbers(values)) for values in zip(*both, strict=True))
     off, rounding = [], []
     chance = np.random.default_rng(0)
     for F, sigma in both:
@@ -47,19 +47,19 @@ def check(evidence: Evidence) -> Finding:
         return unknown(NAME, "there is no stress by the law, or it is too large")
     if measured <= tolerance:
         return Finding(NAME, HOLDS, measured, tolerance, UNIT)
-    told = _explained(evidence, size) or "another material, or another measure of stress"
+    told = _explain_stress(evidence, size) or "another material, or another measure of stress"
     return Finding(NAME, OFF, measured, tolerance, UNIT,
                    f"the stress in the files is up to {measured:.2g} of the run's stress off what their F gives by the "
                    f"problem's law: {told}")
 
 
-def _explained(evidence: Evidence, size: float) -> str | None:
+def _explain_stress(evidence: Evidence, size: float) -> str | None:
     """What the stress is, where something fits it far better than the law of the problem."""
     tracks = evidence.tracks
     if tracks is None or "stress" not in tracks.own or "F" not in tracks.own:
         return None
     scene, sigma = evidence.scene, tracks.own["stress"]
-    law = _law(scene, tracks)
+    law = _stress_of_law(scene, tracks)
     before = time_fits.rms(sigma - law)
     found = [(time_fits.rms(rest) / before, words)
              for rest, words in _candidates(scene, tracks, sigma, law, evidence.step)]
@@ -71,15 +71,15 @@ def _candidates(scene: Scene, tracks: Tracks, sigma: np.ndarray, law: np.ndarray
                 step: float) -> Iterator[tuple[np.ndarray, str]]:
     """What is left of the stress, and what it would be."""
     if len(tracks.time) >= 3:
-        late = shift(tracks.time, sigma, law)
+        late = fit_time_lag(tracks.time, sigma, law)
         when = "earlier" if late > 0 else "later"
-        inside, moved = shifted(tracks.time, law, late)
+        inside, moved = interpolate_before(tracks.time, law, late)
         whole = time_fits.rms(sigma - law) / max(time_fits.rms((sigma - law)[inside]), 1e-300)
         yield ((sigma[inside] - moved) * whole,
                f"it fits the F of {abs(late):.3g} s {when} better (a step is {step:.3g} s), so that the "
                "stress is of another moment than F")
     if tracks.material_position.shape[1] > 1:
-        yield sigma - _law(scene, tracks, np.swapaxes(tracks.own["F"], -1, -2)), "it fits the transpose of F"
+        yield sigma - _stress_of_law(scene, tracks, np.swapaxes(tracks.own["F"], -1, -2)), "it fits the transpose of F"
     if (np.linalg.det(tracks.own["F"]) != 0).all():
         for words, other in MEASURES.items():
             yield sigma - other(tracks.own["F"], law), f"it fits as {words}"
@@ -87,16 +87,16 @@ def _candidates(scene: Scene, tracks: Tracks, sigma: np.ndarray, law: np.ndarray
     yield sigma - factor * law, f"it fits E = {factor * scene.modulus:.4g} Pa, not {scene.modulus:.4g} Pa"
     if "law" in scene.__dataclass_fields__:
         for name in scene.choices("law"):
-            yield sigma - _law(replace(scene, law=name), tracks), f"it fits the law {name}"  # type: ignore[call-arg]
+            yield sigma - _stress_of_law(replace(scene, law=name), tracks), f"it fits the law {name}"  # type: ignore[call-arg]
     if hasattr(scene, "poisson_ratio"):
-        yield from _moduli(scene, tracks, sigma)
+        yield from _fit_moduli(scene, tracks, sigma)
 
 
-def _moduli(scene: Scene, tracks: Tracks, sigma: np.ndarray) -> Iterator[tuple[np.ndarray, str]]:
+def _fit_moduli(scene: Scene, tracks: Tracks, sigma: np.ndarray) -> Iterator[tuple[np.ndarray, str]]:
     """Of an E and a Poisson's ratio, both free."""
     for ratio in RATIOS:
         try:
-            law = _law(replace(scene, poisson_ratio=float(ratio)), tracks)  # type: ignore[call-arg]  # some have one
+            law = _stress_of_law(replace(scene, poisson_ratio=float(ratio)), tracks)  # type: ignore[call-arg]  # some have one
         except SceneError:
             continue
         factor = float(np.sum(sigma * law) / np.sum(law * law))
@@ -105,32 +105,32 @@ def _moduli(scene: Scene, tracks: Tracks, sigma: np.ndarray) -> Iterator[tuple[n
                f"{scene.poisson_ratio:.2g} with {scene.modulus:.4g} Pa")  # type: ignore[attr-defined]
 
 
-def shift(times: np.ndarray, sigma: np.ndarray, law: np.ndarray) -> float:
+def fit_time_lag(times: np.ndarray, sigma: np.ndarray, law: np.ndarray) -> float:
     """By how many seconds the stress is late behind the law's, by least squares."""
-    slope = rate(times, law)
+    slope = time_derivative(times, law)
     late = -float(np.sum((sigma - law) * slope)) / max(float(np.sum(slope * slope)), 1e-300)
     steps = float(np.median(np.diff(times)))
     tried = {late, steps, -steps}
     for _ in range(3):  # of Gauss and Newton
-        inside, moved = shifted(times, law, late)
+        inside, moved = interpolate_before(times, law, late)
         if inside.sum() < 2:
             break
         late -= float(np.sum((sigma[inside] - moved) * slope[inside])) / max(float(np.sum(slope[inside] ** 2)), 1e-300)
         tried.add(late)
 
     def left(one: float) -> float:
-        inside, moved = shifted(times, law, one)
+        inside, moved = interpolate_before(times, law, one)
         return time_fits.rms(sigma[inside] - moved) if inside.sum() >= 2 else np.inf
 
     return min(tried, key=left)
 
 
-def _law(scene: Scene, tracks: Tracks, F: np.ndarray | None = None) -> np.ndarray:
+def _stress_of_law(scene: Scene, tracks: Tracks, F: np.ndarray | None = None) -> np.ndarray:
     F = tracks.own["F"] if F is None else F
     return PROBLEMS[scene.problem].reference.stress(scene, F.reshape(-1, *F.shape[2:])).reshape(F.shape)
 
 
-def _of_plane(measure: Callable[[np.ndarray, np.ndarray, np.ndarray], np.ndarray]) -> Callable:
+def _stress_measure(measure: Callable[[np.ndarray, np.ndarray, np.ndarray], np.ndarray]) -> Callable:
     def other(F: np.ndarray, sigma: np.ndarray) -> np.ndarray:
         return measure(np.linalg.det(F)[..., None, None], np.linalg.inv(F), sigma)
     return other
@@ -139,6 +139,6 @@ def _of_plane(measure: Callable[[np.ndarray, np.ndarray, np.ndarray], np.ndarray
 #: Other stresses that a code may have written, from F and the Cauchy stress.
 MEASURES: dict[str, Callable[[np.ndarray, np.ndarray], np.ndarray]] = {
     "the stress with the other sign": lambda F, sigma: -sigma,
-    "the Kirchhoff stress": _of_plane(lambda J, G, sigma: J * sigma),
-    "the first Piola-Kirchhoff stress": _of_plane(lambda J, G, sigma: J * sigma @ np.swapaxes(G, -1, -2)),
-    "the second Piola-Kirchhoff stress": _of_plane(lambda J, G, sigma: J * G @ sigma @ np.swapaxes(G, -1, -2))}
+    "the Kirchhoff stress": _stress_measure(lambda J, G, sigma: J * sigma),
+    "the first Piola-Kirchhoff stress": _stress_measure(lambda J, G, sigma: J * sigma @ np.swapaxes(G, -1, -2)),
+    "the second Piola-Kirchhoff stress": _stress_measure(lambda J, G, sigma: J * G @ sigma @ np.swapaxes(G, -1, -2))}

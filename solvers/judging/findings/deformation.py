@@ -32,7 +32,7 @@ DEEP = 0.7  # of their distance in the reference: where a body is crushed, a few
 
 
 @dataclass(frozen=True)
-class Misses:
+class Mismatch:
     """At a moment, of each pair of neighbours: ``now`` (n, D) what parts them, ``told`` (n, D) what F says it is, and
     ``size`` (n,) of the difference."""
 
@@ -53,7 +53,7 @@ class Misses:
         return float(np.sqrt(np.mean(self.size**2)))
 
     @property
-    def of_length(self) -> float:
+    def relative(self) -> float:
         """RMS of the miss over the distance in the reference: as large as the error of F."""
         return float(np.sqrt(np.mean((self.size / self.edges.length) ** 2)))
 
@@ -63,18 +63,18 @@ class Misses:
         return int(self.edges.one[np.argmax(self.size)])
 
 
-def misses(motion: Motion, moment: int, F: np.ndarray) -> Misses:
+def mismatch_of_pairs(motion: Motion, moment: int, F: np.ndarray) -> Mismatch:
     edges, x = motion.edges, motion.x[moment]
     assert edges is not None
-    return Misses(edges, x[edges.other] - x[edges.one], edges.moved_by(F))
+    return Mismatch(edges, x[edges.other] - x[edges.one], edges.moved_by(F))
 
 
-def strain(F: np.ndarray) -> float:
+def strain_rms(F: np.ndarray) -> float:
     """RMS of the parts of F - 1."""
     return float(np.sqrt(np.mean(np.sum((F - np.eye(F.shape[-1])) ** 2, axis=(-2, -1)))))
 
 
-def gathered(edges: Edges, values: np.ndarray, count: int, rounds: int = 300) -> np.ndarray:
+def integrate_edges(edges: Edges, values: np.ndarray, count: int, rounds: int = 300) -> np.ndarray:
     """The field (P, D) whose differences between neighbours come nearest to ``values`` (n, D), by least squares, with
     mean 0: conjugate gradients, preconditioned by the numbers of neighbours."""
     one, other = edges.one, edges.other
@@ -99,7 +99,7 @@ def gathered(edges: Edges, values: np.ndarray, count: int, rounds: int = 300) ->
     return field - field.mean(axis=0)
 
 
-def of_f(motion: Motion) -> list[Finding]:
+def check_f(motion: Motion) -> list[Finding]:
     """Whether neighbours stand where the F of both say."""
     F, few = motion.gradient, FEWEST[motion.dimensions]
     assert F is not None
@@ -107,48 +107,48 @@ def of_f(motion: Motion) -> list[Finding]:
         return [unknown(name, f"fewer than {few} particles lie so that they have neighbours") for name in NAMES_OF_F]
     if not motion.amplitude > 0:
         return [unknown(name, "nothing moves") for name in NAMES_OF_F]
-    every = [(moment, misses(motion, moment, F[moment])) for moment in motion.moments]
-    follows = _otherwise(motion, F, every)
+    every = [(moment, mismatch_of_pairs(motion, moment, F[moment])) for moment in motion.moments]
+    follows = _explain(motion, F, every)
     if follows is None:
-        moment, worst = max(every, key=lambda pair: pair[1].of_length)
-        follows = _told(FOLLOWS, worst.of_length, MOST_OFF, NO_F, "of F",
-                        f"what parts neighbours differs from what F says by {{share}} of what parted them, RMS, at t = "
-                        f"{motion.times[moment]:.4g} s", motion.at(moment, worst.worst))
-    return [_gap(motion, F, every), follows, _torn(motion, every)]
+        moment, worst = max(every, key=lambda pair: pair[1].relative)
+        follows = _judge(FOLLOWS, worst.relative, MOST_OFF, NO_F, "of F",
+                         f"what parts neighbours differs from what F says by {{share}} of what parted them, RMS, at "
+                         f"t = {motion.times[moment]:.4g} s", motion.at(moment, worst.worst))
+    return [_check_gap(motion, F, every), follows, _check_sum(motion, every)]
 
 
-def _gap(motion: Motion, F: np.ndarray, every: list[tuple[int, Misses]]) -> Finding:
+def _check_gap(motion: Motion, F: np.ndarray, every: list[tuple[int, Mismatch]]) -> Finding:
     """By the largest RMS over the pairs, beside the motion's amplitude."""
     moment, worst = max(every, key=lambda pair: pair[1].rms)
     assert motion.near is not None
     rough = float(np.sqrt(np.mean(departures(motion.near, F[moment].reshape(len(F[moment]), -1)) ** 2)))
     excuse = TRAPEZOID * rough * motion.spacing / motion.amplitude
-    return _told(GAP, worst.rms / motion.amplitude, MOST_GAP + excuse, NO_GAP + excuse, "of the motion",
-                 f"neighbours are not where their F says, by {worst.rms:.3g} m (RMS), {{share}} of the motion, "
-                 f"at t = {motion.times[moment]:.4g} s", motion.at(moment, worst.worst))
+    return _judge(GAP, worst.rms / motion.amplitude, MOST_GAP + excuse, NO_GAP + excuse, "of the motion",
+                  f"neighbours are not where their F says, by {worst.rms:.3g} m (RMS), {{share}} of the motion, "
+                  f"at t = {motion.times[moment]:.4g} s", motion.at(moment, worst.worst))
 
 
-def _torn(motion: Motion, every: list[tuple[int, Misses]]) -> Finding:
+def _check_sum(motion: Motion, every: list[tuple[int, Mismatch]]) -> Finding:
     """Misses that add up over the body: late waves, which each pair shows little of."""
-    fields = ((moment, gathered(pairs.edges, pairs.miss, len(motion.reference))) for moment, pairs in every)
+    fields = ((moment, integrate_edges(pairs.edges, pairs.miss, len(motion.reference))) for moment, pairs in every)
     squares = ((moment, np.sum(field**2, axis=1)) for moment, field in fields)
     size, moment, p = max((float(np.sqrt(np.mean(one))), moment, int(np.argmax(one))) for moment, one in squares)
-    return _told(TORN, size / motion.amplitude, MOST_TORN, NO_SUM, "of the motion",
-                 f"the displacements are not the sum of what F says, by {size:.3g} m (RMS), {{share}} of the motion, "
-                 f"at t = {motion.times[moment]:.4g} s", motion.at(moment, p))
+    return _judge(TORN, size / motion.amplitude, MOST_TORN, NO_SUM, "of the motion",
+                  f"the displacements are not the sum of what F says, by {size:.3g} m (RMS), {{share}} of the motion, "
+                  f"at t = {motion.times[moment]:.4g} s", motion.at(moment, p))
 
 
-def _told(name: str, measured: float, most: float, nothing_left: float, unit: str, says: str, at: dict) -> Finding:
+def _judge(name: str, measured: float, most: float, nothing_left: float, unit: str, says: str, at: dict) -> Finding:
     if measured <= most:
         return Finding(name, HOLDS, measured, most, unit)
     verdict = BROKEN if not measured <= nothing_left else SUSPICIOUS
     return Finding(name, verdict, measured, most, unit, says.format(share=f"{measured:.2g}"), **at)
 
 
-def _otherwise(motion: Motion, F: np.ndarray, every: list[tuple[int, Misses]]) -> Finding | None:
+def _explain(motion: Motion, F: np.ndarray, every: list[tuple[int, Mismatch]]) -> Finding | None:
     """What F or x is where something else fits far better, and F itself not."""
-    moment, now = max(every, key=lambda pair: strain(F[pair[0]]))
-    edges, told = now.edges, strain(F[moment])
+    moment, now = max(every, key=lambda pair: strain_rms(F[pair[0]]))
+    edges, told = now.edges, strain_rms(F[moment])
     if not told > 0 or now.rms <= 0.1 * told * motion.spacing:
         return None
     best = min(((float(np.sqrt(np.mean(np.sum((now.now - other) ** 2, axis=1)))) / max(now.rms, TINY), words)
@@ -156,12 +156,12 @@ def _otherwise(motion: Motion, F: np.ndarray, every: list[tuple[int, Misses]]) -
     if not best[0] < OTHERWISE:
         return None
     p = int(edges.one[int(np.argmax(now.size))])
-    return Finding(FOLLOWS, SUSPICIOUS, now.of_length, MOST_OFF, "of F",
+    return Finding(FOLLOWS, SUSPICIOUS, now.relative, MOST_OFF, "of F",
                    f"at t = {motion.times[moment]:.4g} s {best[1]}: read so, {best[0]:.2g} is left of what neighbours "
                    "are off", **motion.at(moment, p))
 
 
-def _readings(motion: Motion, F: np.ndarray, now: Misses) -> Iterator[tuple[str, np.ndarray]]:
+def _readings(motion: Motion, F: np.ndarray, now: Mismatch) -> Iterator[tuple[str, np.ndarray]]:
     """What parts neighbours if the file means something else, in words."""
     edges, D = now.edges, motion.dimensions
     yield "F seems to be its inverse, dX/dx", edges.moved_by(np.linalg.pinv(F))
@@ -177,7 +177,7 @@ def _readings(motion: Motion, F: np.ndarray, now: Misses) -> Iterator[tuple[str,
         yield "the axes of x seem to be exchanged", now.told[:, ::-1]
 
 
-def inside_out(motion: Motion) -> Finding:
+def check_inverted(motion: Motion) -> Finding:
     J = np.linalg.det(motion.fields["F"])
     flat = J < FLATTEST
     if not flat.any():
@@ -190,7 +190,7 @@ def inside_out(motion: Motion) -> Finding:
                    f"det F is {J[moment, p]:.3g}", **motion.at(moment, p))
 
 
-def overtaken(motion: Motion) -> Finding:
+def check_overtaken(motion: Motion) -> Finding:
     """Of each pair of neighbours what parts them must not point against what it is by the motion around them: along a
     line by its order in the reference, else by a plane through the neighbours, and by F."""
     edges, near = motion.edges, motion.near
@@ -201,7 +201,7 @@ def overtaken(motion: Motion) -> Finding:
         x = motion.x[moment]
         now, told = x[edges.other] - x[edges.one], [edges.apart]
         if motion.dimensions > 1:  # by the plane, and by F where there is one: at a rim either may be wrong
-            slopes = [plane(motion, x), *([] if F is None else [F[moment]])]
+            slopes = [neighbour_gradients(motion, x), *([] if F is None else [F[moment]])]
             told = [edges.moved_by(one) for one in slopes]
         ahead = np.max([np.sum(now * one, axis=1) / np.maximum(np.linalg.norm(one, axis=1), TINY) for one in told],
                        axis=0)
@@ -221,7 +221,7 @@ def overtaken(motion: Motion) -> Finding:
                    **motion.at(moment, p))
 
 
-def plane(motion: Motion, values: np.ndarray) -> np.ndarray:
+def neighbour_gradients(motion: Motion, values: np.ndarray) -> np.ndarray:
     """The slopes (P, C, D) over the reference of planes through the values (P, C) of the neighbours of each."""
     near = motion.near
     assert near is not None

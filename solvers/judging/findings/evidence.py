@@ -65,7 +65,7 @@ class Evidence:
 
 
 @dataclass(frozen=True)
-class Figures:
+class StoredPrecision:
     """Numbers are known to ``relative`` of themselves, or to ``absolute`` where that is more; ``words`` says so."""
 
     relative: float
@@ -77,15 +77,15 @@ class Figures:
         return np.maximum(self.relative * np.abs(values), self.absolute)
 
 
-EXACT = Figures(DOUBLE, 0.0, "double precision")
+EXACT = StoredPrecision(DOUBLE, 0.0, "double precision")
 
 
-def some(arrays: Sequence[np.ndarray]) -> np.ndarray:
+def sample_numbers(arrays: Sequence[np.ndarray]) -> np.ndarray:
     """Numbers out of all arrays (P, ...), spread over each."""
     return np.concatenate([values[:: max(1, len(values) // OF_EACH)].ravel() for values in arrays])
 
 
-def kept(values: np.ndarray) -> Figures:
+def detect_precision(values: np.ndarray) -> StoredPrecision:
     """What the numbers of one quantity (...) were written with. Few different numbers tell nothing, and count as
     exact."""
     known = values.ravel()
@@ -95,7 +95,7 @@ def kept(values: np.ndarray) -> Figures:
         return EXACT
     with np.errstate(over="ignore"):
         if np.array_equal(known, known.astype(np.float32)):
-            return Figures(SINGLE, 0.0, "single precision")
+            return StoredPrecision(SINGLE, 0.0, "single precision")
     figures = decimals = -300  # the most that any of them needs
     for value in known.tolist():
         mantissa, _, power = np.format_float_scientific(abs(value), unique=True, trim="-").partition("e")
@@ -104,5 +104,5 @@ def kept(values: np.ndarray) -> Figures:
     if figures >= ALL_FIGURES:
         return EXACT
     relative = 0.5 * 10.0 ** (1 - figures)  # of a number whose first figure is 1
-    return Figures(max(relative, SINGLE) if figures <= FIGURES_OF_SINGLE else relative, 0.5 * 10.0**-decimals,
-                   f"{figures} figures")
+    return StoredPrecision(max(relative, SINGLE) if figures <= FIGURES_OF_SINGLE else relative, 0.5 * 10.0**-decimals,
+                           f"{figures} figures")

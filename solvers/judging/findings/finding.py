@@ -28,7 +28,7 @@ class Finding:
     place: tuple[float, ...] | None = None
 
     @property
-    def wrong(self) -> bool:
+    def is_contradiction(self) -> bool:
         return self.verdict in (OFF, BROKEN, SUSPICIOUS)
 
     def to_dict(self) -> dict[str, Any]:
@@ -38,7 +38,7 @@ class Finding:
                 "says": self.says, "t": self.time, "particle": self.particle,
                 "X": None if self.place is None else list(self.place)}
 
-    def as_check(self) -> dict[str, Any]:
+    def to_judge_dict(self) -> dict[str, Any]:
         """As ``mpm-lab judge`` writes it."""
         measured, tolerance = map(finite, (self.measured, self.limit))
         return {"check": self.name, "measured": measured, "tolerance": tolerance, "unit": self.unit,
@@ -49,7 +49,7 @@ def unknown(name: str, why: str, measured: float | None = None, unit: str = "") 
     return Finding(name, UNKNOWN, measured, unit=unit, says=why)
 
 
-def compared(name: str, measured: float, limit: float, unit: str, wrong: str, right: str = "") -> Finding:
+def compare(name: str, measured: float, limit: float, unit: str, wrong: str, right: str = "") -> Finding:
     """What does not hold beyond the limit, and is ``wrong`` then; else what there is to say all the same."""
     holds = measured <= limit
     return Finding(name, HOLDS if holds else OFF, measured, limit, unit, right if holds else wrong)

@@ -8,12 +8,12 @@ from typing import Any
 
 import numpy as np
 
-from solvers.judging.column_names import spelled
+from solvers.judging.column_names import describe_columns
 from solvers.judging.findings.finding import BROKEN, HOLDS, SUSPICIOUS, Finding
-from solvers.judging.findings.neighbours import MOST, TINY, Neighbourhood, surroundings
-from solvers.judging.frames import Raw, by_times, times_of
+from solvers.judging.findings.neighbours import MOST, TINY, Neighbourhood, find_neighbours
+from solvers.judging.frames import RawTable, group_rows_by_time, row_times
 from solvers.judging.particle_matching import FLAT, LARGEST, LARGEST_ID
-from solvers.untrusted.quoting import FileError, quoted
+from solvers.untrusted.quoting import FileError, quote
 
 MOST_MOMENTS = 32  # that are looked at one by one, spread over all
 BOXES = 10  # of which a large body is looked at
@@ -84,7 +84,7 @@ class Motion:
     @functools.cached_property
     def near(self) -> Neighbourhood | None:
         """Who is near whom in the reference; None of too few particles."""
-        return surroundings(self.reference)
+        return find_neighbours(self.reference)
 
     @functools.cached_property
     def edges(self) -> Edges | None:
@@ -117,7 +117,7 @@ class Motion:
         return float(np.sqrt(np.max(np.mean(np.sum(self.fields["v"]**2, axis=2), axis=1))))
 
     @functools.cached_property
-    def part(self) -> "Motion":
+    def representative_part(self) -> "Motion":
         """Of more particles than neighbours are looked for among, those in some boxes spread over the body."""
         P, D = self.reference.shape
         if P <= MOST:
@@ -146,7 +146,7 @@ class _Moment:
     rows: dict[str, np.ndarray]
 
 
-def followed(files: Sequence[Raw], times: Sequence[float]) -> tuple[Motion, list[Finding]]:
+def read_motion(files: Sequence[RawTable], times: Sequence[float]) -> tuple[Motion, list[Finding]]:
     """The motion in the files, with what was found on the way: numbers that are none and particles that come and go.
     It ends before the first moment with positions that are no numbers.
 
@@ -155,7 +155,7 @@ def followed(files: Sequence[Raw], times: Sequence[float]) -> tuple[Motion, list
     FileError
         Where there are no two moments of the same particles to be held against each other.
     """
-    moments = sorted(_moments(files, times), key=lambda one: one.time)
+    moments = sorted(_read_moments(files, times), key=lambda one: one.time)
     _check_moments(moments)
     findings = [_numbers(moments)]
     sound = [one for one in moments if np.isfinite(one.rows["x"]).all() and (np.abs(one.rows["x"]) < LARGEST).all()]
@@ -163,8 +163,8 @@ def followed(files: Sequence[Raw], times: Sequence[float]) -> tuple[Motion, list
     if len(sound) < 2:
         raise FileError(moments[min(len(sound), len(moments) - 1)].file,
                         "leaves fewer than two moments whose positions are all numbers; give moments from before that")
-    who = _numbered(sound)
-    finding, common = _identity(sound, who)
+    who = _identify_rows(sound)
+    finding, common = _check_identities(sound, who)
     findings.append(finding)
     if len(common) < FEWEST:
         raise FileError(sound[-1].file, f"has {len(common)} particles that are there at all moments; give {FEWEST} or "
@@ -172,17 +172,17 @@ def followed(files: Sequence[Raw], times: Sequence[float]) -> tuple[Motion, list
     return _motion(files, sound, who, common), findings
 
 
-def _moments(files: Sequence[Raw], times: Sequence[float]) -> list[_Moment]:
+def _read_moments(files: Sequence[RawTable], times: Sequence[float]) -> list[_Moment]:
     found = []
     if len({raw.cells for raw in files if raw.cells is not None}) > 1:
         raise FileError(files[-1].file, "is of another grid than the others; give the files of one run")
     for k, raw in enumerate(files):
         if "x" not in raw.columns:
-            raise FileError(raw.file, f"has no positions ({spelled('x', 3)} or position); its columns are "
-                                      f"{', '.join(quoted(name, 20) for name in raw.names[:12])}")
-        every = times_of(raw, times[k] if times else None)
+            raise FileError(raw.file, f"has no positions ({describe_columns('x', 3)} or position); its columns are "
+                                      f"{', '.join(quote(name, 20) for name in raw.names[:12])}")
+        every = row_times(raw, times[k] if times else None)
         found += [_Moment(raw.file, float(every[at][0]), {key: values[at] for key, values in raw.columns.items()
-                                                         if key != "t"}) for at in by_times(every)]
+                                                         if key != "t"}) for at in group_rows_by_time(every)]
     return found
 
 
@@ -193,7 +193,7 @@ def _check_moments(moments: list[_Moment]) -> None:
     near = SAME_TIME * moments[-1].time
     for one, other in itertools.pairwise(moments):
         if other.time - one.time <= near:
-            raise FileError(other.file, f"has the time {other.time:g} s, which {quoted(one.file)} has too; give each "
+            raise FileError(other.file, f"has the time {other.time:g} s, which {quote(one.file)} has too; give each "
                                         "time once, and the files of one run")
     widths = {one.rows["x"].shape[1] for one in moments}
     if len(widths) > 1:
@@ -216,7 +216,7 @@ def _numbers(moments: list[_Moment]) -> Finding:
     return Finding(NUMBERS, HOLDS)
 
 
-def _numbered(moments: list[_Moment]) -> list[np.ndarray]:
+def _identify_rows(moments: list[_Moment]) -> list[np.ndarray]:
     """Who each row of each moment is: its id, or the number of its reference position, or of its row."""
     if all("id" in one.rows for one in moments):
         for one in moments:
@@ -240,7 +240,7 @@ def _numbered(moments: list[_Moment]) -> list[np.ndarray]:
     return [np.arange(counts[0])] * len(moments)
 
 
-def _identity(moments: list[_Moment], who: list[np.ndarray]) -> tuple[Finding, np.ndarray]:
+def _check_identities(moments: list[_Moment], who: list[np.ndarray]) -> tuple[Finding, np.ndarray]:
     """Particles that are there more than once, or not always; and those that are always there."""
     common = np.unique(who[0])
     for one, now in zip(moments, who, strict=True):
@@ -249,7 +249,7 @@ def _identity(moments: list[_Moment], who: list[np.ndarray]) -> tuple[Finding, n
             p = int(number[np.argmax(counts)])
             twice = Finding(WHO, BROKEN, float(counts.max()), 1.0, "times",
                             f"particle {p} is there {counts.max()} times at t = {one.time:.4g} s", one.time, p)
-            return twice, _always(who)
+            return twice, _always_present(who)
         if not np.array_equal(number, common):
             gone, come = np.setdiff1d(common, number), np.setdiff1d(number, common)
             p = int((gone if len(gone) else come)[0])
@@ -258,15 +258,15 @@ def _identity(moments: list[_Moment], who: list[np.ndarray]) -> tuple[Finding, n
             return Finding(WHO, SUSPICIOUS, float(len(gone) + len(come)), 0.0, "particles",
                            f"{' and '.join(told)} at t = {one.time:.4g} s, first particle {p}: fine where something "
                            "takes them out or lets them in, and only those that are always there were looked at",
-                           one.time, p), _always(who)
+                           one.time, p), _always_present(who)
     return Finding(WHO, HOLDS), common
 
 
-def _always(who: list[np.ndarray]) -> np.ndarray:
+def _always_present(who: list[np.ndarray]) -> np.ndarray:
     return functools.reduce(np.intersect1d, who[1:], np.unique(who[0]))
 
 
-def _motion(files: Sequence[Raw], moments: list[_Moment], who: list[np.ndarray], common: np.ndarray) -> Motion:
+def _motion(files: Sequence[RawTable], moments: list[_Moment], who: list[np.ndarray], common: np.ndarray) -> Motion:
     """The particles that are always there, in their order, in the directions in which they lie."""
     rows: list[Any] = []
     for now in who:

@@ -17,7 +17,7 @@ USUAL = 0.9  # of all particles depart less than what the last word is measured 
 TINY = 1e-300
 
 
-class Nearby:
+class NeighbourSearch:
     """Points (P, D), of which the nearest to others can be asked for, as far as ``width`` at least."""
 
     def __init__(self, points: np.ndarray, width: float | None = None):
@@ -28,7 +28,7 @@ class Nearby:
             used = len(np.unique(((points - self._corner) / width).astype(int), axis=0))
             width *= (IN_A_BIN * used / len(points)) ** (1 / D)
         self.width = width
-        own = self._bin(points)
+        own = self._bin_of(points)
         self._shape = own.max(axis=0) + 3  # an empty bin on every side
         number = self._number(own)
         self._order = np.argsort(number, kind="stable")
@@ -40,16 +40,16 @@ class Nearby:
         where there are fewer in the bins around. ``skip_itself`` where the points themselves are asked for."""
         most = min(MOST_IN_A_BIN, int(np.unique(self._number_of, return_counts=True)[1].max()))
         step = max(1, AT_ONCE // (most * len(self._offsets)))
-        parts = [self._some(asked[k:k + step], count, k if skip_itself else None, most)
+        parts = [self._nearest(asked[k:k + step], count, k if skip_itself else None, most)
                  for k in range(0, len(asked), step)]
         return np.concatenate([far for far, _ in parts]), np.concatenate([who for _, who in parts])
 
-    def among(self, asked: np.ndarray) -> np.ndarray:
+    def nearest_distances(self, asked: np.ndarray) -> np.ndarray:
         """Distances (n,) to the nearest point, of at most ``MOST_ASKED`` spread over those that are asked for."""
         return self.nearest(asked[::-(-len(asked) // MOST_ASKED)], 1)[0][:, 0]
 
-    def _some(self, asked: np.ndarray, count: int, first: int | None, most: int) -> tuple[np.ndarray, np.ndarray]:
-        around = self._bin(asked)[:, None, :] + self._offsets
+    def _nearest(self, asked: np.ndarray, count: int, first: int | None, most: int) -> tuple[np.ndarray, np.ndarray]:
+        around = self._bin_of(asked)[:, None, :] + self._offsets
         inside = ((around >= -1) & (around < self._shape - 1)).all(axis=2)
         number = np.where(inside, self._number(np.where(inside[..., None], around, 0)), -1)
         slot = np.searchsorted(self._number_of, number)[:, :, None] + np.arange(most)
@@ -66,7 +66,7 @@ class Nearby:
         chosen = np.argsort(far, axis=1, kind="stable")[:, :count]
         return np.take_along_axis(far, chosen, 1), np.take_along_axis(who, chosen, 1)
 
-    def _bin(self, points: np.ndarray) -> np.ndarray:
+    def _bin_of(self, points: np.ndarray) -> np.ndarray:
         return np.clip(np.floor((points - self._corner) / self.width), -10, 2**31 // 4).astype(int)
 
     def _number(self, bins: np.ndarray) -> np.ndarray:
@@ -87,18 +87,18 @@ class Neighbourhood:
     weights: np.ndarray
 
 
-def surroundings(X: np.ndarray) -> Neighbourhood | None:
+def find_neighbours(X: np.ndarray) -> Neighbourhood | None:
     """None of so few particles that nobody has neighbours, and of more than ``MOST``."""
     P, D = X.shape
     count = min(NEIGHBOURS[D], P - 1)
     if count < D + 2 or P > MOST:
         return None
-    far, who = Nearby(X).nearest(X, count, skip_itself=True)
+    far, who = NeighbourSearch(X).nearest(X, count, skip_itself=True)
     there = np.isfinite(far)
     scale = np.where(there, far, 0.0).max(axis=1)
     away = (X[who] - X[:, None, :]) / np.maximum(scale, TINY)[:, None, None]
     around = np.concatenate([np.ones((P, count, 1)), away], axis=2)
-    return Neighbourhood(who, around, there, _weights(around, there))
+    return Neighbourhood(who, around, there, _plane_weights(around, there))
 
 
 def departures(near: Neighbourhood, values: np.ndarray, which: np.ndarray | None = None,
@@ -109,19 +109,19 @@ def departures(near: Neighbourhood, values: np.ndarray, which: np.ndarray | None
     who, used, weights = near.who[at], near.there[at], near.weights[at]
     if bad is not None and (used & bad[who]).any():
         used = used & ~bad[who]
-        weights = _weights(near.around[at], used)
+        weights = _plane_weights(near.around[at], used)
     rest = values[at] - np.einsum("pk,pkc->pc", weights, values[who])
     far = np.sqrt(np.sum(rest**2, axis=1) / (1 + np.sum(weights**2, axis=1)))
     return np.where(used.sum(axis=1) >= near.around.shape[2] + 1, far, 0.0)
 
 
-def _weights(around: np.ndarray, used: np.ndarray) -> np.ndarray:
+def _plane_weights(around: np.ndarray, used: np.ndarray) -> np.ndarray:
     At = np.where(used[:, :, None], around, 0.0).transpose(0, 2, 1)
     return (np.linalg.pinv(At @ around, hermitian=True)[:, :1, :] @ At)[:, 0]
 
 
-def outliers(near: Neighbourhood, values: np.ndarray, times: float,
-             least: float) -> tuple[np.ndarray, np.ndarray, float]:
+def find_outliers(near: Neighbourhood, values: np.ndarray, times: float,
+                  least: float) -> tuple[np.ndarray, np.ndarray, float]:
     """Which particles (n,) are by themselves, how far each (P,) is from the others, and from where on that counts: so
     many ``times`` what most depart, and ``least``.
 

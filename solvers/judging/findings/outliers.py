@@ -10,7 +10,7 @@ import numpy as np
 from solvers.judging.findings.evidence import Evidence
 from solvers.judging.findings.finding import BROKEN, HOLDS, OFF, SUSPICIOUS, Finding, unknown
 from solvers.judging.findings.motion import Motion
-from solvers.judging.findings.neighbours import MOST, USUAL, Neighbourhood, departures, outliers, surroundings
+from solvers.judging.findings.neighbours import MOST, USUAL, Neighbourhood, departures, find_neighbours, find_outliers
 from solvers.judging.frames import Frame
 from solvers.scene.scene import Scene
 
@@ -68,11 +68,11 @@ class Outliers:
     limit: float
 
 
-def of_places(evidence: Evidence) -> Outliers | None:
+def position_outliers(evidence: Evidence) -> Outliers | None:
     """Of x, in each frame by itself: the one in which most particles are. None of too few particles."""
     scene, found = evidence.scene, []
     for frame, error, near in _with_neighbours(evidence, "x", len(evidence.frames)):
-        which, far, limit = outliers(near, error, TIMES["x"], LEAST_APART * scene.spacing)
+        which, far, limit = find_outliers(near, error, TIMES["x"], LEAST_APART * scene.spacing)
         found.append((Deviation(frame, which, far[which]), float(far.max()), limit))
     if not found:
         return None
@@ -81,7 +81,7 @@ def of_places(evidence: Evidence) -> Outliers | None:
     return Outliers(most if len(most.which) else None, largest, limit)
 
 
-def of_values(evidence: Evidence, quantity: str) -> Outliers | None:
+def value_outliers(evidence: Evidence, quantity: str) -> Outliers | None:
     """Of v or the stress: particles that are by themselves for a third of the frames, or by far in one. None where the
     files do not have the quantity, or not always of the same particles."""
     least = LEAST[quantity] * evidence.scene.size_of(quantity)
@@ -90,21 +90,21 @@ def of_values(evidence: Evidence, quantity: str) -> Outliers | None:
         if first is not None and near is not first:
             return None
         first = near
-        _, far, limit = outliers(near, error, TIMES[quantity], least)
+        _, far, limit = find_outliers(near, error, TIMES[quantity], least)
         frames.append(frame)
         parts.append(far.astype(np.float32))
         limits.append(limit)
     if not frames:
         return None
     every_far, every_limit = np.array(parts), np.array(limits)
-    at, beyond, factor = _lasting(every_far / every_limit[:, None], len(frames) // LASTS, PASSES)
+    at, beyond, factor = _lasting_outliers(every_far / every_limit[:, None], len(frames) // LASTS, PASSES)
     worst, which = int(np.argmax(beyond)), np.flatnonzero(beyond > 1)
     k = int(at[worst])
     return Outliers(Deviation(frames[k], which, every_far[k, which].astype(float)) if len(which) else None,
                  float(every_far[k, worst]), float(every_limit[k]) * float(factor[worst]))
 
 
-def _lasting(score: np.ndarray, longer: int, passes: float) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+def _lasting_outliers(score: np.ndarray, longer: int, passes: float) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """Of scores (T, P) how far each particle is beyond 1 for ``longer`` moments and one more, or by a factor
     ``passes`` at any; the moment that shows it, and that factor, 1 where it lasts: (P,) each. What goes with the
     crossing of a cell passes."""
@@ -121,12 +121,12 @@ def _with_neighbours(evidence: Evidence, quantity: str, most: int) -> Iterator[t
     near: Neighbourhood | None = None
     for frame, error in pairs[::max(1, -(-len(pairs) // most))]:
         if before is None or not np.array_equal(before, frame.material_position):
-            before, near = frame.material_position, surroundings(frame.material_position)
+            before, near = frame.material_position, find_neighbours(frame.material_position)
         if near is not None:
             yield frame, error.reshape(len(error), -1), near
 
 
-def told(quantity: str, found: Outliers | None) -> Finding:
+def outliers_finding(quantity: str, found: Outliers | None) -> Finding:
     if found is None:
         return unknown(NAMES[quantity], f"not of the same 5 to {MOST:,} particles at all times")
     if found.most is None:
@@ -141,13 +141,13 @@ def told(quantity: str, found: Outliers | None) -> Finding:
                    f"{int(most.frame.number[most.which[worst]])} at X = {X} the most")
 
 
-def masses(frame: Frame) -> Finding:
+def check_masses(frame: Frame) -> Finding:
     if frame.mass is None:
         return unknown(MASSES, "no masses in the files; a wrong one shows in the motion alone, or not at all")
-    near, usual = surroundings(frame.material_position), float(np.median(np.abs(frame.mass)))
+    near, usual = find_neighbours(frame.material_position), float(np.median(np.abs(frame.mass)))
     if near is None or not usual > 0:
         return unknown(MASSES, f"not of 5 to {MOST:,} particles at a time")
-    which, far, limit = outliers(near, frame.mass[:, None], TIMES["x"], OTHER_MASS * usual)
+    which, far, limit = find_outliers(near, frame.mass[:, None], TIMES["x"], OTHER_MASS * usual)
     if not len(which):
         return Finding(MASSES, HOLDS, float(far.max()) / usual, limit / usual, OF_MASS)
     worst = which[np.argmax(far[which])]
@@ -156,19 +156,19 @@ def masses(frame: Frame) -> Finding:
                    f"particle {int(frame.number[worst])}, {frame.mass[worst]:.4g} kg, the most")
 
 
-def beside_others(motion: Motion, key: str) -> Finding:
+def check_outliers(motion: Motion, key: str) -> Finding:
     """Each particle held against a plane through those around it, without others that are far off."""
     name, near = NAMES_OF_MOTION[key], motion.near
     if near is None or len(motion.reference) < FEWEST:
         return unknown(name, f"not of {FEWEST} particles and more")
     times, least = ALONE[key]
     every = motion.fields[key] - (motion.reference if key == "x" else 0.0)
-    size = motion.spacing if key == "x" else _size(motion, key)
+    size = motion.spacing if key == "x" else _largest_rms(motion, key)
     if not size > 0:
         return unknown(name, "it is zero everywhere")
     scores, limits = [], []
     for moment in motion.moments:
-        _, far, limit = outliers(near, every[moment].reshape(len(motion.reference), -1), times, least * size)
+        _, far, limit = find_outliers(near, every[moment].reshape(len(motion.reference), -1), times, least * size)
         if key == "x":  # bent as it may be, a whole place aside is no bend, but where most are so
             limit = min(limit, max(A_PLACE * size, NOISE * float(np.quantile(far, USUAL))))
         scores.append(far / limit)
@@ -177,7 +177,8 @@ def beside_others(motion: Motion, key: str) -> Finding:
     # Where all neighbours are on one side the plane goes on beyond them.
     rim = np.linalg.norm(away.mean(axis=1), axis=1) > ONE_SIDED * np.linalg.norm(away, axis=2).mean(axis=1)
     score = np.array(scores) / np.where(rim, ON_A_RIM, 1.0)
-    at, beyond, _ = _lasting(score, 0 if key == "x" else len(scores) // LASTS, SOON_PASSES)  # places do not pass
+    at, beyond, _ = _lasting_outliers(score, 0 if key == "x" else len(scores) // LASTS,
+                                      SOON_PASSES)  # places do not pass
     p, count = int(np.argmax(beyond)), int(np.sum(beyond > 1))
     k = int(at[p])
     moment, far_off, limit = motion.moments[k], float(scores[k][p]) * limits[k], limits[k]
@@ -188,14 +189,14 @@ def beside_others(motion: Motion, key: str) -> Finding:
                    f"by up to {far_off:.3g} {UNITS[key]} at t = {motion.times[moment]:.4g} s", **motion.at(moment, p))
 
 
-def rough(motion: Motion, key: str) -> Finding:
+def check_roughness(motion: Motion, key: str) -> Finding:
     """How much v or the stress jumps from one particle to the next, beside its own size, where it was smooth before."""
     name = f"{key} is smooth from particle to particle"
     near = motion.near
     if key not in motion.fields or near is None or len(motion.reference) < FEWEST:
         return unknown(name, f"no {key} in the files" if key not in motion.fields
                        else f"not of {FEWEST} particles and more")
-    size = _size(motion, key)
+    size = _largest_rms(motion, key)
     if not size > 0:
         return unknown(name, "it is zero everywhere")
     every = [departures(near, motion.fields[key][moment].reshape(len(motion.reference), -1))
@@ -212,7 +213,7 @@ def rough(motion: Motion, key: str) -> Finding:
                    f"{motion.times[moment]:.4g} s, and by {shares[0]:.2g} at first", **motion.at(moment, p))
 
 
-def _size(motion: Motion, key: str) -> float:
+def _largest_rms(motion: Motion, key: str) -> float:
     """The largest RMS of a quantity, of F of F - 1."""
     values = motion.fields[key] - (np.eye(motion.dimensions) if key == "F" else 0.0)
     return float(np.sqrt(np.max(np.mean(np.sum(values.reshape(*values.shape[:2], -1) ** 2, axis=2), axis=1))))

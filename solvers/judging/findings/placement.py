@@ -8,9 +8,9 @@ from typing import Any
 import numpy as np
 
 from solvers.judging.error_norms import Errors
-from solvers.judging.findings.evidence import MOST_FOLLOWED, Evidence, kept, some
-from solvers.judging.findings.finding import HOLDS, OFF, Finding, compared, unknown
-from solvers.judging.findings.neighbours import MOST_ASKED, Nearby, departures, surroundings
+from solvers.judging.findings.evidence import MOST_FOLLOWED, Evidence, detect_precision, sample_numbers
+from solvers.judging.findings.finding import HOLDS, OFF, Finding, compare, unknown
+from solvers.judging.findings.neighbours import MOST_ASKED, NeighbourSearch, departures, find_neighbours
 from solvers.judging.findings.time_fits import rms
 from solvers.judging.frames import Frame
 from solvers.problems import PROBLEMS
@@ -34,9 +34,9 @@ POWERS = 7.0  # powers of ten that one unit may be of another
 NONE = "no moment at t = 0 in the files"
 
 
-def places(evidence: Evidence) -> Finding:
+def check_positions(evidence: Evidence) -> Finding:
     """Positions against where the problem's particles begin."""
-    found = _start(evidence, "x")
+    found = _start_frame(evidence, "x")
     if found is None:
         return unknown(PLACES, NONE)
     frame, error = found
@@ -51,11 +51,11 @@ def places(evidence: Evidence) -> Finding:
                    f"m: {told}")
 
 
-def speeds(evidence: Evidence) -> Finding:
+def check_velocities(evidence: Evidence) -> Finding:
     """Velocities against those that the problem begins with."""
-    found = _start(evidence, "v")
+    found = _start_frame(evidence, "v")
     if found is None:
-        return unknown(SPEEDS, NONE if _start(evidence, "x") is None else "no velocities in the files")
+        return unknown(SPEEDS, NONE if _start_frame(evidence, "x") is None else "no velocities in the files")
     frame, error = found
     assert frame.velocity is not None
     right = frame.velocity - error
@@ -73,7 +73,7 @@ def speeds(evidence: Evidence) -> Finding:
                    f"it: {told}")
 
 
-def _start(evidence: Evidence, quantity: str) -> tuple[Frame, np.ndarray] | None:
+def _start_frame(evidence: Evidence, quantity: str) -> tuple[Frame, np.ndarray] | None:
     """The frame at t = 0 with its error; None where there is none, or it has not the quantity."""
     return next(((frame, error[quantity]) for frame, error in zip(evidence.frames, evidence.errors, strict=True)
                  if frame.time == 0 and quantity in error), None)
@@ -84,7 +84,7 @@ def _readings_of_start(scene: Scene, frame: Frame, error: np.ndarray) -> Iterato
     right, x, X = frame.position - error, frame.position, frame.material_position
 
     def within(places: np.ndarray, near: np.ndarray) -> np.ndarray:
-        return PROBLEMS[scene.problem].reference.unwrapped(scene, near, places, np.zeros(len(places)))
+        return PROBLEMS[scene.problem].reference.unwrap_positions(scene, near, places, np.zeros(len(places)))
 
     yield "x seems to be the displacement, not the position", lambda: rms(within(x + X, X) - right)
     factor = float(np.sum(x * right) / max(float(np.sum(right**2)), 1e-300))
@@ -93,22 +93,22 @@ def _readings_of_start(scene: Scene, frame: Frame, error: np.ndarray) -> Iterato
                lambda: rms(x - factor * right) / max(abs(factor), 1.0))
     if len(x) > 1:
         middle = np.broadcast_to(0.5 * (right.min(axis=0) + right.max(axis=0)), right.shape)
-        far, who = Nearby(right).nearest(within(x, middle), 1)
+        far, who = NeighbourSearch(right).nearest(within(x, middle), 1)
         if len(np.unique(who)) == len(x):
             yield ("each is where another one begins: ids, or the order of the rows, are permuted",
                    lambda: float(np.sqrt(np.mean(np.minimum(far, rms(error)) ** 2))))
 
 
-def order(evidence: Evidence) -> Finding:
+def check_order(evidence: Evidence) -> Finding:
     """Whether the positions are right, and those of other particles: particles in another order."""
     frame, error = max(zip(evidence.frames, evidence.errors, strict=True), key=lambda pair: rms(pair[1]["x"]))
-    apart = _distance(frame.material_position)
+    apart = _spacing(frame.material_position)
     if not np.isfinite(apart):
         return unknown(ORDER, "too few particles")
-    around = Nearby(frame.position)
-    far = np.minimum(around.among(frame.position - error["x"]), around.width)
+    around = NeighbourSearch(frame.position)
+    far = np.minimum(around.nearest_distances(frame.position - error["x"]), around.width)
     off, size = float(np.median(far)), float(np.median(np.linalg.norm(error["x"], axis=1)))
-    near = surroundings(frame.material_position)
+    near = find_neighbours(frame.material_position)
     jumps = 0.0 if near is None else float(np.median(departures(near, error["x"]))) / max(size, 1e-300)
     if size > FAR * apart and jumps > UNLIKE:
         return Finding(ORDER, OFF, jumps, UNLIKE, UNIT,
@@ -121,11 +121,11 @@ def order(evidence: Evidence) -> Finding:
         "given X, in another order")
 
 
-def drift(evidence: Evidence) -> Finding:
+def check_mean_error(evidence: Evidence) -> Finding:
     """The mean error over particles that lie symmetrically about the middle of a body that moves so is 0; of those that
     are the same with x and y exchanged it has no part across the diagonal."""
     frame = evidence.frames[0]
-    across = _without_mean(evidence, frame.material_position)
+    across = _forbidden_mean(evidence, frame.material_position)
     if across is None or any(not np.array_equal(f.number, frame.number) for f in evidence.frames):
         return unknown(DRIFT, "the particles do not lie symmetrically, or are not the same at all times")
     means = np.array([across(error["x"].mean(axis=0)) for error in evidence.errors])
@@ -134,24 +134,24 @@ def drift(evidence: Evidence) -> Finding:
     if not 0 < size < np.inf:
         return unknown(DRIFT, "x has no error, or too large a one")
     k = int(np.argmax(aside))
-    figures = kept(some([f.position for f in evidence.frames]))
+    figures = detect_precision(sample_numbers([f.position for f in evidence.frames]))
     rounding = rms(figures.rounding(evidence.frames[k].position)) / np.sqrt(len(frame.number))
     least = ROUNDED * float(rounding) + NOTHING * evidence.scene.spacing
     place = ", ".join(f"{c:.2g}" for c in means[k])
-    return compared(DRIFT, float(aside[k]) / size, ASIDE + least / size, UNIT,
-                    f"at t = {evidence.frames[k].time:.4g} s the particles are {place} m aside on average, and nothing "
-                    "moves the middle of a symmetrical body: they drift, or a force or mass is not symmetric")
+    return compare(DRIFT, float(aside[k]) / size, ASIDE + least / size, UNIT,
+                   f"at t = {evidence.frames[k].time:.4g} s the particles are {place} m aside on average, and nothing "
+                   "moves the middle of a symmetrical body: they drift, or a force or mass is not symmetric")
 
 
-def _without_mean(evidence: Evidence, X: np.ndarray) -> Callable[[np.ndarray], np.ndarray] | None:
+def _forbidden_mean(evidence: Evidence, X: np.ndarray) -> Callable[[np.ndarray], np.ndarray] | None:
     """What of a mean (D,) symmetry forbids; None where the particles have none."""
     start = PROBLEMS[evidence.scene.problem].reference.start(evidence.scene).material_position
     middle = 0.5 * (start.min(axis=0) + start.max(axis=0))
-    near = Nearby(X)
-    apart = _distance(X)
+    near = NeighbourSearch(X)
+    apart = _spacing(X)
 
     def same(other: np.ndarray) -> bool:
-        return bool((near.among(other) <= SAME_PLACE * apart).all())
+        return bool((near.nearest_distances(other) <= SAME_PLACE * apart).all())
 
     if same(2 * middle - X):
         return lambda mean: mean
@@ -160,22 +160,22 @@ def _without_mean(evidence: Evidence, X: np.ndarray) -> Callable[[np.ndarray], n
     return None
 
 
-def _distance(X: np.ndarray) -> float:
+def _spacing(X: np.ndarray) -> float:
     """Of most particles from the nearest other."""
     if len(X) < 2:
         return np.inf
-    return float(np.median(Nearby(X).nearest(X[::-(-len(X) // MOST_ASKED)], 2)[0][:, 1]))
+    return float(np.median(NeighbourSearch(X).nearest(X[::-(-len(X) // MOST_ASKED)], 2)[0][:, 1]))
 
 
-def axes(evidence: Evidence) -> Finding:
+def check_axes(evidence: Evidence) -> Finding:
     """Whether the error would be far less, were the file read otherwise."""
     frames = sorted(evidence.frames, key=lambda f: -float(np.sum((f.position - f.material_position)**2)))[:LOOKED_AT]
     some: list[dict[str, Any]] = [{field.name: value[::-(-len(frame.number) // MOST_FOLLOWED)]
                                    for field in fields(frame)
                                    if isinstance(value := getattr(frame, field.name), np.ndarray)} for frame in frames]
     frames = [replace(frame, **chosen) for frame, chosen in zip(frames, some, strict=True)]
-    now = _sizes([evidence.again(frame) for frame in frames])
-    left, words = min(((_sizes([evidence.again(other(f)) for f in frames])[q] / now[q], words)
+    now = _rms_errors([evidence.again(frame) for frame in frames])
+    left, words = min(((_rms_errors([evidence.again(other(f)) for f in frames])[q] / now[q], words)
                        for words, q, other in _readings(frames[0]) if now.get(q, 0.0) > 0), default=(None, ""))
     if left is None or not 0 < left < np.inf:
         return unknown(AXES, "nothing to exchange, or no errors that could tell")
@@ -183,7 +183,7 @@ def axes(evidence: Evidence) -> Finding:
                    "" if left > FITS else f"{words}: read so, the error is {left:.2g} of what it is")
 
 
-def _sizes(errors: list[Errors]) -> dict[str, float]:
+def _rms_errors(errors: list[Errors]) -> dict[str, float]:
     return {q: rms(np.concatenate([e[q].ravel() for e in errors])) for q in errors[0]}
 
 
@@ -192,23 +192,24 @@ def _readings(frame: Frame) -> Iterator[tuple[str, str, Callable[[Frame], Frame]
     F, plane = frame.deformation_gradient, frame.position.shape[1] == 2
     yield ("the positions seem to be displacements", "x",
            lambda f: replace(f, position=f.position + f.material_position))
-    yield "the positions seem to be in mm", "x", _changed("position", lambda x: 1e-3 * x)
+    yield "the positions seem to be in mm", "x", _with_array("position", lambda x: 1e-3 * x)
     if plane:
-        yield "x and y of the positions seem to be exchanged", "x", _changed("position", lambda x: x[:, ::-1])
+        yield "x and y of the positions seem to be exchanged", "x", _with_array("position", lambda x: x[:, ::-1])
         yield ("x and y of everything seem to be exchanged, or one axis to point the other way", "x",
                lambda f: replace(f, position=f.position[:, ::-1], material_position=f.material_position[:, ::-1]))
     if frame.velocity is not None:
         if plane:
-            yield "x and y of the velocities seem to be exchanged", "v", _changed("velocity", lambda v: v[:, ::-1])
-        yield "the velocities seem to have the other sign", "v", _changed("velocity", lambda v: -v)
+            yield "x and y of the velocities seem to be exchanged", "v", _with_array("velocity", lambda v: v[:, ::-1])
+        yield "the velocities seem to have the other sign", "v", _with_array("velocity", lambda v: -v)
     if F is not None and frame.stress is None:
         if plane:
-            yield "F seems to be transposed", "sigma", _changed("deformation_gradient", lambda F: F.transpose(0, 2, 1))
-        yield "F seems to be its inverse, dX/dx", "sigma", _changed("deformation_gradient", np.linalg.pinv)
+            yield "F seems to be transposed", "sigma", _with_array("deformation_gradient",
+                                                                   lambda F: F.transpose(0, 2, 1))
+        yield "F seems to be its inverse, dX/dx", "sigma", _with_array("deformation_gradient", np.linalg.pinv)
         yield ("F seems to be the gradient of the displacement, F - I", "sigma",
-               _changed("deformation_gradient", lambda F: F + np.eye(F.shape[1])))
+               _with_array("deformation_gradient", lambda F: F + np.eye(F.shape[1])))
 
 
-def _changed(name: str, change: Callable[[Any], Any]) -> Callable[[Frame], Frame]:
+def _with_array(name: str, change: Callable[[Any], Any]) -> Callable[[Frame], Frame]:
     """The frame with another array of that name."""
     return lambda f: replace(f, **{name: change(getattr(f, name))})

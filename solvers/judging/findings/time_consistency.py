@@ -9,7 +9,7 @@ import numpy as np
 from solvers.judging.findings.evidence import Evidence
 from solvers.judging.findings.finding import BROKEN, HOLDS, OFF, SUSPICIOUS, Finding, unknown
 from solvers.judging.findings.motion import Motion
-from solvers.judging.findings.time_fits import fitted, rate, rms, spread
+from solvers.judging.findings.time_fits import fit_parts, jackknife_error, rms, time_derivative
 
 FEWEST_TIMES = 5
 SURE, SMOOTHED = 6.0, 3.0  # times that uncertainty; times what smoothing can make of the error of v
@@ -44,7 +44,7 @@ EXPLAINS = 0.5  # of what v and dx/dt differ by, at most, is left by a lag
 FEWEST = 6  # moments, for what is fitted within a motion
 
 
-def velocity(evidence: Evidence) -> Finding:
+def check_velocity_time(evidence: Evidence) -> Finding:
     """Positions grow by the velocities: over each interval the trapezoid rule of the errors of v is held against what
     the error of x grows by. Both are small and smooth in time, so that few times are enough."""
     tracks, step = evidence.tracks, evidence.step
@@ -53,41 +53,42 @@ def velocity(evidence: Evidence) -> Finding:
     x, v = (tracks.own[q] - tracks.exact[q] for q in ("x", "v"))
     gap = 0.5 * np.diff(tracks.time)[:, None, None] * (v[1:] + v[:-1]) - np.diff(x, axis=0)
     moved, gained = np.diff(tracks.exact["x"], axis=0), np.diff(tracks.exact["v"], axis=0)
-    late, sure = fitted(gap, [-gained, moved])
-    slack = (SURE * sure[0] + _of_size(late[0, 1], v, rate(tracks.time, tracks.exact["v"]))) / step
-    return _told(VELOCITY, late[0, 0] / step, slack, (-SLACK, HALF + SLACK), step, "the velocities are")
+    late, sure = fit_parts(gap, [-gained, moved])
+    slack = (SURE * sure[0] + _smoothing_lag(late[0, 1], v, time_derivative(tracks.time, tracks.exact["v"]))) / step
+    return _lag_finding(VELOCITY, late[0, 0] / step, slack, (-SLACK, HALF + SLACK), step, "the velocities are")
 
 
-def stress(evidence: Evidence) -> Finding:
+def check_stress_time(evidence: Evidence) -> Finding:
     """What the errors of the stress and of x say of how late each is."""
     tracks, step = evidence.tracks, evidence.step
     if tracks is None or len(tracks.time) < FEWEST_TIMES or "sigma" not in tracks.exact:
         return unknown(STRESS, FEW if "sigma" in evidence.errors[0] else "no F and no stress in the files")
     sigma, x = (tracks.own[q] - tracks.exact[q] for q in ("sigma", "x"))
-    speed = rate(tracks.time, tracks.exact["x"])
-    parts = [-rate(tracks.time, tracks.exact["sigma"]), tracks.exact["sigma"]]
+    speed = time_derivative(tracks.time, tracks.exact["x"])
+    parts = [-time_derivative(tracks.time, tracks.exact["sigma"]), tracks.exact["sigma"]]
     of_place = [-speed, tracks.exact["x"] - tracks.material_position]
     outwards = np.argsort(np.linalg.norm(tracks.material_position - tracks.material_position.mean(axis=0), axis=1),
                           kind="stable")
-    late = [(fitted(turn(sigma), [turn(part) for part in parts])[0]
-             - fitted(turn(x), [turn(part) for part in of_place])[0])[:, 0] / step
+    late = [(fit_parts(turn(sigma), [turn(part) for part in parts])[0]
+             - fit_parts(turn(x), [turn(part) for part in of_place])[0])[:, 0] / step
             for turn in (lambda values: values, lambda values: np.moveaxis(values[:, outwards], 0, 1))]
     # What is really late is so at all times and everywhere, and of the right size.
-    slack = SURE * max(map(spread, late)) + _of_size(fitted(sigma, parts)[0][0, 1], sigma, parts[0]) / step
-    return _told(STRESS, float(late[0][0]), slack, (-HALF, HALF), step, "F or the stress is")
+    slack = SURE * max(map(jackknife_error, late)) + _smoothing_lag(fit_parts(sigma, parts)[0][0, 1], sigma,
+                                                                    parts[0]) / step
+    return _lag_finding(STRESS, float(late[0][0]), slack, (-HALF, HALF), step, "F or the stress is")
 
 
-def clock(evidence: Evidence) -> Finding:
+def check_clock(evidence: Evidence) -> Finding:
     """A clock that runs fast or slow leaves an error that grows with time as the motion's rate does."""
     tracks = evidence.tracks
     if tracks is None or len(tracks.time) < FEWEST_TIMES:
         return unknown(CLOCK, FEW)
-    x, speed = tracks.own["x"] - tracks.exact["x"], rate(tracks.time, tracks.exact["x"])
+    x, speed = tracks.own["x"] - tracks.exact["x"], time_derivative(tracks.time, tracks.exact["x"])
     growing = tracks.time[:, None, None] * speed
-    found, sure = fitted(x, [-speed, -growing])
+    found, sure = fit_parts(x, [-speed, -growing])
     late, slow = found[0]
     rest = x + late * speed + slow * growing
-    apart, _ = fitted(growing, [speed])  # what of a growing lag is not a lag that stays
+    apart, _ = fit_parts(growing, [speed])  # what of a growing lag is not a lag that stays
     size, scene = rms(growing - apart[0, 0] * speed), evidence.scene
     grid = DISPERSION * (scene.angular_frequency * scene.spacing / scene.wave_speed) ** 2
     left = rms(rest) / size if size > 0 else np.inf
@@ -105,12 +106,12 @@ def clock(evidence: Evidence) -> Finding:
                    "sets the pace")
 
 
-def _of_size(part: float, error: np.ndarray, slope: np.ndarray) -> float:
+def _smoothing_lag(part: float, error: np.ndarray, slope: np.ndarray) -> float:
     """In s, what may look late and is none: a grid smooths the motion by a ``part``, and its errors by such a part."""
     return SMOOTHED * abs(part) * rms(error) / max(rms(slope), 1e-300)
 
 
-def _told(name: str, steps: float, slack: float, allowed: tuple[float, float], step: float, who: str) -> Finding:
+def _lag_finding(name: str, steps: float, slack: float, allowed: tuple[float, float], step: float, who: str) -> Finding:
     """Late by so many ``steps``, where so many are ``allowed`` and ``slack`` is how sure that is."""
     if not np.isfinite(steps + slack):
         return unknown(name, TOO_LARGE)
@@ -124,7 +125,7 @@ def _told(name: str, steps: float, slack: float, allowed: tuple[float, float], s
                    f"times the step ({step:.3g} s)")
 
 
-def of_v(motion: Motion) -> list[Finding]:
+def check_velocity(motion: Motion) -> list[Finding]:
     """What a particle moves between two moments is its velocity's mean, times what parts them."""
     if len(motion.times) < 3 or not motion.speed > 0:
         why = "fewer than three moments" if len(motion.times) < 3 else "v is zero"
@@ -136,18 +137,18 @@ def of_v(motion: Motion) -> list[Finding]:
     second[1:-1] = v[2:] - 2 * v[1:-1] + v[:-2]
     second[0], second[-1] = second[1], second[-2]
     gap, bend = told - moved, interval / 12 * np.maximum(np.abs(second[1:]), np.abs(second[:-1]))
-    return [_speed(motion, gap, bend, interval, told, moved), _moment_of_v(motion, gap, moved, np.diff(v, axis=0)),
-            _centre(motion, moved)]
+    return [_check_speed(motion, gap, bend, interval, told, moved), _check_lag(motion, gap, moved, np.diff(v, axis=0)),
+            _check_centre(motion, moved)]
 
 
-def _sizes(values: np.ndarray, interval: np.ndarray) -> np.ndarray:
+def _interval_rms(values: np.ndarray, interval: np.ndarray) -> np.ndarray:
     """RMS over particles (T - 1,) of what is moved over each interval, as a velocity."""
     return np.sqrt(np.mean(np.sum(values**2, axis=2), axis=1)) / interval[:, 0, 0]
 
 
-def _speed(motion: Motion, gap: np.ndarray, bend: np.ndarray, interval: np.ndarray, told: np.ndarray,
-           moved: np.ndarray) -> Finding:
-    doubt = RULE * _sizes(bend, interval) / motion.speed
+def _check_speed(motion: Motion, gap: np.ndarray, bend: np.ndarray, interval: np.ndarray, told: np.ndarray,
+                 moved: np.ndarray) -> Finding:
+    doubt = RULE * _interval_rms(bend, interval) / motion.speed
     wide = np.pad(doubt, AROUND, mode="edge")
     near = np.max([wide[k:k + len(doubt)] for k in range(2 * AROUND + 1)], axis=0)
     sure = np.maximum(near, float(np.median(doubt))) <= TOLD  # others look smooth here and there
@@ -159,7 +160,7 @@ def _speed(motion: Motion, gap: np.ndarray, bend: np.ndarray, interval: np.ndarr
     if not sure.any():
         return unknown(SPEED, "between two moments v would carry the particles farther than they ever are: the moments "
                               "are too far apart, or v is in another unit")
-    off = np.where(sure, _sizes(gap, interval) / motion.speed - doubt, -1.0)
+    off = np.where(sure, _interval_rms(gap, interval) / motion.speed - doubt, -1.0)
     k = int(np.argmax(off))
     size = float(np.sum(told[sure] * moved[sure]) / max(float(np.sum(told[sure] ** 2)), 1e-300))
     at = motion.at(k + 1, int(np.argmax(np.sum(gap[k] ** 2, axis=1))))
@@ -173,12 +174,12 @@ def _speed(motion: Motion, gap: np.ndarray, bend: np.ndarray, interval: np.ndarr
                    f"the particles do not move as their v says {when}: what is left is {off[k]:.2g} of v (RMS)", **at)
 
 
-def _moment_of_v(motion: Motion, gap: np.ndarray, moved: np.ndarray, gained: np.ndarray) -> Finding:
+def _check_lag(motion: Motion, gap: np.ndarray, moved: np.ndarray, gained: np.ndarray) -> Finding:
     """By how much v is late: what is left then goes with what v gains. The trapezoid rule's own error goes with what is
     moved, and is fitted beside."""
     if len(motion.times) < FEWEST:
         return unknown(MOMENT, f"fewer than {FEWEST} moments")
-    found, sure = fitted(gap, [-gained, moved])
+    found, sure = fit_parts(gap, [-gained, moved])
     late, doubt = float(found[0, 0]), SURE * float(sure[0])
     left = rms(gap + late * gained - found[0, 1] * moved) / max(rms(gap), 1e-300)
     if not np.isfinite(late + doubt):
@@ -197,7 +198,7 @@ def _moment_of_v(motion: Motion, gap: np.ndarray, moved: np.ndarray, gained: np.
     return Finding(MOMENT, SUSPICIOUS if wrong else HOLDS, late, most, "s", says)
 
 
-def _centre(motion: Motion, moved: np.ndarray) -> Finding:
+def _check_centre(motion: Motion, moved: np.ndarray) -> Finding:
     """The middle of mass moves by the momentum over the mass; walls and rims make that inexact, but never by the same
     at all times."""
     mass = motion.fields.get("mass")
@@ -210,7 +211,7 @@ def _centre(motion: Motion, moved: np.ndarray) -> Finding:
                                "drift")
     interval = np.diff(motion.times)[:, None]
     v = np.sum(motion.fields["v"] * weight, axis=1) / weight.sum()
-    a = rate(motion.times, v)  # with which the trapezoid rule is of fourth order
+    a = time_derivative(motion.times, v)  # with which the trapezoid rule is of fourth order
     told = 0.5 * interval * (v[1:] + v[:-1]) - interval**2 / 12 * (a[1:] - a[:-1])
     drift = (np.sum(moved * weight, axis=1) / weight.sum() - told) / interval
     mean, scatter = drift.mean(axis=0), float(np.sqrt(np.sum(drift.var(axis=0))))

@@ -11,12 +11,12 @@ def rms(values: np.ndarray) -> float:
     return float(np.sqrt(np.mean(values**2)))
 
 
-def rate(times: np.ndarray, values: np.ndarray) -> np.ndarray:
+def time_derivative(times: np.ndarray, values: np.ndarray) -> np.ndarray:
     """The rate (T, ...) of values (T, ...) at the times (T,), of second order; three times at least."""
     return np.gradient(values, times, axis=0, edge_order=2)
 
 
-def shifted(times: np.ndarray, values: np.ndarray, late: float) -> tuple[np.ndarray, np.ndarray]:
+def interpolate_before(times: np.ndarray, values: np.ndarray, late: float) -> tuple[np.ndarray, np.ndarray]:
     """Which of the times (T,) are known a time ``late`` before, and the values (n, ...) there, by cubic Hermite
     polynomials."""
     before = times - late
@@ -26,12 +26,12 @@ def shifted(times: np.ndarray, values: np.ndarray, late: float) -> tuple[np.ndar
     step = times[at + 1] - times[at]
     shape = (-1,) + (1,) * (values.ndim - 1)
     s, H = ((before[inside] - times[at]) / step).reshape(shape), step.reshape(shape)
-    slopes = rate(times, values)
+    slopes = time_derivative(times, values)
     return inside, ((1 + 2 * s) * (1 - s) ** 2 * values[at] + s * (1 - s) ** 2 * H * slopes[at]
                     + s * s * (3 - 2 * s) * values[at + 1] - s * s * (1 - s) * H * slopes[at + 1])
 
 
-def fitted(target: np.ndarray, parts: Sequence[np.ndarray]) -> tuple[np.ndarray, np.ndarray]:
+def fit_parts(target: np.ndarray, parts: Sequence[np.ndarray]) -> tuple[np.ndarray, np.ndarray]:
     """How much of each part (T, ...) is in the target (T, ...), by least squares: first of all times, then with each
     group of times left out (1 + n, parts); and how sure the numbers are (parts,), by the jackknife."""
     def products(one: np.ndarray, other: np.ndarray) -> np.ndarray:
@@ -51,10 +51,10 @@ def fitted(target: np.ndarray, parts: Sequence[np.ndarray]) -> tuple[np.ndarray,
     every = np.arange(T)
     left_out = [solved(np.setdiff1d(every, group)) for group in np.array_split(every, min(T, GROUPS))]
     found = np.array([solved(every), *left_out]) / np.array(scale)
-    return found, np.array([spread(column) for column in found.T])
+    return found, np.array([jackknife_error(column) for column in found.T])
 
 
-def spread(found: np.ndarray) -> float:
+def jackknife_error(found: np.ndarray) -> float:
     """The standard error of a number of which the first is that of all and the others miss a group each."""
     others = found[1:]
     return float(np.sqrt((len(others) - 1) / len(others) * np.sum((others - others.mean()) ** 2)))

@@ -17,7 +17,7 @@ from solvers.motion.line_solution import motion_table
 from solvers.scene.momentum_balance import Moments
 
 WAVENUMBER = 2 * np.pi
-SECOND_SIZE = 0.5  # of the force's second tone, of the first
+SECOND_RATIO = 0.5  # of the force's second tone, of the first
 
 
 def displacement(scene: Any, X: np.ndarray, t: float) -> np.ndarray:
@@ -83,7 +83,7 @@ def body_force(scene: Any, X: np.ndarray, t: float) -> np.ndarray:
     w = scene.angular_frequency
     force = 3 * w**2 * displacement(scene, X, t)
     if scene.body_force == "two-tone":
-        size = SECOND_SIZE * 3 * w**2 * scene.amplitude * np.sin(SECOND_FREQUENCY * w * t)
+        size = SECOND_RATIO * 3 * w**2 * scene.amplitude * np.sin(SECOND_FREQUENCY * w * t)
         force += size * np.sin(2 * WAVENUMBER * X)
     return force
 
@@ -114,7 +114,7 @@ def moments(scene: Any, times: np.ndarray) -> Moments:
         size[:, 0] = A * np.sin(w * times)
     if scene.body_force == "two-tone":
         own, tone = 4 * math.pi * scene.wave_speed, SECOND_FREQUENCY * w
-        force = SECOND_SIZE * 3 * w * w * scene.amplitude
+        force = SECOND_RATIO * 3 * w * w * scene.amplitude
         size[:, 1] = force / (own * own - tone * tone) * (np.sin(tone * times) - tone / own * np.sin(own * times))
     gram = shapes @ shapes.T
     return Moments(size @ gram, np.einsum("tm,mn,tn->t", size, gram, size), inverse, P, trusted)

@@ -3,7 +3,7 @@
 import math
 from typing import Any
 
-from solvers.estimators.two_grid_dispersion import in_step
+from solvers.estimators.two_grid_dispersion import phase_lag_limit
 from solvers.scene.error_causes import NOTHING
 from solvers.scene.estimator_limits import Limit
 from solvers.scene.estimator_registry import HALF_REASON, MOVING_WEIGHTS, REMEDIES_REASON
@@ -33,12 +33,12 @@ def relative_motion(scene: Any) -> float:
     return scene.motion_amplitude / scene.spacing**2
 
 
-def gentle(scene: Any) -> tuple[str, ...]:
+def noise_only_remedies(scene: Any) -> tuple[str, ...]:
     """Remedies that only take noise away."""
     return (FILTER, COUPLED) if scene.motion_amplitude / scene.spacing < MOST_COUPLED else (FILTER,)
 
 
-def noisy(scene: Any) -> bool:
+def is_noisy(scene: Any) -> bool:
     """Whether two-grid can say nothing of a: crossings fill it with noise, which each grid has in other places."""
     return scene.motion_amplitude > QUIET.get(scene.method, QUIET_HATS) * scene.spacing
 
@@ -64,7 +64,7 @@ LIMITS = (
     # Two-grid: Richardson's argument needs an error that falls like h^2 on both grids.
     Limit("two-grid", "swings", allowed=(True,), why="the error of a patch test is round-off, or what cells of unequal "
           "count leave, and neither falls with the cell size; take companion"),
-    Limit("two-grid", "remedies", allowed=gentle, why=REMEDIES_REASON),
+    Limit("two-grid", "remedies", allowed=noise_only_remedies, why=REMEDIES_REASON),
     # A wave needs 16 cells; the second run has 8. With 12 the index of x is 1.2 and its distance 1.4. The second tone
     # has half the wavelength. Measured for far motion: index of x .42 with 40 cells, 1.06 with 80.
     Limit("two-grid", "cells", least=64, where={"body_force": "two-tone"}, above=(relative_motion, MOST_MOTION),
@@ -77,7 +77,7 @@ LIMITS = (
     Limit("two-grid", "motion_amplitude", most=1 / 4, of="spacing", where={"ppc": 2}, why=FEW_PARTICLES),
     # The noise stays in what the nodes do not see and grows with every period; after 16 of them the distance of x is
     # .64 with 80 cells and .79 with 160.
-    Limit("two-grid", "end_time", most=6, of="period", where={noisy: True},
+    Limit("two-grid", "end_time", most=6, of="period", where={is_noisy: True},
           why="particles that cross cells leave noise, another one on each grid, which grows with every period; end "
           "within {most} or take a smaller amplitude"),
     Limit("two-grid", relative_motion, most=MOST_MOTION, where={"body_force": "node"}, why="the force at the nodes is "
@@ -92,4 +92,4 @@ LIMITS = (
     # The kinks of B-splines are weaker; measured: good on 6 bars between, .73 at 150.
     Limit("two-grid", relative_motion, most=30.0, where={"method": "bspline", "linearity_preserving": False},
           why=NOT_FOLLOWING),
-    in_step(lambda scene: 2 * math.pi * scene.waves))
+    phase_lag_limit(lambda scene: 2 * math.pi * scene.waves))

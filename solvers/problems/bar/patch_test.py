@@ -27,21 +27,21 @@ STRETCH, VELOCITY = 1.02, 1.0  # F0, and v0 in m/s, of a patch test that is told
 STRETCHES = (0.1, 10.0)
 LEAST_STRAIN = 1e-6  # below it round-off is no longer small beside the stress
 MOST_VELOCITY = 1000.0  # m/s
-WHOLE = 1e-6  # of a particle, by which their number may miss a whole one: 2.3333333 is 7/3
+COUNT_TOLERANCE = 1e-6  # of a particle, by which their number may miss a whole one: 2.3333333 is 7/3
 NOTHING_TO_SEARCH = ("a patch test has nothing to search for or to map: its error is round-off, or does not fall with "
                      "the cells; compare methods with mpm-lab sweep bar --motion patch")
-ON_EDGE = 1e-10  # cells
+EDGE_TOLERANCE = 1e-10  # cells
 MOST_EDGE_STEPS = 10_000  # that are looked ahead
-FAILED = 0.1  # of the stress: an error beyond which a patch test counts as failed
+FAILED_FROM = 0.1  # of the stress: an error beyond which a patch test counts as failed
 
 
-def normalized(cells: object, ppc: object, body_force: object) -> dict[str, Any]:
+def normalise_inputs(cells: object, ppc: object, body_force: object) -> dict[str, Any]:
     """What a patch test's inputs mean: no body force where none was asked for, 2.3333333 particles in each of 30 cells
     are 70, and 4.0 are 4."""
     meant: dict[str, Any] = {"body_force": "none"} if body_force == "material" else {}
     if isinstance(ppc, float) and math.isfinite(ppc) and type(cells) is int and cells > 0:
         count = round(cells * ppc)
-        if abs(cells * ppc - count) <= WHOLE:
+        if abs(cells * ppc - count) <= COUNT_TOLERANCE:
             meant["ppc"] = count // cells if count % cells == 0 else count / cells
     return meant
 
@@ -54,7 +54,7 @@ def check_per_cell(cells: int, ppc: object) -> None:
     if not 1 <= ppc <= MOST_PER_CELL:
         raise SceneError("ppc", ppc, allowed)
     count = cells * ppc
-    if abs(count - round(count)) > WHOLE:
+    if abs(count - round(count)) > COUNT_TOLERANCE:
         below, above = math.floor(count), math.ceil(count)
         nearest = [f"{number / cells:.7g} ({number})" for number in (below, above)
                    if cells <= number <= MOST_PER_CELL * cells]
@@ -91,22 +91,22 @@ def check_fields(scene: Any) -> None:
             raise SceneError(name, getattr(scene, name), why)
 
 
-def group(scene: Scene) -> tuple[int, int]:
+def repeating_unit(scene: Scene) -> tuple[int, int]:
     """The fewest cells after which particles stand in cells as before, and how many particles these hold."""
     times = math.gcd(scene.cells, scene.particles)
     return scene.cells // times, scene.particles // times
 
 
 @functools.lru_cache(maxsize=64)  # the page asks again and again
-def edge_step(scene: Scene, velocity: float) -> int | None:
+def first_edge_step(scene: Scene, velocity: float) -> int | None:
     """The first step after which a particle stands on a cell boundary but for rounding, which then says in which cell
     it is. Of hat functions that is a force too many or too few, even where the count fits; None where there is none."""
     a_step = velocity * scene.time_step / scene.spacing  # in cells
-    places = group(scene)[1]  # in a cell, at which particles begin
+    places = repeating_unit(scene)[1]  # in a cell, at which particles begin
     held = scene.linearity_preserving or scene.frozen or PIECES in scene.remedies
     if scene.method != "mpm" or held or not a_step or places > MOST_PER_CELL:
         return None
     starts = (np.arange(places) + 0.5) / scene.ppc % 1
     after = starts + a_step * np.arange(1, min(scene.steps, MOST_EDGE_STEPS) + 1)[:, None]
-    on_edge = (np.abs(after - np.round(after)) < ON_EDGE).any(axis=1)
+    on_edge = (np.abs(after - np.round(after)) < EDGE_TOLERANCE).any(axis=1)
     return int(np.argmax(on_edge)) + 1 if on_edge.any() else None

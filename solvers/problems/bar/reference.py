@@ -10,10 +10,10 @@ from solvers.problems.bar import exact_solution
 from solvers.problems.bar.scene import BarScene
 from solvers.problems.reference import ProblemReference, Start, Texts, read_texts
 
-HERE = Path(__file__).parent
-SLACK = 1e-6  # m, by which a material point may lie beyond an end: single precision rounds
+FOLDER = Path(__file__).parent
+POSITION_TOLERANCE = 1e-6  # m, by which a material point may lie beyond an end: single precision rounds
 FINE, COARSE = 16, 12  # elements of the companion, of order ORDER
-ORDER = 6
+ELEMENT_ORDER = 6
 
 
 class BarReference(ProblemReference):
@@ -29,12 +29,12 @@ class BarReference(ProblemReference):
         E, density, w = scene.modulus, scene.density, scene.angular_frequency
         if scene.is_patch:
             F = scene.stretch
-            return read_texts(HERE / "patch.md", "", E=E, density=density, F=F, v=scene.initial_velocity, length=1 / F,
-                              stretched_density=density / F, stress=E * (F - 1))
+            return read_texts(FOLDER / "patch.md", "", E=E, density=density, F=F, v=scene.initial_velocity,
+                              length=1 / F, stretched_density=density / F, stress=E * (F - 1))
         typed = scene.displacement
         A, w = (scene.amplitude, scene.base_frequency) if typed else (scene.motion_amplitude, w)
-        return read_texts(HERE / "vibration.md", "typed" if typed else scene.body_force, E=E, density=density, A=A, w=w,
-                          speed=A * w, formula=typed)
+        return read_texts(FOLDER / "vibration.md", "typed" if typed else scene.body_force, E=E, density=density, A=A,
+                          w=w, speed=A * w, formula=typed)
 
     def table_points(self, scene: BarScene, count: int) -> np.ndarray:
         return np.linspace(0, 1, count)[:, None]
@@ -48,13 +48,13 @@ class BarReference(ProblemReference):
     def along(self, quantity: str, X: np.ndarray, x: np.ndarray, values: np.ndarray) -> np.ndarray:
         return values.reshape(len(values))
 
-    def misplaced(self, scene: BarScene, X: np.ndarray) -> np.ndarray:
-        return (X[:, 0] < -SLACK) | (X[:, 0] > 1 + SLACK)
+    def is_outside(self, scene: BarScene, X: np.ndarray) -> np.ndarray:
+        return (X[:, 0] < -POSITION_TOLERANCE) | (X[:, 0] > 1 + POSITION_TOLERANCE)
 
     def initial_deformation_gradient(self, scene: BarScene, X: np.ndarray) -> np.ndarray:
         return np.full((len(X), 1, 1), scene.initial_stretch)
 
-    def unwrapped(self, scene: BarScene, X: np.ndarray, x: np.ndarray, t: np.ndarray) -> np.ndarray:
+    def unwrap_positions(self, scene: BarScene, X: np.ndarray, x: np.ndarray, t: np.ndarray) -> np.ndarray:
         """A code with a periodic grid may have moved a particle by the length of the bar, which no exact one moves but
         by the drift of a patch test."""
         drift = scene.initial_velocity * t[:, None] if scene.is_patch else 0.0
@@ -72,7 +72,7 @@ class BarCompanionBody(ElasticBody):
     """
 
     def __init__(self, scene: BarScene, count: int):
-        self._scene, self._elements = scene, Elements(0.0, 1.0, count, ORDER)
+        self._scene, self._elements = scene, Elements(0.0, 1.0, count, ELEMENT_ORDER)
         self._X = self._elements.nodes
         self._stiffness = self._elements.derivative.T @ (self._elements.weights[:, None] * self._elements.derivative)
         mass = self._elements.assembled_weights
@@ -84,7 +84,7 @@ class BarCompanionBody(ElasticBody):
             np.stack([self._inverse_mass * self._pull(row) for row in whole], axis=1))).max()))
 
     def _pull(self, u: np.ndarray) -> np.ndarray:
-        of_node = self._elements.of_node
+        of_node = self._elements.node_of_point
         modulus = self._scene.modulus * self._scene.initial_stretch
         pull = modulus * np.bincount(of_node.ravel(), (u[of_node] @ self._stiffness).ravel())
         pull[0] = pull[-1] = pull[0] + pull[-1]
@@ -95,7 +95,7 @@ class BarCompanionBody(ElasticBody):
 
     def read(self, u: np.ndarray, X: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         element, values, slopes = self._elements.locate(X[:, 0])
-        local = u[self._elements.of_node[element], 0]
+        local = u[self._elements.node_of_point[element], 0]
         return (np.einsum("pi,pi->p", values, local)[:, None], np.einsum("pi,pi->p", slopes, local)[:, None, None])
 
 

@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 
-from solvers.motion.line_solution import HALF_WRONG, LineSizes, line_sizes
+from solvers.motion.line_solution import HALF_ERROR, LineSizes, line_sizes
 from solvers.motion.typed_motion import LineMotionInputs
 from solvers.problems.bar import exact_solution, limits, patch_test, step_bound
 from solvers.problems.bar.patch_test import PATCH, VIBRATE
@@ -121,14 +121,14 @@ class BarScene(TypedMotionScene, Scene):
             return 0.0
         if self.displacement:
             return self._sizes.gap / self.motion_amplitude
-        return math.sqrt(0.5) * (abs(2 * math.sin(half) - 2 * half * math.cos(half)) + HALF_WRONG * 2 * half)
+        return math.sqrt(0.5) * (abs(2 * math.sin(half) - 2 * half * math.cos(half)) + HALF_ERROR * 2 * half)
 
     @property
     def drift_speed(self) -> float:
         return abs(self.initial_velocity) if self.is_patch else 0.0
 
     @property
-    def early(self) -> float:
+    def velocity_lead(self) -> float:
         """Seconds before t = 0 to which the initial velocity belongs, as in leapfrog."""
         return 0.0 if self.has("budget") and self.take_away == "time_step" else 0.5 * self.time_step
 
@@ -169,9 +169,9 @@ class BarScene(TypedMotionScene, Scene):
         return self.size_of(quantity) * (1.0 if self.is_patch else 0.5)
 
     @property
-    def lost_from(self) -> dict[str, float]:
+    def loss_limits(self) -> dict[str, float]:
         """Of a patch test the stress counts too: it is all that there is to get wrong."""
-        return {"sigma": patch_test.FAILED} if self.is_patch else {}
+        return {"sigma": patch_test.FAILED_FROM} if self.is_patch else {}
 
     @property
     def budget_reference(self) -> str:
@@ -191,7 +191,7 @@ class BarScene(TypedMotionScene, Scene):
         idle = ("amplitude",) if self.is_patch else ("stretch", "initial_velocity")
         return {**super().to_dict(), **dict.fromkeys(idle)}
 
-    def within(self, position: np.ndarray) -> np.ndarray:
+    def wrap_into_period(self, position: np.ndarray) -> np.ndarray:
         """Positions (P,) where they are drawn: of a patch test, which goes on and on, the image in the first metre."""
         if not self.is_patch:
             return position
@@ -200,7 +200,7 @@ class BarScene(TypedMotionScene, Scene):
 
     def warnings(self) -> list[str]:
         sentences = super().warnings()
-        if "two-grid" in self.active_estimators and limits.noisy(self):
+        if "two-grid" in self.active_estimators and limits.is_noisy(self):
             sentences.append("two-grid says nothing of a here: particles that cross cells fill it with noise, which "
                              "each of the two grids has in other places")
         if "budget" in self.effects and not self.has("budget"):
@@ -208,7 +208,7 @@ class BarScene(TypedMotionScene, Scene):
                              "the estimator companion; switch one of the two on")
         if self.take_away != NOTHING and not self.has("budget"):
             sentences.append(f"take away {self.take_away}: nothing is taken away without the effect budget")
-        if self.is_patch and (step := patch_test.edge_step(self, self.initial_velocity)):
+        if self.is_patch and (step := patch_test.first_edge_step(self, self.initial_velocity)):
             sentences.append(f"after {step} steps particles stand on cell boundaries to the last digit, where rounding "
                              "says in which cell they are: hat functions show that even with whole particles per cell; "
                              f"another velocity moves them off, such as {0.9717 * self.initial_velocity:.4g} m/s")
@@ -218,7 +218,7 @@ class BarScene(TypedMotionScene, Scene):
         return step_bound.critical_time_step(self, self.initial_stretch, self.initial_velocity)
 
     def _normalized(self) -> dict[str, Any]:
-        meant = patch_test.normalized(self.cells, self.ppc, self.body_force) if self.motion == PATCH else {}
+        meant = patch_test.normalise_inputs(self.cells, self.ppc, self.body_force) if self.motion == PATCH else {}
         return {**super()._normalized(), **meant}
 
     def _check_per_cell(self) -> None:

@@ -7,7 +7,7 @@ import numpy as np
 from solvers.kernels import runtime
 from solvers.problems.bar import exact_solution, step_breakdown
 from solvers.problems.bar.scene import BarScene
-from solvers.problems.bar.state import HOOKS, BarState, WatchedBar, allocate_state, farthest
+from solvers.problems.bar.state import HOOKS, BarState, InstrumentedBar, allocate_state, escape_distance
 from solvers.problems.bar.step import KERNELS, PHASES
 from solvers.scene.kernel_options import kernel_options_of
 from solvers.scene.remedies import CENTRED, COUPLED, FILTER, FROZEN, PIECES
@@ -21,9 +21,9 @@ HATS_LIMIT = 0.14  # amplitude from which on no rate of a remedy holds hat funct
 class BarSolver(Solver):
     """Owns the arrays of one bar. The whole step loop runs in one serial kernel, whatever threads the scene allows."""
 
-    HOOKS, PHASES, STATE, STEP_BREAKDOWN = HOOKS, PHASES, WatchedBar, step_breakdown
+    HOOKS, PHASES, STATE, STEP_BREAKDOWN = HOOKS, PHASES, InstrumentedBar, step_breakdown
     scene: BarScene
-    _arrays: WatchedBar
+    _arrays: InstrumentedBar
 
     def __init__(self, scene: BarScene):
         super().__init__(scene)
@@ -76,8 +76,8 @@ class BarSolver(Solver):
                       np.full(a.particles, a.volume), _columns(values),
                       {name: _columns(errors) for name, errors in said.items()})
 
-    def _escape(self) -> str:
-        return f"moved {farthest(self.scene):.3g} m or more from where it began"
+    def _escape_sentence(self) -> str:
+        return f"moved {escape_distance(self.scene):.3g} m or more from where it began"
 
     def _advice(self) -> str:
         if self.scene.is_patch and self.scene.time_step <= self.scene.step_bound:  # whatever else it has: it is this

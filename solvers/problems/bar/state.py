@@ -6,13 +6,13 @@ import numpy as np
 import taichi as ti
 
 from solvers.estimators.estimator_memory import packing
-from solvers.problems.bar.budget.budget_arrays import BUDGET, budget
+from solvers.problems.bar.budget.budget_arrays import BUDGET, initial_budget_arrays
 from solvers.problems.bar.estimators import companion, recovered, transport, two_grid
-from solvers.problems.bar.method.body import BarBody, body
+from solvers.problems.bar.method.body import BarBody, initial_body
 from solvers.problems.bar.scene import BarScene
 from solvers.scene import estimator_registry
 from solvers.scene.kernel_options import kernel_options_of
-from solvers.solver.state_arrays import Diagnostics, watch
+from solvers.solver.state_arrays import Diagnostics, initial_diagnostics
 
 #: What the solver calls of each estimator that the bar has, by name.
 HOOKS = estimator_registry.hooks_of("bar", {"companion": companion.HOOKS, "recovered": recovered.HOOKS,
@@ -20,7 +20,7 @@ HOOKS = estimator_registry.hooks_of("bar", {"companion": companion.HOOKS, "recov
 
 
 @dataclass
-class WatchedBar(Diagnostics, BarBody):
+class InstrumentedBar(Diagnostics, BarBody):
     """A bar and those who watch it."""
 
     @property
@@ -30,17 +30,17 @@ class WatchedBar(Diagnostics, BarBody):
 
 
 #: Numbers and arrays as one kernel argument: nothing of a scene is baked into compiled code but its switches.
-BarState = ti.types.argpack(**WatchedBar.types(), **packing(HOOKS).types, **BUDGET.types)
+BarState = ti.types.argpack(**InstrumentedBar.types(), **packing(HOOKS).types, **BUDGET.types)
 
 
-def allocate_state(scene: BarScene) -> WatchedBar:
+def allocate_state(scene: BarScene) -> InstrumentedBar:
     """The initial state."""
     on = kernel_options_of(scene)
-    watched = watch(scene, on, scene.particles, farthest(scene), HOOKS)
-    watched["memory"] |= budget(scene, on)
-    return WatchedBar(**body(scene, on), **watched)
+    watched = initial_diagnostics(scene, on, scene.particles, escape_distance(scene), HOOKS)
+    watched["memory"] |= initial_budget_arrays(scene, on)
+    return InstrumentedBar(**initial_body(scene, on), **watched)
 
 
-def farthest(scene: BarScene) -> float:
+def escape_distance(scene: BarScene) -> float:
     """Displacement from which on a run counts as gone bad: half the bar, or twenty times what is exact."""
     return min(0.5, 20 * scene.motion_amplitude)

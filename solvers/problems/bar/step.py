@@ -12,13 +12,13 @@ from solvers.problems.bar.method.stability_margin import step_margin
 from solvers.problems.bar.state import HOOKS, BarState
 from solvers.scene.effects import samplers
 from solvers.scene.typed import TYPED
-from solvers.solver.run_loop import Phases, check, sample_effects, serial_kernels
+from solvers.solver.run_loop import Phases, check_particles, sample_effects, serial_kernels
 
 SAMPLERS = samplers("bar", {})
 
 
 @ti.func
-def flatness(bar: ti.template(), p):
+def jacobian(bar: ti.template(), p):
     return bar.deformation_gradient[p]
 
 
@@ -30,8 +30,8 @@ def has_escaped(bar: ti.template(), p, step):
 
 
 @ti.func
-def check_it(bar: ti.template(), step):
-    check(bar, step, flatness, has_escaped)
+def check_state(bar: ti.template(), step):
+    check_particles(bar, step, jacobian, has_escaped)
 
 
 @ti.func
@@ -64,5 +64,5 @@ def sample_all(bar: ti.template(), row, step, looks, on: ti.template()):
         error_propagation.sample(with_budget(bar), row, step, on)
 
 
-PHASES = Phases(one_step, check_it, sample_all, HOOKS, find_weights, step_margin)
+PHASES = Phases(one_step, check_state, sample_all, HOOKS, find_weights, step_margin)
 KERNELS = serial_kernels(BarState, PHASES)

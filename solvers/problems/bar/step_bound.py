@@ -8,72 +8,73 @@ from typing import Any
 import numpy as np
 
 from solvers.problems.bar import patch_test
-from solvers.scene.linear_stability import Configurations, Links, limits
+from solvers.scene.linear_stability import Configurations, NodeLinks, longest_steps
 from solvers.scene.remedies import PIECES
 from solvers.scene.scene import Scene
-from solvers.scene.step_bound import StepBound, bounded, circles, moments, stencil
+from solvers.scene.step_bound import StepBound, circle_bound, motion_bound, motion_parts, stencil
 
 MOST_PARTICLES = 600  # of the bar that are looked at; a finer one has the same cells, only more of them
-PLACES = 17  # of a patch test in its cell
-INSTANTS = 2000  # of a period
-OF_A_PERIOD = 33  # moments of a typed motion
+PATCH_POSITIONS = 17  # of a patch test in its cell
+DRIFT_INSTANTS = 2000  # of a period
+INSTANTS_PER_PERIOD = 33  # moments of a typed motion
 
 
 @dataclass(frozen=True)
-class Moment:
+class BarConfiguration:
     """The bar on some ``cells``: its particles' weights (P, 3) at their nodes, what each pulls with at the nodes in
-    ``pulling`` (P, K), in 1/m, and its stiffness E F^2 V0 (P,)."""
+    ``force_nodes`` (P, K), in 1/m, and its stiffness E F^2 V0 (P,)."""
 
     cells: int
     nodes: np.ndarray
     weights: np.ndarray
-    pulling: np.ndarray
+    force_nodes: np.ndarray
     gradients: np.ndarray
     stiffness: np.ndarray
     mass: float
 
-    def circles(self) -> float:
+    def circle_bound(self) -> float:
         """The bound by Gershgorin's circles, in s."""
         mass = np.bincount(self.nodes.ravel(), (self.mass * self.weights).ravel(), self.cells)
-        return circles(self.pulling, np.abs(self.gradients), self.stiffness, mass)
+        return circle_bound(self.force_nodes, np.abs(self.gradients), self.stiffness, mass)
 
 
 def critical_time_step(scene: Any, stretch: float, velocity: float) -> StepBound:
     """The longest step along the bar's motion from one extreme to the other, of a typed one in its period. A patch
     test, which does not swing, begins with this ``stretch``, no unit, and this ``velocity`` in m/s."""
     if not scene.swings:
-        return _of_patch(scene, stretch, velocity)
+        return _patch_time_step(scene, stretch, velocity)
     ppc = int(scene.ppc)
     cells = max(8, min(scene.cells, MOST_PARTICLES // ppc))
     X = (np.arange(cells * ppc) + 0.5) / (cells * ppc)
     if scene.displacement:
         part, solution = 1.0, scene.typed_solution
         shapes = [(solution.displacement(scene, X, t), solution.deformation_gradient(scene, X, t))
-                  for t in scene.period * np.linspace(0, 1, OF_A_PERIOD)]
+                  for t in scene.period * np.linspace(0, 1, INSTANTS_PER_PERIOD)]
     else:
-        part, sizes = 0.5, scene.motion_amplitude * np.sin(np.pi * (moments(scene) - 0.5))
+        part, sizes = 0.5, scene.motion_amplitude * np.sin(np.pi * (motion_parts(scene) - 0.5))
         shapes = [(size * np.sin(2 * np.pi * X), 1 + 2 * np.pi * size * np.cos(2 * np.pi * X)) for size in sizes]
-    found = [moment(scene, cells, X if scene.frozen else X + u, F) for u, F in shapes]
-    each = limits(side_by_side(found))
+    found = [configuration_at(scene, cells, X if scene.frozen else X + u, F) for u, F in shapes]
+    each = longest_steps(stack_configurations(found))
     seconds = part * scene.period * scene.cells / cells  # as many steps as on the cells that the scene has
     stretch = 1 + scene.size_of("sigma") / scene.modulus
-    return bounded(scene, each, seconds, stretch, found[int(np.argmin(each))].circles()).on_cells(cells / scene.cells)
+    return motion_bound(scene, each, seconds, stretch,
+                        found[int(np.argmin(each))].circle_bound()).on_cells(cells / scene.cells)
 
 
-def _of_patch(scene: Scene, stretch: float, velocity: float) -> StepBound:
+def _patch_time_step(scene: Scene, stretch: float, velocity: float) -> StepBound:
     """That of a patch test while its particles pass through a cell; all spacings stay as they are."""
-    cells, particles = patch_test.group(scene)
+    cells, particles = patch_test.repeating_unit(scene)
     times = max(1, min(scene.cells // cells, MOST_PARTICLES // particles))
     cells, particles = times * cells, times * particles
     X = (np.arange(particles) + 0.5) / particles
-    shifts = np.linspace(0, 1, PLACES) / cells if velocity and not scene.frozen else [0.0]
-    found = [moment(scene, cells, X + shift, np.ones_like(X), stretch) for shift in shifts]
-    each = limits(side_by_side(found))
+    shifts = np.linspace(0, 1, PATCH_POSITIONS) / cells if velocity and not scene.frozen else [0.0]
+    found = [configuration_at(scene, cells, X + shift, np.ones_like(X), stretch) for shift in shifts]
+    each = longest_steps(stack_configurations(found))
     least = float(each.min())
-    return StepBound(least, least, found[int(np.argmin(each))].circles()).on_cells(cells / scene.cells)
+    return StepBound(least, least, found[int(np.argmin(each))].circle_bound()).on_cells(cells / scene.cells)
 
 
-def moment(scene: Scene, cells: int, x: np.ndarray, F: np.ndarray, stretch: float = 1.0) -> Moment:
+def configuration_at(scene: Scene, cells: int, x: np.ndarray, F: np.ndarray, stretch: float = 1.0) -> BarConfiguration:
     """The bar with particles at x (P,) in metres, which have deformed by F (P,) since the start."""
     volume = 1 / len(x)
     half_width = np.full_like(x, 0.5 / scene.ppc)
@@ -82,23 +83,24 @@ def moment(scene: Scene, cells: int, x: np.ndarray, F: np.ndarray, stretch: floa
     first, S, dS = stencil(scene.method, x * cells, half_width)
     nodes, mass = (first[:, None] + np.arange(3)) % cells, scene.density / stretch * volume
     if PIECES in scene.remedies:
-        pulling, parting = _pieces(scene.method, cells, x)
-        return Moment(cells, nodes, S, pulling, parting, np.full_like(x, scene.modulus * stretch / volume), mass)
+        pulling, parting = _piece_stencils(scene.method, cells, x)
+        return BarConfiguration(cells, nodes, S, pulling, parting, np.full_like(x, scene.modulus * stretch / volume),
+                                mass)
     tangent = np.ones_like(F) if scene.frozen else F * F
-    return Moment(cells, nodes, S, nodes, dS * cells, scene.modulus * stretch * tangent * volume, mass)
+    return BarConfiguration(cells, nodes, S, nodes, dS * cells, scene.modulus * stretch * tangent * volume, mass)
 
 
-def side_by_side(found: Sequence[Moment]) -> Configurations:
+def stack_configurations(found: Sequence[BarConfiguration]) -> Configurations:
     """Moments of one bar."""
     nodes, S, pulling, gradients, stiffness = (
         np.stack([getattr(one, name) for one in found])
-        for name in ("nodes", "weights", "pulling", "gradients", "stiffness"))
-    return Configurations(found[0].cells, Links([nodes], [np.ones_like(S)]), S,
-                          Links([pulling], [np.ones_like(gradients)]), [gradients],
+        for name in ("nodes", "weights", "force_nodes", "gradients", "stiffness"))
+    return Configurations(found[0].cells, NodeLinks([nodes], [np.ones_like(S)]), S,
+                          NodeLinks([pulling], [np.ones_like(gradients)]), [gradients],
                           np.full(S.shape[1], found[0].mass), lambda rates: [stiffness * rates[0]])
 
 
-def _pieces(method: str, cells: int, x: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+def _piece_stencils(method: str, cells: int, x: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """Nodes (P, 5) of the pieces around particles at x, and by how much each piece pulls at them for its stress: the
     difference of the base functions at its corners (see ``method.pieces``)."""
     P = len(x)
@@ -113,7 +115,7 @@ def _pieces(method: str, cells: int, x: np.ndarray) -> tuple[np.ndarray, np.ndar
     return (first[:-1, None] + np.arange(5)) % cells, parting
 
 
-def drift(scene: Scene) -> float:
+def null_space_drift(scene: Scene) -> float:
     """What FLIP does to the velocity that no node sees: by what it drifts in a period, as RMS over particles, in m/s.
 
     A particle's velocity changes by the interpolated acceleration sum S_i a_i, which is a(x_p) + a_xx S2/2 with S2 =
@@ -123,7 +125,7 @@ def drift(scene: Scene) -> float:
     """
     X, k, w = (np.arange(scene.particles) + 0.5) / scene.particles, 2 * np.pi, scene.angular_frequency
     total, width = np.zeros_like(X), np.full_like(X, 0.5 / scene.ppc)
-    for t in (np.arange(INSTANTS) + 0.5) * scene.period / INSTANTS:
+    for t in (np.arange(DRIFT_INSTANTS) + 0.5) * scene.period / DRIFT_INSTANTS:
         u = scene.motion_amplitude * np.sin(w * t)
         x, F, F_X = X + u * np.sin(k * X), 1 + k * u * np.cos(k * X), -k * k * u * np.sin(k * X)
         a_X, a_XX = -w * w * u * k * np.cos(k * X), w * w * u * k * k * np.sin(k * X)
@@ -132,7 +134,7 @@ def drift(scene: Scene) -> float:
         first, S, _ = stencil(scene.method, x * scene.cells, half_width)
         apart = (first[:, None] + np.arange(3)) * scene.spacing - x[:, None]
         total += 0.5 * a_xx * (S * apart**2).sum(axis=1)
-    return float(np.sqrt(np.mean((total * scene.period / INSTANTS) ** 2)))
+    return float(np.sqrt(np.mean((total * scene.period / DRIFT_INSTANTS) ** 2)))
 
 
 def predicted_life(scene: Any) -> float | None:
@@ -141,4 +143,4 @@ def predicted_life(scene: Any) -> float | None:
     if scene.remedies or scene.linearity_preserving or scene.velocity != "grid" or scene.method == "mpm" \
             or scene.displacement:
         return None
-    return scene.size_of("v") / drift(scene)
+    return scene.size_of("v") / null_space_drift(scene)

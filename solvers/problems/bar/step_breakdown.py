@@ -4,25 +4,25 @@ import numpy as np
 
 from solvers.problems.bar.method.nodes import MOST_HALF_WIDTH
 from solvers.problems.bar.scene import BarScene
-from solvers.problems.bar.state import WatchedBar
-from solvers.solver.step_breakdown import Carried, Image, StepBreakdown, link
+from solvers.problems.bar.state import InstrumentedBar
+from solvers.solver.step_breakdown import Image, ParticleState, StepBreakdown, find_links
 
 
-def carried(scene: BarScene, a: WatchedBar) -> Carried:
+def particle_state(scene: BarScene, a: InstrumentedBar) -> ParticleState:
     """What the particles carry now, copied."""
     x, v, F = (values[:, None].copy() for values in (a.position, a.velocity, a.deformation_gradient))
-    return Carried(x, v, F[:, None] / a.unstretched, a.modulus * (F[:, None] - a.unstretched))
+    return ParticleState(x, v, F[:, None] / a.unstretched, a.modulus * (F[:, None] - a.unstretched))
 
 
-def breakdown(scene: BarScene, a: WatchedBar, particle: int, step: int, before: Carried) -> StepBreakdown:
+def breakdown(scene: BarScene, a: InstrumentedBar, particle: int, step: int, before: ParticleState) -> StepBreakdown:
     """Of the step number ``step``, just taken, around a particle; ``before`` is what was carried then."""
     N, h, time = scene.cells, scene.spacing, (step - 1) * scene.time_step
-    links = link(particle, a.first_node[:, None] + np.arange(3), lambda some: _weights(a, some),
-                 lambda node: _images(node, N, h))
+    links = find_links(particle, a.first_node[:, None] + np.arange(3), lambda some: _weights(a, some),
+                       lambda node: _images(node, N, h))
     place = a.material_position[:, None] if scene.frozen else before.position
     period = np.floor(place)  # the solver's nodes are those of the particle's own period
     links.shift[:] += period[particle] - period[links.members]
-    seen = before.seen(links)
+    seen = before.mirror(links)
     F, g = before.deformation_gradient[:, 0, 0] * a.unstretched, (links.nodes - 1) % N + 1  # of images their nodes
     width = {"mpm": 0.0, "cpgimp": 1.0 if scene.frozen else F}.get(scene.method, 1.0) * np.ones_like(F)
     width = np.minimum(h * a.half_width * width, h * MOST_HALF_WIDTH)
@@ -40,14 +40,14 @@ def breakdown(scene: BarScene, a: WatchedBar, particle: int, step: int, before: 
         return values[:, None].copy()
 
     k = links.members
-    return StepBreakdown(step, time, scene.time_step, h, links, seen, carried(scene, a).seen(links),
+    return StepBreakdown(step, time, scene.time_step, h, links, seen, particle_state(scene, a).mirror(links),
                          np.full(len(k), mass), place[k] + links.shift, column(width[k])[:, None],
                          column(tension[k])[:, None],
                          column((links.nodes - 1) * h + period[particle]), node_mass, column(mass * a.node_sums[g, 1]),
                          column(internal), column(body), column(acceleration), column(velocity))
 
 
-def _weights(a: WatchedBar, some: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+def _weights(a: InstrumentedBar, some: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     left, right, slope_left, slope_right = a.weights[some].T
     return (np.stack([left, 1 - left - right, right], axis=1),
             np.stack([slope_left, -slope_left - slope_right, slope_right], axis=1)[:, :, None])

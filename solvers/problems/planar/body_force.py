@@ -8,7 +8,7 @@ import numpy as np
 from solvers.motion.exact_solution import SECOND_FREQUENCY
 from solvers.motion.separable_field import SeparableField, separate
 
-SECOND_SIZE = 0.5  # of the second tone, in w^2 times its shape
+SECOND_RATIO = 0.5  # of the second tone, in w^2 times its shape
 
 
 class BodyForce(NamedTuple):
@@ -36,7 +36,7 @@ def body_force_at(scene: Any, X: np.ndarray, t: Any) -> np.ndarray:
     return force
 
 
-def body_force_of(scene: Any, points: np.ndarray) -> BodyForce:
+def tabulate_body_force(scene: Any, points: np.ndarray) -> BodyForce:
     """The same at points (K, 2) as data."""
     if scene.body_force == "none":
         return BodyForce(len(points))
@@ -48,4 +48,4 @@ def body_force_of(scene: Any, points: np.ndarray) -> BodyForce:
 
 def _second_tone(scene: Any, X: np.ndarray, t: Any) -> np.ndarray:
     """Of a scene whose force has one, which gives its shape (P, 2) in m."""
-    return SECOND_SIZE * scene.angular_frequency**2 * scene.second_tone(X, t)
+    return SECOND_RATIO * scene.angular_frequency**2 * scene.second_tone(X, t)

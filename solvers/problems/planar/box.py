@@ -22,12 +22,12 @@ from solvers.scene.validation import require_number
 
 LINE, INSTANTS = 24, 16  # points a side and times of a period at which the motion is looked at
 NEWTON_STEPS, NEWTON_END = 20, 1e-9  # of the material point that has come to a node, in m: it converges quadratically
-FINE = 7  # order of the companion's elements beside another code, on the finer of two meshes
+FINE_ORDER = 7  # order of the companion's elements beside another code, on the finer of two meshes
 #: Of the companion: from how many cells on, elements a side, and their order; the last are for motions of short waves.
-MESHES = ((0, 3, 5), (25, 4, 5), (65, 4, 6), (math.inf, 6, 6), (math.inf, 8, 6), (math.inf, 10, 6))
+COMPANION_ELEMENTS = ((0, 3, 5), (25, 4, 5), (65, 4, 6), (math.inf, 6, 6), (math.inf, 8, 6), (math.inf, 10, 6))
 STILL, FAR = 0.05, 1.4  # cells that particles move: where they stand in theirs hardly changes, or often
-POINTS_BETWEEN = 7  # an element, at which a mesh is held against the displacement
-RESOLVED = 3e-4  # of the displacement: RMS that a mesh may leave out
+TEST_POINTS = 7  # an element, at which a mesh is held against the displacement
+MAX_UNRESOLVED = 3e-4  # of the displacement: RMS that a mesh may leave out
 
 
 @dataclass(frozen=True)
@@ -50,7 +50,7 @@ class BoxScene(PlanarScene):
     layout = "box"
     SIDE, INNER, OUTER, ANGLE = 1.0, 0.0, 1.0, 0.5 * math.pi
     PLANES = (True, True)
-    ESCAPED = "left the square (it is a cell or more beyond a plane)"
+    ESCAPE_SENTENCE = "left the square (it is a cell or more beyond a plane)"
     ESTIMATORS = ("transport", "recovered", "companion", "two-grid")
     LIMITS = (
         MOVING_WEIGHTS,
@@ -126,10 +126,10 @@ class BoxScene(PlanarScene):
     def grid_field(self) -> SeparableField:
         """The acceleration in m/s^2 at the places of the nodes, of the material that has come there."""
         line = (np.arange(self.row) - self.origin) * self.spacing
-        return separate(lambda x, t: self.EXACT.acceleration(self, x if self.frozen else self._came_from(x, t), t),
+        return separate(lambda x, t: self.EXACT.acceleration(self, x if self.frozen else self._material_at(x, t), t),
                         np.stack(np.meshgrid(line, line), axis=-1).reshape(-1, 2), self.period)
 
-    def _came_from(self, x: np.ndarray, t: np.ndarray) -> np.ndarray:
+    def _material_at(self, x: np.ndarray, t: np.ndarray) -> np.ndarray:
         """The material points (n, 2) that are at the places x (n, 2) at the times t (n,), by Newton's method."""
         X = x.copy()
         for _ in range(NEWTON_STEPS):
@@ -172,21 +172,21 @@ class BoxScene(PlanarScene):
 
     def companion_body(self, fine: bool | None) -> Patch:
         """Few elements on few cells, as many as the motion needs, of a higher order where it is to be fine."""
-        usual = max(k for k, (fewest_cells, *_) in enumerate(MESHES) if fewest_cells <= self.cells)
-        for _, count, own_order in MESHES[usual:]:
-            line = Elements(0.0, self.SIDE, count, FINE if fine else own_order)
-            if self._left_out(line) <= RESOLVED:
+        usual = max(k for k, (fewest_cells, *_) in enumerate(COMPANION_ELEMENTS) if fewest_cells <= self.cells)
+        for _, count, own_order in COMPANION_ELEMENTS[usual:]:
+            line = Elements(0.0, self.SIDE, count, FINE_ORDER if fine else own_order)
+            if self._unresolved_part(line) <= MAX_UNRESOLVED:
                 break
         return Patch(self, (line, line), CARTESIAN,
                      lambda X: np.any([np.abs(X - end) < 1e-12 * self.SIDE for end in (0.0, self.SIDE)], axis=0))
 
-    def _left_out(self, line: Elements) -> float:
+    def _unresolved_part(self, line: Elements) -> float:
         """RMS over the body and a period of what polynomials on the elements leave out of the displacement, over that
         of the displacement."""
-        between = (np.arange(POINTS_BETWEEN * line.count) + 0.5) / (POINTS_BETWEEN * line.count) * self.SIDE
+        between = (np.arange(TEST_POINTS * line.count) + 0.5) / (TEST_POINTS * line.count) * self.SIDE
         element, values, _ = line.locate(between)
         basis = np.zeros((len(between), len(line.nodes)))
-        np.put_along_axis(basis, line.of_node[element], values, axis=1)
+        np.put_along_axis(basis, line.node_of_point[element], values, axis=1)
         at_nodes, there = (np.stack(np.meshgrid(x, x, indexing="ij"), axis=-1).reshape(-1, 2)
                            for x in (line.nodes, between))
         missed = squares = 0.0

@@ -85,11 +85,11 @@ class CircularScene(PlanarScene):
         return SeparableField(modes[:terms], field.series, field.angular_frequency)
 
     def exact_along(self, quantity: str, X: np.ndarray, t: float) -> np.ndarray:
-        """Along e_R or e_Theta, at radii (P,) or at material points (P, 2): see :func:`plotted_frame`."""
+        """Along e_R or e_Theta, at radii (P,) or at material points (P, 2): see :func:`plot_direction`."""
         points, exact = on_axis(X if X.ndim == 1 else np.linalg.norm(X, axis=1)), self.EXACT
         now = max(0.0, t - self.time_step) if quantity == "a" else t
         x = points + exact.displacement(self, points, now)
-        c, s = plotted_frame(self.PLOTTED, quantity, points, x).T
+        c, s = plot_direction(self.PLOTTED, quantity, points, x).T
         if quantity == "sigma":
             xx, xy, yy = exact.stress(self, points, now).T
             return along_frame(self.PLOTTED, c, s, xx, xy, yy)
@@ -109,10 +109,10 @@ class CircularScene(PlanarScene):
         return self._own_sizes[quantity]
 
     def balanced_motion(self, times: np.ndarray) -> Moments:
-        return circular_diagnostics.of_scene(self).moments(times)
+        return circular_diagnostics.circle_motion(self).moments(times)
 
 
-def plotted_frame(component: str, quantity: str, X: np.ndarray, x: np.ndarray) -> np.ndarray:
+def plot_direction(component: str, quantity: str, X: np.ndarray, x: np.ndarray) -> np.ndarray:
     """e_r (P, 2) of the frame whose ``component`` a plot shows of a quantity by its key, of particles at the places x
     that were at X (P, 2): that of rest for what is radial, and for displacements; for what is angular that of now."""
     place = X if component == "radial" or quantity == "x" else x

@@ -14,9 +14,9 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.polynomial import legendre
 
-from solvers.estimators.spectral_elements import unresolved
+from solvers.estimators.spectral_elements import unresolved_size
 from solvers.problems.planar.estimators.circular_body import CircularBody
-from solvers.problems.planar.layout import circles
+from solvers.problems.planar.layout import circle_counts
 from solvers.scene.momentum_balance import MODES, Moments
 
 #: Orders of the element, up to an amplitude: of 500 random motions with an exact solution they missed at most 0.03 of
@@ -24,14 +24,14 @@ from solvers.scene.momentum_balance import MODES, Moments
 ORDERS = ((0.35, 6), (math.inf, 10))
 COURANT = 1.2  # highest frequency times step: leapfrog is stable up to 2
 STEPS_A_PERIOD = 60  # of the loads, at least
-TRUSTED = 0.05  # of the amplitude: what the element's polynomials leave out, up to which they are to be trusted
+MAX_UNRESOLVED = 0.05  # of the amplitude: what the element's polynomials leave out, up to which they are to be trusted
 MOST_STEPS = 200_000  # of one scene, some five seconds; a motion that needs more is not followed to its end
-MOST_KEPT = 20_000  # instants of a run that goes on and on
-AT_ONCE = 16  # steps whose loads are found together, and between two looks at how stiff the body has become
-COMPLEX = np.array([1, 1j])  # what makes a number of a vector
+MOST_INSTANTS = 20_000  # instants of a run that goes on and on
+STEPS_PER_BATCH = 16  # steps whose loads are found together, and between two looks at how stiff the body has become
+TO_COMPLEX = np.array([1, 1j])  # what makes a number of a vector
 
 
-class Instant(NamedTuple):
+class CircleState(NamedTuple):
     """The circles at a time: places and velocities of the nodes, complex (N,), or None where they are not followed."""
 
     time: float
@@ -47,9 +47,9 @@ class CircleMotion:
         order = next(order for most, order in ORDERS if scene.amplitude <= most)
         self._body = CircularBody(scene, 1, order)
         self._R = self._body.elements.nodes
-        self._instants = [Instant(0.0, self._R.astype(complex), self._body.velocity @ COMPLEX)]
+        self._instants = [CircleState(0.0, self._R.astype(complex), self._body.velocity @ TO_COMPLEX)]
         self._steps = 0
-        radii, self._counts = circles(scene)
+        radii, self._counts = circle_counts(scene)
         _, self._read, _ = self._body.elements.locate(radii)
         middle = 0.5 * (scene.INNER + scene.OUTER)
         self._shapes = legendre.legvander((radii - middle) / (scene.OUTER - middle), MODES // 2 - 1)
@@ -61,7 +61,7 @@ class CircleMotion:
         sums, squares = np.zeros((len(times), MODES)), np.zeros(len(times))
         trusted = np.zeros(len(times), bool)
         for row, time in enumerate(times):
-            place = self._at(float(time)).place
+            place = self._state_at(float(time)).place
             if place is not None:
                 u = self._read @ (place - self._R)
                 weighted = self._shapes.T @ (self._counts * u)
@@ -69,42 +69,43 @@ class CircleMotion:
                 trusted[row] = True
         return Moments(sums, squares, self._inverse, int(self._counts.sum()), trusted)
 
-    def _at(self, time: float) -> Instant:
+    def _state_at(self, time: float) -> CircleState:
         """The circles at a time, from the last instant before that is known."""
         known = bisect.bisect_right(self._instants, time, key=lambda one: one.time)
         last = self._instants[known - 1]
         if last.time == time:
             return last
         with np.errstate(all="ignore"):  # a motion that breaks down ends as no number
-            found = self._go(last, time)
+            found = self._advance(last, time)
         if last.place is not None:
             self._instants.insert(known, found)
-        if len(self._instants) > MOST_KEPT:
+        if len(self._instants) > MOST_INSTANTS:
             del self._instants[1]
         return found
 
-    def _go(self, start: Instant, end: float) -> Instant:
+    def _advance(self, start: CircleState, end: float) -> CircleState:
         """From an instant on to a later time; nowhere from where they were not followed."""
         z, v, t = start.place, start.velocity, start.time
         while z is not None and t < end:
             stiffening = self._body.stiffening(self._body.deformation_gradient(z))
             rate = max(self._body.frequency_at_rest * stiffening / COURANT, STEPS_A_PERIOD / self._scene.period)
             if not self._steps + (end - t) * rate <= MOST_STEPS:  # true for NaN too
-                return Instant(end, None, v)
+                return CircleState(end, None, v)
             left = math.ceil((end - t) * rate)
-            steps = min(left, AT_ONCE)
+            steps = min(left, STEPS_PER_BATCH)
             z, v = self._steps_from(z, v, t, (end - t) / left, steps)
             t = end if steps == left else t + steps * (end - t) / left
             self._steps += steps
         # What the element's polynomials leave out is not to be more than is to be trusted.
-        if z is not None and not abs(unresolved((z - self._R)[None], 1)[0]) <= TRUSTED * self._scene.motion_amplitude:
+        if z is not None and not abs(unresolved_size((z - self._R)[None],
+                                                     1)[0]) <= MAX_UNRESOLVED * self._scene.motion_amplitude:
             z = None
-        return Instant(end, z, v)
+        return CircleState(end, z, v)
 
     def _steps_from(self, z: np.ndarray, v: np.ndarray, t: float, H: float,
                     steps: int) -> tuple[np.ndarray, np.ndarray]:
         """So many steps of H seconds from the time t on: places and velocities after them."""
-        loads = [self._body.force(t + H * k) @ COMPLEX for k in range(steps + 1)]
+        loads = [self._body.force(t + H * k) @ TO_COMPLEX for k in range(steps + 1)]
         a = loads[0] + self._body.internal_acceleration(z)
         for b in loads[1:]:
             v = v + 0.5 * H * a
@@ -115,6 +116,6 @@ class CircleMotion:
 
 
 @functools.lru_cache(maxsize=4)
-def of_scene(scene: Any) -> CircleMotion:
+def circle_motion(scene: Any) -> CircleMotion:
     """The circles of a scene; they go on from where they were left, while a run is watched."""
     return CircleMotion(scene)

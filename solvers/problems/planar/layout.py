@@ -8,7 +8,7 @@ import numpy as np
 from solvers.scene.scene import Scene
 
 CORNERS = ((-0.5, -0.5), (0.5, -0.5), (0.5, 0.5), (-0.5, 0.5))  # of a CPDI domain, in its edges from its middle
-STRETCHED = ("cpgimp", "cpgimp-v")  # methods whose boxes follow the deformation
+STRETCHING_METHODS = ("cpgimp", "cpgimp-v")  # methods whose boxes follow the deformation
 MOST_HALF_WIDTH = 0.5  # of a box, in cells: it meets at most two cells, so that three nodes suffice
 
 
@@ -33,14 +33,14 @@ class Layout:
 def particle_layout(scene: Any) -> Layout:
     """The scene's layout: "polar" lattices fill the ring exactly, "cartesian" ones leave staircases at its rims."""
     if scene.layout == "box":
-        return box(scene.cells * scene.ppc, scene.SIDE)
+        return square_layout(scene.cells * scene.ppc, scene.SIDE)
     if scene.layout == "polar":
-        return polar(scene.INNER, scene.OUTER, scene.ANGLE, *scene.polar_counts(scene.cells, scene.ppc))
+        return polar_layout(scene.INNER, scene.OUTER, scene.ANGLE, *scene.polar_counts(scene.cells, scene.ppc))
     least = -scene.OUTER if scene.ANGLE >= 2 * np.pi else 0.0
-    return cartesian(scene.INNER, scene.OUTER, scene.spacing / scene.ppc, least)
+    return cartesian_layout(scene.INNER, scene.OUTER, scene.spacing / scene.ppc, least)
 
 
-def circles(scene: Any) -> tuple[np.ndarray, np.ndarray]:
+def circle_counts(scene: Any) -> tuple[np.ndarray, np.ndarray]:
     """The radii (K,) of the scene's layout and how many particles each has (K,)."""
     if scene.layout == "polar":
         around, across = scene.polar_counts(scene.cells, scene.ppc)
@@ -62,7 +62,7 @@ def half_edges(scene: Scene, F: np.ndarray, edges: np.ndarray) -> np.ndarray:
         return rest if scene.frozen else np.einsum("pij,pej->pei", F, rest)
     at_rest = 0.5 / scene.ppc
     width = np.full((len(F), 2), 0.0 if scene.method == "mpm" else at_rest)
-    if scene.method in STRETCHED and not scene.frozen:
+    if scene.method in STRETCHING_METHODS and not scene.frozen:
         width = np.clip(at_rest * box_stretch(scene.method, F), 1e-6, MOST_HALF_WIDTH)
     return scene.spacing * width[:, :, None] * np.eye(2)
 
@@ -78,7 +78,7 @@ def box_stretch(method: str, F: np.ndarray) -> np.ndarray:
         return (b[:, [0, 1], [0, 1]] + J[:, None]) / np.sqrt(b[:, 0, 0] + b[:, 1, 1] + 2 * J)[:, None]
 
 
-def polar(inner: float, outer: float, angle: float, around: int, across: int) -> Layout:
+def polar_layout(inner: float, outer: float, angle: float, around: int, across: int) -> Layout:
     """``around`` x ``across`` particles between two radii and from the x axis to an ``angle``: they fill it exactly. A
     whole turn closes on itself."""
     d_angle, d_radius = angle / around, (outer - inner) / across
@@ -89,10 +89,10 @@ def polar(inner: float, outer: float, angle: float, around: int, across: int) ->
     edges = np.stack([R * d_angle * s, -R * d_angle * c, d_radius * c, d_radius * s], axis=1)
     e = np.stack([c, s], axis=1)
     return Layout(R[:, None] * e, R * d_radius * d_angle, edges, on_axis(radii), radius.astype(np.int32), e,
-                  next_on_lattice(np.arange(around * across).reshape(around, across), angle >= 2 * np.pi))
+                  lattice_neighbours(np.arange(around * across).reshape(around, across), angle >= 2 * np.pi))
 
 
-def box(across: int, side: float) -> Layout:
+def square_layout(across: int, side: float) -> Layout:
     """Particles that tile a square."""
     width = side / across
     line = (np.arange(across) + 0.5) * width
@@ -100,10 +100,10 @@ def box(across: int, side: float) -> Layout:
     P, position = across * across, np.stack([x, y], axis=1)
     number = np.arange(P, dtype=np.int32)
     return Layout(position, np.full(P, width**2), np.tile([width, 0.0, 0.0, width], (P, 1)), position, number,
-                  np.tile([1.0, 0.0], (P, 1)), next_on_lattice(number.reshape(across, across)))
+                  np.tile([1.0, 0.0], (P, 1)), lattice_neighbours(number.reshape(across, across)))
 
 
-def cartesian(inner: float, outer: float, side: float, least: float) -> Layout:
+def cartesian_layout(inner: float, outer: float, side: float, least: float) -> Layout:
     """Particles ``side`` apart whose middles lie between two radii, both coordinates above ``least``: a staircase at
     the rims."""
     line = (np.arange(int(np.floor(least / side)), int(np.ceil(outer / side))) + 0.5) * side
@@ -115,7 +115,7 @@ def cartesian(inner: float, outer: float, side: float, least: float) -> Layout:
     edges, position = np.tile([side, 0.0, 0.0, side], (len(x), 1)), np.stack([x, y], axis=1)
     number = np.where(kept, np.cumsum(kept) - 1, -1).reshape(len(line), len(line))
     return Layout(position, np.full(len(x), side**2), edges, on_axis(radii), radius.astype(np.int32),
-                  position / R[kept][:, None], next_on_lattice(number))
+                  position / R[kept][:, None], lattice_neighbours(number))
 
 
 def on_axis(radii: np.ndarray) -> np.ndarray:
@@ -123,7 +123,7 @@ def on_axis(radii: np.ndarray) -> np.ndarray:
     return np.stack([radii, np.zeros_like(radii)], axis=1)
 
 
-def next_on_lattice(number: np.ndarray, closed: bool = False) -> np.ndarray:
+def lattice_neighbours(number: np.ndarray, closed: bool = False) -> np.ndarray:
     """Of a lattice of particles' numbers, -1 where there is none: the next in either direction (P, 2). ``closed``: the
     first row comes after the last."""
     wide = np.pad(number, ((0, 1), (0, 1)), constant_values=-1)

@@ -49,9 +49,9 @@ class PlanarProblem(Problem):
 
     @property
     def solver(self) -> type[PlanarSolver]:
-        from solvers.problems.planar.solver import solver_of
+        from solvers.problems.planar.solver import make_solver_class
 
-        return solver_of(self.scene)
+        return make_solver_class(self.scene)
 
     @property
     def reference(self) -> ProblemReference:

@@ -8,14 +8,14 @@ import numpy as np
 
 from solvers.estimators.standalone import ElasticBody
 from solvers.problems.planar.body_force import body_force_at
-from solvers.problems.planar.circular import along_frame, plotted_frame
+from solvers.problems.planar.circular import along_frame, plot_direction
 from solvers.problems.planar.layout import on_axis, particle_layout
 from solvers.problems.planar.scene import PlanarScene
 from solvers.problems.reference import ProblemReference, Start, Texts, read_texts
 
-GENERAL = Path(__file__).with_name("problem.md")  # texts of a problem that has none of its own
-SLACK = 1e-6  # m, by which a material point may lie beyond a side or a rim: single precision rounds
-EDGES = ("edge1_x", "edge1_y", "edge2_x", "edge2_y")
+GENERAL_TEXTS = Path(__file__).with_name("problem.md")  # texts of a problem that has none of its own
+POSITION_TOLERANCE = 1e-6  # m, by which a material point may lie beyond a side or a rim: single precision rounds
+EDGE_COLUMNS = ("edge1_x", "edge1_y", "edge2_x", "edge2_y")
 
 
 class PlanarReference(ProblemReference):
@@ -26,16 +26,16 @@ class PlanarReference(ProblemReference):
     def __init__(self, kind: type[PlanarScene]):
         self.EXACT, self._component = kind.EXACT, kind.PLOTTED
         own = Path(inspect.getfile(kind)).with_suffix(".md")
-        self._texts = own if own.exists() else GENERAL
+        self._texts = own if own.exists() else GENERAL_TEXTS
 
     def start(self, scene: Any) -> Start:
         layout = particle_layout(scene)
-        return Start(layout.position, layout.volume, dict(zip(EDGES, layout.edges.T, strict=True)))
+        return Start(layout.position, layout.volume, dict(zip(EDGE_COLUMNS, layout.edges.T, strict=True)))
 
     def texts(self, scene: Any) -> Texts:
         (bulk, mu), A, formula = scene.lame_moduli, scene.amplitude, getattr(scene, "displacement", "")
         w = scene.base_frequency if formula else scene.angular_frequency
-        return read_texts(GENERAL if formula else self._texts, scene.body_force, scene.law,
+        return read_texts(GENERAL_TEXTS if formula else self._texts, scene.body_force, scene.law,
                           formula=formula or "as in its code", law=scene.material.law.text, A=A, w=w, speed=A * w,
                           bulk=bulk, mu=mu, E=scene.modulus, density=scene.density,
                           nu=getattr(scene, "poisson_ratio", 0.0), corner=self.grid_corner(scene))
@@ -58,12 +58,12 @@ class PlanarReference(ProblemReference):
         """Along x; of a body whose motion is the same all around, along the radius or around the centre."""
         parts = values.T if values.ndim == 2 else (values[:, 0, 0], values[:, 0, 1], values[:, 1, 1])
         component = self._component
-        return along_frame(component, *plotted_frame(component, quantity, X, x).T, *parts) if component else parts[0]
+        return along_frame(component, *plot_direction(component, quantity, X, x).T, *parts) if component else parts[0]
 
-    def misplaced(self, scene: Any, X: np.ndarray) -> np.ndarray:
-        outside = (X < -SLACK).any(axis=1) & scene.PLANES[0]
+    def is_outside(self, scene: Any, X: np.ndarray) -> np.ndarray:
+        outside = (X < -POSITION_TOLERANCE).any(axis=1) & scene.PLANES[0]
         R = np.linalg.norm(X, axis=1) if scene.CIRCULAR else X.max(axis=1)
-        return outside | (R < scene.INNER - SLACK) | (R > scene.OUTER + SLACK)
+        return outside | (R < scene.INNER - POSITION_TOLERANCE) | (R > scene.OUTER + POSITION_TOLERANCE)
 
     def grid_corner(self, scene: Any) -> float:
         return 0.0 if scene.PLANES[0] else -0.5 * scene.SIDE

@@ -54,7 +54,7 @@ class PlanarScene(Scene):
     BEYOND_RIMS: ClassVar[bool] = False  # whether the displacement's formula is of use there, to grid nodes
     #: Of the companion of a body whose motion is the same all around: up to so many cells, elements across, order.
     COMPANION_MESHES: ClassVar[tuple[tuple[float, int, int], ...]]
-    ESCAPED: ClassVar[str]  # what a particle did that is farther than it may be, as the end of a sentence
+    ESCAPE_SENTENCE: ClassVar[str]  # what a particle did that is farther than it may be, as the end of a sentence
     NOT_LINEARITY_PRESERVING: ClassVar[str]  # why, as the end of a sentence
     MENDS: ClassVar[str]  # what of the other remedies frozen weights have no need of
 
@@ -164,7 +164,7 @@ class PlanarScene(Scene):
         return step_bound.critical_time_step(self)
 
     @property
-    def uneven(self) -> bool:
+    def is_uneven(self) -> bool:
         """Whether particles stand so unevenly that recovered's fits follow them, and no more than x and v can be told.
 
         Measured on 14 such runs of the ring: sigma 1.06 to 5.6 times the error, x .97 to 1.06 while the verdict does
@@ -173,16 +173,16 @@ class PlanarScene(Scene):
         return self.ppc == 1 or self.velocity == "particle"
 
     @property
-    def coarse(self) -> bool:
+    def is_coarse(self) -> bool:
         """Whether cells are so wide that recovered's fits lose the short waves of the acceleration."""
         return self.cells < self.COARSE_BELOW
 
     def warnings(self) -> list[str]:
         sentences = super().warnings()
-        if "recovered" in self.active_estimators and self.uneven:
+        if "recovered" in self.active_estimators and self.is_uneven:
             sentences.append("recovered says nothing of sigma and a here: its fits would follow the unevenness of "
                              "particles that are one per cell or move with their own velocity")
-        elif "recovered" in self.active_estimators and self.coarse:
+        elif "recovered" in self.active_estimators and self.is_coarse:
             sentences.append("recovered says nothing of a here: on so few cells its fits are as wide as the ring, and "
                              "lose a third of it or more")
         if "two-grid" in self.active_estimators:

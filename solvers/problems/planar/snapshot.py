@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 
-from solvers.problems.planar.circular import along_frame, plotted_frame
+from solvers.problems.planar.circular import along_frame, plot_direction
 from solvers.problems.planar.method.body import PlanarBody
 
 Vector = tuple[np.ndarray, np.ndarray]
@@ -25,7 +25,7 @@ def true_fields(scene: Any, a: PlanarBody, step: int) -> Errors:
     time = step * scene.time_step
     used = None
     if step and scene.has("acceleration"):  # the one that the last step has used
-        x, y = _turned(a, *scene.EXACT.jets(scene, a.orbit_point, time - scene.time_step).acceleration)
+        x, y = _rotate_to_particles(a, *scene.EXACT.jets(scene, a.orbit_point, time - scene.time_step).acceleration)
         used = a.acceleration[:, 0] - x, a.acceleration[:, 1] - y
     return [*vector_errors(scene, a, time), stress_error(scene, a, time), used]
 
@@ -40,7 +40,7 @@ def plotted_field(scene: Any, a: PlanarBody, quantity: str, time: float) -> np.n
         parts = cauchy_stress_of(scene, a) if quantity == "sigma" else {
             "x": q[:, :2] - X, "v": q[:, 2:], "a": a.acceleration}[quantity].T
         values = parts[0] if not scene.CIRCULAR else \
-            along_frame(scene.PLOTTED, *plotted_frame(scene.PLOTTED, quantity, X, q[:, :2]).T, *parts)
+            along_frame(scene.PLOTTED, *plot_direction(scene.PLOTTED, quantity, X, q[:, :2]).T, *parts)
     if scene.solution_known:
         deviation = values - scene.exact_along(quantity, a.orbit_point, time)[a.orbit]
     return np.stack([values, deviation], axis=1)
@@ -49,7 +49,7 @@ def plotted_field(scene: Any, a: PlanarBody, quantity: str, time: float) -> np.n
 def vector_errors(scene: Any, a: PlanarBody, time: float) -> tuple[Vector, Vector]:
     """Of x and of v."""
     exact = scene.EXACT.jets(scene, a.orbit_point, time)
-    (x, y), (v_x, v_y) = _turned(a, exact.x.value, exact.y.value), _turned(a, *exact.velocity)
+    (x, y), (v_x, v_y) = _rotate_to_particles(a, exact.x.value, exact.y.value), _rotate_to_particles(a, *exact.velocity)
     X, q = a.material_position, a.position_velocity
     return (q[:, 0] - X[:, 0] - x, q[:, 1] - X[:, 1] - y), (q[:, 2] - v_x, q[:, 3] - v_y)
 
@@ -72,15 +72,15 @@ def stress_error(scene: Any, a: PlanarBody, time: float) -> Tensor:
 
 def body_force(a: PlanarBody, some: np.ndarray) -> np.ndarray:
     """On some particles (c,), in N (c, 2)."""
-    return a.mass[some][:, None] * np.stack(turned(a.direction[some], *a.orbit_force[a.orbit[some]].T), axis=1)
+    return a.mass[some][:, None] * np.stack(rotate(a.direction[some], *a.orbit_force[a.orbit[some]].T), axis=1)
 
 
-def _turned(a: PlanarBody, x: Any, y: Any) -> Vector:
+def _rotate_to_particles(a: PlanarBody, x: Any, y: Any) -> Vector:
     """Vectors (K,) at the orbits' points, at their particles (P,)."""
-    return turned(a.direction, *(np.broadcast_to(one, len(a.orbit_point))[a.orbit] for one in (x, y)))
+    return rotate(a.direction, *(np.broadcast_to(one, len(a.orbit_point))[a.orbit] for one in (x, y)))
 
 
-def turned(e: np.ndarray, x: np.ndarray, y: np.ndarray) -> Vector:
+def rotate(e: np.ndarray, x: np.ndarray, y: np.ndarray) -> Vector:
     """Vectors where the x axis has become e (P, 2)."""
     c, s = np.ascontiguousarray(e.T)
     return x * c - y * s, y * c + x * s

@@ -12,10 +12,10 @@ from solvers.problems.planar import step_breakdown
 from solvers.problems.planar.estimators import circular_companion, companion, recovered, transport, two_grid
 from solvers.problems.planar.estimators.recovered_operators import BOX, Lattice
 from solvers.problems.planar.kernel_parts import PlanarParts
-from solvers.problems.planar.method.body import InstrumentedBody, initial_body, watched
-from solvers.problems.planar.method.diagnostic_kernels import measures_of
-from solvers.problems.planar.method.problem_kernels import traits_of
-from solvers.problems.planar.plans.cpu_plan import CpuStepper, Kernels, kernels
+from solvers.problems.planar.method.body import InstrumentedBody, initial_body, initial_instruments
+from solvers.problems.planar.method.diagnostic_kernels import make_diagnostic_kernels
+from solvers.problems.planar.method.problem_kernels import make_problem_kernels
+from solvers.problems.planar.plans.cpu_plan import CpuKernels, CpuStepper, make_kernels
 from solvers.problems.planar.plans.gpu_plan import CompanionOnCpu, GpuStepper
 from solvers.problems.planar.scene import PlanarScene, motion_table
 from solvers.problems.planar.snapshot import Errors, cauchy_stress_of, plotted_field, true_fields
@@ -25,7 +25,7 @@ from solvers.scene.scene import MOST_PARTICLES
 from solvers.scene.validation import SceneError
 from solvers.solver import devices
 from solvers.solver.base import REPORT, Solver
-from solvers.solver.samples import column
+from solvers.solver.samples import column_index
 from solvers.solver.snapshot import TRUTH, Fields, Snapshot, Values
 
 PARALLEL_FROM = 300_000  # particles from which on two threads beat one: a parallel step has a launch to pay for
@@ -35,18 +35,18 @@ class PlanarSolver(Solver):
     """Owns the arrays of one body. Three plans: one serial kernel for many steps, slabs side by side, or, on a GPU, all
     particles at once.
 
-    :func:`solver_of` makes the class of a problem.
+    :func:`make_solver_class` makes the class of a problem.
     """
 
     PARTS: ClassVar[PlanarParts]
-    KERNELS: ClassVar[Kernels]
+    KERNELS: ClassVar[CpuKernels]
     STEP_BREAKDOWN = step_breakdown
     scene: Any
     _arrays: InstrumentedBody
 
     def __init__(self, scene: Any):
         super().__init__(scene)
-        where = devices.place(scene.arch)
+        where = devices.resolve_arch(scene.arch)
         if where == devices.CPU and scene.particles > MOST_PARTICLES:
             raise SceneError("arch", scene.arch, f"no GPU was found for these {scene.particles:,} particles; at most "
                                                  f"{MOST_PARTICLES:,} are allowed on a processor")
@@ -60,12 +60,13 @@ class PlanarSolver(Solver):
         self._switches = kernel_options_of(scene)
         parts, on = self.PARTS, self._switches
         own = initial_body(scene, on, self.threads)  # with a slab of particles for each thread
-        self._arrays = InstrumentedBody(**own, **watched(scene, on, own["particles"], scene.farthest, parts.hooks))
+        self._arrays = InstrumentedBody(**own, **initial_instruments(scene, on, own["particles"], scene.farthest,
+                                                                     parts.hooks))
         if self.plan == "gpu":
             makers = [make for name in on.estimators if (make := self.HOOKS[name].standalone)]
             beside = CompanionOnCpu(makers[0](scene), self._memory, scene.time_step) if makers else None
             self._stepping: CpuStepper | GpuStepper = GpuStepper(
-                self.KERNELS.at_once, self.KERNELS.state, scene, self._arrays, self._switches, beside)
+                self.KERNELS.gpu_kernels, self.KERNELS.state, scene, self._arrays, self._switches, beside)
         else:
             self._stepping = CpuStepper(self.KERNELS, scene, self._arrays, self._switches, self.plan == "parallel",
                                          self.threads)
@@ -78,11 +79,11 @@ class PlanarSolver(Solver):
         F = a.deformation_gradient.reshape(-1, 2, 2)
         true = true_fields(self.scene, a, self.step) if on.truth else None
         estimates = {name: estimated_fields(a, k) for k, name in enumerate(on.estimators)}
-        missed = {name: difference(fields, true) for name, fields in estimates.items()} if true and differences else {}
+        missed = {name: distances(fields, true) for name, fields in estimates.items()} if true and differences else {}
         return Snapshot(step=self.step, time=self.time, material_position=a.material_position,
                         position=a.position_velocity[:, :2].copy(), velocity=a.position_velocity[:, 2:].copy(),
-                        deformation_gradient=F.copy(), error=sizes(true) if true else None,
-                        estimate={name: sizes(fields) for name, fields in estimates.items()},
+                        deformation_gradient=F.copy(), error=error_sizes(true) if true else None,
+                        estimate={name: error_sizes(fields) for name, fields in estimates.items()},
                         last_crossing=a.last_crossing.copy() if on.crossings else None, difference=missed,
                         plotted=None if plotted is None else self.plotted(plotted))
 
@@ -100,8 +101,8 @@ class PlanarSolver(Solver):
         with np.errstate(all="ignore"):  # a run gone bad holds anything
             stress = cauchy_stress_of(self.scene, a)
         return Fields(X.copy(), a.mass.copy(), a.mass / self.scene.density,
-                      columns([(motion[:, 0] - X[:, 0], motion[:, 1] - X[:, 1]), tuple(motion.T[2:]), stress]),
-                      {name: columns(parts[:3]) for name, parts in said.items()})
+                      error_columns([(motion[:, 0] - X[:, 0], motion[:, 1] - X[:, 1]), tuple(motion.T[2:]), stress]),
+                      {name: error_columns(parts[:3]) for name, parts in said.items()})
 
     def advance(self, steps: int) -> np.ndarray:
         return self._with_exact_spin(super().advance(steps))
@@ -121,13 +122,13 @@ class PlanarSolver(Solver):
         if scene.has("spin") and self._switches.truth:
             mass = np.bincount(a.orbit, a.mass)
             for row in rows:
-                t = (row[column("step")] - 0.5) * scene.time_step
+                t = (row[column_index("step")] - 0.5) * scene.time_step
                 (x, y), (v_x, v_y) = (a.orbit_point + self._motion(t)[:, :2]).T, self._motion(t, 1)[:, :2].T
-                row[column("spin/exact_momentum", self._switches)] = mass @ (x * v_y - y * v_x)
+                row[column_index("spin/exact_momentum", self._switches)] = mass @ (x * v_y - y * v_x)
         return rows
 
-    def _escape(self) -> str:
-        return self.scene.ESCAPED.format(farthest=self.scene.farthest)
+    def _escape_sentence(self) -> str:
+        return self.scene.ESCAPE_SENTENCE.format(farthest=self.scene.farthest)
 
     def _other_advice(self) -> str:
         return self.scene.other_advice()
@@ -141,12 +142,12 @@ def estimated_fields(a: InstrumentedBody, estimator: int) -> Errors:
             tuple(a.estimate_acceleration[part].T)]
 
 
-def columns(parts: Errors) -> Values:
+def error_columns(parts: Errors) -> Values:
     """Those of x, v and sigma, which are known, with a column for each component."""
     return Values(*(np.stack(one, axis=1) for one in parts if one is not None))
 
 
-def sizes(errors: Errors) -> np.ndarray:
+def error_sizes(errors: Errors) -> np.ndarray:
     """Lengths of the vectors and Frobenius norms of the tensors (P, 4); 0 where an error is None."""
     out = np.zeros((next(len(parts[0]) for parts in errors if parts), len(errors)))
     with np.errstate(over="ignore", invalid="ignore"):
@@ -158,25 +159,25 @@ def sizes(errors: Errors) -> np.ndarray:
     return out
 
 
-def difference(one: Errors, other: Errors) -> np.ndarray:
+def distances(one: Errors, other: Errors) -> np.ndarray:
     """Sizes (P, 4) of ``one`` minus ``other``, direction and all. What is None counts as 0."""
     with np.errstate(over="ignore", invalid="ignore"):
-        return sizes([mine if mine is None or theirs is None else
-                      tuple(a - b for a, b in zip(mine, theirs, strict=True))
-                      for mine, theirs in zip(one, other, strict=True)])
+        return error_sizes([mine if mine is None or theirs is None else
+                            tuple(a - b for a, b in zip(mine, theirs, strict=True))
+                            for mine, theirs in zip(one, other, strict=True)])
 
 
 @functools.cache
-def solver_of(kind: type[PlanarScene]) -> type[PlanarSolver]:
+def make_solver_class(kind: type[PlanarScene]) -> type[PlanarSolver]:
     """The solver of a problem by the class of its scene."""
-    traits = traits_of(kind)
+    traits = make_problem_kernels(kind)
     box = kind.layout == "box"
     made = {"companion": lambda: circular_companion.HOOKS if kind.CIRCULAR else companion.HOOKS,
             "recovered": lambda: recovered.hooks(BOX if box else Lattice(closed=not kind.PLANES[0])),
             "transport": lambda: transport.hooks(traits),
             "two-grid": lambda: two_grid.hooks(traits, two_grid.BOX if box else two_grid.POLAR)}
     hooks = estimator_registry.hooks_of(kind.problem, {name: made[name]() for name in kind.ESTIMATORS})
-    parts = PlanarParts(hooks, traits, measures_of(kind, traits.first))
-    its = kernels(parts)
+    parts = PlanarParts(hooks, traits, make_diagnostic_kernels(kind, traits.first))
+    its = make_kernels(parts)
     return type("PlanarSolver", (PlanarSolver,), {
         "HOOKS": hooks, "PARTS": parts, "KERNELS": its, "PHASES": its.phases, "STATE": InstrumentedBody})

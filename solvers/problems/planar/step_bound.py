@@ -11,16 +11,16 @@ import numpy as np
 
 from solvers.motion.laws.law import determinant, material_metric, metric, rate
 from solvers.problems.planar.layout import CORNERS, MOST_HALF_WIDTH, box_stretch, particle_layout
-from solvers.scene.linear_stability import Configurations, Fields, Links, limits
+from solvers.scene.linear_stability import Configurations, Fields, NodeLinks, longest_steps
 from solvers.scene.scene import Scene
-from solvers.scene.step_bound import StepBound, bounded, circles, moments, stencil
+from solvers.scene.step_bound import StepBound, circle_bound, motion_bound, motion_parts, stencil
 
 #: Particles of a quarter of the body that are looked at: at every moment, and at a few.
 MOST_PARTICLES, MOST_AT_FEW_MOMENTS = 500, 6000
-REST = np.eye(2)
-MOMENTS = 9  # of the motion, for the largest stretch
+IDENTITY = np.eye(2)
+STRETCH_INSTANTS = 9  # of the motion, for the largest stretch
 #: What becomes of v_x and v_y by quarters of a turn: a sign.
-SIGNS = np.array([[1.0, -1.0, -1.0, 1.0], [1.0, 1.0, -1.0, -1.0]])
+QUARTER_SIGNS = np.array([[1.0, -1.0, -1.0, 1.0], [1.0, 1.0, -1.0, -1.0]])
 
 
 class Weights(NamedTuple):
@@ -44,19 +44,19 @@ class Images(NamedTuple):
     turned: np.ndarray
 
 
-def images_in_a_quarter(i: np.ndarray, j: np.ndarray, cells: int) -> Images:
+def quarter_turn_images(i: np.ndarray, j: np.ndarray, cells: int) -> Images:
     """The node that (i, j) falls on by quarters of a turn: the one with i > 0 and j >= 0, both counted in halves of a
     cell from the middle of the grid, which is the middle of a cell where the number of cells is odd."""
     a, b = 2 * i - cells % 2, 2 * j - cells % 2
     turns = np.select([(a > 0) & (b >= 0), (a <= 0) & (b > 0), (a < 0) & (b <= 0)], [0, 1, 2], 3)
     crossed = turns % 2 == 1
     number = np.abs(np.where(crossed, b, a)) + 4 * cells * np.abs(np.where(crossed, a, b))
-    return Images(number, SIGNS[0][turns], SIGNS[1][turns], crossed)
+    return Images(number, QUARTER_SIGNS[0][turns], QUARTER_SIGNS[1][turns], crossed)
 
 
-class Look:
+class MotionSamples:
     """Moments of a body on a scene's cells, at ``parts`` (n,) of the way from one extreme of the motion to the other:
-    the weights ``found``, F (n, P, 2, 2), and the longest steps ``limits`` (n,) in s.
+    the weights ``weights``, F (n, P, 2, 2), and the longest steps ``limits`` (n,) in s.
 
     Between symmetry planes all of the body is looked at. Where there is no plane, lattice, grid and motion look the
     same after a quarter of a turn, and a quarter of the particles is enough, if a node has one number with the three
@@ -68,53 +68,55 @@ class Look:
         self._low, self._high = scene.PLANES
         kept = np.full(len(layout.volume), True) if self._low else (layout.position > 0).all(axis=1)  # none on an axis
         self._volume, self._X = layout.volume[kept], layout.position[kept]
-        F = [self._deformed(part) for part in parts]
+        F = [self._gradient_at(part) for part in parts]
         middle = 0.0 if self._low else 0.5 * (scene.cells % 2) * scene.spacing  # from there or the planes nodes count
-        places = [self._X if scene.frozen else scene.EXACT.position(scene, self._X, self._time(part)) for part in parts]
-        self.found = [weights(scene, x + middle, one, layout.edges[kept]) for x, one in zip(places, F, strict=True)]
+        places = [self._X if scene.frozen else scene.EXACT.position(scene, self._X,
+                                                                    self._time_at(part)) for part in parts]
+        self.weights = [particle_weights(scene, x + middle, one, layout.edges[kept]) for x,
+                        one in zip(places, F, strict=True)]
         self.F = np.stack(F)
-        self.limits = limits(self._side_by_side())
+        self.limits = longest_steps(self._configurations())
 
     def stretch(self) -> float:
         """The largest of the motion."""
-        return max(float(np.linalg.norm(self._deformed(part), 2, axis=(1, 2)).max())
-                   for part in np.linspace(0, 1, MOMENTS))
+        return max(float(np.linalg.norm(self._gradient_at(part), 2, axis=(1, 2)).max())
+                   for part in np.linspace(0, 1, STRETCH_INSTANTS))
 
-    def by_circles(self, moment: int) -> float:
+    def circle_bound(self, moment: int) -> float:
         """What Gershgorin's circles say of a moment, in s."""
-        one, F = self.found[moment], np.moveaxis(self.F[moment].reshape(-1, 4), -1, 0)[..., None]
+        one, F = self.weights[moment], np.moveaxis(self.F[moment].reshape(-1, 4), -1, 0)[..., None]
         number = self._images(one.i, one.j).number
         mass = np.bincount(number.ravel(), (self.scene.density * self._volume[:, None] * one.S).ravel())
         J, bound = determinant(F), material_metric if self.scene.frozen else metric
         xx, xy, yy = bound(F, J, *self.scene.material.coefficients(F, J))
         lengths = np.sqrt(np.maximum(xx * one.x * one.x + 2 * xy * one.x * one.y + yy * one.y * one.y, 0.0))
-        return circles(number, lengths, self._volume, mass)
+        return circle_bound(number, lengths, self._volume, mass)
 
-    def _time(self, part: float) -> float:
+    def _time_at(self, part: float) -> float:
         start, end = self.scene.EXTREMES
         return self.scene.period * (start + (end - start) * part)
 
-    def _deformed(self, part: float) -> np.ndarray:
-        return self.scene.EXACT.deformation_gradient(self.scene, self._X, self._time(part))
+    def _gradient_at(self, part: float) -> np.ndarray:
+        return self.scene.EXACT.deformation_gradient(self.scene, self._X, self._time_at(part))
 
     def _images(self, i: np.ndarray, j: np.ndarray) -> Images:
         """What the symmetry makes of nodes' places."""
         n, high = self.scene.cells, self._high
         if not self._low:
-            return images_in_a_quarter(i, j, n)
+            return quarter_turn_images(i, j, n)
         inside = [np.where(high & (k > n), 2 * n - k, np.abs(k)) for k in (i, j)]
         sign_x, sign_y = (np.where((k < 0) | high & (k > n), -1.0, 1.0) for k in (i, j))
         return Images(inside[0] + 2 * n * inside[1], sign_x, sign_y, np.zeros(i.shape, bool))
 
-    def _side_by_side(self) -> Configurations:
+    def _configurations(self) -> Configurations:
         """The components x and y of all nodes that are touched are the unknowns."""
         scene, V, F = self.scene, self._volume, self.F
-        wide = max(one.S.shape[1] for one in self.found)
-        i, j, S, x, y = (np.stack([_padded(part, wide) for part in parts]) for parts in zip(*self.found, strict=True))
+        wide = max(one.S.shape[1] for one in self.weights)
+        i, j, S, x, y = (np.stack([_pad(part, wide) for part in parts]) for parts in zip(*self.weights, strict=True))
         images, n = self._images(i, j), scene.cells
         numbers, node = np.unique(images.number, return_inverse=True)
         node, N = node.reshape(i.shape), len(numbers)
-        links = Links([node + N * images.turned, node + N * ~images.turned], [images.sign_x, images.sign_y])
+        links = NodeLinks([node + N * images.turned, node + N * ~images.turned], [images.sign_x, images.sign_y])
         held = np.concatenate([self._low & ((k == 0) | self._high & (k == n))  # which hold still in x, and in y
                                for k in (numbers % (2 * n), numbers // (2 * n))])
         if scene.frozen:
@@ -137,48 +139,48 @@ def critical_time_step(fine: Any) -> StepBound:
     the cells themselves. So the hardest moment, and another where weights move, are looked at again on the scene's own,
     and if they bear less there, all moments do.
     """
-    parts = moments(fine)
-    few = Look(coarsened(fine, MOST_PARTICLES), parts)
+    parts = motion_parts(fine)
+    few = MotionSamples(coarsen(fine, MOST_PARTICLES), parts)
     hardest = int(np.argmin(few.limits))
-    whole, share = coarsened(fine, MOST_AT_FEW_MOMENTS), 1.0
-    by_circles = few.by_circles(hardest)
+    whole, share = coarsen(fine, MOST_AT_FEW_MOMENTS), 1.0
+    by_circles = few.circle_bound(hardest)
     if whole.cells > few.scene.cells:
-        again = Look(whole, parts[sorted({hardest, hardest if fine.frozen else len(parts) // 2})])
+        again = MotionSamples(whole, parts[sorted({hardest, hardest if fine.frozen else len(parts) // 2})])
         larger, least = few.scene.spacing / whole.spacing, int(np.argmin(again.limits))
         share = larger * float(again.limits[least] / few.limits[hardest])
         if share < 1:
-            by_circles = larger * again.by_circles(least)
-    finer, first = few.scene.spacing / fine.spacing, few.found[0]
-    crossed = any(np.any(one.i[:, 0] != first.i[:, 0]) or np.any(one.j[:, 0] != first.j[:, 0]) for one in few.found)
+            by_circles = larger * again.circle_bound(least)
+    finer, first = few.scene.spacing / fine.spacing, few.weights[0]
+    crossed = any(np.any(one.i[:, 0] != first.i[:, 0]) or np.any(one.j[:, 0] != first.j[:, 0]) for one in few.weights)
     seconds = (fine.EXTREMES[1] - fine.EXTREMES[0]) * fine.period
-    return bounded(few.scene, min(1.0, share) * few.limits, seconds * finer, few.stretch(), by_circles,
-                   crossed).on_cells(1 / finer)
+    return motion_bound(few.scene, min(1.0, share) * few.limits, seconds * finer, few.stretch(), by_circles,
+                        crossed).on_cells(1 / finer)
 
 
-def coarsened(scene: Any, most: int) -> Any:
+def coarsen(scene: Any, most: int) -> Any:
     """The scene on so few cells that a quarter of its body has no more particles."""
     while scene.particles * 0.5 * np.pi / scene.ANGLE > most and scene.cells > scene.FEWEST_CELLS:
         scene = replace(scene, cells=max(scene.cells // 2, scene.FEWEST_CELLS))
     return scene
 
 
-def _padded(part: np.ndarray, wide: int) -> np.ndarray:
+def _pad(part: np.ndarray, wide: int) -> np.ndarray:
     """With as many nodes for every moment; those that are too many repeat the last place, with nothing there."""
     more = wide - part.shape[1]
     last = part[:, -1:] if part.dtype.kind == "i" else np.zeros((len(part), 1))
     return np.hstack([part, np.repeat(last, more, axis=1)]) if more else part
 
 
-def weights(scene: Scene, x: np.ndarray, F: np.ndarray, edges: np.ndarray) -> Weights:
+def particle_weights(scene: Scene, x: np.ndarray, F: np.ndarray, edges: np.ndarray) -> Weights:
     """The weights of particles at ``x`` (P, 2), deformed by ``F`` (P, 2, 2), whose domains have ``edges`` (P, 4) at
     rest."""
     if scene.frozen:
-        F = np.tile(REST, (len(x), 1, 1))
-    return corners(scene, x, F.reshape(-1, 4), edges) if scene.method == "cpdi" \
-        else boxes(scene, x, box_stretch(scene.method, F))
+        F = np.tile(IDENTITY, (len(x), 1, 1))
+    return corner_weights(scene, x, F.reshape(-1, 4), edges) if scene.method == "cpdi" \
+        else box_weights(scene, x, box_stretch(scene.method, F))
 
 
-def boxes(scene: Scene, x: np.ndarray, stretch: np.ndarray) -> Weights:
+def box_weights(scene: Scene, x: np.ndarray, stretch: np.ndarray) -> Weights:
     """Hat and GIMP functions, M = 9, of particles at ``x`` (P, 2), whose boxes are ``stretch`` (P, 2) times as wide as
     at rest, or not where the method is uGIMP."""
     axes = []
@@ -194,7 +196,7 @@ def boxes(scene: Scene, x: np.ndarray, stretch: np.ndarray) -> Weights:
     return Weights(*(part.reshape(P, 9) for part in (i[:, :, None] + square, j[:, None, :] + square, *pairs)))
 
 
-def corners(scene: Scene, x: np.ndarray, F: np.ndarray, edges: np.ndarray) -> Weights:
+def corner_weights(scene: Scene, x: np.ndarray, F: np.ndarray, edges: np.ndarray) -> Weights:
     """CPDI: corners of a domain may share nodes, where gradients add up. ``F`` (P, 4) are the deformation gradients,
     ``edges`` (P, 4) those of the domains at rest."""
     first = np.stack([F[:, 0] * edges[:, 0] + F[:, 1] * edges[:, 1], F[:, 2] * edges[:, 0] + F[:, 3] * edges[:, 1]], 1)

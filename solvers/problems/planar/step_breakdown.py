@@ -7,26 +7,27 @@ from solvers.problems.planar.method.body import InstrumentedBody
 from solvers.problems.planar.scene import GHOSTS, PlanarScene
 from solvers.problems.planar.snapshot import body_force, cauchy_stress_of
 from solvers.problems.planar.weights import Grid, nodes_of, weights_of
-from solvers.solver.step_breakdown import Carried, Image, StepBreakdown, flipped, link
+from solvers.solver.step_breakdown import Image, ParticleState, StepBreakdown, find_links, mirror_tensors
 
 
 @np.errstate(all="ignore")  # a run gone bad holds anything
-def carried(scene: PlanarScene, a: InstrumentedBody) -> Carried:
+def particle_state(scene: PlanarScene, a: InstrumentedBody) -> ParticleState:
     """What the particles carry now, copied."""
     (xx, xy, yy), q = cauchy_stress_of(scene, a), a.position_velocity
-    return Carried(q[:, :2].copy(), q[:, 2:].copy(), a.deformation_gradient.reshape(-1, 2, 2).copy(),
-                   np.stack([xx, xy, xy, yy], axis=1).reshape(-1, 2, 2))
+    return ParticleState(q[:, :2].copy(), q[:, 2:].copy(), a.deformation_gradient.reshape(-1, 2, 2).copy(),
+                         np.stack([xx, xy, xy, yy], axis=1).reshape(-1, 2, 2))
 
 
-def breakdown(scene: PlanarScene, a: InstrumentedBody, particle: int, step: int, before: Carried) -> StepBreakdown:
+def breakdown(scene: PlanarScene, a: InstrumentedBody, particle: int, step: int,
+              before: ParticleState) -> StepBreakdown:
     """Of the step number ``step``, just taken, around a particle; ``before`` is what was carried then."""
     ghosts = GHOSTS if scene.PLANES[0] else 0  # rows of nodes beyond a symmetry plane
     edges, row = half_edges(scene, before.deformation_gradient, a.edges), a.row
     grid = Grid(row, ghosts, scene.PLANES[1])
-    links = link(particle, nodes_of(scene, a), lambda some: weights_of(scene, a, edges, some),
-                 lambda node: _images(node, row, ghosts, grid.last))
-    seen, k, ij = before.seen(links), links.members, np.stack([links.nodes % row, links.nodes // row], axis=1)
-    home, signs = grid.seen(links.nodes)  # a node beyond a plane has what its mirror image has
+    links = find_links(particle, nodes_of(scene, a), lambda some: weights_of(scene, a, edges, some),
+                       lambda node: _images(node, row, ghosts, grid.last))
+    seen, k, ij = before.mirror(links), links.members, np.stack([links.nodes % row, links.nodes // row], axis=1)
+    home, signs = grid.resolve_images(links.nodes)  # a node beyond a plane has what its mirror image has
     sums, motion = a.node_sums[home], a.node_motion[links.nodes]
     body = links.weight.T @ (links.signs * body_force(a, k))
     F, place = seen.deformation_gradient, a.material_position if scene.frozen else before.position
@@ -36,9 +37,10 @@ def breakdown(scene: PlanarScene, a: InstrumentedBody, particle: int, step: int,
             force_moment = force_moment @ np.linalg.inv(F).transpose(0, 2, 1)
     return StepBreakdown(
         step, (step - 1) * scene.time_step, scene.time_step, scene.spacing, links, seen,
-        carried(scene, a).seen(links), a.mass[k], links.signs * place[k], flipped(edges[k], links.signs),
-        (a.mass[k] / a.density)[:, None, None] * force_moment, (ij - a.origin) * scene.spacing, sums[:, 4].copy(),
-        signs * sums[:, :2], signs * sums[:, 2:4] - body, body, motion[:, 2:].copy(), motion[:, :2].copy())
+        particle_state(scene, a).mirror(links), a.mass[k], links.signs * place[k],
+        mirror_tensors(edges[k], links.signs), (a.mass[k] / a.density)[:, None, None] * force_moment,
+        (ij - a.origin) * scene.spacing, sums[:, 4].copy(), signs * sums[:, :2], signs * sums[:, 2:4] - body, body,
+        motion[:, 2:].copy(), motion[:, :2].copy())
 
 
 def _images(node: int, row: int, ghosts: int, last: int) -> list[Image]:

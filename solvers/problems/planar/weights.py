@@ -11,7 +11,7 @@ from solvers.problems.planar.layout import CORNERS, half_edges
 from solvers.problems.planar.method.body import InstrumentedBody
 from solvers.problems.planar.method.cpdi import NODES
 from solvers.problems.planar.method.phases import EMPTY
-from solvers.problems.planar.method.stored_weights import by_particle
+from solvers.problems.planar.method.stored_weights import weights_by_particle
 from solvers.scene.scene import Scene
 
 
@@ -28,14 +28,14 @@ class Grid:
         free[on_plane, :, 1] = 0.0
         self.free = free.reshape(-1, 2)  # 0 for what would move a node across a plane
 
-    def seen(self, nodes: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    def resolve_images(self, nodes: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """Of nodes (...): those that they stand for, and the signs (..., 2) with which they do."""
         ij = np.stack([nodes % self.row, nodes // self.row], axis=-1)
         home = np.abs(ij - self.ghosts) + self.ghosts
         home = np.where(home > self.last, 2 * self.last - home, home)
         return home[..., 1] * self.row + home[..., 0], np.where((ij < self.ghosts) | (ij > self.last), -1.0, 1.0)
 
-    def sums(self, home: np.ndarray, values: np.ndarray) -> np.ndarray:
+    def sum_at_nodes(self, home: np.ndarray, values: np.ndarray) -> np.ndarray:
         """What falls on the nodes (C, N, 2) of ``values`` (C, P, M, 2), with ``home`` (P, M)."""
         out = np.empty((len(values), self.nodes, 2))
         index = home.ravel()
@@ -50,46 +50,46 @@ class StepWeights:
 
     def __init__(self, scene: Scene, a: InstrumentedBody, F: np.ndarray, grid: Grid):
         self.grid = grid
-        self.home, signs = grid.seen(nodes_of(scene, a))
+        self.node_numbers, signs = grid.resolve_images(nodes_of(scene, a))
         S, dS = weights_of(scene, a, half_edges(scene, F, a.edges), np.arange(a.particles))
         self.particle_mass = a.mass
         self.S = S[:, :, None] * signs  # (P, M, 2), of a vector's components
         self.dS = dS[:, :, None, :] * signs[:, :, :, None]  # (P, M, 2, 2), component and direction
-        mass = np.bincount(self.home.ravel(), (a.mass[:, None] * S).ravel(), grid.nodes)
+        mass = np.bincount(self.node_numbers.ravel(), (a.mass[:, None] * S).ravel(), grid.nodes)
         carries = mass > EMPTY * a.density * a.spacing**2
         self.per_mass = np.where(carries, 1 / np.where(carries, mass, 1.0), 0.0)[:, None] * grid.free
 
     def to_nodes(self, vectors: np.ndarray) -> np.ndarray:
         """Mass-weighted means at the nodes."""
         given = self.particle_mass[:, None, None] * self.S * vectors[:, :, None, :]
-        return self.per_mass * self.grid.sums(self.home, given)
+        return self.per_mass * self.grid.sum_at_nodes(self.node_numbers, given)
 
     def acceleration_of(self, moments: np.ndarray) -> np.ndarray:
         """Of stresses times volume (C, P, 2, 2) in N m: -sum S's gradient over the mass."""
         given = np.stack([np.einsum("pmij,pij->pmi", self.dS, one) for one in moments])
-        return -self.per_mass * self.grid.sums(self.home, given)
+        return -self.per_mass * self.grid.sum_at_nodes(self.node_numbers, given)
 
     def to_particles(self, vectors: np.ndarray) -> np.ndarray:
         """The nodes' values at the particles."""
-        return np.stack([np.einsum("pmi,pmi->pi", self.S, one[self.home]) for one in vectors])
+        return np.stack([np.einsum("pmi,pmi->pi", self.S, one[self.node_numbers]) for one in vectors])
 
     def gradient(self, vectors: np.ndarray) -> np.ndarray:
         """Their gradients at the particles (C, P, 2, 2), component and direction."""
-        return np.stack([np.einsum("pmij,pmi->pij", self.dS, one[self.home]) for one in vectors])
+        return np.stack([np.einsum("pmij,pmi->pij", self.dS, one[self.node_numbers]) for one in vectors])
 
 
 def nodes_of(scene: Scene, a: InstrumentedBody) -> np.ndarray:
     """The nodes (P, M) of each particle, some perhaps several times."""
     row = a.row
     if scene.method == "cpdi":
-        first = by_particle(a.weights, scene.method, a.particles)[:, NODES:NODES + 4].astype(int)
+        first = weights_by_particle(a.weights, scene.method, a.particles)[:, NODES:NODES + 4].astype(int)
         return (first[:, :, None] + np.array([0, 1, row, row + 1])).reshape(a.particles, 16)
     return a.first_node[:, None] + (row * np.arange(3)[:, None] + np.arange(3)).ravel()
 
 
 def weights_of(scene: Scene, a: InstrumentedBody, edges: np.ndarray, some: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """S (c, M) and its gradient (c, M, 2) of ``some`` particles (c,), whose half edges are in ``edges`` (P, 2, 2)."""
-    kept = by_particle(a.weights, scene.method, a.particles)[some]
+    kept = weights_by_particle(a.weights, scene.method, a.particles)[some]
     return _corner_weights(kept, edges[some]) if scene.method == "cpdi" else _stencil_weights(kept)
 
 

@@ -1,6 +1,6 @@
 """How often what was said of drawn runs was right, counted.
 
-``within`` counts runs in which the estimate is within a factor of the true error: 1/f <= index <= f, an index being
+``is_within`` counts runs in which the estimate is within a factor of the true error: 1/f <= index <= f, an index being
 estimated over true error, in norms summed over the run. Only runs that ended as "ok" count, and of an estimator only
 those in which it did not refuse.
 
@@ -27,9 +27,9 @@ SCHEMA = "mpm-lab/coverage/1"
 FACTORS = (1.1, 1.5, 2.0)
 NEEDLESS = 1.5  # a refusal was needless where the estimate would have been within such a factor of x, v and sigma
 SAFETIES = (1.0, SAFETY, 3.0)
-MIDDLE = 0.8  # the share of runs between whose ratios an estimator may bet; as many lie below as above
-STAY, WITHIN, SEVERAL = "within their cells", "up to a cell", "several cells"
-REGIMES = (STAY, WITHIN, SEVERAL)
+CENTRAL = 0.8  # the share of runs between whose ratios an estimator may bet; as many lie below as above
+IN_CELL, ONE_CELL, SEVERAL_CELLS = "within their cells", "up to a cell", "several cells"
+REGIMES = (IN_CELL, ONE_CELL, SEVERAL_CELLS)
 NORMAL = 1.96  # standard deviations, for 95 %
 
 FORMAL_ORDER = 2.0  # of the method, in h with dt in proportion to h
@@ -40,7 +40,7 @@ MOST_ORDER = 2.0  # of three grids: an observed order above the formal one is ta
 
 def regime(moved: float, ppc: float) -> str:
     """How far particles move at most, ``moved`` in cells: those next to an edge stay in theirs up to 1/(2 ppc)."""
-    return STAY if moved <= 0.5 / ppc else WITHIN if moved <= 1 else SEVERAL
+    return IN_CELL if moved <= 0.5 / ppc else ONE_CELL if moved <= 1 else SEVERAL_CELLS
 
 
 def regime_of(row: Mapping) -> str:
@@ -48,7 +48,7 @@ def regime_of(row: Mapping) -> str:
     return regime(row["moved"], row["scene"]["ppc"])
 
 
-def interval(held: int, of: int) -> tuple[float, float]:
+def wilson(held: int, of: int) -> tuple[float, float]:
     """Between which shares that of all runs lies, with 95 %, if ``held`` of so many do (E. B. Wilson, 1927)."""
     share, z = held / of, NORMAL**2 / of
     middle, half = share + z / 2, NORMAL * math.sqrt(share * (1 - share) / of + z / (4 * of))
@@ -63,12 +63,14 @@ def tally(problem: str, seed: int, rows: Sequence[dict]) -> dict:
     goals = list(dict.fromkeys(kind for row in usable for kind in row["goals"]))
     return {"schema": SCHEMA, "problem": problem, "seed": seed, "runs": len(rows),
             "status": {status: statuses.count(status) for status in dict.fromkeys(statuses)},
-            "estimators": {name: _split(usable, functools.partial(_right, name=name)) for name in names},
+            "estimators": {name: _count_by_group(usable,
+                                                 functools.partial(_count_within, name=name)) for name in names},
             "refusals": {name: _refusals(usable, name) for name in names},
-            "goals": {kind: _split(usable, functools.partial(_held, kind=kind, names=names)) for kind in goals}}
+            "goals": {kind: _count_by_group(usable,
+                                            functools.partial(_count_bars, kind=kind, names=names)) for kind in goals}}
 
 
-def _split(rows: Sequence[dict], count: Callable[[Sequence[dict]], dict]) -> dict:
+def _count_by_group(rows: Sequence[dict], count: Callable[[Sequence[dict]], dict]) -> dict:
     """The same counts of all rows, by regime, and by method in each."""
     methods = sorted({row["scene"]["method"] for row in rows})
     return {"all": count(rows),
@@ -79,24 +81,24 @@ def _split(rows: Sequence[dict], count: Callable[[Sequence[dict]], dict]) -> dic
                                   for method in methods}}
 
 
-def _right(rows: Iterable[dict], name: str) -> dict:
+def _count_within(rows: Iterable[dict], name: str) -> dict:
     """By quantity, of how many runs the estimator speaks, and in how many it is within each factor."""
     said = [row["estimators"][name] for row in rows if not row["estimators"][name]["refused"]]
     found = {}
     for q in QUANTITIES:
         indices = [one["index"][q] for one in said if one["index"][q] is not None]
         ends = [one["end"][q] for one in said if one["end"][q] is not None]
-        middle = np.quantile(ends, [(1 - MIDDLE) / 2, (1 + MIDDLE) / 2]).tolist() if ends else None
-        found[q] = {"runs": len(indices), "within": _within(indices), "median": _median(indices),
-                    "at the end": {"runs": len(ends), "within": _within(ends), "middle": middle}}
+        middle = np.quantile(ends, [(1 - CENTRAL) / 2, (1 + CENTRAL) / 2]).tolist() if ends else None
+        found[q] = {"runs": len(indices), "within": _by_factor(indices), "median": _median(indices),
+                    "at the end": {"runs": len(ends), "within": _by_factor(ends), "middle": middle}}
     return found
 
 
-def _within(indices: Sequence[float]) -> dict[str, int]:
-    return {f"{factor:g}": sum(within(index, factor) for index in indices) for factor in FACTORS}
+def _by_factor(indices: Sequence[float]) -> dict[str, int]:
+    return {f"{factor:g}": sum(is_within(index, factor) for index in indices) for factor in FACTORS}
 
 
-def within(index: float, factor: float) -> bool:
+def is_within(index: float, factor: float) -> bool:
     """Whether estimated over true error is within a factor of 1."""
     return 1 / factor <= index <= factor
 
@@ -108,11 +110,11 @@ def _refusals(rows: Sequence[dict], name: str) -> dict:
         refused = [row["estimators"][name]["index"] for row in rows if row["estimators"][name]["refused"] == kind]
         told = [known for index in refused if (known := [value for value in index.values() if value is not None])]
         found[kind] = {"runs": len(refused), "told": len(told),
-                       "needless": sum(all(within(value, NEEDLESS) for value in known) for known in told)}
+                       "needless": sum(all(is_within(value, NEEDLESS) for value in known) for known in told)}
     return found
 
 
-def _held(rows: Sequence[dict], kind: str, names: Sequence[str]) -> dict:
+def _count_bars(rows: Sequence[dict], kind: str, names: Sequence[str]) -> dict:
     """Of a goal, how often bars around the value held the truth: of so many times the estimated error, and of grid
     convergence. ``width`` is the median of the bar over the true error: what holds by being wide costs that."""
     found: dict[str, Any] = {}
@@ -122,15 +124,15 @@ def _held(rows: Sequence[dict], kind: str, names: Sequence[str]) -> dict:
         errors = [(abs(goal["estimated_error"][name]), abs(goal["true_error"])) for goal in known
                   if goal["estimated_error"].get(name) is not None]
         for times in SAFETIES:
-            found[f"{times:g} x {name}"] = _bars([(times * said, true) for said, true in errors], len(known))
+            found[f"{times:g} x {name}"] = _bar_counts([(times * said, true) for said, true in errors], len(known))
     for name, bar in INTERVALS.items():
         bars = [(bar(goal["grids"]), abs(goal["true_error"])) for goal in known
                 if len(goal["grids"]) == 3 and None not in goal["grids"]]
-        found[name] = _bars([(said, true) for said, true in bars if said is not None], len(known))
+        found[name] = _bar_counts([(said, true) for said, true in bars if said is not None], len(known))
     return found
 
 
-def _bars(bars: Sequence[tuple[float, float]], of: int) -> dict:
+def _bar_counts(bars: Sequence[tuple[float, float]], of: int) -> dict:
     return {"of": of, "runs": len(bars), "held": sum(true <= said for said, true in bars),
             "width": _median([said / true for said, true in bars])}
 
@@ -148,12 +150,12 @@ def observed_order(values: Sequence[float]) -> float | None:
     return math.log(coarse / fine) / math.log(RATIO)
 
 
-def two_grids(values: Sequence[float]) -> float | None:
+def two_grid_gci(values: Sequence[float]) -> float | None:
     """Roache's index of two grids and the formal order: 3 |f2 - f1| / (r^p - 1)."""
     return TWO_GRIDS * abs(values[1] - values[0]) / (RATIO**FORMAL_ORDER - 1)
 
 
-def three_grids(values: Sequence[float]) -> float | None:
+def three_grid_gci(values: Sequence[float]) -> float | None:
     """Roache's index of three grids with the observed order, at most the formal one: 1.25 |f2 - f1| / (r^p - 1); None
     where no order is observed."""
     order = observed_order(values)
@@ -172,4 +174,4 @@ def factor_of_safety(values: Sequence[float]) -> float | None:
 
 #: The half width of an interval around the number on the finest grid, by what it is called.
 INTERVALS: Mapping[str, Callable[[Sequence[float]], float | None]] = {
-    "GCI, 2 grids": two_grids, "GCI, 3 grids": three_grids, "Xing and Stern": factor_of_safety}
+    "GCI, 2 grids": two_grid_gci, "GCI, 3 grids": three_grid_gci, "Xing and Stern": factor_of_safety}

@@ -4,9 +4,9 @@ import math
 from collections.abc import Iterable, Mapping, Sequence
 
 from solvers.running.quantities_of_interest import DISPLACEMENT, ENERGY, SAFETY, STRESS
-from solvers.study.coverage.coverage_counts import FACTORS, INTERVALS, MIDDLE, NEEDLESS, REGIMES, interval
-from solvers.study.coverage.random_runs import AFTER, BEFORE, IMPOSSIBLE, QUANTITIES, reach_of
-from solvers.study.markdown import grid
+from solvers.study.coverage.coverage_counts import CENTRAL, FACTORS, INTERVALS, NEEDLESS, REGIMES, wilson
+from solvers.study.coverage.random_runs import AFTER, BEFORE, IMPOSSIBLE, QUANTITIES, draw_ranges_of
+from solvers.study.markdown import markdown_table
 
 NOTHING = "–"
 CLOSE = 0.1  # to 1: a multiple of which more digits are told
@@ -14,45 +14,47 @@ GOALS = {DISPLACEMENT: "displacement of a point", STRESS: "mean stress", ENERGY:
 PARTS = {"x": "x", "v": "v", "sigma": "σ"}
 
 
-def summary(counted: Mapping, picture: str = "") -> str:
+def coverage_summary(counted: Mapping, picture: str = "") -> str:
     """A problem's counts: estimators, regimes, refusals, and bars around numbers."""
     statuses = ", ".join(f"{count} {status}" for status, count in counted["status"].items())
-    reach = reach_of(counted["problem"])
+    reach = draw_ranges_of(counted["problem"])
     parts = [f"# How often estimates are right: {counted['problem']}",
              f"{counted['runs']:,} runs of seed {counted['seed']}: {statuses}. Drawn from {reach.cells[0]} to "
              f"{reach.cells[1]} cells, {reach.ppc[0]} to {reach.ppc[1]} particles per cell, amplitudes of "
              f"{reach.amplitude[0]:g} to {reach.amplitude[1]:g}, {reach.periods[0]:g} to {reach.periods[1]:g} periods, "
              f"steps of {reach.step[0]:g} to {reach.step[1]:g} of the longest, up to {reach.work:,.0f} particle-steps. "
              "Only runs that ended as ok count.",
-             estimates(counted), middles(counted), regimes(counted), refusals(counted), bars(counted),
-             bars_by_regime(counted)]
+             estimates_table(counted), middles_table(counted), regimes_table(counted), refusals_table(counted),
+             bars_table(counted), regime_bars_table(counted)]
     return "\n\n".join([*parts, *([f"![{picture}]({picture})"] if picture else [])]) + "\n"
 
 
-def estimates(counted: Mapping) -> str:
+def estimates_table(counted: Mapping) -> str:
     """How often each estimator is within each factor of the true error."""
     lines = []
     for name, split in counted["estimators"].items():
         for q in QUANTITIES:
             found = split["all"][q]
             if found["runs"]:
-                shares = [share(found["within"][f"{f:g}"], found["runs"], f == FACTORS[0]) for f in FACTORS]
+                shares = [format_share(found["within"][f"{f:g}"], found["runs"], f == FACTORS[0]) for f in FACTORS]
                 lines.append([name, PARTS[q], f"{found['runs']}", *shares, f"{found['median']:.3f}"])
     return ("## The estimate within a factor of the true error\n\nShares of the runs in which the estimator speaks, in "
             "per cent, the first with its 95 % interval; norms over the whole run.\n\n"
-            + grid(["estimator", "of", "runs", *(f"factor {f:g}" for f in FACTORS), "median index"], lines))
+            + markdown_table(["estimator", "of", "runs", *(f"factor {f:g}" for f in FACTORS), "median index"], lines))
 
 
-def middles(counted: Mapping) -> str:
+def middles_table(counted: Mapping) -> str:
     """Where the middle of the true errors lies, by what each estimator says of the end."""
-    lines = [[name, *(_middle(split["all"][q]["at the end"]["middle"]) for q in QUANTITIES)]
+    lines = [[name, *(_middle_text(split["all"][q]["at the end"]["middle"]) for q in QUANTITIES)]
              for name, split in counted["estimators"].items()]
-    return (f"## Where {100 * MIDDLE:g} of 100 true errors lie\n\nAt the end of the run, in multiples of the estimate; "
-            "as many lie below as above. Between these an estimator bets in lesson 10.\n\n"
-            + grid(["estimator", *(PARTS[q] for q in QUANTITIES)], lines))
+    return (
+        f"## Where {100 * CENTRAL:g} of 100 true errors lie\n\nAt the end of the run, in multiples of the estimate; "
+        "as many lie below as above. Between these an estimator bets in lesson 10.\n\n"
+        + markdown_table(["estimator", *(PARTS[q] for q in QUANTITIES)], lines)
+    )
 
 
-def regimes(counted: Mapping) -> str:
+def regimes_table(counted: Mapping) -> str:
     """The same for x and the smallest factor, by how far particles move."""
     least = f"{FACTORS[0]:g}"
     lines = []
@@ -62,10 +64,10 @@ def regimes(counted: Mapping) -> str:
     methods = list(next(iter(counted["estimators"].values()))["method"])
     return (f"## Where: x within a factor of {least}\n\nBy how far particles move at most, and by method: runs in "
             "which it was so, of those in which the estimator speaks.\n\n"
-            + grid(["estimator", *REGIMES, *methods], lines))
+            + markdown_table(["estimator", *REGIMES, *methods], lines))
 
 
-def refusals(counted: Mapping) -> str:
+def refusals_table(counted: Mapping) -> str:
     """How often estimators said that they do not hold, and how often that was needless."""
     lines = []
     for name, found in counted["refusals"].items():
@@ -75,51 +77,52 @@ def refusals(counted: Mapping) -> str:
                       f"{found[IMPOSSIBLE]['runs']}"])
     return (f"## Not valid here\n\nOf {next(iter(counted['refusals'].values()))['runs']} runs. A refusal was needless "
             f"where x, v and sigma would have been within a factor of {NEEDLESS:g}.\n\n"
-            + grid(["estimator", "before the run", "needless", "after it", "needless", "cannot run"], lines))
+            + markdown_table(["estimator", "before the run", "needless", "after it", "needless", "cannot run"], lines))
 
 
-def bars(counted: Mapping) -> str:
+def bars_table(counted: Mapping) -> str:
     """How often bars around the numbers of the end held the truth."""
-    names = shown_bars(counted)
-    lines = [[_bar(name), *(cell for kind in counted["goals"] for cell in _held(counted["goals"][kind]["all"][name]))]
+    names = main_bars(counted)
+    lines = [[_bar_label(name),
+              *(cell for kind in counted["goals"] for cell in _bar_cells(counted["goals"][kind]["all"][name]))]
              for name in names]
     heads = [text for kind in counted["goals"] for text in (GOALS[kind], "given", "width")]
     return ("## Bars around a number: how often they hold the truth\n\nPer cent of the bars that are given, with the "
             "95 % interval; how many per cent of the runs are given one; and the median of the bar over the true "
             f"error. The grid convergence index and its successor promise 95 %; {SAFETY:g} times an estimated error "
-            "promises nothing.\n\n" + grid(["bar", *heads], lines))
+            "promises nothing.\n\n" + markdown_table(["bar", *heads], lines))
 
 
-def bars_by_regime(counted: Mapping) -> str:
+def regime_bars_table(counted: Mapping) -> str:
     """The same shares, all goals together, by how far particles move."""
     lines = []
-    for name in shown_bars(counted):
+    for name in main_bars(counted):
         cells = []
         for one in REGIMES:
             found = [split["regime"][one][name] for split in counted["goals"].values()]
-            cells.append(share(sum(f["held"] for f in found), sum(f["runs"] for f in found), True))
-        lines.append([_bar(name), *cells])
-    return "### All three numbers, by how far particles move\n\n" + grid(["bar", *REGIMES], lines)
+            cells.append(format_share(sum(f["held"] for f in found), sum(f["runs"] for f in found), True))
+        lines.append([_bar_label(name), *cells])
+    return "### All three numbers, by how far particles move\n\n" + markdown_table(["bar", *REGIMES], lines)
 
 
-def shown_bars(counted: Mapping) -> list[str]:
+def main_bars(counted: Mapping) -> list[str]:
     """Those of twice the estimated error, and of grid convergence."""
     return [*(f"{SAFETY:g} x {name}" for name in counted["estimators"]), *INTERVALS]
 
 
-def share(held: int, of: int, bounds: bool = False) -> str:
+def format_share(held: int, of: int, bounds: bool = False) -> str:
     """In per cent, with its 95 % interval."""
     if not of:
         return NOTHING
-    low, high = (100 * part for part in interval(held, of))
+    low, high = (100 * part for part in wilson(held, of))
     return f"{100 * held / of:.1f}" + (f" ({low:.0f}–{high:.0f})" if bounds else "")
 
 
-def _bar(name: str) -> str:
+def _bar_label(name: str) -> str:
     return name.replace(" x ", " × ")
 
 
-def _middle(ratios: Sequence[float] | None) -> str:
+def _middle_text(ratios: Sequence[float] | None) -> str:
     """Estimated over true, turned round."""
     if not ratios:
         return NOTHING
@@ -128,8 +131,8 @@ def _middle(ratios: Sequence[float] | None) -> str:
                        for end in (least, most))
 
 
-def _held(found: Mapping) -> Iterable[str]:
+def _bar_cells(found: Mapping) -> Iterable[str]:
     if not found["runs"]:
         return [NOTHING] * 3
-    return [share(found["held"], found["runs"], True), f"{100 * found['runs'] / found['of']:.0f}",
+    return [format_share(found["held"], found["runs"], True), f"{100 * found['runs'] / found['of']:.0f}",
             f"{found['width']:.2f}"]

@@ -29,7 +29,7 @@ from solvers.problems import PROBLEMS
 from solvers.running.quantities_of_interest import DISPLACEMENT, ENERGY, STRESS
 from solvers.running.result import Result
 from solvers.scene.estimator_limits import reason
-from solvers.scene.kernel_options import combination
+from solvers.scene.kernel_options import kernel_key
 from solvers.scene.scene import Scene
 from solvers.scene.validation import SceneError
 from solvers.solver import error_norms
@@ -42,7 +42,7 @@ from solvers.study.row import FAILED, fingerprint
 SCHEMA = "mpm-lab/coverage-row/1"
 QUANTITIES = ("x", "v", "sigma")
 IMPOSSIBLE, BEFORE, AFTER = "impossible", "before", "after"  # how an estimator was refused
-KEPT = ("true_error", "rounding", "estimated_error")  # of a goal
+GOAL_COLUMNS = ("true_error", "rounding", "estimated_error")  # of a goal
 IDENTITY = {"key": str, "problem": str, "seed": int, "number": int, "status": str, "reason": (str, type(None))}
 MEASURED = {"scene": dict, "moved": NUMBER, "seconds": NUMBER,
             "estimators": MapOf({"refused": str, "index": MapOf(NUMBER_OR_NONE), "end": MapOf(NUMBER_OR_NONE)}),
@@ -56,7 +56,7 @@ SCENES, POINTS = 0, 1  # what chance is for
 
 
 @dataclass(frozen=True)
-class Reach:
+class DrawRanges:
     """Where the numbers of a problem are drawn from; the amplitude is that of its scene, in its unit, and ``work`` are
     particles times steps at most, so that a thousand runs take minutes."""
 
@@ -68,24 +68,24 @@ class Reach:
     work: float = 1e6
 
 
-REACH = {"bar": Reach((16, 128), (1, 6), (1e-4, 0.12)),
-         "ring": Reach((32, 64), (1, 3), (1e-3, 0.15), periods=(0.1, 2.0)),
-         "vortex": Reach((32, 64), (1, 3), (1e-2, 1.0), periods=(0.02, 1.0)),
-         "square": Reach((32, 64), (1, 3), (1e-3, 0.08), periods=(0.1, 1.5))}
+DRAW_RANGES = {"bar": DrawRanges((16, 128), (1, 6), (1e-4, 0.12)),
+               "ring": DrawRanges((32, 64), (1, 3), (1e-3, 0.15), periods=(0.1, 2.0)),
+               "vortex": DrawRanges((32, 64), (1, 3), (1e-2, 1.0), periods=(0.02, 1.0)),
+               "square": DrawRanges((32, 64), (1, 3), (1e-3, 0.08), periods=(0.1, 1.5))}
 #: How likely a choice is that is not as likely as the others of its field.
 SHARES: Mapping[str, Mapping[Any, float]] = {"velocity": {"grid": 0.8}, "linearity_preserving": {False: 0.75},
                                              "body_force": {"material": 0.7}, "layout": {"polar": 0.75}}
 FORCES = {"bar": ("material", "node")}  # with exact solutions; elsewhere only that at material points
 
 
-def reach_of(problem: str) -> Reach:
+def draw_ranges_of(problem: str) -> DrawRanges:
     """Of a problem from outside the square's, with amplitudes up to the hardest of its stability map."""
     amplitudes = PROBLEMS[problem].scene.HARD_AMPLITUDES
-    return REACH.get(problem) or replace(REACH["square"], amplitude=(0.01 * amplitudes[-1], amplitudes[-1]))
+    return DRAW_RANGES.get(problem) or replace(DRAW_RANGES["square"], amplitude=(0.01 * amplitudes[-1], amplitudes[-1]))
 
 
 @dataclass(frozen=True)
-class Draw:
+class RandomRun:
     """Number ``number`` of the ``seed`` for a problem; a task for ``solvers.study.executors``."""
 
     problem: str
@@ -99,16 +99,16 @@ class Draw:
 
     def scene(self) -> Scene:
         """The run on the finest grid, with every estimator."""
-        chance = self._chance(SCENES)
+        chance = self._random_generator(SCENES)
         for _ in range(MOST_TRIES):
-            scene = _drawn(self.problem, chance)
-            if scene is not None and scene.particles * scene.steps <= reach_of(self.problem).work:
+            scene = _draw_scene(self.problem, chance)
+            if scene is not None and scene.particles * scene.steps <= draw_ranges_of(self.problem).work:
                 return scene
         raise AssertionError(f"no scene of the {self.problem} is cheap enough")
 
     def point(self) -> str:
         """The goal at a material point somewhere in the body."""
-        kind, chance = PROBLEMS[self.problem].scene, self._chance(POINTS)
+        kind, chance = PROBLEMS[self.problem].scene, self._random_generator(POINTS)
         if kind.DIMENSIONS == 1:
             return f"{DISPLACEMENT}@{chance.uniform():.6f}"
         plane: Any = kind
@@ -117,7 +117,7 @@ class Draw:
     @property
     def kind(self) -> Hashable:
         """What has to be compiled for it, but for the estimators, which are all that there can be."""
-        return combination(replace(self.scene(), estimators=()))
+        return kernel_key(replace(self.scene(), estimators=()))
 
     def remarks(self) -> list[str]:
         """None: what is drawn is nobody's choice."""
@@ -126,45 +126,46 @@ class Draw:
     def to_dict(self) -> dict:
         return asdict(self)
 
-    def _chance(self, of: int) -> np.random.Generator:
+    def _random_generator(self, of: int) -> np.random.Generator:
         return np.random.default_rng([self.seed, self.number, of, *self.problem.encode()])
 
 
-def coarser(scene: Scene, times: int) -> Scene:
+def coarsen(scene: Scene, times: int) -> Scene:
     """The same run on cells so many times as wide, with steps as many times as long, and no estimator."""
     return replace(scene, cells=scene.cells // times, estimators=(), effects=("truth", "soundness"))
 
 
-def _drawn(problem: str, chance: np.random.Generator) -> Scene | None:
+def _draw_scene(problem: str, chance: np.random.Generator) -> Scene | None:
     """A scene, or None where these choices do not go together, or give no coarser grids."""
-    kind, reach = PROBLEMS[problem].scene, reach_of(problem)
+    kind, reach = PROBLEMS[problem].scene, draw_ranges_of(problem)
     inputs: dict[str, Any] = {
-        "cells": COARSEST * round(_between(chance, *(n / COARSEST for n in reach.cells))),
-        "ppc": int(chance.integers(reach.ppc[0], reach.ppc[1] + 1)), "amplitude": _between(chance, *reach.amplitude),
-        "periods": _between(chance, *reach.periods), "method": _choice(chance, kind.choices("method")),
-        "body_force": _choice(chance, FORCES.get(problem, ("material",)), "body_force"),
-        "velocity": _choice(chance, kind.choices("velocity"), "velocity"),
-        "linearity_preserving": _choice(chance, (False, True), "linearity_preserving"),
+        "cells": COARSEST * round(_draw_between(chance, *(n / COARSEST for n in reach.cells))),
+        "ppc": int(chance.integers(reach.ppc[0], reach.ppc[1] + 1)),
+        "amplitude": _draw_between(chance, *reach.amplitude), "periods": _draw_between(chance, *reach.periods),
+        "method": _draw_choice(chance, kind.choices("method")),
+        "body_force": _draw_choice(chance, FORCES.get(problem, ("material",)), "body_force"),
+        "velocity": _draw_choice(chance, kind.choices("velocity"), "velocity"),
+        "linearity_preserving": _draw_choice(chance, (False, True), "linearity_preserving"),
         "estimators": kind.choices("estimators"), "effects": EFFECTS}
     if layouts := kind.choices("layout") if "layout" in kind.__dataclass_fields__ else ():
-        inputs["layout"] = _choice(chance, layouts, "layout")
-    step = _between(chance, *reach.step)
+        inputs["layout"] = _draw_choice(chance, layouts, "layout")
+    step = _draw_between(chance, *reach.step)
     try:
         scene = kind(**inputs)
         if scene.particles * scene.steps > 10 * reach.work:  # with the usual step: the bound is not worth asking for
             return None
         scene = replace(scene, cfl=step * scene.step_bound * scene.wave_speed / scene.spacing)
-        coarser(scene, COARSEST)
+        coarsen(scene, COARSEST)
     except SceneError:
         return None
     return scene
 
 
-def _between(chance: np.random.Generator, low: float, high: float) -> float:
+def _draw_between(chance: np.random.Generator, low: float, high: float) -> float:
     return math.exp(chance.uniform(math.log(low), math.log(high)))
 
 
-def _choice(chance: np.random.Generator, choices: tuple, field: str = "") -> Any:
+def _draw_choice(chance: np.random.Generator, choices: tuple, field: str = "") -> Any:
     """One of them, by its share."""
     known = {one: share for one, share in SHARES.get(field, {}).items() if one in choices}
     rest = (1 - sum(known.values())) / max(1, len(choices) - len(known))
@@ -172,44 +173,44 @@ def _choice(chance: np.random.Generator, choices: tuple, field: str = "") -> Any
     return choices[int(chance.choice(len(choices), p=np.array(shares) / sum(shares)))]
 
 
-def measure_draw(draw: dict, answer: Callable[[dict], None]) -> None:
+def measure_in_worker(draw: dict, answer: Callable[[dict], None]) -> None:
     """What a worker process does (``solvers.workers``)."""
-    answer(measure(Draw(**draw)))
+    answer(measure(RandomRun(**draw)))
 
 
-def measure(draw: Draw) -> dict:
+def measure(draw: RandomRun) -> dict:
     """The row of a draw, with the keys above; whatever goes wrong is a row too, and never an exception."""
     try:
-        return _measured(draw)
+        return _measure_run(draw)
     except Exception as error:
-        return failed(draw, f"{type(error).__name__}: {error}")
+        return failed_row(draw, f"{type(error).__name__}: {error}")
 
 
-def failed(draw: Draw, reason: str) -> dict:
+def failed_row(draw: RandomRun, reason: str) -> dict:
     """The row of a run that was lost."""
     return {**_identity(draw), "status": FAILED, "reason": " ".join(reason.split())}
 
 
-def _measured(draw: Draw) -> dict:
+def _measure_run(draw: RandomRun) -> dict:
     from solvers.running.run import run  # here: a row can be read, kept and drawn without Taichi
 
     begun, scene = time.perf_counter(), draw.scene()
     goals = {DISPLACEMENT: draw.point(), STRESS: STRESS, ENERGY: ENERGY}
-    result = run(heard(scene), mid_run=False, goals=list(goals.values()))
-    others = [run(coarser(scene, 2**k), mid_run=False, goals=list(goals.values())) for k in range(1, GRIDS)] \
+    result = run(unrefused(scene), mid_run=False, goals=list(goals.values()))
+    others = [run(coarsen(scene, 2**k), mid_run=False, goals=list(goals.values())) for k in range(1, GRIDS)] \
         if result.status == OK else []
     numbers = {kind: [one.goals[name]["value"] for one in (result, *others)] for kind, name in goals.items()}
     return {**_identity(draw), "status": result.status, "reason": result.reason, "scene": scene.to_dict(),
             "moved": scene.motion_amplitude / scene.spacing,
-            "estimators": {name: {"refused": refused(name, scene, result), **_ratios(result, name)}
+            "estimators": {name: {"refused": refusal_kind(name, scene, result), **_ratios(result, name)}
                            for name in scene.estimators},
-            "goals": {kind: {"grids": numbers[kind], **{key: result.goals[name][key] for key in KEPT}}
+            "goals": {kind: {"grids": numbers[kind], **{key: result.goals[name][key] for key in GOAL_COLUMNS}}
                       for kind, name in goals.items()}, "seconds": time.perf_counter() - begun}
 
 
-def refused(name: str, scene: Scene, result: Result) -> str:
-    """How an estimator was refused in the ``result`` of what a scene has become when it is :func:`heard`; "" where it
-    was not."""
+def refusal_kind(name: str, scene: Scene, result: Result) -> str:
+    """How an estimator was refused in the ``result`` of what a scene has become when it is :func:`unrefused`; "" where
+    it was not."""
     if name not in result.scene.active_estimators:
         return IMPOSSIBLE
     return BEFORE if name in scene.not_valid else AFTER if name in result.not_valid else ""
@@ -230,7 +231,7 @@ def _ratios(result: Result, estimator: str) -> dict[str, dict[str, float | None]
 
 
 @functools.cache
-def _hearing(kind: type[Scene]) -> type[Scene]:
+def _unrefused_kind(kind: type[Scene]) -> type[Scene]:
     """A kind of scene whose estimators run although they are refused, if they can; that they are is known to it as
     before."""
     def active(scene: Scene) -> tuple[str, ...]:
@@ -239,10 +240,10 @@ def _hearing(kind: type[Scene]) -> type[Scene]:
     return type(kind.__name__, (kind,), {"active_estimators": property(active)})
 
 
-def heard(scene: Scene) -> Scene:
+def unrefused(scene: Scene) -> Scene:
     """The same scene, whose estimators run although they are refused, if they can."""
-    return _hearing(type(scene))(**{one.name: getattr(scene, one.name) for one in fields(scene)})
+    return _unrefused_kind(type(scene))(**{one.name: getattr(scene, one.name) for one in fields(scene)})
 
 
-def _identity(draw: Draw) -> dict:
+def _identity(draw: RandomRun) -> dict:
     return {"schema": SCHEMA, "key": draw.key, **draw.to_dict(), "solvers": fingerprint()}

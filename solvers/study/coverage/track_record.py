@@ -21,39 +21,39 @@ from typing import Any
 
 from solvers.running.quantities_of_interest import DISPLACEMENT, SAFETY
 from solvers.scene.scene import Scene
-from solvers.study.coverage.coverage_counts import FACTORS, MIDDLE, NORMAL, TWO_GRIDS, regime
-from solvers.study.coverage.random_runs import QUANTITIES, heard, refused
+from solvers.study.coverage.coverage_counts import CENTRAL, FACTORS, NORMAL, TWO_GRIDS, regime
+from solvers.study.coverage.random_runs import QUANTITIES, refusal_kind, unrefused
 
 FOLDER = Path(__file__).parents[3] / "assets" / "coverage"
 FEWEST = 20  # runs: of fewer nothing is said
 GCI, RICHARDSON = "GCI", "two-grid"
 ESTIMATORS = ("companion", "recovered", RICHARDSON, "transport")
 JUDGES = (*ESTIMATORS, GCI)
-LEVEL = MIDDLE
+LEVEL = CENTRAL
 EFFECTS = ("truth", "estimate", "soundness")
 Ends = tuple[float, float]
 
 
 @functools.cache
-def counted(problem: str) -> Mapping[str, Any] | None:
+def load_counts(problem: str) -> Mapping[str, Any] | None:
     """All counts (:func:`~solvers.study.coverage.coverage_counts.tally`); None for a problem of which nobody has
     counted."""
     path = FOLDER / f"{problem}.json"
     return json.loads(path.read_text(encoding="utf-8")) if path.exists() else None
 
 
-def right(scene: Scene, estimator: str, quantity: str = "x") -> tuple[int, int] | None:
+def accurate_runs(scene: Scene, estimator: str, quantity: str = "x") -> tuple[int, int] | None:
     """In how many runs like a scene, by method and by how far particles move, the estimate of a quantity was within a
     factor of 1.1 of the true error, and of how many; None where there were too few."""
-    split = _of(scene, "estimators", estimator)
+    split = _counts_like(scene, "estimators", estimator)
     found = split and split.get(quantity)
     return (found["within"][f"{FACTORS[0]:g}"], found["runs"]) if found and found["runs"] >= FEWEST else None
 
 
-def middle(problem: str, estimator: str, quantity: str) -> tuple[float, float] | None:
+def central_ratios(problem: str, estimator: str, quantity: str) -> tuple[float, float] | None:
     """Between which two ratios of estimated to true error, at the end of a run, 80 of 100 of a problem's runs lay; None
     where there were too few, or a tenth of them read nothing."""
-    known = counted(problem)
+    known = load_counts(problem)
     found = known and known["estimators"].get(estimator, {}).get("all", {}).get(quantity, {}).get("at the end")
     if not found or found["runs"] < FEWEST or not found["middle"][0] > 0:
         return None
@@ -61,17 +61,17 @@ def middle(problem: str, estimator: str, quantity: str) -> tuple[float, float] |
     return low, high
 
 
-def held(scene: Scene, goal: str, estimator: str) -> tuple[int, int] | None:
+def bars_held(scene: Scene, goal: str, estimator: str) -> tuple[int, int] | None:
     """In how many such runs a bar of twice the estimated error around a goal (by its name) held the truth, and of how
     many; None where there were too few."""
-    split = _of(scene, "goals", DISPLACEMENT if goal.startswith(DISPLACEMENT) else goal)
+    split = _counts_like(scene, "goals", DISPLACEMENT if goal.startswith(DISPLACEMENT) else goal)
     found = split and split.get(f"{SAFETY:g} x {estimator}")
     return (found["held"], found["runs"]) if found and found["runs"] >= FEWEST else None
 
 
-def _of(scene: Scene, group: str, name: str) -> Mapping[str, Any] | None:
+def _counts_like(scene: Scene, group: str, name: str) -> Mapping[str, Any] | None:
     """Counts of runs like a scene; remedies and motions that none of the drawn ones had are like none."""
-    known = counted(scene.problem)
+    known = load_counts(scene.problem)
     if known is None or name not in known[group] or scene.remedies or not scene.swings or not scene.solution_known:
         return None
     methods = known[group][name]["method and regime"]
@@ -84,7 +84,7 @@ def bets(scene: Scene) -> dict[str, dict[str, Ends | None]]:
     from solvers.running.run import run  # here: what a judge is called can be known without Taichi
 
     asked = replace(scene, estimators=scene.choices("estimators"), effects=EFFECTS)
-    result = run(heard(asked), mid_run=False, prices=False)
+    result = run(unrefused(asked), mid_run=False, prices=False)
 
     def said(name: str, quantity: str) -> float | None:
         """What an estimator says, refused or not; None where it is no size."""
@@ -94,19 +94,20 @@ def bets(scene: Scene) -> dict[str, dict[str, Ends | None]]:
 
     found: dict[str, dict[str, Ends | None]] = {}
     for q in QUANTITIES:
-        by_record = {name: by_the_record(scene.problem, name, q, said(name, q))
-                     if name in asked.estimators and not refused(name, asked, result) else None for name in ESTIMATORS}
-        found[q] = {**by_record, GCI: by_its_word(said(RICHARDSON, q))}
+        by_record = {name: bet_by_record(scene.problem, name, q, said(name, q))
+                     if name in asked.estimators and not refusal_kind(name, asked,
+                                                                      result) else None for name in ESTIMATORS}
+        found[q] = {**by_record, GCI: bet_by_grid_index(said(RICHARDSON, q))}
     return found
 
 
-def by_the_record(problem: str, estimator: str, quantity: str, said: float | None) -> Ends | None:
+def bet_by_record(problem: str, estimator: str, quantity: str, said: float | None) -> Ends | None:
     """The bet of an estimator that has ``said`` a size; None without one, or without a record."""
-    ratios = middle(problem, estimator, quantity)
+    ratios = central_ratios(problem, estimator, quantity)
     return None if said is None or ratios is None else (said / ratios[1], said / ratios[0])
 
 
-def by_its_word(said: float | None) -> Ends | None:
+def bet_by_grid_index(said: float | None) -> Ends | None:
     """The bet of the index where two grids have ``said`` a size: errors are normal, and it is 1.96 of their deviations.
     """
     if said is None:

@@ -39,13 +39,13 @@ KEYS = {"err_x": "x", "err_v": "v", "err_sigma": "sigma_log", "err_a": "a_nodes"
 
 
 @functools.cache
-def _numbers() -> dict:
+def _printed_numbers() -> dict:
     return json.loads(PRINTED.read_text(encoding="utf-8"))
 
 
 def printed_bar(modulus: float, cells: int) -> dict[str, float]:
     """Table 1: errors, ``grid_crossings`` and the indices ``index_x`` ...; empty for a row that it has not."""
-    for case in _numbers()["table1"]["cases"]:
+    for case in _printed_numbers()["table1"]["cases"]:
         for row in case["rows"]:
             if case["modulus"] == modulus and row["cells"] == cells:
                 return {KEYS.get(key, key): value for key, value in row.items() if key != "cells"}
@@ -64,24 +64,24 @@ def printed_ring_index(method: str, cells: int) -> dict[str, float]:
 
 
 def _ring_row(table: str, cells: int) -> dict:
-    return next((row for row in _numbers()[table]["rows"] if row["cells"] == cells), {})
+    return next((row for row in _printed_numbers()[table]["rows"] if row["cells"] == cells), {})
 
 
-def digits(value: float, count: int) -> str:
+def format_digits(value: float, count: int) -> str:
     """A number with so many significant digits, with an exponent only where it is shorter: 3.49e-6, 0.0581."""
     mantissa, _, exponent = f"{value:.{count - 1}e}".partition("e")
     power = int(exponent)
     return f"{value:.{max(0, count - 1 - power)}f}" if -2 <= power <= 2 else f"{mantissa}e{power}"
 
 
-def short(value: float) -> str:
+def format_round(value: float) -> str:
     """A round number: 0.025, 2.5e-4, 1e7."""
     mantissa, _, exponent = f"{value:.1e}".partition("e")
     return f"{value:g}" if 1e-3 <= value < 1e4 else f"{mantissa.removesuffix('.0')}e{int(exponent)}"
 
 
 @dataclass(frozen=True)
-class Row:
+class TableRow:
     """One row. ``name`` names its file, ``part`` is the heading that it stands under, ``paper`` what is printed."""
 
     name: str
@@ -91,7 +91,7 @@ class Row:
 
 
 @dataclass(frozen=True)
-class Table:
+class PaperTable:
     """A table before anything has run. ``setup`` says in sentences what was taken and what was chosen, ``caption`` the
     numbers that all rows share."""
 
@@ -99,17 +99,17 @@ class Table:
     title: str
     caption: str
     setup: tuple[str, ...]
-    rows: tuple[Row, ...]
+    rows: tuple[TableRow, ...]
 
 
-def make(number: str, estimators: Mapping[str, Iterable[str]]) -> Table:
+def make_table(number: str, estimators: Mapping[str, Iterable[str]]) -> PaperTable:
     """A table of the paper, with the estimators that each problem has."""
-    makers: dict[str, Callable[..., Table]] = {"1": table_1, "2": table_2, "3": table_3}
+    makers: dict[str, Callable[..., PaperTable]] = {"1": table_1, "2": table_2, "3": table_3}
     return makers[number](estimators)
 
 
 def table_1(estimators: Mapping[str, Iterable[str]], cells: Iterable[int] = BAR_CELLS, end: float = 1.0,
-            long: float = 10.0) -> Table:
+            long: float = 10.0) -> PaperTable:
     """The bar: errors, grid crossings and indices."""
     rows = []
     for case, force, n in product(BAR_CASES, BAR_FORCES, cells):
@@ -117,29 +117,30 @@ def table_1(estimators: Mapping[str, Iterable[str]], cells: Iterable[int] = BAR_
         scene = BarScene(method="ugimp", linearity_preserving=True, cells=n, ppc=4, modulus=modulus, dt=2.5e-5,
                          amplitude=amplitude, t_end=end, body_force=force, estimators=tuple(estimators["bar"]))
         crossings = replace(scene, t_end=long, estimators=(), effects=("crossings",))
-        part = f"E = {modulus:g} Pa, A = {short(amplitude)} m, {BAR_FORCES[force]}"
-        rows.append(Row(f"bar-{case}-{force}-{n}", part, {**_errors_and_cost(scene), "crossings": crossings},
-                        printed_bar(modulus, n)))
+        part = f"E = {modulus:g} Pa, A = {format_round(amplitude)} m, {BAR_FORCES[force]}"
+        rows.append(TableRow(f"bar-{case}-{force}-{n}", part, {**_errors_and_cost(scene), "crossings": crossings},
+                             printed_bar(modulus, n)))
     notes = read_parts(NOTES, end=f"{end:g}", long=f"{long:g}")
     setup = tuple(notes[name] for name in ("bar: taken", "bar: chosen", "bar: force", "bar: index", "index", "cost"))
     caption = f"linearity-preserving uGIMP, 4 particles per cell, dt = 2.5e-5 s, T = {end:g} s"
-    return Table("1", "Table 1. Vibrating bar: errors, grid crossings and error indices", caption, setup, tuple(rows))
+    return PaperTable("1", "Table 1. Vibrating bar: errors, grid crossings and error indices", caption, setup,
+                      tuple(rows))
 
 
 def _ring_table(number: str, title: str, names: tuple[str, ...], printed: Callable[[str, int], Mapping[str, float]],
                 estimators: Mapping[str, Iterable[str]], cells: Iterable[int] = RING_CELLS,
-                methods: Iterable[str] = RING_METHODS, end: float = 0.02) -> Table:
+                methods: Iterable[str] = RING_METHODS, end: float = 0.02) -> PaperTable:
     """A table of the ring: ``names`` of its own notes, and what the paper has ``printed`` for a method and cells."""
     rows = []
     for name, method, n in product(RING_SETUPS, methods, cells):
         amplitude, modulus, ppc, what = RING_SETUPS[name]
         scene = RingScene(method=method, cells=n, ppc=ppc, amplitude=amplitude, modulus=modulus, dt=2e-5, t_end=end,
                           estimators=tuple(estimators["ring"]))
-        part = f"A = {amplitude:g} m, E = {short(modulus)} Pa, {ppc} × {ppc} particles per cell ({what})"
-        rows.append(Row(f"ring-{name}-{method}-{n}", part, _errors_and_cost(scene), printed(method, n)))
+        part = f"A = {amplitude:g} m, E = {format_round(modulus)} Pa, {ppc} × {ppc} particles per cell ({what})"
+        rows.append(TableRow(f"ring-{name}-{method}-{n}", part, _errors_and_cost(scene), printed(method, n)))
     notes = read_parts(NOTES, end=f"{end:g}", long="")
     setup = tuple(notes[name] for name in ("ring: taken", "ring: chosen", *names))
-    return Table(number, title, RING_CAPTION.format(end=end), setup, tuple(rows))
+    return PaperTable(number, title, RING_CAPTION.format(end=end), setup, tuple(rows))
 
 
 table_2 = functools.partial(_ring_table, "2", "Table 2. Expanding ring: errors at the end of the run", ("ring: error",),

@@ -11,8 +11,8 @@ from solvers.solver.error_norms import finite
 from solvers.solver.samples import QUANTITIES
 from solvers.study.json_schema import NUMBER, MapOf
 from solvers.study.parameter_grid import Task, task_of
-from solvers.study.row import NORMS, identity, measure
-from solvers.study.tables.paper_tables import Row, Table
+from solvers.study.row import NORMS, identity_columns, measure
+from solvers.study.tables.paper_tables import PaperTable, TableRow
 
 SCHEMA, RUN_SCHEMA = "mpm-lab/tables/1", "mpm-lab/tables-run/1"
 PAPERS_ESTIMATOR = "transport"
@@ -25,7 +25,7 @@ MEASURED = {"result": {"scene": dict, "t": NUMBER, "particles": int, "error": NO
 Results = Mapping[str, dict]  # the object of ``mpm-lab run --json`` for each run of a row
 
 
-def runs(tables: Iterable[Table]) -> list[Task]:
+def all_runs(tables: Iterable[PaperTable]) -> list[Task]:
     """Every run of the tables once: first those that are only computed, the longest first, so that no processor waits
     for another at the end; then those that are timed, with ``repeats``."""
     scenes = [(name in TIMED, scene) for table in tables for row in table.rows for name, scene in row.scenes.items()]
@@ -34,7 +34,7 @@ def runs(tables: Iterable[Table]) -> list[Task]:
     return list(found.values())
 
 
-def measure_run(task: dict, answer: Callable[[dict], None]) -> None:
+def measure_in_worker(task: dict, answer: Callable[[dict], None]) -> None:
     """What a worker process does: one run. Prices of estimators are measured where it is timed."""
     answer(measure(Task(**task), _result))
 
@@ -43,27 +43,27 @@ def _result(task: Task, scene: Scene) -> dict:
     from solvers.running.run import run  # here: a row can be read, kept and drawn without Taichi
 
     result = run(scene, prices=task.repeats > 0, mid_run=False).to_dict()
-    return {**identity(task), "schema": RUN_SCHEMA, "status": result["status"], "reason": result["reason"],
+    return {**identity_columns(task), "schema": RUN_SCHEMA, "status": result["status"], "reason": result["reason"],
             "result": result}
 
 
-def results_of(table: Table, rows: Iterable[dict]) -> dict[str, Results]:
+def results_of(table: PaperTable, rows: Iterable[dict]) -> dict[str, Results]:
     """The results of each row of a table under its name, out of the runs that were measured."""
     found = {row["key"]: row["result"] for row in rows if "result" in row}
     return {row.name: {name: found[task_of(scene).key] for name, scene in row.scenes.items()} for row in table.rows}
 
 
-def document(table: Table, results: Mapping[str, Results]) -> dict:
+def table_dict(table: PaperTable, results: Mapping[str, Results]) -> dict:
     """The object of a table; ``results`` holds each row's under its name."""
     names = dict.fromkeys(name for row in table.rows for name in row.scenes["errors"].estimators)
     seconds = [result["seconds"] for row in table.rows for result in results[row.name].values()]
     return {"schema": SCHEMA, "table": table.number, "title": table.title, "caption": table.caption,
             "setup": list(table.setup), "estimators": list(names),
-            "rows": [_row(table.number, row, results[row.name]) for row in table.rows],
+            "rows": [_row_to_dict(table.number, row, results[row.name]) for row in table.rows],
             "seconds": {part: sum(each[part] for each in seconds) for part in ("setup", "compile", "run")}}
 
 
-def parts(table: dict) -> dict[str, list[dict]]:
+def rows_by_part(table: dict) -> dict[str, list[dict]]:
     """The rows of a table's object under each heading, in order."""
     found: dict[str, list[dict]] = {}
     for row in table["rows"]:
@@ -71,9 +71,9 @@ def parts(table: dict) -> dict[str, list[dict]]:
     return found
 
 
-def _row(number: str, row: Row, results: Results) -> dict:
+def _row_to_dict(number: str, row: TableRow, results: Results) -> dict:
     run = results["errors"]
-    ours = _ours(number, results)
+    ours = _computed_values(number, results)
     paper = {key: row.paper.get(key) for key in ours}
     inputs = run["scene"] | ({"t_end_crossings": results["crossings"]["t"]} if "crossings" in results else {})
     gone_bad = next((result["reason"] for result in results.values() if result["status"] != "ok"), None)
@@ -83,13 +83,13 @@ def _row(number: str, row: Row, results: Results) -> dict:
             "estimators": {name: _estimator(name, results) for name in run["scene"]["estimator"]}}
 
 
-def _ours(number: str, results: Results) -> dict:
+def _computed_values(number: str, results: Results) -> dict:
     """Of a row of Table 1 the largest errors, crossings to the end of the long run and of the short one, and indices of
     the paper's estimator; of Table 2 the errors at the end; of Table 3 that index of x."""
     run = results["errors"]
     if number == "2":
         return {q: run["error"][q]["final"] for q in ("x", "v", "a_nodes")}
-    indices = {f"index_{q}": _of(run, "index", PAPERS_ESTIMATOR, q) for q in ("x", "v", "sigma")}
+    indices = {f"index_{q}": _estimator_value(run, "index", PAPERS_ESTIMATOR, q) for q in ("x", "v", "sigma")}
     if number == "3":
         return {"index_x": indices["index_x"]}
     return {**{q: run["error"][q]["max"] for q in ("x", "v", "sigma_log")},
@@ -101,12 +101,12 @@ def _estimator(name: str, results: Results) -> dict:
     run, cost = results["errors"], results["cost"]
     seconds = cost["seconds"]["estimators"].get(name)
     reason = run["not_valid"].get(name) or cost["not_valid"].get(name)
-    return {"index": {q: _of(run, "index", name, q) for q in QUANTITIES},
-            "distance": {q: _of(run, "distance", name, q) for q in QUANTITIES},
+    return {"index": {q: _estimator_value(run, "index", name, q) for q in QUANTITIES},
+            "distance": {q: _estimator_value(run, "distance", name, q) for q in QUANTITIES},
             "cost": None if seconds is None or reason else _ratio(seconds, cost["seconds"]["run"]), "not_valid": reason}
 
 
-def _of(run: dict, kind: str, name: str, quantity: str) -> float | None:
+def _estimator_value(run: dict, kind: str, name: str, quantity: str) -> float | None:
     """One estimator's index or distance; a run with a single estimator does not key them by its name."""
     names = run["scene"]["estimator"]
     if name not in names or name in run["not_valid"]:

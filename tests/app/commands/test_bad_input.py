@@ -7,7 +7,7 @@ import pytest
 
 from app.cli import main
 from app.commands import commands
-from tests.support.processes import python
+from tests.support.processes import run_python
 
 LONG = "a" * 300
 #: A command line, and what is said of it: how that begins and, after an ellipsis, what follows. Lines are typed
@@ -206,5 +206,5 @@ def test_help_and_bad_input_load_nothing_heavy(tmp_path):
     code = (f"import sys\nfrom app.cli import main\nfor arguments in {lines}:\n    main(arguments)\n"
             f"    heavy = [name for name in {HEAVY} if name in sys.modules]\n"
             "    if heavy: sys.exit(f'{arguments}: {heavy}')\n")
-    done = python("-c", code, cwd=tmp_path)
+    done = run_python("-c", code, cwd=tmp_path)
     assert done.returncode == 0, done.stderr[-2000:]

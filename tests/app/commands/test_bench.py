@@ -14,14 +14,14 @@ import pytest
 from app.cli import main
 from app.commands.bench.command import bench_table
 from solvers.bench import bench, benchmarks, cpp_reference, start_up
-from solvers.bench.benchmarks import QUICK, bare, priced
+from solvers.bench.benchmarks import QUICK, bare_scene, optional_inputs
 from solvers.kernels import runtime
 from solvers.problems import PROBLEMS
 from solvers.problems.bar.scene import BarScene
 from solvers.problems.ring import RingScene
 from solvers.running import timing
 from solvers.running.run import build
-from solvers.running.timing import Stretch, rate, take_turns
+from solvers.running.timing import TimedSteps, particle_step_rate, time_interleaved
 from solvers.workers.worker_process import ProcessDied, ask_fresh
 
 #: What an effect that is off may cost in a quick run beside other work; the bench itself, at rest, shows 0 to 3 %.
@@ -45,12 +45,12 @@ def printed(monkeypatch, capsys) -> dict:
     monkeypatch.setattr(bench, "start_times", lambda command, problems: {
         "command": 0.4, "import": 1.0, "taichi": 0.3, "failed": None,
         "cold": dict.fromkeys(problems, 2.0), "warm": dict.fromkeys(problems, 0.5)})
-    monkeypatch.setattr(bench, "gpu", lambda quick: {"missing": "no GPU was found"})
-    monkeypatch.setattr(bench, "ratios", lambda problem, quick: {"problem": problem, "missing": None, "cases": [CASE]})
+    monkeypatch.setattr(bench, "measure_gpu", lambda quick: {"missing": "no GPU was found"})
+    monkeypatch.setattr(bench, "measure_ratios", lambda problem, quick: {"problem": problem, "missing": None, "cases": [CASE]})
     monkeypatch.setattr(benchmarks, "build", lambda scene: scene)
-    monkeypatch.setattr(benchmarks, "rate", lambda scene, turns: 100.0)
-    monkeypatch.setattr(benchmarks, "ratios", lambda pairs, turns: dict.fromkeys(pairs, 1.0))
-    monkeypatch.setattr(benchmarks, "off", lambda problem, effort: {
+    monkeypatch.setattr(benchmarks, "particle_step_rate", lambda scene, turns: 100.0)
+    monkeypatch.setattr(benchmarks, "time_ratios", lambda pairs, turns: dict.fromkeys(pairs, 1.0))
+    monkeypatch.setattr(benchmarks, "measure_options_overhead", lambda problem, effort: {
         "problem": problem, "method": "ugimp", "cells": 40, "ratio": 1.01, "low": 1.0, "high": 1.02, "same": 1.0,
         "call": 1e-4, "call_stripped": 1e-4})
     return object_of(capsys)
@@ -73,7 +73,8 @@ def test_every_problem_method_and_size_has_a_rate_and_all_that_is_optional_a_pri
     assert set(estimators) == {(problem, name) for problem in PROBLEMS for name in PROBLEMS[problem].estimators}
     assert all(row["not_valid"] or row["ratio"] == 1 for row in estimators.values())
     effects = {(row["problem"], row["name"]): row["ratio"] for row in printed["effects"]}
-    assert set(effects) == {(problem, name) for problem in PROBLEMS for name in priced(PROBLEMS[problem].scene)}
+    assert set(effects) == {(problem,
+                             name) for problem in PROBLEMS for name in optional_inputs(PROBLEMS[problem].scene)}
     assert set(effects.values()) == {1.0}
     assert [row["problem"] for row in printed["off"]] == list(PROBLEMS)
 
@@ -81,12 +82,12 @@ def test_every_problem_method_and_size_has_a_rate_and_all_that_is_optional_a_pri
 def test_a_ratio_is_the_median_over_turns_and_each_scene_is_measured_once(monkeypatch):
     runtime.start()
     measured = []
-    monkeypatch.setattr(timing, "Stretch", lambda solver: solver.scene)
-    monkeypatch.setattr(timing, "take_turns", lambda scenes, turns: measured.append((scenes, turns)) or np.array(
+    monkeypatch.setattr(timing, "TimedSteps", lambda solver: solver.scene)
+    monkeypatch.setattr(timing, "time_interleaved", lambda scenes, turns: measured.append((scenes, turns)) or np.array(
         [[2.0, 1.0], [6.0, 2.0], [5.0, 1.0]]))
     one, other = BarScene(cells=8), BarScene(cells=16)
-    assert timing.ratios({"dear": (one, other), "same": (other, other)}, 3) == {"dear": 3.0, "same": 1.0}
-    assert measured == [([one, other], 3)] and timing.ratios({}, 3) == {}
+    assert timing.time_ratios({"dear": (one, other), "same": (other, other)}, 3) == {"dear": 3.0, "same": 1.0}
+    assert measured == [([one, other], 3)] and timing.time_ratios({}, 3) == {}
 
 
 def test_table_has_every_part(printed):
@@ -127,10 +128,10 @@ def test_what_is_measured_makes_sense(monkeypatch, capsys):
 
 
 @pytest.fixture(scope="module")
-def bar(tmp_path_factory) -> cpp_reference.Program:
+def bar(tmp_path_factory) -> cpp_reference.CppProgram:
     try:
-        return cpp_reference.Program("bar", tmp_path_factory.mktemp("limit"))
-    except cpp_reference.NoLimit as why:
+        return cpp_reference.CppProgram("bar", tmp_path_factory.mktemp("limit"))
+    except cpp_reference.CppMissing as why:
         return (pytest.fail if os.environ.get("CI") else pytest.skip)(f"{why}: with one this test runs")
 
 
@@ -144,9 +145,10 @@ def test_our_rate_over_the_limits(bar, monkeypatch):
     """One method, one turn, and C++ that is compiled."""
     monkeypatch.setattr(cpp_reference, "QUICK_TURNS", 1)
     monkeypatch.setattr(cpp_reference, "SECONDS", 0.01)
-    monkeypatch.setattr(cpp_reference, "cases", lambda problem: [cpp_reference.Case("ugimp", 16, (16, 2000))])
-    monkeypatch.setattr(cpp_reference, "Program", lambda problem, folder: bar)
-    found = cpp_reference.ratios("bar", quick=True)
+    monkeypatch.setattr(cpp_reference, "comparison_cases",
+                        lambda problem: [cpp_reference.Case("ugimp", 16, (16, 2000))])
+    monkeypatch.setattr(cpp_reference, "CppProgram", lambda problem, folder: bar)
+    found = cpp_reference.measure_ratios("bar", quick=True)
     [case] = found["cases"]
     assert found["missing"] is None and case["seconds"] > 0
     assert case["low"] == case["ratio"] == case["high"] == pytest.approx(case["rate"] / case["limit"])
@@ -154,23 +156,23 @@ def test_our_rate_over_the_limits(bar, monkeypatch):
 
 def test_what_is_missing_or_fails_is_said(monkeypatch):
     monkeypatch.setenv("CXX", "no-such-compiler")
-    found = cpp_reference.ratios("bar", quick=True)
+    found = cpp_reference.measure_ratios("bar", quick=True)
     assert found["cases"] == [] and "no C++ compiler (no-such-compiler)" in found["missing"]
 
 
 def test_a_process_that_fails_or_hangs_is_one_line(monkeypatch):
     with pytest.raises(ProcessDied, match="status 3"):
-        start_up.seconds([sys.executable, "-c", "raise SystemExit(3)"])
+        start_up.time_command([sys.executable, "-c", "raise SystemExit(3)"])
     monkeypatch.setattr(start_up, "PATIENCE", 0.2)
     with pytest.raises(ProcessDied, match="timed out"):
-        start_up.seconds([sys.executable, "-c", "import time; time.sleep(60)"])
+        start_up.time_command([sys.executable, "-c", "import time; time.sleep(60)"])
     with pytest.raises(ProcessDied, match="no answer within"):
-        ask_fresh("solvers.bench.start_up:measure", patience=0.2)
+        ask_fresh("solvers.bench.start_up:measure_in_worker", patience=0.2)
 
 
 @pytest.mark.parametrize("problem", PROBLEMS)
 def test_the_stripped_step_is_the_solvers_own_and_bare_scenes_hold_nothing_optional(problem):
-    scene = bare(problem, 16)
+    scene = bare_scene(problem, 16)
     assert scene.method == PROBLEMS[problem].scene.method
     assert not any(scene.has(effect) for effect in ("truth", "estimate", "crossings", "energy", "acceleration"))
     solvers = [kind(scene) for kind in (PROBLEMS[problem].solver, PROBLEMS[problem].baseline)]
@@ -183,14 +185,14 @@ def test_the_stripped_step_is_the_solvers_own_and_bare_scenes_hold_nothing_optio
 
 
 def test_a_stretch_is_whole_rounds_and_leaves_the_state_as_it_was():
-    scene = replace(bare("bar", 8), effects=("estimate",), estimators=("companion",))
-    stretch = Stretch(build(scene), 1e-3)
+    scene = replace(bare_scene("bar", 8), effects=("estimate",), estimators=("companion",))
+    stretch = TimedSteps(build(scene), 1e-3)
     assert stretch.steps % scene.sample_interval == 0 and stretch.steps % scene.estimate_interval == 0
     stretch.time()
     once = stretch.solver.snapshot().position
     stretch.time()
     assert np.array_equal(once, stretch.solver.snapshot().position)
-    assert take_turns([stretch, stretch], 3).shape == (3, 2)
+    assert time_interleaved([stretch, stretch], 3).shape == (3, 2)
 
 
 def test_what_is_compared_takes_the_same_steps():
@@ -199,12 +201,12 @@ def test_what_is_compared_takes_the_same_steps():
     scene = RingScene(cells=24, method="ugimp", dt=2e-5, estimators=("companion",))
     solver = build(scene)
     solver.advance(scene.margin_interval + 1)
-    stretch = Stretch(solver, 1e-3)
-    bare = Stretch(solver.without_estimators(), steps=stretch.steps)
+    stretch = TimedSteps(solver, 1e-3)
+    bare = TimedSteps(solver.without_estimators(), steps=stretch.steps)
     assert solver.step == bare.solver.step == scene.margin_interval + 1
     assert bare.steps == stretch.steps and stretch.steps % scene.margin_interval == 0
     assert stretch.steps % bare.solver.scene.margin_interval == 0
 
 
 def test_a_run_that_goes_bad_has_no_rate():
-    assert math.isnan(rate(build(BarScene(cells=8, cfl=1.5, effects=(), estimators=())), 2))
+    assert math.isnan(particle_step_rate(build(BarScene(cells=8, cfl=1.5, effects=(), estimators=())), 2))

@@ -6,7 +6,7 @@ import pytest
 
 from app.cli import main
 from solvers.scene.error_causes import CAUSES, FIELDS
-from solvers.study.summary import csv_text, summary
+from solvers.study.summary import csv_text, summarise_study
 
 QUICK = ("bar", "--cells", "8", "--ppc", "2", "--periods", "0.3", "--estimator", "none", "--quiet")
 PLANE = ("ring", "--cells", "8", "--ppc", "1", "--periods", "0.05", "--method", "ugimp", "--quiet")
@@ -46,7 +46,7 @@ def test_rows_and_their_summary_have_the_shares():
            "h": 0.125, "index": {}, "error": {}, "seconds": {"min": 1.0}, "rate": 1.0,
            "budget": {field: shares for field in FIELDS} | {"reference": "exact"}}
     assert "budget.v.crossings" in csv_text([row]).splitlines()[0].split(",")
-    assert "crossings: share of v" in summary("bar", [row]) and "0.250" in summary("bar", [row])
-    assert "share of" not in summary("bar", [{**row, "budget": None}])
-    silent = summary("bar", [{**row, "budget": {**row["budget"], "not_valid": "not valid here: they cancel"}}])
+    assert "crossings: share of v" in summarise_study("bar", [row]) and "0.250" in summarise_study("bar", [row])
+    assert "share of" not in summarise_study("bar", [{**row, "budget": None}])
+    silent = summarise_study("bar", [{**row, "budget": {**row["budget"], "not_valid": "not valid here: they cancel"}}])
     assert "crossings: share of v" in silent and "0.250" not in silent

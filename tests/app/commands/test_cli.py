@@ -18,7 +18,7 @@ from solvers.problems import PROBLEMS
 from solvers.problems.bar.scene import BarScene
 from solvers.problems.ring import RingScene
 from solvers.scene.effects import EFFECTS
-from tests.support.processes import python
+from tests.support.processes import run_python
 
 RunBar, RunRing = commands()["run", "bar"], commands()["run", "ring"]
 QUICK = ["run", "bar", "--cells", "8", "--ppc", "2", "--periods", "0.2"]
@@ -26,7 +26,7 @@ WIDE = ["run", "ring", "--cells", "12", "--periods", "0.1"]
 
 
 #: Runs ``python -m app`` as a person would.
-command = partial(python, "-m", "app")
+command = partial(run_python, "-m", "app")
 
 
 def test_standard_output_has_the_object_or_the_table_and_nothing_else():
@@ -40,7 +40,7 @@ def test_standard_output_has_the_object_or_the_table_and_nothing_else():
 
 
 def test_an_extension_that_is_not_there_is_one_line():
-    done = command(*QUICK, MPM_LAB_EXTENSIONS="tests.support.rows,no_such_module")
+    done = command(*QUICK, MPM_LAB_EXTENSIONS="tests.support.fake_rows,no_such_module")
     assert (done.returncode, done.stdout, done.stderr.count("\n")) == (2, "", 1)
     assert "MPM_LAB_EXTENSIONS names no_such_module, which cannot be imported" in done.stderr
     assert "name its folder in PYTHONPATH" in done.stderr

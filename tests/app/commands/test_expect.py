@@ -6,7 +6,7 @@ import pytest
 from app.cli import main
 from app.commands.judge.command import EXPECTABLE
 from solvers import BarScene
-from solvers.judging.problem_handout import exact
+from solvers.judging.problem_handout import exact_frame
 from tests.support.altered import as_files
 
 
@@ -17,7 +17,7 @@ def files(tmp_path_factory):
     paths = [str(folder / f"{cells}.npz") for cells in (10, 20)]
     for path, cells in zip(paths, (10, 20), strict=True):
         scene = BarScene(cells=cells, amplitude=0.001)
-        start = as_files(scene, [exact(scene, part * scene.period) for part in (0.1, 0.2, 0.3, 0.4, 0.5)])
+        start = as_files(scene, [exact_frame(scene, part * scene.period) for part in (0.1, 0.2, 0.3, 0.4, 0.5)])
         shape = 1 + 2 * scene.spacing**2
         np.savez(path, **start | {"x": start["X"] + (start["x"] - start["X"]) * shape, "v": start["v"] * shape})
     return paths

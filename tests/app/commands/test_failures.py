@@ -16,7 +16,7 @@ from app.commands import commands, dispatch
 from app.commands.output import NotWritten, Target, print_message, showing_places
 from app.commands.run import command as run_command
 from tests.support.paths import ROOT
-from tests.support.processes import HANG, children, ended, has_library, until
+from tests.support.processes import HANG, children, has_ended, has_library, wait_until
 
 TEXT = (ROOT / "assets" / "command-line.md").read_text(encoding="utf-8")
 FULL = "/dev/full"
@@ -146,12 +146,12 @@ def test_an_interrupt_is_one_line_and_leaves_nothing_running(line, tmp_path):
         except (FileNotFoundError, ProcessLookupError):  # it ended meanwhile
             return False
 
-    until(at_work, "Taichi loaded")
+    wait_until(at_work, "Taichi loaded")
     started = family(process.pid)
     process.send_signal(signal.SIGINT)
     out, said = process.communicate(timeout=HANG)
     assert (process.returncode, out) == (INTERRUPTED, "")
     assert said.splitlines()[-1] == "mpm-lab: interrupted" and "Traceback" not in said
-    until(lambda: all(map(ended, started)), "every process ended")
+    wait_until(lambda: all(map(has_ended, started)), "every process ended")
     left = {path.name for path in tmp_path.rglob("*") if path.is_file() and path not in before}
     assert left <= {"rows.jsonl"} | {name for name in left if "tables" in line}

@@ -9,8 +9,8 @@ import pytest
 
 from app.cli import main
 from solvers.estimators.standalone import solve
-from solvers.judging.particle_readers import read
-from solvers.judging.problem_handout import companion, exact
+from solvers.judging.particle_readers import read_file
+from solvers.judging.problem_handout import companion_frames, exact_frame
 from solvers.problems import PROBLEMS
 from solvers.problems.bar.scene import BarScene
 from solvers.problems.ring import RingScene
@@ -32,7 +32,8 @@ def test_particles_are_those_that_our_runs_begin_with(folder):
     """That runs begin with them is in tests/solvers/problems/test_exact.py; here what both files say."""
     problem, path = folder
     scene = PROBLEMS[problem].scene(cells=12)
-    raw, one, vtu = read(str(path / "particles.csv")), exact(scene, 0.0), read(str(path / "particles.vtu"))
+    raw, one, vtu = read_file(str(path / "particles.csv")), exact_frame(scene,
+                                                                        0.0), read_file(str(path / "particles.vtu"))
     assert (raw.columns["id"] == np.arange(len(one.position))).all() and raw.cells == 12 and raw.time == vtu.time == 0
     assert (raw.columns["X"] == PROBLEMS[problem].reference.start(scene).material_position).all()
     assert (raw.columns["v"] == one.velocity).all() and (raw.columns["x"] == one.position).all()
@@ -67,7 +68,7 @@ def test_the_table_of_the_force_is_the_problems(folder):
 def test_the_exact_file_has_the_times_in_order_and_the_law(folder):
     problem, path = folder
     scene = PROBLEMS[problem].scene(cells=12)
-    raw = read(str(path / "exact.csv"))
+    raw = read_file(str(path / "exact.csv"))
     assert sorted(set(raw.columns["t"])) == [0.001, 0.003]
     stress = PROBLEMS[problem].reference.stress(scene, raw.columns["F"])
     assert np.abs(stress - raw.columns["sigma"]).max() < 1e-12 * scene.modulus
@@ -79,7 +80,7 @@ def test_the_page_names_the_numbers_and_every_file(folder):
     page, numbers = (path / "problem.md").read_text(), json.loads((path / "problem.json").read_text())
     assert all(name in page for name in FILES - {"problem.md"})
     assert f"mpm-lab judge {problem}" in page and numbers["problem"] == problem
-    assert numbers["particles"] == len(read(str(path / "particles.csv")).columns["id"])
+    assert numbers["particles"] == len(read_file(str(path / "particles.csv")).columns["id"])
 
 
 @pytest.mark.parametrize("scene", [
@@ -91,7 +92,7 @@ def test_the_companion_alone_is_the_one_beside_our_particles(scene):
     solver = build(replace(scene, estimators=("companion",)))
     solver.advance(round(0.4 * scene.period / scene.time_step))
     shot = solver.snapshot()
-    frame = companion(scene, [solver.time])[0]
+    frame = companion_frames(scene, [solver.time])[0]
     error = np.linalg.norm(shot.position.reshape(frame.position.shape) - frame.position, axis=1)
     assert np.abs(error - np.abs(shot.estimate["companion"][:, 0])).max() < 1e-4 * scene.size_of("x")
 

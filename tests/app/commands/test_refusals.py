@@ -23,8 +23,8 @@ from app.lessons.markdown_html import RenderError, to_html
 from app.page.visit.status_message import Notice
 from solvers.problems import PROBLEMS
 from solvers.scene.validation import SceneError
-from solvers.study.row_store import NAME, Store, StoreError
-from solvers.study.summary import csv_text, summary
+from solvers.study.row_store import NAME, RowStore, StoreError
+from solvers.study.summary import csv_text, summarise_study
 
 EVIL = "\x1b]0;owned\x07\x1b[31m\u202e\u2066evil\x9b2J"
 TEXTS = [EVIL, EVIL * 300, "9" * 10_000, "=cmd|' /C calc'!A0\t" + EVIL, "<img src=x>![](http://evil.example)`" + EVIL]
@@ -167,8 +167,8 @@ def test_tables_hold_no_formula_and_nothing_that_does_not_show(text):
     for table in (grading.grades_csv([found]), csv_text([row])):
         cells = [cell for line in csv.reader(io.StringIO(table)) for cell in line]
         assert all(cell.isprintable() and not cell.startswith(tuple("=+-@\t\r")) for cell in cells)
-    assert "\n* " in summary("bar", [row]) and "<img" not in to_html(summary("bar", [row]))
-    assert all(line.isprintable() for line in summary("bar", [row]).split("\n"))
+    assert "\n* " in summarise_study("bar", [row]) and "<img" not in to_html(summarise_study("bar", [row]))
+    assert all(line.isprintable() for line in summarise_study("bar", [row]).split("\n"))
 
 
 @pytest.mark.parametrize("text", TEXTS, ids=range(len(TEXTS)))
@@ -176,5 +176,5 @@ def test_rows_of_a_sweep_that_is_resumed(text, tmp_path):
     for content in (text, json.dumps({"schema": text}), json.dumps({text: text, "problem": text}), "x" * 1_100_000):
         (tmp_path / NAME).write_text(content + "\n", encoding="utf-8")
         with pytest.raises(StoreError) as refusal:
-            Store(tmp_path, "bar", resume=True)
+            RowStore(tmp_path, "bar", resume=True)
         harmless(str(refusal.value))

@@ -11,7 +11,7 @@ from app.cli import main
 from app.commands import commands
 from app.pictures.study import FIGURES
 from solvers.study.row import fingerprint
-from tests.support.rows import Instant
+from tests.support.fake_rows import InstantExecutor
 
 SweepBar = commands()["sweep", "bar"]
 SMOOTH = ["--cells", "20", "40", "--method", "ugimp", "bspline", "--amplitude", "2.5e-4", "--periods", "1",
@@ -45,7 +45,7 @@ def test_resumed_it_is_the_same_table_and_runs_what_is_missing(left, whole, tmp_
     lines = (whole / "rows.jsonl").read_bytes().splitlines(keepends=True)
     measured = {row["key"]: row for row in map(json.loads, lines)}
     (tmp_path / "rows.jsonl").write_bytes(b"".join(lines[:left]) + b'{"schema": "mpm' * (left < 4))
-    place = Instant(lambda task: measured[task.key])
+    place = InstantExecutor(lambda task: measured[task.key])
     monkeypatch.setattr("solvers.study.executors.LocalExecutor", place)
     assert main(["sweep", "bar", *SMOOTH, "--out", str(tmp_path), "--resume"]) == 0
     said = capsys.readouterr()
@@ -56,7 +56,7 @@ def test_resumed_it_is_the_same_table_and_runs_what_is_missing(left, whole, tmp_
 
 
 def test_rows_of_other_source_are_measured_again_and_said(tmp_path, monkeypatch, capsys):
-    place = Instant()
+    place = InstantExecutor()
     monkeypatch.setattr("solvers.study.executors.LocalExecutor", place)
     monkeypatch.setattr("app.pictures.study.FIGURES", {})
     flags = ["sweep", "bar", "--cells", "20", "40", "--out", str(tmp_path)]
@@ -72,7 +72,7 @@ def test_rows_of_other_source_are_measured_again_and_said(tmp_path, monkeypatch,
 
 
 def test_refused_combinations_are_rows(tmp_path, monkeypatch, capsys):
-    monkeypatch.setattr("solvers.study.executors.LocalExecutor", Instant())
+    monkeypatch.setattr("solvers.study.executors.LocalExecutor", InstantExecutor())
     assert main(["sweep", "bar", "--method", "ugimp", "cpgimp", "--velocity", "corners", "--out", str(tmp_path)]) == 0
     rows = rows_of(tmp_path)
     assert [r["status"] for r in rows] == ["refused", "ok"] and "cpgimp" in rows[0]["reason"]

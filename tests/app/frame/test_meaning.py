@@ -14,7 +14,7 @@ from app.problems.views import VIEWS
 from solvers.problems import PROBLEMS
 from solvers.running.run import build
 from tests.app.page.test_recent import engine_frame
-from tests.support.drawn import Sheet
+from tests.support.recording_scene import RecordingSurface
 
 TRUE, ESTIMATED = (255, 0, 0), (0, 0, 255)
 
@@ -29,7 +29,7 @@ class TwoColours(ColourScale):
 def drawn(problem: str, quantity_known: tuple[bool, bool] = (True, True)):
     """The dots of a problem's body where every estimate is 0 and every true error 1, and the stage."""
     scene = PROBLEMS[problem].scene(cells=12, periods=1)
-    arrays, stage = engine_frame(build(scene)), VIEWS[problem].stage(Sheet(), TwoColours())
+    arrays, stage = engine_frame(build(scene)), VIEWS[problem].stage(RecordingSurface(), TwoColours())
     sizes = [np.full(len(arrays.position), value) if known else None
              for value, known in zip((0.0, 1.0), quantity_known, strict=True)]
     stage.draw(scene, arrays, *sizes, 0.0, 1.0)
@@ -62,7 +62,7 @@ def test_each_error_is_shown_where_its_name_stands(problem):
 def test_a_rectangle_on_any_quarter_of_the_ring_holds_the_particles_that_are_drawn_there():
     """A particle has four images: a small rectangle about any of them holds it, and so does the quarter's."""
     scene = PROBLEMS["ring"].scene(cells=12, periods=1)
-    arrays, stage = engine_frame(build(scene)), VIEWS["ring"].stage(Sheet(), TwoColours())
+    arrays, stage = engine_frame(build(scene)), VIEWS["ring"].stage(RecordingSurface(), TwoColours())
     sizes = np.zeros(len(arrays.position))
     stage.draw(scene, arrays, sizes, sizes, 0.0, 1.0)
     middle, far = np.array(stage._places.middle), np.array([10.0, 10.0])

@@ -18,7 +18,7 @@ from solvers.problems.ring import RingScene
 from solvers.problems.vortex import VortexScene
 from solvers.running.run import build
 from tests.solvers.engine.test_stepper import one_session
-from tests.support.drawn import Scene
+from tests.support.recording_scene import RecordingScene
 
 GUI = SimpleNamespace(add_html=lambda content: SimpleNamespace())
 ROUND_OFF = 1e-12  # of sums of a few dozen terms of the size that the comparison is relative to
@@ -112,9 +112,9 @@ def test_an_engine_sends_what_a_wish_asks_for():
 
         def after(**changes):
             ask(**changes)
-            return session.frame()
+            return session.write_frame()
 
-        assert session.frame().breakdown is None
+        assert session.write_frame().breakdown is None
         report = after(pace={"single_steps": 3})
         assert report.step == report.breakdown.step == 3 and report.breakdown.particle == 4
         assert after(frame={"plotted": "v"}).breakdown is report.breakdown
@@ -126,8 +126,8 @@ def test_an_engine_sends_what_a_wish_asks_for():
             assert not isinstance(values, np.ndarray) or np.array_equal(vars(back.breakdown)[name], values), name
         assert after(frame={"broken_down": None}).breakdown is None
         ask({"playing": True}, {"broken_down": 4})
-        session.turn()
-        assert session.frame().breakdown is None
+        session.advance_slice()
+        assert session.write_frame().breakdown is None
         assert after(pace={"restarts": 1, "playing": False}).breakdown is None
 
 
@@ -165,7 +165,7 @@ def test_the_drawn_shape_function_is_that_of_the_solver():
 def test_words_stay_on_a_small_stage(name):
     """A narrower window has shorter lines; words that were there are broken anew when the window changes."""
     lettering = Lettering(GUI)
-    stage = VIEWS[SCENES[name].problem].slow(ViewerSurface(SimpleNamespace(scene=Scene()), lettering, "/slow"))
+    stage = VIEWS[SCENES[name].problem].slow(ViewerSurface(SimpleNamespace(scene=RecordingScene()), lettering, "/slow"))
     solver = build(SCENES[name])
     solver.advance(40)
     _, breakdown = solver.break_down(7)
@@ -183,7 +183,7 @@ def test_words_stay_on_a_small_stage(name):
 @pytest.mark.parametrize("name", ["bar ugimp", "ring cpdi", "vortex cpdi"])
 def test_numbers_lie_neither_over_the_particle_in_front_nor_over_each_other(name):
     scene = replace(SCENES[name], cells=16 if name == "vortex cpdi" else 12)
-    drawn, lettering = Scene(), Lettering(GUI)
+    drawn, lettering = RecordingScene(), Lettering(GUI)
     stage = VIEWS[scene.problem].slow(ViewerSurface(SimpleNamespace(scene=drawn), lettering, "/slow"))
     solver = build(scene)
     solver.advance(40)

@@ -18,7 +18,7 @@ from app.state import State
 from solvers.problems import PROBLEMS
 from solvers.scene.estimator_registry import ESTIMATORS
 from solvers.scene.scene import Scene
-from tests.support.pseudo import CODE
+from tests.support.pseudo_translation import CODE
 
 NAMES = re.compile("|".join([*ESTIMATORS, *(method.name for method in words.METHODS.values()), "CFL", "E ln F", "sigma",
                              *(f"{prefix}{unit}" for unit in ("Pa", "rad") for prefix in "mkMG"), "rad"]))
@@ -98,8 +98,8 @@ def test_what_moves_and_how_estimators_see_it_is_explained_in_german(problem):
     with use_language("de"):
         assert " wie\n<math" in VIEWS[problem].about or " den Winkel\n<math" in VIEWS[problem].about
     for estimator in ESTIMATORS.values():
-        english, german = estimator.explanation, estimator.explained("de")
+        english, german = estimator.explanation, estimator.explanation_in("de")
         assert all(f"<b>{word}</b>" in german for word in ("Setzt voraus", "Sieht", "Übersieht"))
         assert [len(re.findall(tag, german)) for tag in ("<math", "<mfrac", "<msub>")] \
             == [len(re.findall(tag, english)) for tag in ("<math", "<mfrac", "<msub>")]
-        assert estimator.explained("xx") == english
+        assert estimator.explanation_in("xx") == english

@@ -16,7 +16,7 @@ from app.lessons.claims import ClaimError, check_claim, decide
 from app.lessons.lesson import LessonError
 from app.lessons.lesson_parser import parse_lesson
 from app.lessons.lesson_runs import RunCache, work
-from solvers.study.coverage.random_runs import Draw
+from solvers.study.coverage.random_runs import RandomRun
 
 HEAD = """+++
 title = "Bets"
@@ -174,7 +174,8 @@ def test_the_eight_runs_of_lesson_ten_are_those_that_were_drawn():
     lesson = catalogue.load_lesson("10-how-sure-are-you")
     bets = [step.asked.expected.split(".")[0] for step in lesson.questions.values() if step.asked.kind == "interval"]
     runs = {rounded(state.parse_state(lesson.runs[name].texts[0]).scene) for name in bets}
-    assert rounded(state.parse_state(lesson.runs["broken"].texts[0]).scene) == rounded(Draw("bar", 10, 0).scene())
-    drawn_runs = [Draw(problem, 10, number).scene() for problem, numbers in (("bar", range(1, 6)), ("ring", range(3)))
+    assert rounded(state.parse_state(lesson.runs["broken"].texts[0]).scene) == rounded(RandomRun("bar", 10, 0).scene())
+    drawn_runs = [RandomRun(problem, 10, number).scene() for problem,
+                  numbers in (("bar", range(1, 6)), ("ring", range(3)))
                   for number in numbers]
     assert len(bets) == len(runs) == 8 and runs == set(map(rounded, drawn_runs))

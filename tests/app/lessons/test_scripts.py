@@ -12,7 +12,7 @@ import pytest
 
 from app.cli import main
 from tests.support.paths import ROOT
-from tests.support.processes import python
+from tests.support.processes import run_python
 
 SCRIPTS = ROOT / "lessons" / "scripts"
 NUMBER = r"-?\d+(?:\.\d+)?(?:e[+-]\d+)?"
@@ -52,7 +52,7 @@ def test_order_of_splines_is_two(printed):
 def test_own_estimator_is_right_in_order(tmp_path):
     """An index that h does not change is that of an estimate of the same order as the error; its size, 1.9, is not 1,
     for the error of a run is more than that of one interpolation. In a process of its own: it must come first."""
-    done = python(str(SCRIPTS / "own_estimator.py"), cwd=tmp_path)
+    done = run_python(str(SCRIPTS / "own_estimator.py"), cwd=tmp_path)
     index = [numbers(line)[-1] for line in done.stdout.splitlines() if "index of bend" in line]
     assert len(index) == 3, done.stderr
     assert max(index) < 1.05 * min(index) and 1 < min(index) < max(index) < 3
@@ -74,14 +74,14 @@ def test_own_problem_is_of_second_order_and_known_everywhere(tmp_path):
     """By itself as a script; and where it is named as an extension to every command and to the page."""
     path = SCRIPTS / "own_problem.py"
     assert len(path.read_text().splitlines()) <= 60
-    done = python(str(path), cwd=tmp_path)
+    done = run_python(str(path), cwd=tmp_path)
     rows = [numbers(line) for line in done.stdout.splitlines()]
     assert len(rows) == 3, done.stderr
     errors, indices = [row[1] for row in rows], [row[2] for row in rows]
     assert indices == pytest.approx([1, 1, 1], abs=0.01)
     assert [math.log2(coarse / fine) for coarse, fine in itertools.pairwise(errors)] == pytest.approx([2, 2], abs=0.15)
     told = {"PYTHONPATH": os.pathsep.join((str(ROOT), str(SCRIPTS))), "MPM_LAB_EXTENSIONS": "own_problem"}
-    done = python("-c", COMMANDS, cwd=tmp_path, **told)
+    done = run_python("-c", COMMANDS, cwd=tmp_path, **told)
     assert done.returncode == 0, done.stderr
     assert (tmp_path / "sweep" / "table.csv").exists()
     assert (tmp_path / "judged" / "report.md").exists()

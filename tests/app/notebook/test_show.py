@@ -16,7 +16,7 @@ from app.notebook import show
 from app.notebook.result import result_table
 from app.words import format_ratio, with_unit
 from solvers import BarScene, RingScene, SceneError, run
-from tests.support.processes import python
+from tests.support.processes import run_python
 
 SMALL = BarScene(cells=10, ppc=2, periods=0.25, estimators=("companion",))
 
@@ -116,7 +116,7 @@ def test_the_picture_is_that_of_the_command_line():
 
 def test_a_users_own_pictures_keep_their_looks():
     """In a process of its own: this one draws all the time."""
-    done = python("-c", """
+    done = run_python("-c", """
 import matplotlib
 before = dict(matplotlib.rcParams)
 from app.notebook import show

@@ -14,9 +14,9 @@ from app.words import CHOICES
 from solvers.scene.effects import ALL
 from solvers.scene.estimator_registry import ESTIMATORS
 from solvers.scene.remedies import REMEDIES
-from tests.support import doors
-from tests.support.processes import until
-from tests.support.raw import Raw
+from tests.support import page_server
+from tests.support.processes import wait_until
+from tests.support.raw_client import RawClient
 
 #: What a problem is called, and its label of the cells at first.
 BEGINNINGS = {"bar": ("vibrating bar", "Cells, h = 1/40"), "ring": ("expanding ring", "Cells, h = 1.2/24"),
@@ -33,32 +33,32 @@ BOXES = {"estimators": {name: one.title for name, one in ESTIMATORS.items()},
 @pytest.fixture
 def asked(monkeypatch):
     """The scenes that engines were asked for, in order."""
-    scenes, ask = [], doors.Link.ask
+    scenes, ask = [], page_server.SilentLink.ask
 
     def listening(link, scene, *others, **more):
         scenes.append(scene)
         return ask(link, scene, *others, **more)
 
-    monkeypatch.setattr(doors.Link, "ask", listening)
+    monkeypatch.setattr(page_server.SilentLink, "ask", listening)
     return scenes
 
 
 class Driver:
     """Moves controls of one page, and knows what may be another in its scene then."""
 
-    def __init__(self, visitor: Raw, asked: list, problem: str):
+    def __init__(self, visitor: RawClient, asked: list, problem: str):
         self.visitor, self.asked = visitor, asked
         title, cells = BEGINNINGS[problem]
         visitor.find("Download CSV")  # the last of the controls
         opened = visitor.find("step margin")
         visitor.follow(state.write_state(state.State(FIRST_SCENE)))
-        until(lambda: asked and asked[-1] == FIRST_SCENE, "the first scene")
-        until(lambda: visitor.find("step margin") != opened, "its controls in place of the opening's")
+        wait_until(lambda: asked and asked[-1] == FIRST_SCENE, "the first scene")
+        wait_until(lambda: visitor.find("step margin") != opened, "its controls in place of the opening's")
         if problem != "bar":
             visitor.set(visitor.find("Problem"), title)
         visitor.find(cells)
         visitor.find("step margin")
-        until(lambda: asked and asked[-1].problem == problem, f"the {problem}")
+        wait_until(lambda: asked and asked[-1].problem == problem, f"the {problem}")
 
     @property
     def scene(self):
@@ -69,7 +69,7 @@ class Driver:
         others as before."""
         before = self.scene
         self.visitor.set(self.visitor.find(label), value)
-        until(lambda: all(getattr(self.scene, name) == one for name, one in wanted.items()), f"{label}: {wanted}")
+        wait_until(lambda: all(getattr(self.scene, name) == one for name, one in wanted.items()), f"{label}: {wanted}")
         changed = {field.name for field in fields(before)
                    if getattr(self.scene, field.name) != getattr(before, field.name)}
         assert changed == set(wanted), label
@@ -77,7 +77,7 @@ class Driver:
 
 @pytest.fixture(params=BEGINNINGS)
 def driver(request, here, asked):
-    with Raw(here[1]) as visitor:
+    with RawClient(here[1]) as visitor:
         yield Driver(visitor, asked, request.param)
 
 

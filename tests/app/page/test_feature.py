@@ -6,9 +6,9 @@ from app.page.feature import Feature
 from app.page.features import all_features
 from app.page.features.opening_tour import OPENING
 from tests.app.page.test_story import frame
-from tests.support.doors import lab
-from tests.support.processes import until
-from tests.support.raw import Raw
+from tests.support.page_server import start_server
+from tests.support.processes import wait_until
+from tests.support.raw_client import RawClient
 
 
 class Counter(Feature):
@@ -55,16 +55,16 @@ class Missing(Feature):
 
 def test_a_feature_is_one_line(monkeypatch):
     monkeypatch.setattr(all_features, "FEATURES", (Missing, *all_features.FEATURES, Counter))
-    with lab() as (_, address):
-        with Raw(address) as visitor:
+    with start_server() as (_, address):
+        with RawClient(address) as visitor:
             assert visitor.find("Count")
             calls = Counter.last.calls
             Counter.last.page.session.on_frame(*frame(OPENING.scene, 0.0))
-            until(lambda: {"frame of bar", "alone True"} <= set(calls), "frames and refreshes")
+            wait_until(lambda: {"frame of bar", "alone True"} <= set(calls), "frames and refreshes")
             store = visitor.find("kept by the browser")
             visitor.set(store, json.dumps({"count": 3}))
             visitor.set(store, json.dumps({"act": "count on"}))
-            until(lambda: {"heard 3", "key"} <= set(calls), "what the browser says")
+            wait_until(lambda: {"heard 3", "key"} <= set(calls), "what the browser says")
             Counter.last.page.clear_stage()
             assert "left" in calls and "closed" not in calls
-        until(lambda: "closed" in calls, "the end")
+        wait_until(lambda: "closed" in calls, "the end")

@@ -22,8 +22,8 @@ from solvers.running.quantities_of_interest import ENERGY
 from solvers.running.run import build
 from solvers.study.coverage import track_record
 from tests.app.frame.test_view import report_of
-from tests.support.processes import until
-from tests.support.raw import Raw
+from tests.support.processes import wait_until
+from tests.support.raw_client import RawClient
 
 BAR = BarScene(cells=12, ppc=2, estimators=("companion",))
 NAMED = "positions hold, but the velocity is off by up to 18 times its own size, from t = 0.5 s on"
@@ -46,7 +46,7 @@ def test_cards_say_what_the_run_has():
     assert set(cards["judges"]) == {"transport", "recovered"}
     index = history.series["transport/index_x"][-1]
     assert float(cards["judges"]["transport"]["index"]) == pytest.approx(index, abs=0.0051)
-    held, of = track_record.right(scene, "transport")
+    held, of = track_record.accurate_runs(scene, "transport")
     trust = cards["judges"]["transport"]["trust"]
     assert trust == f"right within 10\N{NO-BREAK SPACE}% in {held} of {of} runs like this"
     assert cards["judges"]["recovered"] == {"says": "Not valid here: why"}
@@ -67,16 +67,18 @@ def tell(visitor, count, **detail):
 
 def test_a_click_puts_a_judge_on_the_stage_and_takes_a_method(here):
     """One that does not run is switched on first; names that there are not mean nothing."""
-    with Raw(here[1]) as visitor:
+    with RawClient(here[1]) as visitor:
         stage, box, method = (visitor.find(label) for label in ("On the stage", "companion", "Method"))
         assert not visitor.widgets[box]["value"]
         for count, nothing in enumerate(("nobody", 7, None, ["companion"])):
             tell(visitor, count, judge=nothing, method=nothing)
         tell(visitor, 10, judge="companion")
-        until(lambda: visitor.widgets[stage]["value"] == "companion" and visitor.widgets[box]["value"], "the companion")
+        wait_until(lambda: visitor.widgets[stage]["value"] == "companion" and visitor.widgets[box]["value"],
+                   "the companion")
         tell(visitor, 11, method="bspline")
-        until(lambda: visitor.widgets[method]["value"] == "B-spline", "another method")
-        until(lambda: any("lab-chosen' data-method='bspline'" in html for html in visitor.html.values()), "its picture")
+        wait_until(lambda: visitor.widgets[method]["value"] == "B-spline", "another method")
+        wait_until(lambda: any("lab-chosen' data-method='bspline'" in html for html in visitor.html.values()),
+                   "its picture")
 
 
 def watched(scene: BarScene) -> tuple[History, SimpleNamespace]:
@@ -112,7 +114,7 @@ def test_numbers_of_the_body_have_a_bar_by_who_is_on_the_stage():
     energy = {"value": 0.0062, "unit": "J", "true_error": None, "estimated_error": {"companion": -1e-5},
               "rounding": 0.0, "bar": {"companion": 2e-5}}
     report = replace(report_of(BAR), step=300, time=300 * BAR.time_step, goals={ENERGY: energy})
-    held, of = track_record.held(BAR, ENERGY, "companion")
+    held, of = track_record.bars_held(BAR, ENERGY, "companion")
     html = live_readout(session, history, report, "x", "companion", None, WorstRegions()).html
     assert "kinetic energy" in html and f"6.2 mJ ± 20 µJ; such bars held in {held} of {of} runs like this" in html
     html = live_readout(session, history, report, "x", None, None, WorstRegions()).html

@@ -20,9 +20,9 @@ from app.viewer.upload import TOO_LARGE
 from solvers.workers.worker_pool import Slots
 from solvers.workers.worker_process import ProcessDied
 from tests.app.page.features.test_own_file import Sender
-from tests.support import doors
-from tests.support.processes import until
-from tests.support.raw import Raw
+from tests.support import page_server
+from tests.support.processes import wait_until
+from tests.support.raw_client import RawClient
 
 CODES = ("de", "en")
 
@@ -37,8 +37,8 @@ def on_a_thread(work, *args):
 @pytest.fixture(scope="module")
 def visitors():
     """One who reads German and one who reads English, with what each is to read: made at once, on two threads."""
-    with doors.lab() as (_, address):
-        both = [Raw(address, {"Cookie": as_cookie(code).partition(";")[0]}) for code in CODES]
+    with page_server.start_server() as (_, address):
+        both = [RawClient(address, {"Cookie": as_cookie(code).partition(";")[0]}) for code in CODES]
         yield dict(zip(CODES, both, strict=True))
         for visitor in both:
             visitor.close()
@@ -64,7 +64,7 @@ def test_a_refusal_is_in_the_language_of_the_hand_that_typed(visitors):
     for code, visitor in visitors.items():
         visitor.set(boxes[code], "much")
     for code, visitor in visitors.items():
-        until(lambda v=visitor, c=code: reads(v, refused[c]), refused[code])
+        wait_until(lambda v=visitor, c=code: reads(v, refused[c]), refused[code])
     other = {"de": "is not a number", "en": "ist keine Zahl"}
     assert not any(reads(visitor, other[code]) for code, visitor in visitors.items())
 
@@ -74,11 +74,11 @@ def test_a_file_is_refused_on_the_web_servers_own_thread(visitors):
         sender = Sender.__new__(Sender)
         sender.visitor, sender.box = visitor, visitor.find(label(code, "file of particles"))
         sender.start(10**9)
-        until(lambda v=visitor, c=code: reads(v, re.escape(label(c, TOO_LARGE))), f"a refusal in {code}")
+        wait_until(lambda v=visitor, c=code: reads(v, re.escape(label(c, TOO_LARGE))), f"a refusal in {code}")
     assert not reads(visitors["de"], "<p>The file is larger")
 
 
-class Pool(doors.Pool):
+class Pool(page_server.SilentPool):
     """Keeps who listens, and has a job's words: a test says from another thread what a process would."""
 
     give_way = close = lambda self: None
@@ -89,7 +89,7 @@ class Pool(doors.Pool):
 
     def open(self, listener, beside=None):
         self.listener = listener
-        return doors.Link()
+        return page_server.SilentLink()
 
 
 @pytest.mark.parametrize(("code", "bad", "died"), [

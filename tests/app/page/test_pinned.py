@@ -14,8 +14,8 @@ from solvers.engine.engine_messages import FRAME_SECONDS, Pace
 from solvers.engine.session_stepper import MOST_APART
 from solvers.problems.bar.scene import BarScene
 from solvers.problems.ring import RingScene
-from tests.support.listening import PATIENCE, SCENE, Listener, assert_same
-from tests.support.processes import until
+from tests.support.processes import wait_until
+from tests.support.session_listener import PATIENCE, SCENE, Listener, assert_same
 
 CHEAP, COSTLY = SCENE, replace(SCENE, cells=160, ppc=8, modulus=16.0)  # half the period, and 400 times the work
 
@@ -99,7 +99,7 @@ def test_the_other_goes_on_when_one_stops(pair, how):
     listener.wait(lambda: periods(listener) > then + 1.0)
 
 
-@pytest.mark.skipif(not compiling_fork.POSSIBLE, reason="only Linux can fork a process that runs Taichi")
+@pytest.mark.skipif(not compiling_fork.CAN_FORK, reason="only Linux can fork a process that runs Taichi")
 def test_a_pair_outlives_its_engine_to_the_bit(pool, pair):
     """Another visitor asks for what must be compiled: the pair, paused at step 7, goes on in the new process, both are
     after 5 more steps what twelve steps are, and they are still partners: a reset begins both again."""
@@ -126,7 +126,7 @@ def visit(pool):
     """A session of the page, with what it draws."""
     drawn = []
     one = page.Session(page.PageLinks(pool), SCENE, lambda report, arrays: drawn.append(report))
-    until(lambda: one.report is not None, "a frame", PATIENCE)
+    wait_until(lambda: one.report is not None, "a frame", PATIENCE)
     yield one
     one.close()
 
@@ -138,7 +138,8 @@ def test_a_pinned_run_stays_while_the_session_changes(visit):
     visit.pin(lambda: news.append(1))
     run = visit.pinned
     visit.set(cells=24)
-    until(lambda: run.last and run.last[0].time > 0.1 and visit.report.scene.cells == 24, "both under way", PATIENCE)
+    wait_until(lambda: run.last and run.last[0].time > 0.1 and visit.report.scene.cells == 24, "both under way",
+               PATIENCE)
     assert news and run.last[0].scene == run.scene == SCENE
     assert abs(run.last[0].time - visit.report.time) < 0.5 * SCENE.period
     assert not visit.others_playing
@@ -148,7 +149,7 @@ def test_a_pinned_run_stays_while_the_session_changes(visit):
     norm, estimate = grey_curves(run, visit.history, series, "x", "transport", False)[0]
     assert len(norm) == len(estimate) == len(series["time"]) and np.isfinite(norm[:3]).all()
     visit.play(False)
-    until(lambda: not run.last[0].playing, "a pinned run paused", PATIENCE)
+    wait_until(lambda: not run.last[0].playing, "a pinned run paused", PATIENCE)
     visit.choose(page.first_scene("ring"))
     assert visit.pinned is None
     visit.report = replace(visit.report, number=visit._number)  # as if the ring were there

@@ -14,10 +14,10 @@ from app.page.panels.readout import live_readout
 from app.page.stage.worst_region import WorstRegions
 from app.page.visit.frame_buffer import MOST_BYTES, MOST_FRAMES, FrameBuffer, frame_bytes
 from app.page.visit.history import LAST_PERIODS, MOST_ROWS, DownsampledSeries, History, series_until
-from solvers.engine.shared_frames import FrameOptions, block_bytes, read, write
+from solvers.engine.shared_frames import FrameOptions, block_bytes, read_frame, write_frame
 from solvers.problems.bar.scene import BarScene
 from solvers.running.run import build
-from solvers.solver.samples import columns as columns_of
+from solvers.solver.samples import column_names as columns_of
 from tests.app.frame.test_view import BAR, SIGNED, TRUE, arrays_of, report_of
 
 
@@ -69,8 +69,8 @@ def test_memory_is_bounded_and_large_frames_are_fewer():
 def engine_frame(solver):
     """A frame's arrays as an engine hands them over."""
     block = SimpleNamespace(buf=bytearray(block_bytes(solver.scene)))
-    write(block, solver.scene, solver.snapshot(plotted="x"))
-    return read(block, solver.scene, len(solver.snapshot().position), FrameOptions(plotted="x"))
+    write_frame(block, solver.scene, solver.snapshot(plotted="x"))
+    return read_frame(block, solver.scene, len(solver.snapshot().position), FrameOptions(plotted="x"))
 
 
 def test_looking_back_needs_a_pause_and_ends_when_the_run_moves_or_begins_anew():

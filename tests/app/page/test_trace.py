@@ -22,7 +22,7 @@ from solvers.running.run import build
 from solvers.solver.samples import QUANTITIES
 from tests.app.frame.test_view import report_of
 from tests.app.page.test_recent import engine_frame
-from tests.support.drawn import Scene, Sheet
+from tests.support.recording_scene import RecordingScene, RecordingSurface
 
 BAR = BarScene(cells=10, ppc=2, periods=1, amplitude=0.1, estimators=("transport",))
 RING = RingScene(cells=12, periods=1)
@@ -115,7 +115,7 @@ def frame_of(scene):
 @pytest.fixture
 def stage(run):
     report, arrays = run[-1]
-    stage = VIEWS[report.scene.problem].stage(Sheet(), ColourScale())
+    stage = VIEWS[report.scene.problem].stage(RecordingSurface(), ColourScale())
     stage.plotted = "x"
     stage.draw(report.scene, arrays, None, arrays.error[:, 0], report.time, 1.0)
     return stage
@@ -139,7 +139,7 @@ def test_every_image_is_found_by_a_click(run, stage):
 def test_height_in_the_lanes_does_not_count():
     """As wide as a particle is the column in which it is meant, between the lanes as well."""
     report, arrays = frame_of(BAR)
-    stage = BarStage(Sheet(), ColourScale())
+    stage = BarStage(RecordingSurface(), ColourScale())
     stage.draw(report.scene, arrays, None, arrays.error[:, 0], 0.0, 1.0)
     places = stage.places(stage.sheet.room.settled(), RunSlot.ALONE)
     for y in (places.estimate + 0.04, places.crossings, places.truth - 0.04):
@@ -152,7 +152,7 @@ def test_a_click_marks_and_another_ends_it(run, stage):
     report, arrays = run[-1]
     recent = FrameBuffer()
     recent.add(report, arrays)
-    clicks, scene = [], Scene()
+    clicks, scene = [], RecordingScene()
     scene.on_click = lambda: clicks.append
     trace, client = Trace(recent), SimpleNamespace(scene=scene)
     mark = TraceRings(client, viewer_renderer.ViewerSurface(client, Lettering(GUI), "/trace"), trace)
@@ -182,7 +182,7 @@ def test_mean_and_worst_are_of_the_particles_in_the_rectangle_alone():
     camera = SimpleNamespace(on_stage=lambda place: place)
     x = np.array([0.1, 0.2, 0.3, 0.9])
     stage = SimpleNamespace(region=lambda low, high, arrays: (x >= low[0]) & (x <= high[0]))
-    probe = Probe(client, Sheet(), camera)
+    probe = Probe(client, RecordingSurface(), camera)
     estimated, true = np.array([1e-3, np.nan, 5e-3, 1.0]), np.array([2e-3, 3e-3, 10e-3, 1.0])
     probe.look(stage, None, estimated, true, "m")
     assert probe.text is None

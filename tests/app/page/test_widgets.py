@@ -10,14 +10,14 @@ from viser._messages import GuiSliderProps
 
 from app.page.features.opening_tour import OPENING, OpeningTour
 from app.viewer import viser_patches
-from tests.support.doors import lab
-from tests.support.processes import until
-from tests.support.raw import Raw
+from tests.support.page_server import start_server
+from tests.support.processes import wait_until
+from tests.support.raw_client import RawClient
 
 TURNS = 40  # before callbacks took turns, 60 of them left 11 complaints in a browser's console
 
 
-class Listener(Raw):
+class Listener(RawClient):
     """It also keeps what is said of widgets that have gone."""
 
     def __init__(self, address):
@@ -43,18 +43,18 @@ class Listener(Raw):
 
 def test_nothing_is_said_of_widgets_that_have_gone(caplog):
     """A slider is moved and a run is pinned at the moment at which another problem is chosen."""
-    with lab() as (_, address), Listener(address) as visitor:
+    with start_server() as (_, address), Listener(address) as visitor:
         problem = visitor.find("Problem")
         for turn in range(TURNS):
             name, length, others = ("expanding ring", "1", "1.2") if turn % 2 == 0 else ("vibrating bar", "1.2", "1")
-            until(lambda of=length: visitor.cells(of) and visitor.pin(), "the widgets")
+            wait_until(lambda of=length: visitor.cells(of) and visitor.pin(), "the widgets")
             cells = visitor.cells(length)
             visitor.set(cells, 30 + turn)
             if turn % 3 == 0:
                 visitor.set(visitor.pin(), True)
             visitor.set(problem, name)
             visitor.set(cells, 31 + turn)
-            until(lambda of=others: visitor.cells(of), name)
+            wait_until(lambda of=others: visitor.cells(of), name)
         assert visitor.ghosts == []
     assert "Traceback" not in caplog.text and visitor.gone
 
@@ -62,23 +62,23 @@ def test_nothing_is_said_of_widgets_that_have_gone(caplog):
 def test_the_story_begins_on_the_widgets_that_are_there():
     """A page is made with what the story begins on: a newcomer's run starts anew, and no widget. Where something else
     is on the stage by then, they are made for the opening again."""
-    with lab() as (one, address), Listener(address) as visitor:
-        until(lambda: visitor.cells("1"), "the widgets")
-        until(lambda: any(one.visitors._pages.values()), "the page")
+    with start_server() as (one, address), Listener(address) as visitor:
+        wait_until(lambda: visitor.cells("1"), "the widgets")
+        wait_until(lambda: any(one.visitors._pages.values()), "the page")
         (page,) = one.visitors._pages.values()
         session = page._context.session
         (story,) = (feature for feature in page._features if isinstance(feature, OpeningTour))
         store, begun = visitor.find("kept by the browser"), session.moves[1]
         for known, cells in ((True, 40), (False, 30)):
             visitor.set(visitor.cells("1"), cells)
-            until(lambda of=cells: session.scene.cells == of, "the choice")
+            wait_until(lambda of=cells: session.scene.cells == of, "the choice")
             story.beat = 0
             visitor.set(store, json.dumps({"story": "play", "known": known}))  # another text each time
-            until(lambda: story.beat == 1, "the story")
+            wait_until(lambda: story.beat == 1, "the story")
             begun += 1
             assert session.moves[1] == begun and session.scene == OPENING.scene
             assert session.pinned.scene == OPENING.pinned
-            until(lambda there=known: visitor.gone or there, "widgets that are made anew")
+            wait_until(lambda there=known: visitor.gone or there, "widgets that are made anew")
             assert bool(visitor.gone) is not known
 
 

@@ -13,73 +13,78 @@ from app.pictures.study_parts import UNSTABLE_LOOK
 from solvers.study import convergence, row
 from solvers.study import summary as table
 from solvers.study.parameter_grid import Task
-from tests.support.rows import made_up
+from tests.support.fake_rows import fake_row
 
 # ---- what rows say ----------------------------------------------------------------------------------------
 
 
 def test_slopes_front_and_balance_of_known_data():
     h = np.array([0.1, 0.05, 0.025])
-    found = convergence.slope(h, 3 * h**1.7)
+    found = convergence.fit_slope(h, 3 * h**1.7)
     assert (found.order, found.factor, found.points) == (pytest.approx(1.7), pytest.approx(3), 3)
     assert found.pairwise == pytest.approx((1.7, 1.7))
-    assert convergence.slope([0.1, 0.1], [1, 2]) is None and convergence.slope([0.1, 0.2], [0, 1]) is None
+    assert convergence.fit_slope([0.1, 0.1], [1, 2]) is None and convergence.fit_slope([0.1, 0.2], [0, 1]) is None
     assert convergence.pareto([1, 2, 3, 4], [4, 2, 3, 1]) == [0, 1, 3]
     dt = np.geomspace(1e-4, 1e-2, 7)
     for power in (1, 2):
-        found = convergence.balance(dt, 1e-3 * (1 + (dt / 2e-3) ** power))
+        found = convergence.fit_space_time(dt, 1e-3 * (1 + (dt / 2e-3) ** power))
         assert (found.power, found.dt) == (power, pytest.approx(2e-3)) and found.misfit < 1e-9
-    assert convergence.balance(dt, np.full(7, 2.0)).dt is None and convergence.balance(dt, np.full(7, 2.0)).space_rules
-    assert not convergence.balance(dt, dt).space_rules and convergence.balance(dt[:2], dt[:2]) is None
+    assert (
+        convergence.fit_space_time(dt, np.full(7, 2.0)).dt is None
+        and convergence.fit_space_time(dt, np.full(7, 2.0)).space_dominates
+    )
+    assert not convergence.fit_space_time(dt, dt).space_dominates and convergence.fit_space_time(dt[:2], dt[:2]) is None
 
 
 def test_the_brink_of_stability_is_no_time_error():
     dt = np.geomspace(1e-4, 6.4e-3, 7)
     error = 1e-3 * (1 + dt / 1e-3)
     error[-1] *= 1000
-    assert convergence.balance(dt, error).dt == pytest.approx(1e-3)
+    assert convergence.fit_space_time(dt, error).dt == pytest.approx(1e-3)
 
 
 def test_series_are_alike_but_for_one_input():
-    rows = [made_up(method, cells, cfl) for method in ("ugimp", "bspline") for cells in (40, 20) for cfl in (0.1, 0.2)]
-    lines = convergence.series(rows)
+    rows = [fake_row(method, cells, cfl) for method in ("ugimp", "bspline") for cells in (40, 20) for cfl in (0.1, 0.2)]
+    lines = convergence.group_series(rows)
     assert [(line.method, line.inputs["cfl"]) for line in lines] == [
         (method, cfl) for method in ("ugimp", "bspline") for cfl in (0.1, 0.2)]
     assert [row["scene"]["cells"] for row in lines[0].rows] == [20, 40]
-    assert next(line.inputs for line in convergence.series(rows, "dt")) == {"method": "ugimp", "cells": 40}
-    assert all(entry["orders"]["x"]["order"] == pytest.approx(2) for entry in convergence.fits(rows))
+    assert next(line.inputs for line in convergence.group_series(rows, "dt")) == {"method": "ugimp", "cells": 40}
+    assert all(entry["orders"]["x"]["order"] == pytest.approx(2) for entry in convergence.fit_orders(rows))
 
 
 def test_unstable_rows_are_not_fitted():
-    rows = [made_up(cells=20), made_up(cells=40), made_up(cells=80, order=-3, status="unstable")]
-    assert convergence.fits(rows)[0]["orders"]["x"]["points"] == 2
+    rows = [fake_row(cells=20), fake_row(cells=40), fake_row(cells=80, order=-3, status="unstable")]
+    assert convergence.fit_orders(rows)[0]["orders"]["x"]["points"] == 2
 
 
 def test_the_table_has_a_column_for_everything():
-    refusal = row.refused(task := Task("bar", {"amplitude": 0.2}), task.refusal())
-    lines = list(csv.DictReader(io.StringIO(table.csv_text([refusal, made_up(), made_up(cells=40)]))))
+    refusal = row.refused_row(task := Task("bar", {"amplitude": 0.2}), task.refusal())
+    lines = list(csv.DictReader(io.StringIO(table.csv_text([refusal, fake_row(), fake_row(cells=40)]))))
     assert [line["status"] for line in lines] == ["refused", "ok", "ok"]
     assert lines[0]["scene.amplitude"] == "0.2" and lines[0]["error.x.max"] == ""
     assert float(lines[2]["error.x.max"]) == 40**-2 and float(lines[1]["index.transport.x"]) == 1.1
 
 
 def test_the_summary_says_what_went_wrong_once_for_each_reason():
-    rows = [made_up(cells=20), *(made_up(cells=cells, status="unstable") for cells in (40, 80))]
-    text = table.summary("bar", rows)
+    rows = [fake_row(cells=20), *(fake_row(cells=cells, status="unstable") for cells in (40, 80))]
+    text = table.summarise_study("bar", rows)
     assert "1 ok, 2 unstable" in text and text.count("too long") == 1 and "and 1 more" in text
-    assert "Nothing to fit" in text and "Nothing to fit" not in table.summary("bar", [made_up(), made_up(cells=40)])
+    assert "Nothing to fit" in text and "Nothing to fit" not in table.summarise_study(
+        "bar", [fake_row(), fake_row(cells=40)]
+    )
 
 
 # ---- pictures ---------------------------------------------------------------------------------------------
 
-MANY = [made_up(method, cells, cfl) for method in ("mpm", "ugimp", "cpgimp", "bspline") for cells in (20, 40, 80)
+MANY = [fake_row(method, cells, cfl) for method in ("mpm", "ugimp", "cpgimp", "bspline") for cells in (20, 40, 80)
         for cfl in (0.05, 0.1, 0.2)]
-STATES = {"many": MANY, "one": [made_up()], "none": [], "no truth": [made_up(error={q: {} for q in "xva"})],
-          "no estimate": [made_up(estimate=None), made_up(cells=40, estimate=None)],
-          "all unstable": [made_up(cells=cells, status="unstable") for cells in (20, 40)],
-          "beyond numbers": [made_up(), made_up(cells=40, status="unstable", error={"x": {"max": None}, "v": {"max":
+STATES = {"many": MANY, "one": [fake_row()], "none": [], "no truth": [fake_row(error={q: {} for q in "xva"})],
+          "no estimate": [fake_row(estimate=None), fake_row(cells=40, estimate=None)],
+          "all unstable": [fake_row(cells=cells, status="unstable") for cells in (20, 40)],
+          "beyond numbers": [fake_row(), fake_row(cells=40, status="unstable", error={"x": {"max": None}, "v": {"max":
                                                                                            1e300}, "sigma": {}})],
-          "refused": [row.refused(task := Task("bar", {"amplitude": 0.2}), task.refusal())]}
+          "refused": [row.refused_row(task := Task("bar", {"amplitude": 0.2}), task.refusal())]}
 
 
 @pytest.mark.parametrize(("name", "state"), [
@@ -96,7 +101,7 @@ def test_nothing_to_show_is_said(name):
 
 
 def test_unstable_runs_are_crosses_and_not_dropped():
-    rows = [made_up(cells=20), made_up(cells=40), made_up(cells=80, status="unstable", error={"x": {"max": None}})]
+    rows = [fake_row(cells=20), fake_row(cells=40), fake_row(cells=80, status="unstable", error={"x": {"max": None}})]
     for figure in (error_time_figure(rows), error_spacing_figure(rows)):
         crosses = [line for line in figure.axes[0].get_lines() if line.get_marker() == UNSTABLE_LOOK["marker"]]
         assert len(crosses) == 1
@@ -105,6 +110,6 @@ def test_unstable_runs_are_crosses_and_not_dropped():
 def test_orders_and_balance_are_shown():
     shown = error_spacing_figure(MANY[:1] + MANY[3:4]).axes[0].get_legend().get_texts()
     assert [text.get_text() for text in shown] == ["order 2.00"]
-    rows = [made_up(cells=20, cfl=cfl, error={"x": {"max": 1 + cfl / 0.1}}) for cfl in (0.025, 0.05, 0.1, 0.2)]
+    rows = [fake_row(cells=20, cfl=cfl, error={"x": {"max": 1 + cfl / 0.1}}) for cfl in (0.025, 0.05, 0.1, 0.2)]
     stars = [line for line in error_step_figure(rows).axes[0].get_lines() if line.get_marker() == "*"]
     assert stars[0].get_xdata()[0] == pytest.approx(rows[2]["scene"]["dt"])

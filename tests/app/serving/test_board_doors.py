@@ -11,9 +11,9 @@ from app.classroom.class_context import Classroom
 from app.lessons import catalogue
 from app.lessons.lesson_runs import RunCache, RunFailed
 from app.lessons.student_progress import SCHEMA
-from tests.support.doors import lab
-from tests.support.processes import until
-from tests.support.pupils import Pupil, cookie_of
+from tests.support.page_server import start_server
+from tests.support.processes import wait_until
+from tests.support.simulated_students import Student, cookie_of
 
 CODE, NOTES, OWN = "wave-4711", "tide-0815", "surf-2323"
 LESSON = catalogue.load_lesson("04-grid-crossing")
@@ -32,10 +32,11 @@ class Broken(RunCache):
 def room():
     """A board, the address of its lab, which has four places, and a way to let pupils in who leave in the end."""
     board, outcomes = Board(LESSON, Broken()), Broken()
-    with lab(code=CODE, notes=NOTES, classroom=Classroom(LESSON.name, True, outcomes), board=board, board_code=OWN) \
+    with start_server(code=CODE, notes=NOTES, classroom=Classroom(LESSON.name, True, outcomes), board=board,
+                      board_code=OWN) \
             as (_, address), ExitStack() as stack:
         def come(cookie, ready="Next"):
-            pupil = stack.enter_context(Pupil(address, cookie))
+            pupil = stack.enter_context(Student(address, cookie))
             pupil.find(ready)
             return pupil
 
@@ -68,7 +69,7 @@ def test_a_pupil_opens_no_step(room):
     pupil.tell(lesson=LESSON.name, answers=json.dumps(forged))
     pupil.tell(link=f"lesson={LESSON.name};bar;cells=24")
     # A click is lost where the link, or the answers, make the panel anew under it: who clicks does so again.
-    until(lambda: pupil.at is None or pupil.set(pupil.find("Close the lesson"), True), "the shelf", pause=1.0)
+    wait_until(lambda: pupil.at is None or pupil.set(pupil.find("Close the lesson"), True), "the shelf", pause=1.0)
     pupil.tell(open=LESSON.name)
     pupil.find("Next")
     assert board.place.turn == board.opened == pupil.at == 0 and pupil.kinds["FileTransferStartDownload"] == 0
@@ -90,10 +91,10 @@ def test_no_pupil_is_told_what_another_has_said(room):
             if STEPS[at - 1].question:
                 pupil.answer(STEPS[at - 1], float(number) if at == NUMBER else 1)
     lecturer = come(cookie_of(address, OWN))
-    until(lambda: any("2 of 2 have predicted" in told for told in lecturer.told), "the count")
+    wait_until(lambda: any("2 of 2 have predicted" in told for told in lecturer.told), "the count")
     assert not any("31.42" in told for told in boards(lecturer))  # nor the projector, before they are shown
     press(board, 2)
-    until(lambda: any("31.42 mm" in told and "27.18 mm" in told for told in boards(lecturer)), "all of it")
+    wait_until(lambda: any("31.42 mm" in told and "27.18 mm" in told for told in boards(lecturer)), "all of it")
     for pupil in given.values():
         pupil.tell(board=["save", 0])
         pupil.tell(board=["stage", 0])
@@ -113,8 +114,8 @@ def test_the_lecturer_has_a_place_when_all_are_taken(room):
     *_, teacher = (come(cookie_of(address, code)) for code in (CODE, CODE, CODE, NOTES))
     press(board)
     lecturer = come(cookie_of(address, OWN))
-    until(lambda: any("step 1 of" in told and "3 are here" in told for told in boards(lecturer)), "the board")
+    wait_until(lambda: any("step 1 of" in told and "3 are here" in told for told in boards(lecturer)), "the board")
     another = come(cookie_of(address, OWN))
     another.tell(board=["next", board.place.turn])
-    until(lambda: any("Reveal what came out" in told for told in boards(lecturer)), "the same on both")
+    wait_until(lambda: any("Reveal what came out" in told for told in boards(lecturer)), "the same on both")
     assert boards(teacher) == [] and board.tally.here == 3

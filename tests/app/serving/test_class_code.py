@@ -15,9 +15,9 @@ from app.access.network_limits import REMEMBERED, TokenBucket
 from app.classroom.class_context import Classroom
 from app.lessons import catalogue
 from tests.browser.conftest import serving
-from tests.support.doors import get, lab
-from tests.support.processes import until
-from tests.support.raw import Raw
+from tests.support.page_server import http_get, start_server
+from tests.support.processes import wait_until
+from tests.support.raw_client import RawClient
 
 CODE, NOTES, BOARD = "wave-4711", "tide-0815", "surf-2323"
 DOOR = b"<title>mpm-lab: class code</title>"
@@ -26,14 +26,14 @@ DOOR = b"<title>mpm-lab: class code</title>"
 @pytest.fixture(scope="module")
 def locked():
     """A server in this process that asks for a code."""
-    with lab(code=CODE) as (_, address):
+    with start_server(code=CODE) as (_, address):
         yield address
 
 
 def enter(address, guess):
     """Status, sentence and the cookie if there is one."""
-    status, body = get(address, "/enter", {"X-Class-Code": guess})
-    cookie = re.search(r"Set-Cookie: ([^;\r]+)(.*)", get.head)
+    status, body = http_get(address, "/enter", {"X-Class-Code": guess})
+    cookie = re.search(r"Set-Cookie: ([^;\r]+)(.*)", http_get.head)
     return status, body.decode().strip(), cookie
 
 
@@ -45,11 +45,11 @@ def test_no_path_gives_anything_without_the_code(locked):
     cookies = ["", f"mpm-lab-{port}=", f"mpm-lab-{port}={CODE}", f"mpm-lab-{port}", "mpm-lab=1; x=2", "=", ";;;"]
     for path in paths:
         for cookie in cookies if path in ("/", "/index.html") else cookies[:3]:
-            status, body = get(locked, path, {"Cookie": cookie})
+            status, body = http_get(locked, path, {"Cookie": cookie})
             assert DOOR in body and status == (200 if path.partition("?")[0] in ("/", "/index.html") else 403), path
-            assert "Set-Cookie" not in get.head and "no-store" in get.head
+            assert "Set-Cookie" not in http_get.head and "no-store" in http_get.head
     for path in ("/enter", "/enter?code=" + CODE, "/x/enter"):
-        assert get(locked, path)[0] == 403 and "Set-Cookie" not in get.head
+        assert http_get(locked, path)[0] == 403 and "Set-Cookie" not in http_get.head
 
 
 def test_no_websocket_opens_without_the_code(locked):
@@ -59,7 +59,7 @@ def test_no_websocket_opens_without_the_code(locked):
                           ("", {"X-Class-Code": CODE}), ("/enter", {"X-Class-Code": CODE}),
                           ("", {"Cookie": f"mpm-lab-{port}=x; mpm-lab-{port}=y"}), ("", {"Upgrade": "WebSocket"})]:
         with pytest.raises(InvalidStatus) as refused:
-            Raw(locked + path, headers)
+            RawClient(locked + path, headers)
         assert refused.value.response.status_code == 403
         assert b"class code is missing" in refused.value.response.body or "Upgrade" in headers
 
@@ -71,11 +71,11 @@ def test_the_code_opens_page_and_websocket(locked):
         status, sentence, cookie = enter(locked, guess)
         assert (status, sentence) == (200, "") and len(cookie[1].partition("=")[2]) >= 40
         assert {part.strip() for part in cookie[2].split(";")} >= {"HttpOnly", "SameSite=Strict", "Path=/"}
-    status, body = get(locked, "/", {"Cookie": f"a=b; {cookie[1]}"})
+    status, body = http_get(locked, "/", {"Cookie": f"a=b; {cookie[1]}"})
     assert status == 200 and DOOR not in body and b"lab-ground" in body
-    with Raw(locked, {"Cookie": cookie[1]}) as visitor:
+    with RawClient(locked, {"Cookie": cookie[1]}) as visitor:
         visitor.find("Problem")
-    assert get(locked, "/", {"Cookie": cookie[1], "Origin": "http://evil.example"})[0] == 403
+    assert http_get(locked, "/", {"Cookie": cookie[1], "Origin": "http://evil.example"})[0] == 403
 
 
 def test_codes_and_cookies_are_compared_in_constant_time(monkeypatch):
@@ -118,23 +118,24 @@ def test_wrong_guesses_are_limited_for_one_network_and_for_all_and_a_right_one_o
 
 def test_limit_reaches_the_page_and_lets_the_right_code_through(monkeypatch):
     monkeypatch.setattr(class_code, "ONE", (2, 0.1))
-    with lab(code=CODE) as (_, address):
+    with start_server(code=CODE) as (_, address):
         assert [enter(address, guess)[0] for guess in ("a", "b", "c", CODE)] == [403, 403, 429, 200]
-        assert enter(address, "d")[0] == 429 and re.search(r"Retry-After: \d+", get.head)
+        assert enter(address, "d")[0] == 429 and re.search(r"Retry-After: \d+", http_get.head)
 
 
 def test_the_teachers_code_opens_the_notes_and_the_class_code_does_not():
     """Where there is one; a code of use to nobody who is in already changes no cookie."""
-    with lab(code=CODE, notes=NOTES, classroom=Classroom(next(iter(catalogue.load_lessons())), teacher=True)) as (_,
-                                                                                                                  address):
+    with start_server(code=CODE, notes=NOTES,
+                      classroom=Classroom(next(iter(catalogue.load_lessons())), teacher=True)) as (_,
+                                                                                                                           address):
         cookies = {guess: enter(address, guess)[2][1] for guess in (CODE, NOTES)}
         for guess, cookie in cookies.items():
-            with Raw(address, {"Cookie": cookie}) as visitor:
+            with RawClient(address, {"Cookie": cookie}) as visitor:
                 visitor.find("Your name")  # below the lesson's beginning
                 shown = any("lab-teacher" in text for text in visitor.html.copy().values())
                 assert shown == (guess == NOTES)
         def status(guess, cookie):
-            return get(address, "/enter", {"X-Class-Code": guess, "Cookie": cookies[cookie]})[0]
+            return http_get(address, "/enter", {"X-Class-Code": guess, "Cookie": cookies[cookie]})[0]
 
         assert (status(CODE, NOTES), status(CODE, CODE), status(NOTES, CODE)) == (204, 204, 200)
     another = ClassCode(CODE, int(address.rpartition(":")[2]))  # a lab that has come in the place of this one
@@ -157,7 +158,7 @@ def test_a_cookie_is_one_browsers_and_made_by_this_lab():
 
 def test_strangers_learn_no_more_of_a_lab_than_that_it_is_ready(locked):
     for cookie, fields in ((None, {"ready"}), (enter(locked, CODE)[2][1], {"ready", "sessions", "places"})):
-        status, body = get(locked, "/health", {"Cookie": cookie} if cookie else {})
+        status, body = http_get(locked, "/health", {"Cookie": cookie} if cookie else {})
         assert status == 200 and json.loads(body).keys() & {"ready", "sessions", "places"} == fields
 
 
@@ -175,13 +176,15 @@ def test_lab_that_others_reach_makes_up_a_code_and_prints_it():
     with serving(arguments=arguments, coded=1, log=log) as (address, _, line):
         printed = re.search(r"class code is (\S+); (http://\S+)/#code=(\S+)", line)
         assert printed[1] == printed[3] and "0.0.0.0" not in address + printed[2]
-        assert get(printed[2])[0] == get(address)[0] == 200  # under this machine's own name for itself, and for others
+        assert (
+            http_get(printed[2])[0] == http_get(address)[0] == 200
+        )  # under this machine's own name for itself, and for others
         with pytest.raises(InvalidStatus):
-            Raw(address)
-        assert enter(address, "wrong-code")[0] == 403 and DOOR in get(address)[1]
+            RawClient(address)
+        assert enter(address, "wrong-code")[0] == 403 and DOOR in http_get(address)[1]
         cookie = enter(address, printed[1])[2][1]
-        with Raw(address, {"Cookie": cookie}) as visitor:
-            until(lambda: visitor.frames > 3, "frames")
+        with RawClient(address, {"Cookie": cookie}) as visitor:
+            wait_until(lambda: visitor.frames > 3, "frames")
     notes = re.search(r"teacher's code.* is (\S+); (http://\S+)/#code=(\S+)", log[0])
     assert notes[1] == notes[3] != printed[1] and notes[2] == printed[2]
     board = re.search(r"board's code.* is (\S+); (http://\S+)/#code=(\S+) opens", log[0])

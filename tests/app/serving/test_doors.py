@@ -8,8 +8,8 @@ from websockets.datastructures import Headers
 from app.access.allowed_hosts import Addresses
 from app.access.log_limit import Refusals
 from app.viewer.send_queue import PROTOCOL
-from tests.support.doors import get
-from tests.support.processes import until
+from tests.support.page_server import http_get
+from tests.support.processes import wait_until
 
 UPGRADE = {"Connection": "Upgrade", "Upgrade": "websocket", "Sec-WebSocket-Version": "13",
            "Sec-WebSocket-Key": "dGhlIHNhbXBsZSBub25jZQ==", "Sec-WebSocket-Protocol": PROTOCOL}
@@ -28,10 +28,10 @@ def test_foreign_pages_and_hosts_are_refused(here, headers, allowed):
     address = here[1]
     headers = {name: address if value == "own" else value for name, value in headers.items()}
     for path in ("/", "/index.html", "/assets/none.js", "/../x", "/enter"):
-        status, body = get(address, path, headers)
+        status, body = http_get(address, path, headers)
         assert (status != 403) == allowed, body
         assert allowed or (body.decode().strip().endswith(".") and b"<" not in body)
-    upgraded = get(address, "/", {**headers, **UPGRADE})
+    upgraded = http_get(address, "/", {**headers, **UPGRADE})
     assert upgraded[0] == (101 if allowed else 403)
 
 
@@ -92,9 +92,9 @@ def test_origin_must_be_a_tidy_one(here, origin):
 def test_page_of_another_site_may_lead_here_and_no_more(here, said, page, socket):
     """A browser that tells no origin says whether the page that asks is of another site."""
     headers = {f"Sec-Fetch-{name}": value for name, value in said.items()}
-    assert (get(here[1], "/", headers)[0] == 200) == page
-    assert (get(here[1], "/", {**headers, **UPGRADE})[0] == 101) == socket
-    assert get(here[1], "/", {**headers, **UPGRADE, "Origin": here[1]})[0] == 101  # which decides where it is told
+    assert (http_get(here[1], "/", headers)[0] == 200) == page
+    assert (http_get(here[1], "/", {**headers, **UPGRADE})[0] == 101) == socket
+    assert http_get(here[1], "/", {**headers, **UPGRADE, "Origin": here[1]})[0] == 101  # which decides where it is told
 
 
 def test_every_answer_says_what_may_be_done_with_it(here):
@@ -102,8 +102,8 @@ def test_every_answer_says_what_may_be_done_with_it(here):
     for path, headers in [("/", {}), ("/", {"Accept-Encoding": "gzip"}), ("/none", {}), ("/health", {}),
                           ("/here/x", {}), ("/", {"Host": "evil.example"}), ("/", UPGRADE),
                           ("/", {**UPGRADE, "Origin": "null"}), ("/", {**UPGRADE, "Sec-WebSocket-Key": "none"})]:
-        get(here[1], path, headers)
-        found = dict(line.split(": ", 1) for line in get.head.split("\r\n")[1:])
+        http_get(here[1], path, headers)
+        found = dict(line.split(": ", 1) for line in http_get.head.split("\r\n")[1:])
         assert (found["X-Content-Type-Options"], found["X-Frame-Options"]) == ("nosniff", "DENY"), path
         assert found["Referrer-Policy"] == "same-origin"
         policy = found["Content-Security-Policy"].split("; ")
@@ -127,7 +127,7 @@ def test_log_has_few_lines_however_much_is_refused(caplog):
     refusals = Refusals(lines=3, seconds=0.2)
     for k in range(1000):
         refusals.note(f"a message {k % 2}", "10.0.0.1")
-    until(lambda: "more" in caplog.text, "the sum")
+    wait_until(lambda: "more" in caplog.text, "the sum")
     assert [record.getMessage() for record in caplog.records[:2]] == [
         "refused from 10.0.0.1: a message 0", "refused from 10.0.0.1: a message 1"]
     assert len(caplog.records) == 4 and "refused 997 more" in caplog.records[3].getMessage()

@@ -24,10 +24,10 @@ from app.viewer import upload, viser_patches
 from solvers.problems.bar.scene import BarScene
 from solvers.solver import soundness
 from tests.app.serving.test_serve import Pool
-from tests.support import doors
-from tests.support.doors import get
-from tests.support.processes import until
-from tests.support.raw import Raw
+from tests.support import page_server
+from tests.support.page_server import http_get
+from tests.support.processes import wait_until
+from tests.support.raw_client import RawClient
 
 SECRET = "what a stranger has written"
 
@@ -153,15 +153,16 @@ def test_a_run_gone_bad_is_no_warning():
 def test_nothing_is_asked_for_while_the_browser_takes_nothing(here, monkeypatch):
     """And again from then on when it does; what the browser says of who looks at it holds all the same."""
     asked, still = [], [0.0]
-    monkeypatch.setattr(doors.Link, "ask", lambda link, scene, pace, frame: asked.append(pace.playing) or len(asked))
+    monkeypatch.setattr(page_server.SilentLink, "ask", lambda link, scene, pace,
+                        frame: asked.append(pace.playing) or len(asked))
     monkeypatch.setattr(page, "stands_still", lambda client: still[0])
-    with Raw(here[1]) as visitor:
+    with RawClient(here[1]) as visitor:
         visitor.find("Download CSV")
         token = next(found[1] for text in visitor.html.values() if (found := re.search("data-visitor='([^']*)'", text)))
-        until(lambda: asked[-1], "a run that moves")
+        wait_until(lambda: asked[-1], "a run that moves")
         still[0] = 3.0
-        until(lambda: not asked[-1], "it rests")
-        get(here[1], f"/away/{token}")
+        wait_until(lambda: not asked[-1], "it rests")
+        http_get(here[1], f"/away/{token}")
         still[0] = 0.0
-        get(here[1], f"/here/{token}")
-        until(lambda: asked[-1], "it goes on")
+        http_get(here[1], f"/here/{token}")
+        wait_until(lambda: asked[-1], "it goes on")

@@ -16,9 +16,9 @@ from app.page.visit.session import FIRST_SCENE, Session
 from app.problems.views import VIEWS
 from app.viewer import incoming_messages, web_server, widgets
 from solvers.problems import PROBLEMS
-from tests.support.doors import Pool
-from tests.support.processes import until
-from tests.support.raw import CAMERA, Raw, unknown
+from tests.support.page_server import SilentPool
+from tests.support.processes import wait_until
+from tests.support.raw_client import CAMERA, RawClient, unknown_widget_id
 
 #: What no widget of any kind can be; texts and truths are tried where they do not belong.
 NEVER = (None, [], {}, [1, 2], b"bytes", float("nan"), float("inf"), -float("inf"), {"a": [None]}, "x" * 20_001, 2**63)
@@ -30,14 +30,14 @@ PROPERTIES = ("min", "max", "step", "precision", "options", "label", "hint", "di
 
 @pytest.fixture
 def visitor(here):
-    with Raw(here[1]) as one:
+    with RawClient(here[1]) as one:
         one.find("Download CSV")  # the last of its controls
         yield one
 
 
 def page_of(one):
     """The widgets of the only visitor, as the server has them, once there is one."""
-    until(lambda: len(one._connected_clients) == 1, "one visitor")
+    wait_until(lambda: len(one._connected_clients) == 1, "one visitor")
     return next(iter(one._connected_clients.values())).gui._gui_input_handle_from_uuid
 
 
@@ -53,7 +53,7 @@ def settle(one, visitor):
     widget, text = visitor.find("Tolerance / A"), str(time.perf_counter())
     visitor.set(widget, text)
     pages = [client.gui._gui_input_handle_from_uuid for client in list(one._connected_clients.values())]
-    until(lambda: any(widget in page and page[widget].value == text for page in pages), "the server has heard")
+    wait_until(lambda: any(widget in page and page[widget].value == text for page in pages), "the server has heard")
 
 
 def bad_values(widget):
@@ -103,7 +103,7 @@ def test_no_control_takes_what_a_browser_cannot_send(here, complete):
         for value in (bad := bad_values(widget)):
             visitor.set(name, value)
         for other in PROPERTIES:
-            visitor.say({"type": "GuiUpdateMessage", "uuid": name, "updates": {other: widget.get("value")}})
+            visitor.send({"type": "GuiUpdateMessage", "uuid": name, "updates": {other: widget.get("value")}})
             visitor.set(name, widget.get("value"), **{other: 3})
         tried += len(bad) + 2 * len(PROPERTIES)
         settle(one, visitor)
@@ -125,8 +125,8 @@ def test_every_control_takes_what_a_browser_sends(here, complete):
             visitor.set(name, value)
             if value != old:
                 # Estimators that were switched off a moment ago go from among the options.
-                until(lambda n=name, t=before, v=value: page_of(one)[n].update_timestamp > t
-                      or v not in getattr(page_of(one)[n], "options", (v,)), f"{label}: {value}")
+                wait_until(lambda n=name, t=before, v=value: page_of(one)[n].update_timestamp > t
+                           or v not in getattr(page_of(one)[n], "options", (v,)), f"{label}: {value}")
                 taken.add(label)
     assert len(taken) > 30
 
@@ -168,20 +168,20 @@ def test_messages_that_no_page_sends_are_refused(here, visitor):
     mad += [click | {field: value} for field, value in [
         ("ray_direction", [1.0, 0.0, 0.0]), ("ray_direction", None), ("ray_origin", None), ("screen_pos", []),
         ("screen_pos", [[float("inf"), 0]]), ("event_type", "drag"), ("event_type", []), ("modifier", 5)]]
-    mad += [update | {"uuid": unknown()}, update | {"uuid": 5}, update | {"updates": {}}, update | {"updates": [1]},
-            {"type": "GuiUpdateMessage"}, {"type": "NoSuchMessage"}, {"type": ["a"]}, {"type": None}, {}, [], 5, None,
-            {"updates": {"value": 1}}, update | {"excluded_self_client": 3}]
+    mad += [update | {"uuid": unknown_widget_id()}, update | {"uuid": 5}, update | {"updates": {}},
+            update | {"updates": [1]}, {"type": "GuiUpdateMessage"}, {"type": "NoSuchMessage"}, {"type": ["a"]},
+            {"type": None}, {}, [], 5, None, {"updates": {"value": 1}}, update | {"excluded_self_client": 3}]
     mad += [{"type": kind.__name__} for kind in _messages.Message.get_subclasses()]
     noise = [b"", b"\x00", b"\xff" * 100, b"\x91" * 30_000, b"\xdf\xff\xff\xff\xff", "text", "", b"\x81\xc0\xc0",
              msgspec.msgpack.encode({"type": "ViewerCameraMessage"} | {str(k): k for k in range(2000)}),
              b"\x90" * 999_000]
     for message in mad + noise:
-        visitor.say(message)
+        visitor.send(message)
     settle(one, visitor)
     assert visitor.closed is None and heard == []
-    visitor.say(CAMERA | {"image_width": 601})
-    visitor.say(update)
-    until(lambda: heard == [601] and page_of(one)[update["uuid"]].value == "7", "the good ones")
+    visitor.send(CAMERA | {"image_width": 601})
+    visitor.send(update)
+    wait_until(lambda: heard == [601] and page_of(one)[update["uuid"]].value == "7", "the good ones")
 
 
 def test_kinds_of_messages_are_those_of_the_viewer():
@@ -202,7 +202,7 @@ def test_every_message_goes_through_the_check(here, visitor, monkeypatch):
                         *how: heard.append(message) or check(message, *how))
     widget = visitor.find("Longest run, s")
     visitor.set(widget, "8")
-    until(lambda: page_of(one)[widget].value == "8", "a value is set")
+    wait_until(lambda: page_of(one)[widget].value == "8", "a value is set")
     assert len(heard) == 1
     assert list(one._websock_server._live_connections) == list(one._connected_clients)
 
@@ -213,7 +213,7 @@ def test_no_way_leads_to_a_tunnel(here, visitor, monkeypatch):
     made = []
     monkeypatch.setattr(viser._viser, "ViserTunnel", lambda *_: made.append(1))
     for kind in ("ShareUrlRequest", "ShareUrlDisconnect"):
-        visitor.say({"type": kind})
+        visitor.send({"type": kind})
         for handler in one._websock_server._incoming_handlers[getattr(_messages, kind)]:
             handler(0, None)  # as the viewer would, if the message had come through
     settle(one, visitor)
@@ -229,21 +229,22 @@ def test_problem_that_is_chosen_while_the_page_is_made(here, monkeypatch):
         if not chosen:
             chosen.append(1)
             visitor.set(visitor.find("Problem"), "expanding ring")
-            until(lambda: controls.problem.value == "expanding ring", "the choice to come")
+            wait_until(lambda: controls.problem.value == "expanding ring", "the choice to come")
         build(controls)
 
     monkeypatch.setattr(Controls, "_build", slowly)
-    with Raw(here[1], arrive=False) as visitor:
-        visitor.say(CAMERA)
+    with RawClient(here[1], arrive=False) as visitor:
+        visitor.send(CAMERA)
         visitor.find("Cells, h = 1.2/24")
 
 
 def test_socket_that_never_speaks_is_closed(monkeypatch, here):
     """Also one that says only what is refused; who says where the camera is may then be as silent as it likes."""
     monkeypatch.setattr(web_server, "SILENT", 0.5)
-    with Raw(here[1], arrive=False) as mute, Raw(here[1], arrive=False) as babbler, Raw(here[1]) as visitor:
-        babbler.say(b"nothing that means anything")
-        until(lambda: mute.closed and babbler.closed, "both closed")
+    with RawClient(here[1], arrive=False) as mute, RawClient(here[1],
+                                                             arrive=False) as babbler, RawClient(here[1]) as visitor:
+        babbler.send(b"nothing that means anything")
+        wait_until(lambda: mute.closed and babbler.closed, "both closed")
         assert (mute.closed, babbler.closed, visitor.closed) == (1008, 1008, None)
         assert mute.socket.close_reason == web_server.NOTHING_SAID
 
@@ -252,7 +253,7 @@ def test_what_is_refused_is_wished_no_longer():
     """It is said of which field, until anything else is asked for, which is done with the value that there was. No more
     than one visitor may have is asked for, whatever the widgets let through: particles, and with them memory; and
     periods a second."""
-    session = Session(Pool(), FIRST_SCENE, lambda *_: None)
+    session = Session(SilentPool(), FIRST_SCENE, lambda *_: None)
     session.set(amplitude=0.2)
     field, sentence = session.refused
     assert field == "amplitude" and "0.159" in sentence and session.scene == FIRST_SCENE

@@ -15,10 +15,10 @@ import pytest
 from websockets.exceptions import InvalidStatus
 
 from solvers.workers.worker_process import free_port
-from tests.support.doors import lab
+from tests.support.page_server import start_server
 from tests.support.paths import ASSETS
-from tests.support.processes import HANG, until
-from tests.support.raw import Raw
+from tests.support.processes import HANG, wait_until
+from tests.support.raw_client import RawClient
 
 EXAMPLE = ASSETS / "nginx.conf.example"
 NAME, CODE = "lab.school.example", "wave-4711"
@@ -46,7 +46,7 @@ def proxied(tmp_path_factory):
                     "-addext", f"subjectAltName=DNS:{NAME}", "-keyout", room / "key", "-out", room / "certificate"],
                    check=True, capture_output=True, timeout=HANG)
     plain, secure = free_port(), free_port()
-    with lab(names=(NAME,), code=CODE) as (_, address):
+    with start_server(names=(NAME,), code=CODE) as (_, address):
         text = EXAMPLE.read_text(encoding="utf-8")
         keys = f"/etc/letsencrypt/live/{NAME}"
         for old, new in [("listen 80;", f"listen 127.0.0.1:{plain};"), ("http://127.0.0.1:8080", address),
@@ -59,7 +59,7 @@ def proxied(tmp_path_factory):
         (room / "nginx.conf").write_text(MAIN.format(room), encoding="utf-8")
         process = subprocess.Popen([nginx, "-c", room / "nginx.conf", "-p", room, "-e", room / "errors"])
         try:
-            until(lambda: process.poll() is not None or listens(secure), "nginx listens")
+            wait_until(lambda: process.poll() is not None or listens(secure), "nginx listens")
             assert process.poll() is None, (room / "errors").read_text()
             yield plain, secure, ssl.create_default_context(cafile=room / "certificate")
         finally:
@@ -97,7 +97,7 @@ def visit(proxied, **headers):
     with socket.create_server(("127.0.0.1", 0)) as door:
         ours, (theirs, _) = socket.create_connection(door.getsockname()), door.accept()
     threading.Thread(target=carry, args=(line, theirs), daemon=True).start()
-    return Raw(f"http://{NAME}:{secure}", {"Origin": f"https://{NAME}:{secure}"} | headers, sock=ours)
+    return RawClient(f"http://{NAME}:{secure}", {"Origin": f"https://{NAME}:{secure}"} | headers, sock=ours)
 
 
 def carry(line, inner):

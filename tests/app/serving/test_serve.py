@@ -13,8 +13,8 @@ from app.page.page_server import OVER, Visitors, _engine_count
 from solvers.engine import engine_process
 from solvers.engine.engine_pool import EnginePool
 from solvers.engine.engine_process import CANNOT_START
-from tests.support.listening import PATIENCE, SCENE, Listener
-from tests.support.processes import until
+from tests.support.processes import wait_until
+from tests.support.session_listener import PATIENCE, SCENE, Listener
 
 
 class Link:
@@ -164,7 +164,7 @@ def test_engines_follow_the_processors_that_may_be_used(monkeypatch, processors,
 def starts(monkeypatch):
     """Engines that end at once; the times at which they were started."""
     times, start = [], engine_process.EngineProcess._start
-    monkeypatch.setattr(engine_process, "become_engine",
+    monkeypatch.setattr(engine_process, "run_engine_process",
                         operator.is_)  # any function that takes two arguments and returns
     monkeypatch.setattr(engine_process.EngineProcess, "_start", lambda self: (times.append(monotonic()), start(self)))
     return times
@@ -199,7 +199,7 @@ def test_no_engine_is_started_after_closing(starts, monkeypatch):
     before = set(threading.enumerate())
     pool = EnginePool(SCENE)
     threads = set(threading.enumerate()) - before
-    until(lambda: pool._engines[0]._failures == 1, "its reader has noticed")
+    wait_until(lambda: pool._engines[0]._failures == 1, "its reader has noticed")
     pool.close()
     for thread in threads:
         thread.join(PATIENCE)

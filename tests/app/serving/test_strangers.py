@@ -10,9 +10,9 @@ from websockets.exceptions import ConnectionClosed, InvalidStatus
 from app.access.network_limits import PendingConnections, TokenBucket, TokenBuckets, network_of
 from app.viewer import connection, upload, web_server
 from tests.app.page.features.test_own_file import Sender
-from tests.support.doors import lab
-from tests.support.processes import starving, until
-from tests.support.raw import Raw
+from tests.support.page_server import start_server
+from tests.support.processes import measure_starvation, wait_until
+from tests.support.raw_client import RawClient
 
 STRANGER, OTHER = ("127.0.0.66", 0), ("127.0.0.77", 0)  # each is a network of its own on this machine
 WITHIN = 3.0  # seconds in which others come in
@@ -47,7 +47,7 @@ def test_whoever_has_waited_longest_makes_room_in_his_own_network():
 
 @pytest.fixture(scope="module")
 def address():
-    with lab() as (_, address), Raw(address) as first:
+    with start_server() as (_, address), RawClient(address) as first:
         first.find("Download CSV")  # the first page takes a moment more
         yield address
 
@@ -55,7 +55,7 @@ def address():
 def comes_in(address):
     """Seconds that it takes a newcomer from elsewhere to have all of the page's controls, others' work not counted."""
     begun = monotonic()
-    with starving() as starved, Raw(address, source_address=OTHER) as newcomer:
+    with measure_starvation() as starved, RawClient(address, source_address=OTHER) as newcomer:
         newcomer.find("Download CSV")
         return monotonic() - begun - starved()
 
@@ -98,11 +98,11 @@ def test_silent_websockets_take_nobodys_place(address, monkeypatch):
         silent = []
         for _ in range(connection.SOCKETS[0] + 20):
             with suppress(InvalidStatus):
-                silent.append(stack.enter_context(Raw(address, arrive=False, source_address=STRANGER)))
+                silent.append(stack.enter_context(RawClient(address, arrive=False, source_address=STRANGER)))
         assert len(silent) > connection.SOCKETS[0]
         assert comes_in(address) < WITHIN
         gone = len(silent) - connection.SOCKETS[0]
-        until(lambda: sum(one.closed == 1008 for one in silent) == gone, "the oldest sent away")
+        wait_until(lambda: sum(one.closed == 1008 for one in silent) == gone, "the oldest sent away")
         assert silent[0].closed == 1008 and silent[0].socket.close_reason == web_server.CROWDED
         assert silent[-1].closed is None
 
@@ -114,7 +114,7 @@ def test_who_comes_and_goes_keeps_only_its_own_network_out(address, monkeypatch)
     refused = 0
     for _ in range(20):
         try:
-            Raw(address, arrive=False, source_address=("127.0.0.88", 0)).close()
+            RawClient(address, arrive=False, source_address=("127.0.0.88", 0)).close()
         except InvalidStatus as status:
             refused += status.response.status_code == 503 and int(status.response.headers["Retry-After"]) >= 1
             if refused > 3:
@@ -126,23 +126,23 @@ def test_who_comes_and_goes_keeps_only_its_own_network_out(address, monkeypatch)
     ("127.0.0.99", "values"), pytest.param("127.0.7.7", "parts of a file", marks=pytest.mark.slow)])
 def test_who_sends_far_too_much_is_sent_away_and_must_wait(address, source, what):
     """Others stay; from its address no websocket opens for some seconds."""
-    with Raw(address, source_address=OTHER) as other:
-        flood = Raw(address, source_address=(source, 0))
+    with RawClient(address, source_address=OTHER) as other:
+        flood = RawClient(address, source_address=(source, 0))
         slider, sender = flood.find("Cells, h = 1/40"), Sender(flood)
         with pytest.raises(ConnectionClosed):
             while True:
                 flood.set(slider, 41) if what == "values" else sender.part(0, bytes(upload.PART_BYTES))
-        until(lambda: flood.closed in (1008, 1006), "it is sent away")
+        wait_until(lambda: flood.closed in (1008, 1006), "it is sent away")
         with pytest.raises(InvalidStatus) as refused:
-            Raw(address, source_address=(source, 0))
+            RawClient(address, source_address=(source, 0))
         assert refused.value.response.status_code == 503 and refused.value.response.headers["Retry-After"]
         assert other.closed is None
 
 
 def test_large_message_closes_its_own_websocket_only(address):
-    with Raw(address, source_address=OTHER) as other, Raw(address, source_address=("127.0.0.78", 0)) as one:
+    with RawClient(address, source_address=OTHER) as other, RawClient(address, source_address=("127.0.0.78", 0)) as one:
         with pytest.raises(ConnectionClosed):
-            one.say(b"\x00" * 49_000_000)
-            until(lambda: one.closed, "it is closed")
-            one.say("more")
+            one.send(b"\x00" * 49_000_000)
+            wait_until(lambda: one.closed, "it is closed")
+            one.send("more")
         assert one.closed in (1009, 1006) and other.closed is None

@@ -13,8 +13,8 @@ from viser.infra import _infra
 
 from app.viewer.message_encoding import SHORT, ChangedArrays, send
 from app.viewer.send_queue import SendBuffer, batch_messages
-from tests.support.listening import PATIENCE
-from tests.support.processes import until
+from tests.support.processes import wait_until
+from tests.support.session_listener import PATIENCE
 
 
 @pytest.fixture
@@ -67,7 +67,7 @@ def test_a_frame_leaves_whole_and_at_once(loop):
             sleep(0.001)
         buffer.flush()
         buffer.atomic_end()
-        until(lambda: len(windows) > step, "a frame", pause=0.001)  # noqa: B023
+        wait_until(lambda: len(windows) > step, "a frame", pause=0.001)  # noqa: B023
         assert [(message.name, message.updates["step"]) for message in windows[step]] == \
             [(name, step) for name in "abc"]
     buffer.set_done()
@@ -81,7 +81,7 @@ def test_frames_of_many_that_come_together_wake_the_sender_once(loop, monkeypatc
     monkeypatch.setattr(loop, "call_soon_threadsafe", lambda *args: woken.append(args) or soon(*args))
     buffers = [SendBuffer(loop, persistent_messages=False, window_duration_sec=PATIENCE) for _ in range(4)]
     heard = [listen(loop, buffer) for buffer in buffers]
-    until(lambda: all(buffer.generator_cursors for buffer in buffers), "those who listen")
+    wait_until(lambda: all(buffer.generator_cursors for buffer in buffers), "those who listen")
 
     def tell(buffer, step):
         buffer.atomic_start()
@@ -98,7 +98,7 @@ def test_frames_of_many_that_come_together_wake_the_sender_once(loop, monkeypatc
         thread.start()
         thread.join()
         assert len(woken) == 1
-    until(lambda: all(windows for windows, _ in heard), "a frame for each")
+    wait_until(lambda: all(windows for windows, _ in heard), "a frame for each")
     assert len(woken) <= 2
     assert all([message.name for message in windows[0]] == ["a", "b", "c"] for windows, _ in heard)
     for buffer, (_, end) in zip(buffers, heard, strict=True):
@@ -147,9 +147,9 @@ def test_a_newcomer_hears_what_was_said_before_and_where_that_ends(loop):
     for number in range(200):
         buffer.push(moved(f"a{number}", 0))
     windows, end = listen(loop, buffer, ReplayDoneMessage())
-    until(lambda: sum(map(len, windows)) >= 201, "all that was said before")
+    wait_until(lambda: sum(map(len, windows)) >= 201, "all that was said before")
     buffer.push(moved("later", 0))
-    until(lambda: sum(map(len, windows)) >= 202, "what is said later")
+    wait_until(lambda: sum(map(len, windows)) >= 202, "what is said later")
     buffer.set_done()
     end.result(PATIENCE)
     messages = [message for window in windows for message in window]
@@ -168,11 +168,11 @@ def test_all_is_sent_when_the_last_window_has_gone(loop):
     assert buffer.all_sent
     buffer.push(moved("/bar", 1))
     buffer.flush()
-    until(lambda: buffer.generator_cursors.get(1) == 0, "the message taken")
+    wait_until(lambda: buffer.generator_cursors.get(1) == 0, "the message taken")
     assert not buffer.all_sent
-    until(lambda: buffer.stands_still > 0.05, "it is seen that nothing is taken")
+    wait_until(lambda: buffer.stands_still > 0.05, "it is seen that nothing is taken")
     loop.call_soon_threadsafe(go.set)
-    until(lambda: buffer.all_sent, "the message gone")
+    wait_until(lambda: buffer.all_sent, "the message gone")
     assert buffer.stands_still == 0
     buffer.set_done()
     sending.result(PATIENCE)

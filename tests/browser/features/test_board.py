@@ -10,7 +10,7 @@ from tests.app.serving.test_class_code import enter
 from tests.browser.conftest import FEW_FRAMES, SIZE, axe_finds, no_errors, serving
 from tests.browser.driving import downloaded, until
 from tests.browser.page.test_present import SIZES
-from tests.support.pupils import Pupil, cookie_of
+from tests.support.simulated_students import Student, cookie_of
 
 LESSON = catalogue.load_lesson("04-grid-crossing")
 STEPS, LETTERS, HEADING = LESSON.steps, 28, 40  # pixels for the last row, in a window of 1280 by 720
@@ -82,7 +82,7 @@ def test_a_class_on_the_board(chromium, tmp_path):
         readable(lecturer)
 
         def come(cookie):
-            pupil = stack.enter_context(Pupil(address, cookie))
+            pupil = stack.enter_context(Student(address, cookie))
             pupil.find("Next")
             return pupil
 

@@ -15,7 +15,7 @@ from tests.browser.conftest import FEW_FRAMES, SIZE, no_errors, serving
 from tests.browser.driving import again_until, until
 from tests.browser.features.test_export import WATCH
 from tests.browser.languages import outside, words_of
-from tests.support import pseudo
+from tests.support import pseudo_translation
 
 SCENE = "bar;cells=20;cfl=0.2"
 LESSON = "04-grid-crossing"
@@ -26,7 +26,7 @@ CODE = "wave-4711"
 def address():
     """Of a lab for a class, in which there is one language more."""
     arguments = ("--code", CODE, "--lesson", LESSON)
-    with serving({"MPM_LAB_EXTENSIONS": "tests.support.pseudo"}, arguments, coded=True) as (found, *_):
+    with serving({"MPM_LAB_EXTENSIONS": "tests.support.pseudo_translation"}, arguments, coded=True) as (found, *_):
         yield found
 
 
@@ -87,7 +87,7 @@ def test_a_visitor_changes_the_language_and_what_is_seen_stays(chromium, address
 
 @pytest.mark.slow
 def test_nothing_on_the_page_is_said_outside_the_catalogue(chromium, address):
-    with visiting(chromium, address, f"&lang={pseudo.CODE}") as page:
+    with visiting(chromium, address, f"&lang={pseudo_translation.CODE}") as page:
         found = {}
 
         def look(state):
@@ -144,7 +144,7 @@ def test_nothing_in_a_file_is_said_outside_the_catalogue(chromium, tmp_path, mon
     monkeypatch.setattr("app.export.html_file.record_scenes", lambda wanted,
                         *others: [record_scene(one) for one in wanted])
     path = tmp_path / "lesson.html"
-    with use_language(pseudo.CODE):
+    with use_language(pseudo_translation.CODE):
         path.write_text(lesson_page(parse_lesson(TEXT, "99-test"), 1, lambda part, what: None, {}), encoding="utf-8")
     page, found = chromium.new_page(viewport=SIZE), {}
     page.add_init_script(WATCH)

@@ -16,7 +16,7 @@ from solvers import BarScene
 from solvers.workers.worker_process import free_port
 from tests.browser.conftest import SIZE
 from tests.groups import require_group
-from tests.support.processes import HANG, until
+from tests.support.processes import HANG, wait_until
 
 CELLS = ["from app.notebook import show\nfrom solvers import BarScene, run\n"
          "scene = BarScene(cells=10, periods=0.25, estimators=('companion',))\nrun(scene)",
@@ -52,7 +52,7 @@ def jupyter(tmp_path_factory):
         return False
 
     try:
-        until(answers, "JupyterLab")
+        wait_until(answers, "JupyterLab")
         yield address
     finally:
         process.terminate()
@@ -64,7 +64,7 @@ def norm_of(frame) -> str:
 
 
 def plays_to_its_end(frame) -> None:
-    until(lambda: frame.locator("#clock").inner_text() == "0.25 s", "the end of the run")
+    wait_until(lambda: frame.locator("#clock").inner_text() == "0.25 s", "the end of the run")
     assert norm_of(frame).endswith("µm")
     drawn = "canvas => new Set(canvas.getContext('2d').getImageData(0, 0, canvas.width, canvas.height).data).size"
     assert frame.locator("#stage").evaluate(drawn) > 50  # values of colours: a stage that is drawn, not an empty one

@@ -7,7 +7,7 @@ import pytest
 
 from app.cli import main
 from tests.browser.driving import click, coloured, readout, row, scene, shown, stage, steps, to_the_ring, until
-from tests.support.listening import PATIENCE
+from tests.support.session_listener import PATIENCE
 
 FIELD = "[data-lab~=lab-upload] + div input[type=file]"
 #: Drags a text as a file over the stage, and lets it fall there.

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from tests.browser.driving import choose, click, readout, shown, stage, steps, time, until
-from tests.support.listening import PATIENCE
+from tests.support.session_listener import PATIENCE
 
 LINE = r"pinned\s+([\d.]+ \S?m)\s+[\d.]+\s+[\d.]+"
 

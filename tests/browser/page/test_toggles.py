@@ -3,8 +3,8 @@
 import pytest
 
 from tests.browser.driving import choose, engine_processes, steps, tick, until
-from tests.support.listening import PATIENCE
-from tests.support.processes import children, held
+from tests.support.processes import children, stop_processes
+from tests.support.session_listener import PATIENCE
 
 COMPILING = "[data-waits^=compiling]"  # beside the name of the control that was changed last
 
@@ -33,7 +33,7 @@ def test_the_stage_goes_on_beside_the_compiler(page, server):
             page.wait_for_timeout(5)
             if found := compilers(server):
                 break
-        with held(found):
+        with stop_processes(found):
             if found and compilers(server) == found:
                 until(page.locator(COMPILING).is_visible, "the word")
                 before = steps(page)

@@ -8,7 +8,7 @@ import pytest
 from solvers.problems.bar.scene import BarScene
 from solvers.problems.bar.solver import BarSolver
 from solvers.scene.scene import Scene
-from tests.support.reference import Bar
+from tests.support.reference_bar import Bar
 
 STEPS = 40
 BASE = BarScene(cells=12, amplitude=0.1, cfl=0.2, periods=2, density=1.7, estimators=(), effects=())

@@ -95,7 +95,7 @@ def test_the_causes_add_up_in_many_scenes(method, simulate):
     has no error but round-off, which is no cause's and of which the budget says so."""
     for scene in islice(drawn(2, BarScene, method), 40):
         series = simulate(scene).series
-        assert "round-off" in budget.not_valid(series) if budget.rms(series, "x") <= budget.ROUND_OFF else \
+        assert "round-off" in budget.why_not_valid(series) if budget.rms(series, "x") <= budget.ROUND_OFF else \
             largest_gap(series, until=0.1) <= 1e-6, scene
 
 
@@ -194,7 +194,7 @@ def test_a_run_gone_bad_still_has_a_result(simulate):
     assert result.status == "unstable" and json.dumps(found, allow_nan=False)
     assert found["not_valid"].startswith("not valid here: ")
     gone = {name: np.append(values, np.nan) for name, values in result.series.items()}
-    assert "too large" in budget.not_valid(gone) and budget.rms(gone, "x", without="crossings") is None
+    assert "too large" in budget.why_not_valid(gone) and budget.rms(gone, "x", without="crossings") is None
 
 
 def test_of_runs_gone_bad_the_time_that_both_have_is_compared():

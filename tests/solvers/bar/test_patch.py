@@ -126,14 +126,14 @@ def test_the_first_step_onto_a_boundary_is_known(ppc, cells_a_step, step):
     """Of particles at odd parts of a cell too, which no decimal number is: 5/6 + 2/12 = 1; 1/8 + n/12 is never whole.
     """
     scene = replace(PATCH, method="mpm", ppc=ppc)
-    assert patch_test.edge_step(scene, cells_a_step * scene.spacing / scene.time_step) == step
+    assert patch_test.first_edge_step(scene, cells_a_step * scene.spacing / scene.time_step) == step
 
 
 def test_a_bar_of_many_cells_is_looked_at_in_few():
     """A million particles or ten thousand stand alike in their cells, and so bear the same step, in cells."""
     few, many = (replace(PATCH, method="ugimp", cells=cells, ppc=10) for cells in (1000, 100_000))
     assert many.step_bound == pytest.approx(few.step_bound / 100, rel=1e-9)  # places are known to 1e5 epsilon = 2e-11
-    assert patch_test.group(replace(PATCH, cells=1000, ppc=2.5)) == (2, 5)
+    assert patch_test.repeating_unit(replace(PATCH, cells=1000, ppc=2.5)) == (2, 5)
 
 
 def test_a_third_is_a_number_of_particles_too():
@@ -154,8 +154,8 @@ def test_it_travels_as_a_text_and_as_an_object():
 
 def test_what_moves_on_is_drawn_where_it_came_in():
     x = np.array([.25, 1.25, 7.5, -.25])
-    assert PATCH.within(x) == pytest.approx([.25, .25, .5, .75])
-    assert BarScene().within(x) is x
+    assert PATCH.wrap_into_period(x) == pytest.approx([.25, .25, .5, .75])
+    assert BarScene().wrap_into_period(x) is x
 
 
 def test_a_step_around_the_end_of_the_bar_is_told_whole():

@@ -18,8 +18,8 @@ from solvers.problems.bar.scene import BarScene
 from solvers.problems.ring import RingScene
 from solvers.running.run import build
 from solvers.solver import samples
-from tests.support.listening import PATIENCE, SCENE, Listener, assert_same
-from tests.support.processes import Watch, held
+from tests.support.processes import RunningTime, stop_processes
+from tests.support.session_listener import PATIENCE, SCENE, Listener, assert_same
 
 
 class Deadly(BarScene):
@@ -59,12 +59,12 @@ def test_latest_wish_wins_and_asking_never_waits(pool, session):
     link, listener = session
     listener.frame(link.ask(SCENE))
     begun = thread_time()
-    with held(pool.process_ids):
+    with stop_processes(pool.process_ids):
         for k in range(400):
             number = link.ask(replace(SCENE, amplitude=0.01 + 1e-4 * k))
         asked = thread_time() - begun
         assert listener.frames[-1][0].number < number
-        watch = Watch(pool.process_ids[0])
+        watch = RunningTime(pool.process_ids[0])
     report, _ = listener.frame(number)
     assert report.scene.amplitude == pytest.approx(0.01 + 1e-4 * 399)
     assert asked < 0.5 and watch.seconds < 1.0
@@ -77,7 +77,7 @@ def test_slider_to_first_new_frame(pool, session):
     listener.frame(link.ask(SCENE))
     waits = []
     for cells in range(30, 130, 10):
-        watch = Watch(pool.process_ids[0])
+        watch = RunningTime(pool.process_ids[0])
         report, arrays = listener.frame(link.ask(replace(SCENE, cells=cells)))
         waits.append(watch.seconds)
         assert len(arrays.position) == 4 * cells == report.scene.particles
@@ -206,7 +206,7 @@ def test_what_is_asked_for_comes_and_no_more(pool, scene):
     report, arrays = listener.frame(number, lambda r: r.step == steps)
     (sizes,) = arrays.difference.values()
     assert report.holds.differences and sizes.shape == (scene.particles, 4)
-    series = samples.read(report.rows, scene, scene.particles)
+    series = samples.read_rows(report.rows, scene, scene.particles)
     norm = np.sqrt(np.mean(sizes.astype(float) ** 2, axis=0))
     for column, quantity in enumerate(("x", "v")):
         assert norm[column] == pytest.approx(series[f"transport/difference_{quantity}"][-1], rel=1e-5)

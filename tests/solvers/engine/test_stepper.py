@@ -52,14 +52,14 @@ def test_numbers_of_the_body_are_looked_at_twice_a_second(clock):
     with one_session(SessionRequest(1, 1, "", scene, Pace(speed=0.5))) as session:
         seen = []
         while clock.now < 101.5:
-            memory.clear(session._block)
+            memory.mark_as_read(session._block)
             clock.now += 0.05
-            session.turn()
-            seen.append(session.frame().goals[ENERGY]["value"])
+            session.advance_slice()
+            seen.append(session.write_frame().goals[ENERGY]["value"])
         assert 3 <= len(set(seen)) <= 4
         session.accept(replace(session.wish, pace=Pace(playing=False)))
-        memory.clear(session._block)
-        report = session.frame()
+        memory.mark_as_read(session._block)
+        report = session.write_frame()
     ended = run(replace(scene, periods=None, t_end=report.time), goals=[ENERGY, STRESS])
     assert report.step == ended.steps and report.goals == ended.goals
     assert report.goals[ENERGY]["bar"]["companion"] is not None and "transport" not in report.goals[ENERGY]["bar"]
@@ -68,14 +68,14 @@ def test_numbers_of_the_body_are_looked_at_twice_a_second(clock):
 def test_playing_keeps_the_asked_speed(clock):
     """Simulated time follows the clock at the speed asked for."""
     with one_session(SessionRequest(1, 1, "", SCENE, Pace(speed=0.8))) as session:
-        begun, start = session.frame().time, clock.now
+        begun, start = session.write_frame().time, clock.now
         while clock.now < start + 0.5:
-            memory.clear(session._block)
+            memory.mark_as_read(session._block)
             clock.now += 0.007
-            if session.behind:
-                session.turn()
-            if session.ready:
-                report, at = session.frame(), clock.now
+            if session.is_behind:
+                session.advance_slice()
+            if session.frame_is_ready:
+                report, at = session.write_frame(), clock.now
     assert (report.time - begun) / (at - start) == pytest.approx(0.8 * SCENE.period, rel=0.02)
     assert report.real_speed == pytest.approx(0.8 * SCENE.period, rel=0.02)
 
@@ -83,13 +83,13 @@ def test_playing_keeps_the_asked_speed(clock):
 def test_a_frame_is_not_written_over_before_the_page_has_it(clock):
     """Not even one that is asked for; and what the page reads frees the block for the next."""
     with one_session(SessionRequest(1, 1, "", SCENE, Pace(speed=0.5))) as session:
-        first = session.frame()
+        first = session.write_frame()
         for number in (2, 3):
             clock.now += 1.0
             session.accept(replace(session.wish, number=number, pace=Pace(number == 2, 0.5)))
-            assert not (session.behind or session.ready) and session.next_due < clock.now + 0.1
-        memory.read(session._block, SCENE, first.particles)
-        assert session.ready and session.frame().number == 3 and not session.ready
+            assert not (session.is_behind or session.frame_is_ready) and session.next_due < clock.now + 0.1
+        memory.read_frame(session._block, SCENE, first.particles)
+        assert session.frame_is_ready and session.write_frame().number == 3 and not session.frame_is_ready
         assert session.next_due == float("inf")
 
 
@@ -101,7 +101,7 @@ def test_turns_are_shorter_where_many_share_an_engine():
         for sessions, frame, steps in ((1, 0, 8000), (6, 0, 8000), (10, 0, 5000), (10, 0.001, 4000), (30, 0.001, 667),
                                        (30, 0.002, 400), (200, 0, 400)):
             session.sessions, session._seconds_a_frame = sessions, frame
-            assert session._slice == pytest.approx(steps, abs=1)
+            assert session._slice_steps == pytest.approx(steps, abs=1)
 
 
 @pytest.mark.parametrize("apart", [FRAME_SECONDS, 0.1])
@@ -115,10 +115,10 @@ def test_frames_keep_their_beat(clock, apart):
                                     frame_seconds=apart)) as session:
         while clock.now < 103.0:
             clock.now += 0.007
-            if session.ready:
+            if session.frame_is_ready:
                 clock.now += 0.01  # the turn before the frame
-                session.frame()
-                memory.clear(session._block)
+                session.write_frame()
+                memory.mark_as_read(session._block)
                 times.append(clock.now)
     assert len(times) / 3.0 == pytest.approx(1 / apart, rel=0.04)  # one frame more or less of 30
     assert np.diff(times).min() > 0.45 * apart
@@ -130,11 +130,11 @@ def test_frames_are_late_when_they_come_too_seldom(clock):
         def frames(apart, count=20):
             for _ in range(count):
                 clock.now += apart
-                while not session.ready:
+                while not session.frame_is_ready:
                     clock.now += 1e-3
-                session.frame()
-                memory.clear(session._block)
-            return session.late
+                session.write_frame()
+                memory.mark_as_read(session._block)
+            return session.frames_are_late
 
         assert not frames(0.005)
         assert frames(0.05)
@@ -150,7 +150,7 @@ def test_a_session_goes_on_with_a_solver_that_has_been_prepared_for_it(clock):
         session.accept(replace(session.wish, pace=Pace(False, single_steps=12)))
         right, wrong = BarSolver(SCENE), BarSolver(replace(SCENE, cells=24))
         for prepared in (right, wrong, None):
-            replacement = Stepper.resumed(session.state(), prepared)
+            replacement = Stepper.from_state(session.state(), prepared)
             assert (replacement.solver is prepared) == (prepared is right) and replacement.solver.scene == SCENE
             assert replacement.solver.step == session.solver.step == 7
             np.testing.assert_array_equal(replacement.solver.snapshot().position, session.solver.snapshot().position)
@@ -162,10 +162,10 @@ def test_a_step_taken_apart_can_be_looked_at_from_another_particle_after_a_hand_
     first = SessionRequest(1, 1, "", SCENE, Pace(False, single_steps=0), FrameOptions(broken_down=3))
     with one_session(first) as session:
         session.accept(replace(session.wish, pace=Pace(False, single_steps=5)))
-        replacement = Stepper.resumed(session.state(), None)
+        replacement = Stepper.from_state(session.state(), None)
         for one in (session, replacement):
             one.accept(replace(one.wish, frame=FrameOptions(broken_down=7)))
-        theirs, ours = session.frame().breakdown, replacement.frame().breakdown
+        theirs, ours = session.write_frame().breakdown, replacement.write_frame().breakdown
         assert theirs.particle == ours.particle == 7 and theirs.step == ours.step
         np.testing.assert_array_equal(theirs.velocity, ours.velocity)
         replacement.close()
@@ -178,12 +178,12 @@ def test_a_lost_run_goes_on_and_says_what_a_plain_run_says(clock):
     with one_session(SessionRequest(1, 1, "", scene, Pace(speed=0.5))) as session:
         reports = []
         while not reports or reports[-1].time < scene.end_time:
-            memory.clear(session._block)
+            memory.mark_as_read(session._block)
             clock.now += 0.007
-            if session.behind:
-                session.turn()
-            if session.ready:
-                reports.append(session.frame())
+            if session.is_behind:
+                session.advance_slice()
+            if session.frame_is_ready:
+                reports.append(session.write_frame())
     statuses = [report.status for report in reports]
     begun = statuses.index("lost")
     assert statuses == ["ok"] * begun + ["lost"] * (len(statuses) - begun) and reports[-1].playing
@@ -195,18 +195,18 @@ def test_a_finding_of_an_estimator_that_does_not_hold_counts_no_longer():
     """Found at first, dropped once the estimator is found not to hold, and no later one is missed for it."""
     scene = replace(SCENE, estimators=("recovered",))
     solver = BarSolver(scene)
-    names = samples.columns(scene.active_estimators, scene.active_effects)
+    names = samples.column_names(scene.active_estimators, scene.active_effects)
     row = np.full((2, len(names)), np.nan)
     row[:, 0] = 10, 20
     row[0, names.index("recovered/estimate_x")] = 4 * SCENE.amplitude**2
     watch = SoundnessWatch(scene)
-    watch.look(row[:1], 4)
-    assert watch.tell(solver, {})[0] == "lost" and "recovered" in watch.tell(solver, {})[1]
-    assert watch.tell(solver, {"recovered": "it rains"}) == ("ok", None, None)
+    watch.check_samples(row[:1], 4)
+    assert watch.current_status(solver, {})[0] == "lost" and "recovered" in watch.current_status(solver, {})[1]
+    assert watch.current_status(solver, {"recovered": "it rains"}) == ("ok", None, None)
     row[1, names.index("neighbour_gap")] = SCENE.amplitude
-    watch.look(row[1:], 4)
-    assert watch.tell(solver, {"recovered": "it rains"})[2] == pytest.approx(20 * SCENE.time_step)
-    assert watch.tell(solver, {})[2] == pytest.approx(10 * SCENE.time_step)
+    watch.check_samples(row[1:], 4)
+    assert watch.current_status(solver, {"recovered": "it rains"})[2] == pytest.approx(20 * SCENE.time_step)
+    assert watch.current_status(solver, {})[2] == pytest.approx(10 * SCENE.time_step)
 
 
 def test_frames_say_what_is_not_valid(monkeypatch):
@@ -216,17 +216,17 @@ def test_frames_say_what_is_not_valid(monkeypatch):
     doubting = replace(BarSolver.HOOKS["transport"], verdict=lambda scene, memory: found.get("transport"))
     monkeypatch.setattr(BarSolver, "HOOKS", {"transport": doubting})
     with one_session(SessionRequest(1, 1, "", SCENE, Pace(False))) as session:
-        assert session.frame().not_valid == found
+        assert session.write_frame().not_valid == found
         broken = dict(found)
         found.clear()
         half = 0.5 * SCENE.period / SCENE.time_step
         session._advance(int(0.98 * half))
-        assert session.frame().not_valid == broken
+        assert session.write_frame().not_valid == broken
         session._advance(int(0.04 * half))
-        assert session.frame().not_valid == {}
+        assert session.write_frame().not_valid == {}
         monkeypatch.setattr(BarScene, "LIMITS", (Limit("transport", "cells", least=17, why="it snows"),))
         session.accept(replace(session.wish, number=2, scene=replace(SCENE, cells=16)))
-        assert session.frame().not_valid == {"transport": "not valid here: it snows"}
+        assert session.write_frame().not_valid == {"transport": "not valid here: it snows"}
 
 
 def test_a_run_is_read_at_its_very_end(clock):
@@ -235,36 +235,36 @@ def test_a_run_is_read_at_its_very_end(clock):
     plain = run(scene, prices=False).series["error_x"]
     assert scene.steps % 15
     with one_session(SessionRequest(1, 1, "", scene, Pace(speed=0.8, ends=True))) as session:
-        rows = [session.frame().rows]
+        rows = [session.write_frame().rows]
         while session.running:
-            memory.clear(session._block)
+            memory.mark_as_read(session._block)
             clock.now += 0.2
-            if session.behind:
-                session.turn()
-            if session.ready:
-                rows.append(session.frame().rows)
-        memory.clear(session._block)
-        report = session.frame()
+            if session.is_behind:
+                session.advance_slice()
+            if session.frame_is_ready:
+                rows.append(session.write_frame().rows)
+        memory.mark_as_read(session._block)
+        report = session.write_frame()
         rows.append(report.rows)
     every = np.concatenate(rows)
-    assert report.step == scene.steps and every[-1, samples.column("step")] == scene.steps
-    errors = samples.read(every, scene, scene.particles)["error_x"]
+    assert report.step == scene.steps and every[-1, samples.column_index("step")] == scene.steps
+    errors = samples.read_rows(every, scene, scene.particles)["error_x"]
     assert errors[-1] == pytest.approx(plain[-1], rel=1e-12)
-    assert (np.diff(every[:, samples.column("step")]) > 0).all()
+    assert (np.diff(every[:, samples.column_index("step")]) > 0).all()
 
 
 def test_a_run_that_is_paused_is_read_where_it_stands(clock):
     """Between two samples, too, and once: what is said of the moment and what the table says of it are the same."""
     scene = BarScene(cells=20, amplitude=0.01, cfl=0.1, sample_every=50)
     with one_session(SessionRequest(1, 1, "", scene, Pace(speed=0.3))) as session:
-        rows = [session.frame().rows]
+        rows = [session.write_frame().rows]
         for number, playing in ((2, False), (3, True), (4, False)):
-            memory.clear(session._block)
+            memory.mark_as_read(session._block)
             if session.running:
                 clock.now += 0.1
-                session.turn()
+                session.advance_slice()
             session.accept(replace(session.wish, number=number, pace=replace(session.wish.pace, playing=playing)))
-            report = session.frame()
+            report = session.write_frame()
             rows.append(report.rows)
-        every = np.concatenate(rows)[:, samples.column("step")]
+        every = np.concatenate(rows)[:, samples.column_index("step")]
     assert report.step % 50 and every[-1] == report.step and (np.diff(every) > 0).all()

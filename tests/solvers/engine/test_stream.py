@@ -18,7 +18,7 @@ from solvers.engine import shared_frames as memory
 from solvers.engine.shared_frames import FrameOptions
 from solvers.problems.ring import RingScene
 from solvers.running.run import build
-from tests.support.drawn import Scene
+from tests.support.recording_scene import RecordingScene
 
 SCENE = RingScene(cells=72, ppc=6, periods=1)  # 20,736 particles, within reach of the sliders
 
@@ -31,8 +31,8 @@ def frame():
     solver = build(SCENE)
     solver.advance(50)
     block = SharedMemory(create=True, size=memory.block_bytes(SCENE))
-    memory.write(block, SCENE, solver.snapshot(plotted="sigma"))
-    yield solver, memory.read(block, SCENE, SCENE.particles, FrameOptions(plotted="sigma"))
+    memory.write_frame(block, SCENE, solver.snapshot(plotted="sigma"))
+    yield solver, memory.read_frame(block, SCENE, SCENE.particles, FrameOptions(plotted="sigma"))
     block.close()
     block.unlink()
 
@@ -64,7 +64,7 @@ def test_a_redraw_is_cheap(frame):
     nothing was plotted. Twice the present cost."""
     _, arrays = frame
     scale = ColourScale()
-    stage = VIEWS["ring"].stage(ViewerSurface(SimpleNamespace(scene=Scene()), Lettering(GUI), "/ring"), scale)
+    stage = VIEWS["ring"].stage(ViewerSurface(SimpleNamespace(scene=RecordingScene()), Lettering(GUI), "/ring"), scale)
     stage.plotted = "sigma"
     true, estimated = arrays.error[:, 0], arrays.estimate["transport"][:, 0]
 

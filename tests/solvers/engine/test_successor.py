@@ -14,10 +14,10 @@ from solvers.engine.engine_messages import Pace
 from solvers.engine.engine_pool import EnginePool
 from solvers.engine.engine_worker import FAILED
 from solvers.problems.ring import RingScene
-from tests.support.listening import PATIENCE, SCENE, Listener
-from tests.support.processes import children, ended, held, state, until
+from tests.support.processes import children, has_ended, process_state, stop_processes, wait_until
+from tests.support.session_listener import PATIENCE, SCENE, Listener
 
-pytestmark = pytest.mark.skipif(not compiling_fork.POSSIBLE, reason="only Linux can fork a process that runs Taichi")
+pytestmark = pytest.mark.skipif(not compiling_fork.CAN_FORK, reason="only Linux can fork a process that runs Taichi")
 #: Each compiled by one test only: the engines of this file have one more combination after each.
 OTHERS = iter([replace(SCENE, method=method, estimators=("companion",), effects=effects)
                for method in ("mpm", "ugimp", "cpgimp", "bspline")
@@ -38,8 +38,8 @@ def test_the_scene_before_goes_on_and_the_process_is_another(pool, session):
     before, wanted = pool.process_ids[0], next(OTHERS)
     number = link.ask(wanted, Pace(speed=0.5))
     listener.wait(lambda: listener.compilings == [number])
-    until(lambda: compilers(pool), "a successor")
-    with held(compilers(pool)):
+    wait_until(lambda: compilers(pool), "a successor")
+    with stop_processes(compilers(pool)):
         count = len(listener.frames)
         listener.wait(lambda: len(listener.frames) > count + 20)
         assert {(r.scene, r.number) for r, _ in listener.frames} == {(SCENE, first)}
@@ -49,7 +49,7 @@ def test_the_scene_before_goes_on_and_the_process_is_another(pool, session):
     assert report.scene == wanted and report.fresh and not report.playing
     assert pool.process_ids[0] != before
     link.ask(wanted, Pace(speed=0.5))
-    until(lambda: not os.path.exists(f"/proc/{before}"), "the process before gone, and buried")
+    wait_until(lambda: not os.path.exists(f"/proc/{before}"), "the process before gone, and buried")
 
 
 def test_two_who_wait_are_both_served(pool, session):
@@ -72,8 +72,8 @@ def test_a_later_wish_does_not_wait_for_an_earlier_one(pool, session):
     link, listener = session
     listener.frame(link.ask(SCENE))
     link.ask(next(OTHERS))
-    until(lambda: compilers(pool), "a successor")
-    with held(compilers(pool)):  # for ever, as it were
+    wait_until(lambda: compilers(pool), "a successor")
+    with stop_processes(compilers(pool)):  # for ever, as it were
         last = next(OTHERS)
         assert listener.frame(link.ask(last))[0].scene == last
         assert listener.frame(link.ask(SCENE))[0].scene == SCENE
@@ -85,7 +85,7 @@ def test_a_compiler_that_dies_costs_one_wish(pool, session):
     listener.frame(link.ask(SCENE, Pace(speed=0.5)))
     before, wanted = pool.process_ids, next(OTHERS)
     link.ask(wanted, Pace(speed=0.5))
-    until(lambda: compilers(pool), "a successor")
+    wait_until(lambda: compilers(pool), "a successor")
     os.kill(compilers(pool)[0], signal.SIGKILL)
     listener.wait(lambda: listener.troubles == [FAILED])
     count = len(listener.frames)
@@ -100,16 +100,16 @@ def test_an_engine_killed_while_it_compiles_takes_its_successor_along(pool, sess
     listener.frame(link.ask(SCENE))
     wanted = next(OTHERS)
     number = link.ask(wanted)
-    until(lambda: compilers(pool), "a successor")
+    wait_until(lambda: compilers(pool), "a successor")
     child = compilers(pool)[0]
     began = begun(child)
-    with held([child]):
+    with stop_processes([child]):
         os.kill(pool.process_ids[0], signal.SIGKILL)
-        until(lambda: ended(child), "the successor killed as well")
+        wait_until(lambda: has_ended(child), "the successor killed as well")
     assert listener.frame(number + 1)[0].scene == wanted
     assert listener.losses == 1
     assert pool.wait_ready(PATIENCE)
-    until(lambda: begun(child) != began, "nothing left of it")
+    wait_until(lambda: begun(child) != began, "nothing left of it")
 
 
 def begun(process):
@@ -128,10 +128,14 @@ def test_what_is_usual_is_compiled_unasked():
     try:
         assert pool.wait_ready(PATIENCE)
         first = pool.process_ids
-        pool.expect(usual)
+        pool.prewarm(usual)
         # An engine that has something left to compile is never asleep without a successor at work.
-        until(lambda: pool.process_ids != first and state(pool.process_ids[0]) == "S" and not compilers(pool),
-              "all compiled", PATIENCE, pause=0.2)
+        wait_until(
+            lambda: pool.process_ids != first and process_state(pool.process_ids[0]) == "S" and not compilers(pool),
+            "all compiled",
+            PATIENCE,
+            pause=0.2,
+        )
         link = pool.open(listener)
         for scene in usual:
             assert listener.frame(link.ask(scene))[0].scene == scene
@@ -150,11 +154,11 @@ def test_a_successor_that_rests_takes_over_all_the_same(monkeypatch):
     replacement = compiling_fork.fork([SCENE] * 3, asked_for=False, prepare=prepared.append)
     if not isinstance(replacement, compiling_fork.CompilingFork):  # the child
         os._exit(int(prepared == ["coming"] and replacement == "all"))
-    until(lambda: replacement.ready(lambda: "coming"), "its preparations")
+    wait_until(lambda: replacement.can_take_over(lambda: "coming"), "its preparations")
     assert replacement.compiled == [SCENE] * 2 and prepared == []
     for rests in (True, False, True):
-        replacement.rest(rests)
-        until(lambda rests=rests: (state(replacement.process_id) == "T") == rests, "obedience")
+        replacement.pause(rests)
+        wait_until(lambda rests=rests: (process_state(replacement.process_id) == "T") == rests, "obedience")
     replacement.take_over("all")
     assert os.waitstatus_to_exitcode(os.waitpid(replacement.process_id, 0)[1]) == 1
     replacement.pipe.close()
@@ -168,8 +172,8 @@ def test_a_successor_whose_parent_has_ended_says_nothing(answered, monkeypatch, 
     monkeypatch.setattr(log, "exception", lambda *_: os.write(2, b"what it would log"))  # elsewhere in a test
     left = compiling_fork.fork([SCENE], asked_for=True, prepare=str)
     if answered:
-        until(left.pipe.poll, "its answer")
+        wait_until(left.pipe.poll, "its answer")
     left.pipe.close()
-    until(lambda: ended(left.process_id), "its end")
+    wait_until(lambda: has_ended(left.process_id), "its end")
     os.waitpid(left.process_id, 0)
     assert capfd.readouterr().err == ""

@@ -9,7 +9,7 @@ import pytest
 from solvers.engine import engine_worker
 from solvers.engine.engine_messages import SessionClosed, SessionRequest
 from solvers.engine.engine_worker import Worker
-from tests.support.listening import SCENE
+from tests.support.session_listener import SCENE
 
 
 class Pipe:
@@ -49,7 +49,7 @@ def test_when_many_wish_at_once_some_wait_for_the_next_round(monkeypatch):
     for late_messages in ([], [wish(5, 2), SessionClosed(6)], []):
         pipe.messages += late_messages
         engine._read_messages()
-        engine._fulfil()
+        engine._act_on_requests()
         rounds.append(done[:])
         done.clear()
     assert rounds == [[(1, 1), (2, 2), (3, 1)], [(4, 1), (5, 2), (7, 1)], []]
@@ -68,8 +68,9 @@ def test_frames_of_a_round_go_together_but_none_waits_long(turn, together, monke
         return what
 
     def stepper(session):
-        return SimpleNamespace(behind=True, ready=True, turn_seconds=turn * engine_worker.TOGETHER_SECONDS,
-                               wish=wish(session), turn=lambda: passing(turn), frame=lambda: passing(0.4, session))
+        return SimpleNamespace(is_behind=True, frame_is_ready=True, turn_seconds=turn * engine_worker.TOGETHER_SECONDS,
+                               wish=wish(session), advance_slice=lambda: passing(turn),
+                               write_frame=lambda: passing(0.4, session))
 
     engine = Worker(pipe)
     for session in range(1, 8):
@@ -104,9 +105,9 @@ def test_a_successor_has_solvers_in_place_for_what_it_will_get(monkeypatch):
 def test_frames_are_late_when_those_of_most_stages_that_move_are(late, all_late):
     """None is a stage that stands."""
     engine = Worker(Pipe())
-    engine._steppers = {k: SimpleNamespace(running=is_late is not None, late=bool(is_late), wish=wish(k))
+    engine._steppers = {k: SimpleNamespace(running=is_late is not None, frames_are_late=bool(is_late), wish=wish(k))
                         for k, is_late in enumerate(late)}
-    engine._pair()
+    engine._update_partners()
     assert engine._late is all_late
 
 
@@ -120,9 +121,9 @@ def test_what_nobody_waits_for_is_compiled_in_what_time_is_left(late, waits, com
     monkeypatch.setattr(engine_worker, "perf_counter", lambda: clock.now)
     engine = Worker(Pipe())
     engine._late, engine._waiting = late, {1: wish(1)} if waits else {}
-    engine._successor = SimpleNamespace(scenes=[SCENE], compiled=compiled, rest=told.append)
-    for clock.now in (7.0, 7.0 + 0.9 * engine_worker.SPARE, 7.0 + 1.1 * engine_worker.SPARE):
-        assert not engine._compile_aside()
+    engine._successor = SimpleNamespace(scenes=[SCENE], compiled=compiled, pause=told.append)
+    for clock.now in (7.0, 7.0 + 0.9 * engine_worker.BACKGROUND_SHARE, 7.0 + 1.1 * engine_worker.BACKGROUND_SHARE):
+        assert not engine._compile_in_fork()
     assert told == rests
 
 
@@ -131,6 +132,6 @@ def test_what_is_wanted_lets_a_successor_finish_that_is_about_to_take_over():
     ends, other = [], replace(SCENE, estimators=("companion",))
     engine = Worker(Pipe())
     engine._waiting = {1: wish(1)}
-    engine._successor = SimpleNamespace(scenes=[other], compiled=(other,), rest=lambda _: None,
-                                        end=lambda: ends.append(1))
-    assert not engine._compile_aside() and not ends
+    engine._successor = SimpleNamespace(scenes=[other], compiled=(other,), pause=lambda _: None,
+                                        terminate=lambda: ends.append(1))
+    assert not engine._compile_in_fork() and not ends

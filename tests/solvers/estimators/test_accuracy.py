@@ -24,7 +24,7 @@ from solvers.solver.error_norms import RATIOS, error_index
 from solvers.solver.rounding import rounding
 from solvers.solver.samples import QUANTITIES
 from tests.support.paths import ASSETS
-from tests.support.reference import NUMBERS
+from tests.support.reference_bar import NUMBERS
 
 TABLE = {case: NUMBERS["table1"][case] for case in ("small", "large")}
 RING_TABLE = json.loads((ASSETS / "reference" / "ring.json").read_text())

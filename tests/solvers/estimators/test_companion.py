@@ -8,7 +8,7 @@ import pytest
 
 from solvers.estimators import companion
 from solvers.estimators.estimator_memory import unpack_arrays
-from solvers.estimators.spectral_elements import Elements, unresolved
+from solvers.estimators.spectral_elements import Elements, unresolved_size
 from solvers.problems.bar import exact_solution as bar_exact
 from solvers.problems.bar.estimators import companion as companion_bar
 from solvers.problems.bar.scene import BarScene
@@ -34,7 +34,7 @@ def test_elements_are_exact_for_their_polynomials(order):
     elements = Elements(-0.3, 1.1, 3, order)
     x = np.linspace(-0.3, 1.1, 23)
     element, values, slopes = elements.locate(x)
-    at = elements.nodes[elements.of_node[element]]
+    at = elements.nodes[elements.node_of_point[element]]
     for k in range(order + 1):
         np.testing.assert_allclose(np.sum(values * at**k, axis=1), x**k, rtol=0, atol=1e-13)
         np.testing.assert_allclose(np.sum(slopes * at**k, axis=1), k * x**max(k - 1, 0), rtol=0, atol=1e-11)
@@ -50,9 +50,9 @@ def test_what_the_polynomials_leave_out_is_told_from_the_last_modes():
             elements = Elements(0.0, 1.0, count, order)
             x = np.linspace(0, 1, 401)
             element, values, _ = elements.locate(x)
-            field = np.sin(4 * elements.nodes + 0.3)[elements.of_node]
+            field = np.sin(4 * elements.nodes + 0.3)[elements.node_of_point]
             true = np.sqrt(np.mean((np.sum(values * field[element], axis=1) - np.sin(4 * x + 0.3))**2))
-            assert 2 < np.sqrt(np.mean(unresolved(field, 1)**2)) / true < 4
+            assert 2 < np.sqrt(np.mean(unresolved_size(field, 1)**2)) / true < 4
 
 
 def own_nodes(scene: Scene) -> np.ndarray:
@@ -111,10 +111,10 @@ def test_the_highest_frequency_of_the_vortex_is_found():
     elements = VORTEX.companion_body(None).elements
     N, D = len(elements.nodes), elements.derivative
     K = np.zeros((N, N))
-    for row in elements.of_node:
+    for row in elements.node_of_point:
         R = elements.nodes[row]
         K[np.ix_(row, row)] += D.T @ np.diag(elements.weights * R) @ D + np.diag(elements.weights / R)
-    true = np.sqrt(np.linalg.eigvals(K / circular_body.masses(elements)[:, None]).real.max())
+    true = np.sqrt(np.linalg.eigvals(K / circular_body.sector_masses(elements)[:, None]).real.max())
     assert 0.98 * true < circular_body.unit_frequency(elements) < 1.0001 * true
 
 

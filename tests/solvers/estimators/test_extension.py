@@ -15,7 +15,7 @@ import pytest
 from solvers.problems.bar.scene import BarScene
 from solvers.problems.ring import RingScene
 from solvers.scene.extensions import EXTENSIONS
-from tests.support.processes import python
+from tests.support.processes import run_python
 
 ENVIRONMENT = {EXTENSIONS: "tests.outside"}
 FIVE = [*BarScene.ESTIMATORS, "zero"]
@@ -83,7 +83,7 @@ def found(tmp_path_factory) -> tuple[Path, dict]:
     """The folder in which it all was done, and of each command its status and what it said."""
     folder = tmp_path_factory.mktemp("extension")
     (folder / "code.py").write_text(CODE, encoding="utf-8")
-    done = python("code.py", cwd=folder, **ENVIRONMENT)
+    done = run_python("code.py", cwd=folder, **ENVIRONMENT)
     assert done.returncode == 0, done.stderr
     return folder, json.loads((folder / "found.json").read_text())
 

@@ -102,10 +102,10 @@ def test_what_is_no_estimator_is_left_to_others(chosen):
 
 def test_a_swing_from_node_to_node_is_told():
     """The fourth difference of +1, -1, +1, ... is 16 everywhere, and of a wave of a few cells it is less."""
-    from solvers.estimators.recovery import ROUGH, SIZE, doubt
+    from solvers.estimators.recovery import ROUGH, SIZE, why_not_trusted
 
     memory = {"recovered_nodes": np.zeros(4), "recovered_numbers": np.zeros(8)}
     memory["recovered_numbers"][[ROUGH, SIZE]] = 15.9**2, 1.0
-    assert doubt(memory, 1.0) is None
+    assert why_not_trusted(memory, 1.0) is None
     memory["recovered_numbers"][ROUGH] = 16.1**2
-    assert "from node to node by 1 times the error" in doubt(memory, 1.0)
+    assert "from node to node by 1 times the error" in why_not_trusted(memory, 1.0)

@@ -14,7 +14,7 @@ from solvers.problems.bar.state import HOOKS
 from solvers.problems.vortex import VortexScene
 from solvers.running.run import build
 from solvers.solver import error_norms, samples
-from tests.support.reference import NUMBERS
+from tests.support.reference_bar import NUMBERS
 
 SMALL = NUMBERS["table1"]["small"]
 TABLE_SCENE = BarScene(linearity_preserving=True, body_force="node", dt=2.5e-5, t_end=1.0,
@@ -63,7 +63,7 @@ def test_it_begins_with_nothing_though_a_vortexs_acceleration_does_not():
     computed an acceleration, and nobody can be wrong about it."""
     scene = VortexScene(estimators=("transport",), cells=24, amplitude=0.25, cfl=0.2, t_end=1.0, sample_every=1)
     solver = build(scene)
-    series = samples.read(solver.measure(), scene, scene.particles)
+    series = samples.read_rows(solver.measure(), scene, scene.particles)
     assert series["error_a"] == series["transport/estimate_a"] == series["transport/difference_a"] == 0
     solver.advance(1)
     first = np.abs(solver._arrays.estimate_acceleration).max()

@@ -9,7 +9,7 @@ import taichi as ti
 
 from solvers.estimators import two_grid
 from solvers.estimators.estimator_memory import unpack_arrays
-from solvers.estimators.two_grid_dispersion import lag
+from solvers.estimators.two_grid_dispersion import phase_lag
 from solvers.kernels.dtypes import matrix, pairs, quads, real, reals
 from solvers.kernels.packing import Packing
 from solvers.problems.bar.scene import BarScene
@@ -29,8 +29,8 @@ def test_velocities_belong_to_one_moment_at_a_long_step(simulate):
 
 def test_the_error_is_taken_from_the_ratio_of_the_cells():
     """1/(r^2 - 1): a third with half of them, and not where half of them is no whole number."""
-    assert two_grid.gain(BAR) == pytest.approx(1 / 3)
-    assert two_grid.gain(replace(BAR, cells=41)) == pytest.approx(1 / (2.05**2 - 1))
+    assert two_grid.extrapolation_factor(BAR) == pytest.approx(1 / 3)
+    assert two_grid.extrapolation_factor(replace(BAR, cells=41)) == pytest.approx(1 / (2.05**2 - 1))
 
 
 @pytest.mark.parametrize("scene", [BAR, RING], ids=["bar", "ring"])
@@ -68,12 +68,12 @@ def test_waves_fall_behind_as_linear_theory_says(method, ppc, simulate):
     scene = BarScene(method=method, ppc=ppc, body_force="none", linearity_preserving=True, cells=40, amplitude=1e-5,
                      cfl=0.05, periods=3.0, estimators=())
     error = simulate(scene).error["x"]["final"]
-    assert error == pytest.approx(scene.motion_amplitude / np.sqrt(2) * np.sin(lag(scene, 2 * np.pi) / 4), rel=0.05)
+    assert error == pytest.approx(scene.motion_amplitude / 2**0.5 * np.sin(phase_lag(scene, 2 * np.pi) / 4), rel=0.05)
 
 
 def stencil_rows(targets: int, count: int, windows: tuple[int, int], ends: str) -> np.ndarray:
     """As matrices (2, targets, count), of the two kinds of weights."""
-    t = two_grid.stencils(two_grid.centres(targets, count), count, windows, ends)
+    t = two_grid.stencils(two_grid.point_positions(targets, count), count, windows, ends)
     rows, taps = np.zeros((2, targets, count)), np.arange(t["taps"])
     for q, (first, row) in enumerate(zip(t["first"], t["row"], strict=True)):
         rows[:, q, (first + taps) % count] = t["weights"][row + taps].T
@@ -83,8 +83,8 @@ def stencil_rows(targets: int, count: int, windows: tuple[int, int], ends: str) 
 @pytest.mark.parametrize("targets", [12, 23, 50])
 def test_stencils_are_exact_for_cubics_on_a_free_line(targets):
     """Both windows, from 24 points to more and fewer."""
-    x, places = np.arange(24) / 24, two_grid.centres(targets, 24) / 24
-    for degree in range(two_grid.CUBIC):
+    x, places = np.arange(24) / 24, two_grid.point_positions(targets, 24) / 24
+    for degree in range(two_grid.CUBIC_COEFFICIENTS):
         np.testing.assert_allclose(stencil_rows(targets, 24, (8, 12), "free") @ x**degree, [places**degree] * 2,
                                    atol=1e-12)
 

@@ -9,7 +9,7 @@ import pytest
 from numpy.polynomial import legendre
 
 from solvers.problems import PROBLEMS
-from solvers.problems.bar.exact_solution import SECOND_FREQUENCY, SECOND_SIZE
+from solvers.problems.bar.exact_solution import SECOND_FREQUENCY, SECOND_RATIO
 from solvers.problems.bar.scene import BarScene
 from solvers.problems.planar.circular import CircularScene
 from solvers.problems.ring import RingScene
@@ -28,7 +28,7 @@ def modal(scene: BarScene, X: np.ndarray, t: float) -> tuple[np.ndarray, np.ndar
     """u, v and F - 1 of the linear bar under two tones: q'' + w_n^2 q = B sin(wt), mode by mode."""
     c, w, A = scene.wave_speed, scene.angular_frequency, scene.amplitude
     u, v, stretch = (np.zeros_like(X) for _ in range(3))
-    tones = ((2 * np.pi, 3 * w * w * A, w, A * w), (4 * np.pi, 3 * w * w * A * SECOND_SIZE, SECOND_FREQUENCY * w, 0.0))
+    tones = ((2 * np.pi, 3 * w * w * A, w, A * w), (4 * np.pi, 3 * w * w * A * SECOND_RATIO, SECOND_FREQUENCY * w, 0.0))
     for k, B, W, speed in tones:
         natural = c * k
         forced, free = B / (natural**2 - W**2), (speed - B / (natural**2 - W**2) * W) / natural

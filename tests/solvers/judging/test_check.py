@@ -31,8 +31,8 @@ def motion(dimensions: int = 2, amplitude: float = 0.15) -> dict[str, np.ndarray
 def found(arrays, verdict=None):
     """What is wrong, by name."""
     told = check(arrays)
-    assert verdict is None or told.verdict == verdict, [one.to_dict() for one in told.wrong]
-    return {one.name: one for one in told.wrong}
+    assert verdict is None or told.verdict == verdict, [one.to_dict() for one in told.contradictions]
+    return {one.name: one for one in told.contradictions}
 
 
 @pytest.mark.parametrize("dimensions", [1, 2, 3])

@@ -9,16 +9,16 @@ import pytest
 
 from app.cli import main
 from solvers.judging import problem_handout
-from solvers.judging.error_norms import summarised
-from solvers.judging.findings.evidence import DOUBLE, SINGLE, kept
+from solvers.judging.error_norms import summarise_norms
+from solvers.judging.findings.evidence import DOUBLE, SINGLE, detect_precision
 from solvers.judging.findings.finding import HOLDS, OFF, UNKNOWN
-from solvers.judging.findings.neighbours import outliers, surroundings
+from solvers.judging.findings.neighbours import find_neighbours, find_outliers
 from solvers.judging.findings.outliers import NAMES
-from solvers.judging.findings.time_fits import fitted, rate, shifted
+from solvers.judging.findings.time_fits import fit_parts, interpolate_before, time_derivative
 from solvers.judging.judgement import judge
 from solvers.problems import PROBLEMS
 from tests.findings import FORMS, drawn, honest, judged, judgement
-from tests.support.altered import ALL, ALTERATIONS, as_files, files, scene_of, stepped
+from tests.support.altered import ALL, ALTERATIONS, as_files, files, record, scene_of
 
 #: What is said of each alteration, in words that no other cause has; None where nothing can be told, which is right.
 SAID = {
@@ -48,7 +48,7 @@ QUICK = {("ring", name) for name in (
     "half missing by chance, without ids")} | {
     ("vortex", name) for name in (
         "F transposed", "x and y of everything exchanged", "Poisson's ratio 0.25, its stress too")}
-run_of = functools.cache(lambda problem: stepped(scene_of(problem)))
+run_of = functools.cache(lambda problem: record(scene_of(problem)))
 
 
 @pytest.mark.parametrize(("problem", "name"), [
@@ -106,7 +106,7 @@ def test_the_list_says_what_was_compared_whatever_came_of_it(tmp_path):
 
 def exact_files(scene, parts) -> dict[str, np.ndarray]:
     """The exact particles at parts of a period, with everything that a file may have."""
-    return as_files(scene, [problem_handout.exact(scene, part * scene.period) for part in parts])
+    return as_files(scene, [problem_handout.exact_frame(scene, part * scene.period) for part in parts])
 
 
 def test_a_run_says_its_step_and_velocities_half_a_step_early_are_its_own(tmp_path):
@@ -128,8 +128,8 @@ def share_of(scene, **arrays) -> dict:
 @pytest.mark.parametrize("name", ["mass", "volume"])
 def test_masses_or_volumes_say_how_much_of_the_body_there_is(problem, name):
     scene = PROBLEMS[problem].scene(cells=12)
-    frame = problem_handout.exact(scene, 0.3 * scene.period)
-    weight = problem_handout.masses(scene) if name == "mass" else problem_handout.start(scene).volume
+    frame = problem_handout.exact_frame(scene, 0.3 * scene.period)
+    weight = problem_handout.particle_masses(scene) if name == "mass" else problem_handout.start(scene).volume
     for chosen in (slice(None), slice(None, None, 2)):
         share = float(weight[chosen].sum() / weight.sum())
         found = share_of(scene, t=np.array(frame.time), X=frame.material_position[chosen], x=frame.position[chosen],
@@ -145,11 +145,11 @@ def test_another_codes_places_are_all_of_the_body_or_have_holes(problem):
     reference, D = PROBLEMS[problem].reference, scene.DIMENSIONS
     line = np.arange(-1.6, 1.6, 0.37 * scene.spacing) + 0.011
     X = line[:, None] if D == 1 else np.stack([a.ravel() for a in np.meshgrid(line, line)], axis=1)
-    X = X[~reference.misplaced(scene, X)]
+    X = X[~reference.is_outside(scene, X)]
     chance, start = np.random.default_rng(5).uniform(size=len(X)), problem_handout.start(scene).material_position
     low, high = start.min(axis=0), start.max(axis=0)
     anywhere = low + np.random.default_rng(4).uniform(size=(40_000, D)) * (high - low)
-    anywhere = anywhere[~reference.misplaced(scene, anywhere)][:2000]
+    anywhere = anywhere[~reference.is_outside(scene, anywhere)][:2000]
     for points, share in ((X, 1.0), (anywhere, 1.0), (X[X[:, 0] < np.quantile(X[:, 0], 0.8)], 0.8),
                           (X[chance < 0.6], 0.6)):
         t = 0.3 * scene.period
@@ -159,16 +159,20 @@ def test_another_codes_places_are_all_of_the_body_or_have_holes(problem):
 
 def test_figures_are_found_from_the_numbers():
     values = np.random.default_rng(1).normal(size=3000) * 10.0 ** np.random.default_rng(2).integers(-3, 3, 3000)
-    assert kept(values).relative == DOUBLE and kept(values[:5]).words == kept(np.ones(1000)).words == "double precision"
-    assert kept(values.astype(np.float32).astype(float)) == replace(kept(values), relative=SINGLE,
-                                                                     words="single precision")
+    assert (
+        detect_precision(values).relative == DOUBLE
+        and detect_precision(values[:5]).words == detect_precision(np.ones(1000)).words == "double precision"
+    )
+    assert detect_precision(values.astype(np.float32).astype(float)) == replace(
+        detect_precision(values), relative=SINGLE, words="single precision"
+    )
     for figures in (4, 7, 10):
         cut = np.array([float(f"{value:.{figures - 1}e}") for value in values])
-        found = kept(cut)
+        found = detect_precision(cut)
         assert found.words == f"{figures} figures"
         assert (np.abs(cut - values) <= found.rounding(cut) * (1 + 1e-9)).all()
     fixed = np.round(values, 5)
-    assert (np.abs(fixed - values) <= kept(fixed).rounding(fixed) * (1 + 1e-9)).all()
+    assert (np.abs(fixed - values) <= detect_precision(fixed).rounding(fixed) * (1 + 1e-9)).all()
 
 
 def test_one_that_is_off_blames_none_of_its_neighbours():
@@ -176,22 +180,22 @@ def test_one_that_is_off_blames_none_of_its_neighbours():
     line = (np.arange(20) + 0.5) / 20
     X = np.stack([a.ravel() for a in np.meshgrid(line, line)], axis=1)
     smooth = np.stack([np.sin(3 * X[:, 0]) * X[:, 1], np.cos(2 * X[:, 1])], axis=1)
-    near = surroundings(X)
+    near = find_neighbours(X)
     for off in ([210], [0], [19], [210, 211]):
         values = smooth.copy()
         values[off] += [5.0, 0.0]
-        assert outliers(near, values, 12.0, 0.01)[0].tolist() == off
-    assert not len(outliers(near, smooth, 12.0, 0.01)[0])
-    assert surroundings(X[:3]) is None
+        assert find_outliers(near, values, 12.0, 0.01)[0].tolist() == off
+    assert not len(find_outliers(near, smooth, 12.0, 0.01)[0])
+    assert find_neighbours(X[:3]) is None
 
 
 def test_what_is_between_times_is_of_third_order_and_rates_of_second():
     def worst(count: int) -> tuple[float, float]:
         t = np.linspace(0, 2, count)
         values = np.sin(3 * t)[:, None]
-        inside, moved = shifted(t, values, 0.013)
+        inside, moved = interpolate_before(t, values, 0.013)
         return (float(np.abs(moved[:, 0] - np.sin(3 * (t[inside] - 0.013))).max()),
-                float(np.abs(rate(t, values)[:, 0] - 3 * np.cos(3 * t)).max()))
+                float(np.abs(time_derivative(t, values)[:, 0] - 3 * np.cos(3 * t)).max()))
 
     (between, slope), (finer, slope_finer) = worst(41), worst(81)
     assert np.log2(slope / slope_finer) == pytest.approx(2, abs=0.2) and between > 3 * finer
@@ -200,7 +204,7 @@ def test_what_is_between_times_is_of_third_order_and_rates_of_second():
 def test_a_fit_finds_its_parts_and_how_sure_they_are():
     chance = np.random.default_rng(6)
     one, other, noise = (chance.normal(size=(200, 7)) for _ in range(3))
-    found, sure = fitted(2 * one - 3 * other + 0.5 * noise, [one, other])
+    found, sure = fit_parts(2 * one - 3 * other + 0.5 * noise, [one, other])
     assert found[0] == pytest.approx([2, -3], abs=4 * 0.5 / np.sqrt(1400))
     assert (sure < 2.5 * 0.5 / np.sqrt(1400)).all() and (sure > 0.3 * 0.5 / np.sqrt(1400)).all()
 
@@ -247,7 +251,7 @@ CELLS = {"bar": 20, "ring": 12, "vortex": 16}
 def at_the_start(problem):
     """The particles of a problem before anything has moved, and its scene."""
     scene = PROBLEMS[problem].scene(cells=CELLS[problem])
-    frame = problem_handout.initial(scene)
+    frame = problem_handout.initial_frame(scene)
     return scene, {"t": np.array(0.0), "cells": np.array(scene.cells), "X": frame.material_position,
                    "x": frame.position, "v": frame.velocity}
 
@@ -265,5 +269,5 @@ def test_what_is_wrong_shows_at_the_start_which_is_no_pass(problem, key, change,
     assert any(words in one for one in told) if words else not told
     if problem == "ring" and words == "are not where those of the":  # the others' bodies are periodic, or
         assert any("another unit" in one or "in mm" in one for one in told)
-    error = summarised(found.grid.times, found.norms)
+    error = summarise_norms(found.grid.times, found.norms)
     assert all(error[q]["max"] is None for q in ("x", "v", "sigma"))  # whatever it is, nothing was computed

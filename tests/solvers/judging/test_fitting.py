@@ -9,13 +9,13 @@ import pytest
 
 from app.cli import main
 from solvers.judging import particle_writers
-from solvers.judging.frames import ParticleMismatch, Raw
+from solvers.judging.frames import ParticleMismatch, RawTable
 from solvers.judging.judgement import judge
-from solvers.judging.particle_readers import read
-from solvers.judging.problem_handout import exact
+from solvers.judging.particle_readers import read_file
+from solvers.judging.problem_handout import exact_frame
 from solvers.problems import PROBLEMS
 from solvers.problems.bar.scene import BarScene
-from solvers.running.scene_text import LONGEST, SCHEMA, line
+from solvers.running.scene_text import MAX_LINE, SCHEMA, scene_line
 from solvers.untrusted.quoting import FileError
 
 
@@ -25,7 +25,7 @@ def scene_of(problem: str, **more):
 
 def frames_of(problem: str, **more):
     scene = scene_of(problem, **more)
-    return [exact(scene, part * scene.period) for part in (0.0, 0.1)]
+    return [exact_frame(scene, part * scene.period) for part in (0.0, 0.1)]
 
 
 @pytest.fixture(scope="module")
@@ -34,8 +34,8 @@ def own(tmp_path_factory):
     folder = tmp_path_factory.mktemp("own")
     for problem in PROBLEMS:
         frames, scene = frames_of(problem, amplitude=0.01), scene_of(problem, amplitude=0.01)
-        (folder / f"{problem}.npz").write_bytes(particle_writers.npz(frames, scene))
-        table = particle_writers.csv(particle_writers.table(frames), {"scene": line(scene)})
+        (folder / f"{problem}.npz").write_bytes(particle_writers.npz_bytes(frames, scene))
+        table = particle_writers.csv_text(particle_writers.frame_columns(frames), {"scene": scene_line(scene)})
         (folder / f"{problem}.csv").write_bytes(table)
     return folder
 
@@ -70,16 +70,18 @@ def test_what_is_asked_for_and_what_the_file_says_must_not_contradict(own, refus
 
 def test_files_of_several_scenes_are_not_one_run(own, tmp_path):
     frames = frames_of("bar", amplitude=0.02)
-    (tmp_path / "b.npz").write_bytes(particle_writers.npz(frames, replace(scene_of("bar", amplitude=0.02), cells=12)))
+    (tmp_path / "b.npz").write_bytes(particle_writers.npz_bytes(frames,
+                                                                replace(scene_of("bar", amplitude=0.02), cells=12)))
     with pytest.raises(FileError, match=r"says amplitude 0\.02, and .*bar\.npz says 0\.01"):
         judge(PROBLEMS["bar"].scene(), [str(own / "bar.npz"), str(tmp_path / "b.npz")])
 
 
 def stranger(problem: str, folder: Path, **changed) -> Path:
     """A file that says nothing of its scene."""
-    columns = particle_writers.table(frames_of(problem)) | changed
+    columns = particle_writers.frame_columns(frames_of(problem)) | changed
     file = folder / "theirs.csv"
-    file.write_bytes(particle_writers.csv({name: values for name, values in columns.items() if values is not None}))
+    file.write_bytes(particle_writers.csv_text({name: values for name,
+                                                values in columns.items() if values is not None}))
     return file
 
 
@@ -97,7 +99,7 @@ def test_a_strangers_file_of_two_directions_is_no_bars(problem, columns, tmp_pat
 
 def test_a_direction_in_which_nothing_reaches_is_none(tmp_path):
     """Codes write three components; the second of a bar's is rounding."""
-    still = np.full(len(particle_writers.table(frames_of("bar"))["t"]), 0.3)
+    still = np.full(len(particle_writers.frame_columns(frames_of("bar"))["t"]), 0.3)
     file = stranger("bar", tmp_path, y=still + 1e-12 * np.arange(len(still)), z=0 * still)
     judgement = judge(scene_of("bar"), str(file))
     assert judgement.grids[0].norms["x"].max() < 1e-15 and judgement.grids[0].notes() == []
@@ -139,7 +141,7 @@ def test_ids_in_another_order_do_not_begin_where_ours_do(tmp_path):
 
 def test_a_file_that_lies_about_its_problem_is_not_believed(tmp_path, refused):
     """A bar's particles that say they are a ring's, to whomever asks."""
-    (tmp_path / "liar.npz").write_bytes(particle_writers.npz(frames_of("bar"), scene_of("ring")))
+    (tmp_path / "liar.npz").write_bytes(particle_writers.npz_bytes(frames_of("bar"), scene_of("ring")))
     said = refused("ring", tmp_path / "liar.npz")
     assert "says that it is of the ring, and has x in one direction, and the ring has two; it fits" in said
     assert "`mpm-lab judge bar`" in said
@@ -150,9 +152,9 @@ def test_a_file_that_lies_about_its_problem_is_not_believed(tmp_path, refused):
 def test_a_file_that_lies_about_its_cells_is_refused(tmp_path):
     frames = frames_of("bar")
     np.savez(tmp_path / "a.npz", t=frames[1].time, x=frames[1].position, id=frames[1].number, cells=40,
-             scene=np.array(line(scene_of("bar"))))
+             scene=np.array(scene_line(scene_of("bar"))))
     with pytest.raises(FileError, match="says that it has 40 cells, and 12 in its scene"):
-        read(str(tmp_path / "a.npz"))
+        read_file(str(tmp_path / "a.npz"))
 
 
 def said(**changed) -> str:
@@ -171,13 +173,13 @@ def said(**changed) -> str:
     (said(inputs={"__class__": 1}), "says a scene whose inputs are none of the bar's"),
     (said(inputs={"body_force": "x" * 100}), "says a scene whose inputs are none of the bar's"),
     (said(inputs=[1, 2]), "says a scene that cannot be read"), (said()[:-1], "says a scene that cannot be read"),
-    (said(inputs={"a": "x" * LONGEST}), "says a scene that cannot be read"),
+    (said(inputs={"a": "x" * MAX_LINE}), "says a scene that cannot be read"),
     ('{"schema":"mpm-lab/particles/1","problem":' + "[" * 3000, "says a scene that cannot be read")])
 def test_a_scene_that_is_none_is_refused_in_one_sentence(text, why, tmp_path):
     frame = frames_of("bar")[1]
     np.savez(tmp_path / "a.npz", t=frame.time, x=frame.position, id=frame.number, scene=np.array(text))
     with pytest.raises(FileError) as refused:
-        read(str(tmp_path / "a.npz"))
+        read_file(str(tmp_path / "a.npz"))
     assert why in refused.value.sentence and "\n" not in refused.value.sentence and len(refused.value.sentence) < 400
 
 
@@ -185,18 +187,19 @@ def test_a_scene_that_is_none_is_refused_in_one_sentence(text, why, tmp_path):
 def test_what_others_call_a_scene_is_theirs(other, tmp_path):
     frame = frames_of("bar")[1]
     np.savez(tmp_path / "a.npz", t=frame.time, x=frame.position, id=frame.number, scene=other)
-    assert read(str(tmp_path / "a.npz")).said is None
+    assert read_file(str(tmp_path / "a.npz")).said is None
 
 
 def test_a_file_of_ours_is_judged_with_the_scene_that_it_says(tmp_path):
     """Of each problem and motion, in both forms; nothing else says its amplitude or its cells."""
     for scene in (scene_of("bar", motion="patch", ppc=2.5), scene_of("ring", amplitude=0.02),
                   scene_of("vortex", body_force="two-tone")):
-        frames = [exact(replace(scene, body_force="material"), 0.1 * scene.period)]
-        (tmp_path / "a.npz").write_bytes(particle_writers.npz(frames, scene))
-        (tmp_path / "a.csv").write_bytes(particle_writers.csv(particle_writers.table(frames), {"scene": line(scene)}))
+        frames = [exact_frame(replace(scene, body_force="material"), 0.1 * scene.period)]
+        (tmp_path / "a.npz").write_bytes(particle_writers.npz_bytes(frames, scene))
+        (tmp_path / "a.csv").write_bytes(particle_writers.csv_text(particle_writers.frame_columns(frames),
+                                                                   {"scene": scene_line(scene)}))
         for kind in ("npz", "csv"):
-            raw: Raw = read(str(tmp_path / f"a.{kind}"))
+            raw: RawTable = read_file(str(tmp_path / f"a.{kind}"))
             [grid] = judge(PROBLEMS[scene.problem].scene(), raw).grids
             own = grid.scene
             assert "judged with what" in " ".join(grid.notes())

@@ -16,9 +16,9 @@ import pytest
 
 from app.cli import main
 from app.commands.lesson import LessonGrade
-from solvers.judging.particle_readers import read
+from solvers.judging.particle_readers import read_file
 from solvers.untrusted.quoting import FileError
-from tests.support.hostile import FILES, LARGE, TAKES_LONG, written
+from tests.support.hostile_files import FILES, LARGE, TAKES_LONG, write_file
 from tests.support.paths import ROOT
 
 LONGEST = 410  # letters of a message, "mpm-lab: " and the end of the line among them
@@ -43,7 +43,7 @@ def told(error: str) -> None:
 @pytest.mark.parametrize("name", sorted(FILES.keys() - TAKES_LONG - ALLOWED), ids=ascii)
 def test_a_file_that_means_harm_ends_in_a_sentence(name, tmp_path, capsys):
     begun = time.monotonic()
-    assert main(["judge", "bar", str(written(name, tmp_path)), "--out", str(tmp_path / "out")]) == 2
+    assert main(["judge", "bar", str(write_file(name, tmp_path)), "--out", str(tmp_path / "out")]) == 2
     told(capsys.readouterr().err)
     assert time.monotonic() - begun < MOST_SECONDS
 
@@ -53,7 +53,7 @@ def test_a_file_that_means_harm_ends_in_a_sentence(name, tmp_path, capsys):
 @pytest.mark.parametrize("name", sorted({*FILES, *LARGE}), ids=ascii)
 def test_it_does_so_at_once_and_in_little_memory(name, problem, tmp_path):
     """In a process of its own: what others have taken is not counted."""
-    file = written(name, tmp_path, LARGE if name in LARGE else FILES)
+    file = write_file(name, tmp_path, LARGE if name in LARGE else FILES)
     begun = time.monotonic()
     child = subprocess.run([sys.executable, "-c", CHILD, "judge", problem, str(file), "--out", str(tmp_path / "out"),
                             "--no-compare", "--quiet"], cwd=ROOT, capture_output=True, text=True, timeout=120)
@@ -103,7 +103,7 @@ MESH = meshio.Mesh(POINTS, [("vertex", np.arange(3)[:, None])], point_data=DATA)
     ids=str)
 def test_vtk_and_vtu_are_read_in_every_form_that_others_write(kind, options, tmp_path):
     getattr(meshio, kind).write(str(tmp_path / f"a.{kind}"), MESH, **options)
-    raw = read(str(tmp_path / f"a.{kind}"))
+    raw = read_file(str(tmp_path / f"a.{kind}"))
     assert (raw.columns["id"] == DATA["id"]).all()
     for mine, theirs in (("x", POINTS), ("v", DATA["velocity"]), ("sigma", DATA["stress"])):
         assert raw.columns[mine].reshape(3, -1) == pytest.approx(theirs, rel=1e-10, abs=0)  # of 11 digits as text
@@ -139,7 +139,7 @@ FIELD more 1
 other%20name 1 3 float
 1 2 3
 """)
-    raw = read(str(tmp_path / "a.vtk"))
+    raw = read_file(str(tmp_path / "a.vtk"))
     assert raw.time == 0.25 and raw.cells == 40 and raw.columns["id"].tolist() == [0, 1, 2]
     assert raw.columns["v"].tolist() == [[1, 2, 3], [4, 5, 6], [7, 8, 9]]
     assert raw.columns["sigma"][:, 0, 0].tolist() == [1, 2, 3] and "other name" in raw.names
@@ -174,7 +174,7 @@ def appended(form: str, pack: bool, header: str = "I") -> bytes:
 @pytest.mark.parametrize("header", ["I", "Q"])
 def test_appended_data_of_several_pieces_are_read(form, pack, header, tmp_path):
     (tmp_path / "a.vtp").write_bytes(appended(form, pack, header))
-    raw = read(str(tmp_path / "a.vtp"))
+    raw = read_file(str(tmp_path / "a.vtp"))
     assert (raw.columns["x"] == POINTS).all() and (raw.columns["v"] == DATA["velocity"]).all()
 
 
@@ -187,7 +187,7 @@ def test_appended_data_of_several_pieces_are_read(form, pack, header, tmp_path):
 def test_what_does_not_fit_is_named(content, said, tmp_path):
     (tmp_path / "a.vtp").write_bytes(content)
     with pytest.raises(FileError) as refusal:
-        read(str(tmp_path / "a.vtp"))
+        read_file(str(tmp_path / "a.vtp"))
     assert said in refusal.value.sentence
 
 
@@ -218,7 +218,7 @@ def honest(kind: str, folder: Path) -> bytes:
 def test_a_file_with_bytes_that_are_others_is_read_or_refused_in_a_sentence(kind, count, tmp_path):
     """Some changed, taken out, doubled or put in: nothing else comes of it than a table or a refusal."""
     content, random = honest(kind, tmp_path), np.random.default_rng(count)
-    read(str(tmp_path / f"honest{kind}"))
+    read_file(str(tmp_path / f"honest{kind}"))
     file = tmp_path / f"changed{kind}"
     for _ in range(count):
         changed = bytearray(content)
@@ -229,6 +229,6 @@ def test_a_file_with_bytes_that_are_others_is_read_or_refused_in_a_sentence(kind
             changed[start:start + (length if way != 1 else 0)] = b"" if way == 2 else new
         file.write_bytes(changed)
         try:
-            read(str(file))
+            read_file(str(file))
         except FileError as error:
             assert str(error).isprintable() and len(str(error)) <= 400

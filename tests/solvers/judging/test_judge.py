@@ -10,11 +10,11 @@ import pytest
 
 from app.cli import main
 from solvers.judging import particle_writers, problem_handout
-from solvers.judging.error_norms import QUANTITIES, Companions, crossings, rms
+from solvers.judging.error_norms import QUANTITIES, Companions, count_crossings, rms
 from solvers.judging.frames import Frame
 from solvers.judging.judgement import Judgement, judge
-from solvers.judging.particle_readers import read
-from solvers.judging.reference_runs import compared, framed
+from solvers.judging.particle_readers import read_file
+from solvers.judging.reference_runs import frame_of_snapshot, run_reference
 from solvers.problems import PROBLEMS
 from solvers.running.run import run
 from solvers.untrusted.quoting import FileError
@@ -51,7 +51,7 @@ def test_a_run_of_ours_is_judged_to_have_our_own_errors(problem, tmp_path):
 def test_a_patch_test_may_be_wrapped_and_is_as_its_problem_says(tmp_path, capsys):
     patch = ["--motion", "patch", "--ppc", "2.5", "--cells", "20"]
     assert main(["problem", "bar", *patch, "--times", "0.7", "1.3", "--out", str(tmp_path / "patch")]) == 0
-    raw, first = (read(str(tmp_path / "patch" / f"{name}.csv")) for name in ("exact", "particles"))
+    raw, first = (read_file(str(tmp_path / "patch" / f"{name}.csv")) for name in ("exact", "particles"))
     assert (first.columns["F"] == 1.02).all() and (first.columns["v"] == 1).all()
     assert raw.columns["sigma"] == pytest.approx(np.full((100, 1, 1), 4 * (1.02 - 1)), rel=1e-12)
     assert first.columns["mass"].sum() == pytest.approx(1 / 1.02, rel=1e-12)
@@ -68,12 +68,12 @@ def test_crossings_are_counted_on_the_problems_own_grid():
     """The vortex's lines begin at -1.5 m, and with an odd number of cells none passes through the centre."""
     scene = PROBLEMS["vortex"].scene(cells=15)
     X = np.array([[1.0, 0.0], [0.0, 1.0]])
-    assert crossings(scene, [Frame("", 0.1, np.arange(2), X, X - 0.09)]) == 0
-    assert crossings(scene, [Frame("", 0.1, np.arange(2), X, X + 0.11)]) == 2
+    assert count_crossings(scene, [Frame("", 0.1, np.arange(2), X, X - 0.09)]) == 0
+    assert count_crossings(scene, [Frame("", 0.1, np.arange(2), X, X + 0.11)]) == 2
     scene = scene_of("bar")
     X = problem_handout.start(scene).material_position
     frames = [Frame("", t, np.arange(len(X)), X, X + shift) for t, shift in ((0.1, scene.spacing), (0.2, 0.0))]
-    assert crossings(scene, frames) == 2 * len(X)
+    assert count_crossings(scene, frames) == 2 * len(X)
 
 
 def test_a_companion_that_is_lost_is_told_in_a_sentence(tmp_path, capsys):
@@ -88,7 +88,7 @@ def test_a_companion_that_is_lost_is_told_in_a_sentence(tmp_path, capsys):
 def test_moved_particles_are_found_with_their_place(problem):
     """3 % of the exact particles, by a tenth of a cell."""
     scene = PROBLEMS[problem].scene(cells=24)
-    frame = problem_handout.exact(scene, TIME * scene.period)
+    frame = problem_handout.exact_frame(scene, TIME * scene.period)
     X, x = frame.material_position, frame.position.copy()
     moved = np.random.default_rng(7).choice(len(x), round(0.03 * len(x)), replace=False)
     turn = np.random.default_rng(8).normal(size=(len(moved), X.shape[1]))
@@ -115,7 +115,7 @@ def test_a_particle_is_named_by_its_id_and_not_by_its_line(tmp_path):
 def test_the_exact_particles_have_no_error(problem):
     scene = scene_of(problem)
     times = [TIME * scene.period, 0.4 * scene.period]
-    [grid] = judge(scene, particle_writers.table([problem_handout.exact(scene, t) for t in times])).grids
+    [grid] = judge(scene, particle_writers.frame_columns([problem_handout.exact_frame(scene, t) for t in times])).grids
     assert grid.grid.times.tolist() == times
     for q, values in grid.norms.items():
         assert values.max() < 1e-12 * scene.size_of(q), q
@@ -131,7 +131,9 @@ def test_without_a_truth_the_companion_judges(problem, force):
                                     **({"amplitude": 0.1} if problem == "vortex" else {}))
     shots = []
     result = run(scene, prices=False, on_sample=shots.append)
-    [grid] = judge(scene, particle_writers.table([framed(shot, scene) for shot in shots])).to_dict()["grids"]
+    [grid] = judge(scene,
+                   particle_writers.frame_columns([frame_of_snapshot(shot,
+                                                                     scene) for shot in shots])).to_dict()["grids"]
     assert grid["error"] is None and grid["estimate"]["index"] is None
     for q in ("x", "v", "sigma"):
         own = result.estimate["companion"][q]["max"]
@@ -165,8 +167,8 @@ def test_several_grids_have_the_order_of_the_method_that_made_them(tmp_path):
 @pytest.mark.parametrize("cells", [(20,), (20, 30)], ids=["one grid", "two"])
 def test_particles_that_miss_nothing_have_their_pictures(cells, tmp_path, capsys):
     """The start, and no other time: all errors are zero, and so are those of our methods beside."""
-    starts = {n: problem_handout.exact(PROBLEMS["bar"].scene(cells=n), 0.0) for n in cells}
-    files = [csv_file(tmp_path, particle_writers.table([start]), f"{n}.csv") for n, start in starts.items()]
+    starts = {n: problem_handout.exact_frame(PROBLEMS["bar"].scene(cells=n), 0.0) for n in cells}
+    files = [csv_file(tmp_path, particle_writers.frame_columns([start]), f"{n}.csv") for n, start in starts.items()]
     assert main(["judge", "bar", *files, "--cells", *map(str, cells), "--out", str(tmp_path / "out"), "--quiet"]) == 0
     assert (tmp_path / "out" / "order.png").exists() and not capsys.readouterr().err
 
@@ -175,16 +177,16 @@ def test_times_between_our_steps_are_met(tmp_path):
     """At times that no step of ours ends at, ours is interpolated: its error is that of its neighbours in time."""
     scene = scene_of("bar", estimators=(), effects=())
     t = 0.1 * scene.period
-    near = compared(scene, [t, t + 0.37 * scene.time_step, t + scene.time_step]).norms
+    near = run_reference(scene, [t, t + 0.37 * scene.time_step, t + scene.time_step]).norms
     for q in ("x", "v", "sigma"):
         assert min(near[q][::2]) * 0.98 < near[q][1] < max(near[q][::2]) * 1.02
 
 
 def test_another_law_of_the_material_is_noticed():
     scene = scene_of("bar")
-    frame = problem_handout.exact(scene, TIME * scene.period)
+    frame = problem_handout.exact_frame(scene, TIME * scene.period)
     log = replace(frame, stress=scene.modulus * np.log(frame.deformation_gradient))
-    [grid] = judge(scene, particle_writers.table([log])).to_dict()["grids"]
+    [grid] = judge(scene, particle_writers.frame_columns([log])).to_dict()["grids"]
     assert "another material" in grid["notes"][0] and grid["error"]["x"]["max"] < 1e-15 < grid["error"]["sigma"]["max"]
 
 
@@ -193,12 +195,12 @@ def test_the_companions_own_error_is_the_difference_of_its_two_meshes(problem):
     """Of exact particles, and not nothing: the two meshes are two, and differ by about the error of the coarser one."""
     scene = PROBLEMS[problem].scene(cells=12, periods=0.3)
     times = (0.1 * scene.period, 0.3 * scene.period)
-    companions, frame = Companions(scene, times), problem_handout.exact(scene, times[1])
+    companions, frame = Companions(scene, times), problem_handout.exact_frame(scene, times[1])
     doubt = companions.doubt(frame)
     X, found = frame.material_position, []
     for fine in (True, False):
-        body, solved = problem_handout.solution(scene, fine, times)
-        u, v, _, sigma = problem_handout.carried(scene, body, solved[1], X)
+        body, solved = problem_handout.solve_companion(scene, fine, times)
+        u, v, _, sigma = problem_handout.fields_at_points(scene, body, solved[1], X)
         found.append((u, v, sigma))
     coarser = companions.errors(frame, fine=False)
     for q, one, other in zip(QUANTITIES, *found, strict=True):
@@ -223,7 +225,7 @@ def test_the_order_of_any_grids_is_that_of_their_errors(cells):
 def table(problem="bar", **changed):
     """The exact particles as columns, some of them changed or, where None, left out."""
     scene = scene_of(problem)
-    columns = particle_writers.table([problem_handout.exact(scene, TIME * scene.period)])
+    columns = particle_writers.frame_columns([problem_handout.exact_frame(scene, TIME * scene.period)])
     columns |= changed
     return {name: values for name, values in columns.items() if values is not None}
 
@@ -306,7 +308,7 @@ def test_a_file_that_is_none_is_named(name, tmp_path, capsys):
 def test_arrays_that_do_not_fit_are_named(arrays, said, tmp_path):
     np.savez(tmp_path / "bad.npz", **arrays)
     with pytest.raises(FileError) as error:
-        read(str(tmp_path / "bad.npz"))
+        read_file(str(tmp_path / "bad.npz"))
     assert said in error.value.sentence
 
 

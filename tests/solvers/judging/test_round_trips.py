@@ -7,9 +7,9 @@ from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
 
 from solvers.judging import particle_writers
-from solvers.judging.frames import Frame, Raw
-from solvers.judging.particle_readers import read
-from solvers.judging.particle_writers import vtu
+from solvers.judging.frames import Frame, RawTable
+from solvers.judging.particle_readers import read_file
+from solvers.judging.particle_writers import vtu_bytes
 from solvers.problems.bar.scene import BarScene
 
 # None so small that they are not normal: where Taichi has started, the processor takes those for zero.
@@ -32,14 +32,14 @@ def frames(draw: st.DrawFn) -> list[Frame]:
     return [Frame("", t, number, X, values(D), values(D), values(D, D), values(D, D)) for t in times]
 
 
-def assert_same(raw: Raw, made: list[Frame], keys: str) -> None:
+def assert_same(raw: RawTable, made: list[Frame], keys: str) -> None:
     """The rows of a file are those of the frames, to the bit."""
     T, P = len(made), len(made[0].number)
     np.testing.assert_array_equal(raw.columns["t"] if "t" in raw.columns else raw.time,
                                   np.repeat([f.time for f in made], P) if "t" in raw.columns else made[0].time)
     np.testing.assert_array_equal(raw.columns["id"], np.tile(made[0].number, T))
     for key in keys.split():
-        written = np.concatenate([getattr(f, particle_writers.FILE[key]) for f in made])
+        written = np.concatenate([getattr(f, particle_writers.FRAME_FIELDS[key]) for f in made])
         np.testing.assert_array_equal(raw.columns[key].reshape(written.shape), written, err_msg=key)
 
 
@@ -50,21 +50,21 @@ def test_what_is_written_is_read(kind, tmp_path):
     def same(made):
         file = tmp_path / f"particles.{kind}"
         if kind == "csv":
-            file.write_bytes(particle_writers.csv(particle_writers.table(made), {"cells": 12}))
-            assert_same(read(str(file)), made, "X x v F sigma")
+            file.write_bytes(particle_writers.csv_text(particle_writers.frame_columns(made), {"cells": 12}))
+            assert_same(read_file(str(file)), made, "X x v F sigma")
         elif kind == "npz":
-            file.write_bytes(particle_writers.npz(made, BarScene(cells=12)))
-            assert_same(read(str(file)), made, "X x v F")
+            file.write_bytes(particle_writers.npz_bytes(made, BarScene(cells=12)))
+            assert_same(read_file(str(file)), made, "X x v F")
         else:  # one frame, in space; tensors as nine numbers
             one, D = made[0], made[0].position.shape[1]
             in_space = {"velocity": np.pad(one.velocity, [(0, 0), (0, 3 - D)]),
                         "stress": np.pad(one.stress, [(0, 0), (0, 3 - D), (0, 3 - D)]).reshape(-1, 9)}
-            file.write_bytes(vtu(one.position, {"id": one.number, **in_space}, one.time))
-            raw = read(str(file))
+            file.write_bytes(vtu_bytes(one.position, {"id": one.number, **in_space}, one.time))
+            raw = read_file(str(file))
             assert raw.time == one.time and (raw.columns["id"] == one.number).all()
             for key, value in (("x", one.position), ("v", one.velocity), ("sigma", one.stress)):
                 np.testing.assert_array_equal(raw.columns[key][(slice(None), *[slice(D)] * (value.ndim - 1))], value)
         if kind != "vtu":
-            assert read(str(file)).cells == 12
+            assert read_file(str(file)).cells == 12
 
     same()

@@ -6,7 +6,7 @@ import taichi as ti
 
 from solvers.kernels import runtime
 from solvers.kernels.shape_functions import outer_weights, stencil
-from tests.support.reference import weight
+from tests.support.reference_bar import weight
 
 METHODS = ["mpm", "ugimp", "cpgimp", "bspline"]
 COUNT = 4000

@@ -9,7 +9,7 @@ from hypothesis import given, settings
 
 from solvers import run
 from solvers.motion import typed_motion
-from solvers.motion.formula import FormulaError, parse
+from solvers.motion.formula import FormulaError, parse_formula
 from solvers.problems.bar.scene import BarScene
 from solvers.problems.planar.layout import particle_layout
 from solvers.problems.planar.scene import motion_table
@@ -25,9 +25,9 @@ VALUES = {"X": 0.3, "Y": -0.7, "t": 1.2}
      math.sin(0.3 * math.pi) * math.cos(1.2)**2), ("exp(-t)*sqrt(X)+log(t)", math.exp(-1.2) * 0.3**0.5 + math.log(1.2)),
     ("2e-3*X**-2", 2e-3 / 0.09), ("-X**2", -0.09), ("+(+X)", 0.3), ("1_0*X", 3.0)])
 def test_a_formula_means_what_it_says(text, value):
-    plain, formula = parse(text, tuple(VALUES))
+    plain, formula = parse_formula(text, tuple(VALUES))
     assert formula(VALUES) == pytest.approx(value, rel=1e-15)
-    assert " " not in plain and parse(plain, tuple(VALUES))[1](VALUES) == formula(VALUES)
+    assert " " not in plain and parse_formula(plain, tuple(VALUES))[1](VALUES) == formula(VALUES)
 
 
 #: Texts that are no formula, and a word of the sentence that says so. None of them may be evaluated.
@@ -58,7 +58,7 @@ def test_what_is_no_formula_is_refused_in_a_sentence(text, monkeypatch):
     for name in ("eval", "exec"):
         monkeypatch.setattr(f"builtins.{name}", lambda *given, name=name: pytest.fail(f"{name} was called"))
     with pytest.raises(FormulaError) as refused:
-        parse(text, tuple(VALUES))
+        parse_formula(text, tuple(VALUES))
     assert WRONG[text] in str(refused.value) and str(refused.value).isprintable()
 
 
@@ -146,4 +146,4 @@ def test_another_motion_compiles_nothing(kind, other):
 
 def test_a_long_text_is_refused():
     with pytest.raises(FormulaError, match="at most"):
-        typed_motion.read_motion("0.02*" + "1*" * 300 + "sin(w*t)")
+        typed_motion.parse_motion("0.02*" + "1*" * 300 + "sin(w*t)")

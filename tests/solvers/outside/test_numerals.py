@@ -32,17 +32,18 @@ def test_what_is_no_number_is_none_anywhere(text):
 @given(st.floats(allow_nan=False, allow_infinity=False, allow_subnormal=False) | st.integers(-10**15, 10**15))
 def test_every_number_comes_back_to_the_bit(value):
     """But those that are not normal, which a process in which Taichi has run takes for 0."""
-    assert number_parsing.number(repr(value)) == value
-    back = number_parsing.real(repr(value))
+    assert number_parsing.parse_number(repr(value)) == value
+    back = number_parsing.parse_float(repr(value))
     assert back == value and math.copysign(1, back) == math.copysign(1, value)
 
 
 @pytest.mark.parametrize("text, value", [("1e3", 1000), ("40", 40), (" 40 ", 40), ("+7", 7), ("1e-3", 1e-3),
                                          (".5", 0.5), ("5.", 5.0), ("1E2", 100), ("1e16", 1e16)])
 def test_a_whole_number_is_one_with_an_exponent_too(text, value):
-    found = number_parsing.number(text)
+    found = number_parsing.parse_number(text)
     assert found == value and type(found) is type(value)
 
 
 def test_a_count_is_digits_and_nothing_else():
-    assert [number_parsing.count(text) for text in ("0", "17", "-1", "1.0", "１", "1" * 10, "")] == [0, 17, *[None] * 5]
+    assert [number_parsing.parse_count(text) for text in ("0", "17", "-1", "1.0", "１", "1" * 10,
+                                                          "")] == [0, 17, *[None] * 5]

@@ -13,7 +13,8 @@ from app.lessons.markdown_html import to_html as rendered
 from solvers.untrusted import quoting
 
 texts = st.text(max_size=3000) | st.text(alphabet="\x1b[]m=\u202e\u2066\t\r\n!()<>`*_$&\\'\"|#x\udcff", max_size=80)
-TARGETS = [quoting.quoted, quoting.sentence, quoting.file_name, quoting.markdown, quoting.code, quoting.as_html]
+TARGETS = [quoting.quote, quoting.one_line, quoting.file_name, quoting.escape_markdown, quoting.code_span,
+           quoting.escape_html]
 
 
 @pytest.mark.parametrize("target", TARGETS)
@@ -26,7 +27,7 @@ def test_nothing_that_does_not_show_is_left(target, text):
 
 @given(texts)
 def test_what_is_long_is_cut_with_an_ellipsis(text):
-    for target, most in ((quoting.quoted, quoting.QUOTE), (quoting.sentence, quoting.SENTENCE),
+    for target, most in ((quoting.quote, quoting.QUOTE), (quoting.one_line, quoting.SENTENCE),
                          (quoting.file_name, quoting.NAME)):
         said = target(text)
         assert len(said) <= most
@@ -38,17 +39,17 @@ def test_what_is_long_is_cut_with_an_ellipsis(text):
     ("\x1b[31mred", "\\x1b[31mred"), ("a\u202eb", "a\\u202eb"), ("", "(no value)"), (" \n", "(no value)"),
     ("n" * 100 + ".csv", "n" * 30 + "…" + "n" * 25 + ".csv"), (0.1, "0.1"), (12, "12"), ("naïve Ω", "naïve Ω")])
 def test_a_value_within_a_sentence(value, said):
-    assert quoting.quoted(value) == said
+    assert quoting.quote(value) == said
 
 
 def test_a_number_that_python_would_not_write_is_named():
-    assert quoting.quoted(10**5000) == "a number of more than 1,000 digits"
+    assert quoting.quote(10**5000) == "a number of more than 1,000 digits"
 
 
 @given(st.text(alphabet="![](){}<>*_`$#~&;ab: /\\|", max_size=40))
 def test_in_markdown_a_text_means_nothing_but_itself(text):
     """No picture, link, emphasis, formula or html comes of it: a paragraph with that text."""
-    page = rendered(f"* x{quoting.markdown(text)}x\n* y {quoting.code(text)} y")
+    page = rendered(f"* x{quoting.escape_markdown(text)}x\n* y {quoting.code_span(text)} y")
     assert set(re.findall(r"</?(\w+)", page)) <= {"ul", "li", "code"}
     first = page.partition("<li>")[2].partition("</li>")[0]
     assert html.unescape(first) == f"x{' '.join(text.split())}x"
@@ -60,12 +61,12 @@ def test_in_markdown_a_text_means_nothing_but_itself(text):
     ("-2.5", "-2.5"), ("+3e-4", "+3e-4"), (-2.5, -2.5), (None, None), ("plain", "plain"), ("a\nb", "a\\nb"),
     ("-1 2 3", "-1 2 3"), ("-1 mm", "'-1 mm")])
 def test_a_cell_is_no_formula_and_a_number_stays_one(value, cell):
-    assert quoting.cell(value) == cell
+    assert quoting.csv_cell(value) == cell
     out = io.StringIO()
-    csv.writer(out).writerow([quoting.cell(value)])
+    csv.writer(out).writerow([quoting.csv_cell(value)])
     assert out.getvalue().count("\n") == 1
 
 
 @pytest.mark.parametrize("word, said", [("ugipm", " (did you mean ugimp?)"), ("zzz", ""), ("x" * 10**6, "")])
 def test_what_is_known_near_a_word(word, said):
-    assert quoting.meant(word, ["ugimp", "mpm"]) == said
+    assert quoting.suggest_word(word, ["ugimp", "mpm"]) == said

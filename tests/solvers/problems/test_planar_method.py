@@ -13,15 +13,15 @@ from solvers.problems import PROBLEMS
 from solvers.problems.planar.layout import half_edges
 from solvers.problems.planar.method import phases
 from solvers.problems.planar.method.cpdi import NODES
-from solvers.problems.planar.method.stored_weights import by_particle
+from solvers.problems.planar.method.stored_weights import weights_by_particle
 from solvers.problems.planar.scene import GHOSTS
 from solvers.problems.planar.snapshot import body_force
 from solvers.problems.planar.solver import PlanarSolver
 from solvers.problems.ring import RingScene
 from solvers.problems.vortex import VortexScene
 from solvers.running.run import build
-from solvers.solver.samples import read
-from solvers.solver.state_arrays import aligned
+from solvers.solver.samples import read_rows
+from solvers.solver.state_arrays import align
 
 BARE = {"cells": 16, "estimators": (), "effects": ()}
 RING, VORTEX = RingScene(**BARE), VortexScene(**BARE)
@@ -60,7 +60,7 @@ def to_nodes(solver: PlanarSolver, time: float = 0.0) -> None:
 
 def at_particles(solver: PlanarSolver) -> list[np.ndarray]:
     """The nodes' four numbers at the particles, and their derivatives in x and y, each (P, 4)."""
-    parts = [aligned(np.zeros((len(solver._arrays.mass), 4))) for _ in range(3)]
+    parts = [align(np.zeros((len(solver._arrays.mass), 4))) for _ in range(3)]
     kernels(type(solver))[1](solver._stepping.pack, *parts, solver._switches)
     return parts
 
@@ -223,7 +223,7 @@ def test_unstable_runs_stay_inside_their_arrays(scene):
     a.position_velocity[1::7, :2] = -1e9
     a.deformation_gradient[2::7] = 1e6
     to_nodes(solver)
-    numbers = by_particle(a.weights, scene.method, a.particles)
+    numbers = weights_by_particle(a.weights, scene.method, a.particles)
     kept, width = (numbers[:, NODES:NODES + 4], 1) if scene.method == "cpdi" else (a.first_node, 2)
     assert kept.min() >= 0
     assert kept.max() + width * (scene.cells + 2) < (scene.cells + 1) ** 2
@@ -257,7 +257,7 @@ def test_snapshots_and_samples_agree(scene):
     """Two ways to the same errors and estimates: kernels into samples, numpy into snapshots."""
     solver = build(replace(scene, effects=("truth", "acceleration", "estimate"), estimators=("transport",)))
     solver.advance(30)
-    series, shot = read(solver.measure(), solver.scene, len(solver._arrays.mass)), solver.snapshot()
+    series, shot = read_rows(solver.measure(), solver.scene, len(solver._arrays.mass)), solver.snapshot()
     for k, name in enumerate(("x", "v", "sigma", "a")):
         assert np.sqrt(np.mean(shot.error[:, k] ** 2)) == pytest.approx(series[f"error_{name}"][0], rel=1e-9)
         if name != "sigma":  # of which transport says nothing
@@ -275,5 +275,5 @@ def test_the_kernel_uses_the_boxes_that_are_drawn():
     place = a.position_velocity[:, :2] / h + 0.5 * scene.cells
     first = np.floor(place - half)
     end = np.maximum(0.0, place + half - first - 1)
-    kept = by_particle(a.weights, scene.method, a.particles)
+    kept = weights_by_particle(a.weights, scene.method, a.particles)
     np.testing.assert_allclose(kept[:, 2:4], 0.25 * end**2 / half, atol=1e-13)  # the mean of the hat beyond

@@ -124,7 +124,7 @@ def test_what_cannot_be_followed_is_not_held_against_a_run(simulate, monkeypatch
 
 
 def test_a_run_that_does_not_look_works_nothing_out(simulate, monkeypatch):
-    monkeypatch.setattr("solvers.problems.planar.circular_diagnostics.of_scene",
+    monkeypatch.setattr("solvers.problems.planar.circular_diagnostics.circle_motion",
                         lambda scene: pytest.fail("worked out"))
     scene = VortexScene(cells=20, ppc=2, amplitude=0.25, cfl=0.2, frequency=0.35, estimators=(), effects=("truth",))
     assert simulate(scene).verdict["checked"] == {"x": ["truth"], "v": ["truth"], "sigma": ["truth"], "a": []}

@@ -13,7 +13,7 @@ from solvers.problems.planar.layout import particle_layout
 from solvers.problems.ring import RingScene
 from solvers.problems.vortex import VortexScene
 from solvers.running.run import build
-from solvers.solver.verdict_basis import as_large_as_itself
+from solvers.solver.verdict_basis import large_errors
 
 #: Both are right in x, and were called ok.
 NOISY = {"v": BarScene(method="cpgimp", cells=5, ppc=6, amplitude=0.028, cfl=0.0562, periods=40,
@@ -46,10 +46,10 @@ def test_a_run_that_goes_on_is_told_the_same(simulate):
     scene = NOISY["v"]
     result, solver = simulate(scene), build(scene)
     watch = SoundnessWatch(scene)
-    watch.look(solver.measure(), scene.particles)
+    watch.check_samples(solver.measure(), scene.particles)
     while solver.step < scene.steps:
-        watch.look(solver.advance(min(500, scene.steps - solver.step)), scene.particles)
-    status, reason, since = watch.tell(solver, {})
+        watch.check_samples(solver.advance(min(500, scene.steps - solver.step)), scene.particles)
+    status, reason, since = watch.current_status(solver, {})
     assert (status, since) == ("ok", None)
     assert reason == result.reason and watch.not_checked({}) is None
 
@@ -91,5 +91,5 @@ def test_a_quantitys_own_size_is_that_of_the_exact_motion(scene):
 
 def test_nothing_is_named_without_errors(simulate):
     result = simulate(BarScene(cells=20, ppc=2, linearity_preserving=True, periods=0.5, estimators=()))
-    assert result.reason is None and not as_large_as_itself(result.scene, result.series)
+    assert result.reason is None and not large_errors(result.scene, result.series)
     assert all(result.scene.rms_of(q) > 0 and np.isfinite(result.scene.rms_of(q)) for q in ("x", "v", "sigma", "a"))

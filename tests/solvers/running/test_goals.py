@@ -8,7 +8,7 @@ import pytest
 from app.commands.dispatch import dispatch
 from solvers import BarScene, RingScene, VortexScene, run
 from solvers.problems import PROBLEMS
-from solvers.running.quantities_of_interest import SAFETY, weights_at
+from solvers.running.quantities_of_interest import SAFETY, point_weights
 from solvers.running.result import Result
 from solvers.scene.validation import SceneError
 
@@ -68,10 +68,10 @@ def test_the_polynomial_is_exact_for_its_degree():
     """Cubics along a line, parabolas in the plane; to rounding of numbers of the size 1."""
     X = np.linspace(0.05, 0.95, 10)[:, None]
     for point in (0.31, 0.05, 1.0):
-        assert weights_at(X, np.array([point])) @ (X[:, 0]**3 - X[:, 0]) == pytest.approx(point**3 - point, abs=1e-12)
+        assert point_weights(X, np.array([point])) @ (X**3 - X)[:, 0] == pytest.approx(point**3 - point, abs=1e-12)
     grid = np.stack(np.meshgrid(np.arange(5.0), np.arange(5.0)), axis=-1).reshape(-1, 2)
     x, y = grid.T
-    found = weights_at(grid, np.array([1.3, 2.6])) @ (x * x - x * y + 2 * y)
+    found = point_weights(grid, np.array([1.3, 2.6])) @ (x * x - x * y + 2 * y)
     assert found == pytest.approx(1.69 - 3.38 + 5.2, abs=1e-12)
 
 

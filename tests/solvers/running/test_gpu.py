@@ -75,7 +75,7 @@ def taken(scene: Scene, steps: int) -> Taken:
     solver.compile()
     rows = np.concatenate([solver.measure(), solver.advance(steps), solver.measure()])
     shot = solver.snapshot()
-    series = samples.read(rows, scene, len(shot.position))
+    series = samples.read_rows(rows, scene, len(shot.position))
     return Taken(solver, shot, series, solver.not_valid())
 
 
@@ -207,7 +207,7 @@ def verdicts(scene: Scene) -> dict[str, list[tuple[bool, str]]]:
                     arrays["position_velocity"][particle, 0] = what
                 else:
                     arrays["deformation_gradient"][particle] = what
-            solver.put(step, arrays)
+            solver.restore(step, arrays)
             solver.measure()
             found[kind].append((solver.sound, solver.reason()))
     return found
@@ -335,11 +335,11 @@ def test_any_gpu_is_not_one_that_the_processor_plays(monkeypatch):
     there = {"cuda": {"name": "", "software": False, "missing": "Taichi sees none"},
              "vulkan": {"name": "llvmpipe", "software": True, "missing": None}}
     monkeypatch.setattr(devices, "probe_device", there.get)
-    assert devices.place("gpu") == "cpu" and devices.place("vulkan") == "vulkan" and devices.place("cpu") == "cpu"
+    assert [devices.resolve_arch(arch) for arch in ("gpu", "vulkan", "cpu")] == ["cpu", "vulkan", "cpu"]
     there["vulkan"]["software"] = False
-    assert devices.place("gpu") == "vulkan"
+    assert devices.resolve_arch("gpu") == "vulkan"
     there["cuda"]["missing"] = None
-    assert devices.place("gpu") == "cuda"
+    assert devices.resolve_arch("gpu") == "cuda"
 
 
 def test_what_is_found_is_known_by_name_and_a_search_that_fails_finds_nothing():
@@ -353,7 +353,7 @@ def test_what_is_found_is_known_by_name_and_a_search_that_fails_finds_nothing():
 def test_the_bench_of_a_gpu():
     """Its parts are there and make sense, at sizes that software can do; and its table says what it is."""
     require_gpu()
-    found = gpu.measured(ARCH, {"ring": (16,)}, copied=100_000)
+    found = gpu.measure_device(ARCH, {"ring": (16,)}, copied=100_000)
     assert found["arch"] == ARCH and found["bandwidth"] > 0 and found["missing"] is None
     assert [(row["problem"], row["method"]) for row in found["rows"]] == [("ring", method) for method in gpu.METHODS]
     for row in found["rows"]:

@@ -47,6 +47,6 @@ def test_object_table_and_picture_survive_what_a_run_leaves(scene, left, simulat
 def test_fits_of_errors_at_the_ends_of_numbers_are_fits_or_nothing():
     h = [0.1, 0.09, 0.08]
     for errors in ([1e308, 1e-300, 1e308], [1e-308, 1e-300, 1e300], [5e-324, 1e-300, 1.0], [1e308] * 3):
-        slope, balance = convergence.slope(h, errors), convergence.balance(h, errors)
+        slope, balance = convergence.fit_slope(h, errors), convergence.fit_space_time(h, errors)
         assert slope is None or np.isfinite([slope.order, slope.factor, *slope.pairwise]).all()
         assert balance is None or np.isfinite([balance.space, balance.factor]).all()

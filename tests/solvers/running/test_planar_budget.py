@@ -10,7 +10,7 @@ import pytest
 
 from solvers.problems.bar.scene import BarScene
 from solvers.problems.planar.budget.on_demand import BudgetRun
-from solvers.problems.planar.budget.pieces import Lattice, Pieces
+from solvers.problems.planar.budget.pieces import PieceLattice, Pieces
 from solvers.problems.planar.weights import Grid
 from solvers.problems.ring import RingScene
 from solvers.problems.vortex import VortexScene
@@ -69,13 +69,13 @@ def test_pieces_leave_no_gap(scene):
     at rest they have the particles' volumes, up to the arcs between the polar lattice's corners."""
     solver = build(scene)
     solver.advance(scene.steps)
-    a, lattice = solver._arrays, Lattice(scene)
+    a, lattice = solver._arrays, PieceLattice(scene)
     grid = Grid(a.row, 0)
     F = a.deformation_gradient.reshape(-1, 2, 2)
     for corners in (lattice.place, lattice.corners(a.position_velocity[:, :2] - a.material_position, F)):
         pieces = Pieces(lattice, corners, grid, corners * a.cells_per_length + a.origin)
         force = pieces.force(np.broadcast_to(np.array([[3.0, 1.0], [1.0, -2.0]]), F.shape))
-        total = np.bincount(pieces.home.ravel(), pieces.weight.ravel(), grid.nodes)
+        total = np.bincount(pieces.node_numbers.ravel(), pieces.weight.ravel(), grid.nodes)
         inside = (total > 0) & (np.bincount(_rim(lattice, pieces).ravel(), minlength=grid.nodes) == 0)
         assert np.sum(inside) >= 4 or scene.problem == "ring"
         assert np.abs(force[inside]).max(initial=0.0) <= 1e-12
@@ -89,9 +89,9 @@ def test_pieces_leave_no_gap(scene):
             np.testing.assert_allclose(pieces.area, a.mass / a.density, rtol=arcs)
 
 
-def _rim(lattice: Lattice, pieces: Pieces) -> np.ndarray:
+def _rim(lattice: PieceLattice, pieces: Pieces) -> np.ndarray:
     """The nodes (E, M) that edges of a single piece touch."""
-    return pieces.home[np.bincount(lattice.edge.ravel()) == 1]
+    return pieces.node_numbers[np.bincount(lattice.edge.ravel()) == 1]
 
 
 @pytest.mark.parametrize(("inputs", "low", "high"), [

@@ -37,7 +37,7 @@ def ended(scene: Scene) -> tuple[str, dict[str, np.ndarray]]:
     assert solver.sound
     particles = {name: getattr(shot, name) for name in PARTICLES}
     return f"{solver.plan} {solver.threads}", {
-        **particles, **shot.estimate, **samples.read(rows, scene, len(shot.position))}
+        **particles, **shot.estimate, **samples.read_rows(rows, scene, len(shot.position))}
 
 
 @pytest.mark.parametrize("scene", [*(pytest.param(scene, id=name) for name, scene in SCENES.items()),

@@ -10,7 +10,7 @@ from solvers.problems.ring import RingScene
 from solvers.problems.vortex import VortexScene
 from solvers.running.run import run
 from solvers.scene.validation import SceneError
-from solvers.study.stability import offered
+from solvers.study.stability import offered_treatments
 
 BOTH = ("null-space-filter", "coupled-deformation")
 FROZEN = ("frozen-weights",)
@@ -81,7 +81,7 @@ def test_frozen_weights_hold_the_ring(method, simulate):
 
 
 def test_a_map_of_stability_has_the_treatments_that_a_problem_offers():
-    assert offered(VortexScene) == ("plain", "filter", "frozen")
+    assert offered_treatments(VortexScene) == ("plain", "filter", "frozen")
 
 
 @pytest.mark.parametrize(("kind", "inputs", "word"), [

@@ -69,7 +69,7 @@ def ended(scene: Scene, way: Way) -> tuple[Arrays, Arrays]:
     assert solver.sound and solver.step == STEPS
     shot = solver.snapshot()
     state = {**{name: getattr(shot, name) for name in (*PARTICLES, "last_crossing", "error")}, **shot.estimate}
-    series = samples.read(np.concatenate(rows), scene, len(shot.position))
+    series = samples.read_rows(np.concatenate(rows), scene, len(shot.position))
     return ({name: values for name, values in state.items() if values is not None},
             {name: values for name, values in series.items() if values.any() and not np.isnan(values).all()})
 

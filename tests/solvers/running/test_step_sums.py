@@ -5,7 +5,7 @@ import pytest
 
 from solvers.problems import PROBLEMS
 from solvers.running.run import build
-from solvers.solver.samples import read
+from solvers.solver.samples import read_rows
 
 STEPS = 30
 
@@ -37,7 +37,7 @@ def test_what_a_step_adds_up(problem, changes):
         sums["spin/torque"].append(sums["spin/torque"][-1] + dt * np.sum(x * force[:, 1] - y * force[:, 0]))
         rows.append(solver.measure())
         before = after
-    found = read(np.concatenate(rows), scene, len(mass), 1.0)
+    found = read_rows(np.concatenate(rows), scene, len(mass), 1.0)
     for name in ("work", "crossings", *["spin/torque"] * spin):
         expected = np.array(sums[name])
         assert np.abs(expected).max() > 0

@@ -11,15 +11,15 @@ from solvers.problems import PROBLEMS
 from solvers.running.run import run
 from solvers.scene.validation import SceneError
 from solvers.solver.soundness import LOST, NOUNS, OK, UNSTABLE
-from solvers.solver.verdict_basis import as_large_as_itself
-from tests.support.random_scenes import ASKED, RARE, Inputs, inputs, odd_inputs, scenes_a_set, sets
+from solvers.solver.verdict_basis import large_errors
+from tests.support.random_scenes import ASKED, RARE, Inputs, inputs, odd_inputs, scenes_a_set, switch_sets
 
 MOST_ERROR = 0.5  # amplitudes of the motion, of x: no run beyond it may be called ok
 PRICED = 8  # one in so many runs measures its estimators' prices as well, which takes tenths of a second
 
 here = settings(max_examples=scenes_a_set(), derandomize=ASKED is None, database=None,
                 suppress_health_check=list(HealthCheck))
-SETS = sets()
+SETS = switch_sets()
 
 
 def named(switches: Inputs) -> str:
@@ -45,7 +45,7 @@ def check(drawn: Inputs, prices: bool) -> None:
     scene.warnings()
     result = run(scene, prices=prices)
     assert result.status in (OK, UNSTABLE, LOST)
-    large = as_large_as_itself(scene, result.series, result.not_valid)
+    large = large_errors(scene, result.series, result.not_valid)
     assert (result.reason is None) == (result.status == OK and not large)
     assert result.reason is None or (result.reason.isprintable() and "nan" not in result.reason.split())
     json.dumps(result.to_dict(), allow_nan=False)

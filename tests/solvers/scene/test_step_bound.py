@@ -11,8 +11,8 @@ from solvers.problems.bar.solver import BarSolver
 from solvers.problems.planar import step_bound as planar_bound
 from solvers.problems.ring import RingScene
 from solvers.problems.vortex import VortexScene
-from solvers.scene.linear_stability import limits, longest
-from solvers.scene.step_bound import SAFE, circles, of_scene, stencil
+from solvers.scene.linear_stability import longest_step, longest_steps
+from solvers.scene.step_bound import SAFE, circle_bound, scene_step_bound, stencil
 from solvers.scene.validation import SceneError
 
 METHODS = ("mpm", "ugimp", "cpgimp", "bspline")
@@ -36,7 +36,7 @@ def test_the_circles_are_below_the_exact_limit_of_the_grid_and_not_far(method):
             K[np.ix_(nodes[p], nodes[p])] += F[p] ** 2 * np.outer(dS[p], dS[p])
         scaled = K / np.sqrt(np.outer(mass, mass))
         exact = 2 / np.sqrt(np.linalg.eigvalsh(scaled).max())
-        found = circles(nodes, np.abs(dS), F**2, mass)
+        found = circle_bound(nodes, np.abs(dS), F**2, mass)
         assert 0.6 * exact <= found <= exact * (1 + 1e-12)
 
 
@@ -47,14 +47,15 @@ def test_the_limit_of_a_step_is_that_of_its_matrices(method, remedies):
     whole matrices. Three per cent: a mode that the search begins with little of shows late (measured up to .023)."""
     scene = BarScene(method=method, cells=12, ppc=3, amplitude=0.1, remedies=remedies)
     X = (np.arange(scene.particles) + 0.5) / scene.particles
-    found = [step_bound.moment(scene, scene.cells, X if scene.frozen else X + size * np.sin(2 * np.pi * X),
-                               1 + 2 * np.pi * size * np.cos(2 * np.pi * X)) for size in (-0.1, -0.06, 0.0, 0.03, 0.1)]
+    found = [step_bound.configuration_at(scene, scene.cells, X if scene.frozen else X + size * np.sin(2 * np.pi * X),
+                                         1 + 2 * np.pi * size * np.cos(2 * np.pi * X))
+             for size in (-0.1, -0.06, 0.0, 0.03, 0.1)]
     expected = []
     for one in found:
         S, G = np.zeros((2, len(X), scene.cells))
         for p in range(len(X)):
             np.add.at(S[p], one.nodes[p], one.weights[p])
-            np.add.at(G[p], one.pulling[p], one.gradients[p])
+            np.add.at(G[p], one.force_links[p], one.gradients[p])
         mass = one.mass * S.sum(axis=0)
         there = mass > 1e-12 * mass.max()
         S, G = (part[:, there] / np.sqrt(mass[there]) for part in (S, G))
@@ -62,7 +63,7 @@ def test_the_limit_of_a_step_is_that_of_its_matrices(method, remedies):
         eigenvalues = np.linalg.eigvals(given @ (G.T * one.stiffness) @ G)
         assert np.abs(eigenvalues.imag).max() < 1e-6 * eigenvalues.real.max()
         expected.append(2 / np.sqrt(eigenvalues.real.max()))
-    np.testing.assert_allclose(limits(step_bound.side_by_side(found)), expected, rtol=0.03)
+    np.testing.assert_allclose(longest_steps(step_bound.stack_configurations(found)), expected, rtol=0.03)
 
 
 @pytest.mark.parametrize("scene", [
@@ -73,7 +74,7 @@ def test_the_limit_of_a_step_is_that_of_its_matrices(method, remedies):
     RingScene(method="ugimp", cells=12, amplitude=1e-6)], ids=str)
 def test_a_step_beyond_the_limit_breaks_and_one_below_it_does_not(scene, simulate):
     """Where nothing moves far the limit is that of the whole run: 1.06 of it breaks within 12 periods, .97 does not."""
-    found = of_scene(scene).linear
+    found = scene_step_bound(scene).linear
     for part, holds in ((0.97, True), (1.06, False)):
         result = simulate(replace(scene, dt=part * found, periods=12, **LOOKS))
         assert (result.status == "ok") == holds
@@ -82,9 +83,9 @@ def test_a_step_beyond_the_limit_breaks_and_one_below_it_does_not(scene, simulat
 def test_a_motion_bears_a_step_that_is_too_long_for_a_moment():
     """With even limits it is theirs, but for what e^2 leaves room for; a moment of half the limit shortens it by less
     than a half, and the less the shorter it is."""
-    even = longest(np.full(9, 0.01), 10.0)
+    even = longest_step(np.full(9, 0.01), 10.0)
     assert 0.01 < even < 0.0101
-    dips = [longest(np.where(np.arange(n) == n // 2, 0.005, 0.01), 1.0) for n in (9, 33, 129)]
+    dips = [longest_step(np.where(np.arange(n) == n // 2, 0.005, 0.01), 1.0) for n in (9, 33, 129)]
     assert 0.005 < dips[0] < dips[1] < dips[2] < 0.0104
 
 
@@ -98,10 +99,10 @@ def test_the_live_margin_of_a_stretched_bar_is_that_of_its_circles(method):
     solver.advance(1)
     solver._stepping.find_margin()
     F = solver.snapshot().deformation_gradient
-    present = replace(step_bound.moment(scene, scene.cells, before.position, before.deformation_gradient),
+    present = replace(step_bound.configuration_at(scene, scene.cells, before.position, before.deformation_gradient),
                       stiffness=scene.modulus * F**2 / scene.particles)  # weights are those of the step, F is now
     assert np.ptp(F) > 1
-    assert solver._arrays.step_margin[0] == pytest.approx(scene.time_step / present.circles(), rel=1e-9)
+    assert solver._arrays.step_margin[0] == pytest.approx(scene.time_step / present.circle_bound(), rel=1e-9)
 
 
 @pytest.mark.parametrize("scene", [
@@ -115,7 +116,7 @@ def test_the_live_margin_is_that_of_the_bound(scene, simulate):
     domains lie on cell boundaries of a cartesian layout, and rounding decides on which side."""
     result = simulate(replace(scene, periods=0.02, sample_every=1, **LOOKS))
     margin = result.to_dict()["step"]["margin"]
-    assert margin == pytest.approx(scene.time_step / of_scene(scene).linear, rel=2e-5)
+    assert margin == pytest.approx(scene.time_step / scene_step_bound(scene).linear, rel=2e-5)
 
 
 @pytest.mark.parametrize("scene", [

@@ -82,7 +82,7 @@ def rates(monkeypatch):
     def measured(family: Family, cells: int) -> Point:
         key = family.member(cells), family.quantity
         if key in MADE:
-            return family.take(MADE[key])
+            return family.add_point(MADE[key])
         MADE[key] = measure(family, cells)
         return MADE[key]
 
@@ -195,8 +195,8 @@ def test_a_known_run_without_a_time_is_timed(monkeypatch):
     monkeypatch.setattr("solvers.study.run_family._seconds_per_particle_step",
                         lambda scene: timed.append(scene) or 1e-9)
     one = Family(BarScene(cfl=0.1), "x", 2)
-    assert one.take(Point(10, 1e-3, math.nan)).seconds_per_particle_step == 1e-9 and len(timed) == 1
-    assert one.take(Point(20, 1e-4, 2e-9)).seconds_per_particle_step == 2e-9 and len(timed) == 1
+    assert one.add_point(Point(10, 1e-3, math.nan)).seconds_per_particle_step == 1e-9 and len(timed) == 1
+    assert one.add_point(Point(20, 1e-4, 2e-9)).seconds_per_particle_step == 2e-9 and len(timed) == 1
 
 
 def test_what_a_coarse_grid_meets_is_not_run_twice(rates):

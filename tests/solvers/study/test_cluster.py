@@ -10,12 +10,12 @@ import pytest
 
 from app.cli import main
 from solvers.study import executors
-from solvers.study.parameter_grid import plan
+from solvers.study.parameter_grid import plan_tasks
 from solvers.workers.worker_process import free_port
 from tests.groups import require_group
+from tests.support.fake_rows import without_timings
 from tests.support.paths import ROOT
-from tests.support.processes import until
-from tests.support.rows import without_timings
+from tests.support.processes import wait_until
 
 AXES = {"method": ["mpm", "ugimp"], "cells": [8, 16], "periods": [1.0]}
 
@@ -48,7 +48,7 @@ def workers(dask, tmp_path) -> Iterator[tuple[str, list[subprocess.Popen]]]:
 
 
 def wait_for_workers(place: executors.Cluster, count: int) -> None:
-    until(lambda: place.workers == count, f"{count} workers")
+    wait_until(lambda: place.workers == count, f"{count} workers")
 
 
 def test_rows_are_measured_on_a_cluster(dask):
@@ -60,7 +60,7 @@ def test_rows_are_measured_on_a_cluster(dask):
                       dashboard_address=None) as one:
         place = executors.Cluster(one.scheduler_address)
         try:
-            executors.execute(plan("bar", {"cells": [8], "periods": [1.0]}, repeats=1), place, rows.append)
+            executors.execute(plan_tasks("bar", {"cells": [8], "periods": [1.0]}, repeats=1), place, rows.append)
         finally:
             place.close()
     assert [(row["status"], row["scene"]["cells"]) for row in rows] == [("ok", 8)]
@@ -78,7 +78,7 @@ def test_a_killed_worker_costs_no_row(workers, monkeypatch):
         if len(rows) == 1:
             os.kill(processes[0].pid, signal.SIGKILL)
 
-    tasks = plan("bar", AXES, repeats=1)
+    tasks = plan_tasks("bar", AXES, repeats=1)
     try:
         executors.execute(tasks, place, keep)
         wait_for_workers(place, 1)

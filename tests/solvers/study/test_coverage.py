@@ -13,13 +13,13 @@ from solvers.running.quantities_of_interest import ENERGY
 from solvers.solver.soundness import OK
 from solvers.study.coverage import coverage_counts as bars
 from solvers.study.coverage import random_runs, track_record
-from solvers.study.coverage.coverage_counts import MIDDLE, NORMAL, STAY, TWO_GRIDS, interval, regime, tally
-from solvers.study.coverage.coverage_tables import summary
-from solvers.study.coverage.random_runs import BEFORE, IDENTITY, MEASURED, REACH, Draw, coarser, measure
-from solvers.study.coverage.track_record import JUDGES, bets, by_its_word, by_the_record
-from solvers.study.row import fault
+from solvers.study.coverage.coverage_counts import CENTRAL, IN_CELL, NORMAL, TWO_GRIDS, regime, tally, wilson
+from solvers.study.coverage.coverage_tables import coverage_summary
+from solvers.study.coverage.random_runs import BEFORE, DRAW_RANGES, IDENTITY, MEASURED, RandomRun, coarsen, measure
+from solvers.study.coverage.track_record import JUDGES, bet_by_grid_index, bet_by_record, bets
+from solvers.study.row import find_fault
+from tests.support.fake_rows import InstantExecutor
 from tests.support.paths import ROOT
-from tests.support.rows import Instant
 
 SEED = 7  # not that of assets/coverage.md
 MANY = 50  # runs
@@ -29,17 +29,17 @@ MANY = 50  # runs
 def test_a_draw_is_a_run_of_its_own_number(problem):
     """The same however many are drawn; within the bounds that the text gives; with grids twice and four times as wide.
     """
-    reach = REACH[problem]
-    drawn = [Draw(problem, SEED, number) for number in range(20)]
+    reach = DRAW_RANGES[problem]
+    drawn = [RandomRun(problem, SEED, number) for number in range(20)]
     scenes = [draw.scene() for draw in drawn]
-    assert scenes == [Draw(problem, SEED, number).scene() for number in range(20)] and len(set(scenes)) == 20
+    assert scenes == [RandomRun(problem, SEED, number).scene() for number in range(20)] and len(set(scenes)) == 20
     assert len({draw.key for draw in drawn}) == 20
     for draw, scene in zip(drawn, scenes, strict=True):
         assert reach.cells[0] <= scene.cells <= reach.cells[1] and scene.cells % random_runs.COARSEST == 0
         assert scene.particles * scene.steps <= reach.work and scene.time_step < scene.step_bound
-        wide = coarser(scene, 2)
+        wide = coarsen(scene, 2)
         assert wide.spacing == pytest.approx(2 * scene.spacing) and wide.time_step == pytest.approx(2 * scene.time_step)
-        assert draw.point() == Draw(problem, SEED, draw.number).point()
+        assert draw.point() == RandomRun(problem, SEED, draw.number).point()
 
 
 def test_bars_of_numbers_that_converge():
@@ -47,33 +47,33 @@ def test_bars_of_numbers_that_converge():
     and formal order are the same, 2.45 - .85 = 1.6 times that."""
     second = [1 + 0.01 * h**2 for h in (1, 2, 4)]
     assert bars.observed_order(second) == pytest.approx(2)
-    said = [bar(second) for bar in (bars.two_grids, bars.three_grids, bars.factor_of_safety)]
+    said = [bar(second) for bar in (bars.two_grid_gci, bars.three_grid_gci, bars.factor_of_safety)]
     assert said == pytest.approx([0.03, 0.0125, 0.016])
     first = [1 + 0.01 * h for h in (1, 2, 4)]
-    assert bars.observed_order(first) == pytest.approx(1) and bars.three_grids(first) == pytest.approx(1.25 * 0.01)
+    assert bars.observed_order(first) == pytest.approx(1) and bars.three_grid_gci(first) == pytest.approx(1.25 * 0.01)
     assert bars.factor_of_safety(first) == pytest.approx((2.45 - 0.85 / 2) * 0.01)
     third = [1 + 0.01 * h**3 for h in (1, 2, 4)]  # taken for the formal order: a wider bar
-    assert bars.three_grids(third) == pytest.approx(1.25 * 0.07 / 3)
+    assert bars.three_grid_gci(third) == pytest.approx(1.25 * 0.07 / 3)
     for none in ([1, 2, 1], [1, 1, 1], [1.0, 3.0, 4.0]):
-        assert bars.observed_order(none) is bars.three_grids(none) is bars.factor_of_safety(none) is None
+        assert bars.observed_order(none) is bars.three_grid_gci(none) is bars.factor_of_safety(none) is None
 
 
 def test_the_interval_of_a_share():
     """Wilson's for 95 of 100 at 95 % is 88.8 to 97.8 % (as textbooks have it)."""
-    assert interval(95, 100) == pytest.approx((0.888, 0.978), abs=5e-4)
-    assert interval(0, 10)[0] == 0 and interval(10, 10)[1] == pytest.approx(1)
+    assert wilson(95, 100) == pytest.approx((0.888, 0.978), abs=5e-4)
+    assert wilson(0, 10)[0] == 0 and wilson(10, 10)[1] == pytest.approx(1)
 
 
 @pytest.fixture(scope="module", params=[pytest.param(MANY, marks=pytest.mark.slow)])
 def rows(request):
-    return [measure(Draw("bar", SEED, number)) for number in range(request.param)]
+    return [measure(RandomRun("bar", SEED, number)) for number in range(request.param)]
 
 
 def test_what_is_said_of_some_runs(rows):
     """Of other runs than those that assets/coverage.md counts. The companion's order is 8 or more, so that 1.1 is far;
     recovered was within it in 99 of 100: nine of ten or fewer would be 1 chance in 10,000. The GCI held 56
     to 79 of 100 numbers: with three numbers a run, all of them would be a counter that does not count."""
-    assert {fault(json.loads(json.dumps(row, allow_nan=False)), MEASURED, IDENTITY) for row in rows} == {None}
+    assert {find_fault(json.loads(json.dumps(row, allow_nan=False)), MEASURED, IDENTITY) for row in rows} == {None}
     counted = tally("bar", SEED, rows)
     assert sum(counted["status"].values()) == len(rows) and counted["status"][OK] >= 0.8 * len(rows)
     for q in ("x", "v", "sigma"):
@@ -92,7 +92,7 @@ def test_what_is_said_of_some_runs(rows):
         outside = [row for row in rows if row["status"] == OK for name, said in row["estimators"].items()
                    if split is counted["estimators"][name] and not said["refused"] and said["end"]["x"] is not None
                    and not low <= said["end"]["x"] <= high]
-        assert len(outside) == pytest.approx((1 - MIDDLE) * ends["runs"], abs=2)  # one to either side
+        assert len(outside) == pytest.approx((1 - CENTRAL) * ends["runs"], abs=2)  # one to either side
     for split in (*counted["estimators"].values(), *counted["goals"].values()):
         for group in ("regime", "method"):
             for key, all_runs in split["all"].items():
@@ -105,7 +105,7 @@ def test_what_is_refused_runs_all_the_same(rows):
     assert {name for _, name in refused} == {"transport", "two-grid"}
     assert any(row["estimators"][name]["index"]["x"] is not None for row, name in refused)
     for row, name in refused:
-        scene = Draw("bar", SEED, row["number"]).scene()
+        scene = RandomRun("bar", SEED, row["number"]).scene()
         assert name in scene.not_valid and row["goals"][ENERGY]["estimated_error"][name] is None
     counted = tally("bar", SEED, rows)["refusals"]["two-grid"]
     usable = [row for row in rows if row["status"] == OK]
@@ -116,9 +116,10 @@ def test_what_is_refused_runs_all_the_same(rows):
 @pytest.mark.slow
 def test_what_cannot_run_is_not_run():
     """Recovered has no tables for a lattice that is not polar: asked all the same it would write beyond them."""
-    draw = next(draw for number in range(100) if (draw := Draw("ring", SEED, number)).scene().layout == "cartesian")
+    draw = next(draw for number in range(100) if (draw := RandomRun("ring", SEED,
+                                                                    number)).scene().layout == "cartesian")
     row = measure(draw)
-    assert fault(row, MEASURED, IDENTITY) is None
+    assert find_fault(row, MEASURED, IDENTITY) is None
     assert row["estimators"]["recovered"]["refused"] == random_runs.IMPOSSIBLE
     assert set(row["estimators"]["recovered"]["index"].values()) == {None}
 
@@ -126,12 +127,12 @@ def test_what_cannot_run_is_not_run():
 @pytest.fixture(scope="module")
 def three():
     """The first rows, of a run each."""
-    return [measure(Draw("bar", SEED, number)) for number in range(3)]
+    return [measure(RandomRun("bar", SEED, number)) for number in range(3)]
 
 
 def test_the_command_keeps_its_rows(three, tmp_path, monkeypatch, capsys):
     """A second call with more runs makes only those that are not there, and counts all."""
-    out, place = tmp_path / "coverage", Instant(lambda draw: three[draw.number])
+    out, place = tmp_path / "coverage", InstantExecutor(lambda draw: three[draw.number])
     words = ["coverage", "bar", "--seed", str(SEED), "--out", str(out)]
     assert dispatch([*words, "--runs", "1"]) == 0
     first = (out / "rows.jsonl").read_text()
@@ -146,14 +147,14 @@ def test_the_command_keeps_its_rows(three, tmp_path, monkeypatch, capsys):
     assert "3 rows, 1 of them there already" in said.err and "3/3 run 2: " in said.err
     counted = json.loads((out / "coverage.json").read_text())
     assert counted["runs"] == 3 and (out / "coverage.png").stat().st_size > 10_000
-    assert (out / "coverage.md").read_text() == summary(counted, "coverage.png")
+    assert (out / "coverage.md").read_text() == coverage_summary(counted, "coverage.png")
 
 
 @pytest.mark.parametrize("problem", PROBLEMS)
 def test_the_text_quotes_what_was_counted(problem):
     """Every table of assets/coverage.md is that of the counts beside it."""
-    counted, text = track_record.counted(problem), (ROOT / "assets/coverage.md").read_text(encoding="utf-8")
-    made = [block for block in summary(counted).split("\n\n") if block.startswith("|")]
+    counted, text = track_record.load_counts(problem), (ROOT / "assets/coverage.md").read_text(encoding="utf-8")
+    made = [block for block in coverage_summary(counted).split("\n\n") if block.startswith("|")]
     assert counted["runs"] == 1000 and len(made) == 6
     assert [table for table in made if table not in text] == []
 
@@ -161,31 +162,33 @@ def test_the_text_quotes_what_was_counted(problem):
 def test_a_track_record_is_that_of_runs_alike():
     """By method and by how far particles move; none of a scene that no drawn one is like, or of a handful."""
     scene = BarScene(cells=40, ppc=4, amplitude=1e-3, method="bspline")
-    assert regime(scene.motion_amplitude / scene.spacing, scene.ppc) == STAY
-    split = track_record.counted("bar")["estimators"]["companion"]["method and regime"]["bspline"]
-    assert track_record.right(scene, "companion") == (split[STAY]["x"]["within"]["1.1"], split[STAY]["x"]["runs"])
-    assert track_record.right(replace(scene, amplitude=0.1), "companion") != track_record.right(scene, "companion")
-    assert track_record.held(scene, ENERGY, "companion") is not None
-    assert track_record.held(scene, "displacement@0.25", "companion") is not None
+    assert regime(scene.motion_amplitude / scene.spacing, scene.ppc) == IN_CELL
+    split = track_record.load_counts("bar")["estimators"]["companion"]["method and regime"]["bspline"]
+    assert track_record.accurate_runs(scene, "companion") == (split[IN_CELL]["x"]["within"]["1.1"],
+                                                              split[IN_CELL]["x"]["runs"])
+    assert track_record.accurate_runs(replace(scene, amplitude=0.1),
+                                      "companion") != track_record.accurate_runs(scene, "companion")
+    assert track_record.bars_held(scene, ENERGY, "companion") is not None
+    assert track_record.bars_held(scene, "displacement@0.25", "companion") is not None
     for unlike in (replace(scene, remedies=("null-space-filter",)), BarScene(motion="patch"),
                    replace(scene, body_force="two-tone")):
-        assert track_record.right(unlike, "companion") is None
-    assert track_record.right(scene, "transport") is None  # it refuses all B-splines
-    assert track_record.right(scene, "companion", "a") is None
+        assert track_record.accurate_runs(unlike, "companion") is None
+    assert track_record.accurate_runs(scene, "transport") is None  # it refuses all B-splines
+    assert track_record.accurate_runs(scene, "companion", "a") is None
 
 
 def test_a_judge_bets_by_its_record_and_the_index_by_its_word():
     """The ratios of estimated to true error are turned round. Of normal errors of which the index holds 95 of 100, its
     bet holds 80, as many below as above: of 200,000 to four standard deviations, .0036."""
-    low, high = track_record.middle("bar", "two-grid", "x")
-    assert by_the_record("bar", "two-grid", "x", 3e-6) == (3e-6 / high, 3e-6 / low)
-    assert by_the_record("bar", "two-grid", "x", None) is by_the_record("vortex", "transport", "x", 1.0) is None
-    assert by_the_record("bar", "nobody", "x", 1.0) is by_the_record("bar", "two-grid", "a", 1.0) is None
+    low, high = track_record.central_ratios("bar", "two-grid", "x")
+    assert bet_by_record("bar", "two-grid", "x", 3e-6) == (3e-6 / high, 3e-6 / low)
+    assert bet_by_record("bar", "two-grid", "x", None) is bet_by_record("vortex", "transport", "x", 1.0) is None
+    assert bet_by_record("bar", "nobody", "x", 1.0) is bet_by_record("bar", "two-grid", "a", 1.0) is None
     sizes = np.abs(np.random.default_rng(1).normal(size=200_000))
-    least, most = by_its_word(NORMAL / TWO_GRIDS)  # so that a standard deviation is 1
+    least, most = bet_by_grid_index(NORMAL / TWO_GRIDS)  # so that a standard deviation is 1
     assert np.mean(sizes < least) == pytest.approx(0.1, abs=0.0036)
     assert np.mean(sizes > most) == pytest.approx(0.1, abs=0.0036)
-    assert by_its_word(None) is None
+    assert bet_by_grid_index(None) is None
 
 
 def test_bets_on_a_run():

@@ -7,14 +7,14 @@ import sys
 
 import pytest
 
-from solvers.study.row import fault
-from solvers.study.row_store import Store, StoreError
+from solvers.study.row import find_fault
+from solvers.study.row_store import RowStore, StoreError
 from solvers.study.tables.table_runs import MEASURED
+from tests.support.fake_rows import fake_row
 from tests.support.paths import ROOT
 from tests.support.processes import HANG
-from tests.support.rows import made_up
 
-GOOD = made_up()
+GOOD = fake_row()
 
 
 def without(*names: str) -> dict:
@@ -51,10 +51,10 @@ def line(row: object) -> bytes:
 @pytest.mark.parametrize("name", SPOILT)
 def test_a_line_that_is_no_row_is_named_and_nothing_is_lost(name, tmp_path):
     row, says = SPOILT[name]
-    content = line(GOOD) + b"\n" + line(row) + b"\n" + line(made_up(cells=40))
+    content = line(GOOD) + b"\n" + line(row) + b"\n" + line(fake_row(cells=40))
     (tmp_path / "rows.jsonl").write_bytes(content)
     with pytest.raises(StoreError) as caught:
-        Store(tmp_path, "bar", resume=True)
+        RowStore(tmp_path, "bar", resume=True)
     assert "line 2 is not a whole row" in str(caught.value) and says in str(caught.value)
     assert "take that line out" in str(caught.value)
     assert (tmp_path / "rows.jsonl").read_bytes() == content
@@ -62,8 +62,8 @@ def test_a_line_that_is_no_row_is_named_and_nothing_is_lost(name, tmp_path):
 
 def test_a_last_row_that_lacks_only_its_end_of_line_is_kept(tmp_path):
     (tmp_path / "rows.jsonl").write_bytes(line(GOOD))
-    store = Store(tmp_path, "bar", resume=True)
-    store.append(made_up(cells=40))
+    store = RowStore(tmp_path, "bar", resume=True)
+    store.append(fake_row(cells=40))
     store.close()
     kept = map(json.loads, (tmp_path / "rows.jsonl").read_text().splitlines())
     assert [row["scene"]["cells"] for row in kept] == [20, 40]
@@ -74,12 +74,12 @@ def test_a_row_of_the_tables_has_what_is_read_of_it():
            "grid_crossings": None, "not_valid": {},
            "seconds": {"setup": 0, "compile": 1, "run": 1.0, "estimators": {"transport": 0.1}}}
     row = {**GOOD, "result": run}
-    assert fault(row, MEASURED) is None is fault({**GOOD, "status": "failed"}, MEASURED)
+    assert find_fault(row, MEASURED) is None is find_fault({**GOOD, "status": "failed"}, MEASURED)
     for spoilt, says in ((GOOD, "it has no result"), ({**row, "result": []}, "result is no object"),
                          ({**row, "result": {**run, "error": {"x": {"max": "1"}}}}, "error.x.max is of the wrong kind"),
                          *(({**row, "result": {n: v for n, v in run.items() if n != name}}, f"no result.{name}")
                            for name in run)):
-        assert says in fault(spoilt, MEASURED)
+        assert says in find_fault(spoilt, MEASURED)
 
 
 @pytest.mark.skipif(os.name == "nt", reason="POSIX shells")

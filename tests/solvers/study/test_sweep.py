@@ -11,11 +11,11 @@ from solvers import SceneError
 from solvers.problems.bar.scene import BarScene
 from solvers.study import row
 from solvers.study.executors import ATTEMPTS, ExecutorLost, LocalExecutor, execute
-from solvers.study.parameter_grid import Task, combinations, plan
-from solvers.study.row_store import Store, StoreError
+from solvers.study.parameter_grid import Task, combinations, plan_tasks
+from solvers.study.row_store import RowStore, StoreError
 from solvers.study.sweep import Rows
 from solvers.workers.worker_process import ProcessDied
-from tests.support.rows import made_up
+from tests.support.fake_rows import fake_row
 
 QUICK = {"cells": 8, "ppc": 2, "periods": 0.2}
 
@@ -23,7 +23,7 @@ QUICK = {"cells": 8, "ppc": 2, "periods": 0.2}
 def test_every_combination_once_in_order():
     assert combinations({"a": [1, 2], "b": "xy"}) == [{"a": 1, "b": "x"}, {"a": 1, "b": "y"}, {"a": 2, "b": "x"},
                                                       {"a": 2, "b": "y"}]
-    tasks = plan("bar", {"method": ["mpm", "ugimp"], "cells": [20, 40, 20]})
+    tasks = plan_tasks("bar", {"method": ["mpm", "ugimp"], "cells": [20, 40, 20]})
     assert [tuple(task.inputs.values()) for task in tasks] == [("mpm", 20), ("mpm", 40), ("ugimp", 20), ("ugimp", 40)]
 
 
@@ -36,11 +36,12 @@ def test_a_key_belongs_to_the_scene_not_to_its_wording():
 
 
 def test_a_task_survives_json():
-    task = plan("bar", {"estimator": [("transport",)], "effects": [()], "amplitude": [0.1, float("nan")]}, repeats=2)[1]
+    task = plan_tasks("bar", {"estimator": [("transport",)], "effects": [()], "amplitude": [0.1, float("nan")]},
+                      repeats=2)[1]
     assert Task(**json.loads(json.dumps(task.to_dict(), allow_nan=False))).key == task.key
     assert task.refusal().field == "amplitude" and task.remarks() == [f"refused: {task.refusal()}"]
     with pytest.raises(SceneError, match="amplitude"):
-        plan("bar", {"amplitude": [0.2, 0.3]})
+        plan_tasks("bar", {"amplitude": [0.2, 0.3]})
 
 
 def test_a_row_holds_the_run_and_what_it_cost():
@@ -98,7 +99,7 @@ class Fragile:
 
 def test_lost_workers_are_replaced_and_a_deadly_row_is_given_up():
     rows, place = [], Fragile({8: ATTEMPTS - 1, 9: 100})
-    tasks = plan("bar", {"cells": [7, 8, 9, 10]})
+    tasks = plan_tasks("bar", {"cells": [7, 8, 9, 10]})
     execute(tasks, place, rows.append)
     found = {row["key"]: row for row in rows}
     assert [found[task.key]["status"] for task in tasks] == ["ok", "ok", "failed", "ok"]
@@ -115,13 +116,13 @@ def test_a_place_that_is_gone_ends_the_sweep():
             return future
 
     with pytest.raises(ExecutorLost, match="lost"):
-        execute(plan("bar", {"cells": [8]}), Gone({}), pytest.fail)
+        execute(plan_tasks("bar", {"cells": [8]}), Gone({}), pytest.fail)
 
 
 def test_rows_run_in_processes_of_their_own_and_these_end():
     place, rows = LocalExecutor(workers=2), []
-    execute(plan("bar", {**{name: [value] for name, value in QUICK.items()}, "cells": [8, 9, 10]}, repeats=1), place,
-            rows.append)
+    execute(plan_tasks("bar", {**{name: [value] for name, value in QUICK.items()}, "cells": [8, 9, 10]}, repeats=1),
+            place, rows.append)
     processes = place.pool.process_ids
     place.close()
     assert sorted(row["scene"]["cells"] for row in rows) == [8, 9, 10] and 1 <= len(processes) <= 2
@@ -132,26 +133,26 @@ def test_rows_run_in_processes_of_their_own_and_these_end():
 
 
 def test_a_row_cut_short_is_measured_again(tmp_path):
-    store = Store(tmp_path / "new", "bar")
-    kept, lost = made_up(cells=20), made_up(cells=40)
+    store = RowStore(tmp_path / "new", "bar")
+    kept, lost = fake_row(cells=20), fake_row(cells=40)
     store.append(kept)
     store.append(lost)
     store.close()
     path = tmp_path / "new" / "rows.jsonl"
     path.write_bytes(path.read_bytes()[:-40])
-    store = Store(tmp_path / "new", "bar", resume=True)
-    assert store.finished(kept["key"]) and not store.finished(lost["key"])
+    store = RowStore(tmp_path / "new", "bar", resume=True)
+    assert store.is_finished(kept["key"]) and not store.is_finished(lost["key"])
     store.append(lost)
     store.close()
     assert [json.loads(line) for line in path.read_text().splitlines()] == [kept, lost]
 
 
 def test_what_failed_is_tried_again(tmp_path):
-    store = Store(tmp_path, "bar")
-    store.append(made_up(status="failed"))
-    assert not store.finished(made_up()["key"])
-    store.append(made_up(status="unstable"))
-    assert store.finished(made_up()["key"]) and len(store.rows) == 1
+    store = RowStore(tmp_path, "bar")
+    store.append(fake_row(status="failed"))
+    assert not store.is_finished(fake_row()["key"])
+    store.append(fake_row(status="unstable"))
+    assert store.is_finished(fake_row()["key"]) and len(store.rows) == 1
     store.close()
 
 
@@ -160,21 +161,21 @@ def test_what_failed_is_tried_again(tmp_path):
     ({"letter.txt": "dear"}, "bar", False, "is not empty"),
     ({"letter.txt": "dear"}, "bar", True, "no rows.jsonl"),
     ({"rows.jsonl": "what\n"}, "bar", True, "line 1"),
-    ({"rows.jsonl": json.dumps(made_up()) + "\n"}, "ring", True, "rows of the bar"),
+    ({"rows.jsonl": json.dumps(fake_row()) + "\n"}, "ring", True, "rows of the bar"),
 ])
 def test_a_directory_that_is_not_ours_is_refused(tmp_path, content, problem, resume, says):
     for name, text in content.items():
         (tmp_path / name).write_text(text)
     with pytest.raises(StoreError, match=says):
-        Store(tmp_path, problem, resume)
+        RowStore(tmp_path, problem, resume)
     assert {path.name: path.read_text() for path in tmp_path.iterdir()} == content
 
 
 @pytest.mark.skipif(os.name == "nt", reason="POSIX locks")
 def test_two_sweeps_do_not_write_to_one_file(tmp_path):
-    store = Store(tmp_path, "bar")
+    store = RowStore(tmp_path, "bar")
     with pytest.raises(StoreError, match="another sweep"):
-        Store(tmp_path, "bar", resume=True)
+        RowStore(tmp_path, "bar", resume=True)
     store.close()
 
 

@@ -10,12 +10,12 @@ from app.pictures.tables import table_figure
 from app.words import QUANTITIES
 from solvers.problems import PROBLEMS
 from solvers.scene.estimator_registry import ESTIMATORS
-from solvers.study.row import failed, fault
+from solvers.study.row import failed_row, find_fault
 from solvers.study.tables import paper_tables
-from solvers.study.tables.paper_tables import digits
-from solvers.study.tables.table_runs import MEASURED, document, measure_run, results_of, runs
+from solvers.study.tables.paper_tables import format_digits
+from solvers.study.tables.table_runs import MEASURED, all_runs, measure_in_worker, results_of, table_dict
+from tests.support.fake_rows import InstantExecutor
 from tests.support.paths import ROOT
-from tests.support.rows import Instant
 
 #: Cut-down tables: the coarsest rows, the bar for a hundredth of the time.
 CUT = {"1": paper_tables.table_1({"bar": ("transport",)}, cells=(20,), end=0.01, long=0.02),
@@ -25,15 +25,15 @@ CUT = {"1": paper_tables.table_1({"bar": ("transport",)}, cells=(20,), end=0.01,
 
 @pytest.fixture(autouse=True)
 def cut_down(monkeypatch):
-    monkeypatch.setattr(paper_tables, "make", lambda number, estimators: CUT[number])
+    monkeypatch.setattr(paper_tables, "make_table", lambda number, estimators: CUT[number])
 
 
 @pytest.fixture(scope="module")
 def measured() -> dict[str, dict]:
     """The row of every run by its key, once for all tests."""
     found: list[dict] = []
-    for task in runs(CUT.values()):
-        measure_run(task.to_dict(), found.append)
+    for task in all_runs(CUT.values()):
+        measure_in_worker(task.to_dict(), found.append)
     return {row["key"]: json.loads(json.dumps(row, allow_nan=False)) for row in found}
 
 
@@ -43,9 +43,9 @@ def results(measured) -> dict:
 
 
 @pytest.fixture
-def place(measured, monkeypatch) -> Instant:
+def place(measured, monkeypatch) -> InstantExecutor:
     """Where runs are there at once."""
-    place = Instant(lambda task: measured[task.key])
+    place = InstantExecutor(lambda task: measured[task.key])
     monkeypatch.setattr("solvers.study.executors.LocalExecutor", place)
     return place
 
@@ -53,7 +53,8 @@ def place(measured, monkeypatch) -> Instant:
 @pytest.fixture(scope="module")
 def made(results) -> dict[str, dict]:
     """The three tables' objects, as they read in their files."""
-    return {number: json.loads(json.dumps(document(table, results), allow_nan=False)) for number, table in CUT.items()}
+    return {number: json.loads(json.dumps(table_dict(table, results), allow_nan=False)) for number,
+            table in CUT.items()}
 
 
 def test_the_papers_numbers_are_those_of_the_bars_reference():
@@ -71,7 +72,8 @@ def test_the_papers_numbers_are_those_of_the_bars_reference():
 
 def test_whole_tables_have_the_papers_rows_twice(monkeypatch):
     monkeypatch.undo()
-    first, second, third = (paper_tables.make(number, {name: PROBLEMS[name].estimators for name in ("bar", "ring")})
+    first, second, third = (paper_tables.make_table(number,
+                                                    {name: PROBLEMS[name].estimators for name in ("bar", "ring")})
                             for number in paper_tables.NUMBERS)
     assert (len(first.rows), len(second.rows), len(third.rows)) == (16, 24, 24)
     assert all(row.paper for table in (first, second, third) for row in table.rows)
@@ -125,7 +127,7 @@ def retold(results):
     def table(make):
         row = CUT["3"].rows[0]
         runs = {name: result | make(result) for name, result in results[row.name].items()}
-        return document(paper_tables.Table("3", "t", "c", (), (row,)), {row.name: runs})
+        return table_dict(paper_tables.PaperTable("3", "t", "c", (), (row,)), {row.name: runs})
 
     return table
 
@@ -171,11 +173,13 @@ def test_markdown_has_the_setup_the_papers_numbers_ours_and_the_ratio(made):
         rows = [line for line in text.splitlines() if line.startswith("|")]
         assert {line.count("|") for line in rows if "cells" in line} <= {line.count("|") for line in rows}
         assert all(f"## {row['part']}" in text for row in table["rows"])
-    ours = digits(made["1"]["rows"][0]["ours"]["x"], 3)
+    ours = format_digits(made["1"]["rows"][0]["ours"]["x"], 3)
     assert f"| 20 | {ours} | 3.6e-6 |" in table_markdown(made["1"])
     assert "| 17,000 |" in table_markdown(made["1"]) and "| 20 | the paper's, printed | 0.89 | 0.14 | 1.6 |" \
         in table_markdown(made["1"])
-    assert f"| CPDI | 12 | {digits(made['2']['rows'][0]['ours']['x'], 3)} | 4.1e-4 |" in table_markdown(made["2"])
+    assert f"| CPDI | 12 | {format_digits(made['2']['rows'][0]['ours']['x'], 3)} | 4.1e-4 |" in table_markdown(
+        made["2"]
+    )
     assert "| 250 |" in table_markdown(made["2"]) and "| 10 |" in table_markdown(made["3"])
 
 
@@ -183,7 +187,7 @@ def test_markdown_has_the_setup_the_papers_numbers_ours_and_the_ratio(made):
     (3.49e-6, 3, "3.49e-6"), (0.05806, 3, "0.0581"), (0.2, 2, "0.20"), (9.162, 3, "9.16"), (448.2, 3, "448"),
     (9999.0, 2, "1.0e4"), (0.0999, 2, "0.10"), (3.5e5, 2, "3.5e5"), (700.0, 2, "700")])
 def test_digits(value, count, text):
-    assert digits(value, count) == text
+    assert format_digits(value, count) == text
 
 
 def test_pictures_show_ours_and_the_papers(made):
@@ -201,14 +205,14 @@ def test_pictures_show_ours_and_the_papers(made):
 def test_runs_are_made_once_those_that_are_timed_alone(measured):
     """All that is only computed side by side, the longest first; then one at a time, with the price of estimators.
     Tables 2 and 3 share their runs."""
-    wanted = runs(CUT.values())
+    wanted = all_runs(CUT.values())
     together, *alone = Tables.stages(Tables.__new__(Tables), wanted)
     work = [task.scene().particles * task.scene().steps for task in together]
     assert work == sorted(work, reverse=True) and len(together) == 4 * 2 + 2
     assert [len(group) for group in alone] == [1] * 6
     assert all(task.scene().sample_every is None and task.repeats for [task] in alone)
     for task in wanted:
-        assert fault(measured[task.key], MEASURED) is None
+        assert find_fault(measured[task.key], MEASURED) is None
         assert bool(measured[task.key]["result"]["seconds"]["estimators"]) == bool(task.repeats)
 
 
@@ -225,7 +229,9 @@ def test_all_writes_nine_files_and_goes_on_where_it_was(place, tmp_path, monkeyp
         table = json.loads((folder / f"table{number}.json").read_text())
         assert (folder / f"table{number}.md").read_text() == table_markdown(table)
         assert (folder / f"table{number}.png").read_bytes().startswith(b"\x89PNG\r\n\x1a\n")
-    assert asked == 4 and len(place.asked) == len(runs(CUT.values())) == (folder / "rows.jsonl").read_text().count("\n")
+    assert asked == 4 and len(place.asked) == len(all_runs(CUT.values())) == (folder / "rows.jsonl").read_text().count(
+        "\n"
+    )
     said = capsys.readouterr()
     assert said.out == "" and "4/4 ring, cpdi, 12 cells: ok" in said.err
     first = (folder / "table3.md").read_text()
@@ -249,7 +255,7 @@ def test_an_unstable_row_is_marked_and_exits_3(place, measured, tmp_path, capsys
 
 
 def test_a_run_that_failed_makes_no_table_and_is_made_again(place, tmp_path, capsys):
-    answer, place._answer = place._answer, lambda task: failed(task, "MemoryError: no room")
+    answer, place._answer = place._answer, lambda task: failed_row(task, "MemoryError: no room")
     assert main(["tables", "2", "--out", str(tmp_path), "--quiet"]) == 1
     said = capsys.readouterr().err
     assert said == "mpm-lab: 4 runs failed, the first of them: MemoryError: no room; the others are kept\n"

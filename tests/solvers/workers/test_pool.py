@@ -8,8 +8,8 @@ from contextlib import closing
 import pytest
 
 from solvers.workers.worker_pool import WorkerPool, one_of_each_first
-from solvers.workers.worker_process import ProcessDied, TookTooLong
-from tests.support.processes import until
+from solvers.workers.worker_process import ProcessDied, WorkerTimeout
+from tests.support.processes import wait_until
 
 WORK = f"{__name__}:work"
 
@@ -41,7 +41,7 @@ def test_a_process_that_dies_is_said_and_the_next_question_has_another():
             lost.result()
         first = after.result()["process"]
         killed = pool.submit({"seconds": 600})
-        until(lambda: killed.running(), "the question is asked")
+        wait_until(lambda: killed.running(), "the question is asked")
         os.kill(first, signal.SIGKILL)
         with pytest.raises(ProcessDied, match="SIGKILL"):
             killed.result()
@@ -50,7 +50,7 @@ def test_a_process_that_dies_is_said_and_the_next_question_has_another():
 
 def test_patience_is_for_one_question():
     with closing(WorkerPool(WORK)) as pool:
-        with pytest.raises(TookTooLong, match=r"no answer within 0\.5 seconds"):
+        with pytest.raises(WorkerTimeout, match=r"no answer within 0\.5 seconds"):
             pool.submit({"seconds": 600}, patience=0.5).result()
         assert pool.submit({}, patience=600).result()["k"] == 0
 
@@ -69,12 +69,12 @@ def test_who_fails_to_listen_learns_it_and_the_pool_goes_on():
 def test_who_waits_learns_of_the_end(end):
     pool = WorkerPool(WORK)
     waiting = [pool.submit({"seconds": 600}), pool.submit({}), pool.submit({})]
-    until(lambda: waiting[0].running(), "work under way")
+    wait_until(lambda: waiting[0].running(), "work under way")
     end(pool)
     for one in (*waiting, pool.submit({})):
         with pytest.raises(ProcessDied):
             one.result()
-    until(lambda: not pool.process_ids, "the process has ended")
+    wait_until(lambda: not pool.process_ids, "the process has ended")
     pool.close()
 
 

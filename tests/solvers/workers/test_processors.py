@@ -9,23 +9,23 @@ from app.commands.study.coverage import Coverage
 from app.commands.study.stability import Stability
 from app.commands.study.sweep import Sweep
 from solvers.scene.validation import SceneError
-from solvers.workers.cpu_count import MOST_PROCESSES, processors, usual_processes
+from solvers.workers.cpu_count import MOST_PROCESSES, available_cpus, default_processes
 
 
 @pytest.mark.parametrize(("there", "used"), [(1, 1), (3, 3), (MOST_PROCESSES + 1, MOST_PROCESSES)])
 def test_one_on_each_processor_that_may_be_used(there, used, monkeypatch):
     monkeypatch.setattr(os, "sched_getaffinity", lambda _: set(range(there)), raising=False)
     monkeypatch.setattr(os, "cpu_count", lambda: 1000)
-    assert processors() == there and usual_processes() == side_by_side(None) == used
+    assert available_cpus() == there and default_processes() == side_by_side(None) == used
     assert side_by_side(2) == 2
 
 
 def test_where_nobody_says_what_may_be_used(monkeypatch):
     monkeypatch.delattr(os, "sched_getaffinity", raising=False)
     monkeypatch.setattr(os, "cpu_count", lambda: 7)
-    assert processors() == 7
+    assert available_cpus() == 7
     monkeypatch.setattr(os, "cpu_count", lambda: None)
-    assert processors() == 1
+    assert available_cpus() == 1
 
 
 @pytest.mark.parametrize("typed", [0, -1, MOST_PROCESSES + 1, "many", 1.5])

@@ -38,7 +38,7 @@ class BudgetData:
     @property
     def not_valid(self) -> str:
         """Why shares say nothing of it, or ""."""
-        return translate_message(budget.not_valid(self.series) or "")
+        return translate_message(budget.why_not_valid(self.series) or "")
 
 
 @dataclass(frozen=True)

@@ -47,12 +47,12 @@ class NoNumber(ValueError):
 def parse_positive(name: str, text: str, most: float = math.inf) -> float:
     """A positive number that a visitor typed."""
     try:
-        value = number_parsing.real(text.strip())
+        value = number_parsing.parse_float(text.strip())
     except ValueError:
         value = math.nan
     if not 0 < value <= most:
         raise NoNumber(tr(BOUNDED if math.isfinite(most) else POSITIVE, name=name, most=most,
-                          typed=quoting.quoted(text.strip(), 20)))
+                          typed=quoting.quote(text.strip(), 20)))
     return value
 
 

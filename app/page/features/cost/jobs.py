@@ -95,12 +95,12 @@ class WarmWorker:
         if self.keep(pool):
             pool.submit(question)
             if gives_way:
-                pool.give_way()
+                pool.lower_priority()
 
     def keep(self, pool: WorkerPool) -> bool:
         """Have a process that rests be the one that is ready, unless there is one, or no place."""
         with self._lock:
-            if self._pool is not None or not self._places.take():
+            if self._pool is not None or not self._places.acquire():
                 return False
             self._pool = pool
             self._timer = threading.Timer(self._rests, self.end)
@@ -113,7 +113,7 @@ class WarmWorker:
         with self._lock:
             pool, self._pool = self._pool, None
             if pool is not None:
-                self._places.give_back()
+                self._places.release()
             if self._timer is not None:
                 self._timer.cancel()
             return pool

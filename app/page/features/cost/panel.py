@@ -234,7 +234,7 @@ class CostTab(Feature):
         self._sentence.content = f"<div class='lab-cost' role='status'>{''.join(texts)}</div>" if texts else ""
 
     def _pick(self, text: str) -> None:
-        number = number_parsing.count(text.partition(" ")[0])
+        number = number_parsing.parse_count(text.partition(" ")[0])
         run = None if number is None else self.runs.find(number)
         if run:
             self._put(run.scene, tr("Run {number} is on the stage.", number=run.number))

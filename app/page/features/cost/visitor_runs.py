@@ -18,7 +18,7 @@ from solvers.solver.soundness import BROKEN, LOST, OK, UNSTABLE
 from solvers.study import summary as table
 from solvers.study.convergence import pareto
 from solvers.study.parameter_grid import Task, task_of
-from solvers.study.row import FAILED, of_scene
+from solvers.study.row import FAILED, row_of_scene
 
 MOST_RUNS = 300  # then the oldest is forgotten
 LIVE, SEARCH, SWEEP = "live", "search", "sweep"
@@ -163,9 +163,9 @@ def live_row(report: FrameReport, history: History) -> dict:
     seconds = 1e-6 * steps * report.particles / report.rate if report.rate > 0 else None
     task = task_of(scene, version=__version__)
     return {
-        **of_scene(task, scene), "status": status, "reason": None if status == OK != report.status else report.reason,
-        "t": steps * scene.time_step, "steps": steps,
-        "particles": report.particles, "particle_steps": steps * report.particles,
+        **row_of_scene(task, scene), "status": status,
+        "reason": None if status == OK != report.status else report.reason, "t": steps * scene.time_step,
+        "steps": steps, "particles": report.particles, "particle_steps": steps * report.particles,
         "error": {q: summary(series[f"error_{q}"][within]) for q in QUANTITIES},
         "estimate": {name: {q: summary(series[f"{name}/estimate_{q}"][within]) for q in QUANTITIES} for name in valid},
         **{ratio: {name: {q: _last(series[f"{name}/{ratio}_{q}"][within]) for q in QUANTITIES} for name in valid}

@@ -111,7 +111,7 @@ def parse_number(text: str, unit: str) -> float | None:
     """A number, also with a decimal comma, or a size as the page writes it: 2.75 mm/s."""
     plain = text.strip().replace(",", ".").replace("−", "-")
     with suppress(ValueError):
-        return number_parsing.real(plain)
+        return number_parsing.parse_float(plain)
     for power, prefix in PREFIXES.items():  # that unit, or another of its prefixes: 330 nm where µm are asked for
         with suppress(ValueError):
             if unit.startswith(prefix) and unit != prefix:

@@ -23,7 +23,7 @@ from solvers.scene.scene import Scene
 from solvers.study.parameter_grid import task_of
 from solvers.untrusted.quoting import file_name
 from solvers.workers.worker_pool import Slots, WorkerPool
-from solvers.workers.worker_process import ProcessDied, TookTooLong
+from solvers.workers.worker_process import ProcessDied, WorkerTimeout
 
 PATIENCE = 180.0  # seconds that a file may take
 SLOTS = Slots(MOST_JOBS)  # files that are judged at once on this server
@@ -47,13 +47,13 @@ class Judging:
         say = with_language(self._say)
         self.file = file.replace(file.with_name(f"particles{kind if kind in KINDS else '.unknown'}"))
         self.table = file.with_name(f"table-{secrets.token_hex(4)}")
-        self._pool, self._cancelled = (WorkerPool("solvers.judging.file_view:show", environment=ONE_THREAD),
+        self._pool, self._cancelled = (WorkerPool("solvers.judging.file_view:judge_in_worker", environment=ONE_THREAD),
                                        threading.Event())
-        if slots.take():
+        if slots.acquire():
             question = ShowRequest(str(self.file), self.name, task_of(scene).to_dict(), str(self.table), MOST_WATCHED,
                                    chosen)
             judged = self._pool.submit(asdict(question), say, PATIENCE)
-            self._pool.give_way()  # to the stages, which are everybody's
+            self._pool.lower_priority()  # to the stages, which are everybody's
             judged.add_done_callback(with_language(self._end))
         else:
             threading.Thread(target=say, args=({"refused": tr(BUSY)},), name="judge", daemon=True).start()
@@ -73,7 +73,7 @@ class Judging:
 
     def _end(self, judged: Future[dict]) -> None:
         error = judged.exception()
-        if isinstance(error, TookTooLong):
+        if isinstance(error, WorkerTimeout):
             self._say({"refused": tr(TOO_LONG, file=self.name, seconds=PATIENCE)})
         elif isinstance(error, ProcessDied):
             self._say({"refused": tr("The file {file} could not be judged: the process {has_ended}", file=self.name,
@@ -81,7 +81,7 @@ class Judging:
         elif isinstance(error, OSError):
             self._say({"refused": tr("No process could be started: {reason}", reason=error.strerror or error)})
         self._pool.close()
-        self._slots.give_back()
+        self._slots.release()
 
 
 def question_sentence(name: str, reason: str, problems: tuple[str, ...]) -> str:

@@ -33,7 +33,7 @@ from app.page.visit.status_message import Notice
 from app.viewer.upload import LARGEST, TOO_LARGE, Upload
 from app.words import on_page
 from solvers.engine.engine_messages import FrameReport
-from solvers.judging.file_view import Shown
+from solvers.judging.file_view import FileSummary
 from solvers.judging.particle_readers import KINDS
 from solvers.scene.scene import Scene
 from solvers.study.parameter_grid import Task
@@ -171,7 +171,7 @@ class UploadPanel(Feature):
     def _hear(self, judging: Judging, message: dict) -> None:
         if "frames" in message and judging is self._judging:
             # A file that says another problem takes the page with it, whose controls are then of that.
-            own = Task(**Shown(**message["frames"]).task).scene()
+            own = Task(**FileSummary(**message["frames"]).task).scene()
             if own.problem != self._session.scene.problem:
                 self._on_scene(scene_of(own, first_scene(own.problem)))
         with self._lock:
@@ -186,7 +186,7 @@ class UploadPanel(Feature):
             elif asks := message.get("asks"):
                 self._ask(judging.name, asks["reason"], tuple(asks["problems"]))
             elif "frames" in message:
-                self._show(UploadedRun(judging.name, Shown(**message["frames"]), judging.table))
+                self._show(UploadedRun(judging.name, FileSummary(**message["frames"]), judging.table))
             elif self._run is not None and "estimate" in message:
                 self._run.estimated(message["estimate"])
             elif self._run is not None:

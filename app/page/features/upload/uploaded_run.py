@@ -18,7 +18,7 @@ from app.page.visit.history import RunSeries
 from app.words import NOTHING, QUANTITIES, difference_text, format_number, format_ratio, with_unit
 from solvers.engine.engine_messages import FrameReport
 from solvers.engine.shared_frames import FrameArrays, FrameOptions
-from solvers.judging.file_view import Shown, columns, open_table
+from solvers.judging.file_view import FileSummary, open_table, table_columns
 from solvers.judging.scene_metadata import NOT_OF_THE_PROBLEM
 from solvers.scene.scene import Scene
 from solvers.scene.validation import SceneError
@@ -35,14 +35,14 @@ NO_ACCELERATION = lazy("a file is not judged by its acceleration")
 class UploadedRun(RunSeries):
     """A file of T frames; later its ``estimate``, norms by quantity, and its ``verdict``, the judge's report."""
 
-    def __init__(self, name: str, shown: Shown, table: Path):
+    def __init__(self, name: str, shown: FileSummary, table: Path):
         self.scene = Task(**shown.task).scene()
         super().__init__(self.scene.period)
         self.table = table
         self.name, self.times, self.missing = name, np.array(shown.times), shown.missing
         self._crossed = np.array(shown.crossed)
         self._starts = np.cumsum([0, *shown.counts])
-        self._columns = columns(self.scene.DIMENSIONS)
+        self._columns = table_columns(self.scene.DIMENSIONS)
         self._rows = open_table(table, shown.counts, self.scene.DIMENSIONS)
         self.true = None if shown.norms is None else _arrays(shown.norms)
         self.estimate: dict[str, np.ndarray] | None = None

@@ -22,7 +22,7 @@ from solvers.solver.state_arrays import zeros
 #: stress; of pieces their force, their length (by linearity preservation's measure) and sum S P; and, a lane a cause,
 #: velocity and force of the errors, with linearity preservation their sum S P too.
 REFERENCE, PIECES, VELOCITY, FORCE, STRESS = range(5)
-KEEPS_ALL = -1
+NO_CAUSE_REMOVED = -1
 #: What it keeps; P particles, and arrays of length one where the effect is off. One array for each type holds them all,
 #: so that a run without a budget has few more arguments to launch.
 MEMBERS = {
@@ -38,7 +38,7 @@ MEMBERS = {
 BUDGET = Packing(MEMBERS, "budget_")
 
 
-def keeps(on: KernelOptions) -> bool:
+def stores_reference(on: KernelOptions) -> bool:
     """Whether the reference is kept from step to step: the companion, or a typed motion."""
     return not on.truth or on.motion == TYPED
 
@@ -49,23 +49,23 @@ def with_budget(state: Any) -> MemoryView:
     return MemoryView(state, BUDGET, MEMBERS)
 
 
-def budget(scene: BarScene, on: KernelOptions) -> dict:
+def initial_budget_arrays(scene: BarScene, on: KernelOptions) -> dict:
     """The packed members at the start."""
     P, nodes = scene.particles, scene.cells + GHOSTS
     taken = on.budget and scene.take_away in CAUSES
     layers = 4 if on.filtered or on.coupled else 3  # those remedies need room to work
     causes = zeros(layers * P, 4, when=on.budget)
     if on.budget and scene.displacement:
-        causes[P:2 * P, list(CAUSES).index("time_step")] = -scene.early * motion_table(scene)(0.0, 2)[:P, 0]
-    return BUDGET.values({"taken_away": list(CAUSES).index(scene.take_away) if taken else KEEPS_ALL,
+        causes[P:2 * P, list(CAUSES).index("time_step")] = -scene.velocity_lead * motion_table(scene)(0.0, 2)[:P, 0]
+    return BUDGET.values({"taken_away": list(CAUSES).index(scene.take_away) if taken else NO_CAUSE_REMOVED,
                           "cause_errors": causes, "budget_nodes": zeros(5 * nodes, 4, when=on.budget),
-                          **_companion(scene, on), "removed": zeros(P, 4, when=taken)})
+                          **_initial_reference(scene, on), "removed": zeros(P, 4, when=taken)})
 
 
-def _companion(scene: BarScene, on: KernelOptions) -> dict:
+def _initial_reference(scene: BarScene, on: KernelOptions) -> dict:
     """A reference that is kept, at the start: the data that the run begins with, which it shares."""
     P, elements = scene.particles, mesh(scene)
-    used = on.budget and keeps(on)
+    used = on.budget and stores_reference(on)
     points = elements.count * (elements.order + 1)
     motion, slopes = zeros(P, 4, when=used), zeros(P, 4, when=used)
     if used:

@@ -9,34 +9,34 @@ import taichi as ti
 
 from solvers.problems.bar.budget.budget_arrays import FORCE, PIECES, STRESS, VELOCITY
 from solvers.problems.bar.budget.error_sources import particles_to_nodes, update_nodes
-from solvers.problems.bar.budget.reference import moment, motion, slopes
-from solvers.problems.bar.method.nodes import EMPTY, GHOSTS, fold, spread, stencil_of
+from solvers.problems.bar.budget.reference import motion, slopes, time_factors
+from solvers.problems.bar.method.nodes import EMPTY, GHOSTS, fold, stencil_of, unfold
 from solvers.problems.bar.method.phases import half_width
-from solvers.problems.bar.method.pieces import at_corner, piece_length
+from solvers.problems.bar.method.pieces import interpolate_at_corner, piece_length
 from solvers.problems.bar.method.remedies import MOST_GRADIENT, PASSES
-from solvers.problems.bar.method.samples import exact_now, true_error
+from solvers.problems.bar.method.samples import exact_time_factors, true_error
 from solvers.scene.error_causes import CAUSES, FIELDS
-from solvers.solver.samples import BUDGET, column
+from solvers.solver.samples import BUDGET, column_index
 
 COARSE_GRID = list(CAUSES).index("coarse_grid")  # its lane
 SCRATCH = 3  # layer of ``cause_errors``, behind those of x, v and F
-SHORTEST = 1e-12  # of a piece's length, in cells, by which the slope in it is still divided
-EACH_FIELD = len(BUDGET) // len(FIELDS)  # columns
+MIN_PIECE_LENGTH = 1e-12  # of a piece's length, in cells, by which the slope in it is still divided
+COLUMNS_PER_FIELD = len(BUDGET) // len(FIELDS)  # columns
 
 
 @ti.func
 def update_grid(bar: ti.template(), t, on: ti.template()):
     """The first half of the budget's step, from time t, when the run's nodes have their new motion."""
-    particles_to_nodes(bar, t, moment(bar, t), on)
+    particles_to_nodes(bar, t, time_factors(bar, t), on)
     update_nodes(bar, t, on)
     if bar.taken_away >= 0:
-        spread(bar.node_motion, bar.cells)
+        unfold(bar.node_motion, bar.cells)
 
 
 @ti.func
 def in_step(bar: ti.template(), step, on: ti.template()):
     """The second half, of step number ``step``, when the remedies have had their turn and before particles move."""
-    now = moment(bar, (step - 1) * bar.dt)
+    now = time_factors(bar, (step - 1) * bar.dt)
     if ti.static(on.filtered or on.coupled):  # after their own turn, of which the coupling takes the displacement
         if step % bar.remedy_interval == 0:
             if ti.static(on.filtered):
@@ -50,7 +50,7 @@ def in_step(bar: ti.template(), step, on: ti.template()):
 def after_step(bar: ti.template(), on: ti.template()):
     """Take from the particles what the cause that is taken away has given to them, beside what it gave to nodes."""
     if ti.static(on.centred):
-        centre(bar)
+        subtract_mean_velocity(bar)
     if bar.taken_away >= 0:
         for p in range(bar.particles):
             bar.position[p] -= bar.removed[p][0]
@@ -66,11 +66,11 @@ def nodes_to_particles(bar: ti.template(), now, on: ti.template()):
     crossings: the slope that a particle sees, less that in its piece; time step: what symplectic Euler misses.
     """
     P, M, dt = bar.particles, bar.cells + GHOSTS, bar.dt
-    left = at_corner(bar, bar.budget_nodes, 0, 0, on)[0]
+    left = interpolate_at_corner(bar, bar.budget_nodes, 0, 0, on)[0]
     for p in range(P):
         S, dS = stencil_of(bar, p)
         i = bar.first_node[p]
-        right = at_corner(bar, bar.budget_nodes, 0, p + 1, on)[0]
+        right = interpolate_at_corner(bar, bar.budget_nodes, 0, p + 1, on)[0]
         back, slope = ti.Vector([0.0, 0.0, 0.0, 0.0]), 0.0
         A, V, G = 0.0 * back, 0.0 * back, 0.0 * back
         for k in ti.static(range(3)):
@@ -82,12 +82,12 @@ def nodes_to_particles(bar: ti.template(), now, on: ti.template()):
             V += S[k] * velocity
             G += dS[k] * velocity
         piece_slope, length = slope, piece_length(bar, p)
-        if abs(length) > SHORTEST * bar.spacing:
+        if abs(length) > MIN_PIECE_LENGTH * bar.spacing:
             piece_slope = (right - left) / length
             if ti.static(on.pieces):
                 slope = piece_slope
-                G = (at_corner(bar, bar.budget_nodes, VELOCITY * M, p + 1, on)
-                     - at_corner(bar, bar.budget_nodes, VELOCITY * M, p, on)) / length
+                G = (interpolate_at_corner(bar, bar.budget_nodes, VELOCITY * M, p + 1, on)
+                     - interpolate_at_corner(bar, bar.budget_nodes, VELOCITY * M, p, on)) / length
         left = right
         m, s = motion(bar, p, now, on), slopes(bar, p, now, on)
         F, F0, stretch = bar.deformation_gradient[p], s[0], bar.cause_errors[2 * P + p]
@@ -101,7 +101,7 @@ def nodes_to_particles(bar: ti.template(), now, on: ti.template()):
             give_x[1] = dt * give_v[1]
             V = bar.cause_errors[P + p] + dt * A
         if ti.static(on.velocity == "corners"):
-            V, carried = between_corners(bar, p, on)
+            V, carried = corner_velocities(bar, p, on)
             give_x[1] = dt * (carried - m[0])
         if bar.taken_away >= 0:
             for c in ti.static(range(4)):
@@ -114,7 +114,7 @@ def nodes_to_particles(bar: ti.template(), now, on: ti.template()):
 
 
 @ti.func
-def between_corners(bar: ti.template(), p, on: ti.template()):
+def corner_velocities(bar: ti.template(), p, on: ti.template()):
     """Where the corners of its domain move a particle: the causes' velocity, and that of the reference."""
     reach, M = half_width(bar, bar.deformation_gradient[p], on) * bar.spacing, bar.cells + GHOSTS
     velocity, reference = ti.Vector([0.0, 0.0, 0.0, 0.0]), 0.0
@@ -130,7 +130,7 @@ def between_corners(bar: ti.template(), p, on: ti.template()):
 
 
 @ti.func
-def centre(bar: ti.template()):
+def subtract_mean_velocity(bar: ti.template()):
     """Every step's end: take the mean velocity out."""
     P = bar.particles
     mean = ti.Vector([0.0, 0.0, 0.0, 0.0])
@@ -150,7 +150,7 @@ def filter_null_space(bar: ti.template(), now, on: ti.template()):
         bar.cause_errors[SCRATCH * P + p] = bar.cause_errors[P + p] + ti.Vector([0.0, m[0] - bar.dt * m[1], 0.0, 0.0])
     for _ in range(2):
         scratch_to_nodes(bar)
-        leave_unseen(bar)
+        subtract_nodal_part(bar)
     for p in range(P):
         unseen = bar.cause_errors[SCRATCH * P + p]
         if bar.taken_away == COARSE_GRID:  # it has no errors then: this is the reference's part
@@ -172,7 +172,7 @@ def couple_deformation(bar: ti.template(), now, on: ti.template()):
         scratch_to_nodes(bar)
         for i in range(M):
             bar.budget_nodes[STRESS * M + i] += bar.budget_nodes[PIECES * M + i]
-        leave_unseen(bar)
+        subtract_nodal_part(bar)
     for p in range(P):
         _, dS = stencil_of(bar, p)
         i, G = bar.first_node[p], 0.0
@@ -206,11 +206,11 @@ def scratch_to_nodes(bar: ti.template()):
         weight = bar.node_sums[i][0]
         share = 1 / weight if weight > EMPTY else 0.0
         bar.budget_nodes[PIECES * M + i] = share * bar.budget_nodes[PIECES * M + i]
-    spread(bar.budget_nodes, bar.cells, PIECES * M)
+    unfold(bar.budget_nodes, bar.cells, PIECES * M)
 
 
 @ti.func
-def leave_unseen(bar: ti.template()):
+def subtract_nodal_part(bar: ti.template()):
     """Take from the scratch what the nodes have of it."""
     P, M = bar.particles, bar.cells + GHOSTS
     for p in range(P):
@@ -226,7 +226,7 @@ def sample(bar: ti.template(), row, step, on: ti.template()):
     """Write them; F is counted from the bar at rest."""
     out = ti.static(bar.samples)
     P = bar.particles
-    now = exact_now(bar, step, on)
+    now = exact_time_factors(bar, step, on)
     base = 0
     if ti.static(not on.truth):
         base = ti.static(on.estimators.index("companion")) * P
@@ -248,7 +248,7 @@ def sample(bar: ti.template(), row, step, on: ti.template()):
             square += e * e
             shared += e * causes
             own += causes * causes
-        at = ti.static(column(BUDGET[0], on) + EACH_FIELD * f)
+        at = ti.static(column_index(BUDGET[0], on) + COLUMNS_PER_FIELD * f)
         out[row, at] = unit * unit * square
         for c in ti.static(range(4)):
             out[row, at + 1 + c] = unit * unit * shared[c]

@@ -13,9 +13,9 @@ import taichi as ti
 
 from solvers.problems.bar.budget.budget_arrays import FORCE, PIECES, REFERENCE, STRESS, VELOCITY
 from solvers.problems.bar.budget.reference import motion, slopes
-from solvers.problems.bar.method.forces import force_on_particle, tones
-from solvers.problems.bar.method.nodes import DEGENERATE, EMPTY, GHOSTS, divergence_form, fold, spread, stencil_of
-from solvers.problems.bar.method.pieces import corner_nodes, corner_of, find_corners, place
+from solvers.problems.bar.method.forces import force_on_particle, tone_amplitudes
+from solvers.problems.bar.method.nodes import DEGENERATE, EMPTY, GHOSTS, divergence_form, fold, stencil_of, unfold
+from solvers.problems.bar.method.pieces import corner_of, find_corners, nodes_per_corner, periodic_position
 
 
 @ti.func
@@ -24,13 +24,13 @@ def particles_to_nodes(bar: ti.template(), t, now, on: ti.template()):
     M, P = bar.cells + GHOSTS, bar.particles
     for i in range(5 * M):
         bar.budget_nodes[i] = ti.Vector([0.0, 0.0, 0.0, 0.0])
-    size = tones(bar, t, on)
+    size = tone_amplitudes(bar, t, on)
     if ti.static(not on.pieces):
         find_corners(bar, on)
-    last = place(bar, -1, on)
+    last = periodic_position(bar, -1, on)
     stress_before = bar.modulus * (slopes(bar, P - 1, now, on)[0] - bar.unstretched)
     for p in range(P):
-        this = place(bar, p, on)
+        this = periodic_position(bar, p, on)
         stress = bar.modulus * (slopes(bar, p, now, on)[0] - bar.unstretched)
         corner_to_nodes(bar, p, stress - stress_before, this - last, on)
         particle_to_nodes(bar, p, stress, size, now, on)
@@ -46,7 +46,7 @@ def corner_to_nodes(bar: ti.template(), p, jump, length, on: ti.template()):
     i, B, _ = corner_of(bar, p)
     given = ti.Vector([jump, length, 0.0, 0.0])
     M, P = bar.cells + GHOSTS, bar.particles
-    for k in ti.static(range(corner_nodes(on))):
+    for k in ti.static(range(nodes_per_corner(on))):
         bar.budget_nodes[PIECES * M + i + k] += B[k] * given
         if ti.static(on.pieces):  # the errors' own stress pulls as the run's does
             before = bar.cause_errors[2 * P + (p + P - 1) % P]
@@ -92,7 +92,7 @@ def update_nodes(bar: ti.template(), t, on: ti.template()):
 
     What is taken away leaves the run's own nodes here, and gives to nobody's error.
     """
-    M, size = bar.cells + GHOSTS, tones(bar, t, on)
+    M, size = bar.cells + GHOSTS, tone_amplitudes(bar, t, on)
     for i in range(1, bar.cells + 1):
         reference, pieces = bar.budget_nodes[i], bar.budget_nodes[PIECES * M + i]
         velocity, force = bar.budget_nodes[VELOCITY * M + i], bar.budget_nodes[FORCE * M + i]
@@ -130,4 +130,4 @@ def update_nodes(bar: ti.template(), t, on: ti.template()):
         bar.budget_nodes[i] = reference
         bar.budget_nodes[VELOCITY * M + i], bar.budget_nodes[FORCE * M + i] = velocity, force
     for layer in ti.static((REFERENCE, VELOCITY, FORCE)):
-        spread(bar.budget_nodes, bar.cells, layer * M)
+        unfold(bar.budget_nodes, bar.cells, layer * M)

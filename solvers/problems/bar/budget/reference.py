@@ -9,16 +9,16 @@ step begins with is kept.
 import taichi as ti
 
 from solvers.estimators import companion
-from solvers.problems.bar.budget.budget_arrays import keeps
-from solvers.problems.bar.method.samples import typed_at
+from solvers.problems.bar.budget.budget_arrays import stores_reference
+from solvers.problems.bar.method.samples import typed_motion_at
 from solvers.scene.error_causes import CAUSES
-from solvers.solver.field_tables import MODES, MOTION, PRESENT, RANK, fact, find_functions
+from solvers.solver.field_tables import MODES, MOTION, PRESENT, RANK, find_functions, size_of
 
 TIME_STEP = list(CAUSES).index("time_step")  # its lane
 
 
 @ti.func
-def moment(bar: ti.template(), t):
+def time_factors(bar: ti.template(), t):
     """The factors of time in a step that begins at t: of u; of v + dt a; of a; and of what a step of symplectic Euler
     misses of u and of v."""
     w, dt = bar.angular_frequency, bar.dt
@@ -31,7 +31,7 @@ def moment(bar: ti.template(), t):
 def motion(bar: ti.template(), p, now, on: ti.template()):
     """v + dt a, a, and what a step of symplectic Euler misses of u and of v, which what is kept says later."""
     known = ti.Vector([bar.drift_velocity, 0.0, 0.0, 0.0])
-    if ti.static(keeps(on)):
+    if ti.static(stores_reference(on)):
         known = bar.reference_motion[p]
     elif ti.static(on.motion == "vibrate"):
         size = bar.amplitude * bar.sine[p]
@@ -43,7 +43,7 @@ def motion(bar: ti.template(), p, now, on: ti.template()):
 def slopes(bar: ti.template(), p, now, on: ti.template()):
     """F, the slope of v + dt a along X, and what a step misses of F."""
     known = ti.Vector([1.0, 0.0, 0.0])
-    if ti.static(keeps(on)):
+    if ti.static(stores_reference(on)):
         kept = bar.reference_slopes[p]
         known = ti.Vector([kept[0], kept[1], 0.0])
     elif ti.static(on.motion == "vibrate"):
@@ -64,7 +64,7 @@ def companion_after_step(bar: ti.template(), step):
         for k in range(n):
             at += bar.companion_basis[p * n + k] * bar.reference_elements[first + k]
             rate += bar.companion_basis[p * n + k] * bar.reference_rates[first + k]
-        _keep(bar, p, at[0], at[1], at[2], 1 + at[3], rate)
+        _store_reference(bar, p, at[0], at[1], at[2], 1 + at[3], rate)
 
 
 @ti.func
@@ -72,17 +72,17 @@ def typed_after_step(bar: ti.template(), step):
     """The same of a typed motion."""
     angle = bar.angular_frequency * bar.dt * step
     find_functions(bar.tables, bar.table_sizes, MOTION, bar.angular_frequency, angle, angle)
-    rank, modes, out = fact(bar, MOTION, RANK), fact(bar, MOTION, MODES), fact(bar, MOTION, PRESENT)
+    rank, modes, out = size_of(bar, MOTION, RANK), size_of(bar, MOTION, MODES), size_of(bar, MOTION, PRESENT)
     for p in range(bar.particles):
-        known, rate = typed_at(bar, p), 0.0
+        known, rate = typed_motion_at(bar, p), 0.0
         for k in range(rank):
             T = bar.tables[out + k]
             rate += (T[1] + bar.dt * T[2]) * bar.tables[modes + p * rank + k][1]
-        _keep(bar, p, known[0], known[1], known[2], 1 + known[3], rate)
+        _store_reference(bar, p, known[0], known[1], known[2], 1 + known[3], rate)
 
 
 @ti.func
-def _keep(bar: ti.template(), p, u, v, a, F, rate):
+def _store_reference(bar: ti.template(), p, u, v, a, F, rate):
     """The reference of particle p for the next step, and the error that the time step has made in this one."""
     dt, P = bar.dt, bar.particles
     was, slope = bar.reference_motion[p], bar.reference_slopes[p]

@@ -20,11 +20,11 @@ from solvers.estimators.spectral_elements import Elements, highest_frequency
 from solvers.kernels.dtypes import integers, pairs, quads, reals
 from solvers.motion.line_solution import force_table
 from solvers.problems.bar import exact_solution
-from solvers.problems.bar.method.forces import force_at, tones_for
-from solvers.solver.field_tables import of_pairs, pack
+from solvers.problems.bar.method.forces import force_at, table_amplitudes
+from solvers.solver.field_tables import pack_tables, pair_table
 
 POLYNOMIALS = 4  # order p
-A_WAVE = 5  # elements of a typed motion's shortest wave that matters
+PER_WAVE = 5  # elements of a typed motion's shortest wave that matters
 
 
 @ti.func
@@ -34,7 +34,7 @@ def accelerate(bar: ti.template(), t, on: ti.template()):
     for e in range(bar.companion_counts[shared.ACROSS]):
         element_forces(bar, shared.WORK * N + e * bar.companion_counts[shared.ORDER])
     whole = bar.companion_nodes[shared.WORK * N][2] + bar.companion_nodes[shared.WORK * N + N - 1][2]
-    size = tones_for(bar, bar.companion_force, bar.companion_force_sizes, t, on)
+    size = table_amplitudes(bar, bar.companion_force, bar.companion_force_sizes, t, on)
     for i in range(N):
         work, wave = shared.WORK * N + i, bar.companion_waves[i]
         force = whole if i == 0 or i == N - 1 else bar.companion_nodes[work][2]
@@ -96,7 +96,7 @@ def mesh(scene) -> Elements:
     """Elements of three cells on coarse bars and of up to 16 on fine ones, where the companion gains by its order; and
     enough for the waves of what was typed."""
     count = max(3, min(1 + scene.cells // 3, 6 + scene.cells // 16))
-    return Elements(0.0, 1.0, max(count, A_WAVE * scene.waves) if scene.displacement else count, POLYNOMIALS)
+    return Elements(0.0, 1.0, max(count, PER_WAVE * scene.waves) if scene.displacement else count, POLYNOMIALS)
 
 
 def allocate(scene) -> dict[str, np.ndarray]:
@@ -104,11 +104,11 @@ def allocate(scene) -> dict[str, np.ndarray]:
     elements = mesh(scene)
     n, X = elements.order + 1, elements.nodes
     inverse_mass = np.zeros((len(X), 2))
-    inverse_mass[:, 0] = 1 / (scene.density / scene.initial_stretch * masses(elements))
+    inverse_mass[:, 0] = 1 / (scene.density / scene.initial_stretch * nodal_masses(elements))
     velocity = np.stack([exact_solution.velocity(scene, X, 0.0), np.zeros(len(X))], axis=1)
     frequency = scene.wave_speed * scene.initial_stretch * unit_frequency(elements)  # of the bar as it starts
     element, basis, _ = elements.locate((np.arange(scene.particles) + 0.5) * (scene.spacing / scene.ppc))
-    sizes, force = pack(of_pairs(force_table(scene, X) if scene.displacement else None))
+    sizes, force = pack_tables(pair_table(force_table(scene, X) if scene.displacement else None))
     start = shared.start((elements.order, elements.count, 1, len(X), len(X), 1), frequency, scene.time_step, velocity,
                          inverse_mass)
     waves = np.stack([np.sin(exact_solution.WAVENUMBER * X), np.cos(exact_solution.WAVENUMBER * X)], axis=1)
@@ -118,7 +118,7 @@ def allocate(scene) -> dict[str, np.ndarray]:
             "companion_force_sizes": sizes, "companion_force": force}
 
 
-def masses(elements: Elements) -> np.ndarray:
+def nodal_masses(elements: Elements) -> np.ndarray:
     """Masses of the nodes for a density of 1; the first and the last are one."""
     m = elements.assembled_weights
     m[0] = m[-1] = m[0] + m[-1]
@@ -129,10 +129,10 @@ def masses(elements: Elements) -> np.ndarray:
 def unit_frequency(elements: Elements) -> float:
     """The highest frequency of the bar for a wave speed of 1 m/s, in 1/s."""
     stiffness = elements.derivative.T @ (elements.weights[:, None] * elements.derivative)
-    inverse_mass = 1 / masses(elements)
+    inverse_mass = 1 / nodal_masses(elements)
 
     def accelerations(u: np.ndarray) -> np.ndarray:
-        pull = np.bincount(elements.of_node.ravel(), (u[elements.of_node] @ stiffness).ravel())
+        pull = np.bincount(elements.node_of_point.ravel(), (u[elements.node_of_point] @ stiffness).ravel())
         pull[0] = pull[-1] = pull[0] + pull[-1]
         return inverse_mass * pull
 
@@ -143,7 +143,7 @@ def verdict(scene, memory) -> str | None:
     """Why not to trust what was reported last."""
     elements = mesh(scene)
     u = memory["companion_nodes"].reshape(-1, len(elements.nodes), 8)[shared.NOW, :, :2]
-    return shared.doubt(u[elements.of_node], (1,), memory["companion_numbers"][shared.SQUARE])
+    return shared.why_not_trusted(u[elements.node_of_point], (1,), memory["companion_numbers"][shared.SQUARE])
 
 
 HOOKS = shared.hooks(

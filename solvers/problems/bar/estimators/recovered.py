@@ -38,16 +38,16 @@ import taichi as ti
 from solvers.estimators import recovery
 from solvers.estimators.recovery import ALONG, BEGUN, MOVED, NEW, ROUGH, SIZE, TAU, TURNS, H
 from solvers.kernels.dtypes import integers, quads, reals
-from solvers.kernels.packing import part
+from solvers.kernels.packing import prefix_view
 from solvers.motion.line_solution import force_table
 from solvers.problems.bar import exact_solution
 from solvers.problems.bar.estimators import recovered_tables
 from solvers.problems.bar.estimators.recovered_tables import DRIVE, FIT, GATHER, SMOOTHING, SPREAD, STIFFNESS, TABLES
-from solvers.problems.bar.method.forces import tones_for
+from solvers.problems.bar.method.forces import table_amplitudes
 from solvers.problems.bar.method.nodes import stencil_of
 from solvers.scene.estimator_hooks import EstimatorHooks
 from solvers.scene.typed import TYPED
-from solvers.solver.field_tables import of_pairs, pack, pair_sum
+from solvers.solver.field_tables import pack_tables, pair_sum, pair_table
 
 WAVE_CFL = 0.9  # H c/h; stable to 1.2
 #: Blocks of the nodal array: U, w in the middle of the next H, a and a before; errors as gathered; errors unsmoothed;
@@ -56,32 +56,32 @@ MOTION, GATHERED, ERRORS, FORCE = range(4)
 
 
 @ti.func
-def block(bar: ti.template(), kind: ti.template(), i):
+def entry(bar: ti.template(), kind: ti.template(), i):
     """Entry i of a block of the nodal array."""
     return kind * bar.recovered_stride + i
 
 
 @ti.func
-def close(field: ti.template(), start, count, beyond):
+def extend_periodically(field: ti.template(), start, count, beyond):
     """Repeat the beginning of what is known once around behind its end: as far as rows of a table reach beyond."""
     for k in range(beyond):
         field[start + count + k] = field[start + k]
 
 
 @ti.func
-def close_nodes(bar: ti.template(), kind: ti.template()):
+def extend_nodes(bar: ti.template(), kind: ti.template()):
     """The same for a block of nodal values."""
-    close(bar.recovered_nodes, block(bar, kind, 0), bar.cells, bar.recovered_stride - bar.cells)
+    extend_periodically(bar.recovered_nodes, entry(bar, kind, 0), bar.cells, bar.recovered_stride - bar.cells)
 
 
 @ti.func
-def sums(bar: ti.template(), table: ti.template(), row, field: ti.template(), start):
+def row_sums(bar: ti.template(), table: ti.template(), row, field: ti.template(), start):
     """``ABREAST`` rows of a table, from ``row`` on and of equal weights, of a field that begins at ``start``."""
     one, two, three = ti.Vector([0.0] * 4), ti.Vector([0.0] * 4), ti.Vector([0.0] * 4)
-    first = start + part(bar, table).first[row]
-    second, third = start + part(bar, table).first[row + 1], start + part(bar, table).first[row + 2]
-    for k in range(part(bar, table).width):
-        w = part(bar, table).weights[k]
+    first = start + prefix_view(bar, table).first[row]
+    second, third = start + prefix_view(bar, table).first[row + 1], start + prefix_view(bar, table).first[row + 2]
+    for k in range(prefix_view(bar, table).width):
+        w = prefix_view(bar, table).weights[k]
         one += w * field[first + k]
         two += w * field[second + k]
         three += w * field[third + k]
@@ -89,37 +89,38 @@ def sums(bar: ti.template(), table: ti.template(), row, field: ti.template(), st
 
 
 @ti.func
-def apply(bar: ti.template(), table: ti.template(), count, field: ti.template(), start, into: ti.template(), at):
+def apply_table(bar: ti.template(), table: ti.template(), count, field: ti.template(), start, into: ti.template(), at):
     """All ``count`` rows of a table, of a field that begins at ``start``, into another from ``at`` on."""
-    for group in range(recovery.groups(count)):
-        row = recovery.first_of(group, count)
-        recovery.put(into, at + row, 1, sums(bar, table, row, field, start))
+    for group in range(recovery.group_count(count)):
+        row = recovery.first_in_group(group, count)
+        recovery.store_sums(into, at + row, 1, row_sums(bar, table, row, field, start))
 
 
 @ti.func
-def to_nodes(bar: ti.template(), table: ti.template(), kind: ti.template()):
+def particles_to_nodes(bar: ti.template(), table: ti.template(), kind: ti.template()):
     """A table of the fields at particles into a block of nodal values."""
-    apply(bar, table, bar.cells, bar.recovered_field, 0, bar.recovered_nodes, block(bar, kind, 0))
+    apply_table(bar, table, bar.cells, bar.recovered_field, 0, bar.recovered_nodes, entry(bar, kind, 0))
 
 
 @ti.func
-def among_nodes(bar: ti.template(), table: ti.template(), kind: ti.template(), into: ti.template()):
+def nodes_to_nodes(bar: ti.template(), table: ti.template(), kind: ti.template(), into: ti.template()):
     """A table of a block of nodal values, which is closed, into another block."""
-    apply(bar, table, bar.cells, bar.recovered_nodes, block(bar, kind, 0), bar.recovered_nodes, block(bar, into, 0))
+    apply_table(bar, table, bar.cells, bar.recovered_nodes, entry(bar, kind, 0), bar.recovered_nodes,
+                entry(bar, into, 0))
 
 
 @ti.func
-def spread(bar: ti.template(), p, pattern):
+def error_at(bar: ti.template(), p, pattern):
     """The nodal errors at a particle, and in the last place the slope of the first."""
     total = ti.Vector([0.0] * 4)
-    first, begin, _ = recovery.row_of(bar, SPREAD, p, pattern)
+    first, begin, _ = recovery.table_row(bar, SPREAD, p, pattern)
     for k in ti.static(range(3)):
-        total += part(bar, SPREAD).weights[begin + k] * bar.recovered_nodes[block(bar, ERRORS, first + k)]
+        total += prefix_view(bar, SPREAD).weights[begin + k] * bar.recovered_nodes[entry(bar, ERRORS, first + k)]
     return total
 
 
 @ti.func
-def node_force(bar: ti.template(), i, shape, size, on: ti.template()):
+def nodal_body_force(bar: ti.template(), i, shape, size, on: ti.template()):
     """M b of a node, with M of each tone's shape."""
     b = size[0] * shape[0] + size[1] * shape[1]
     if ti.static(on.motion == TYPED):
@@ -128,29 +129,29 @@ def node_force(bar: ti.template(), i, shape, size, on: ti.template()):
 
 
 @ti.func
-def begin(bar: ti.template(), t, on: ti.template()):
+def start_reference(bar: ti.template(), t, on: ti.template()):
     """Unless it is done: start the reference with the acceleration at time t, when the bar was undeformed, a = M b."""
     if bar.recovered_numbers[TURNS] == NEW:
-        size = tones_for(bar, bar.recovered_force, bar.recovered_force_sizes, t, on)
+        size = table_amplitudes(bar, bar.recovered_force, bar.recovered_force_sizes, t, on)
         for i in range(bar.cells):
-            shape, at = bar.recovered_nodes[block(bar, FORCE, i)], block(bar, MOTION, i)
-            a = node_force(bar, i, shape, size, on)
-            bar.recovered_nodes[at] = recovery.with_start(bar.recovered_nodes[at], a, bar.recovered_numbers[H])
-            bar.recovered_nodes[block(bar, FORCE, i)] = ti.Vector([shape[0], shape[1], shape[2], a])
+            shape, at = bar.recovered_nodes[entry(bar, FORCE, i)], entry(bar, MOTION, i)
+            a = nodal_body_force(bar, i, shape, size, on)
+            bar.recovered_nodes[at] = recovery.initial_reference(bar.recovered_nodes[at], a, bar.recovered_numbers[H])
+            bar.recovered_nodes[entry(bar, FORCE, i)] = ti.Vector([shape[0], shape[1], shape[2], a])
         bar.recovered_numbers[TURNS] = BEGUN
 
 
 @ti.func
-def remember_sizes(bar: ti.template()):
+def add_verdict_sums(bar: ti.template()):
     """Add this turn's fourth differences of U, and e, to the sums that the verdict looks at."""
     rough, size, along = 0.0, 0.0, 0.0
     for i in range(bar.cells):
         fourth = 0.0
         j = ti.select(i < 2, i + bar.cells - 2, i - 2)
         for k in range(5):
-            fourth += recovery.fourth_factor(k) * bar.recovered_nodes[block(bar, MOTION, j)][0]
+            fourth += recovery.fourth_factor(k) * bar.recovered_nodes[entry(bar, MOTION, j)][0]
             j = ti.select(j + 1 < bar.cells, j + 1, 0)
-        error = bar.recovered_nodes[block(bar, GATHERED, i)][0]
+        error = bar.recovered_nodes[entry(bar, GATHERED, i)][0]
         rough += fourth * fourth
         size += error * error
         along += fourth * error
@@ -164,21 +165,21 @@ def after_step(bar: ti.template(), base, step, on: ti.template()):
     """U += H w; the error's gradient corrects the recovered one; w += H (a + correction), a = M b - D P/rho.
 
     P is linear in the slopes and D in P, so D is taken of both slopes at once, and P itself is never needed."""
-    begin(bar, step * bar.dt - bar.recovered_numbers[H], on)
+    start_reference(bar, step * bar.dt - bar.recovered_numbers[H], on)
     for p in range(bar.particles):
         u = bar.position[p] - bar.material_position[p]
         bar.recovered_field[p] = ti.Vector([u, bar.velocity[p], u, 0.0])
-    close(bar.recovered_field, 0, bar.particles, bar.recovered_beyond)
-    to_nodes(bar, DRIVE, ERRORS)
+    extend_periodically(bar.recovered_field, 0, bar.particles, bar.recovered_beyond)
+    particles_to_nodes(bar, DRIVE, ERRORS)
     for i in range(bar.cells):
-        motion, drive = bar.recovered_nodes[block(bar, MOTION, i)], bar.recovered_nodes[block(bar, ERRORS, i)]
+        motion, drive = bar.recovered_nodes[entry(bar, MOTION, i)], bar.recovered_nodes[entry(bar, ERRORS, i)]
         motion[0] += bar.recovered_numbers[H] * motion[1]
-        bar.recovered_nodes[block(bar, MOTION, i)] = motion
-        shape = bar.recovered_nodes[block(bar, FORCE, i)]
-        bar.recovered_nodes[block(bar, FORCE, i)] = ti.Vector([shape[0], shape[1], drive[2], shape[3]])
-        bar.recovered_nodes[block(bar, GATHERED, i)] = ti.Vector([drive[0] - motion[0], drive[1] - motion[1], 0.0, 0.0])
-    if recovery.looks(step, bar.dt, bar.recovered_numbers[H]):
-        remember_sizes(bar)
+        bar.recovered_nodes[entry(bar, MOTION, i)] = motion
+        shape = bar.recovered_nodes[entry(bar, FORCE, i)]
+        bar.recovered_nodes[entry(bar, FORCE, i)] = ti.Vector([shape[0], shape[1], drive[2], shape[3]])
+        bar.recovered_nodes[entry(bar, GATHERED, i)] = ti.Vector([drive[0] - motion[0], drive[1] - motion[1], 0.0, 0.0])
+    if recovery.is_check_due(step, bar.dt, bar.recovered_numbers[H]):
+        add_verdict_sums(bar)
     damped_errors(bar)
     move_reference(bar, step * bar.dt, on)
 
@@ -186,35 +187,35 @@ def after_step(bar: ti.template(), base, step, on: ti.template()):
 @ti.func
 def damped_errors(bar: ti.template()):
     """e* = 2 e - C e + tau (1 - C)^2 e' from the gathered errors."""
-    close_nodes(bar, GATHERED)
-    among_nodes(bar, SMOOTHING, GATHERED, ERRORS)
+    extend_nodes(bar, GATHERED)
+    nodes_to_nodes(bar, SMOOTHING, GATHERED, ERRORS)
     for i in range(bar.cells):
-        e = bar.recovered_nodes[block(bar, GATHERED, i)]
-        bar.recovered_nodes[block(bar, GATHERED, i)] = \
-            e - bar.recovered_nodes[block(bar, ERRORS, i)] + ti.Vector([e[0], 0.0, 0.0, 0.0])
-    close_nodes(bar, GATHERED)
-    among_nodes(bar, SMOOTHING, GATHERED, ERRORS)
+        e = bar.recovered_nodes[entry(bar, GATHERED, i)]
+        bar.recovered_nodes[entry(bar, GATHERED, i)] = \
+            e - bar.recovered_nodes[entry(bar, ERRORS, i)] + ti.Vector([e[0], 0.0, 0.0, 0.0])
+    extend_nodes(bar, GATHERED)
+    nodes_to_nodes(bar, SMOOTHING, GATHERED, ERRORS)
     for i in range(bar.cells):
-        e, smooth = bar.recovered_nodes[block(bar, GATHERED, i)], bar.recovered_nodes[block(bar, ERRORS, i)]
-        bar.recovered_nodes[block(bar, ERRORS, i)] = \
+        e, smooth = bar.recovered_nodes[entry(bar, GATHERED, i)], bar.recovered_nodes[entry(bar, ERRORS, i)]
+        bar.recovered_nodes[entry(bar, ERRORS, i)] = \
             ti.Vector([e[0] + bar.recovered_numbers[TAU] * (e[1] - smooth[1]), e[1], 0.0, 0.0])
-    close_nodes(bar, ERRORS)
+    extend_nodes(bar, ERRORS)
 
 
 @ti.func
 def move_reference(bar: ti.template(), t, on: ti.template()):
     """The acceleration of every node at time t, and the rate that follows."""
-    size = tones_for(bar, bar.recovered_force, bar.recovered_force_sizes, t, on)
+    size = table_amplitudes(bar, bar.recovered_force, bar.recovered_force_sizes, t, on)
     first = bar.recovered_numbers[TURNS] == BEGUN
     bar.recovered_numbers[TURNS] = MOVED
-    among_nodes(bar, STIFFNESS, ERRORS, GATHERED)
+    nodes_to_nodes(bar, STIFFNESS, ERRORS, GATHERED)
     for i in range(bar.cells):
-        shape, at = bar.recovered_nodes[block(bar, FORCE, i)], block(bar, MOTION, i)
-        slope = shape[2] - bar.recovered_nodes[block(bar, GATHERED, i)][0]
-        a = node_force(bar, i, shape, size, on) - bar.modulus / bar.density * slope
+        shape, at = bar.recovered_nodes[entry(bar, FORCE, i)], entry(bar, MOTION, i)
+        slope = shape[2] - bar.recovered_nodes[entry(bar, GATHERED, i)][0]
+        a = nodal_body_force(bar, i, shape, size, on) - bar.modulus / bar.density * slope
         motion = bar.recovered_nodes[at]
         shape[3] = recovery.second_before(motion, a, first)
-        bar.recovered_nodes[block(bar, FORCE, i)] = shape
+        bar.recovered_nodes[entry(bar, FORCE, i)] = shape
         bar.recovered_nodes[at] = recovery.next_reference(motion, a, bar.recovered_numbers[H], first)
 
 
@@ -233,16 +234,16 @@ def report(bar: ti.template(), base, step, on: ti.template()):
     length = bar.recovered_numbers[H]
     since = recovery.time_since(step, bar.dt, length)
     if step > 0:
-        begin(bar, step * bar.dt - since, on)
-    close(bar.recovered_field, 0, bar.particles, bar.recovered_beyond)
+        start_reference(bar, step * bar.dt - since, on)
+    extend_periodically(bar.recovered_field, 0, bar.particles, bar.recovered_beyond)
     find_errors(bar, length, since)
-    apply(bar, FIT, bar.particles, bar.recovered_field, 0, bar.estimate, base)
+    apply_table(bar, FIT, bar.particles, bar.recovered_field, 0, bar.estimate, base)
     per_cell = bar.particles // bar.cells
     for i in range(bar.cells):
         for q in range(per_cell):
             p = i * per_cell + q
             field = bar.recovered_field[p]
-            less = bar.estimate[base + p] - spread(bar, p, q)  # in the last place the slope of u less that of its error
+            less = bar.estimate[base + p] - error_at(bar, p, q)  # last, the slope of u less that of its error
             E = field - less
             E[1] += bar.velocity[p] - field[1]
             if ti.static(not on.acceleration):
@@ -255,20 +256,20 @@ def report(bar: ti.template(), base, step, on: ti.template()):
 @ti.func
 def find_errors(bar: ti.template(), length, since):
     """Nodal errors of the fields, unsmoothed."""
-    to_nodes(bar, GATHER, GATHERED)
+    particles_to_nodes(bar, GATHER, GATHERED)
     for i in range(bar.cells):
-        before = bar.recovered_nodes[block(bar, FORCE, i)][3]
-        U, V, A = recovery.reference_at(bar.recovered_nodes[block(bar, MOTION, i)], before, length, since, bar.dt)
-        mean = bar.recovered_nodes[block(bar, GATHERED, i)]
+        before = bar.recovered_nodes[entry(bar, FORCE, i)][3]
+        U, V, A = recovery.reference_at(bar.recovered_nodes[entry(bar, MOTION, i)], before, length, since, bar.dt)
+        mean = bar.recovered_nodes[entry(bar, GATHERED, i)]
         if bar.recovered_numbers[TURNS] == BEGUN:
             A = mean[2]  # the start's own says nothing of how a changes since: it was up to 250 times the error
-        bar.recovered_nodes[block(bar, GATHERED, i)] = mean - ti.Vector([U, V, A, U])
-    close_nodes(bar, GATHERED)
-    among_nodes(bar, SMOOTHING, GATHERED, ERRORS)
+        bar.recovered_nodes[entry(bar, GATHERED, i)] = mean - ti.Vector([U, V, A, U])
+    extend_nodes(bar, GATHERED)
+    nodes_to_nodes(bar, SMOOTHING, GATHERED, ERRORS)
     for i in range(bar.cells):
-        smooth = bar.recovered_nodes[block(bar, ERRORS, i)]
-        bar.recovered_nodes[block(bar, ERRORS, i)] = 2 * bar.recovered_nodes[block(bar, GATHERED, i)] - smooth
-    close_nodes(bar, ERRORS)
+        smooth = bar.recovered_nodes[entry(bar, ERRORS, i)]
+        bar.recovered_nodes[entry(bar, ERRORS, i)] = 2 * bar.recovered_nodes[entry(bar, GATHERED, i)] - smooth
+    extend_nodes(bar, ERRORS)
 
 
 def interval(scene):
@@ -290,8 +291,8 @@ def allocate(scene):
     if scene.displacement:
         force = force_table(scene, X)
         table = replace(force, modes=np.stack([tables[GATHER](one)[:, :2] for one in force.modes[:, :, 0].T], axis=1))
-    return {**dict(zip(("recovered_force_sizes", "recovered_force"), pack(of_pairs(table)), strict=True)),
-            "recovered_numbers": recovery.numbers(scene, interval(scene)), **recovery.table_values(tables),
+    return {**dict(zip(("recovered_force_sizes", "recovered_force"), pack_tables(pair_table(table)), strict=True)),
+            "recovered_numbers": recovery.initial_numbers(scene, interval(scene)), **recovery.table_values(tables),
             "recovered_stride": stride, "recovered_beyond": beyond, "recovered_nodes": nodes.reshape(-1, 4),
             "recovered_field": np.zeros((scene.particles + beyond, 4))}
 

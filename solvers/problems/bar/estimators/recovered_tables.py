@@ -38,17 +38,17 @@ def operators(scene: BarScene) -> dict[str, Rows]:
         np.add.at(drive[:, 2], (fit.first[p] + np.arange(fit.width)) % len(drive), slope * fit.weights[0, :, 0, 1])
         np.add.at(stiffness[:, 0], (spread.first[p] + np.arange(3)) % cells,
                   slope * spread.weights[p % per_cell, :, 0, 1])
-    rows = (in_lanes(fit, 1), in_lanes(spread, 1), in_lanes(gather, 0), in_lanes(smoothing, 0),
-            around(drive, cells), around(stiffness, cells))
+    rows = (select_components(fit, 1), select_components(spread, 1), select_components(gather, 0),
+            select_components(smoothing, 0), periodic_map(drive, cells), periodic_map(stiffness, cells))
     return dict(zip(TABLES, rows, strict=True))
 
 
-def in_lanes(rows: Rows, last: int) -> Rows:
+def select_components(rows: Rows, last: int) -> Rows:
     """The rows' value for u, v and a, and again or the slope for u."""
     return Rows(rows.first, rows.weights[:, :, 0][:, :, [0, 0, 0, last]])
 
 
-def around(weights: np.ndarray, cells: int) -> Rows:
+def periodic_map(weights: np.ndarray, cells: int) -> Rows:
     """The map of all nodes from that of node 0, with a weight for each column of the whole line."""
     middle = len(weights) // 2
     weights = np.roll(weights, middle, axis=0)
@@ -60,7 +60,7 @@ def around(weights: np.ndarray, cells: int) -> Rows:
 def verdict(scene: BarScene, memory: Mapping[str, np.ndarray]) -> str | None:
     """Why not to trust it: the reference's own trouble, or what the fits miss of the motion and count as error."""
     U = memory["recovered_nodes"][:scene.cells, 0]
-    if reason := recovery.doubt(memory, np.abs(U).max() / scene.motion_amplitude):
+    if reason := recovery.why_not_trusted(memory, np.abs(U).max() / scene.motion_amplitude):
         return reason
     along, size = memory["recovered_numbers"][[ALONG, SIZE]]
     # What a fit's slope lacks of u', over the fourth difference of u' from cell to cell: with x in cells, the slope

@@ -10,7 +10,7 @@ on the bar. Error means computed minus exact, at a fixed particle.
 import numpy as np
 import taichi as ti
 
-from solvers.estimators.transport import doubt
+from solvers.estimators.transport import why_not_trusted
 from solvers.kernels.dtypes import octets, quads, real, reals
 from solvers.problems.bar.method import nodes
 from solvers.scene.estimator_hooks import EstimatorHooks
@@ -88,7 +88,7 @@ def stress_slopes(bar: ti.template(), on: ti.template()):
     """sigma_x at the nodes, from the force that the step used."""
     for i in range(1, bar.cells + 1):
         bar.transport_slope[i] = nodes.node_force(bar, i, on) / ti.max(volume_of(bar, i, on), nodes.EMPTY * bar.spacing)
-    nodes.spread(bar.transport_slope, bar.cells)
+    nodes.unfold(bar.transport_slope, bar.cells)
 
 
 @ti.func
@@ -116,7 +116,7 @@ def node_errors(bar: ti.template(), on: ti.template()):
             Ea = ((fed_back + quadratic + constant) * scale + linear) / mass  # eq 12
             Ev = sums[0] / weight + bar.transport_dt * Ea  # eq 21 at the node
         bar.transport_errors[i] = ti.Vector([Ev, Ea, v_xx, bar.node_motion[i][0]])
-    nodes.spread(bar.transport_errors, bar.cells)
+    nodes.unfold(bar.transport_errors, bar.cells)
 
 
 @ti.func
@@ -162,7 +162,7 @@ def allocate(scene):
 
 def verdict(scene, memory):
     a = memory["transport_errors"][:, 1]
-    return doubt(np.abs(a).max(), memory["transport_nodes"].any(), scene.size_of("a"))
+    return why_not_trusted(np.abs(a).max(), memory["transport_nodes"].any(), scene.size_of("a"))
 
 
 HOOKS = EstimatorHooks(memory={

@@ -13,9 +13,9 @@ import taichi as ti
 
 from solvers.estimators import two_grid
 from solvers.kernels.dtypes import quads
-from solvers.kernels.packing import part
-from solvers.problems.bar.limits import noisy
-from solvers.problems.bar.method.body import BarBody, body
+from solvers.kernels.packing import prefix_view
+from solvers.problems.bar.limits import is_noisy
+from solvers.problems.bar.method.body import BarBody, initial_body
 from solvers.problems.bar.method.phases import nodes_to_particles, update_grid
 from solvers.scene.estimator_hooks import EstimatorHooks
 from solvers.scene.kernel_options import kernel_options_of
@@ -32,7 +32,7 @@ MEMORY = {
 @ti.func
 def after_step(bar: ti.template(), base, step, on: ti.template()):
     """One step of the second bar, from ``coarse_dt`` ago until now; F and a before it are kept, for their rates."""
-    coarse, bare = ti.static([part(bar, "coarse_"), two_grid.bare(on)])
+    coarse, bare = ti.static([prefix_view(bar, "coarse_"), two_grid.method_options(on)])
     for q in range(coarse.particles):
         bar.two_grid_before[q] = ti.Vector([
             coarse.deformation_gradient[q], coarse.acceleration[q], bar.two_grid_before[q][1], 0.0])
@@ -43,8 +43,8 @@ def after_step(bar: ti.template(), base, step, on: ti.template()):
 @ti.func
 def report(bar: ti.template(), base, step, on: ti.template()):
     """e = q_h - I q*; nothing yet of a, if it is so early that the second bar has had only that of the start."""
-    own, coarse = ti.static([part(bar, "two_grid_"), part(bar, "coarse_")])
-    two_grid.begin(own)
+    own, coarse = ti.static([prefix_view(bar, "two_grid_"), prefix_view(bar, "coarse_")])
+    two_grid.clear_common_lattice(own)
     run_fields(bar, own, on)
     two_grid.transfer(own, FIELDS, "down", own.fields, "fine", own.common, "common", 1 + own.gain)
     coarse_fields(bar, own, coarse, step)
@@ -60,7 +60,7 @@ def report(bar: ti.template(), base, step, on: ti.template()):
         elif step < 2 * own.interval:
             e[3] = 0.0
         bar.estimate[base + p] = e
-    two_grid.remember_largest(own, square / bar.particles)
+    two_grid.store_largest(own, square / bar.particles)
 
 
 @ti.func
@@ -109,11 +109,11 @@ def allocate(scene):
     """The second bar at its start, and what the comparison needs."""
     second = coarse_scene(scene)
     fine, coarse = (scene.particles, 1), (second.particles, 1)
-    members = body(second, two_grid.bare(kernel_options_of(second)))
+    members = initial_body(second, two_grid.method_options(kernel_options_of(second)))
     return {
         **{"coarse_" + name: value for name, value in members.items()},
         **two_grid.allocate(scene, FIELDS, fine, coarse, coarse, ("periodic", "free")),
-        "two_grid_before": np.tile([1.0, 0.0, 0.0, 0.0], (second.particles, 1)), "two_grid_noisy": noisy(scene)}
+        "two_grid_before": np.tile([1.0, 0.0, 0.0, 0.0], (second.particles, 1)), "two_grid_noisy": is_noisy(scene)}
 
 
 def verdict(scene, memory):

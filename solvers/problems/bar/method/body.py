@@ -10,7 +10,7 @@ from solvers.problems.bar import exact_solution
 from solvers.problems.bar.method.nodes import GHOSTS
 from solvers.problems.bar.scene import BarScene
 from solvers.scene.kernel_options import KernelOptions
-from solvers.solver.field_tables import of_pairs, of_vectors, pack
+from solvers.solver.field_tables import pack_tables, pair_table, vector_table
 from solvers.solver.state_arrays import Members, remedy_rates, zeros
 
 
@@ -59,19 +59,19 @@ class BarBody(Members):
     tables: Quads  # its body force at the particles; u and F - 1 there, and as a last place their means
 
 
-def body(scene: BarScene, on: KernelOptions) -> dict:
+def initial_body(scene: BarScene, on: KernelOptions) -> dict:
     """The members of a :class:`BarBody` at the start: particles at (p + 1/2) h/ppc, F = 1, and the velocity of the
     exact solution. A patch test counts F from its stretch on (``solvers.problems.bar.patch_test``)."""
     P, nodes, w = scene.particles, scene.cells + GHOSTS, scene.angular_frequency
     X = (np.arange(P) + 0.5) * (scene.spacing / scene.ppc)
     swings, stretch = not scene.is_patch, scene.initial_stretch
     typed, known = bool(scene.displacement), on.truth or on.soundness
-    sizes, tables = pack(of_pairs(force_table(scene, X) if typed else None), of_pairs(None),
-                         of_vectors(motion_table(scene) if typed and known else None))
+    sizes, tables = pack_tables(pair_table(force_table(scene, X) if typed else None), pair_table(None),
+                                vector_table(motion_table(scene) if typed and known else None))
     material = on.body_force in ("material", "two-tone")
     at_nodes = np.sin(exact_solution.WAVENUMBER * scene.spacing * (np.arange(nodes) - 1))
     sine, cosine = np.sin(exact_solution.WAVENUMBER * X), np.cos(exact_solution.WAVENUMBER * X)
-    v = exact_solution.velocity(scene, X, 0.0) - scene.early * exact_solution.acceleration(scene, X, 0.0)
+    v = exact_solution.velocity(scene, X, 0.0) - scene.velocity_lead * exact_solution.acceleration(scene, X, 0.0)
     return {"particles": P, "cells": scene.cells, "spacing": scene.spacing, "cells_per_length": float(scene.cells),
             "dt": scene.time_step, "modulus": scene.modulus * stretch, "density": scene.density / stretch,
             "volume": scene.spacing / scene.ppc, "unstretched": 1 / stretch, "half_width": 0.5 / scene.ppc,

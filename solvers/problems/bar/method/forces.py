@@ -2,25 +2,25 @@
 
 "material" is eq 34: 3 w^2 A sin(2 pi X) sin(wt), for which the exact solution is known. "two-tone" adds
 1.5 w^2 A sin(4 pi X) sin(1.7 wt), for which none is built in: there an estimate has to stand alone. That of a typed
-motion lies in a table (``solvers.solver.field_tables``), whose functions of time :func:`tones` finds.
+motion lies in a table (``solvers.solver.field_tables``), whose functions of time :func:`tone_amplitudes` finds.
 """
 
 import taichi as ti
 
 from solvers.motion.exact_solution import SECOND_FREQUENCY
-from solvers.problems.bar.exact_solution import SECOND_SIZE
+from solvers.problems.bar.exact_solution import SECOND_RATIO
 from solvers.scene.typed import TYPED
 from solvers.solver.field_tables import FORCE, find_pair_functions, pair_sum
 
 
 @ti.func
-def tones(bar: ti.template(), t, on: ti.template()):
+def tone_amplitudes(bar: ti.template(), t, on: ti.template()):
     """The size of each tone at time t, in m/s^2."""
-    return tones_for(bar, bar.tables, bar.table_sizes, t, on)
+    return table_amplitudes(bar, bar.tables, bar.table_sizes, t, on)
 
 
 @ti.func
-def tones_for(bar: ti.template(), tables: ti.template(), sizes: ti.template(), t, on: ti.template()):
+def table_amplitudes(bar: ti.template(), tables: ti.template(), sizes: ti.template(), t, on: ti.template()):
     """The same for the places of a table."""
     first, second = 0.0, 0.0
     if ti.static(on.motion == TYPED):
@@ -28,7 +28,7 @@ def tones_for(bar: ti.template(), tables: ti.template(), sizes: ti.template(), t
     elif ti.static(on.body_force != "none"):
         first = bar.force_scale * ti.sin(bar.angular_frequency * t)
     if ti.static(on.body_force == "two-tone"):
-        second = SECOND_SIZE * bar.force_scale * ti.sin(SECOND_FREQUENCY * bar.angular_frequency * t)
+        second = SECOND_RATIO * bar.force_scale * ti.sin(SECOND_FREQUENCY * bar.angular_frequency * t)
     return ti.Vector([first, second])
 
 

@@ -37,7 +37,7 @@ def fold(values: ti.template(), cells, first=0):
 
 
 @ti.func
-def spread(values: ti.template(), cells, first=0):
+def unfold(values: ti.template(), cells, first=0):
     """Copy the nodes' values, likewise, to their periodic images."""
     values[first] = values[first + cells]
     for k in ti.static(range(1, 4)):

@@ -7,10 +7,10 @@ to nodes, nodes, nodes to particles. Equal masses cancel: v_i = sum S v / sum S.
 import taichi as ti
 
 from solvers.kernels.shape_functions import outer_weights
-from solvers.kernels.simd import LANES, read
+from solvers.kernels.simd import LANES, load
 from solvers.problems.bar.method import nodes, pieces
-from solvers.problems.bar.method.forces import force_on_particle, tones
-from solvers.problems.bar.method.nodes import EMPTY, GHOSTS, MOST_HALF_WIDTH, fold, spread, stencil_of
+from solvers.problems.bar.method.forces import force_on_particle, tone_amplitudes
+from solvers.problems.bar.method.nodes import EMPTY, GHOSTS, MOST_HALF_WIDTH, fold, stencil_of, unfold
 
 
 @ti.func
@@ -40,10 +40,10 @@ def find_weights(bar: ti.template(), on: ti.template()):
     per = bar.cells_per_length
     for block in range((bar.particles + LANES - 1) // LANES):
         p = ti.min(block * LANES, bar.particles - LANES)
-        x = read(bar.position, p)
+        x = load(bar.position, p)
         if ti.static(on.frozen):
-            x = read(bar.material_position, p)
-        width = half_width(bar, read(bar.deformation_gradient, p), on)
+            x = load(bar.material_position, p)
+        width = half_width(bar, load(bar.deformation_gradient, p), on)
         first, left, right, slope_left, slope_right = outer_weights(on.method, (x - ti.floor(x)) * per, width)
         slope_left, slope_right = slope_left * per, slope_right * per
         # A run that goes bad has positions anywhere: stay inside the arrays until the check stops it.
@@ -60,14 +60,14 @@ def particles_to_nodes(bar: ti.template(), t, on: ti.template()):
     The sums of three nodes wait in registers until a particle has others: in memory, each particle would wait for the
     one before it.
     """
-    size = tones(bar, t, on)
+    size = tone_amplitudes(bar, t, on)
     for i in range(bar.cells + GHOSTS):
         bar.node_sums[i] = ti.Vector([0.0, 0.0, 0.0, 0.0])
     at = bar.first_node[0]
     left, middle, right = bar.node_sums[at], bar.node_sums[at + 1], bar.node_sums[at + 2]
     for p in range(bar.particles):
         S, dS = stencil_of(bar, p)
-        carried = carried_by(bar, p, size, on)
+        carried = contribution_of(bar, p, size, on)
         i = bar.first_node[p]
         if i != at:
             bar.node_sums[at], bar.node_sums[at + 1], bar.node_sums[at + 2] = left, middle, right
@@ -85,7 +85,7 @@ def particles_to_nodes(bar: ti.template(), t, on: ti.template()):
 
 
 @ti.func
-def carried_by(bar: ti.template(), p, size, on: ti.template()):
+def contribution_of(bar: ti.template(), p, size, on: ti.template()):
     """What a particle gives to nodes by its weight, 1, v and b, and by the weight's slope, -sigma F V0 as third."""
     carried = ti.Vector([1.0, bar.velocity[p], 0.0, 0.0])
     if ti.static(not on.pieces):
@@ -102,7 +102,7 @@ def carried_by(bar: ti.template(), p, size, on: ti.template()):
 @ti.func
 def update_nodes(bar: ti.template(), t, on: ti.template()):
     """v_i += dt a_i with a_i = internal + body force at time t."""
-    size = tones(bar, t, on)
+    size = tone_amplitudes(bar, t, on)
     for i in range(1, bar.cells + 1):
         sums = bar.node_sums[i]
         v, a = 0.0, 0.0
@@ -119,7 +119,7 @@ def update_nodes(bar: ti.template(), t, on: ti.template()):
             if ti.static(on.energy):  # the force's power with the velocity in the middle of the step
                 bar.totals[1] += bar.dt * mass * body * (v - 0.5 * bar.dt * a)
         bar.node_motion[i] = ti.Vector([v, a])
-    spread(bar.node_motion, bar.cells)
+    unfold(bar.node_motion, bar.cells)
 
 
 @ti.func

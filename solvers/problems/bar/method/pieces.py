@@ -26,7 +26,7 @@ from solvers.kernels.shape_functions import bspline, hat
 
 
 @ti.func
-def seen_at(bar: ti.template(), p, on: ti.template()):
+def mapping_position(bar: ti.template(), p, on: ti.template()):
     """Where the weights see particle p."""
     x = 0.0
     if ti.static(on.frozen):
@@ -37,15 +37,15 @@ def seen_at(bar: ti.template(), p, on: ti.template()):
 
 
 @ti.func
-def place(bar: ti.template(), p, on: ti.template()):
+def periodic_position(bar: ti.template(), p, on: ti.template()):
     """The same, for p from two before the first to two behind the last, which are those of a period away."""
     P = bar.particles
     turn = ti.select(p < 0, -1, ti.select(p < P, 0, 1))
-    return seen_at(bar, p - turn * P, on) + turn
+    return mapping_position(bar, p - turn * P, on) + turn
 
 
 @ti.func
-def corner(before_last, last, this, after):
+def corner_position(before_last, last, this, after):
     """The corner between the particles ``last`` and ``this``, from the places of four neighbours."""
     return (9 * (last + this) - before_last - after) / 16
 
@@ -54,7 +54,7 @@ def corner(before_last, last, this, after):
 def corner_stencil(bar: ti.template(), x, on: ti.template()):
     """The base functions at a corner: first node, in the padded node arrays, and three weights; of hats the third is 0.
 
-    ``corner_nodes`` says how many there are to look at.
+    ``nodes_per_corner`` says how many there are to look at.
     """
     place = (x - ti.floor(x)) * bar.cells_per_length
     first, left, right, _, _ = hat(place)
@@ -65,7 +65,7 @@ def corner_stencil(bar: ti.template(), x, on: ti.template()):
 
 
 @untranslated
-def corner_nodes(on) -> int:
+def nodes_per_corner(on) -> int:
     """How many nodes a corner meets."""
     return 3 if on.method == "bspline" else 2
 
@@ -80,15 +80,15 @@ def find_corners(bar: ti.template(), on: ti.template()):
     P = bar.particles
     for k in ti.static(range(3)):
         p = ti.select(k < 2, k, P - 1)
-        around = ti.Vector([place(bar, p + j, on) for j in ti.static(range(-2, 2))])
-        keep_corner(bar, p, corner(around[0], around[1], around[2], around[3]), on)
+        around = ti.Vector([periodic_position(bar, p + j, on) for j in ti.static(range(-2, 2))])
+        store_corner(bar, p, corner_position(around[0], around[1], around[2], around[3]), on)
     for p in range(2, P - 1):
-        keep_corner(bar, p, corner(seen_at(bar, p - 2, on), seen_at(bar, p - 1, on), seen_at(bar, p, on),
-                                   seen_at(bar, p + 1, on)), on)
+        store_corner(bar, p, corner_position(mapping_position(bar, p - 2, on), mapping_position(bar, p - 1, on),
+                                             mapping_position(bar, p, on), mapping_position(bar, p + 1, on)), on)
 
 
 @ti.func
-def keep_corner(bar: ti.template(), p, x, on: ti.template()):
+def store_corner(bar: ti.template(), p, x, on: ti.template()):
     """Piece p begins at x."""
     i, B = corner_stencil(bar, x, on)
     bar.corners[p] = ti.Vector([B[0], B[1], i, x])
@@ -109,7 +109,7 @@ def corners_to_nodes(bar: ti.template(), on: ti.template()):
     for p in range(bar.particles):
         F = bar.deformation_gradient[p]
         i, B, _ = corner_of(bar, p)
-        for k in ti.static(range(corner_nodes(on))):
+        for k in ti.static(range(nodes_per_corner(on))):
             bar.node_sums[i + k][2] += B[k] * (bar.modulus * (F - before))
         before = F
 
@@ -118,22 +118,22 @@ def corners_to_nodes(bar: ti.template(), on: ti.template()):
 def gather_lengths(bar: ti.template(), on: ti.template()):
     """Nodal sums of B_i(c_p) (x_p - x_{p-1}): the length that linearity preservation has of pieces, in the place of
     sum D r; the force of a constant stress, sum D, is 0."""
-    last = place(bar, -1, on)
+    last = periodic_position(bar, -1, on)
     for p in range(bar.particles):
-        this = place(bar, p, on)
+        this = periodic_position(bar, p, on)
         i, B, _ = corner_of(bar, p)
-        for k in ti.static(range(corner_nodes(on))):
+        for k in ti.static(range(nodes_per_corner(on))):
             bar.node_moments[i + k][1] += B[k] * (this - last)
         last = this
 
 
 @ti.func
-def at_corner(bar: ti.template(), values: ti.template(), first, p, on: ti.template()):
+def interpolate_at_corner(bar: ti.template(), values: ti.template(), first, p, on: ti.template()):
     """The nodes' ``values``, vectors of which the layer begins at ``first``, at the left corner of piece p; behind the
     last piece a period begins again."""
     i, B, _ = corner_of(bar, ti.select(p < bar.particles, p, 0))
     seen = B[0] * values[first + i]
-    for k in ti.static(range(1, corner_nodes(on))):
+    for k in ti.static(range(1, nodes_per_corner(on))):
         seen += B[k] * values[first + i + k]
     return seen
 
@@ -141,9 +141,9 @@ def at_corner(bar: ti.template(), values: ti.template(), first, p, on: ti.templa
 @ti.func
 def stretch_pieces(bar: ti.template(), on: ti.template()):
     """F <- (1 + dt L) F of every piece."""
-    left = at_corner(bar, bar.node_motion, 0, 0, on)[0]
+    left = interpolate_at_corner(bar, bar.node_motion, 0, 0, on)[0]
     for p in range(bar.particles):
-        right = at_corner(bar, bar.node_motion, 0, p + 1, on)[0]
+        right = interpolate_at_corner(bar, bar.node_motion, 0, p + 1, on)[0]
         bar.deformation_gradient[p] *= 1 + bar.dt * (right - left) / piece_length(bar, p)
         left = right
 

@@ -8,7 +8,7 @@ periods F is no longer that of x. Both remedies act with the weights of the step
 
 import taichi as ti
 
-from solvers.problems.bar.method.nodes import EMPTY, GHOSTS, fold, spread, stencil_of
+from solvers.problems.bar.method.nodes import EMPTY, GHOSTS, fold, stencil_of, unfold
 
 PASSES = 8  # of the coupling: u_i = sum over l < 8 of (I - S^+ S)^l S^+ (x - X)
 MOST_GRADIENT = 0.9  # du/dx beyond which F = 1/(1 - du/dx) says nothing
@@ -49,7 +49,7 @@ def filter_null_space(bar: ti.template()):
         bar.particle_scratch[p] = bar.velocity[p] - seen
     scratch_to_nodes(bar)
     for p in range(bar.particles):
-        bar.velocity[p] -= bar.remedy_rate * (bar.particle_scratch[p] - scratch_at(bar, p))
+        bar.velocity[p] -= bar.remedy_rate * (bar.particle_scratch[p] - interpolate_scratch(bar, p))
 
 
 @ti.func
@@ -65,7 +65,7 @@ def couple_deformation(bar: ti.template()):
             bar.node_displacement[i] += bar.node_scratch[i]
         if l < PASSES - 1:
             for p in range(bar.particles):
-                bar.particle_scratch[p] -= scratch_at(bar, p)
+                bar.particle_scratch[p] -= interpolate_scratch(bar, p)
     for p in range(bar.particles):
         _, dS = stencil_of(bar, p)
         i = bar.first_node[p]
@@ -91,11 +91,11 @@ def scratch_to_nodes(bar: ti.template()):
     for i in range(1, bar.cells + 1):
         weight = bar.node_sums[i][0]
         bar.node_scratch[i] = bar.node_scratch[i] / weight if weight > EMPTY else 0.0
-    spread(bar.node_scratch, bar.cells)
+    unfold(bar.node_scratch, bar.cells)
 
 
 @ti.func
-def scratch_at(bar: ti.template(), p):
+def interpolate_scratch(bar: ti.template(), p):
     """The nodes' scratch interpolated to particle p."""
     S, _ = stencil_of(bar, p)
     i = bar.first_node[p]

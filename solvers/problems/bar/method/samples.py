@@ -8,13 +8,13 @@ import taichi as ti
 
 from solvers.problems.bar.method import soundness
 from solvers.scene.typed import TYPED
-from solvers.solver.field_tables import MODES, MOTION, PRESENT, RANK, fact, find_functions
-from solvers.solver.samples import BASE, EACH, column
+from solvers.solver.field_tables import MODES, MOTION, PRESENT, RANK, find_functions, size_of
+from solvers.solver.samples import BASE_COLUMNS, ESTIMATOR_COLUMNS, column_index
 
 
 @ti.func
 def true_error(bar: ti.template(), p, now, on: ti.template()):
-    """Errors of x, v, sigma = E(F - 1) and a at particle p; ``now`` is what :func:`exact_now` says."""
+    """Errors of x, v, sigma = E(F - 1) and a at particle p; ``now`` is what :func:`exact_time_factors` says."""
     moved, v, a = now[3], bar.drift_velocity, 0.0
     strain = bar.deformation_gradient[p] - 1
     if ti.static(on.acceleration):
@@ -26,7 +26,7 @@ def true_error(bar: ti.template(), p, now, on: ti.template()):
         if ti.static(on.acceleration):
             a += w * w * u * now[2]
     if ti.static(on.motion == TYPED):
-        known = typed_at(bar, p)
+        known = typed_motion_at(bar, p)
         moved, v = known[0], known[1]
         strain -= known[3]
         a -= now[2] * known[2]
@@ -40,16 +40,16 @@ def logarithmic_stress_error(bar: ti.template(), p, now, on: ti.template()):
     if ti.static(on.motion == "patch"):
         error *= bar.unstretched  # E L since the start, of which the modulus here is the stretched one
     elif ti.static(on.motion == TYPED):
-        error -= typed_at(bar, p)[3]
+        error -= typed_motion_at(bar, p)[3]
     else:
         error -= 2 * ti.math.pi * bar.amplitude * bar.cosine[p] * now[0]
     return bar.modulus * error
 
 
 @ti.func
-def typed_at(bar: ti.template(), p):
+def typed_motion_at(bar: ti.template(), p):
     """u, v, a of the step before and F - 1 of a typed motion at particle p, or their means behind the last of them."""
-    rank, modes, out = fact(bar, MOTION, RANK), fact(bar, MOTION, MODES), fact(bar, MOTION, PRESENT)
+    rank, modes, out = size_of(bar, MOTION, RANK), size_of(bar, MOTION, MODES), size_of(bar, MOTION, PRESENT)
     known = ti.Vector([0.0, 0.0, 0.0, 0.0])
     for k in range(rank):
         T, M = bar.tables[out + k], bar.tables[modes + p * rank + k]
@@ -58,7 +58,7 @@ def typed_at(bar: ti.template(), p):
 
 
 @ti.func
-def exact_now(bar: ti.template(), step, on: ti.template()):
+def exact_time_factors(bar: ti.template(), step, on: ti.template()):
     """sin w t and cos w t at a step, sin w t one step before, and how far the whole bar has moved. Of a typed motion 1
     for the third, but 0 at the start, when no acceleration has been computed."""
     angle = bar.angular_frequency * bar.dt * step
@@ -66,7 +66,7 @@ def exact_now(bar: ti.template(), step, on: ti.template()):
     moved, used = bar.drift_velocity * bar.dt * step, ti.sin(before)
     if ti.static(on.motion == TYPED):
         find_functions(bar.tables, bar.table_sizes, MOTION, bar.angular_frequency, angle, before)
-        moved, used = typed_at(bar, bar.particles)[0], ti.select(step > 0, 1.0, 0.0)
+        moved, used = typed_motion_at(bar, bar.particles)[0], ti.select(step > 0, 1.0, 0.0)
     return ti.Vector([ti.sin(angle), ti.cos(angle), used, moved])
 
 
@@ -74,10 +74,10 @@ def exact_now(bar: ti.template(), step, on: ti.template()):
 def sample(bar: ti.template(), row, step, looks, on: ti.template()):
     """Write one row of sums; with ``looks`` also contradictions, which are looked for more rarely."""
     out = ti.static(bar.samples)
-    out[row, ti.static(column("step"))] = step
-    out[row, ti.static(column("work"))] = bar.totals[1]
-    out[row, ti.static(column("crossings"))] = bar.totals[0]
-    now = exact_now(bar, step, on)
+    out[row, ti.static(column_index("step"))] = step
+    out[row, ti.static(column_index("work"))] = bar.totals[1]
+    out[row, ti.static(column_index("crossings"))] = bar.totals[0]
+    now = exact_time_factors(bar, step, on)
     if ti.static(on.truth):
         squares = ti.Vector([0.0, 0.0, 0.0, 0.0])
         extra = 0.0
@@ -86,8 +86,8 @@ def sample(bar: ti.template(), row, step, looks, on: ti.template()):
             squares += e * e
             extra += logarithmic_stress_error(bar, p, now, on) ** 2
         for q in ti.static(range(3 + on.acceleration)):  # what is off stays NaN
-            out[row, ti.static(column("error_x")) + q] = squares[q]
-        out[row, ti.static(column("error_extra"))] = extra
+            out[row, ti.static(column_index("error_x")) + q] = squares[q]
+        out[row, ti.static(column_index("error_extra"))] = extra
     for e in range(ti.static(len(on.estimators))):
         squares, missed = ti.Vector([0.0, 0.0, 0.0, 0.0]), ti.Vector([0.0, 0.0, 0.0, 0.0])
         for p in range(bar.particles):
@@ -97,19 +97,19 @@ def sample(bar: ti.template(), row, step, looks, on: ti.template()):
                 d = estimate - true_error(bar, p, now, on)
                 missed += d * d
         for q in ti.static(range(4)):
-            at = ti.static(len(BASE)) + ti.static(len(EACH)) * e + q
+            at = ti.static(len(BASE_COLUMNS)) + ti.static(len(ESTIMATOR_COLUMNS)) * e + q
             out[row, at] = squares[q]
             if ti.static(on.truth and (q < 3 or on.acceleration)):
                 out[row, at + 4] = missed[q]
-    for q in ti.static(range(column("neighbour_gap"), column("margin") + 1)):
+    for q in ti.static(range(column_index("neighbour_gap"), column_index("margin") + 1)):
         out[row, q] = ti.math.nan
     if ti.static(on.soundness):
         if looks:
-            soundness.look(bar, row, now[3])
+            soundness.record_contradictions(bar, row, now[3])
     if ti.static(on.energy):
         kinetic, strain = 0.0, 0.0
         for p in range(bar.particles):
             kinetic += bar.velocity[p] ** 2
             strain += (bar.deformation_gradient[p] - bar.unstretched) ** 2
-        out[row, ti.static(column("kinetic"))] = 0.5 * bar.density * bar.volume * kinetic
-        out[row, ti.static(column("strain"))] = 0.5 * bar.modulus * bar.volume * strain
+        out[row, ti.static(column_index("kinetic"))] = 0.5 * bar.density * bar.volume * kinetic
+        out[row, ti.static(column_index("strain"))] = 0.5 * bar.modulus * bar.volume * strain

@@ -7,11 +7,11 @@ Sums with sin(2 pi X) and sin(4 pi X) are held against ``solvers.problems.bar.ex
 
 import taichi as ti
 
-from solvers.solver.samples import column
+from solvers.solver.samples import column_index
 
 
 @ti.func
-def look(bar: ti.template(), row, drift):
+def record_contradictions(bar: ti.template(), row, drift):
     """Write how far neighbours are from where they should stand, the body from the ``drift`` that it should have, and
     its displacement from what its deformation says, in m."""
     P, dX = bar.particles, bar.volume  # a particle's volume at rest is its length
@@ -37,10 +37,10 @@ def look(bar: ti.template(), row, drift):
         gap += miss
     out = ti.static(bar.samples)
     mean = gaps / P
-    out[row, ti.static(column("neighbour_gap"))] = ti.sqrt(squares / P)
-    out[row, ti.static(column("mean_drift"))] = abs(moved / P - drift)
-    out[row, ti.static(column("displacement_mismatch"))] = ti.sqrt(ti.max(0.0, gap_squares / P - mean * mean))
-    out[row, ti.static(column("place"))] = place
-    out[row, ti.static(column("motion_square"))] = motion
-    out[row, ti.static(column("motion_0"))] = first
-    out[row, ti.static(column("motion_1"))] = second
+    out[row, ti.static(column_index("neighbour_gap"))] = ti.sqrt(squares / P)
+    out[row, ti.static(column_index("mean_drift"))] = abs(moved / P - drift)
+    out[row, ti.static(column_index("displacement_mismatch"))] = ti.sqrt(ti.max(0.0, gap_squares / P - mean * mean))
+    out[row, ti.static(column_index("place"))] = place
+    out[row, ti.static(column_index("motion_square"))] = motion
+    out[row, ti.static(column_index("motion_0"))] = first
+    out[row, ti.static(column_index("motion_1"))] = second

@@ -4,9 +4,9 @@ last step."""
 import taichi as ti
 
 from solvers.problems.bar.method.nodes import EMPTY, fold, stencil_of
-from solvers.problems.bar.method.pieces import corner_nodes, corner_of
+from solvers.problems.bar.method.pieces import corner_of, nodes_per_corner
 
-WIDEST = 5  # nodes that the two corners of a piece meet, up to two cells apart
+NODES_PER_PIECE = 5  # nodes that the two corners of a piece meet, up to two cells apart
 
 
 @ti.func
@@ -15,9 +15,9 @@ def step_margin(bar: ti.template(), on: ti.template()):
     for i in range(bar.node_stiffness.shape[0]):
         bar.node_stiffness[i] = 0.0
     if ti.static(on.pieces):
-        add_pieces(bar, on)
+        add_piece_rows(bar, on)
     else:
-        add_particles(bar)
+        add_particle_rows(bar)
     fold(bar.node_stiffness, bar.cells)
     largest = 0.0
     for i in range(1, bar.cells + 1):
@@ -26,21 +26,21 @@ def step_margin(bar: ti.template(), on: ti.template()):
 
 
 @ti.func
-def over_mass(bar: ti.template(), node):
+def inverse_sqrt_mass(bar: ti.template(), node):
     """1/sqrt(m) of a node or of the node that it is an image of, for images hold what fell on them; 0 where empty."""
     weight = bar.node_sums[(node + bar.cells - 1) % bar.cells + 1][0]
     return 1 / ti.sqrt(weight * bar.density * bar.volume) if weight > EMPTY else 0.0
 
 
 @ti.func
-def add_particles(bar: ti.template()):
+def add_particle_rows(bar: ti.template()):
     """Rows of Gershgorin's circles: E F^2 V0 |dS_i|/sqrt(m_i) sum_j |dS_j|/sqrt(m_j) of every particle."""
     for p in range(bar.particles):
         _, dS = stencil_of(bar, p)
         i = bar.first_node[p]
         scaled = ti.Vector([0.0, 0.0, 0.0])
         for k in ti.static(range(3)):
-            scaled[k] = abs(dS[k]) * over_mass(bar, i + k)
+            scaled[k] = abs(dS[k]) * inverse_sqrt_mass(bar, i + k)
         F = bar.deformation_gradient[p]
         stiffness = bar.modulus * F * F * bar.volume * scaled.sum()
         for k in ti.static(range(3)):
@@ -48,22 +48,22 @@ def add_particles(bar: ti.template()):
 
 
 @ti.func
-def add_pieces(bar: ti.template(), on: ti.template()):
+def add_piece_rows(bar: ti.template(), on: ti.template()):
     """The same of every piece: its force is the difference of the base functions at its corners, over V0."""
     for p in range(bar.particles):
         following = ti.select(p + 1 < bar.particles, p + 1, 0)
         i, left, _ = corner_of(bar, p)
         j, right, _ = corner_of(bar, following)
         apart = (j - i + bar.cells) % bar.cells
-        scaled = ti.Vector([0.0] * WIDEST)
-        for k in ti.static(range(WIDEST)):
+        scaled = ti.Vector([0.0] * NODES_PER_PIECE)
+        for k in ti.static(range(NODES_PER_PIECE)):
             difference = 0.0
-            if ti.static(k < corner_nodes(on)):
+            if ti.static(k < nodes_per_corner(on)):
                 difference -= left[k]
-            for l in ti.static(range(corner_nodes(on))):
+            for l in ti.static(range(nodes_per_corner(on))):
                 if apart + l == k:
                     difference += right[l]
-            scaled[k] = abs(difference) * over_mass(bar, i + k)
+            scaled[k] = abs(difference) * inverse_sqrt_mass(bar, i + k)
         stiffness = bar.modulus / bar.volume * scaled.sum()
-        for k in ti.static(range(WIDEST)):
+        for k in ti.static(range(NODES_PER_PIECE)):
             bar.node_stiffness[(i + k - 1) % bar.cells + 1] += stiffness * scaled[k]

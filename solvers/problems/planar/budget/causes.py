@@ -17,17 +17,17 @@ from typing import NamedTuple
 import numpy as np
 
 from solvers.motion.laws.secant import StressDifference
-from solvers.problems.planar.budget.moment import Moment
+from solvers.problems.planar.budget.exact_state import ExactState
 from solvers.problems.planar.budget.pieces import Pieces
 from solvers.problems.planar.weights import StepWeights
 
 #: The causes that there are here, of ``solvers.scene.error_causes``: a body force at material points makes no error.
-MAKERS = ("crossings", "coarse_grid", "time_step")
-CROSSINGS, COARSE_GRID, TIME_STEP = range(len(MAKERS))
+LOCAL_CAUSES = ("crossings", "coarse_grid", "time_step")
+CROSSINGS, COARSE_GRID, TIME_STEP = range(len(LOCAL_CAUSES))
 
 
 class Sources(NamedTuple):
-    """What each of ``MAKERS`` gives in a step to the errors of x and v (3, P, 2) and of F (3, P, 2, 2), and the
+    """What each of ``LOCAL_CAUSES`` gives in a step to the errors of x and v (3, P, 2) and of F (3, P, 2, 2), and the
     gradient of the velocity in which the exact motion moves (P, 2, 2)."""
 
     position: np.ndarray
@@ -36,16 +36,16 @@ class Sources(NamedTuple):
     velocity_gradient: np.ndarray
 
 
-def sources(weights: StepWeights, pieces: Pieces, now: Moment, then: Moment, stress: np.ndarray, volume: np.ndarray,
-            dt: float, with_particle: bool, frozen: bool) -> Sources:
+def sources(weights: StepWeights, pieces: Pieces, now: ExactState, then: ExactState, stress: np.ndarray,
+            volume: np.ndarray, dt: float, with_particle: bool, frozen: bool) -> Sources:
     """Of the step from ``now`` to ``then``.
 
     ``stress`` (P, 2, 2) is J sigma of the exact F now, or P if the weights are ``frozen``; ``volume`` (P,) that at
     rest; ``with_particle`` says that particles move with their own velocity.
     """
     particles = len(volume)
-    x, v = np.zeros((len(MAKERS), particles, 2)), np.zeros((len(MAKERS), particles, 2))
-    F = np.zeros((len(MAKERS), particles, 2, 2))
+    x, v = np.zeros((len(LOCAL_CAUSES), particles, 2)), np.zeros((len(LOCAL_CAUSES), particles, 2))
+    F = np.zeros((len(LOCAL_CAUSES), particles, 2, 2))
     before = np.broadcast_to(np.eye(2), (particles, 2, 2)) if frozen else now.deformation_gradient
     moved = now.velocity + dt * now.acceleration
     down = weights.to_nodes(np.stack([moved, now.acceleration, now.velocity, now.acceleration - now.body_force]))
@@ -73,19 +73,19 @@ def sources(weights: StepWeights, pieces: Pieces, now: Moment, then: Moment, str
 
 
 class CauseErrors:
-    """The errors of x and v (3, P, 2) and of F (3, P, 2, 2) that each of ``MAKERS`` has made."""
+    """The errors of x and v (3, P, 2) and of F (3, P, 2, 2) that each of ``LOCAL_CAUSES`` has made."""
 
     def __init__(self, particles: int):
-        self.position = np.zeros((len(MAKERS), particles, 2))
-        self.velocity = np.zeros((len(MAKERS), particles, 2))
-        self.deformation_gradient = np.zeros((len(MAKERS), particles, 2, 2))
+        self.position = np.zeros((len(LOCAL_CAUSES), particles, 2))
+        self.velocity = np.zeros((len(LOCAL_CAUSES), particles, 2))
+        self.deformation_gradient = np.zeros((len(LOCAL_CAUSES), particles, 2, 2))
 
     def fields(self) -> dict[str, np.ndarray]:
         """By the names of ``solvers.scene.error_causes.FIELDS``."""
         return {"x": self.position, "v": self.velocity, "F": self.deformation_gradient}
 
-    def push(self, weights: StepWeights, material: StressDifference, F: np.ndarray, F0: np.ndarray, volume: np.ndarray,
-             given: Sources, dt: float, with_particle: bool) -> None:
+    def propagate(self, weights: StepWeights, material: StressDifference, F: np.ndarray, F0: np.ndarray,
+                  volume: np.ndarray, given: Sources, dt: float, with_particle: bool) -> None:
         """Take them through a step which began with the run's ``F`` and the exact ``F0`` (P, 2, 2), and add what each
         cause gives. L F - L0 F0 = (L - L0) F + L0 (F - F0), exactly; with frozen weights F has L only."""
         stress = material.difference(F, F0, self.deformation_gradient)

@@ -7,16 +7,16 @@ from typing import Any
 import numpy as np
 
 from solvers.motion.laws.secant import StressDifference
-from solvers.problems.planar.budget.causes import MAKERS, TIME_STEP, CauseErrors, Sources, sources
-from solvers.problems.planar.budget.moment import Moment, moment_of
-from solvers.problems.planar.budget.pieces import Lattice, Pieces
+from solvers.problems.planar.budget.causes import LOCAL_CAUSES, TIME_STEP, CauseErrors, Sources, sources
+from solvers.problems.planar.budget.exact_state import ExactState, exact_state_at
+from solvers.problems.planar.budget.pieces import PieceLattice, Pieces
 from solvers.problems.planar.solver import PlanarSolver
 from solvers.problems.planar.weights import Grid, StepWeights
 from solvers.scene.error_causes import CAUSES, FIELDS, NOTHING
 from solvers.scene.remedies import FROZEN
 from solvers.scene.validation import SceneError, require_choice
 from solvers.solver.base import Solver
-from solvers.solver.error_norms import UNBOUNDED
+from solvers.solver.error_norms import IGNORE_OVERFLOW
 from solvers.solver.samples import BUDGET
 
 
@@ -69,14 +69,14 @@ class BudgetRun:
         a = solver._arrays
         self._X, self._volume = a.material_position, a.mass / a.density
         self._grid = Grid(a.row, solver.PARTS.traits.first, scene.PLANES[1])
-        self._lattice = Lattice(scene)
+        self._lattice = PieceLattice(scene)
         self._material = StressDifference(scene.material, at_rest=scene.frozen)
-        self._now: Moment = moment_of(scene, a, 0.0)
-        self._taken = MAKERS.index(take_away) if take_away in MAKERS else None
+        self._now: ExactState = exact_state_at(scene, a, 0.0)
+        self._removed_cause = LOCAL_CAUSES.index(take_away) if take_away in LOCAL_CAUSES else None
         self.causes = CauseErrors(len(self._X))
         # A run may begin with the velocity of half a step before, for the sake of how it steps.
         self.causes.velocity[TIME_STEP] = a.position_velocity[:, 2:] - self._now.velocity
-        if self._taken == TIME_STEP:
+        if self._removed_cause == TIME_STEP:
             a.position_velocity[:, 2:] = self._now.velocity
             self.causes.velocity[TIME_STEP] = 0.0
 
@@ -86,7 +86,7 @@ class BudgetRun:
         return {"x": q[:, :2] - self._X - now.displacement, "v": q[:, 2:] - now.velocity,
                 "F": self._arrays.deformation_gradient.reshape(-1, 2, 2) - now.deformation_gradient}
 
-    @UNBOUNDED
+    @IGNORE_OVERFLOW
     def step(self) -> bool:
         """Take one step; False where the run has gone bad."""
         scene, a, now = self._scene, self._arrays, self._now
@@ -97,20 +97,20 @@ class BudgetRun:
         self.solver.advance(1)
         if not (self.solver.sound and np.all((place > 0) & (place < a.row - 1)) and np.all(np.linalg.det(F) > 0)):
             return False
-        then = moment_of(scene, a, self.solver.time)
+        then = exact_state_at(scene, a, self.solver.time)
         weights = StepWeights(scene, a, F, self._grid)
         pieces = Pieces(self._lattice, corners, self._grid, place)
         particle = scene.velocity == "particle"
         given = sources(weights, pieces, now, then, self._material.stress(now.deformation_gradient), self._volume,
                         scene.time_step, particle, scene.frozen)
-        if self._taken is not None:
-            self._take_out(given, self._taken)
-        self.causes.push(weights, self._material, F, now.deformation_gradient, self._volume, given, scene.time_step,
-                         particle)
+        if self._removed_cause is not None:
+            self._remove_cause(given, self._removed_cause)
+        self.causes.propagate(weights, self._material, F, now.deformation_gradient, self._volume, given,
+                              scene.time_step, particle)
         self._now = then
         return True
 
-    def _take_out(self, given: Sources, cause: int) -> None:
+    def _remove_cause(self, given: Sources, cause: int) -> None:
         """Of a step's sources those of a cause, from the run's particles and so from the errors."""
         a = self._arrays
         a.position_velocity[:, :2] -= given.position[cause]
@@ -120,7 +120,7 @@ class BudgetRun:
             source[cause] = 0.0
 
 
-@UNBOUNDED
+@IGNORE_OVERFLOW
 def sample(run: BudgetRun) -> dict[str, float]:
     """RMS errors, the signed part of each cause in them and the RMS of what it has made, by the names of samples."""
     found: dict[str, float] = dict.fromkeys(BUDGET, 0.0)
@@ -129,7 +129,7 @@ def sample(run: BudgetRun) -> dict[str, float]:
         count = len(error)
         size = float(np.sqrt(np.sum(error**2) / count))
         found[f"budget/error_{field}"] = size
-        for c, cause in enumerate(MAKERS):
+        for c, cause in enumerate(LOCAL_CAUSES):
             found[f"budget/part_{field}_{cause}"] = float(np.sum(parts[c] * error) / count / size) if size else 0.0
             found[f"budget/size_{field}_{cause}"] = float(np.sqrt(np.sum(parts[c] ** 2) / count))
     return found

@@ -12,20 +12,20 @@ from solvers.problems.planar.scene import PlanarScene
 from solvers.problems.planar.weights import Grid
 
 GAUSS = 0.5 / np.sqrt(3.0)  # of two points, in lengths from the middle: exact for the hats' products along a line
-AROUND = ((0, 0), (1, 0), (1, 1), (0, 1))  # the corners of a lattice's cell, anticlockwise
+CELL_CORNERS = ((0, 0), (1, 0), (1, 1), (0, 1))  # the corners of a lattice's cell, anticlockwise
 
 
-class Lattice:
+class PieceLattice:
     """The corners (K) and edges (E) of the pieces of P particles, in the material."""
 
     def __init__(self, scene: PlanarScene):
         X = particle_layout(scene).position
         if scene.layout == "polar":
-            cell, place = _polar(scene, X)
+            cell, place = _polar_cells(scene, X)
         else:
             side = scene.spacing / scene.ppc
             cell, place = np.floor(X / side).astype(np.int64), lambda corner: side * corner
-        keys = cell[:, None, :] + np.array(AROUND)
+        keys = cell[:, None, :] + np.array(CELL_CORNERS)
         corner_place = place(keys.astype(float))
         if scene.layout == "polar" and scene.ANGLE >= 2 * np.pi:  # the last row of corners is the first one again
             keys[:, :, 1] %= scene.polar_counts(scene.cells, scene.ppc)[0]
@@ -54,12 +54,12 @@ class Pieces:
     """The pieces at one moment, and what they give to a grid's nodes. ``corners`` (K, 2) are in metres, ``place`` has
     them in cells from the first node."""
 
-    def __init__(self, lattice: Lattice, corners: np.ndarray, grid: Grid, place: np.ndarray):
+    def __init__(self, lattice: PieceLattice, corners: np.ndarray, grid: Grid, place: np.ndarray):
         self.lattice, self.grid = lattice, grid
         a, b = (corners[lattice.ends[:, k]] for k in range(2))
         self.normal = np.stack([(b - a)[:, 1], (a - b)[:, 0]], axis=1)  # times the edge's length
-        nodes, self.weight = _hats_along(place[lattice.ends[:, 0]], place[lattice.ends[:, 1]], grid.row)
-        self.home, self.signs = grid.seen(nodes)
+        nodes, self.weight = _mean_hats(place[lattice.ends[:, 0]], place[lattice.ends[:, 1]], grid.row)
+        self.node_numbers, self.signs = grid.resolve_images(nodes)
         x, y = np.moveaxis(corners[lattice.corner], 2, 0)
         self.area = 0.5 * np.sum(x * np.roll(y, -1, axis=1) - y * np.roll(x, -1, axis=1), axis=1)
 
@@ -72,17 +72,17 @@ class Pieces:
             for d in range(2):
                 jump[:, d] += np.bincount(edge, pull[:, d], len(jump))
         given = self.weight[:, :, None] * self.signs * jump[:, None, :]
-        return -self.grid.sums(self.home, given[None])[0]
+        return -self.grid.sum_at_nodes(self.node_numbers, given[None])[0]
 
     def gradient(self, vectors: np.ndarray) -> np.ndarray:
         """The mean over each piece (P, 2, 2) of the gradient of what the nodes have (N, 2)."""
-        on_edge = np.einsum("em,emi->ei", self.weight, self.signs * vectors[self.home])
+        on_edge = np.einsum("em,emi->ei", self.weight, self.signs * vectors[self.node_numbers])
         through = self.lattice.along[:, :, None, None] \
             * (on_edge[:, :, None] * self.normal[:, None, :])[self.lattice.edge]
         return through.sum(axis=1) / self.area[:, None, None]
 
 
-def _hats_along(a: np.ndarray, b: np.ndarray, row: int) -> tuple[np.ndarray, np.ndarray]:
+def _mean_hats(a: np.ndarray, b: np.ndarray, row: int) -> tuple[np.ndarray, np.ndarray]:
     """The nodes (E, M) of edges from a to b (E, 2), in cells, and the mean of each one's hat along the edge."""
     low, high = np.minimum(a, b), np.maximum(a, b)
     most = max(0, int(np.max(np.ceil(high) - np.floor(low))) - 1)  # lines that an edge crosses in one direction
@@ -102,7 +102,7 @@ def _hats_along(a: np.ndarray, b: np.ndarray, row: int) -> tuple[np.ndarray, np.
     return nodes.reshape(len(a), -1), (part[:, :, None] * hats).reshape(len(a), -1)
 
 
-def _polar(scene: PlanarScene, X: np.ndarray):
+def _polar_cells(scene: PlanarScene, X: np.ndarray):
     """The cell of each particle in radius and angle, and where a corner is."""
     around, across = scene.polar_counts(scene.cells, scene.ppc)
     width, angle = (scene.OUTER - scene.INNER) / across, scene.ANGLE / around

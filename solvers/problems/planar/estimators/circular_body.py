@@ -8,13 +8,13 @@ import numpy as np
 from solvers.estimators.spectral_elements import Elements, highest_frequency
 from solvers.estimators.standalone import ElasticBody
 from solvers.motion.laws.law import determinant
-from solvers.problems.planar.body_force import body_force_of
+from solvers.problems.planar.body_force import tabulate_body_force
 from solvers.problems.planar.layout import on_axis
 
 INSTANTS = 16  # of a period, at which the stiffest deformation is looked for
 
 
-def masses(elements: Elements) -> np.ndarray:
+def sector_masses(elements: Elements) -> np.ndarray:
     """w_i R_i of the nodes: their masses in a sector of one radian, for a density of 1."""
     return elements.assembled_weights * elements.nodes
 
@@ -22,8 +22,8 @@ def masses(elements: Elements) -> np.ndarray:
 @functools.cache
 def unit_frequency(elements: Elements) -> float:
     """The highest frequency of the body at rest for a wave speed of 1 m/s, in 1/s: u_tt = u'' + u'/R - u/R^2."""
-    R, node, weights = elements.nodes, elements.of_node, elements.weights
-    inverse_mass = 1 / masses(elements)
+    R, node, weights = elements.nodes, elements.node_of_point, elements.weights
+    inverse_mass = 1 / sector_masses(elements)
 
     def accelerations(u: np.ndarray) -> np.ndarray:
         stretch = u[node] @ elements.derivative.T
@@ -42,9 +42,9 @@ class CircularBody(ElasticBody):
         self.elements, self._material = Elements(scene.INNER, scene.OUTER, count, order), scene.material
         self._R = self.elements.nodes
         self.points = on_axis(self._R)
-        self.inverse_mass = np.repeat(1 / (scene.density * masses(self.elements))[:, None], 2, axis=1)
+        self.inverse_mass = np.repeat(1 / (scene.density * sector_masses(self.elements))[:, None], 2, axis=1)
         self.velocity = scene.EXACT.velocity(scene, self.points, 0.0)
-        self.force = body_force_of(scene, self.points)
+        self.force = tabulate_body_force(scene, self.points)
         self.frequency_at_rest = scene.wave_speed * unit_frequency(self.elements)
         times = np.arange(INSTANTS) / INSTANTS * scene.period
         F = np.concatenate([scene.EXACT.deformation_gradient(scene, self.points, t) for t in times])
@@ -58,7 +58,7 @@ class CircularBody(ElasticBody):
     def deformation_gradient(self, z: np.ndarray) -> tuple[np.ndarray, ...]:
         """F by (e_R, e_Theta), at the points of the elements, for complex places z of the nodes: its columns are z' and
         i z/R."""
-        node = self.elements.of_node
+        node = self.elements.node_of_point
         slope, hoop = z[node] @ self.elements.derivative.T, z[node] / self._R[node]
         return slope.real, -hoop.imag, slope.imag, hoop.real
 
@@ -70,7 +70,7 @@ class CircularBody(ElasticBody):
     def internal_acceleration(self, z: np.ndarray) -> np.ndarray:
         """What stress gives the nodes (N,), complex like their places z: along e_R of where they are at rest, and as
         imaginary part along e_Theta."""
-        node, w = self.elements.of_node, self.elements.weights
+        node, w = self.elements.node_of_point, self.elements.weights
         xx, xy, yx, yy = self._material.first_piola_stress(self.deformation_gradient(z))
         pull = (w * self._R[node] * (xx + 1j * yx)) @ self.elements.derivative + w * (yy - 1j * xy)
         total = np.zeros(len(z), complex)
@@ -81,17 +81,17 @@ class CircularBody(ElasticBody):
         R = np.linalg.norm(X, axis=1)
         e = X / R[:, None]
         element, values, slopes = self.elements.locate(R)
-        local = u[self.elements.of_node[element]]
+        local = u[self.elements.node_of_point[element]]
         there, slope = (np.einsum("pi,pic->pc", basis, local) for basis in (values, slopes))
-        outward, around = combined(e, slope), combined(e, right(-there) / R[:, None])
-        return combined(e, there), outward[:, :, None] * e[:, None] + around[:, :, None] * right(-e)[:, None]
+        outward, around = combine(e, slope), combine(e, rotate_right(-there) / R[:, None])
+        return combine(e, there), outward[:, :, None] * e[:, None] + around[:, :, None] * rotate_right(-e)[:, None]
 
 
-def right(vectors: np.ndarray) -> np.ndarray:
+def rotate_right(vectors: np.ndarray) -> np.ndarray:
     """Vectors (..., 2) turned by 90 degrees to the right."""
     return np.stack([vectors[..., 1], -vectors[..., 0]], axis=-1)
 
 
-def combined(e: np.ndarray, parts: np.ndarray) -> np.ndarray:
+def combine(e: np.ndarray, parts: np.ndarray) -> np.ndarray:
     """Vectors (P, 2) from their ``parts`` along e (P, 2) and along e turned by 90 degrees to the left."""
-    return parts[:, :1] * e - parts[:, 1:] * right(e)
+    return parts[:, :1] * e - parts[:, 1:] * rotate_right(e)

@@ -28,11 +28,11 @@ import taichi as ti
 
 from solvers.estimators import companion as shared
 from solvers.kernels.dtypes import integers, octets, pairs, quads, reals
-from solvers.problems.planar.estimators.companion import keep_errors
+from solvers.problems.planar.estimators.companion import store_errors
 from solvers.problems.planar.layout import particle_layout
 from solvers.problems.planar.method.material import cauchy_stress_of, coefficients, piola, stiffness
 from solvers.problems.planar.method.rotation import rotate_tensor, rotate_vector
-from solvers.solver.field_tables import find_force_functions, force_at, of_pairs, pack
+from solvers.solver.field_tables import find_force_functions, force_at, pack_tables, pair_table
 
 
 @ti.func
@@ -129,8 +129,8 @@ def particle_error(body: ti.template(), base, p, step, on: ti.template()):
     f, e, true = body.companion_circles[body.orbit[p]], body.direction[p], body.companion_circle_stress[body.orbit[p]]
     u, v, sigma = (rotate_vector(e, f[0], f[1]), rotate_vector(e, f[2], f[3]),
                    rotate_tensor(e, true[0], true[1], true[2]))
-    return keep_errors(body, base, p, step, ti.Vector([u[0], u[1], v[0], v[1]]), rotate_vector(e, f[4], f[5]), sigma,
-                       on)
+    return store_errors(body, base, p, step, ti.Vector([u[0], u[1], v[0], v[1]]), rotate_vector(e, f[4], f[5]), sigma,
+                        on)
 
 
 def allocate(scene) -> dict[str, np.ndarray]:
@@ -139,7 +139,7 @@ def allocate(scene) -> dict[str, np.ndarray]:
     elements, layout = solved.elements, particle_layout(scene)
     n, R = elements.order + 1, elements.nodes
     element, *basis = elements.locate(layout.orbits[:, 0])
-    sizes, force = pack(*map(of_pairs, solved.force[1:]))
+    sizes, force = pack_tables(*map(pair_table, solved.force[1:]))
     start = shared.start((elements.order, elements.count, 1, len(R), len(R), len(R)), solved.frequency_at_rest,
                          scene.time_step, solved.velocity, solved.inverse_mass)
     return {**start, "companion_radii": R, "companion_first": (element * elements.order).astype(np.int32),
@@ -155,7 +155,7 @@ def verdict(scene, memory) -> str | None:
     order = counts[shared.ORDER]
     u = memory["companion_nodes"].reshape(-1, counts[shared.NODES], 8)[shared.NOW, :, :2]
     of_node = np.arange(counts[shared.ACROSS])[:, None] * order + np.arange(order + 1)
-    return shared.doubt(u[of_node], (1,), memory["companion_numbers"][shared.SQUARE])
+    return shared.why_not_trusted(u[of_node], (1,), memory["companion_numbers"][shared.SQUARE])
 
 
 HOOKS = shared.hooks(

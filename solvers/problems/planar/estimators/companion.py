@@ -20,7 +20,7 @@ from solvers.kernels.dtypes import integers, pairs, quads
 from solvers.problems.planar.estimators.patch import Patch
 from solvers.problems.planar.layout import particle_layout
 from solvers.problems.planar.method.material import cauchy_stress, cauchy_stress_of, coefficients, piola, stiffness
-from solvers.solver.field_tables import find_force_functions, force_at, of_pairs, pack
+from solvers.solver.field_tables import find_force_functions, force_at, pack_tables, pair_table
 
 
 @ti.func
@@ -153,7 +153,7 @@ def particle_error(body: ti.template(), base, row, step, on: ti.template()):
     u_eta = ti.Vector([0.0, 0.0])
     for j in range(body.companion_counts[shared.ORDER] + 1):
         basis, value = body.companion_basis[place[2] + j], ti.Vector([0.0] * 8)
-        if ti.static(runtime.on_processor()):
+        if ti.static(runtime.runs_on_cpu()):
             value = body.companion_nodes[place[1] + j]
         else:  # particles of many xi are at work, and there is room for one line
             value = line_node(body, place[3], place[1] + j - shared.LAYERS * body.companion_counts[shared.NODES])
@@ -163,11 +163,11 @@ def particle_error(body: ti.template(), base, row, step, on: ti.template()):
     xx, xy = 1 + f[6] * g[0] + u_eta[0] * g[2], f[6] * g[1] + u_eta[0] * g[3]
     yx, yy = f[7] * g[0] + u_eta[1] * g[2], 1 + f[7] * g[1] + u_eta[1] * g[3]
     sigma = cauchy_stress_of(body, ti.Vector([xx, xy, yx, yy]), on)
-    return keep_errors(body, base, p, step, ti.Vector([f[0], f[1], f[2], f[3]]), ti.Vector([f[4], f[5]]), sigma, on)
+    return store_errors(body, base, p, step, ti.Vector([f[0], f[1], f[2], f[3]]), ti.Vector([f[4], f[5]]), sigma, on)
 
 
 @ti.func
-def keep_errors(body: ti.template(), base, p, step, motion, acceleration, sigma, on: ti.template()):
+def store_errors(body: ti.template(), base, p, step, motion, acceleration, sigma, on: ti.template()):
     """Those against the companion's u and v, a and Cauchy stress there. Returns the square of that of x."""
     q, X = body.position_velocity[p], body.material_position[p]
     error = ti.Vector([q[0] - X[0] - motion[0], q[1] - X[1] - motion[1], q[2] - motion[2], q[3] - motion[3]])
@@ -221,7 +221,7 @@ def allocate(scene) -> dict[str, np.ndarray]:
     n = first.order + 1
     matrices = np.stack([first.derivative, second.derivative, np.outer(first.weights, second.weights),
                          np.zeros((n, n))], axis=-1)
-    sizes, force = pack(*map(of_pairs, patch.force[1:]))
+    sizes, force = pack_tables(*map(pair_table, patch.force[1:]))
     return {
         **shared.start((first.order, first.count, second.count, len(second.nodes), len(patch.places), seen.columns),
                        patch.frequency_at_rest, scene.time_step, patch.velocity, patch.inverse_mass, len(second.nodes)),
@@ -238,8 +238,8 @@ def verdict(scene, memory) -> str | None:
     u = memory["companion_nodes"][shared.NOW * counts[shared.NODES]:, :2][:counts[shared.NODES]].reshape(*shape, 2)
     of_xi, of_eta = (np.arange(counts[one])[:, None] * order + np.arange(order + 1)
                      for one in (shared.ACROSS, shared.AROUND))
-    return shared.doubt(u[of_xi[:, None, :, None], of_eta[None, :, None, :]], (2, 3),
-                        memory["companion_numbers"][shared.SQUARE])
+    return shared.why_not_trusted(u[of_xi[:, None, :, None], of_eta[None, :, None, :]], (2, 3),
+                                  memory["companion_numbers"][shared.SQUARE])
 
 
 MEMORY = {

@@ -7,7 +7,7 @@ import numpy as np
 
 from solvers.estimators.spectral_elements import Elements, highest_frequency
 from solvers.estimators.standalone import ElasticBody
-from solvers.problems.planar.body_force import body_force_of
+from solvers.problems.planar.body_force import tabulate_body_force
 
 _frequencies: dict[tuple, float] = {}  # of bodies at rest by mesh, moduli and mass: sliders ask for the same again
 INSTANTS = 8  # of a period, at which the stiffest deformation is looked for
@@ -61,9 +61,9 @@ class Patch(ElasticBody):
         self.inverse_mass = ~held(self.places) / mass[:, None]
         self._free = (self.inverse_mass > 0).astype(float)
         self.velocity = scene.EXACT.velocity(scene, self.places, 0.0) * self._free
-        self.force = body_force_of(scene, self.places)
-        self._node = np.add(*np.broadcast_arrays(first.of_node[:, None, :, None] * self._shape[1],
-                                                 second.of_node[None, :, None, :]))
+        self.force = tabulate_body_force(scene, self.places)
+        self._node = np.add(*np.broadcast_arrays(first.node_of_point[:, None, :, None] * self._shape[1],
+                                                 second.node_of_point[None, :, None, :]))
         self._weight = np.outer(first.weights, second.weights)[..., None]
         key = (*lines, *scene.lame_moduli, self.inverse_mass.tobytes())
         if key not in _frequencies:
@@ -108,7 +108,7 @@ class Patch(ElasticBody):
         (first, second), slopes = self.lines, self.slopes(X)
         a, along_xi, slope_xi = first.locate(xi)
         b, along_eta, slope_eta = second.locate(eta)
-        local = u[first.of_node[a][:, :, None] * self._shape[1] + second.of_node[b][:, None]]
+        local = u[first.node_of_point[a][:, :, None] * self._shape[1] + second.node_of_point[b][:, None]]
         values, by_xi, by_eta = (np.einsum("pi,pj,pijc->pc", one, two, local) for one, two in (
             (along_xi, along_eta), (slope_xi, along_eta), (along_xi, slope_eta)))
         return values, by_xi[:, :, None] * slopes[:, None, :2] + by_eta[:, :, None] * slopes[:, None, 2:]

@@ -42,18 +42,18 @@ MEMORY = {
 
 
 @ti.func
-def begin(body: ti.template(), nodes: ti.template(), t, lattice: ti.template(), on: ti.template()):
+def start_reference(body: ti.template(), nodes: ti.template(), t, lattice: ti.template(), on: ti.template()):
     """Unless it is done: start the reference with the acceleration at time t, when the ring was undeformed, a = M b."""
     if body.recovered_numbers[TURNS] == NEW:
         op.gather_force(body, t, lattice, on)
         B, step = body.recovered_line_nodes, body.recovered_numbers[H]
         for a in range(body.recovered_count // B):
             for b in range(B):
-                push_x, push_y = op.node_force(body, nodes, a, b, lattice)
+                push_x, push_y = op.nodal_body_force(body, nodes, a, b, lattice)
                 at_r, at_rate = op.node_at(body, op.MOTION, a * B + b), op.node_at(body, op.RATE, a * B + b)
                 r = nodes[at_r]
-                x = recovery.with_start(ti.Vector([r[0], r[2], 0.0, 0.0]), push_x, step)
-                y = recovery.with_start(ti.Vector([r[1], r[3], 0.0, 0.0]), push_y, step)
+                x = recovery.initial_reference(ti.Vector([r[0], r[2], 0.0, 0.0]), push_x, step)
+                y = recovery.initial_reference(ti.Vector([r[1], r[3], 0.0, 0.0]), push_y, step)
                 nodes[at_r], nodes[at_rate] = ti.Vector([x[0], y[0], x[1], y[1]]), ti.Vector([x[2], y[2], x[3], y[3]])
                 nodes[op.node_at(body, op.BEFORE, a * B + b)] = ti.Vector([push_x, push_y, 0.0, 0.0])
         body.recovered_numbers[TURNS] = BEGUN
@@ -62,7 +62,7 @@ def begin(body: ti.template(), nodes: ti.template(), t, lattice: ti.template(), 
 @ti.func
 def after_step(body: ti.template(), step, lattice: ti.template(), on: ti.template()):
     """U += H w; the error's gradient corrects the recovered one; w += H (a + correction), a = M b - D P/rho."""
-    begin(body, body.recovered_nodes, step * body.dt - body.recovered_numbers[H], lattice, on)
+    start_reference(body, body.recovered_nodes, step * body.dt - body.recovered_numbers[H], lattice, on)
     for p in range(body.particles):
         q, X = body.position_velocity[p], body.material_position[p]
         body.recovered_particles[op.particle_at(body, op.FIELD, p)] = ti.Vector([q[0] - X[0], q[1] - X[1], q[2], q[3]])
@@ -85,11 +85,11 @@ def damped_errors(body: ti.template(), nodes: ti.template(), step, lattice: ti.t
         r += body.recovered_numbers[H] * ti.Vector([r[2], r[3], 0.0, 0.0])
         nodes[op.node_at(body, op.MOTION, i)] = r
         nodes[op.node_at(body, op.GATHERED, i)] = nodes[op.node_at(body, op.GATHERED, i)] - r  # not -=: atomic
-    looked_at = recovery.looks(step, body.dt, body.recovered_numbers[H])
+    looked_at = recovery.is_check_due(step, body.dt, body.recovered_numbers[H])
     if looked_at:
-        op.remember_sizes(body, nodes, lattice)
+        op.add_verdict_sums(body, nodes, lattice)
     for turn in range(2):
-        op.smoothing(body, lattice)
+        op.smooth_nodes(body, lattice)
         square = 0.0
         for i in range(body.recovered_count):
             e = nodes[op.node_at(body, op.GATHERED, i)]
@@ -154,7 +154,7 @@ def move_reference(body: ti.template(), nodes: ti.template(), first, lattice: ti
     op.across_gather(body, op.GATHERED, op.EACH, lattice)
     for a in range(body.recovered_count // B):
         for b in range(B):
-            push_x, push_y = op.node_force(body, nodes, a, b, lattice)
+            push_x, push_y = op.nodal_body_force(body, nodes, a, b, lattice)
             parts = nodes[op.node_at(body, op.GATHERED, a * B + b)]
             a_x = push_x - (parts[0] + parts[2]) / body.density
             a_y = push_y - (parts[1] + parts[3]) / body.density
@@ -172,7 +172,7 @@ def report(body: ti.template(), base, step, lattice: ti.template(), on: ti.templ
     """Estimated errors of x, v, sigma at the state's time and of a at the last step's, on the particles."""
     if step > 0:
         since = recovery.time_since(step, body.dt, body.recovered_numbers[H])
-        begin(body, body.recovered_nodes, step * body.dt - since, lattice, on)
+        start_reference(body, body.recovered_nodes, step * body.dt - since, lattice, on)
     # First x, v and sigma, then a, by the same code: it is compiled once.
     for of_acceleration in range(ti.static(2 if on.acceleration else 1)):
         for p in range(body.particles):
@@ -238,7 +238,7 @@ def find_errors(body: ti.template(), nodes: ti.template(), step, of_acceleration
             if body.recovered_numbers[TURNS] == BEGUN:  # as on the bar
                 true_mean = nodes[op.node_at(body, op.GATHERED, i)]
         nodes[op.node_at(body, op.GATHERED, i)] = nodes[op.node_at(body, op.GATHERED, i)] - true_mean
-    op.smoothing(body, lattice)
+    op.smooth_nodes(body, lattice)
     for i in range(body.recovered_count):
         nodes[op.node_at(body, op.ERRORS, i)] = 2 * nodes[op.node_at(body, op.GATHERED, i)] \
             - nodes[op.node_at(body, op.SMOOTHED, i)]

@@ -9,8 +9,8 @@ from typing import NamedTuple
 
 import taichi as ti
 
-from solvers.estimators.recovery import ROUGH, SIZE, first_of, fourth_factor, groups, put, row_of
-from solvers.kernels.packing import part
+from solvers.estimators.recovery import ROUGH, SIZE, first_in_group, fourth_factor, group_count, store_sums, table_row
+from solvers.kernels.packing import prefix_view
 from solvers.solver.field_tables import find_force_functions, force_at
 
 # Tables. Along a radius their weights are (value, slope, value over R, nothing).
@@ -66,7 +66,7 @@ def particle_at(body: ti.template(), block: ti.template(), p):
 
 
 @ti.func
-def picked(weight, pick: ti.template()):
+def pick_weights(weight, pick: ti.template()):
     """The four of a weight's numbers that ``pick`` names."""
     ready = weight
     if ti.static(pick != EACH):
@@ -83,24 +83,24 @@ def row_sum(body: ti.template(), table: ti.template(), row, pick: ti.template(),
     """The sum over a row of a table: entry ``start + i`` of ``field`` times the four of the row's i-th weights that
     ``pick`` names."""
     total = ti.Vector([0.0, 0.0, 0.0, 0.0])
-    first, begin, end = row_of(body, table, row, row)
+    first, begin, end = table_row(body, table, row, row)
     entry = start + first
     for k in range(begin, end):
-        total += picked(part(body, table).weights[k], pick) * field[entry]
+        total += pick_weights(prefix_view(body, table).weights[k], pick) * field[entry]
         entry += 1
     return total
 
 
 @ti.func
-def sums(body: ti.template(), table: ti.template(), row, pick: ti.template(), field: ti.template(), start, apart,
-         stride, count, closed: ti.template()):
+def row_sums(body: ti.template(), table: ti.template(), row, pick: ti.template(), field: ti.template(), start, apart,
+             stride, count, closed: ti.template()):
     """That sum for ``ABREAST`` rows side by side, each with its fields ``apart`` behind the one before's; entries
     are ``stride`` apart, and where they are ``closed`` there are ``count`` in all."""
     one, two, three = ti.Vector([0.0] * 4), ti.Vector([0.0] * 4), ti.Vector([0.0] * 4)
-    first, begin, end = row_of(body, table, row, row)
+    first, begin, end = table_row(body, table, row, row)
     entry, beyond = start + stride * first, start + stride * count
     for k in range(begin, end):
-        w = picked(part(body, table).weights[k], pick)
+        w = pick_weights(prefix_view(body, table).weights[k], pick)
         one += w * field[entry]
         two += w * field[entry + apart]
         three += w * field[entry + 2 * apart]
@@ -117,10 +117,10 @@ def along_gather(body: ti.template(), block: ti.template(), pick: ti.template())
     With ``value`` those of N_b f R; with ``slope_metric`` of N_b' R P e_R and of N_b P e_angle, side by side.
     """
     radii, K, B = body.particles // body.recovered_line, body.recovered_line, body.recovered_line_nodes
-    for group in range(groups(radii)):
-        line = first_of(group, radii)
+    for group in range(group_count(radii)):
+        line = first_in_group(group, radii)
         for b in range(B):
-            put(body.recovered_particles, line_at(body, VALUES, line, b), B, sums(
+            store_sums(body.recovered_particles, line_at(body, VALUES, line, b), B, row_sums(
                 body, ALONG_GATHER, b, pick, body.recovered_particles, particle_at(body, block, line * K), K, 1, 0,
                 False))
 
@@ -131,9 +131,9 @@ def across_gather(body: ti.template(), into: ti.template(), pick: ti.template(),
     D P, the first vector with N_a and the second with N_a'."""
     radii, B = body.particles // body.recovered_line, body.recovered_line_nodes
     for a in range(body.recovered_count // B):
-        for group in range(groups(B)):
-            b = first_of(group, B)
-            put(body.recovered_nodes, node_at(body, into, a * B + b), 1, sums(
+        for group in range(group_count(B)):
+            b = first_in_group(group, B)
+            store_sums(body.recovered_nodes, node_at(body, into, a * B + b), 1, row_sums(
                 body, ACROSS_GATHER, a, pick, body.recovered_particles, line_at(body, VALUES, 0, b), 1, B, radii,
                 lattice.closed))
 
@@ -157,7 +157,7 @@ def gather_force(body: ti.template(), t, lattice: ti.template(), on: ti.template
 
 
 @ti.func
-def node_force(body: ti.template(), nodes: ti.template(), a, b, lattice: ti.template()):
+def nodal_body_force(body: ti.template(), nodes: ti.template(), a, b, lattice: ti.template()):
     """M b at node (a, b), in x and y; between the symmetry planes of a ring a force is radial."""
     x, y = 0.0, 0.0
     if ti.static(lattice.box):
@@ -173,20 +173,20 @@ def node_force(body: ti.template(), nodes: ti.template(), a, b, lattice: ti.temp
 
 
 @ti.func
-def smoothing(body: ti.template(), lattice: ti.template()):
+def smooth_nodes(body: ti.template(), lattice: ti.template()):
     """C of the gathered nodal values."""
     B = body.recovered_line_nodes
     A = body.recovered_count // B
-    for group in range(groups(A)):
-        a = first_of(group, A)
+    for group in range(group_count(A)):
+        a = first_in_group(group, A)
         for b in range(B):
-            put(body.recovered_nodes, node_at(body, HALF_SMOOTHED, a * B + b), B, sums(
+            store_sums(body.recovered_nodes, node_at(body, HALF_SMOOTHED, a * B + b), B, row_sums(
                 body, ALONG_SMOOTHING, b, lattice.value, body.recovered_nodes, node_at(body, GATHERED, a * B), B, 1, 0,
                 False))
     for a in range(A):
-        for group in range(groups(B)):
-            b = first_of(group, B)
-            put(body.recovered_nodes, node_at(body, SMOOTHED, a * B + b), 1, sums(
+        for group in range(group_count(B)):
+            b = first_in_group(group, B)
+            store_sums(body.recovered_nodes, node_at(body, SMOOTHED, a * B + b), 1, row_sums(
                 body, ACROSS_SMOOTHING, a, PAIR_VALUES, body.recovered_nodes, node_at(body, HALF_SMOOTHED, b), 1, B,
                 A, lattice.closed))
 
@@ -197,22 +197,22 @@ def across_spread(body: ti.template(), lattice: ti.template()):
     beside its slopes around."""
     B = body.recovered_line_nodes
     for line in range(body.particles // body.recovered_line):
-        a, begin, _ = row_of(body, ACROSS_SPREAD, line, line)
+        a, begin, _ = table_row(body, ACROSS_SPREAD, line, line)
         for b in range(B):
             value, slope = ti.Vector([0.0, 0.0, 0.0, 0.0]), ti.Vector([0.0, 0.0, 0.0, 0.0])
             for k in range(3):
-                w, at = part(body, ACROSS_SPREAD).weights[begin + k], a + k
+                w, at = prefix_view(body, ACROSS_SPREAD).weights[begin + k], a + k
                 if ti.static(lattice.closed):
                     at = at % (body.recovered_count // B)
                 e = body.recovered_nodes[node_at(body, ERRORS, at * B + b)]
-                value += twice(w) * e
-                slope += w * twice(e)
+                value += repeat_first(w) * e
+                slope += w * repeat_first(e)
             body.recovered_particles[line_at(body, VALUES, line, b)] = value
             body.recovered_particles[line_at(body, SLOPES, line, b)] = slope
 
 
 @ti.func
-def twice(fields):
+def repeat_first(fields):
     """The first of two vectors, side by side."""
     x, y = fields[0], fields[1]
     return ti.Vector([x, y, x, y])
@@ -222,10 +222,10 @@ def twice(fields):
 def along_spread(body: ti.template(), i, j, block: ti.template(), pick: ti.template()):
     """From what was spread across the lines: with ``VALUES`` and ``value`` the errors at particle (i, j); with
     ``SLOPES`` and ``slope_value`` the slopes of that of the first field, along the line and across."""
-    b, begin, _ = row_of(body, ALONG_SPREAD, j, j)
+    b, begin, _ = table_row(body, ALONG_SPREAD, j, j)
     total = ti.Vector([0.0] * 4)
     for k in range(3):
-        total += picked(part(body, ALONG_SPREAD).weights[begin + k], pick) \
+        total += pick_weights(prefix_view(body, ALONG_SPREAD).weights[begin + k], pick) \
             * body.recovered_particles[line_at(body, block, i, b + k)]
     return total
 
@@ -234,10 +234,10 @@ def along_spread(body: ti.template(), i, j, block: ti.template(), pick: ti.templ
 def along_fit(body: ti.template(), into: ti.template(), pick: ti.template()):
     """The fields recovered along each line with ``value``, or with ``slope`` their slopes."""
     K = body.recovered_line
-    for group in range(groups(body.particles // K)):
-        line = first_of(group, body.particles // K)
+    for group in range(group_count(body.particles // K)):
+        line = first_in_group(group, body.particles // K)
         for j in range(K):
-            put(body.recovered_particles, particle_at(body, into, line * K + j), K, sums(
+            store_sums(body.recovered_particles, particle_at(body, into, line * K + j), K, row_sums(
                 body, ALONG_FIT, j, pick, body.recovered_particles, particle_at(body, FIELD, line * K), K, 1, 0,
                 False))
 
@@ -249,15 +249,15 @@ def across_fit(body: ti.template(), block: ti.template(), into: ti.template(), p
     ``PAIR_SLOPES``; with ``EACH`` values of the first field and slopes of the second."""
     K = body.recovered_line
     for line in range(body.particles // K):
-        for group in range(groups(K)):
-            j = first_of(group, K)
-            put(body.recovered_particles, particle_at(body, into, line * K + j), 1, sums(
+        for group in range(group_count(K)):
+            j = first_in_group(group, K)
+            store_sums(body.recovered_particles, particle_at(body, into, line * K + j), 1, row_sums(
                 body, ACROSS_FIT, line, pick, body.recovered_particles, particle_at(body, block, j), 1, K,
                 body.particles // K, lattice.closed))
 
 
 @ti.func
-def remember_sizes(body: ti.template(), nodes: ti.template(), lattice: ti.template()):
+def add_verdict_sums(body: ti.template(), nodes: ti.template(), lattice: ti.template()):
     """Add this turn's fourth differences of U along both lines, and e, to the sums that the verdict looks at."""
     B, rough, size = body.recovered_line_nodes, 0.0, 0.0
     A = body.recovered_count // B

@@ -24,12 +24,12 @@ FEW_PER_CELL, LEAST_FEW = 0.0025, 0.08
 UNEVEN_FEW = 1.5  # times that where particles move with their own velocity, whose noise is as short
 
 
-def gathered(rows: Rows, component: int, values: np.ndarray) -> np.ndarray:
+def gather_component(rows: Rows, component: int, values: np.ndarray) -> np.ndarray:
     """M of a component of a field (points, lines) along the first axis: (nodes, lines)."""
     return np.stack([rows(line)[:, component, 0] for line in values.T], axis=1)
 
 
-def gathered_directions(angle: Line, gather_table: Rows) -> tuple[np.ndarray, np.ndarray]:
+def gather_directions(angle: Line, gather_table: Rows) -> tuple[np.ndarray, np.ndarray]:
     """M e_R and M e_angle at the nodes of the angle (A, 2). Between symmetry planes nothing is along e_angle."""
     theta = angle.particles() / angle.per_point
     c, s = np.cos(theta), np.sin(theta)
@@ -38,13 +38,13 @@ def gathered_directions(angle: Line, gather_table: Rows) -> tuple[np.ndarray, np
     return along, (np.zeros_like(along) if angle.ends == "mirror" else np.stack([-along[:, 1], along[:, 0]], axis=1))
 
 
-def over_planes(rows: Rows, swapped: bool = False) -> Rows:
+def cartesian_weights(rows: Rows, swapped: bool = False) -> Rows:
     """Weights as (value x, value y, slope x, slope y), of a line along x; ``swapped`` along y, between walls."""
     weights = np.broadcast_to(rows.weights[..., :2], (*rows.weights.shape[:2], 2, 2))[:, :, ::-1 if swapped else 1]
     return Rows(rows.first, np.swapaxes(weights, 2, 3).reshape(*weights.shape[:2], 4))
 
 
-def of_four(rows: Rows) -> Rows:
+def pad_to_four(rows: Rows) -> Rows:
     """Weights of the one component that a radius has, filled up to four."""
     weights = rows.weights[:, :, 0]
     return Rows(rows.first, np.concatenate([weights, np.zeros((*weights.shape[:2], 4 - weights.shape[2]))], axis=2))
@@ -54,12 +54,12 @@ def interval(scene):
     """Steps of the run to one of the estimator's: its reference moves by an explicit method in the material frame, with
     elements whose sides along the fastest line a wave passes at the scene's ``crossing_rate``. Where that is sheared
     much, steps are hardly longer than the run's, and then it costs more than the run."""
-    across, along = lines(scene)
+    across, along = lattice_lines(scene)
     side = 1 / max(across.per_element * scene.crossing_rate, along.per_element)
     return recovery.steps_between(scene, WAVE_CFL * side)
 
 
-def lines(scene):
+def lattice_lines(scene):
     """The lattice's lines, around and across a ring or twice that of a square, with elements a cell wide, at the inner
     rim of a ring.
 
@@ -81,37 +81,37 @@ def lines(scene):
 
 def allocate(scene):
     """Operators across and along the lines, and the reference in the initial configuration."""
-    across, along = lines(scene)
+    across, along = lattice_lines(scene)
     box, width = scene.layout == "box", recovery.fit_width(scene)
     R = 1.0 if box else scene.INNER + along.quadrature()[0] / along.per_point
     over_lines = [across.fit(width, 3), across.spread(), across.gather(4, 2), across.smoothing()]
     on_line = [along.fit(width, 3), along.spread(), along.gather(4, 2, R), along.smoothing(R)]
-    tables = [over_planes(rows, swapped=box) for rows in over_lines] \
-        + [over_planes(rows) if box else of_four(rows) for rows in on_line]
+    tables = [cartesian_weights(rows, swapped=box) for rows in over_lines] \
+        + [cartesian_weights(rows) if box else pad_to_four(rows) for rows in on_line]
     fields = op.PARTICLE_BLOCKS * across.points * along.points + 2 * across.points * along.nodes
     nodes = np.zeros((op.NODE_BLOCKS, across.nodes * along.nodes, 4))
     if box:
         v = scene.EXACT.velocity(scene, particle_layout(scene).position, 0.0).reshape(across.points, along.points, 2)
         for k in (0, 1):
-            on_nodes = gathered(over_lines[2], 1 - k, gathered(on_line[2], k, v[:, :, k].T).T)
+            on_nodes = gather_component(over_lines[2], 1 - k, gather_component(on_line[2], k, v[:, :, k].T).T)
             nodes[op.MOTION, :, 2 + k] = on_nodes.ravel()
     else:
         velocity = scene.EXACT.velocity(scene, on_axis(scene.INNER + along.particles() / along.per_point), 0.0).T
-        outward, sideways = gathered_directions(across, over_lines[2])
+        outward, sideways = gather_directions(across, over_lines[2])
         speed, turning = (on_line[2](v)[:, 0, 0, None] for v in velocity)
         nodes[op.MOTION, :, 2:] = (outward[:, None] * speed + sideways[:, None] * turning).reshape(-1, 2)
         nodes[op.DIRECTION, :across.nodes] = np.concatenate([outward, sideways], axis=1)
-    return {"recovered_numbers": recovery.numbers(scene, interval(scene)),
+    return {"recovered_numbers": recovery.initial_numbers(scene, interval(scene)),
             **recovery.table_values(dict(zip(op.TABLES, tables, strict=True))),
             "recovered_count": across.nodes * along.nodes, "recovered_line": along.points,
-            "recovered_line_nodes": along.nodes, "recovered_silent": 2 if scene.uneven else int(scene.coarse),
+            "recovered_line_nodes": along.nodes, "recovered_silent": 2 if scene.is_uneven else int(scene.is_coarse),
             "recovered_nodes": nodes.reshape(-1, 4), "recovered_particles": np.zeros((fields, 4))}
 
 
 def verdict(scene: PlanarScene, memory: Mapping[str, np.ndarray]) -> str | None:
     """Why not to trust it: the reference's own trouble, or an error that is too short for fits and error grid."""
     U = memory["recovered_nodes"].reshape(op.NODE_BLOCKS, -1, 4)[op.MOTION, :, :2]
-    if reason := recovery.doubt(memory, np.abs(U).max() / scene.motion_amplitude):
+    if reason := recovery.why_not_trusted(memory, np.abs(U).max() / scene.motion_amplitude):
         return reason
     size, short, shortest = np.sqrt(memory["recovered_numbers"][[SIZE, SHORT, SHORTEST]])
     few = (short - shortest) / size if size > 0 else 0.0

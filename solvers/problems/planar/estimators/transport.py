@@ -22,11 +22,11 @@ import math
 import numpy as np
 import taichi as ti
 
-from solvers.estimators.transport import doubt
+from solvers.estimators.transport import why_not_trusted
 from solvers.kernels.dtypes import quads, real
 from solvers.problems.planar.kernel_parts import ProblemKernels
 from solvers.problems.planar.method import cpdi, gimp
-from solvers.problems.planar.method.stored_weights import kept
+from solvers.problems.planar.method.stored_weights import stored_numbers
 from solvers.scene.estimator_hooks import EstimatorHooks
 
 MOST_INTERVAL = 20  # steps of the run between two of the estimator's
@@ -76,17 +76,17 @@ def gather_moments(body: ti.template(), traits: ti.template(), on: ti.template()
         if ti.static(on.body_force != "none"):
             force = traits.body_force_on(body, p)
         if ti.static(on.method == "cpdi"):
-            w, = ti.static([kept(body, p, on)])
-            cells, g = cpdi.corner_nodes(w), cpdi.kept_gradients(body, p, w, on)
+            w, = ti.static([stored_numbers(body, p, on)])
+            cells, g = cpdi.corner_nodes(w), cpdi.stored_gradients(body, p, w, on)
             for c in ti.static(range(4)):
-                N = cpdi.hats(w, c)
+                N = cpdi.corner_hats(w, c)
                 a, sign = ti.static(2 * (c % 2), 1.0 if c < 2 else -1.0)
                 for k in ti.static(range(4)):
                     node = cells[c] + (k // 2) * body.row + k % 2
                     add_contribution(body, p, node, 0.25 * N[k], sign * g[a] * N[k], sign * g[a + 1] * N[k], volume,
                                      stress, force)
         else:
-            S, dS, R, dR = gimp.stencils_of(body, p, on)
+            S, dS, R, dR = gimp.stored_stencils(body, p, on)
             for j in ti.static(range(3)):
                 for i in ti.static(range(3)):
                     node = body.first_node[p] + j * body.row + i
@@ -150,15 +150,15 @@ def interpolate(body: ti.template(), p, on: ti.template()):
     """sum S Ea_i at the particle, with the step's own weights."""
     total = ti.Vector([0.0, 0.0])
     if ti.static(on.method == "cpdi"):
-        w, = ti.static([kept(body, p, on)])
+        w, = ti.static([stored_numbers(body, p, on)])
         cells = cpdi.corner_nodes(w)
         for c in ti.static(range(4)):
-            N = cpdi.hats(w, c)
+            N = cpdi.corner_hats(w, c)
             for k in ti.static(range(4)):
                 error = body.transport_error[cells[c] + (k // 2) * body.row + k % 2]
                 total += 0.25 * N[k] * ti.Vector([error[0], error[1]])
     else:
-        S, _, R, _ = gimp.stencils_of(body, p, on)
+        S, _, R, _ = gimp.stored_stencils(body, p, on)
         for j in ti.static(range(3)):
             for i in ti.static(range(3)):
                 error = body.transport_error[body.first_node[p] + j * body.row + i]
@@ -181,7 +181,7 @@ def interval(scene):
 def verdict(scene, memory):
     """Why not to trust what was reported last."""
     a = memory["transport_error"].reshape(-1, 4)[:, :2]
-    return doubt(np.abs(a).max(), memory["transport_moments"].any(), scene.size_of("a"))
+    return why_not_trusted(np.abs(a).max(), memory["transport_moments"].any(), scene.size_of("a"))
 
 
 def allocate(scene):

@@ -19,7 +19,7 @@ import taichi as ti
 
 from solvers.estimators import two_grid
 from solvers.kernels.dtypes import octets, pairs, quads
-from solvers.kernels.packing import part
+from solvers.kernels.packing import prefix_view
 from solvers.problems.planar.kernel_parts import ProblemKernels
 from solvers.problems.planar.method.body import PlanarBody, initial_body
 from solvers.problems.planar.method.material import cauchy_stress, cauchy_stress_of
@@ -44,7 +44,7 @@ MEMORY = {
 @ti.func
 def after_step(body: ti.template(), step, traits: ti.template(), on: ti.template()):
     """One step of the second run, from ``coarse_dt`` ago until now; F and a before it are kept, for their rates."""
-    coarse, bare = ti.static([part(body, "coarse_"), two_grid.bare(on)])
+    coarse, bare = ti.static([prefix_view(body, "coarse_"), two_grid.method_options(on)])
     for q in range(coarse.particles):
         body.two_grid_before[q] = coarse.deformation_gradient[q]
         body.two_grid_before_a[q] = coarse.acceleration[q]
@@ -55,8 +55,8 @@ def after_step(body: ti.template(), step, traits: ti.template(), on: ti.template
 @ti.func
 def report(body: ti.template(), base, step, fields: ti.template(), on: ti.template()):
     """e = q_h - I q*, in Cartesian components."""
-    own, coarse = ti.static([part(body, "two_grid_"), part(body, "coarse_")])
-    two_grid.begin(own)
+    own, coarse = ti.static([prefix_view(body, "two_grid_"), prefix_view(body, "coarse_")])
+    two_grid.clear_common_lattice(own)
     run_fields(body, own, on)
     two_grid.transfer(own, fields, "down", own.fields, "fine", own.common, "common", 1 + own.gain)
     coarse_fields(body, own, coarse, step, on)
@@ -73,11 +73,11 @@ def report(body: ti.template(), base, step, fields: ti.template(), on: ti.templa
         body.estimate[base + p] = ti.Vector([x[0], x[1], v[0], v[1]])
         body.estimate_stress[base + p] = ti.Vector([sigma[0], sigma[1], sigma[2], 0.0])
         body.estimate_acceleration[base + p] = ti.Vector([ti.math.nan] * 2)
-    two_grid.remember_largest(own, square / body.particles)
+    two_grid.store_largest(own, square / body.particles)
 
 
 @ti.func
-def record(u_x, u_y, v_x, v_y, direction, sigma):
+def polar_fields(u_x, u_y, v_x, v_y, direction, sigma):
     """u, v and the Cauchy stress, given as xx, xy, yy, in components along and across the ``direction``."""
     back = ti.Vector([direction[0], -direction[1]])
     u, v = rotate_vector(back, u_x, u_y), rotate_vector(back, v_x, v_y)
@@ -90,7 +90,7 @@ def run_fields(body: ti.template(), own: ti.template(), on: ti.template()):
     """Fields of the run, as they are."""
     for p in range(body.particles):
         q, X, e = body.position_velocity[p], body.material_position[p], body.direction[p]
-        own.fields[p] = record(q[0] - X[0], q[1] - X[1], q[2], q[3], e, cauchy_stress(body, p, on))
+        own.fields[p] = polar_fields(q[0] - X[0], q[1] - X[1], q[2], q[3], e, cauchy_stress(body, p, on))
 
 
 @ti.func
@@ -110,12 +110,13 @@ def coarse_fields(body: ti.template(), own: ti.template(), coarse: ti.template()
         G = F + (late / H) * (F - own.before[p])
         sigma = cauchy_stress_of(coarse, G, on)
         ahead, drift = late + 0.5 * H - early, 0.5 * late * (late + H)
-        own.fields[p] = record(q[0] - X[0] + late * q[2] + drift * now[0], q[1] - X[1] + late * q[3] + drift * now[1],
-                               q[2] + ahead * now[0], q[3] + ahead * now[1], e, sigma)
+        own.fields[p] = polar_fields(q[0] - X[0] + late * q[2] + drift * now[0],
+                                     q[1] - X[1] + late * q[3] + drift * now[1], q[2] + ahead * now[0],
+                                     q[3] + ahead * now[1], e, sigma)
 
 
 @functools.cache
-def second_kind(kind: type) -> type:
+def coarse_scene_class(kind: type) -> type:
     """The class of a problem's scenes on a grid so coarse that none would run it for its own sake."""
     return type("SecondScene", (kind,), {"FEWEST_CELLS": FEWEST_CELLS})
 
@@ -123,7 +124,7 @@ def second_kind(kind: type) -> type:
 def coarse_scene(scene):
     """The scene of the second run."""
     own = {f.name: getattr(scene, f.name) for f in fields(scene)}
-    return second_kind(type(scene))(**{
+    return coarse_scene_class(type(scene))(**{
         **own, "cells": scene.cells // 2, "dt": two_grid.interval(scene) * scene.time_step, "cfl": None,
         "sample_every": None, "estimators": (), "effects": (), "plan": "serial", "threads": 1})
 
@@ -131,9 +132,9 @@ def coarse_scene(scene):
 def allocate(scene):
     """The second run at its start, and what the comparison needs."""
     second, box = coarse_scene(scene), scene.layout == "box"
-    members = initial_body(second, two_grid.bare(kernel_options_of(second)), slabs=1)
+    members = initial_body(second, two_grid.method_options(kernel_options_of(second)), slabs=1)
     fine, coarse = (one.polar_counts(one.cells, one.ppc)[::-1] for one in (scene, second))
-    common = max(coarse[0], two_grid.CUBIC), coarse[1]
+    common = max(coarse[0], two_grid.CUBIC_COEFFICIENTS), coarse[1]
     return {**{"coarse_" + name: value for name, value in members.items()},
             **two_grid.allocate(scene, BOX if box else POLAR, fine, coarse, common,
                                 ("mirror" if box else "free", "mirror")),

@@ -8,16 +8,16 @@ from dataclasses import dataclass
 import numpy as np
 
 from solvers.kernels.dtypes import Blocks, Integer, Integers, Octets, Pairs, Quads, Real, Reals
-from solvers.problems.planar.body_force import body_force_of
+from solvers.problems.planar.body_force import tabulate_body_force
 from solvers.problems.planar.layout import particle_layout
 from solvers.problems.planar.method.phases import TOTALS
-from solvers.problems.planar.method.stored_weights import room
+from solvers.problems.planar.method.stored_weights import allocate_weights
 from solvers.problems.planar.scene import PlanarScene, motion_table
 from solvers.scene.estimator_hooks import EstimatorHooks
 from solvers.scene.kernel_options import KernelOptions
 from solvers.scene.scene import Scene
-from solvers.solver.field_tables import of_motions, of_pairs, of_vectors, pack
-from solvers.solver.state_arrays import Diagnostics, Members, remedy_rates, watch, zeros
+from solvers.solver.field_tables import motion_entries, pack_tables, pair_table, vector_table
+from solvers.solver.state_arrays import Diagnostics, Members, initial_diagnostics, remedy_rates, zeros
 
 
 @dataclass
@@ -90,8 +90,8 @@ def initial_body(scene: PlanarScene, on: KernelOptions, slabs: int) -> dict:
     lame_modulus, shear_modulus = scene.lame_moduli
     known = on.truth or bool(on.estimators) or on.soundness
     grid = scene.grid_field() if known and on.acceleration else None
-    sizes, tables = pack(*map(of_pairs, body_force_of(scene, layout.orbits)[1:]),
-                         of_motions(motion_table(scene) if known else None), of_vectors(grid))
+    sizes, tables = pack_tables(*map(pair_table, tabulate_body_force(scene, layout.orbits)[1:]),
+                                motion_entries(motion_table(scene) if known else None), vector_table(grid))
     v = scene.EXACT.velocity(scene, X, -scene.EARLIER * scene.time_step)
     return {"particles": P, "nodes": N, "row": row, "active": scene.active_rows, "slabs": slabs, "orbits": K,
             "spacing": scene.spacing, "cells_per_length": 1 / scene.spacing, "origin": scene.origin,
@@ -104,7 +104,7 @@ def initial_body(scene: PlanarScene, on: KernelOptions, slabs: int) -> dict:
             "orbit_force": zeros(K, 2),
             "exact": zeros(3 * K + (len(grid.modes) if grid and scene.CIRCULAR else 0), 4, when=known),
             "volumetric": zeros(P), "table_sizes": sizes, "tables": tables,
-            "edges": layout.edges if on.method == "cpdi" else zeros(1, 4), "weights": room(on.method, P),
+            "edges": layout.edges if on.method == "cpdi" else zeros(1, 4), "weights": allocate_weights(on.method, P),
             "first_node": zeros(P, when=on.method != "cpdi", kind=np.int32),
             "acceleration": zeros(P, 2, when=on.acceleration), "node_sums": zeros(slabs * N, 8), "node_mass": zeros(N),
             "node_motion": zeros(N, 4), "totals": zeros(TOTALS * slabs),
@@ -113,8 +113,10 @@ def initial_body(scene: PlanarScene, on: KernelOptions, slabs: int) -> dict:
             "node_scratch": zeros(N, 4, when=mended or on.margin), "node_remedy": zeros(N, 4, when=mended)}
 
 
-def watched(scene: Scene, on: KernelOptions, particles: int, farthest: float, hooks: dict[str, EstimatorHooks]) -> dict:
+def initial_instruments(scene: Scene, on: KernelOptions, particles: int, farthest: float,
+                        hooks: dict[str, EstimatorHooks]) -> dict:
     """The members of a :class:`InstrumentedBody` that are not of the body, at the start."""
     estimated, entries = bool(on.estimators), len(on.estimators) * particles
-    return {**watch(scene, on, particles, farthest, hooks), "estimate_acceleration": zeros(entries, 2, when=estimated),
+    return {**initial_diagnostics(scene, on, particles, farthest, hooks),
+            "estimate_acceleration": zeros(entries, 2, when=estimated),
             "estimate_stress": zeros(entries, 4, when=estimated)}

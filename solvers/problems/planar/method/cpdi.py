@@ -7,10 +7,10 @@ Burghardt 2011). Corners lie at x -+ r1/2 -+ r2/2 with r1, r2 the edges convecte
 
 import taichi as ti
 
-from solvers.kernels.simd import read_component
+from solvers.kernels.simd import load_component
 from solvers.problems.planar.layout import CORNERS
-from solvers.problems.planar.method.node_records import force_moment, force_record, scatter_add
-from solvers.problems.planar.method.stored_weights import keep, kept
+from solvers.problems.planar.method.node_records import contribution_of, force_record, scatter_add
+from solvers.problems.planar.method.stored_weights import store_part, stored_numbers
 
 #: Of what is kept, the first of four: beside those, the places of the corners in x and in y.
 GRADIENTS, NODES = 8, 12
@@ -20,13 +20,13 @@ GRADIENTS, NODES = 8, 12
 def find_weights(body: ti.template(), some: ti.template(), on: ti.template()):
     """Keep of some particles the cell of each corner, its place in it, and the corners' gradients."""
     per = body.cells_per_length
-    x, y = read_component(body.position_velocity, some, 0), read_component(body.position_velocity, some, 1)
+    x, y = load_component(body.position_velocity, some, 0), load_component(body.position_velocity, some, 1)
     if ti.static(on.frozen):
-        x, y = read_component(body.material_position, some, 0), read_component(body.material_position, some, 1)
+        x, y = load_component(body.material_position, some, 0), load_component(body.material_position, some, 1)
     x, y = x * per + body.origin, y * per + body.origin
-    ax, ay, bx, by = [read_component(body.edges, some, k) * per for k in ti.static(range(4))]
+    ax, ay, bx, by = [load_component(body.edges, some, k) * per for k in ti.static(range(4))]
     if ti.static(not on.frozen):
-        xx, xy, yx, yy = [read_component(body.deformation_gradient, some, k) for k in ti.static(range(4))]
+        xx, xy, yx, yy = [load_component(body.deformation_gradient, some, k) for k in ti.static(range(4))]
         ax, ay, bx, by = xx * ax + xy * ay, yx * ax + yy * ay, xx * bx + xy * by, yx * bx + yy * by
     last = float(body.active - 2)
     # Clamped: a run that goes bad has positions anywhere until the check stops it.
@@ -34,11 +34,11 @@ def find_weights(body: ti.template(), some: ti.template(), on: ti.template()):
     corner_y = [y + CORNERS[c][0] * ay + CORNERS[c][1] * by for c in ti.static(range(4))]
     i = [ti.min(ti.max(ti.floor(corner_x[c]), 0.0), last) for c in ti.static(range(4))]
     j = [ti.min(ti.max(ti.floor(corner_y[c]), 0.0), last) for c in ti.static(range(4))]
-    keep(body, some[0], 0, [corner_x[0] - i[0], corner_x[1] - i[1], corner_x[2] - i[2], corner_x[3] - i[3],
-                            corner_y[0] - j[0], corner_y[1] - j[1], corner_y[2] - j[2], corner_y[3] - j[3]], on)
+    store_part(body, some[0], 0, [corner_x[0] - i[0], corner_x[1] - i[1], corner_x[2] - i[2], corner_x[3] - i[3],
+                                  corner_y[0] - j[0], corner_y[1] - j[1], corner_y[2] - j[2], corner_y[3] - j[3]], on)
     half, row = 0.5 * per / (ax * by - ay * bx), float(body.row)
-    keep(body, some[0], 1, [half * (ay - by), half * (bx - ax), half * (ay + by), half * (-1.0 * ax - bx),
-                            j[0] * row + i[0], j[1] * row + i[1], j[2] * row + i[2], j[3] * row + i[3]], on)
+    store_part(body, some[0], 1, [half * (ay - by), half * (bx - ax), half * (ay + by), half * (-1.0 * ax - bx),
+                                  j[0] * row + i[0], j[1] * row + i[1], j[2] * row + i[2], j[3] * row + i[3]], on)
 
 
 @ti.func
@@ -60,7 +60,7 @@ def corner_gradients(body: ti.template(), p, on: ti.template()):
 
 
 @ti.func
-def kept_gradients(body: ti.template(), p, w: ti.template(), on: ti.template()):
+def stored_gradients(body: ti.template(), p, w: ti.template(), on: ti.template()):
     """The same of the F with which the step began; where the coupling may have changed that since, of the present F."""
     g = [w[GRADIENTS + k] for k in ti.static(range(4))]
     if ti.static(on.coupled):
@@ -69,7 +69,7 @@ def kept_gradients(body: ti.template(), p, w: ti.template(), on: ti.template()):
 
 
 @ti.func
-def hats(w: ti.template(), c: ti.template()):
+def corner_hats(w: ti.template(), c: ti.template()):
     """Hat functions of corner c at its cell's nodes: left and right below, left and right above."""
     x, y = w[c], w[c + 4]
     both = x * y
@@ -80,15 +80,15 @@ def hats(w: ti.template(), c: ti.template()):
 def particles_to_nodes(body: ti.template(), start, end, grid, traits: ti.template(), on: ti.template()):
     """Add mass, momentum and force of the particles from ``start`` to ``end`` to the nodes from ``grid`` on."""
     for p in range(start, end):
-        w, = ti.static([kept(body, p, on)])
-        cells, g = corner_nodes(w), kept_gradients(body, p, w, on)
-        carried, tau = force_moment(body, p, traits, on)
+        w, = ti.static([stored_numbers(body, p, on)])
+        cells, g = corner_nodes(w), stored_gradients(body, p, w, on)
+        carried, tau = contribution_of(body, p, traits, on)
         carried = 0.25 * carried
         for c in ti.static(range(4)):
             a, b = ti.static(2 * (c % 2), -1.0 if c < 2 else 1.0)
             pull = force_record(g[a] * tau[0] + g[a + 1] * tau[1], g[a] * tau[2] + g[a + 1] * tau[3])
             sums = carried + b * pull
-            N = hats(w, c)
+            N = corner_hats(w, c)
             first = grid + cells[c]
             for k in ti.static(range(4)):
                 scatter_add(body.node_sums, first + (k // 2) * body.row + k % 2, N[k] * sums)
@@ -97,11 +97,11 @@ def particles_to_nodes(body: ti.template(), start, end, grid, traits: ti.templat
 @ti.func
 def gather(body: ti.template(), p, values: ti.template(), on: ti.template()):
     """The nodes' values, four numbers, at the particle and their derivatives in x and y."""
-    w, = ti.static([kept(body, p, on)])
-    cells, g = corner_nodes(w), kept_gradients(body, p, w, on)
+    w, = ti.static([stored_numbers(body, p, on)])
+    cells, g = corner_nodes(w), stored_gradients(body, p, w, on)
     total, first_pair, second_pair = ti.Vector([0.0] * 4), ti.Vector([0.0] * 4), ti.Vector([0.0] * 4)
     for c in ti.static(range(4)):
-        N = hats(w, c)
+        N = corner_hats(w, c)
         node = cells[c]
         value = N[0] * values[node] + N[1] * values[node + 1] \
             + N[2] * values[node + body.row] + N[3] * values[node + body.row + 1]
@@ -117,9 +117,9 @@ def gather(body: ti.template(), p, values: ti.template(), on: ti.template()):
 @ti.func
 def scatter(body: ti.template(), p, carried, values: ti.template(), on: ti.template()):
     """Add four numbers of the particle to the nodes' values, with its weights."""
-    w, = ti.static([kept(body, p, on)])
+    w, = ti.static([stored_numbers(body, p, on)])
     cells = corner_nodes(w)
     for c in ti.static(range(4)):
-        N = hats(w, c)
+        N = corner_hats(w, c)
         for k in ti.static(range(4)):
             scatter_add(values, cells[c] + (k // 2) * body.row + k % 2, 0.25 * N[k] * carried)

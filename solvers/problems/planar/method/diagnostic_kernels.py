@@ -4,14 +4,14 @@ import taichi as ti
 
 from solvers.problems.planar.kernel_parts import DiagnosticKernels
 from solvers.problems.planar.method.material import cauchy_stress, cauchy_stress_of, strain_energy
-from solvers.problems.planar.method.node_errors import circular_node_error, node_error
+from solvers.problems.planar.method.node_errors import make_circular_node_error, make_node_error
 from solvers.problems.planar.method.phases import TOTALS
 from solvers.problems.planar.method.rotation import rotate_tensor, rotate_vector
-from solvers.problems.planar.method.soundness import look_at_circles, look_at_modes
+from solvers.problems.planar.method.soundness import make_circle_look, record_mode_moments
 from solvers.problems.planar.scene import PlanarScene
 from solvers.scene.effects import samplers
-from solvers.solver.field_tables import GRID, MODES, MOTION, PRESENT, RANK, fact, find_functions
-from solvers.solver.samples import column
+from solvers.solver.field_tables import GRID, MODES, MOTION, PRESENT, RANK, find_functions, size_of
+from solvers.solver.samples import column_index
 
 
 @ti.func
@@ -23,7 +23,7 @@ def find_exact(body: ti.template(), step, on: ti.template()):
     before = ti.max(0.0, now - w * body.dt)
     for number in range(MOTION, GRID + 1):  # one loop, for its code is compiled once
         find_functions(body.tables, body.table_sizes, number, w, now, before)
-    rank, modes, out = fact(body, MOTION, RANK), fact(body, MOTION, MODES), fact(body, MOTION, PRESENT)
+    rank, modes, out = size_of(body, MOTION, RANK), size_of(body, MOTION, MODES), size_of(body, MOTION, PRESENT)
     for k in range(body.orbits):
         motion, a, F = ti.Vector([0.0] * 4), ti.Vector([0.0] * 4), ti.Vector([1.0, 0.0, 0.0, 1.0])
         for n in range(rank):
@@ -66,13 +66,13 @@ def sample_angular_momentum(body: ti.template(), row, step, on: ti.template()):
         momentum += body.mass[p] * (q[0] * q[3] - q[1] * q[2])
     for slab in range(body.slabs):
         torque += body.totals[ti.static(TOTALS) * slab + 2]
-    body.samples[row, ti.static(column("spin/momentum", on))] = momentum
-    body.samples[row, ti.static(column("spin/torque", on))] = torque
+    body.samples[row, ti.static(column_index("spin/momentum", on))] = momentum
+    body.samples[row, ti.static(column_index("spin/torque", on))] = torque
 
 
-def measures_of(kind: type[PlanarScene], first: int) -> DiagnosticKernels:
+def make_diagnostic_kernels(kind: type[PlanarScene], first: int) -> DiagnosticKernels:
     """Of a problem by the class of its scene; nodes before ``first`` in a row lie beyond a symmetry plane."""
-    nodes = circular_node_error(kind, first) if kind.CIRCULAR else node_error(first if kind.PLANES[1] else 0)
-    look = look_at_circles(kind.INNER, kind.OUTER, kind.PLOTTED == "angular") if kind.CIRCULAR else look_at_modes
+    nodes = make_circular_node_error(kind, first) if kind.CIRCULAR else make_node_error(first if kind.PLANES[1] else 0)
+    look = make_circle_look(kind.INNER, kind.OUTER, kind.PLOTTED == "angular") if kind.CIRCULAR else record_mode_moments
     spin = {"spin": sample_angular_momentum} if "spin" in kind.OWN_EFFECTS else {}
     return DiagnosticKernels(nodes, strain_energy, look, samplers(kind.problem, spin))

@@ -3,10 +3,10 @@
 import taichi as ti
 
 from solvers.kernels.shape_functions import outer_weights, stencil
-from solvers.kernels.simd import read_component
+from solvers.kernels.simd import load_component
 from solvers.problems.planar.layout import MOST_HALF_WIDTH
-from solvers.problems.planar.method.node_records import force_moment, force_record, scatter_add
-from solvers.problems.planar.method.stored_weights import keep, kept
+from solvers.problems.planar.method.node_records import contribution_of, force_record, scatter_add
+from solvers.problems.planar.method.stored_weights import store_part, stored_numbers
 
 
 @ti.func
@@ -16,11 +16,11 @@ def half_widths(body: ti.template(), some: ti.template(), c: ti.template(), on: 
     Hamilton."""
     widths = ti.Vector([body.half_width for _ in ti.static(range(some.n))])
     if ti.static(on.method == "cpgimp" and not on.frozen):
-        stretched = body.half_width * read_component(body.deformation_gradient, some, 3 * c)
+        stretched = body.half_width * load_component(body.deformation_gradient, some, 3 * c)
         # Below 0 where the particle has turned by 90 degrees.
         widths = ti.min(ti.max(ti.max(stretched, -1.0 * stretched), 1e-6), MOST_HALF_WIDTH)
     if ti.static(on.method == "cpgimp-v" and not on.frozen):
-        xx, xy, yx, yy = [read_component(body.deformation_gradient, some, k) for k in ti.static(range(4))]
+        xx, xy, yx, yy = [load_component(body.deformation_gradient, some, k) for k in ti.static(range(4))]
         b_xx, b_yy, J = xx * xx + xy * xy, yx * yx + yy * yy, xx * yy - xy * yx
         J = ti.max(J, -1.0 * J)
         stretch = ((b_yy if c else b_xx) + J) / ti.sqrt(b_xx + b_yy + 2 * J)
@@ -37,25 +37,25 @@ def find_weights(body: ti.template(), some: ti.template(), on: ti.template()):
     node = ti.min(ti.max(y[0], 0.0), last) * float(body.row) + ti.min(ti.max(x[0], 0.0), last)
     for k in ti.static(range(some.n)):
         body.first_node[some[k]] = ti.cast(node[k], ti.i32)  # whole numbers, exact
-    keep(body, some[0], 0, [x[1], y[1], x[2], y[2], x[3], y[3], x[4], y[4]], on)
+    store_part(body, some[0], 0, [x[1], y[1], x[2], y[2], x[3], y[3], x[4], y[4]], on)
 
 
 @ti.func
 def stencil_along(body: ti.template(), some: ti.template(), c: ti.template(), on: ti.template()):
     """First node, outer weights and outer slopes of some particles in x or y (``c``)."""
     per = body.cells_per_length
-    position = read_component(body.position_velocity, some, c)
+    position = load_component(body.position_velocity, some, c)
     if ti.static(on.frozen):
-        position = read_component(body.material_position, some, c)
+        position = load_component(body.material_position, some, c)
     first, left, right, slope_left, slope_right = outer_weights(
         on.method, position * per + body.origin, half_widths(body, some, c, on))
     return first, left, right, slope_left * per, slope_right * per
 
 
 @ti.func
-def stencils_of(body: ti.template(), p, on: ti.template()):
+def stored_stencils(body: ti.template(), p, on: ti.template()):
     """The kept stencils: weights and gradients (1/length) at three nodes in x and in y."""
-    w, = ti.static([kept(body, p, on)])
+    w, = ti.static([stored_numbers(body, p, on)])
     S, dS = stencil(w[0], w[2], w[4], w[6])
     R, dR = stencil(w[1], w[3], w[5], w[7])
     return S, dS, R, dR
@@ -65,9 +65,9 @@ def stencils_of(body: ti.template(), p, on: ti.template()):
 def particles_to_nodes(body: ti.template(), start, end, grid, traits: ti.template(), on: ti.template()):
     """Add mass, momentum and force of the particles from ``start`` to ``end`` to the nodes from ``grid`` on."""
     for p in range(start, end):
-        S, dS, R, dR = stencils_of(body, p, on)
+        S, dS, R, dR = stored_stencils(body, p, on)
         first = grid + body.first_node[p]
-        carried, tau = force_moment(body, p, traits, on)
+        carried, tau = contribution_of(body, p, traits, on)
         along_x = force_record(-tau[0], -tau[2])
         along_y = force_record(-tau[1], -tau[3])
         for j in ti.static(range(3)):
@@ -80,7 +80,7 @@ def particles_to_nodes(body: ti.template(), start, end, grid, traits: ti.templat
 @ti.func
 def gather(body: ti.template(), p, values: ti.template(), on: ti.template()):
     """The nodes' values, four numbers, at the particle and their derivatives in x and y."""
-    S, dS, R, dR = stencils_of(body, p, on)
+    S, dS, R, dR = stored_stencils(body, p, on)
     first = body.first_node[p]
     here, by_x, by_y = ti.Vector([0.0] * 4), ti.Vector([0.0] * 4), ti.Vector([0.0] * 4)
     for i in ti.static(range(3)):
@@ -97,7 +97,7 @@ def gather(body: ti.template(), p, values: ti.template(), on: ti.template()):
 @ti.func
 def scatter(body: ti.template(), p, carried, values: ti.template(), on: ti.template()):
     """Add four numbers of the particle to the nodes' values, with its weights."""
-    S, _, R, _ = stencils_of(body, p, on)
+    S, _, R, _ = stored_stencils(body, p, on)
     first = body.first_node[p]
     for j in ti.static(range(3)):
         for i in ti.static(range(3)):

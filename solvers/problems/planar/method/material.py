@@ -12,24 +12,24 @@ from solvers.kernels.elementary_functions import log
 from solvers.motion.laws import law
 from solvers.motion.laws.material import LAWS as IN_NUMPY
 
-FLATTEST = 1e-300  # det F below which its logarithm is not asked for: the run is at its end
+MIN_LOG_JACOBIAN = 1e-300  # det F below which its logarithm is not asked for: the run is at its end
 
 
-def for_kernels(formula: FunctionType) -> Callable:
+def strip_annotations(formula: FunctionType) -> Callable:
     """The same function without annotations, which Taichi would read."""
     return ti.func(FunctionType(formula.__code__, formula.__globals__, formula.__name__))
 
 
-LAWS = {name: one._replace(energy=for_kernels(one.energy), coefficients=for_kernels(one.coefficients))
+LAWS = {name: one._replace(energy=strip_annotations(one.energy), coefficients=strip_annotations(one.coefficients))
         for name, one in IN_NUMPY.items()}
-determinant, piola, kirchhoff, metric, material_metric, stiffness = map(for_kernels, (
+determinant, piola, kirchhoff, metric, material_metric, stiffness = map(strip_annotations, (
     law.determinant, law.piola, law.kirchhoff, law.metric, law.material_metric, law.stiffness))
 
 
 @ti.func
-def growth(J):
+def log_jacobian(J):
     """ln J."""
-    return log(ti.max(J, FLATTEST))
+    return log(ti.max(J, MIN_LOG_JACOBIAN))
 
 
 @ti.func
@@ -38,7 +38,7 @@ def coefficients(body: ti.template(), F, on: ti.template()):
     J, volumetric = determinant(F), 0.0
     if ti.static(LAWS[on.law].logarithmic):
         if body.lame_modulus != 0:  # a logarithm a particle is a tenth of some estimator's time
-            volumetric = body.lame_modulus * growth(J)
+            volumetric = body.lame_modulus * log_jacobian(J)
     q, r, A, x = LAWS[on.law].coefficients(F, J, volumetric, body.lame_modulus, body.shear_modulus)
     return J, q, r, A, x
 
@@ -72,4 +72,4 @@ def strain_energy(body: ti.template(), p, on: ti.template()):
     """Of a particle, in J."""
     F, mu = body.deformation_gradient[p], body.shear_modulus
     J = determinant(F)
-    return body.mass[p] / body.density * LAWS[on.law].energy(F, J, growth(J), body.lame_modulus, mu)
+    return body.mass[p] / body.density * LAWS[on.law].energy(F, J, log_jacobian(J), body.lame_modulus, mu)

@@ -2,7 +2,7 @@
 
 import taichi as ti
 
-from solvers.problems.planar.method.material import determinant, growth
+from solvers.problems.planar.method.material import determinant, log_jacobian
 
 FAR, TERMS = 1 / 7, 9  # |J-1|/|J+1| up to which so many terms give ln J to rounding: J from 3/4 to 4/3
 
@@ -32,5 +32,5 @@ def logarithms(J):
     logarithm = 2 * s * series
     if not square.max() <= FAR * FAR:  # true for NaN too
         for k in ti.static(range(4)):
-            logarithm[k] = growth(J[k])
+            logarithm[k] = log_jacobian(J[k])
     return logarithm

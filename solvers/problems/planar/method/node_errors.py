@@ -7,20 +7,20 @@ import taichi as ti
 
 from solvers.problems.planar.method.rotation import rotate_vector
 from solvers.problems.planar.scene import PlanarScene
-from solvers.solver.field_tables import GRID, MODES, PRESENT, RANK, fact
+from solvers.solver.field_tables import GRID, MODES, PRESENT, RANK, size_of
 
 NEWTON_STEPS = 9  # of the radius that has come to a node; the map is nearly linear and converges in four or five
 NEWTON_END = 1e-14  # m
-NEAREST = 0.1  # of the inner radius: a node nearer to the centre, where no material comes, counts as there
+MIN_RADIUS = 0.1  # of the inner radius: a node nearer to the centre, where no material comes, counts as there
 
 
-def node_error(ghosts: int) -> Callable:
+def make_node_error(ghosts: int) -> Callable:
     """Of bodies whose table of the grid has the acceleration at each node, with so many ``ghosts`` at either end."""
     @ti.func
     def node_acceleration_error(body: ti.template(), on: ti.template()):
         """Mean squared error of the acceleration of the nodes that carry mass."""
-        total, count, rank = 0.0, 0, fact(body, GRID, RANK)
-        modes, out, last = fact(body, GRID, MODES), fact(body, GRID, PRESENT), body.row - 1 - ghosts
+        total, count, rank = 0.0, 0, size_of(body, GRID, RANK)
+        modes, out, last = size_of(body, GRID, MODES), size_of(body, GRID, PRESENT), body.row - 1 - ghosts
         for node in range(body.nodes):  # not one loop in another: Vulkan in software adds wrongly there
             i, j = node % body.row, node // body.row
             if i >= ghosts and j >= ghosts and i <= last and j <= last and body.node_mass[node] > 0:
@@ -36,11 +36,11 @@ def node_error(ghosts: int) -> Callable:
     return node_acceleration_error
 
 
-def circular_node_error(kind: type[PlanarScene], first: int) -> Callable:
+def make_circular_node_error(kind: type[PlanarScene], first: int) -> Callable:
     """Of bodies whose motion is the same all around, whose table of the grid has the displacement as polynomials of the
     radius; nodes before ``first`` in a row lie beyond a symmetry plane."""
     beyond, inner, outer = kind.BEYOND_RIMS, kind.INNER, kind.OUTER
-    nearest, middle, half = NEAREST * inner, 0.5 * (outer + inner), 0.5 * (outer - inner)
+    nearest, middle, half = MIN_RADIUS * inner, 0.5 * (outer + inner), 0.5 * (outer - inner)
 
     @ti.func
     def expansion(body: ti.template(), s):
@@ -58,7 +58,7 @@ def circular_node_error(kind: type[PlanarScene], first: int) -> Callable:
     @ti.func
     def node_acceleration_error(body: ti.template(), on: ti.template()):
         """Mean squared error of the acceleration of the nodes that carry mass."""
-        rank, modes, out = fact(body, GRID, RANK), fact(body, GRID, MODES), fact(body, GRID, PRESENT)
+        rank, modes, out = size_of(body, GRID, RANK), size_of(body, GRID, MODES), size_of(body, GRID, PRESENT)
         for m in range(body.exact.shape[0] - 3 * body.orbits):
             now = ti.Vector([0.0] * 4)
             for k in range(rank):

@@ -4,11 +4,11 @@ import taichi as ti
 
 from solvers.kernels import runtime
 
-CARRIED = 5  # numbers of a node's record that are not always zero
+NONZERO_ENTRIES = 5  # numbers of a node's record that are not always zero
 
 
 @ti.func
-def force_moment(body: ti.template(), p, traits: ti.template(), on: ti.template()):
+def contribution_of(body: ti.template(), p, traits: ti.template(), on: ti.template()):
     """What a particle gives to nodes: a node record by weight, V sigma = (xx, xy, yx, yy) by gradient of the weight."""
     q, mass = body.position_velocity[p], body.mass[p]
     force = ti.Vector([0.0, 0.0])
@@ -31,8 +31,8 @@ def scatter_add(records: ti.template(), place, record):
     On a processor nobody else adds there (slabs have grids of their own), and an atomic addition, which += would be,
     costs three times as much. On a GPU all particles add at once.
     """
-    if ti.static(runtime.on_processor()):
+    if ti.static(runtime.runs_on_cpu()):
         records[place] = records[place] + record
     else:
-        for c in ti.static(range(min(CARRIED, record.n))):
+        for c in ti.static(range(min(NONZERO_ENTRIES, record.n))):
             ti.atomic_add(records[place][c], record[c])

@@ -27,10 +27,10 @@ def update_grid(body: ti.template(), t, traits: ti.template(), on: ti.template()
 
 
 @ti.func
-def moving(body: ti.template()):
+def active_particles(body: ti.template()):
     """How many particles take part in a step. A GPU has steps waiting for it when a run goes bad: none in those."""
     count = body.particles
-    if ti.static(not runtime.on_processor()):
+    if ti.static(not runtime.runs_on_cpu()):
         count *= 1 - ti.min(body.verdict[0] - SOUND,
                             1)  # a condition would get lost (``solvers.kernels.elementary_functions``)
     return count
@@ -66,7 +66,7 @@ def map_to_nodes(body: ti.template(), start, end, grid, traits: ti.template(), o
 def find_weights(body: ti.template(), start, end, on: ti.template()):
     """Keep the weights of the particles from ``start``, the first of a block, to ``end`` for both mappings of the step.
     A processor does a block at a time, with the last particle in the places that are left over."""
-    together = ti.static(BLOCK if runtime.on_processor() else 1)
+    together = ti.static(BLOCK if runtime.runs_on_cpu() else 1)
     for turn in range(start // together, (end + together - 1) // together):
         some = ti.Vector([ti.min(turn * together + k, end - 1) for k in ti.static(range(together))])
         if ti.static(on.method == "cpdi"):
@@ -78,7 +78,7 @@ def find_weights(body: ti.template(), start, end, on: ti.template()):
 @ti.func
 def nodes_to_particles(body: ti.template(), slab, step, traits: ti.template(), on: ti.template()):
     """v += dt sum S a; x += dt sum S v_i (not the printed eq 24); F <- (I + dt L) F with L = sum v_i grad S."""
-    start, end = particle_range(body, moving(body), slab)
+    start, end = particle_range(body, active_particles(body), slab)
     dt, jumps, work, spun = body.dt, 0.0, 0.0, 0.0
     for p in range(start, end):
         here, by_x, by_y = gather(body, p, body.node_motion, on)
@@ -125,7 +125,7 @@ def gather(body: ti.template(), p, values: ti.template(), on: ti.template()):
 
 
 @ti.func
-def flatness(body: ti.template(), p):
+def jacobian(body: ti.template(), p):
     """det F of a particle."""
     F = body.deformation_gradient[p]
     return F[0] * F[3] - F[1] * F[2]

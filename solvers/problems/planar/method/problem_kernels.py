@@ -11,7 +11,7 @@ from solvers.problems.planar.scene import PlanarScene
 from solvers.solver.field_tables import find_force_functions, force_at
 
 
-def traits_of(kind: type[PlanarScene]) -> ProblemKernels:
+def make_problem_kernels(kind: type[PlanarScene]) -> ProblemKernels:
     """Of a problem by the class of its scene."""
     circular, volumetric, low = kind.CIRCULAR, kind.VOLUMETRIC, kind.PLANES[0]
 

@@ -8,7 +8,7 @@ A record of a particle, or of a node, is (v_x, v_y, u_x, u_y): both are mapped a
 import taichi as ti
 
 from solvers.problems.planar.method import cpdi, gimp
-from solvers.problems.planar.method.phases import gather, moving
+from solvers.problems.planar.method.phases import active_particles, gather
 
 PASSES = 4  # of the coupling: u_i = sum over l < 4 of (I - S^+ S)^l S^+ (x - X)
 LEAST_JACOBIAN = 0.1  # of I - grad u, below which its inverse says nothing
@@ -19,24 +19,24 @@ def in_step(body: ti.template(), step, traits: ti.template(), on: ti.template())
     """The turn of the remedies between nodes and particles; ``step`` counts this step too."""
     if ti.static(on.filtered or on.coupled):
         if step % body.remedy_interval == 0:
-            turn(body, traits, on)
+            apply_remedies(body, traits, on)
 
 
 @ti.func
-def turn(body: ti.template(), traits: ti.template(), on: ti.template()):
+def apply_remedies(body: ti.template(), traits: ti.template(), on: ti.template()):
     """v_p -= rate (I - S S^+)^2 v; F += rate ((I - grad u)^-1 - F) with u_i the sharpened copy of x - X."""
-    begin(body, on)
+    begin_remedies(body, on)
     for pass_number in range(ti.static(PASSES if on.coupled else 1)):
         sharpen(body, pass_number, traits, on)
-    end(body, on)
+    end_remedies(body, on)
 
 
 @ti.func
-def begin(body: ti.template(), on: ti.template()):
+def begin_remedies(body: ti.template(), on: ti.template()):
     """The particles' records: the part of v that the nodes had not before the step, and x - X."""
     for node in range(body.nodes):
         body.node_remedy[node] = ti.Vector([0.0] * 4)
-    for p in range(moving(body)):
+    for p in range(active_particles(body)):
         q, X = body.position_velocity[p], body.material_position[p]
         here, _, _ = gather(body, p, body.node_motion, on)
         seen = body.dt * ti.Vector([here[2], here[3]])  # v_i before the step's acceleration
@@ -54,16 +54,16 @@ def sharpen(body: ti.template(), pass_number, traits: ti.template(), on: ti.temp
             new[0], new[1] = 0.0, 0.0
         body.node_remedy[node] = body.node_remedy[node] + new
     if ti.static(on.coupled):
-        for p in range(moving(body)):
+        for p in range(active_particles(body)):
             seen, _, _ = gather(body, p, body.node_scratch, on)
             left = body.particle_scratch[p]
             body.particle_scratch[p] = ti.Vector([left[0], left[1], left[2] - seen[2], left[3] - seen[3]])
 
 
 @ti.func
-def end(body: ti.template(), on: ti.template()):
+def end_remedies(body: ti.template(), on: ti.template()):
     """Draw the particles' velocity and F, at the rate, to where they should be."""
-    for p in range(moving(body)):
+    for p in range(active_particles(body)):
         here, by_x, by_y = gather(body, p, body.node_remedy, on)
         if ti.static(on.filtered):
             unseen, q = body.particle_scratch[p], body.position_velocity[p]
@@ -83,7 +83,7 @@ def scratch_to_nodes(body: ti.template(), traits: ti.template(), on: ti.template
     """S^+ of the particles' records: weighted by mass, folded at the symmetry planes like a velocity."""
     for node in range(body.nodes):
         body.node_scratch[node] = ti.Vector([0.0] * 4)
-    for p in range(moving(body)):
+    for p in range(active_particles(body)):
         carried = body.mass[p] * body.particle_scratch[p]
         if ti.static(on.method == "cpdi"):
             cpdi.scatter(body, p, carried, body.node_scratch, on)

@@ -11,7 +11,7 @@ from solvers.kernels import runtime
 from solvers.problems.planar.method.diagnostic_kernels import find_exact, stress_error, vector_errors
 from solvers.problems.planar.method.phases import TOTALS
 from solvers.solver.run_loop import sample_effects
-from solvers.solver.samples import BASE, EACH, column
+from solvers.solver.samples import BASE_COLUMNS, ESTIMATOR_COLUMNS, column_index
 
 
 @ti.func
@@ -43,15 +43,15 @@ def sample_sums(body: ti.template(), row, step, measures: ti.template(), on: ti.
     for slab in range(body.slabs):
         crossings += body.totals[ti.static(TOTALS) * slab]
         work += body.totals[ti.static(TOTALS) * slab + 1]
-    body.samples[row, ti.static(column("step"))] = step
-    body.samples[row, ti.static(column("work"))] = work
-    body.samples[row, ti.static(column("crossings"))] = crossings
+    body.samples[row, ti.static(column_index("step"))] = step
+    body.samples[row, ti.static(column_index("work"))] = work
+    body.samples[row, ti.static(column_index("crossings"))] = crossings
     if ti.static(on.truth):
         find_exact(body, step, on)
         sample_truth(body, row, step, measures, on)
     if ti.static(len(on.estimators) > 0):
         sample_estimates(body, row, step, on)
-    for q in ti.static(range(column("neighbour_gap"), column("margin") + 1)):
+    for q in ti.static(range(column_index("neighbour_gap"), column_index("margin") + 1)):
         body.samples[row, q] = ti.math.nan
     if ti.static(on.energy):
         sample_energy(body, row, measures, on)
@@ -66,18 +66,18 @@ def sample_truth(body: ti.template(), row, step, measures: ti.template(), on: ti
         motion, a = vector_errors(body, p, on)
         squares += squared_parts(motion, stress_error(body, p, on), a)
     for q in ti.static(range(3)):
-        body.samples[row, ti.static(column("error_x")) + q] = squares[q]
+        body.samples[row, ti.static(column_index("error_x")) + q] = squares[q]
     if ti.static(on.acceleration):
         # Before the first step no acceleration has been computed, and so none can be wrong.
         nodes = measures.node_acceleration_error(body, on)
-        body.samples[row, ti.static(column("error_a"))] = squares[3] if step > 0 else 0.0
-        body.samples[row, ti.static(column("error_extra"))] = nodes * body.particles if step > 0 else 0.0
+        body.samples[row, ti.static(column_index("error_a"))] = squares[3] if step > 0 else 0.0
+        body.samples[row, ti.static(column_index("error_extra"))] = nodes * body.particles if step > 0 else 0.0
 
 
 @ti.func
 def sample_estimates(body: ti.template(), row, step, on: ti.template()):
     """Sums of squares of each estimate and of its distance from the truth."""
-    if ti.static(runtime.on_processor()):
+    if ti.static(runtime.runs_on_cpu()):
         for e in range(ti.static(len(on.estimators))):
             sample_estimate(body, row, step, e, on)
     else:
@@ -100,7 +100,7 @@ def sample_estimate(body: ti.template(), row, step, e, on: ti.template()):
                 true_a = ti.Vector([0.0, 0.0])
             true_sigma = stress_error(body, p, on)
             missed += squared_parts(motion - true_motion, sigma - true_sigma, a - true_a)
-    at = ti.static(len(BASE)) + ti.static(len(EACH)) * e
+    at = ti.static(len(BASE_COLUMNS)) + ti.static(len(ESTIMATOR_COLUMNS)) * e
     for q in ti.static(range(4)):
         body.samples[row, at + q] = squares[q]
         if ti.static(on.truth and (q < 3 or on.acceleration)):
@@ -115,5 +115,5 @@ def sample_energy(body: ti.template(), row, measures: ti.template(), on: ti.temp
         q, mass = body.position_velocity[p], body.mass[p]
         kinetic += 0.5 * mass * (q[2] * q[2] + q[3] * q[3])
         strain += measures.strain_energy(body, p, on)
-    body.samples[row, ti.static(column("kinetic"))] = kinetic
-    body.samples[row, ti.static(column("strain"))] = strain
+    body.samples[row, ti.static(column_index("kinetic"))] = kinetic
+    body.samples[row, ti.static(column_index("strain"))] = strain

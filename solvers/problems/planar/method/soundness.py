@@ -13,13 +13,13 @@ from solvers.kernels import runtime
 from solvers.problems.planar.method.node_records import scatter_add
 from solvers.scene.momentum_balance import MODES
 from solvers.solver import field_tables
-from solvers.solver.field_tables import MOTION, fact
-from solvers.solver.samples import column
+from solvers.solver.field_tables import MOTION, size_of
+from solvers.solver.samples import column_index
 
 SAME = 1e-12  # of itself, by which a distance may differ when it is found twice, in loops that are compiled otherwise
 
 
-def look_at_circles(inner: float, outer: float, turns: bool) -> Callable:
+def make_circle_look(inner: float, outer: float, turns: bool) -> Callable:
     """The look for contradictions within a body between these radii, in m. Its circles move along the radius alone, so
     that motion around the centre is an error too, unless each ``turns`` as a whole.
 
@@ -29,7 +29,7 @@ def look_at_circles(inner: float, outer: float, turns: bool) -> Callable:
     @ti.func
     def look(body: ti.template(), row):
         """Write how far neighbours are from where they should stand, and circles are out of shape, in metres."""
-        look_at_neighbours(body, row)
+        record_neighbour_gaps(body, row)
         turning = 0.0
         for k in range(body.orbits):
             body.exact[3 * k] = ti.Vector([0.0, 0.0, 0.0, 0.0])  # room that the sample needs no more
@@ -50,23 +50,23 @@ def look_at_circles(inner: float, outer: float, turns: bool) -> Callable:
             if ti.static(turns):
                 mean += sums[2] * sums[2]
             squares += sums[3]
-            motion += moments(body, k, sums[1], sums[2], inner, outer)
+            motion += add_circle_moments(body, k, sums[1], sums[2], inner, outer)
             scatter += ti.max(0.0, sums[3] - mean / sums[0])
-        body.samples[row, ti.static(column("motion_square"))] = squares
+        body.samples[row, ti.static(column_index("motion_square"))] = squares
         for n in ti.static(range(MODES)):
-            body.samples[row, ti.static(column("motion_0")) + n] = motion[n]
-        body.samples[row, ti.static(column("out_of_shape"))] = ti.sqrt((turning + scatter) / body.particles)
+            body.samples[row, ti.static(column_index("motion_0")) + n] = motion[n]
+        body.samples[row, ti.static(column_index("out_of_shape"))] = ti.sqrt((turning + scatter) / body.particles)
 
     return look
 
 
 @ti.func
-def look_at_modes(body: ti.template(), row):
+def record_mode_moments(body: ti.template(), row):
     """Write how far neighbours are from where they should stand, and the moments of the displacement with the modes of
     the exact motion: see ``BoxScene.balanced_motion``. No symmetry within the body is known."""
-    look_at_neighbours(body, row)
+    record_neighbour_gaps(body, row)
     squares, sums = 0.0, ti.Vector([0.0] * MODES)
-    rank, modes = fact(body, MOTION, field_tables.RANK), fact(body, MOTION, field_tables.MODES)
+    rank, modes = size_of(body, MOTION, field_tables.RANK), size_of(body, MOTION, field_tables.MODES)
     for p in range(body.particles):
         X, q = body.material_position[p], body.position_velocity[p]
         u = ti.Vector([q[0] - X[0], q[1] - X[1]])
@@ -75,14 +75,14 @@ def look_at_modes(body: ti.template(), row):
             if k < rank:
                 m = body.tables[modes + 2 * (p * rank + k)]
                 sums[k] += u[0] * m[0] + u[1] * m[1]
-    body.samples[row, ti.static(column("motion_square"))] = squares
+    body.samples[row, ti.static(column_index("motion_square"))] = squares
     for k in ti.static(range(MODES)):
-        body.samples[row, ti.static(column("motion_0")) + k] = sums[k]
-    body.samples[row, ti.static(column("out_of_shape"))] = 0.0
+        body.samples[row, ti.static(column_index("motion_0")) + k] = sums[k]
+    body.samples[row, ti.static(column_index("out_of_shape"))] = 0.0
 
 
 @ti.func
-def look_at_neighbours(body: ti.template(), row):
+def record_neighbour_gaps(body: ti.template(), row):
     """Write how far neighbours are from where they should stand, in metres, and the particle where that is worst."""
     squares, pairs, worst, place = 0.0, 0, -1.0, 0
     for p in range(body.particles):
@@ -92,12 +92,12 @@ def look_at_neighbours(body: ti.template(), row):
                 miss = neighbour_gap(body, p, q)
                 squares += miss
                 pairs += 1
-                if ti.static(runtime.on_processor()):
+                if ti.static(runtime.runs_on_cpu()):
                     if miss > worst:
                         worst, place = miss, p
                 elif miss > worst:  # for fewer atomic operations
                     ti.atomic_max(worst, miss)
-    if ti.static(not runtime.on_processor()):  # which of those that are all looked at at once it was
+    if ti.static(not runtime.runs_on_cpu()):  # which of those that are all looked at at once it was
         place = body.particles
         for p in range(body.particles):
             for side in ti.static(range(2)):
@@ -106,8 +106,8 @@ def look_at_neighbours(body: ti.template(), row):
                     if neighbour_gap(body, p, q) >= worst * (1 - SAME):
                         ti.atomic_min(place, p)
         place = place % body.particles  # none where nothing is a number
-    body.samples[row, ti.static(column("neighbour_gap"))] = ti.sqrt(squares / ti.max(pairs, 1))
-    body.samples[row, ti.static(column("place"))] = place
+    body.samples[row, ti.static(column_index("neighbour_gap"))] = ti.sqrt(squares / ti.max(pairs, 1))
+    body.samples[row, ti.static(column_index("place"))] = place
 
 
 @ti.func
@@ -122,7 +122,7 @@ def neighbour_gap(body: ti.template(), p, q):
 
 
 @ti.func
-def moments(body: ti.template(), k, along, around, inner, outer):
+def add_circle_moments(body: ti.template(), k, along, around, inner, outer):
     """What a circle adds to the sums that ``solvers.problems.planar.circular_diagnostics`` knows: its displacements
     ``along`` e_R and ``around``, summed over its particles, times the Legendre polynomials of the radius from rim to
     rim."""

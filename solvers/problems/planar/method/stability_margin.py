@@ -5,7 +5,7 @@ import taichi as ti
 from solvers.kernels import runtime
 from solvers.problems.planar.method import cpdi
 from solvers.problems.planar.method.material import tangent
-from solvers.problems.planar.method.stored_weights import kept, kept_number
+from solvers.problems.planar.method.stored_weights import stored_number, stored_numbers
 
 
 @ti.func
@@ -14,7 +14,7 @@ def step_margin(body: ti.template(), traits: ti.template(), on: ti.template()):
     there what belongs to one of the particles at work side by side, and it is worked out where it is needed."""
     for node in range(body.nodes):
         body.node_scratch[node] = ti.Vector([0.0, 0.0, 0.0, 0.0])
-    if ti.static(on.method == "cpdi" and runtime.on_processor()):
+    if ti.static(on.method == "cpdi" and runtime.runs_on_cpu()):
         add_corners(body, traits, on)
     else:
         for p in range(body.particles):
@@ -48,14 +48,14 @@ def add_corners(body: ti.template(), traits: ti.template(), on: ti.template()):
             body.node_scratch[node] = body.node_scratch[node] + gradient
         stiffness, metric = tangent(body, p, on)
         for k in range(16):
-            total += take_gradient(body, traits, metric, corner_node(body, p, k, on))
+            total += scale_gradient(body, traits, metric, corner_node(body, p, k, on))
         stiffness *= total
         for k in range(16):
             add_circle(body, traits, corner_node(body, p, k, on), stiffness)
 
 
 @ti.func
-def take_gradient(body: ti.template(), traits: ti.template(), metric, node):
+def scale_gradient(body: ti.template(), traits: ti.template(), metric, node):
     """|grad S|/sqrt(m) of the present particle at a node, kept there in place of the gradient: corners of a domain that
     share the node ask again, and then find 0."""
     record = body.node_scratch[node]
@@ -101,10 +101,10 @@ def node_gradient(body: ti.template(), p, k, on: ti.template()):
             if corner_node(body, p, other, on) == node:
                 gradient = ti.Vector([0.0, 0.0])
     else:
-        w, = ti.static([kept(body, p, on)])
+        w, = ti.static([stored_numbers(body, p, on)])
         i, j = k % 3, k // 3
-        S, dS = entry(i, w[0], w[2]), slope_entry(i, w[4], w[6])
-        R, dR = entry(j, w[1], w[3]), slope_entry(j, w[5], w[7])
+        S, dS = stencil_weight(i, w[0], w[2]), stencil_slope(i, w[4], w[6])
+        R, dR = stencil_weight(j, w[1], w[3]), stencil_slope(j, w[5], w[7])
         node, gradient = body.first_node[p] + j * body.row + i, ti.Vector([dS * R, S * dR])
     return node, gradient
 
@@ -112,24 +112,24 @@ def node_gradient(body: ti.template(), p, k, on: ti.template()):
 @ti.func
 def corner_node(body: ti.template(), p, k, on: ti.template()):
     """The k-th of the sixteen nodes of the corners of a particle."""
-    return ti.cast(kept_number(body, p, cpdi.NODES + k // 4, on), ti.i32) + (k % 4 // 2) * body.row + k % 2
+    return ti.cast(stored_number(body, p, cpdi.NODES + k // 4, on), ti.i32) + (k % 4 // 2) * body.row + k % 2
 
 
 @ti.func
 def corner_hat(body: ti.template(), p, k, on: ti.template()):
     """The hat function of its corner at the k-th of those nodes, with the sign of the corner's gradient."""
     c = k // 4
-    x, y = kept_number(body, p, c, on), kept_number(body, p, c + 4, on)
+    x, y = stored_number(body, p, c, on), stored_number(body, p, c + 4, on)
     return (x if k % 2 == 1 else 1 - x) * (y if k % 4 // 2 == 1 else 1 - y) * (1.0 if c < 2 else -1.0)
 
 
 @ti.func
-def entry(i, left, right):
+def stencil_weight(i, left, right):
     """Weight i of three, of which the outer two are given."""
     return left if i == 0 else (right if i == 2 else 1 - left - right)
 
 
 @ti.func
-def slope_entry(i, left, right):
+def stencil_slope(i, left, right):
     """Slope i of three, of which the outer two are given."""
     return left if i == 0 else (right if i == 2 else -left - right)

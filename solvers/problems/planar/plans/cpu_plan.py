@@ -15,16 +15,16 @@ from solvers.problems.planar.kernel_parts import PlanarParts
 from solvers.problems.planar.method import phases, remedies, stability_margin
 from solvers.problems.planar.method.body import InstrumentedBody
 from solvers.problems.planar.method.samples import sample
-from solvers.problems.planar.plans.gpu_kernels import KernelsAtOnce, kernels_at_once
+from solvers.problems.planar.plans.gpu_kernels import GpuKernels, make_gpu_kernels
 from solvers.scene.kernel_options import KernelOptions
 from solvers.scene.scene import Scene
 from solvers.solver.base import MEASURE, REPORT, SOUND, STEP
-from solvers.solver.run_loop import CHECK_EVERY, Phases, SerialKernels, SerialStepper, check, serial_kernels
+from solvers.solver.run_loop import CHECK_EVERY, Phases, SerialKernels, SerialStepper, check_particles, serial_kernels
 
-TASK = 512  # indices that a parallel loop never splits between threads
+INDICES_PER_TASK = 512  # indices that a parallel loop never splits between threads
 
 
-class Kernels(NamedTuple):
+class CpuKernels(NamedTuple):
     """The kernels of a problem, and the type of the ``state`` that they take; ``on`` are the switches of a scene."""
 
     state: Any
@@ -32,10 +32,10 @@ class Kernels(NamedTuple):
     serial: SerialKernels
     step_in_slabs: Any  # (step, slabs, state, on)
     inspect: Any  # (step, line, purpose, state, on)
-    at_once: KernelsAtOnce  # those for a GPU
+    gpu_kernels: GpuKernels  # those for a GPU
 
 
-def kernels(parts: PlanarParts) -> Kernels:
+def make_kernels(parts: PlanarParts) -> CpuKernels:
     HOOKS, TRAITS, MEASURES = parts.hooks, parts.traits, parts.measures
     # Numbers and arrays as one argument: nothing of a scene is baked into compiled code but its switches.
     State = ti.types.argpack(**InstrumentedBody.types(), **packing(HOOKS).types)
@@ -55,7 +55,7 @@ def kernels(parts: PlanarParts) -> Kernels:
 
     @ti.func
     def check_it(body: ti.template(), step):
-        check(body, step, phases.flatness, TRAITS.has_escaped)
+        check_particles(body, step, phases.jacobian, TRAITS.has_escaped)
 
     @ti.func
     def find_weights(body: ti.template(), on: ti.template()):
@@ -72,28 +72,28 @@ def kernels(parts: PlanarParts) -> Kernels:
         """One step on as many threads as there are slabs; ``slabs`` = 0 only compiles."""
         for _ in range(ti.min(slabs, 1)):
             TRAITS.forces(body, step * body.dt, on)
-        for task in range(TASK * slabs):
-            if task % TASK == 0:
-                phases.particles_to_nodes(body, task // TASK, TRAITS, on)
-        for task in range(TASK * slabs):
-            if task % TASK == 0:
-                first, last = phases.slab_range(body.active, task // TASK, body.slabs)
+        for task in range(INDICES_PER_TASK * slabs):
+            if task % INDICES_PER_TASK == 0:
+                phases.particles_to_nodes(body, task // INDICES_PER_TASK, TRAITS, on)
+        for task in range(INDICES_PER_TASK * slabs):
+            if task % INDICES_PER_TASK == 0:
+                first, last = phases.slab_range(body.active, task // INDICES_PER_TASK, body.slabs)
                 for j in range(first, last):
                     phases.sum_slabs(body, j)
         for _ in range(ti.min(slabs, 1)):
             TRAITS.fold(body, phases.fold_sums)
-        for task in range(TASK * slabs):
-            if task % TASK == 0:
-                first, last = phases.slab_range(body.active - TRAITS.first, task // TASK, body.slabs)
+        for task in range(INDICES_PER_TASK * slabs):
+            if task % INDICES_PER_TASK == 0:
+                first, last = phases.slab_range(body.active - TRAITS.first, task // INDICES_PER_TASK, body.slabs)
                 for j in range(first, last):
                     phases.update_nodes(body, TRAITS.first + j, TRAITS, on)
         for _ in range(ti.min(slabs, 1)):
             TRAITS.mirror(body, body.node_motion)
             estimator_loop.in_step(body, step + 1, HOOKS, on)
             remedies.in_step(body, step + 1, TRAITS, on)
-        for task in range(TASK * slabs):
-            if task % TASK == 0:
-                phases.nodes_to_particles(body, task // TASK, step + 1, TRAITS, on)
+        for task in range(INDICES_PER_TASK * slabs):
+            if task % INDICES_PER_TASK == 0:
+                phases.nodes_to_particles(body, task // INDICES_PER_TASK, step + 1, TRAITS, on)
         for _ in range(ti.min(slabs, 1)):
             estimator_loop.after_step(body, step + 1, HOOKS, on)
 
@@ -110,14 +110,14 @@ def kernels(parts: PlanarParts) -> Kernels:
             if line >= 0 and purpose != REPORT:
                 sample(body, line, step, purpose == MEASURE or step % body.look_interval == 0, MEASURES, on)
 
-    return Kernels(State, in_turn, serial_kernels(State, in_turn), step_in_slabs, inspect,
-                   kernels_at_once(State, parts))
+    return CpuKernels(State, in_turn, serial_kernels(State, in_turn), step_in_slabs, inspect,
+                      make_gpu_kernels(State, parts))
 
 
 class CpuStepper(SerialStepper):
     """Steps the arrays as they are, on so many ``threads``; on one with the serial kernel unless ``parallel``."""
 
-    def __init__(self, kernels: Kernels, scene: Scene, arrays: InstrumentedBody, on: KernelOptions, parallel: bool,
+    def __init__(self, kernels: CpuKernels, scene: Scene, arrays: InstrumentedBody, on: KernelOptions, parallel: bool,
                  threads: int):
         super().__init__(kernels.serial, kernels.state(**arrays.members()), on)
         self._scene, self._arrays, self._parallel, self._threads = scene, arrays, parallel, threads

@@ -15,10 +15,10 @@ from solvers.problems.planar.method import phases, remedies, stability_margin
 from solvers.problems.planar.method.samples import sample_sums
 from solvers.problems.planar.method.soundness import SAME
 from solvers.solver.base import CRUSHED, ESCAPED, INVERTED
-from solvers.solver.run_loop import FLATTEST, NO_NUMBER
+from solvers.solver.run_loop import MIN_JACOBIAN, NAN_JACOBIAN
 
 
-class KernelsAtOnce(NamedTuple):
+class GpuKernels(NamedTuple):
     """The kernels of a problem on a GPU; ``on`` are the switches of a scene."""
 
     to_nodes: Any  # (step, state, on)
@@ -47,41 +47,41 @@ def update_nodes(body: ti.template(), side, traits: ti.template(), on: ti.templa
 
 
 @ti.func
-def check_at_once(body: ti.template(), step, has_escaped: ti.template()):
-    """``solvers.solver.run_loop.check`` where all particles are looked at side by side, and the same particle: of
-    several that are not numbers the last."""
-    flattest, rank = FLATTEST, body.particles
-    for p in range(phases.moving(body)):
-        J = numbered_flatness(body, p)
-        if J < FLATTEST:
+def check_in_parallel(body: ti.template(), step, has_escaped: ti.template()):
+    """``solvers.solver.run_loop.check_particles`` where all particles are looked at side by side, and the same
+    particle: of several that are not numbers the last."""
+    flattest, rank = MIN_JACOBIAN, body.particles
+    for p in range(phases.active_particles(body)):
+        J = finite_jacobian(body, p)
+        if J < MIN_JACOBIAN:
             ti.atomic_min(flattest, J)
-    for p in range(phases.moving(body)):
-        if flattest < FLATTEST:
-            if numbered_flatness(body, p) <= flattest + SAME * ti.abs(flattest):
-                ti.atomic_min(rank, p if flattest > NO_NUMBER else body.particles - 1 - p)
+    for p in range(phases.active_particles(body)):
+        if flattest < MIN_JACOBIAN:
+            if finite_jacobian(body, p) <= flattest + SAME * ti.abs(flattest):
+                ti.atomic_min(rank, p if flattest > NAN_JACOBIAN else body.particles - 1 - p)
         elif has_escaped(body, p, step):
             ti.atomic_min(rank, p)
     if rank < body.particles:
-        body.verdict[0] = ESCAPED if flattest == FLATTEST else (CRUSHED if flattest > 0 else INVERTED)
+        body.verdict[0] = ESCAPED if flattest == MIN_JACOBIAN else (CRUSHED if flattest > 0 else INVERTED)
         body.verdict[1] = step
-        body.verdict[2] = rank if flattest > NO_NUMBER else body.particles - 1 - rank
+        body.verdict[2] = rank if flattest > NAN_JACOBIAN else body.particles - 1 - rank
 
 
 @ti.func
-def numbered_flatness(body: ti.template(), p):
+def finite_jacobian(body: ti.template(), p):
     """det F of a particle, or what stands for one that is not a number."""
-    J = phases.flatness(body, p)
-    return NO_NUMBER if ti.math.isnan(J) else J
+    J = phases.jacobian(body, p)
+    return NAN_JACOBIAN if ti.math.isnan(J) else J
 
 
-def kernels_at_once(State: Any, parts: PlanarParts) -> KernelsAtOnce:
+def make_gpu_kernels(State: Any, parts: PlanarParts) -> GpuKernels:
     """The kernels of a problem whose state has the type ``State``."""
     HOOKS, TRAITS, MEASURES = parts.hooks, parts.traits, parts.measures
 
     @ti.kernel
     def to_nodes(step: ti.i32, body: State, on: ti.template()):
         """The first half of the step after ``step`` steps: particles to nodes, and the nodes' new motion."""
-        count = phases.moving(body)
+        count = phases.active_particles(body)
         side = body.active * ti.min(count, 1)  # a run gone bad keeps its last nodes
         for place in range(side * side):
             body.node_sums[place // body.active * body.row + place % body.active] = ti.Vector([0.0] * 8)
@@ -97,7 +97,7 @@ def kernels_at_once(State: Any, parts: PlanarParts) -> KernelsAtOnce:
 
     @ti.kernel
     def begin_remedies(body: State, on: ti.template()):
-        remedies.begin(body, on)
+        remedies.begin_remedies(body, on)
 
     @ti.kernel
     def sharpen(pass_number: ti.i32, body: State, on: ti.template()):
@@ -105,12 +105,12 @@ def kernels_at_once(State: Any, parts: PlanarParts) -> KernelsAtOnce:
 
     @ti.kernel
     def end_remedies(body: State, on: ti.template()):
-        remedies.end(body, on)
+        remedies.end_remedies(body, on)
 
     @ti.kernel
     def check(step: ti.i32, body: State, on: ti.template()):
         """Stop a run that has gone bad."""
-        check_at_once(body, step, TRAITS.has_escaped)
+        check_in_parallel(body, step, TRAITS.has_escaped)
 
     @ti.kernel
     def sample(step: ti.i32, line: ti.i32, body: State, on: ti.template()):
@@ -136,5 +136,5 @@ def kernels_at_once(State: Any, parts: PlanarParts) -> KernelsAtOnce:
     def find_margin(body: State, on: ti.template()):
         stability_margin.step_margin(body, TRAITS, on)
 
-    return KernelsAtOnce(to_nodes, to_particles, begin_remedies, sharpen, end_remedies, check, sample, look, report,
-                         freeze, find_margin)
+    return GpuKernels(to_nodes, to_particles, begin_remedies, sharpen, end_remedies, check, sample, look, report,
+                      freeze, find_margin)

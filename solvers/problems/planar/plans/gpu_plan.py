@@ -10,21 +10,21 @@ import numpy as np
 import taichi as ti
 
 from solvers.estimators.companion import MOST_INTERVAL, NOW
-from solvers.estimators.standalone import ElasticBody, Lost, NystromIntegrator
+from solvers.estimators.standalone import ElasticBody, MotionLost, NystromIntegrator
 from solvers.kernels import runtime
 from solvers.kernels.launch import Launch
 from solvers.problems.planar.method import remedies
 from solvers.problems.planar.method.body import InstrumentedBody
-from solvers.problems.planar.plans.gpu_kernels import KernelsAtOnce
+from solvers.problems.planar.plans.gpu_kernels import GpuKernels
 from solvers.scene.estimator_hooks import NEVER
 from solvers.scene.kernel_options import KernelOptions
 from solvers.scene.scene import Scene
 from solvers.solver.base import MEASURE, REPORT
 from solvers.solver.run_loop import CHECK_EVERY
 
-KEPT = 8  # instants to which the companion can go back, as for timings, which take some steps again; and the start
-NODES = "companion_nodes"  # what the processor brings to each sample
-WATCHED = ("verdict", "samples", "step_margin", "memory_reals")  # what is fetched whenever steps have been taken
+INSTANTS = 8  # instants to which the companion can go back, as for timings, which take some steps again; and the start
+COMPANION_NODES = "companion_nodes"  # what the processor brings to each sample
+FETCHED = ("verdict", "samples", "step_margin", "memory_reals")  # what is fetched whenever steps have been taken
 
 
 class CompanionOnCpu:
@@ -32,29 +32,29 @@ class CompanionOnCpu:
 
     def __init__(self, body: ElasticBody, memory: Mapping[str, np.ndarray], dt: float):
         self._body, self._nodes, self._dt = body, memory["companion_nodes"], dt
-        self._kept = [NystromIntegrator(body, MOST_INTERVAL * dt)]
+        self._instants = [NystromIntegrator(body, MOST_INTERVAL * dt)]
 
-    def bring_to(self, step: int) -> None:
+    def advance_to(self, step: int) -> None:
         """Fill the layer ``NOW`` of ``companion_nodes``: u and v after so many steps, and a one step before; not a
         number where the companion itself is lost."""
-        integrator = self._at(max(0, step - 1))
+        integrator = self._integrator_at(max(0, step - 1))
         a = integrator.a
         if step:
-            integrator = self._at(step)
+            integrator = self._integrator_at(step)
         N = len(integrator.u)
         self._nodes[NOW * N:(NOW + 1) * N, :6] = np.concatenate([integrator.u, integrator.v, a], axis=1)
 
-    def _at(self, step: int) -> NystromIntegrator:
+    def _integrator_at(self, step: int) -> NystromIntegrator:
         """The body after so many steps, from the last instant before that it knows."""
         time = step * self._dt
-        while self._kept[-1].time > time:
-            self._kept.pop()
-        integrator = copy.copy(self._kept[-1])
-        with np.errstate(all="ignore"), contextlib.suppress(Lost):
-            integrator.to(time)
-        self._kept.append(integrator)
-        if len(self._kept) > KEPT:
-            del self._kept[1]
+        while self._instants[-1].time > time:
+            self._instants.pop()
+        integrator = copy.copy(self._instants[-1])
+        with np.errstate(all="ignore"), contextlib.suppress(MotionLost):
+            integrator.advance_to(time)
+        self._instants.append(integrator)
+        if len(self._instants) > INSTANTS:
+            del self._instants[1]
         return integrator
 
 
@@ -74,7 +74,7 @@ class DeviceArrays:
         self.upload(*arrays)
 
     def __del__(self) -> None:
-        self.forget()
+        self.free()
 
     def fetch(self, *names: str) -> None:
         """Bring the arrays up to date."""
@@ -86,7 +86,7 @@ class DeviceArrays:
         for name in names:
             self.copies[name].from_numpy(self.arrays[name])
 
-    def forget(self) -> None:
+    def free(self) -> None:
         """Free the copies: nobody uses them any more, or Taichi is about to end."""
         if self.copies:
             ti.sync()  # what is queued may use them
@@ -105,19 +105,19 @@ class GpuStepper:
     sums are made by atomic additions.
     """
 
-    def __init__(self, kernels: KernelsAtOnce, State: Any, scene: Scene, arrays: InstrumentedBody, on: KernelOptions,
+    def __init__(self, kernels: GpuKernels, State: Any, scene: Scene, arrays: InstrumentedBody, on: KernelOptions,
                  beside: CompanionOnCpu | None):
-        self._scene, self._arrays, self._on, self._beside = scene, arrays, on, beside
+        self._scene, self._arrays, self._on, self._companion = scene, arrays, on, beside
         members = arrays.members()
         self._names = [name for name, value in members.items() if isinstance(value, np.ndarray)]
-        self._own = DeviceArrays({name: members[name] for name in self._names}, State.members)
-        self.pack = State(**{**members, **self._own.copies})
-        self._kernels = KernelsAtOnce(*(Launch(kernel, self.pack, on) for kernel in kernels))
+        self._device_arrays = DeviceArrays({name: members[name] for name in self._names}, State.members)
+        self.pack = State(**{**members, **self._device_arrays.copies})
+        self._kernels = GpuKernels(*(Launch(kernel, self.pack, on) for kernel in kernels))
         runtime.holders.add(self)
         if on.frozen:
             self._kernels.freeze()
 
-    def forget(self) -> None:
+    def free(self) -> None:
         """Keep nothing that Taichi has made: it is about to end."""
         self.pack = None
 
@@ -133,7 +133,7 @@ class GpuStepper:
             kernels.begin_remedies.compile()
             kernels.sharpen.compile(0)
             kernels.end_remedies.compile()
-        if self._beside:
+        if self._companion:
             kernels.report.compile(0)
 
     def run(self, before: int, steps: int) -> None:
@@ -152,7 +152,7 @@ class GpuStepper:
             if step % scene.sample_interval == 0:
                 self._sample(step, line, step % scene.look_interval == 0)
                 line += 1
-        self._own.fetch(*WATCHED)
+        self._device_arrays.fetch(*FETCHED)
 
     def look(self, step: int, purpose: int) -> None:
         """Sample the state, after ``step`` steps, into line 0, or only bring the estimates up to date."""
@@ -162,19 +162,19 @@ class GpuStepper:
             self._report(step)
         else:
             self._sample(step, 0, True)
-            self._own.fetch(*WATCHED)
+            self._device_arrays.fetch(*FETCHED)
 
     def find_margin(self) -> None:
         self._kernels.find_margin()
-        self._own.fetch(*WATCHED)
+        self._device_arrays.fetch(*FETCHED)
 
     def fetch(self) -> None:
         """Bring the arrays up to date."""
-        self._own.fetch(*self._names)
+        self._device_arrays.fetch(*self._names)
 
     def upload(self) -> None:
         """Have the GPU go on from the arrays as they are here."""
-        self._own.upload(*self._names)
+        self._device_arrays.upload(*self._names)
 
     def _sample(self, step: int, line: int, looks: bool) -> None:
         self._report(step)
@@ -184,7 +184,7 @@ class GpuStepper:
 
     def _report(self, step: int) -> None:
         """Bring the estimates up to date. The processor carries its part on while the GPU has work in its queue."""
-        if self._beside and self._arrays.estimate_intervals[0] != NEVER:
-            self._beside.bring_to(step)
-            self._own.upload(NODES)
+        if self._companion and self._arrays.estimate_intervals[0] != NEVER:
+            self._companion.advance_to(step)
+            self._device_arrays.upload(COMPANION_NODES)
             self._kernels.report(step)

@@ -7,8 +7,8 @@ import pytest
 
 from app.page.panels import scene_widgets
 from app.page.panels.scene_widgets import REST, TO_BE_READ, Answers
-from tests.support.processes import until
-from tests.support.raw import Raw
+from tests.support.processes import wait_until
+from tests.support.raw_client import RawClient
 
 
 @pytest.fixture
@@ -78,14 +78,14 @@ def test_what_is_refused_goes_back_on_the_page(here, monkeypatch):
     """An amplitude beyond the exact bar, as a slider and as text, and text that is no number: slider and text show what
     runs, and under the control it says why."""
     monkeypatch.setattr(scene_widgets, "REST", 0.05)
-    with Raw(here[1]) as visitor:
+    with RawClient(here[1]) as visitor:
         slider, text = visitor.find("Amplitude A"), visitor.find("Amplitude A, typed")
         at, words = (visitor.widgets[one]["value"] for one in (slider, text))
         for one, value, why in ((slider, visitor.widgets[slider]["props"]["max"], "0.159"), (text, "0.3 m", "0.159"),
                                 (text, "a lot", "is not a number above 0 in m")):
             visitor.set(one, value)
-            until(lambda w=why: any("lab-answer" in html and w in html for html in visitor.html.values()), why)
-            until(lambda: visitor.widgets[text]["value"] == words, "the text from before")
-            until(lambda: visitor.widgets[slider]["value"] == pytest.approx(at), "the slider from before")
+            wait_until(lambda w=why: any("lab-answer" in html and w in html for html in visitor.html.values()), why)
+            wait_until(lambda: visitor.widgets[text]["value"] == words, "the text from before")
+            wait_until(lambda: visitor.widgets[slider]["value"] == pytest.approx(at), "the slider from before")
         visitor.set(text, "24mm")
-        until(lambda: visitor.widgets[slider]["value"] != pytest.approx(at), "another amplitude")
+        wait_until(lambda: visitor.widgets[slider]["value"] != pytest.approx(at), "another amplitude")

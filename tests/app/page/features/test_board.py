@@ -16,7 +16,7 @@ from app.lessons.lesson_runs import RunCache, RunFailed
 from app.lessons.student_progress import Answer
 from app.page.features.board.panel import LecturerContext, answers_json
 from app.page.features.board.slides import JoinInfo, calibration, question_scores, says_next, slide_html
-from tests.support.processes import until
+from tests.support.processes import wait_until
 
 DOOR = JoinInfo("http://lab/", "wave-4711")
 
@@ -62,7 +62,7 @@ def shown(board):
 def revealed(board):
     """Press for what came out, and wait until it is there."""
     press(board, NEXT)
-    until(lambda: "being worked out" not in shown(board), "what came out")
+    wait_until(lambda: "being worked out" not in shown(board), "what came out")
     return shown(board)
 
 
@@ -180,7 +180,7 @@ def test_the_end_says_how_well_the_class_has_known(board):
             for seat, answer in zip(seats, given[step.asked.kind], strict=True):
                 seat.answered(step, answer)
         press(board, NEXT)
-    until(lambda: len(question_scores(board)) == 3, "what came out")
+    wait_until(lambda: len(question_scores(board)) == 3, "what came out")
     assert calibration(question_scores(board)) == ["4 of 6 predictions were right: 67 %",
                                                    "2 of 3 intervals hold what came out: 67 %, where 80 % was said"]
     assert "2 of 3 held" in shown(board) and shown(board).count("2 of 3 right") == 2
@@ -209,7 +209,7 @@ def test_what_cannot_be_worked_out_is_said_and_ends_nothing():
     press(board, NEXT, NEXT, NEXT)
     assert "being worked out" in shown(board)
     outcomes.go.set()
-    until(lambda: "could not be worked out" in shown(board), "the sentence")
+    wait_until(lambda: "could not be worked out" in shown(board), "the sentence")
     press(board, NEXT)
     assert board.opened == 2
     board.close()

@@ -17,9 +17,9 @@ from solvers.problems.bar.scene import BarScene
 from solvers.problems.ring import RingScene
 from solvers.running.run import build
 from solvers.study.parameter_grid import task_of
-from solvers.study.row import failed
-from solvers.study.summary import flat
-from tests.support.rows import made_up
+from solvers.study.row import failed_row
+from solvers.study.summary import flatten_row
+from tests.support.fake_rows import fake_row
 
 SCENE = BarScene(cells=10, periods=1)
 
@@ -31,8 +31,8 @@ def frames(scene, steps=100):
     watch, history, fresh, rows = SoundnessWatch(scene), History(scene, scene.particles), True, solver.measure()
     while True:
         history.add(rows)
-        watch.look(rows, scene.particles)
-        status, reason, since = watch.tell(solver, {})
+        watch.check_samples(rows, scene.particles)
+        status, reason, since = watch.current_status(solver, {})
         yield FrameReport(session=1, number=1, scene=scene, fresh=fresh, playing=True, particles=scene.particles,
                           step=solver.step, time=solver.time, rows=rows, rate=10.0, real_speed=None, arch=solver.arch,
                           reason=reason, status=status, since=since, not_valid=solver.not_valid(), memory=""), history
@@ -102,26 +102,26 @@ def test_runs_keep_their_numbers_and_are_bounded():
     """A scene seen again is no new dot, a live row does not replace a timed one, and the oldest goes."""
     runs = Runs(most=3)
     for cells in (10, 20, 10):
-        runs.add(made_up(cells=cells), LIVE)
-    runs.add(made_up(cells=20), SWEEP)
-    runs.add(made_up(cells=20), LIVE)
-    runs.add(made_up(cells=10, status="failed"), SWEEP)
+        runs.add(fake_row(cells=cells), LIVE)
+    runs.add(fake_row(cells=20), SWEEP)
+    runs.add(fake_row(cells=20), LIVE)
+    runs.add(fake_row(cells=10, status="failed"), SWEEP)
     assert [(run.number, run.source) for run in runs.all()] == [(1, LIVE), (2, SWEEP)]
     assert [task.inputs["cells"] for task in scenes_to_time(runs.all())] == [10]
     for cells in (30, 40):
-        runs.add(made_up(cells=cells), LIVE)
+        runs.add(fake_row(cells=cells), LIVE)
     assert [run.number for run in runs.all()] == [2, 3, 4]
     assert runs.find(3).scene.cells == 30 and runs.find(1) is None
 
 
 def test_csv_has_every_row_and_input():
     runs = Runs()
-    runs.add(made_up(cells=10), SWEEP)
-    runs.add(failed(task_of(replace(SCENE, cells=30)), "lost"), SWEEP)
+    runs.add(fake_row(cells=10), SWEEP)
+    runs.add(failed_row(task_of(replace(SCENE, cells=30)), "lost"), SWEEP)
     read = list(csv.DictReader(io.StringIO(csv_bytes(runs.all()).decode())))
     assert [(line["run"], line["source"], line["scene.cells"], line["status"]) for line in read] == [
         ("1", SWEEP, "10", "ok"), ("2", SWEEP, "30", "failed")]
-    assert set(read[0]) == {"run", "source", *flat({**runs.all()[0].row, "asked": {}})}
+    assert set(read[0]) == {"run", "source", *flatten_row({**runs.all()[0].row, "asked": {}})}
 
 
 def test_scene_too_large_to_watch_is_not_loaded():
@@ -145,7 +145,7 @@ def test_row_that_says_most_is_kept():
     """A search knows less of a run than a sweep, and more of its time than a stage; the number stays."""
     runs = Runs()
     for source, kept in ((LIVE, LIVE), (SEARCH, SEARCH), (LIVE, SEARCH), (SWEEP, SWEEP), (SEARCH, SWEEP)):
-        runs.add(made_up(), source)
+        runs.add(fake_row(), source)
         assert [(run.number, run.source) for run in runs.all()] == [(1, kept)]
 
 
@@ -159,8 +159,8 @@ def test_table_is_bounded_and_says_what_is_left_out():
     """It is made anew with every run that a search makes."""
     runs = Runs()
     for cells in range(10, 10 + cost_texts.MOST_LINES + 3):
-        runs.add(made_up(cells=cells), SWEEP)
-    runs.add(failed(task_of(SCENE), "lost <b>"), SWEEP)
+        runs.add(fake_row(cells=cells), SWEEP)
+    runs.add(failed_row(task_of(SCENE), "lost <b>"), SWEEP)
     listed = cost_texts.runs_table(runs.all())
     assert listed.count("<button") == cost_texts.MOST_LINES and "4 more are on the chart" in listed
     assert "lost <b>" not in listed and cost_texts.runs_table([]) == ""

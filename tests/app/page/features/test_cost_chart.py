@@ -33,9 +33,9 @@ from app.page.features.cost.visitor_runs import (
 from app.page.panels.page_header import WEB
 from solvers.problems.bar.scene import BarScene
 from solvers.study.parameter_grid import task_of
-from solvers.study.row import failed
+from solvers.study.row import failed_row
 from tests.app.test_colours import contrast
-from tests.support.rows import made_up
+from tests.support.fake_rows import fake_row
 
 SCENE = BarScene(method="ugimp", cells=20)  # what rows are made up of
 NBSP = "\N{NO-BREAK SPACE}"
@@ -44,7 +44,7 @@ NBSP = "\N{NO-BREAK SPACE}"
 def judged(method="ugimp", cells=20, size=1e-3, **changed):
     """A row as a search knows it: of the errors the estimate only, of A as a part."""
     estimate = {"companion": {"x": {"max": size * SCENE.amplitude}}}
-    return {**made_up(method, cells), "error": {}, "estimate": estimate, **changed}
+    return {**fake_row(method, cells), "error": {}, "estimate": estimate, **changed}
 
 
 def numbered(*rows):
@@ -60,7 +60,7 @@ def drawn(runs, scene=SCENE, tolerance=1e-3):
 
 
 def sweep(*methods):
-    return [(made_up(method, cells), SWEEP) for method in methods for cells in (10, 20, 40)]
+    return [(fake_row(method, cells), SWEEP) for method in methods for cells in (10, 20, 40)]
 
 
 def buttons(drawing):
@@ -81,8 +81,8 @@ def buttons(drawing):
 def test_every_run_is_a_button_where_its_error_and_time_are():
     """Every run with an error and a time alone is within the chart, cheap ones to the left, exact ones below; one that
     broke is at the top, one that failed nowhere; runs of a sweep are joined and named at the finest."""
-    runs = numbered(*sweep("ugimp"), (made_up("mpm", status="unstable"), SWEEP), (judged("bspline", 40), SEARCH),
-                    (failed(task_of(SCENE), "lost <b>"), SWEEP))
+    runs = numbered(*sweep("ugimp"), (fake_row("mpm", status="unstable"), SWEEP), (judged("bspline", 40), SEARCH),
+                    (failed_row(task_of(SCENE), "lost <b>"), SWEEP))
     drawing = drawn(runs)
     found = buttons(drawing)
     assert sorted(found) == [1, 2, 3, 4, 5] and "<b>" not in drawing
@@ -93,10 +93,10 @@ def test_every_run_is_a_button_where_its_error_and_time_are():
     assert drawing.count("class='lab-curve'") == 2 and "hollow: as companion estimates" in drawing
     assert [words for _,
             words in curve_names(runs)] == ["uGIMP"] and [run.method for run in best_without_curve(runs)] == ["bspline"]
-    rows = [(made_up("ugimp", cells, cfl), SWEEP) for cfl in (0.1, 0.5) for cells in (10, 20)]
+    rows = [(fake_row("ugimp", cells, cfl), SWEEP) for cfl in (0.1, 0.5) for cells in (10, 20)]
     assert [words for _, words in curve_names(numbered(*rows))] == ["uGIMP, CFL 0.1", "uGIMP, CFL 0.5"]
     assert not buttons(drawn([])) and "time of one run" in drawn([])  # what will be there
-    lost = made_up(status="lost", reason="<img src=x onerror='alert(1)'>")
+    lost = fake_row(status="lost", reason="<img src=x onerror='alert(1)'>")
     stranger = drawn([visitor_runs.NumberedRun(1, SWEEP, lost)])
     assert "<img" not in stranger and "onerror=&#x27;" in stranger
 
@@ -104,7 +104,7 @@ def test_every_run_is_a_button_where_its_error_and_time_are():
 def test_times_of_a_stage_are_not_on_the_axis():
     """They are taken beside pictures and estimates: such a run stands in a band, is never the answer, and no axis
     reaches for it."""
-    slow = made_up("bspline", seconds={"full": 1e5})
+    slow = fake_row("bspline", seconds={"full": 1e5})
     runs = numbered((slow, LIVE), *sweep("ugimp"))
     found = buttons(drawn(runs))
     assert found[1][0] == {"lab-dot", "lab-untimed"} and found[1][1] == 0 and "on the stage" in found[1][3]
@@ -139,7 +139,7 @@ def test_front_is_what_none_beats():
 
 
 def test_headline_is_the_answer_and_says_whose_word_it_is():
-    runs = numbered(*sweep("ugimp"), (made_up("mpm", 10, order=0.5), SWEEP), (made_up("mpm", 20, order=0.1), SWEEP))
+    runs = numbered(*sweep("ugimp"), (fake_row("mpm", 10, order=0.5), SWEEP), (fake_row("mpm", 20, order=0.1), SWEEP))
     best = cheapest_run(runs, 0.03)
     says, more = answer_headline(runs, SCENE, 0.03, "", 16)
     assert says == f"For <b>3{NBSP}% of A</b>, pay <strong>{format_seconds(best.seconds)}</strong>: uGIMP on 40 cells."
@@ -152,7 +152,7 @@ def test_headline_is_the_answer_and_says_whose_word_it_is():
     assert "as companion estimates" in answer_headline(guessed, SCENE, 0.03, "", 16)[1]
     assert answer_headline(runs, SCENE, float("nan"), "give a <number>", 16)[1] == "give a &lt;number&gt;"
     assert answer_headline([], SCENE, 1e-3, "", 16)[0] == "Nothing measured yet."
-    says, more = answer_headline(numbered((made_up(), LIVE)), SCENE, 1e-3, "", 16)
+    says, more = answer_headline(numbered((fake_row(), LIVE)), SCENE, 1e-3, "", 16)
     assert says == "Nothing timed yet." and "data-press='Small sweep'" in more and "of 16 runs" in more
 
 
@@ -194,7 +194,7 @@ def test_axis_holds_its_values_and_has_ticks(values):
 
 def test_run_on_the_stage_is_marked():
     """Whatever else is computed beside it, and where it was timed alone, if so; the step may be said either way."""
-    runs = numbered((made_up("ugimp", 20, estimate=None, key="live"), LIVE), *sweep("ugimp"))
+    runs = numbered((fake_row("ugimp", 20, estimate=None, key="live"), LIVE), *sweep("ugimp"))
     assert run_of_scene(runs, replace(SCENE, cfl=0.05, estimators=(), effects=())) is runs[2]
     assert run_of_scene(runs[:1], SCENE) is runs[0] and "on the stage</span>" in drawn(runs[:1])
     assert (

@@ -24,8 +24,8 @@ from solvers.workers.worker_pool import Slots
 from solvers.workers.worker_process import ProcessDied
 from tests.app.page.features.test_cost import SCENE
 from tests.app.page.panel import Gui
-from tests.support.processes import until
-from tests.support.rows import made_up
+from tests.support.fake_rows import fake_row
+from tests.support.processes import wait_until
 
 
 class Pool:
@@ -41,7 +41,7 @@ class Pool:
         self.question, self.hear, self.future = question, hear, Future()
         return self.future
 
-    def give_way(self):
+    def lower_priority(self):
         self.ways += 1
 
     def kill(self):
@@ -98,13 +98,13 @@ def test_a_sweep_and_a_search_in_processes_of_their_own(jobs):
     the advice is a scene with the truth and the estimate by which it was found. Another visitor's search for the same
     makes none of them again."""
     jobs.sweep(small_sweep(SCENE)[:1])
-    until(lambda: not jobs.status.running, "the end of a sweep")
+    wait_until(lambda: not jobs.status.running, "the end of a sweep")
     [run] = jobs.runs.all()
     assert jobs.status == CostStatus("sweep", done=1, total=1) and run.row["seconds"]["min"] > 0
     searcher, other = (Jobs(Runs(), jobs.slots, jobs._kept) for _ in range(2))
     for one in (searcher, other):
         one.search(few(1e-2))
-        until(lambda one=one: not one.status.running, "the end of a search")
+        wait_until(lambda one=one: not one.status.running, "the end of a search")
     advice, found = searcher.status.advice, searcher.runs.all()
     assert advice["met"] and advice["error"] <= 1e-2 * SCENE.amplitude
     said = cost_texts.job_text(searcher.status)
@@ -131,10 +131,10 @@ def test_a_job_is_told_of_and_makes_room(jobs, pools):
     other = Jobs(Runs(), jobs.slots)
     other.sweep(small_sweep(SCENE))
     assert "server busy" in cost_texts.job_text(other.status) and not other.status.running and other.others
-    pools[0].hear({"row": made_up()})
+    pools[0].hear({"row": fake_row()})
     assert cost_texts.job_text(jobs.status) == "Sweep: 1 of 16 runs."
     jobs.cancel()
-    until(lambda: not jobs.status.running, "the end of a job that was cancelled")
+    wait_until(lambda: not jobs.status.running, "the end of a job that was cancelled")
     assert "cancelled" in cost_texts.job_text(jobs.status) and jobs.status.trouble is None and len(jobs.runs.all()) == 1
     for error, said in ((ProcessDied("was ended by SIGKILL"), "SIGKILL"),
                         (OSError(11, "Resource temporarily unavailable"), "temporarily unavailable")):
@@ -153,7 +153,7 @@ def test_visitor_who_leaves_takes_the_process_along(jobs, pools):
     """After that none begins. That the page closes its jobs is seen in ``tests/browser/features/test_cost.py``."""
     jobs.sweep(small_sweep(SCENE))
     jobs.close()
-    until(lambda: not jobs.status.running and pools[0].closed, "the end of the job")
+    wait_until(lambda: not jobs.status.running and pools[0].closed, "the end of the job")
     jobs.sweep(small_sweep(SCENE))
     assert not jobs.status.running and len(pools) == 1
 
@@ -165,7 +165,7 @@ def test_a_search_is_told_what_is_known_and_times_only_as_they_were_taken(jobs, 
         known = pools[-1].question["known"]
         assert [point.get("rate") for point in known.values()] == ([rate] if pools[1:] else [])
         point = {"error": 1e-3, "rate": 2e-9, "status": "ok", "reason": None}
-        pools[-1].hear({"row": made_up(), "known": bool(known), "point": point})
+        pools[-1].hear({"row": fake_row(), "known": bool(known), "point": point})
         assert jobs.status.known == len(known) and jobs.status.done == 1
         pools[-1].end()
     jobs.search(replace(few(1e-2), base=task_of(replace(SCENE, amplitude=0.01)).to_dict()))
@@ -192,7 +192,7 @@ def test_a_search_takes_the_process_that_is_ready(jobs, ready, pools):
     first.end()
     assert ready._pool is first and not first.closed
     jobs.search(few(3e-3))
-    first.hear({"row": made_up()})
+    first.hear({"row": fake_row()})
     jobs.beside()
     first.end()
     assert first.ways == 1 and ready._pool is None and first.closed
@@ -200,7 +200,7 @@ def test_a_search_takes_the_process_that_is_ready(jobs, ready, pools):
     second = ready._pool
     jobs.sweep(small_sweep(SCENE)[:1])
     assert jobs._pool is not second
-    until(lambda: second.closed, "the end of what was ready")
+    wait_until(lambda: second.closed, "the end of what was ready")
 
 
 def test_few_processes_are_ready_and_none_for_ever(ready, pools):
@@ -213,11 +213,11 @@ def test_few_processes_are_ready_and_none_for_ever(ready, pools):
     second.prepare(few(1e-2), quiet=True)
     assert second._ready._pool is None
     first.close()
-    until(lambda: mine.closed, "the end of the first one's")
+    wait_until(lambda: mine.closed, "the end of the first one's")
     first.prepare(few(1e-2), quiet=True)
     assert ready._pool is None
     second.prepare(few(1e-2), quiet=True)
-    until(lambda: second._ready._pool is None and ready._places.taken == 0, "the end of the second one's")
+    wait_until(lambda: second._ready._pool is None and ready._places.taken == 0, "the end of the second one's")
 
 
 def test_who_opens_the_tab_has_a_process_made_ready(tab):
@@ -342,7 +342,7 @@ def test_search_ends_when_what_was_asked_changes(tab, pools):
     assert tab.jobs.status.running
     tab.stage.scene = replace(SCENE, amplitude=0.01)
     tab.refresh()
-    until(lambda: not tab.jobs.status.running, "the end of the search")
+    wait_until(lambda: not tab.jobs.status.running, "the end of the search")
     tab.refresh()
     assert cost_texts.job_text(tab.jobs.status) == "The search was cancelled."
     assert "What it was to find has changed." in tab.widgets.said

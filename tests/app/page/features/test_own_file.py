@@ -22,17 +22,17 @@ from app.page.visit.status_message import Notice
 from app.viewer import upload
 from solvers.judging import particle_writers
 from solvers.judging.error_norms import sizes
-from solvers.judging.file_view import LIMITS, Shown, ShowRequest
-from solvers.judging.problem_handout import exact
+from solvers.judging.file_view import LIMITS, FileSummary, ShowRequest
+from solvers.judging.problem_handout import exact_frame
 from solvers.problems import PROBLEMS
 from solvers.study.parameter_grid import task_of
 from solvers.untrusted.quoting import file_name
 from solvers.workers.worker_pool import Slots
 from solvers.workers.worker_process import WorkerProcess
 from tests.app.serving.test_messages import page_of, settle
-from tests.support.hostile import FILES
-from tests.support.processes import until
-from tests.support.raw import Raw, unknown
+from tests.support.hostile_files import FILES
+from tests.support.processes import wait_until
+from tests.support.raw_client import RawClient, unknown_widget_id
 
 QUICK = {"bar": ["--cells", "20", "--periods", "1"], "ring": ["--cells", "12", "--periods", "0.5"],
          "vortex": ["--cells", "24", "--periods", "0.25"]}
@@ -41,7 +41,7 @@ QUICK = {"bar": ["--cells", "20", "--periods", "1"], "ring": ["--cells", "12", "
 @pytest.fixture(scope="module")
 def process():
     """The process that reads files: one for all that is asked here."""
-    worker = WorkerProcess("solvers.judging.file_view:show")
+    worker = WorkerProcess("solvers.judging.file_view:judge_in_worker")
     yield worker
     worker.close()
 
@@ -59,7 +59,7 @@ def shown_of(process, file, scene, folder, name="mine", chosen=False):
 def run_of(process, file, scene, folder, name="mine"):
     """The run on the stage that comes of a file, estimated; and all that the process says of it."""
     answers, table = shown_of(process, file, scene, folder, name)
-    run = UploadedRun(name, Shown(**answers["frames"]), table)
+    run = UploadedRun(name, FileSummary(**answers["frames"]), table)
     run.estimated(answers["estimate"])
     return run, answers
 
@@ -90,12 +90,13 @@ def test_a_run_of_ours_is_shown_with_its_own_errors(problem, process, tmp_path):
 def test_a_file_of_another_problem_is_asked_about_and_one_that_says_its_scene_is_judged_with_it(process, tmp_path):
     """A ring's on the page of a bar; what its owner chooses holds against what it says."""
     bar, ring = PROBLEMS["bar"].scene(), PROBLEMS["ring"].scene(cells=12, amplitude=0.02)
-    frames = [exact(ring, 0.1 * ring.period)]
+    frames = [exact_frame(ring, 0.1 * ring.period)]
     theirs, ours, liar = (tmp_path / name for name in ("theirs.csv", "ours.npz", "liar.npz"))
-    columns = particle_writers.table(frames)
-    theirs.write_bytes(particle_writers.csv({name: columns[name] for name in ("t", "id", "x", "y")}, {"cells": 12}))
-    ours.write_bytes(particle_writers.npz(frames, ring))
-    liar.write_bytes(particle_writers.npz([exact(bar, 0.1)], replace(ring, cells=bar.cells)))
+    columns = particle_writers.frame_columns(frames)
+    theirs.write_bytes(particle_writers.csv_text({name: columns[name] for name in ("t", "id", "x", "y")},
+                                                 {"cells": 12}))
+    ours.write_bytes(particle_writers.npz_bytes(frames, ring))
+    liar.write_bytes(particle_writers.npz_bytes([exact_frame(bar, 0.1)], replace(ring, cells=bar.cells)))
     answers, _ = shown_of(process, theirs, bar, tmp_path)
     assert answers == {"asks": {"reason": "has positions in two directions, and the bar has one",
                                 "problems": ["ring", "vortex", "square"]}}
@@ -123,9 +124,9 @@ def test_the_field_of_exact_particles_is_on_the_exact_curve(problem, process, tm
     """That of the stage's own plot, in single precision."""
     from app.problems.views import VIEWS
     scene, t = PROBLEMS[problem].scene(cells=12), 0.3 * PROBLEMS[problem].scene(cells=12).period
-    frame = exact(scene, t)
+    frame = exact_frame(scene, t)
     file = tmp_path / "exact.csv"
-    file.write_bytes(particle_writers.csv(particle_writers.table([frame])))
+    file.write_bytes(particle_writers.csv_text(particle_writers.frame_columns([frame])))
     run, _ = run_of(process, file, scene, tmp_path)
     at = np.linalg.norm(frame.material_position, axis=1)
     for q in ("x", "v", "sigma"):
@@ -137,10 +138,10 @@ def test_the_field_of_exact_particles_is_on_the_exact_curve(problem, process, tm
 
 def test_where_no_solution_is_known_the_companion_alone_is_shown(process, tmp_path):
     scene = PROBLEMS["bar"].scene(cells=12, body_force="two-tone")
-    frame = exact(replace(scene, body_force="material"), 0.1)
+    frame = exact_frame(replace(scene, body_force="material"), 0.1)
     file = tmp_path / "mine.csv"
     bare = replace(frame, stress=None, deformation_gradient=None)
-    file.write_bytes(particle_writers.csv(particle_writers.table([bare])))
+    file.write_bytes(particle_writers.csv_text(particle_writers.frame_columns([bare])))
     run, _ = run_of(process, file, scene, tmp_path)
     assert run.true is None and run.missing == ["sigma"]
     _, arrays = run.frame(0, "x", False)
@@ -153,16 +154,16 @@ def test_where_no_solution_is_known_the_companion_alone_is_shown(process, tmp_pa
 def test_particles_that_are_not_ours_and_not_always_the_same(process, tmp_path):
     """Known by material positions: other numbers at other times."""
     scene = PROBLEMS["ring"].scene(cells=12)
-    frames = [exact(scene, t) for t in (0.0, 0.002)]
+    frames = [exact_frame(scene, t) for t in (0.0, 0.002)]
     few = np.arange(0, len(frames[1].number), 3)
     frames[1] = replace(frames[1], number=few, **{name: getattr(frames[1], name)[few] for name in (
         "material_position", "position", "velocity", "deformation_gradient", "stress")})
     moved = frames[1].position + np.array([1e-3, 0.0])
     frames[1] = replace(frames[1], position=moved)
-    columns = particle_writers.table(frames)
+    columns = particle_writers.frame_columns(frames)
     del columns["id"]
     file = tmp_path / "mine.csv"
-    file.write_bytes(particle_writers.csv(columns))
+    file.write_bytes(particle_writers.csv_text(columns))
     run, _ = run_of(process, file, scene, tmp_path)
     assert [run.particles(0), run.particles(1)] == [len(frames[0].number), len(few)]
     _, arrays = run.frame(1, "x", False)
@@ -216,27 +217,27 @@ def test_a_file_that_takes_too_long_or_is_not_wanted_any_more_ends_its_process(t
     file = tmp_path / "coming"
     file.write_bytes(b"x")
     judging = Judging("a.csv", file, PROBLEMS["bar"].scene(), lambda _, message: heard.append(message))
-    until(lambda: heard, "a sentence")
+    wait_until(lambda: heard, "a sentence")
     assert heard[0]["refused"].startswith("The file a.csv takes more than")
     file.write_bytes(b"x")
     cancelled = Judging("a.csv", file, PROBLEMS["bar"].scene(), lambda _, message: heard.append(message))
     cancelled.cancel()
-    until(lambda: judging.process_id is None and cancelled.process_id is None, "both processes have ended")
+    wait_until(lambda: judging.process_id is None and cancelled.process_id is None, "both processes have ended")
     assert len(heard) == 1
 
 
 def test_a_server_that_judges_enough_says_so(tmp_path):
     """And a place that was taken is given back."""
     heard, slots = [], Slots(1)
-    assert slots.take()
+    assert slots.acquire()
     file = tmp_path / "coming"
     file.write_bytes(b"id,x\n")
     Judging("a.csv", file, PROBLEMS["bar"].scene(), lambda _, message: heard.append(message), slots)
-    until(lambda: heard == [{"refused": BUSY}], "a sentence")
-    slots.give_back()
+    wait_until(lambda: heard == [{"refused": BUSY}], "a sentence")
+    slots.release()
     file.write_bytes(b"id,x\n")
     Judging("a.csv", file, PROBLEMS["bar"].scene(), lambda _, message: heard.append(message), slots)
-    until(lambda: "holds no particles" in heard[-1]["refused"] and slots.taken == 0, "another, and a free place")
+    wait_until(lambda: "holds no particles" in heard[-1]["refused"] and slots.taken == 0, "another, and a free place")
 
 
 @pytest.mark.parametrize(("name", "said"), [
@@ -262,18 +263,18 @@ class Sender:
         self.visitor, self.box = visitor, visitor.find("file of particles")
 
     def start(self, size, name="mine.csv", transfer="t1", **other):
-        self.visitor.say({"type": upload.START, "source_component_uuid": self.box, "transfer_uuid": transfer,
-                          "filename": name, "mime_type": "", "part_count": -(-size // upload.PART_BYTES),
-                          "size_bytes": size} | other)
+        self.visitor.send({"type": upload.START, "source_component_uuid": self.box, "transfer_uuid": transfer,
+                           "filename": name, "mime_type": "", "part_count": -(-size // upload.PART_BYTES),
+                           "size_bytes": size} | other)
 
     def part(self, index, content, transfer="t1", **other):
-        self.visitor.say({"type": upload.PART, "source_component_uuid": self.box, "transfer_uuid": transfer,
-                          "part_index": index, "content": content} | other)
+        self.visitor.send({"type": upload.PART, "source_component_uuid": self.box, "transfer_uuid": transfer,
+                           "part_index": index, "content": content} | other)
 
 
 @pytest.fixture
 def sender(here, arrived):
-    with Raw(here[1]) as one:
+    with RawClient(here[1]) as one:
         one.find("Download CSV")  # the last of its controls
         yield Sender(one)
 
@@ -285,13 +286,13 @@ def test_a_file_comes_part_by_part(here, sender, arrived):
     for k in range(3):
         sender.part(k, content[k * upload.PART_BYTES:(k + 1) * upload.PART_BYTES])
         settle(here[0], sender.visitor)
-    until(lambda: len(arrived[0]) == 1, "the file")
+    wait_until(lambda: len(arrived[0]) == 1, "the file")
     sender.start(3, "other.npz", "t2")
     sender.part(0, b"abc", "t2")
     sender.start(0, "none.csv", "t3")
-    until(lambda: len(arrived[0]) == 3, "the others")
+    wait_until(lambda: len(arrived[0]) == 3, "the others")
     assert arrived == ([("mine.csv", content), ("other.npz", b"abc"), ("none.csv", b"")], [])
-    until(lambda: sender.visitor.kinds["FileTransferPartAck"] >= 3, "the browser is told of each")
+    wait_until(lambda: sender.visitor.kinds["FileTransferPartAck"] >= 3, "the browser is told of each")
     assert sender.visitor.closed is None
 
 
@@ -301,7 +302,7 @@ def test_what_is_no_file_is_refused_and_harms_nobody(here, sender, arrived):
     one, raw = here[0], sender.visitor
     first, last = os.urandom(upload.PART_BYTES), b"end"
     whole = len(first) + len(last)
-    with Raw(here[1]) as neighbour:
+    with RawClient(here[1]) as neighbour:
         neighbour.find("Download CSV")
         sender.part(0, b"of nothing")
         sender.start(upload.LARGEST + 1)
@@ -312,7 +313,7 @@ def test_what_is_no_file_is_refused_and_harms_nobody(here, sender, arrived):
         sender.start(10.5)
         sender.start(whole, filename="x" * 1001)
         sender.start(whole, filename=None)
-        sender.start(whole, source_component_uuid=unknown())
+        sender.start(whole, source_component_uuid=unknown_widget_id())
         sender.start(whole, source_component_uuid=raw.find("Choose a file"))
         sender.start(whole, more=1)
         settle(one, raw)
@@ -330,12 +331,12 @@ def test_what_is_no_file_is_refused_and_harms_nobody(here, sender, arrived):
         sender.part(2, last)
         turned = {"part_index": 1, "type": upload.PART, "source_component_uuid": sender.box, "transfer_uuid": "t1",
                   "content": last}
-        raw.say(turned)  # fields in another order
-        raw.say(msgspec.msgpack.encode({"type": upload.PART})[:-1] + b"\x91" * 400_000)
+        raw.send(turned)  # fields in another order
+        raw.send(msgspec.msgpack.encode({"type": upload.PART})[:-1] + b"\x91" * 400_000)
         settle(one, raw)
         assert arrived[0] == []
         sender.part(1, last)
-        until(lambda: arrived[0], "the file")
+        wait_until(lambda: arrived[0], "the file")
         assert arrived[0] == [("mine.csv", first + last)] and arrived[1] == [upload.TOO_LARGE] * 2
         assert neighbour.closed is None
         for client in one._connected_clients.values():
@@ -345,15 +346,15 @@ def test_what_is_no_file_is_refused_and_harms_nobody(here, sender, arrived):
 
 
 def test_nothing_of_a_file_stays_when_its_visitor_has_gone(here, arrived):
-    with Raw(here[1]) as raw:
+    with RawClient(here[1]) as raw:
         raw.find("Download CSV")
         sender = Sender(raw)
         [box] = [h for h in page_of(here[0]).values() if upload.upload_of_button(h)]
         folder = upload.upload_of_button(box).folder
         sender.start(2 * upload.PART_BYTES)
         sender.part(0, bytes(upload.PART_BYTES))
-        until(lambda: (folder / "coming").exists(), "the beginning of a file")
-    until(lambda: not folder.exists(), "its folder has gone")
+        wait_until(lambda: (folder / "coming").exists(), "the beginning of a file")
+    wait_until(lambda: not folder.exists(), "its folder has gone")
 
 
 @pytest.mark.parametrize("age, untouched, shown", [(2.0, 5.0, True), (2.0, 1.0, False), (TO_BE_READ + 1, 60.0, False)])

@@ -9,7 +9,7 @@ from solvers.problems.planar.method.body import PlanarBody
 from solvers.problems.planar.scene import motion_table
 
 
-class Moment(NamedTuple):
+class ExactState(NamedTuple):
     """The exact solution at one time, at the material positions of P particles, SI."""
 
     displacement: np.ndarray  # u (P, 2)
@@ -21,7 +21,7 @@ class Moment(NamedTuple):
     second_rate: np.ndarray  # F_tt, that of a (P, 2, 2)
 
 
-def moment_of(scene: Any, a: PlanarBody, t: float) -> Moment:
+def exact_state_at(scene: Any, a: PlanarBody, t: float) -> ExactState:
     """Found at the orbits' points, F_tt from the table of the motion, and turned to the particles of the body ``a``."""
     jets, K = scene.EXACT.jets(scene, a.orbit_point, t), len(a.orbit_point)
     rate = [one.derivative(axis, TIME) for one in jets for axis in (X_AXIS, Y_AXIS)]
@@ -30,5 +30,5 @@ def moment_of(scene: Any, a: PlanarBody, t: float) -> Moment:
     tensors = [columns(jets.deformation_gradient, K), columns(rate, K), motion_table(scene)(t, 2)[:, 2:]]
     c, s = a.direction.T
     Q = np.stack([c, -s, s, c], axis=1).reshape(-1, 2, 2)
-    return Moment(*(np.einsum("pij,pj->pi", Q, one[a.orbit]) for one in vectors),
-                  *(Q @ one.reshape(-1, 2, 2)[a.orbit] @ Q.swapaxes(1, 2) for one in tensors))
+    return ExactState(*(np.einsum("pij,pj->pi", Q, one[a.orbit]) for one in vectors),
+                      *(Q @ one.reshape(-1, 2, 2)[a.orbit] @ Q.swapaxes(1, 2) for one in tensors))

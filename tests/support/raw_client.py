@@ -12,14 +12,14 @@ from websockets.sync.client import connect
 from app.commands.bench.class_load import is_frame
 from app.viewer.send_queue import PROTOCOL
 from app.viewer.websocket_client import pack_message, unpack_messages
-from tests.support.processes import HANG, until
+from tests.support.processes import HANG, wait_until
 
 CAMERA = {"type": "ViewerCameraMessage", "wxyz": [0.0, 1.0, 0.0, 0.0], "position": [0.0, 0.0, 30.0], "fov": 0.07,
           "near": 1.0, "far": 600.0, "image_height": 720, "image_width": 600, "look_at": [0.0, 0.0, 0.0],
           "up_direction": [0.0, 1.0, 0.0]}
 
 
-class Raw:
+class RawClient:
     """One websocket. It reads all that comes, on a thread of its own: ``widgets`` are the inputs that the page has, by
     id, with what the page has said of them; ``frames`` counts the pictures of particles."""
 
@@ -31,14 +31,14 @@ class Raw:
         self._reader = threading.Thread(target=self._read, daemon=True)
         self._reader.start()
         if arrive:
-            self.say(CAMERA)
+            self.send(CAMERA)
 
-    def say(self, message):
+    def send(self, message):
         """Say something; bytes go as they are."""
         self.socket.send(message if isinstance(message, bytes | str) else pack_message(message))
 
     def set(self, widget, value, **others):
-        self.say({"type": "GuiUpdateMessage", "uuid": widget, "updates": {"value": value, **others}})
+        self.send({"type": "GuiUpdateMessage", "uuid": widget, "updates": {"value": value, **others}})
 
     def follow(self, link):
         """Say, as a browser does, which scene its address has: who has none sees the opening, beside a pinned run."""
@@ -46,7 +46,7 @@ class Raw:
 
     def find(self, label):
         """The id of the widget with this label, once it is there."""
-        until(lambda: label in self._labels(), label)
+        wait_until(lambda: label in self._labels(), label)
         return self._labels()[label]
 
     def label(self, widget):
@@ -99,6 +99,6 @@ class Raw:
             self.widgets[message["uuid"]] = message
 
 
-def unknown():
+def unknown_widget_id():
     """An id that no widget has."""
     return str(uuid.uuid4())

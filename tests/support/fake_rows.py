@@ -10,11 +10,11 @@ from solvers.problems.bar.scene import BarScene
 from solvers.scene.effects import EFFECTS
 from solvers.solver.samples import QUANTITIES
 from solvers.study.parameter_grid import Task
-from solvers.study.row import fingerprint, refused
+from solvers.study.row import fingerprint, refused_row
 
 
-def made_up(method: str = "ugimp", cells: int = 20, cfl: float = 0.05, order: float = 2.0, status: str = "ok",
-            estimate: float | None = 1.1, **changed) -> dict:
+def fake_row(method: str = "ugimp", cells: int = 20, cfl: float = 0.05, order: float = 2.0, status: str = "ok",
+             estimate: float | None = 1.1, **changed) -> dict:
     """A row whose errors are cells^-order, estimated by ``estimate`` times as much."""
     inputs = {"method": method, "cells": cells, "cfl": cfl}
     scene = replace(BarScene(**inputs), effects=tuple(EFFECTS))
@@ -39,14 +39,14 @@ def without_timings(row: dict) -> dict:
     return {name: value for name, value in row.items() if name not in ("seconds", "rate", "host")}
 
 
-class Instant:
+class InstantExecutor:
     """A place that needs no time, instead of ``solvers.study.executors.LocalExecutor``: it has each row from
     ``answer``; ``asked`` are the tasks that came."""
 
     def __init__(self, answer: Callable[[Task], dict] | None = None):
-        self._answer, self.asked = answer or made_up_for, []
+        self._answer, self.asked = answer or fake_answer, []
 
-    def __call__(self, workers: int, work: str) -> Instant:
+    def __call__(self, workers: int, work: str) -> InstantExecutor:
         return self
 
     def submit(self, task: Task) -> Future:
@@ -60,8 +60,8 @@ class Instant:
     def close(self) -> None: ...
 
 
-def made_up_for(task: Task) -> dict:
+def fake_answer(task: Task) -> dict:
     """What a task might have given."""
     if refusal := task.refusal():
-        return refused(task, refusal)
-    return {**made_up(task.inputs.get("method", "ugimp"), task.inputs["cells"]), "key": task.key, "asked": task.inputs}
+        return refused_row(task, refusal)
+    return {**fake_row(task.inputs.get("method", "ugimp"), task.inputs["cells"]), "key": task.key, "asked": task.inputs}

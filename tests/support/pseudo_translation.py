@@ -12,7 +12,7 @@ from tests.words import template
 CODE = "xx"
 
 
-def written(file: Path) -> Path:
+def write_catalogue(file: Path) -> Path:
     """The file of that language's words."""
     words = template()
     for entry in words:
@@ -25,4 +25,4 @@ def written(file: Path) -> Path:
     return file
 
 
-LANGUAGES[CODE] = Language("Pseudo", written(Path(tempfile.mkdtemp()) / "xx.po"))
+LANGUAGES[CODE] = Language("Pseudo", write_catalogue(Path(tempfile.mkdtemp()) / "xx.po"))

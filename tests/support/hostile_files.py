@@ -33,12 +33,12 @@ def npz(members: list[tuple[str, bytes]], packing: int = zipfile.ZIP_DEFLATED) -
     return out.getvalue()
 
 
-def doubled() -> bytes:
+def npz_with_duplicates() -> bytes:
     """Two arrays of one name: with the ending of an array and without, and another that a change of a letter makes."""
     return npz([(name, npy(array(), bytes(32))) for name in ("x.npy", "x", "y.npy")], zipfile.ZIP_STORED)
 
 
-def savez(**arrays) -> bytes:
+def npz_of_arrays(**arrays) -> bytes:
     out = io.BytesIO()
     np.savez_compressed(out, **arrays)
     return out.getvalue()
@@ -89,7 +89,7 @@ FILES: dict[str, bytes | Callable[[Path], bytes]] = {
     "one-line.csv": lambda _: b"id," + b"x" * 3_000_000,
     "brackets.csv": b"id,x" + b"(" * 100_000 + b"\n0,1\n",
     "moments.csv": lambda _: b"id,x,t\n" + b"".join(b"0,0.5,%d\n" % k for k in range(100_000)),
-    "moments.npz": lambda _: savez(t=np.arange(1e5), id=np.arange(1), x=np.zeros((100_000, 1, 1))),
+    "moments.npz": lambda _: npz_of_arrays(t=np.arange(1e5), id=np.arange(1), x=np.zeros((100_000, 1, 1))),
     "escapes.csv": f"id,x,{EVIL[:30].splitlines()[0]},{EVIL[:5]}\n0,1,2,\x1b[31m\n".encode(),
     "names.csv": f"\x1b[31m{'z' * 5000},\u202eb\n1,2\n".encode(),
     "wide-digits.csv": "id,x,t\n0,４,0\n".encode(), "underscore.csv": b"id,x,t\n0,4_0,0\n",
@@ -99,7 +99,8 @@ FILES: dict[str, bytes | Callable[[Path], bytes]] = {
                   b"\nid,x,t\n0,0,0\n"),
     "huge-cells.csv": b"# cells = 1e300\nid,x,t\n0,0,0\n", "many-cells.csv": b"# cells = 100000\nid,x,t\n0,0,0\n",
     "huge-ids.csv": b"id,x,t\n1e300,0,0\n", "huge-places.csv": b"id,x,t\n0,1e308,0\n",
-    "double.npz": lambda _: doubled(), "overlap.npz": lambda _: doubled().replace(b"y.npy", b"x.npy"),
+    "double.npz": lambda _: npz_with_duplicates(),
+    "overlap.npz": lambda _: npz_with_duplicates().replace(b"y.npy", b"x.npy"),
     "terabytes.npz": npz([("x.npy", npy(SEVEN_TB)), ("t.npy", npy(array(shape="()"), bytes(8)))]),
     "negative.npz": npz([("x.npy", npy(array(shape="(-5,)")))]), "nothing.npz": npz([("x.npy", b"")]),
     "digits.npz": npz([("x.npy", npy(array(shape=f"({'9' * 4000},)")))]),
@@ -113,9 +114,11 @@ FILES: dict[str, bytes | Callable[[Path], bytes]] = {
     "long-head.npz": lambda _: npz([("x.npy", npy(" " * 200_000_000, version=2, length=200_000_000))]),
     "text.npz": npz([("x.npy", npy(array("<U1000000000", "()")))]),
     "version.npz": npz([("x.npy", b"\x93NUMPY\x09\x00\x00\x00")]),
-    "zeros.npz": lambda _: savez(t=np.array(0.0), id=np.zeros(3_000_000, np.int8), x=np.zeros(3_000_000, np.int8)),
-    "bytes.npz": lambda _: savez(t=np.array(0.0), x=np.zeros(100_000_000, np.int8)),
-    "tiled.npz": lambda _: savez(t=np.arange(9000.0), id=np.arange(40_000), x=np.zeros((9000, 40_000), np.int8)),
+    "zeros.npz": lambda _: npz_of_arrays(t=np.array(0.0), id=np.zeros(3_000_000, np.int8),
+                                         x=np.zeros(3_000_000, np.int8)),
+    "bytes.npz": lambda _: npz_of_arrays(t=np.array(0.0), x=np.zeros(100_000_000, np.int8)),
+    "tiled.npz": lambda _: npz_of_arrays(t=np.arange(9000.0), id=np.arange(40_000),
+                                         x=np.zeros((9000, 40_000), np.int8)),
     "members.npz": lambda _: npz([(f"a{k}.npy", b"") for k in range(30_000)], zipfile.ZIP_STORED),
     "bzip.npz": npz([("x.npy", npy(array(), bytes(32)))], zipfile.ZIP_BZIP2),
     "lzma.npz": npz([("x.npy", npy(array(), bytes(32)))], zipfile.ZIP_LZMA),
@@ -140,22 +143,24 @@ N = 3_600_000  # particles: as many numbers as are allowed, and every byte of th
 PLANE = {"X": (2,), "x": (2,), "v": (2,), "F": (2, 2)}
 
 
-def _many(folder: Path) -> bytes:
+def _file_of_many_rows(folder: Path) -> bytes:
     row = b"0,0,0,0\n" * 100_000
     return b"id,x,vx,t\n" + row * 100
 
 
 #: These take seconds to be written, or to be refused.
 LARGE: dict[str, bytes | Callable[[Path], bytes]] = {
-    "rows.csv": _many, "zeros.npz": lambda _: savez(t=np.array(0.0), **dict.fromkeys(("id", "x", "vx", "F"), np.zeros(
+    "rows.csv": _file_of_many_rows,
+    "zeros.npz": lambda _: npz_of_arrays(t=np.array(0.0), **dict.fromkeys(("id", "x", "vx", "F"), np.zeros(
         4_000_000))),
     "gigabytes.npz": lambda _: npz([(f"{name}.npy", npy(array(shape="(60000000,)"), bytes(480_000_000)))
                                     for name in ("x", "v", "F", "sigma")]),
-    "full.npz": lambda _: savez(t=np.array(0.0), id=np.zeros(N, np.int8), **{
+    "full.npz": lambda _: npz_of_arrays(t=np.array(0.0), id=np.zeros(N, np.int8), **{
         name: np.zeros((N, *shape), np.int8) for name, shape in PLANE.items()}),
-    "stacked.npz": lambda _: savez(t=np.arange(1000.0), id=np.arange(3300), **{
+    "stacked.npz": lambda _: npz_of_arrays(t=np.arange(1000.0), id=np.arange(3300), **{
         name: np.zeros((1000, 3300, *shape), np.int8) for name, shape in PLANE.items()}),
-    "nan.npz": lambda _: savez(t=np.array(0.0), id=np.arange(N), x=np.full((N, 2), np.nan), F=np.zeros((N, 2, 2))),
+    "nan.npz": lambda _: npz_of_arrays(t=np.array(0.0), id=np.arange(N), x=np.full((N, 2), np.nan),
+                                       F=np.zeros((N, 2, 2))),
     "text.vtu": lambda _: vtu(ASCII_POINT.replace("0.5 0 0", "0 " * 60_000_000), 4_000_000),
     "many.vtu": lambda _: vtu(ASCII_POINT.replace("0.5 0 0", "0 " * 12_000_000), 4_000_000)}
 
@@ -163,7 +168,7 @@ LARGE: dict[str, bytes | Callable[[Path], bytes]] = {
 TAKES_LONG = {"long-head.npz", "bytes.npz", "tiled.npz", "zeros.npz", "honest.vtu", "members.npz"}
 
 
-def written(name: str, folder: Path, files: dict[str, bytes | Callable[[Path], bytes]] = FILES) -> Path:
+def write_file(name: str, folder: Path, files: dict[str, bytes | Callable[[Path], bytes]] = FILES) -> Path:
     content = files[name]
     path = folder / name
     try:

@@ -38,7 +38,7 @@ class Listener:
             self.compilings.append(number)
             self._news.notify_all()
 
-    def on_trouble(self, sentence):
+    def on_error(self, sentence):
         with self._news:
             self.troubles.append(sentence)
             self._news.notify_all()

@@ -18,7 +18,7 @@ class Handle(SimpleNamespace):
             _owner_id="", _websock_interface=SimpleNamespace(get_message_buffer=lambda: buffer)))
 
 
-class Scene:
+class RecordingScene:
     """Remembers what was drawn, by the last part of its name."""
 
     def __init__(self):
@@ -28,7 +28,7 @@ class Scene:
         return lambda name, *args, **options: self.made.setdefault(name.rsplit("/", 1)[1], Handle(name))
 
 
-class Sheet:
+class RecordingSurface:
     """Keeps what was shown last under each name."""
 
     def __init__(self):
@@ -38,4 +38,4 @@ class Sheet:
         self.marks.update((mark.name, mark) for mark in marks)
 
     def child(self, name):
-        return Sheet()
+        return RecordingSurface()

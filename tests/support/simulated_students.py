@@ -5,8 +5,8 @@ import json
 import re
 
 from tests.app.serving.test_class_code import enter
-from tests.support.processes import until
-from tests.support.raw import Raw
+from tests.support.processes import wait_until
+from tests.support.raw_client import RawClient
 
 WHERE = re.compile(r"<div>(introduction|the end|step (\d+) of \d+)</div>")
 
@@ -16,7 +16,7 @@ def cookie_of(address, code):
     return enter(address, code)[2][1]
 
 
-class Pupil(Raw):
+class Student(RawClient):
     """One page of a browser that has this cookie. ``told`` is everything that it was ever told, as text."""
 
     def __init__(self, address, cookie, **options):
@@ -36,9 +36,9 @@ class Pupil(Raw):
     def go_on(self):
         """Press Next, once it is free, and wait for what follows."""
         before = self.at
-        until(lambda: not self.off("Next"), "Next free")
+        wait_until(lambda: not self.off("Next"), "Next free")
         self.set(self.find("Next"), True)
-        until(lambda: self.at == before + 1, f"the step after {before}")
+        wait_until(lambda: self.at == before + 1, f"the step after {before}")
 
     def tell(self, **said):
         """What a browser tells of itself."""
@@ -55,10 +55,10 @@ class Pupil(Raw):
             for text, part in zip(texts, given if isinstance(given, list) else [given], strict=True):
                 self.set(text, str(part))
         self.set(button, True)
-        until(lambda: self.said("Your answer") or self.said("Please "), "the answer heard")
+        wait_until(lambda: self.said("Your answer") or self.said("Please "), "the answer heard")
         if not self.said("Your answer"):  # what was chosen and the button that was pressed are heard by two threads
             self.set(button, True)
-            until(lambda: self.said("Your answer"), "the answer taken")
+            wait_until(lambda: self.said("Your answer"), "the answer taken")
 
     def said(self, words):
         """Whether these stand below the question."""

@@ -10,7 +10,7 @@ from app.page.page_server import _start_server
 from solvers.workers.worker_process import free_port
 
 
-class Link:
+class SilentLink:
     """A line to no engine: who asks gets a number and never a frame."""
 
     number = 0
@@ -23,33 +23,33 @@ class Link:
         """There is nothing to close."""
 
 
-class Pool:
+class SilentPool:
     playing = 0
     process_ids = ()
 
-    def gather(self, together):
+    def deliver_within(self, together):
         pass
 
     def wait_ready(self, timeout):
         return True
 
     def open(self, listener, beside=None):
-        return Link()
+        return SilentLink()
 
 
 @contextmanager
-def lab(host="127.0.0.1", names=(), code="", notes="", classroom=None, board=None, board_code=""):
+def start_server(host="127.0.0.1", names=(), code="", notes="", classroom=None, board=None, board_code=""):
     """The page's own web server in this process, without engines; and its address."""
     port = free_port()
     codes = {CLASS: code, TEACHER: notes, BOARD: board_code}
-    one = _start_server(host, port, Pool(), 4, Addresses(host, names), codes, classroom or Classroom(), board)
+    one = _start_server(host, port, SilentPool(), 4, Addresses(host, names), codes, classroom or Classroom(), board)
     try:
         yield one, f"http://127.0.0.1:{port}"
     finally:
         one.stop()
 
 
-def get(address, path="/", headers=()):
+def http_get(address, path="/", headers=()):
     """Status and body of an answer to exactly these headers, and a Host unless they have one; "" sends none."""
     host, port = address.removeprefix("http://").split(":")
     headers = {"Host": f"{host}:{port}", **dict(headers)}
@@ -64,5 +64,5 @@ def get(address, path="/", headers=()):
         status = int(head.split()[1])
         while status != 101 and (more := line.recv(65536)):
             body += more
-    get.head = head.decode()
+    http_get.head = head.decode()
     return status, body
