@@ -17,17 +17,8 @@ from app.export.export_plan import Plan, make_plan
 from app.export.html_file import IN_A_COURSE, SCRIPTS, Progress, assemble_page, record_plans, recorded_quantities
 from app.frame.budget_chart import QUESTION
 from app.language.translation import lazy, tr, use_language
-from app.lessons import bet_chart, catalogue, student_progress
-from app.lessons.answer_check import (
-    BARE,
-    DIGITS,
-    LONGEST,
-    MOST,
-    TOLD_AFTER,
-    answer_expressions,
-    judge_ends,
-    right_answer,
-)
+from app.lessons import answer_check, bet_chart, catalogue, student_progress
+from app.lessons.answer_check import BARE, DIGITS, LONGEST, MOST, TOLD_AFTER, judge_ends, right_answer
 from app.lessons.bets import BY_ROUND, OWN, YOURS, asked_before
 from app.lessons.claims import ClaimError, runs_needed
 from app.lessons.lesson import CHOICE, DRAG, NAMES, POWERS, REACH, TEXT, Lesson, Numbers, Question, Step, fill_numbers
@@ -88,7 +79,7 @@ def question_rules(lesson: Lesson, processes: int,
     found = []  # the scenes of all runs that questions are about
     for step in lesson.questions.values():
         for numbers in lesson.variants:
-            for expression in answer_expressions(step.asked, numbers):
+            for expression in answer_check.answer_expressions(step.asked, numbers):
                 names = runs_needed(expression, lesson.runs, lesson.main_run(step)) - {""}
                 found += [fill_numbers(text, numbers) for name in names for text in lesson.runs[name].texts]
     with closing(RunCache(processes)) as outcomes:

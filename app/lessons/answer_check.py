@@ -6,21 +6,10 @@ from dataclasses import dataclass
 from typing import Any
 
 from app.language.translation import tr
+from app.lessons import lesson as lesson_format
 from app.lessons.bets import BY_ROUND, OWN, PATH, Bet, Bettor, Ends, asked_before
 from app.lessons.claims import ClaimError, decide, evaluate, format_value
-from app.lessons.lesson import (
-    CHOICE,
-    DRAG,
-    EXPLAIN,
-    INTERVAL,
-    NUMBER,
-    TEXT,
-    Lesson,
-    Numbers,
-    Question,
-    Step,
-    fill_numbers,
-)
+from app.lessons.lesson import CHOICE, DRAG, INTERVAL, NUMBER, TEXT, Lesson, Numbers, Question, Step, fill_numbers
 from app.lessons.lesson_runs import RunCache
 from app.words import with_unit
 
@@ -158,7 +147,7 @@ def bets_shown(lesson: Lesson, step: Step, given: Mapping[str, Sequence[float]],
         bets = [None if pair is None else Bet(float(pair[0]), float(pair[1]), truth, other.asked.level)
                 for other, truth, pair in zip(steps, truths, ends, strict=True)]
         if name == BY_ROUND:  # a student's bets apart by rounds, each of which ends where something is explained
-            explained = [sum(other.kind == EXPLAIN for other in lesson.steps[:lesson.steps.index(step)])
+            explained = [sum(other.kind == lesson_format.EXPLAIN for other in lesson.steps[:lesson.steps.index(step)])
                          for step in steps]
             for number, one in enumerate(sorted(set(explained)), 1):
                 own = tuple(bet for bet, before in zip(bets, explained, strict=True) if before == one)

@@ -9,21 +9,11 @@ from time import monotonic
 import numpy as np
 import viser
 
+from app.frame import headline
 from app.frame.budget_chart import largest_cause_fact
 from app.frame.captions import View
 from app.frame.crossings import crossing_window, is_recent
-from app.frame.headline import (
-    BACK,
-    LAST,
-    LOST,
-    PAUSED,
-    SO_FAR,
-    UNSTABLE,
-    Headline,
-    error_words,
-    fill_template,
-    format_errors,
-)
+from app.frame.headline import BACK, LAST, LOST, PAUSED, SO_FAR, UNSTABLE, Headline, error_words, fill_template
 from app.language.translation import lazy, tr, trn
 from app.page.stage.worst_region import WorstRegions
 from app.page.visit.history import last_value, series_until
@@ -83,19 +73,19 @@ def frame_headline(report: FrameReport | None, arrays: FrameArrays | None, view:
     if not report.playing:
         before = fill_template(tr(BACK), ago=f"{ago:.2f}") if ago else fill_template(tr(PAUSED), time=when)
     index = estimate / true if true else math.nan
-    said = format_errors(words, QUANTITIES[quantity].unit, true, estimate,
-                         index if of_now else last_value(series, f"{drawn}/index_{quantity}"), before)
+    said = headline.format_errors(words, QUANTITIES[quantity].unit, true, estimate,
+                                  index if of_now else last_value(series, f"{drawn}/index_{quantity}"), before)
     region = None if true <= words.least else worst.by_truth or worst.by_estimate
     who = largest_cause_fact(report.scene, series, quantity)
     facts = [*said.facts[:1], who, *said.facts[1:],
              tr("worst at {region}", region=region.name) if region else "", *_crossings(report, arrays, speed)]
     if beside:  # in place of what it is compared with
         facts[:1] = [*said.facts[1:], beside]
-    headline = said.headline
+    parts = said.headline
     if lost:
         facts = _reason(report) or facts
-        headline = ("bad", fill_template(tr(LOST), since=f"{report.since or 0.0:.4g}")), ("", ": "), *headline
-    return Headline(headline, tuple(filter(None, facts)), moment)
+        parts = ("bad", fill_template(tr(LOST), since=f"{report.since or 0.0:.4g}")), ("", ": "), *parts
+    return Headline(parts, tuple(filter(None, facts)), moment)
 
 
 def compare_with_pinned(live: dict[str, np.ndarray], pinned: dict[str, np.ndarray], quantity: str,

@@ -4,17 +4,8 @@ from dataclasses import replace
 
 from app.language.message_translation import translate_message
 from app.language.translation import lazy, tr
-from app.problems.suggestion import (
-    Answer,
-    NotNow,
-    Offer,
-    Ran,
-    Suggestion,
-    changed_state,
-    suggest_breaking,
-    suggest_halving_cells,
-    work_ratio,
-)
+from app.problems import suggestion
+from app.problems.suggestion import Answer, NotNow, Offer, Ran, Suggestion, changed_state, suggest_breaking, work_ratio
 from app.state import State
 from app.words import format_factor, format_ratio, per_cent
 from solvers.problems.planar.problem import ViewSettings
@@ -23,8 +14,8 @@ from solvers.problems.planar.problem import ViewSettings
 def suggestions_for(showing: ViewSettings) -> tuple[Suggestion, ...]:
     """Those of a problem, which its sliders bound."""
     fewest, most, _ = showing.cells
-    known = (suggest_halving_cells(most), _widening(2 * fewest), suggest_breaking(*showing.breaking), TRANSPORT,
-             STAIRCASE, TILE)
+    known = (suggestion.suggest_halving_cells(most), _widening(2 * fewest), suggest_breaking(*showing.breaking),
+             TRANSPORT, STAIRCASE, TILE)
     by_name = {spark.key: spark for spark in known}
     return tuple(by_name[name] for name in showing.sparks)
 

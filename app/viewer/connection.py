@@ -79,6 +79,15 @@ class BrowserConnection(ServerConnection):
         self._lines.new.leave(self)
         super().connection_lost(exc)
 
+    async def ping_until_closed(self) -> None:
+        """Pings the browser until its websocket is closed: it answers when it has read all that was sent before."""
+        with suppress(ConnectionClosed):
+            while True:
+                self.asked_at = monotonic()
+                await (await self.ping())
+                self.asked_at = None
+                await asyncio.sleep(BEAT)
+
 
 def address_of(connection: Any, trusts_proxy: bool) -> str:
     """The IP address of whoever is at the other end, or that for which a proxy on this machine asks."""
@@ -94,16 +103,6 @@ async def send_away(connection: Any, why: str) -> None:
         await asyncio.wait_for(connection.close(1008, why), GOING)
     connection.transport.abort()
     await connection.wait_closed()
-
-
-async def ping_until_closed(line: BrowserConnection) -> None:
-    """Pings a browser until its websocket is closed: it answers when it has read all that was sent before."""
-    with suppress(ConnectionClosed):
-        while True:
-            line.asked_at = monotonic()
-            await (await line.ping())
-            line.asked_at = None
-            await asyncio.sleep(BEAT)
 
 
 def stands_still(client: Any) -> float:

@@ -27,14 +27,7 @@ from app.language import translation
 from app.language.translation import ENGLISH, current_language, language_cache, lazy, tr, with_language
 from app.templates import render_template
 from app.viewer import viser_patches
-from app.viewer.connection import (
-    HEADS_WITHIN,
-    BrowserConnection,
-    BrowserConnections,
-    address_of,
-    ping_until_closed,
-    send_away,
-)
+from app.viewer.connection import HEADS_WITHIN, BrowserConnection, BrowserConnections, address_of, send_away
 from app.viewer.incoming_messages import PARTS, PARTS_A_SECOND, IncomingLimiter
 from app.viewer.index_page import Index, has_page, make_response, with_security_headers
 from app.viewer.send_queue import PROTOCOL, SendBuffer
@@ -169,7 +162,7 @@ class AccessControl:
         finally:
             silent.cancel()
             self._lines.silent.leave(connection)
-        pulse = asyncio.create_task(ping_until_closed(connection))
+        pulse = asyncio.create_task(connection.ping_until_closed())
         try:
             await handler(connection)
         finally:

@@ -8,17 +8,8 @@ import time
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Annotated, Any, ClassVar
 
-from app.commands.flags import (
-    BadInput,
-    PathFlag,
-    RealFlag,
-    Switch,
-    choices_of,
-    default_hint,
-    parse_float,
-    parse_number,
-    several_of,
-)
+from app.commands import flags
+from app.commands.flags import BadInput, PathFlag, RealFlag, Switch, choices_of, default_hint, parse_float, several_of
 from app.commands.output import json_target, print_message, put_result
 from app.commands.progress import noted_interrupts, stdout_to_stderr
 from app.words import command_line, per_cell
@@ -107,7 +98,7 @@ class Advise:
 
     def _numbers(self, flag: str, words: tuple[str, ...], default: tuple[Any, ...]) -> tuple[Any, ...]:
         """The words of a flag as numbers that a scene accepts."""
-        numbers = tuple(parse_float([word]) if flag == "cfl" else parse_number([word]) for word in words)
+        numbers = tuple(parse_float([word]) if flag == "cfl" else flags.parse_number([word]) for word in words)
         for value in numbers:
             self.SCENE(**{flag: value})  # says what is wrong with it
         return numbers or default

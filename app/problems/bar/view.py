@@ -7,19 +7,11 @@ from typing import Any
 import numpy as np
 
 from app.language.translation import lazy, tr
+from app.problems import suggestion
 from app.problems.bar.slow import BarSlowStage
 from app.problems.bar.stage import BarStage
 from app.problems.interface import Motion, ProblemView, Reach, Regions
-from app.problems.suggestion import (
-    Answer,
-    NotNow,
-    Offer,
-    Ran,
-    Suggestion,
-    changed_state,
-    suggest_breaking,
-    suggest_halving_cells,
-)
+from app.problems.suggestion import Answer, NotNow, Offer, Ran, Suggestion, changed_state, suggest_breaking
 from app.state import State
 from app.words import format_factor, per_cent
 from solvers.problems.bar.patch_test import PATCH
@@ -50,8 +42,8 @@ def _crossed(ran: Ran) -> Answer:
         tr("{own:,.0f} crossings, {other:,.0f} in the pinned run.", own=own, other=other)
 
 
-VIBRATING = (suggest_halving_cells(MOST_CELLS), Suggestion("cross", "cross", lazy("Let particles cross"), _cross,
-                                                           _crossed),
+VIBRATING = (suggestion.suggest_halving_cells(MOST_CELLS),
+             Suggestion("cross", "cross", lazy("Let particles cross"), _cross, _crossed),
              suggest_breaking(lazy("A = 100 mm: who notices first?"),
                               {"method": "mpm", "amplitude": BREAKING, "displacement": ""}, 1.5))
 

@@ -46,7 +46,8 @@ def printed(monkeypatch, capsys) -> dict:
         "command": 0.4, "import": 1.0, "taichi": 0.3, "failed": None,
         "cold": dict.fromkeys(problems, 2.0), "warm": dict.fromkeys(problems, 0.5)})
     monkeypatch.setattr(bench, "measure_gpu", lambda quick: {"missing": "no GPU was found"})
-    monkeypatch.setattr(bench, "measure_ratios", lambda problem, quick: {"problem": problem, "missing": None, "cases": [CASE]})
+    monkeypatch.setattr(bench, "measure_ratios", lambda problem, quick: {
+        "problem": problem, "missing": None, "cases": [CASE]})
     monkeypatch.setattr(benchmarks, "build", lambda scene: scene)
     monkeypatch.setattr(benchmarks, "particle_step_rate", lambda scene, turns: 100.0)
     monkeypatch.setattr(benchmarks, "time_ratios", lambda pairs, turns: dict.fromkeys(pairs, 1.0))

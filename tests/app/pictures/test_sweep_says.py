@@ -70,9 +70,8 @@ def test_the_summary_says_what_went_wrong_once_for_each_reason():
     rows = [fake_row(cells=20), *(fake_row(cells=cells, status="unstable") for cells in (40, 80))]
     text = table.summarise_study("bar", rows)
     assert "1 ok, 2 unstable" in text and text.count("too long") == 1 and "and 1 more" in text
-    assert "Nothing to fit" in text and "Nothing to fit" not in table.summarise_study(
-        "bar", [fake_row(), fake_row(cells=40)]
-    )
+    assert "Nothing to fit" in text and "Nothing to fit" not in table.summarise_study("bar",
+                                                                                      [fake_row(), fake_row(cells=40)])
 
 
 # ---- pictures ---------------------------------------------------------------------------------------------

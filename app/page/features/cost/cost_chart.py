@@ -16,23 +16,9 @@ from itertools import chain, pairwise
 
 from app.colours import METHOD_MARKS
 from app.language.translation import lazy, tr, trn
-from app.page.features.cost.cost_texts import (
-    error_reference,
-    format_percent,
-    format_seconds,
-    join_names,
-    run_details,
-    run_name,
-    run_sentence,
-)
-from app.page.features.cost.visitor_runs import (
-    SWEEP,
-    NumberedRun,
-    cheapest_run,
-    measured_runs,
-    pareto_front,
-    run_of_scene,
-)
+from app.page.features.cost import cost_texts, visitor_runs
+from app.page.features.cost.cost_texts import error_reference, format_percent, format_seconds, join_names, run_name
+from app.page.features.cost.visitor_runs import SWEEP, NumberedRun, cheapest_run, measured_runs, run_of_scene
 from app.words import METHODS, method_name
 from solvers.problems import PROBLEMS
 from solvers.scene.scene import Scene
@@ -130,7 +116,7 @@ def draw_runs(runs: Sequence[NumberedRun], like: Sequence[NumberedRun], scene: S
     """Draws the runs of the scene's problem; those not comparable (``like``) are faint, the scene's own is marked."""
     numbers = {run.number for run in like}
     dots = [run for run in runs if run.drawable]
-    best = pareto_front(like)
+    best = visitor_runs.pareto_front(like)
     band = f"<div class='lab-band'><span>{tr('not timed alone')}</span></div>" * any(not run.alone for run in dots)
     drawn = [_path(curve, inside, f"class='lab-curve' style='{_colour(curve[0])}'") for curve in sweep_curves(like)]
     under = _path(best, inside, "class='lab-front'")
@@ -254,7 +240,7 @@ def _dot(run: NumberedRun, inside: Axes, aside: bool) -> str:
     shape = CROSS if run.broken else SHAPES[METHOD_MARKS[run.method]]
     kinds = [kind for kind, holds in (("lab-broken", run.broken), ("lab-judged", run.error is None),
                                       ("lab-untimed", not run.alone), ("lab-aside", aside)) if holds]
-    said = run_sentence(run)
+    said = cost_texts.run_sentence(run)
     words = escape(tr("{run}; of another scene than the one on the stage", run=said) if aside else said, quote=True)
     return (f"<button class='{' '.join(['lab-dot', *kinds])}' data-run='{run.number}' tabindex='-1' "
             f"style='left:{x}%;top:{y}%;{_colour(run)}' aria-label='{words}'>"
@@ -300,7 +286,8 @@ def answer_headline(like: Sequence[NumberedRun], scene: Scene, tolerance: float,
                 methods=escape(join_names(worse)))] if worse else []
     return (tr(answer, share=format_percent(tolerance), whole=of, seconds=format_seconds(best.seconds),
                run=escape(run_name(best))),
-            " ".join([tr("Its error is {error}; {run}.", error=_error(best), run=escape(run_details(best))), *says]))
+            " ".join([tr("Its error is {error}; {run}.", error=_error(best),
+                         run=escape(cost_texts.run_details(best))), *says]))
 
 
 def tolerance_line(like: Sequence[NumberedRun], scene: Scene, tolerance: float, inside: Axes | None) -> str:

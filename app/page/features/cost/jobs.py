@@ -17,15 +17,8 @@ from dataclasses import asdict, dataclass, field, replace
 from app import __version__
 from app.language.translation import lazy
 from app.page.features.background_job import SLOTS, Background, JobStatus
-from app.page.features.cost.visitor_runs import (
-    LIVE,
-    SEARCH,
-    SWEEP,
-    NumberedRun,
-    Runs,
-    advice_key,
-    without_search_options,
-)
+from app.page.features.cost import visitor_runs
+from app.page.features.cost.visitor_runs import LIVE, SEARCH, SWEEP, NumberedRun, Runs, advice_key
 from app.page.visit.session import Session
 from solvers.scene.scene import Scene
 from solvers.scene.validation import SceneError
@@ -153,7 +146,8 @@ def scenes_to_time(runs: Sequence[NumberedRun]) -> list[Task]:
 
 def search_job(scene: Scene, tolerance: float, budget: float) -> SearchJob:
     """The job of finding the cheapest run of this problem with an error of x of ``tolerance`` times A at most."""
-    return SearchJob(task_of(without_search_options(scene)).to_dict(), scene.candidates(), PARTICLES_PER_CELL,
+    return SearchJob(task_of(visitor_runs.without_search_options(scene)).to_dict(), scene.candidates(),
+                     PARTICLES_PER_CELL,
                      COURANT_NUMBERS, "x", tolerance * scene.size_of("x"), budget)
 
 

@@ -11,18 +11,10 @@ import viser
 
 from app.language.translation import tr
 from app.page.feature import Feature, PageView
-from app.page.features.cost import cost_texts
+from app.page.features.cost import cost_texts, visitor_runs
 from app.page.features.cost.cost_chart import Axes, answer_headline, axes_for, draw_runs, tolerance_line
 from app.page.features.cost.jobs import CostStatus, Jobs, QuietStage, scenes_to_time, search_job, small_sweep
-from app.page.features.cost.visitor_runs import (
-    LIVE,
-    LiveRows,
-    Runs,
-    advice_key,
-    comparable_runs,
-    csv_bytes,
-    run_of_scene,
-)
+from app.page.features.cost.visitor_runs import LIVE, LiveRows, Runs, advice_key, comparable_runs, csv_bytes
 from app.page.page_context import PageContext
 from app.page.panels.page_header import BESIDE
 from app.page.visit.engine_links import too_many
@@ -99,7 +91,8 @@ class CostTab(Feature):
             scene, stage = self._session.scene, self._stage_word(status)
             if self._of != (self.runs.version, scene):  # seldom, and of many runs it takes a millisecond
                 self._of = self.runs.version, scene
-                self._chartable = (self.runs.version, advice_key(scene), run_of_scene(self.runs.all(), scene))
+                self._chartable = (self.runs.version, advice_key(scene),
+                                   visitor_runs.run_of_scene(self.runs.all(), scene))
             charted = self._chartable
             if charted != self._charted and (not status.running or monotonic() >= self._next):
                 self._charted, self._next = charted, monotonic() + STREAM_SECONDS

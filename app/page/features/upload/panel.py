@@ -14,15 +14,9 @@ from app.frame.headline import Headline
 from app.language.translation import lazy, tr, with_language
 from app.page.display_source import Choice, Display, FrameView
 from app.page.feature import Feature
+from app.page.features.upload import uploaded_run
 from app.page.features.upload.judging_process import FIRST, Judging, ProblemQuestion, question_sentence
-from app.page.features.upload.uploaded_run import (
-    JUDGE,
-    UploadedRun,
-    file_headline,
-    file_readout,
-    loaded_notice,
-    scene_of,
-)
+from app.page.features.upload.uploaded_run import JUDGE, UploadedRun, file_readout, loaded_notice, scene_of
 from app.page.page_context import PageContext
 from app.page.panels.page_header import BARE
 from app.page.panels.timeline import Now
@@ -302,4 +296,4 @@ class UploadPanel(Feature):
             return Headline()
         worst = WorstRegions()  # of this frame: at another time a file may have other particles
         worst.look(picture.report, picture.arrays, picture.view, choice.quantity)
-        return file_headline(*shown, picture.view, worst, choice.quantity)
+        return uploaded_run.file_headline(*shown, picture.view, worst, choice.quantity)
