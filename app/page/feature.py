@@ -30,21 +30,13 @@ class Feature:
     """A part of one visitor's page. The page calls these methods; each does nothing unless a feature has its own."""
 
     source: Source | None = None  # that it can put on the stage
+    messages: Mapping[str, Callable[[Any], None]] = {}  # acts on messages of the browser, by key; they may be anything
+    shortcuts: Mapping[str, Callable[[], None]] = {}  # acts on keys, by the names that ``js/keys.js`` sends
 
     @classmethod
     def build(cls, page: PageContext) -> "Feature | None":
         """Makes the feature with its widgets for a page; None where that page has none of it."""
         raise NotImplementedError(f"{cls.__name__} is no feature: it has no build(page)")
-
-    @property
-    def messages(self) -> Mapping[str, Callable[[Any], None]]:
-        """What is done with messages of the browser, by their key; their values may be anything."""
-        return {}
-
-    @property
-    def shortcuts(self) -> Mapping[str, Callable[[], None]]:
-        """What keys of the keyboard do, by the names that ``js/keys.js`` sends."""
-        return {}
 
     def follow(self, report: FrameReport) -> None:
         """Takes a new frame of the run, on the thread that reads frames."""

@@ -1,7 +1,7 @@
 """The story of the opening in four beats with the runs' own numbers, and the pause at its end."""
 
 import math
-from collections.abc import Callable, Mapping
+from collections.abc import Callable
 from time import monotonic
 from typing import Any
 
@@ -44,6 +44,7 @@ class OpeningTour(Feature):
                  clock: Callable[[], float] = monotonic):
         self._session, self._open_on, self._hurry, self._clock = session, open_on, hurry, clock
         self._mark = gui.add_html("")
+        self.messages = {"story": self.hear}
         self._opened, self._restarts = True, 0  # the opening is on the stage, before its quarter, begun so many times
         self.beat = 0  # 1 to LAST while the story is told
         self._since = 0.0
@@ -63,10 +64,6 @@ class OpeningTour(Feature):
             replay = page.gui.add_button(tr("Replay the story"), hint=tr("what the page opens on, in four beats"))
         replay.on_click(lambda _: tour.hear("play"))
         return tour
-
-    @property
-    def messages(self) -> Mapping[str, Callable[[Any], None]]:
-        return {"story": self.hear}
 
     def hear(self, said: Any) -> None:
         """The browser asks for the story, or the visitor wants to leave it."""

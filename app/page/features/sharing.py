@@ -1,7 +1,6 @@
 """Sharing: what is on the stage as a link, in the browser's address, to copy or to show as a QR code."""
 
 import threading
-from collections.abc import Callable, Mapping
 from html import escape
 from urllib.parse import quote, urlsplit
 
@@ -74,6 +73,7 @@ class Sharing(Feature):
 
     def __init__(self, page: PageContext):
         self._page, gui = page, page.gui
+        self.shortcuts = {"code": self.show_code}
         with page.tabs["explore"], gui.add_folder(None, order=LAST):
             gui.add_html("<i class='lab-beside lab-copy'></i>")
             gui.add_button(tr("Copy link"), icon=viser.Icon.LINK, hint=tr(
@@ -86,10 +86,6 @@ class Sharing(Feature):
     @classmethod
     def build(cls, page: PageContext) -> "Sharing":
         return cls(page)
-
-    @property
-    def shortcuts(self) -> Mapping[str, Callable[[], None]]:
-        return {"code": self.show_code}
 
     def show_code(self) -> None:
         """Show what is seen as a code, as large as the window, and as words."""

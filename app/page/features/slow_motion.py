@@ -2,7 +2,6 @@
 
 import logging
 import threading
-from collections.abc import Callable, Mapping
 from dataclasses import replace
 from html import escape
 
@@ -39,6 +38,7 @@ class SlowMotion(Feature):
         self._client, self._canvas, self._session, self._on_view = (
             page.client, page.canvas, page.session, page.stage.draw)
         self.source = SlowStep(self, page.run)
+        self.shortcuts = {"phase": self.forward, "phase back": self.back}
         self._lock = threading.RLock()
         self._over = threading.Event()  # of the thread that draws while the mode is on
         self._stages: dict[str, SlowStage] = {}  # made when they are first needed
@@ -57,10 +57,6 @@ class SlowMotion(Feature):
     @classmethod
     def build(cls, page: PageContext) -> "SlowMotion":
         return cls(page)
-
-    @property
-    def shortcuts(self) -> Mapping[str, Callable[[], None]]:
-        return {"phase": self.forward, "phase back": self.back}
 
     @property
     def showing(self) -> bool:

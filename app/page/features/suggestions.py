@@ -4,10 +4,9 @@ makes buttons of them and says which was pressed."""
 
 import json
 import math
-from collections.abc import Callable, Mapping
+from collections.abc import Callable
 from dataclasses import asdict, dataclass, replace
 from html import escape
-from typing import Any
 
 import viser
 
@@ -97,6 +96,7 @@ class Suggestions(Feature):
                  seek: Callable[[float], bool], is_touring: Callable[[], bool]):
         self._session, self._state, self._show, self._seek = session, state, show, seek
         self._is_touring = is_touring
+        self.messages = {"spark": self.press}
         self._html = gui.add_html("")
         self._done: set[str] = set()
         # A spark, what was on the stage, and what it put there.
@@ -110,10 +110,6 @@ class Suggestions(Feature):
             page.gui.add_html("<div class='lab-sparks-here'></div>")  # on a phone
         return cls(page.gui, page.session, lambda: page.controls.state, page.controls.show, page.history.back_to,
                    lambda: page.is_touring())
-
-    @property
-    def messages(self) -> Mapping[str, Callable[[Any], None]]:
-        return {"spark": self.press}
 
     def press(self, key: object) -> None:
         """The visitor has pressed a button."""

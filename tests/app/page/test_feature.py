@@ -16,6 +16,8 @@ class Counter(Feature):
 
     def __init__(self, page):
         self.page, self.calls = page, []
+        self.messages = {"count": lambda said: self.calls.append(f"heard {said}")}
+        self.shortcuts = {"count on": lambda: self.calls.append("key")}
         with page.tabs["explore"]:
             page.gui.add_button("Count")
 
@@ -23,14 +25,6 @@ class Counter(Feature):
     def build(cls, page):
         cls.last = cls(page)
         return cls.last
-
-    @property
-    def messages(self):
-        return {"count": lambda said: self.calls.append(f"heard {said}")}
-
-    @property
-    def shortcuts(self):
-        return {"count on": lambda: self.calls.append("key")}
 
     def follow(self, report):
         self.calls.append(f"frame of {report.scene.problem}")

@@ -2,7 +2,6 @@
 
 import json
 import threading
-from collections.abc import Callable, Mapping
 from html import escape
 from typing import Any
 
@@ -31,6 +30,7 @@ class BoardPanel(Feature):
         self._board = board = lecturer.board
         self._covers, self._at, self._closed = True, "", threading.Event()
         page.attend(uncovered=False)
+        self.messages = {"board": self._hear}
         self._drawing, self._news = threading.Lock(), threading.Event()
         self._says = page.gui.add_html("")
         board.watch(self._news.set)
@@ -40,10 +40,6 @@ class BoardPanel(Feature):
     @classmethod
     def build(cls, page: PageContext) -> "BoardPanel | None":
         return cls(page, page.lecturer) if page.lecturer else None
-
-    @property
-    def messages(self) -> Mapping[str, Callable[[Any], None]]:
-        return {"board": self._hear}
 
     def close(self) -> None:
         """The lecturer has gone, and the board is as it was."""

@@ -3,7 +3,7 @@ first run stays pinned beside the second, with what the budget has foretold and 
 their budget with them; in the plane it is found beside the stage, when it is asked for."""
 
 import math
-from collections.abc import Callable, Mapping
+from collections.abc import Callable
 from dataclasses import replace
 from html import escape
 from time import monotonic
@@ -51,6 +51,7 @@ class BudgetFold(Feature):
                  clock: Callable[[], float] = monotonic):
         self._session, self._state, self._show, self._clock = session, state, show, clock
         self.jobs = BudgetJobs()
+        self.messages = {"budget": self.press}
         self._followed, self._drawn_at = "", -math.inf
         self._mark = gui.add_html(anchor_html("lab-budget"))
         self._fold = gui.add_folder(tr(QUESTION), expand_by_default=False)
@@ -80,10 +81,6 @@ class BudgetFold(Feature):
     def build(cls, page: PageContext) -> "BudgetFold":
         page.controls.extend("estimators", lambda: page.gui.add_html(cause_button()))
         return cls(page.gui, page.session, lambda: page.controls.state, page.controls.show)
-
-    @property
-    def messages(self) -> Mapping[str, Callable[[Any], None]]:
-        return {"budget": self.press}
 
     def close(self) -> None:
         self.jobs.close()

@@ -1,11 +1,10 @@
 """The Cost tab: what accuracy costs in time, out of a visitor's own runs."""
 
 import math
-from collections.abc import Callable, Mapping
+from collections.abc import Callable
 from html import escape
 from threading import Lock
 from time import monotonic
-from typing import Any
 
 import viser
 
@@ -41,6 +40,7 @@ class CostTab(Feature):
         self._client, self._session, self._load = client, session, load
         self.runs = Runs()
         self.jobs = Jobs(self.runs)
+        self.messages = {"cost": self.open}
         self._live, self._quiet = LiveRows(), QuietStage(session)
         self._refreshing = Lock()
         self._of: tuple | None = None  # the runs and the scene that the chart was last asked for,
@@ -59,10 +59,6 @@ class CostTab(Feature):
     def build(cls, page: PageContext) -> "CostTab":
         with page.tabs["cost"]:
             return cls(page.client, page.session, page.controls.load)
-
-    @property
-    def messages(self) -> Mapping[str, Callable[[Any], None]]:
-        return {"cost": self.open}
 
     def close(self) -> None:
         self.jobs.close()

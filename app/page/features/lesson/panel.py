@@ -1,9 +1,8 @@
 """The lesson player: one step at a time beside the stage, a prediction before what it is about runs."""
 
 import threading
-from collections.abc import Callable, Mapping
+from collections.abc import Callable
 from time import monotonic
-from typing import Any
 
 import viser
 
@@ -36,6 +35,8 @@ class Player(Feature):
         self._client, self._gui, self._tab, self._room = client, client.gui, tab, classroom
         self._controls, self._on_change = controls, on_change
         self._lock = threading.RLock()
+        self.messages = {"open": lambda name: self.open(name) if isinstance(name, str) else None,
+                         "choice": self._choose, "do": self._act}
         self._marker = Marker(classroom.outcomes)
         self._lesson: Lesson | None = None
         self._progress = kept.Progress("", "")  # of the lesson that is open
@@ -54,11 +55,6 @@ class Player(Feature):
         with page.tabs["lessons"] as tab:
             page.lesson = player = cls(page.client, tab, page.classroom, page.controls, lambda: page.keep())
         return player
-
-    @property
-    def messages(self) -> Mapping[str, Callable[[Any], None]]:
-        return {"open": lambda name: self.open(name) if isinstance(name, str) else None,
-                "choice": self._choose, "do": self._act}
 
     @property
     def name(self) -> str:
