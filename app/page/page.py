@@ -148,8 +148,8 @@ class Page:
             self._cost = CostTab(client, self._session, self._controls.load)
         with tabs.add_tab(tr("About"), viser.Icon.INFO_CIRCLE):
             client.gui.add_html("<i class='lab-replay'></i>")
-            self._replay = client.gui.add_button(tr("Replay the story"),
-                                                   hint=tr("what the page opens on, in four beats"))
+            self._replay = client.gui.add_button(tr("Replay the introduction"),
+                                                   hint=tr("the introduction to this page, in four steps"))
             add_about(client.gui)
 
     def _on_frame(self, report: FrameReport, arrays: FrameArrays) -> None:

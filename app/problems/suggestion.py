@@ -95,10 +95,10 @@ def work(ran: Ran) -> float:
 
 def fell(ran: Ran) -> Answer:
     """What has become of the error with cells half as wide."""
-    by, hint = ran.ratio, tr("In the first period. Second order: 0.25, at {work} times the particle steps.",
+    by, hint = ran.ratio, tr("Largest error in the first period. Theory: 0.25 times, for {work} times the work.",
                              work=number(work(ran)))
     if not math.isfinite(by):
-        return tr("Nobody knows: there is no true error to compare."), hint
+        return tr("Unknown: there is no true error to compare."), hint
     if by >= 1 + SAME:
         return tr("It rose to {factor} times as much. Why?", factor=factor(by)), hint
     if QUARTER[0] <= by <= QUARTER[1]:
@@ -112,7 +112,7 @@ def halving(most: int) -> Suggestion:
         cells = 2 * state.scene.cells
         if cells > most:
             raise NotNow(tr("{most} cells are the most here", most=most))
-        return Offer(tr("Halve the cells"), tr("the textbook says: a quarter"), asked(state, {"cells": cells}))
+        return Offer(tr("Halve the cells"), tr("theory: error falls to a quarter"), asked(state, {"cells": cells}))
 
     return Suggestion("halve", "halve", lazy("Halve the cells"), offer, fell)
 
@@ -131,7 +131,7 @@ def breaking(hint: str, changes: Mapping[str, Any], periods: float) -> Suggestio
     def answer(ran: Ran) -> Answer:
         index = ran.index("companion")
         said = ratio(index) if math.isfinite(index) else ""
-        knows = tr("Companion says {index} times what the error is.", index=said) if said else ""
-        return tr("It has held for {periods:g} periods. Go on?", periods=periods), knows
+        knows = tr("Companion estimates {index} times the true error.", index=said) if said else ""
+        return tr("It was stable for {periods:g} periods. Continue?", periods=periods), knows
 
     return Suggestion("break", "break", title, offer, answer, periods, breaks=True)

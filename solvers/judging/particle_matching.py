@@ -75,7 +75,7 @@ def _told(misfit: ParticleMismatch, raw: Raw, asked: Scene, times: Sequence[floa
                        if name != asked.problem and len(problem.reference.axes) == directions(raw))
     if raw.said is None:
         return ParticleMismatch(misfit.file, misfit.reason, misfit.allowed, others)
-    return ParticleMismatch(misfit.file, f"says that it is of the {asked.problem}, and {misfit.reason}", HINT, others)
+    return ParticleMismatch(misfit.file, f"is a file of the {asked.problem}, and {misfit.reason}", HINT, others)
 
 
 def _usual(problem: str, cells: int) -> Iterator[Scene]:
@@ -104,8 +104,8 @@ def grids(files: Sequence[Raw], scene: Scene, cells: Sequence[int], times: Seque
     for k, raw in enumerate(files):
         asked = (cells or [scene.cells])[k if len(cells) > 1 else 0]
         if raw.cells not in (None, asked) and asked != type(scene)().cells:
-            raise FileError(raw.file, f"says that it has {raw.cells} cells, and --cells says {asked}; give what was "
-                                      "run, or nothing of it")
+            raise FileError(raw.file, f"states {raw.cells} cells, but --cells is {asked}; give the value of the run, "
+                                      "or leave it out")
         count = asked if raw.cells is None else raw.cells
         try:
             own = replace(scene, cells=count)
@@ -126,7 +126,7 @@ def _frames(raw: Raw, scene: Scene, reference: ProblemReference, given: float | 
         raise FileError(raw.file, f"has no positions ({spelled('x', D)} or position); its columns are "
                                   f"{', '.join(quoted(name, 20) for name in raw.names[:12])}")
     if "id" not in columns and "X" not in columns:
-        raise FileError(raw.file, "says of no particle which it is: give id, from 0 in the order of `mpm-lab problem`, "
+        raise FileError(raw.file, "does not identify its particles: give id, from 0 in the order of `mpm-lab problem`, "
                                   f"or the material position ({spelled('X', D)})")
     times = times_of(raw, given)
     check_length(raw.file, scene, float(times.max()))

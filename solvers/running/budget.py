@@ -81,8 +81,8 @@ def _beside(on_demand: OnDemand, plain: Result, cause: str, show: Progress) -> R
     status, reason, broken_at = solver.status(None)
     if solver.sound and solver.step < steps[-1]:
         status, broken_at = LOST, solver.time
-        reason = (f"the run is lost from t = {solver.time:.4g} s on: what a particle stands for has turned inside out "
-                  "or left the grid")
+        reason = (f"the run is lost from t = {solver.time:.4g} s on: the domain of a particle has turned inside out or "
+                  "left the grid")
     return replace(plain, series={"time": time, **series}, status=status, reason=reason, broken_at=broken_at)
 
 

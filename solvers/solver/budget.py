@@ -56,16 +56,16 @@ def cancelled(series: Mapping[str, np.ndarray], field: str) -> float:
 def not_valid(series: Mapping[str, np.ndarray]) -> str | None:
     """Why shares say nothing of this run, as a sentence, or None."""
     if np.sqrt(np.mean(series["budget/error_x"] ** 2)) <= ROUND_OFF:
-        return "not valid here: the error is no more than round-off, and nobody's"
+        return "not valid here: the error is only round-off and has no cause"
     worst = {field: cancelled(series, field) for field in FIELDS}
     field = max(worst, key=lambda name: worst[name] if np.isfinite(worst[name]) else np.inf)
     if worst[field] <= MOST_CANCELLED:
         return None
     if not np.isfinite(worst[field]):
-        return "not valid here: the run has left numbers too large to be divided between causes"
+        return "not valid here: the numbers of the run are too large for shares"
     times = f"{worst[field]:,.0f}" if worst[field] >= 10 else f"{worst[field]:.2g}"
-    return (f"not valid here: the causes have made errors of {field} {times} times as large as the error "
-            f"itself, which cancel; shares mean something up to {MOST_CANCELLED:g} times")
+    return (f"not valid here: the causes have errors of {field} that cancel and are {times} times as large as the "
+            f"total; shares are valid up to {MOST_CANCELLED:g} times")
 
 
 def summary(series: Mapping[str, np.ndarray], reference: str) -> dict:

@@ -49,8 +49,7 @@ CONTRADICTIONS: dict[str, Contradiction] = {rule.name: rule for rule in (
                   "displacements no longer add up to what the deformation says (off by {size} of the amplitude)"),
     # A lower bound of the error, but for that of the balance, a hundredth or less.
     Contradiction("balance_gap", MOST_ERROR,
-                  "the particles do not stand where the balance of momentum brings them (off by {size} of the "
-                  "amplitude)"),
+                  "the particles are not where the balance of momentum requires (off by {size} of the amplitude)"),
 )}
 
 
@@ -83,9 +82,9 @@ def findings(scene: Scene, series: Mapping[str, np.ndarray]) -> dict[str, Findin
     for quantity, most in scene.lost_from.items():
         noun, unit = NOUNS[quantity], scene.size_of(quantity)
         rules[f"error_{quantity}"] = (series[f"error_{quantity}"], most, unit,
-                                      f"the {noun} is not what it should be (its true error is {{size}} of it)")
+                                      f"the {noun} is wrong (its true error is {{size}} of it)")
         for name in judges:
-            sentence = f"the {noun} is not what it should be ({name} puts its error at {{size}} of it)"
+            sentence = f"the {noun} is wrong ({name} estimates its error as {{size}} of it)"
             rules[f"{name}/{quantity}"] = (series[f"{name}/estimate_{quantity}"], most, unit, sentence)
     return {name: found for name, (values, most, unit, sentence) in rules.items()
             if (found := _first(series, values, most, unit, sentence))}

@@ -125,7 +125,7 @@ class RunWidgets:
 
         mark(gui, "lab-auto")
         self._auto = gui.add_checkbox(tr("Auto step"), scene.dt == AUTO, hint=tr(
-            "take {safe:g} of the longest step that the motion ahead bears by linear theory; the slider shows it",
+            "take {safe:g} of the longest stable step along the motion, by linear theory; the slider shows it",
             safe=SAFE))
         self._shown_step = scene.courant_number
         self._step_size = SizeControl(gui, self._bound,

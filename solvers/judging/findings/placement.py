@@ -31,7 +31,7 @@ PLACES, SPEEDS = "x at t = 0", "v at t = 0"
 FROM_START = 0.05  # of a cell: a particle that is given X to fewer figures is nearer
 OTHER_SPEED = 0.05  # of the velocity; that of half a step before the start, with which leapfrog begins, is nearer
 POWERS = 7.0  # powers of ten that one unit may be of another
-NONE = "no moment at t = 0 in the files"
+NONE = "no data at t = 0 in the files"
 
 
 def places(evidence: Evidence) -> Finding:
@@ -117,8 +117,8 @@ def order(evidence: Evidence) -> Finding:
     nearer = apart / max(off, 1e-300) if size > apart else 0.0  # where all are where they belong so are the nearest
     return Finding(ORDER, HOLDS, nearer, 1 / OTHERS, NEARER) if nearer < 1 / OTHERS else Finding(
         ORDER, OFF, nearer, 1 / OTHERS, NEARER,
-        f"at t = {frame.time:.4g} s most particles are where others should be, to {off:.2g} m: they are numbered, or "
-        "given X, in another order")
+        f"at t = {frame.time:.4g} s most particles are where others should be, within {off:.2g} m: their ids or X are "
+        "in another order")
 
 
 def drift(evidence: Evidence) -> Finding:
@@ -139,8 +139,8 @@ def drift(evidence: Evidence) -> Finding:
     least = ROUNDED * float(rounding) + NOTHING * evidence.scene.spacing
     place = ", ".join(f"{c:.2g}" for c in means[k])
     return compared(DRIFT, float(aside[k]) / size, ASIDE + least / size, UNIT,
-                    f"at t = {evidence.frames[k].time:.4g} s the particles are {place} m aside on average, and nothing "
-                    "moves the middle of a symmetrical body: they drift, or a force or mass is not symmetric")
+                    f"at t = {evidence.frames[k].time:.4g} s the particles are {place} m off on average, but the "
+                    "centre of a symmetric body cannot move: they drift, or a force or mass is not symmetric")
 
 
 def _without_mean(evidence: Evidence, X: np.ndarray) -> Callable[[np.ndarray], np.ndarray] | None:

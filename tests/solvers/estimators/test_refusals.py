@@ -75,18 +75,18 @@ def test_what_no_rule_refuses():
                   replace(RING, method="cpgimp", ppc=3, cells=24, **TWO_GRID)):
         assert not scene.not_valid, scene
     slow = replace(VORTEX, cells=23, amplitude=0.1, frequency=0.7, **RECOVERED)
-    assert not slow.not_valid and "nothing of a here" in slow.warnings()[0]
+    assert not slow.not_valid and "not estimate a here" in slow.warnings()[0]
     assert not replace(VORTEX, cells=24, amplitude=0.1, **RECOVERED).warnings()
     noisy = replace(RING, cells=36, ppc=1, cfl=0.2, periods=2.0, **RECOVERED)
     assert not noisy.not_valid and "sigma" in noisy.warnings()[0]
     crossing = replace(SMALL_BAR, modulus=1000.0, amplitude=2.5e-2, dt=2.5e-5, t_end=0.25, periods=None)
-    assert all("says nothing of a" in scene.warnings()[0] for scene in (crossing, FINE_RING))
+    assert all("does not estimate a" in scene.warnings()[0] for scene in (crossing, FINE_RING))
     assert not SMALL_BAR.warnings()
 
 
 def test_two_grid_is_refused_to_the_vortex_in_words():
     """In one sentence that says why, and what there is; the ring is not refused it."""
-    with pytest.raises(SceneError, match=r"estimator two-grid: is not built for the vortex.*; give one of") as refused:
+    with pytest.raises(SceneError, match=r"two-grid: is not available for the vortex.*; give one of") as refused:
         replace(VORTEX, estimators=("two-grid",))
     assert "companion" in refused.value.sentence and refused.value.field == "estimators"
     estimator_registry.require_offered(("two-grid",), "ring", RingScene.choices("estimators"))

@@ -24,18 +24,18 @@ from tests.support.altered import ALL, ALTERATIONS, as_files, files, scene_of, s
 SAID = {
     "nothing": None, "nothing; stress too": None, "nothing; stress too, single precision": None,
     "nothing; stress too, seven figures": None, "v half a step late": "the velocities are of a moment",
-    "F a step late": "F or the stress is of a moment", "stress a step late beside F": "the stress is of another moment",
+    "F a step late": "F or the stress is of a moment", "stress a step late beside F": "belong to different moments",
     "x shuffled": "in another order", "two particles swapped": 2, "two neighbours swapped": 2,
-    "E 1.01 times": "faster than its times say", "E 1.01 times, its stress too": "it fits E = ",
+    "E 1.01 times": "faster than its times imply", "E 1.01 times, its stress too": "it fits E = ",
     "Poisson's ratio 0.25, its stress too": "it fits Poisson's ratio 0.25",
     "one mass doubled": "a force or mass is not symmetric",
     "one mass doubled, masses in the file": "the mass of 1 particle is not as", "one particle stuck": 1,
     "one particle with v = 0": "the velocity of 1 particle is not as",
     "one particle with F = 1": "the stress (or F) of 1 particle is not as",
     "x drifts by 1e-3 of the motion": "aside on average", "x drifts by 1e-2 of the motion": "aside on average",
-    "a tenth missing, with ids": "particles stand for", "every second missing, without ids": "of the body (",
+    "a tenth missing, with ids": "particles cover", "every second missing, without ids": "of the body (",
     "half missing by chance, without ids": "of the body (", "F transposed": "F seems to be transposed",
-    "times 1 % too long": "slower than its times say",
+    "times 1 % too long": "slower than its times imply",
     "x and y of positions exchanged": "x and y of the positions seem to be exchanged",
     "x and y of everything exchanged": "x and y of everything seem to be exchanged"}
 #: What cannot be told there: the errors of the method are larger, or F is symmetric.

@@ -188,7 +188,7 @@ def _going(found: Found) -> str:
     """How far a job is, or what has become of it; "" where there is nothing to say."""
     if found.running:
         return f"<p class='lab-budget-offer' role='status'>" \
-               f"{tr('Being found beside your stage: {share}', share=percent(found.part))}</p>"
+               f"{tr('Being computed in the background: {share}', share=percent(found.part))}</p>"
     said = tr("It was cancelled") if found.cancelled else found.trouble
     return f"<p class='lab-budget-offer' role='alert'>{escape(sentence(said.removesuffix('.')))}</p>" if said else ""
 

@@ -263,7 +263,7 @@ def headline(like: Sequence[NumberedRun], scene: Scene, tolerance: float, troubl
         if live is None:
             asked = tr("What does accuracy cost on the {problem}?", problem=tr(PROBLEMS[scene.problem].scene.TITLE))
             return tr("Nothing measured yet."), f"{asked}<br>{button}"
-        untimed = tr("The run on the stage errs by {share} of {whole}, but its time was taken beside pictures and "
+        untimed = tr("The run on the stage has an error of {share} of {whole}, but its time includes pictures and "
                      "estimates.", share=percent(live.size), whole=of)
         return tr("Nothing timed yet."), f"{untimed}<br>{button}"
     if trouble:
@@ -272,8 +272,8 @@ def headline(like: Sequence[NumberedRun], scene: Scene, tolerance: float, troubl
     if best is None:
         near = min(known, key=lambda run: run.size)
         return (tr("No run so far comes below <b>{share} of {whole}</b>.", share=percent(tolerance), whole=of),
-                tr("The closest errs by {error}: {run}, {seconds}. <b>Find the cheapest run</b> looks for a better "
-                   "one.", error=_error(near), run=escape(called(near)), seconds=seconds(near.seconds)))
+                tr("The closest has an error of {error}: {run}, {seconds}. <b>Find the cheapest run</b> looks for a "
+                   "better one.", error=_error(near), run=escape(called(near)), seconds=seconds(near.seconds)))
     answer = PROVISIONAL if provisional else FINAL
     worse = dict.fromkeys(str(METHODS.get(curve[0].method, curve[0].method)) for curve in curves(like)
                           if len(curve) > 1 and curve[-1].size > WORSE * curve[0].size)

@@ -19,7 +19,7 @@ PACED = lazy("The board shows what the class has answered, without names; nothin
 BESIDE_MAIN = "<i class='lab-beside lab-main'></i>"
 LINK = "<i class='lab-link'></i>"  # the button that is less than others
 FIRST_PREDICT = lazy("You predict first: Next opens when your answer is recorded.")
-WAITS = lazy("The next step is not open yet. Your lecturer opens it for all; you need not do anything.")
+WAITS = lazy("The next step is not open yet. Please wait until your lecturer opens it.")
 
 
 def deeper() -> str:

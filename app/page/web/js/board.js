@@ -33,7 +33,7 @@
     section.setAttribute("aria-label", tr("the board"));
     section.innerHTML = "<div class='lab-slide'></div><p class='lab-silent' role='alert' hidden></p>"
       + "<nav></nav>";
-    section.querySelector(".lab-silent").textContent = tr("The lab does not answer. Once it does, the board goes on.");
+    section.querySelector(".lab-silent").textContent = tr("The lab does not respond. The board continues when it does.");
     const nav = section.querySelector("nav");
     nav.setAttribute("aria-label", tr("what the board shows"));
     for (const [name, label, act] of [["back", tr("← Look back"), back], ["save", tr("Save"), save], ["stage", "", turn], ["next", "", next]]) {
