@@ -28,7 +28,7 @@ def _ask_transport(state: State) -> Offer:
 
 def _says(ran: Ran) -> Answer:
     if "transport" in ran.not_valid:
-        return tr("Transport says: {reason}.", reason=translate_message(ran.not_valid["transport"])), \
+        return tr("Transport: {reason}.", reason=translate_message(ran.not_valid["transport"])), \
             tr("It is not valid here and reports this.")
     index, companion = ran.index("transport"), ran.index("companion")
     if index != index:

@@ -153,7 +153,7 @@ def _frames(raw: Raw, scene: Scene, reference: ProblemReference, given: float | 
             if (far := float(np.sqrt(np.mean(off)))) > SURE * scene.spacing:
                 raise ParticleMismatch(
                     frame.file,
-                    f"has particles at t = 0 that are not where those of the {scene.problem} begin, by {far:.3g} m",
+                    f"has particles at t = 0 that are {far:.3g} m off the initial positions of the {scene.problem}",
                     "give ids in the order of `mpm-lab problem`, the right --cells and --ppc, or material positions")
         found.append(frame)
     return found, notes

@@ -64,7 +64,7 @@ def scene_of(file: str, problem: str, given: dict[str, Any]) -> Scene:
     except SceneError as error:
         raise FileError(file, f"has an invalid scene: {error}; {HINT}") from None
     except (TypeError, ValueError, OverflowError):
-        raise FileError(file, f"has a scene with inputs that the {problem} does not have; {HINT}") from None
+        raise FileError(file, f"has a scene with inputs that the {problem} does not accept; {HINT}") from None
 
 
 def _is_plain(value: object) -> bool:

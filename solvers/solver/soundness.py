@@ -36,8 +36,8 @@ class Contradiction:
 CONTRADICTIONS: dict[str, Contradiction] = {rule.name: rule for rule in (
     # D <= 2 rms(e_x) and what F adds, beside what few particles do (``scene.lattice_gap``): derived, not fitted.
     Contradiction("neighbour_gap", 0.2,
-                  "neighbouring particles no longer stand where their deformation says (off by {size} of the "
-                  "amplitude); do not trust positions or stress"),
+                  "neighbouring particles are not where their deformation implies (off by {size} of the amplitude); do "
+                  "not trust positions or stress"),
     # The forces sum to zero: a strict lower bound of the error.
     Contradiction("mean_drift", 0.1,
                   "the body as a whole has moved by {size} of the amplitude though no net force acts; its shape may "
@@ -46,7 +46,7 @@ CONTRADICTIONS: dict[str, Contradiction] = {rule.name: rule for rule in (
     Contradiction("out_of_shape", 0.1, "the ring is no longer round (by {size} of the amplitude)"),
     # Seen on fine grids, where neighbours are too close to be apart by much; sound runs reach 0.3.
     Contradiction("displacement_mismatch", 0.4,
-                  "displacements no longer add up to what the deformation says (off by {size} of the amplitude)"),
+                  "displacements and deformation contradict each other (off by {size} of the amplitude)"),
     # A lower bound of the error, but for that of the balance, a hundredth or less.
     Contradiction("balance_gap", MOST_ERROR,
                   "the particles are not where the balance of momentum requires (off by {size} of the amplitude)"),

@@ -42,7 +42,7 @@ class RunWidgets:
         """Make the widgets, for the session's present scene."""
         session, scene, view = self._session, self._session.scene, VIEWS[self._session.scene.problem]
         default = type(scene)()
-        gui.add_html(f"<h2 class='lab-h2'>{tr('Change the run')}<small>{tr('answers at once')}</small></h2>")
+        gui.add_html(f"<h2 class='lab-h2'>{tr('Change the run')}<small>{tr('takes effect at once')}</small></h2>")
         with part("method"):
             self._method(gui)
         with part("cells"):

@@ -47,8 +47,8 @@ def places(evidence: Evidence) -> Finding:
     left, words = min((left() / rms(error), words) for words, left in readings)
     told = words if left < FITS else "they are others, or X or ids are"
     return Finding(PLACES, OFF, size, tolerance, "m",
-                   f"at t = 0 the particles are not where those of the {evidence.scene.problem} begin, by {size:.3g} "
-                   f"m: {told}")
+                   f"at t = 0 the particles are {size:.3g} m off the initial positions of the "
+                   f"{evidence.scene.problem}: {told}")
 
 
 def speeds(evidence: Evidence) -> Finding:
@@ -69,8 +69,8 @@ def speeds(evidence: Evidence) -> Finding:
     fits = rms(frame.velocity - factor * right) <= FITS * rms(error)
     told = f"it is {factor:.4g} times that, as of another amplitude or unit" if fits else "it is another motion"
     return Finding(SPEEDS, OFF, off, tolerance, "of v",
-                   f"at t = 0 the velocity is not that with which the {evidence.scene.problem} begins, by {off:.2g} of "
-                   f"it: {told}")
+                   f"at t = 0 the velocity differs from the initial velocity of the {evidence.scene.problem} by "
+                   f"{off:.2g} of it: {told}")
 
 
 def _start(evidence: Evidence, quantity: str) -> tuple[Frame, np.ndarray] | None:
@@ -95,7 +95,7 @@ def _readings_of_start(scene: Scene, frame: Frame, error: np.ndarray) -> Iterato
         middle = np.broadcast_to(0.5 * (right.min(axis=0) + right.max(axis=0)), right.shape)
         far, who = Nearby(right).nearest(within(x, middle), 1)
         if len(np.unique(who)) == len(x):
-            yield ("each is where another one begins: ids, or the order of the rows, are permuted",
+            yield ("each is at the initial position of another one: ids or rows are permuted",
                    lambda: float(np.sqrt(np.mean(np.minimum(far, rms(error)) ** 2))))
 
 
@@ -112,8 +112,8 @@ def order(evidence: Evidence) -> Finding:
     jumps = 0.0 if near is None else float(np.median(departures(near, error["x"]))) / max(size, 1e-300)
     if size > FAR * apart and jumps > UNLIKE:
         return Finding(ORDER, OFF, jumps, UNLIKE, UNIT,
-                       f"at t = {frame.time:.4g} s the error of x jumps from particle to particle by as much as it is: "
-                       "they may be numbered, or given X, in another order")
+                       f"at t = {frame.time:.4g} s the error of x jumps between neighbouring particles by its own "
+                       "size: their ids or X may be in another order")
     nearer = apart / max(off, 1e-300) if size > apart else 0.0  # where all are where they belong so are the nearest
     return Finding(ORDER, HOLDS, nearer, 1 / OTHERS, NEARER) if nearer < 1 / OTHERS else Finding(
         ORDER, OFF, nearer, 1 / OTHERS, NEARER,

@@ -204,8 +204,8 @@ class BarScene(TypedMotionScene, Scene):
             sentences.append("two-grid does not estimate a here: particles that cross cells add noise to it, in "
                              "different places on the two grids")
         if "budget" in self.effects and not self.has("budget"):
-            sentences.append("error budget: there is none without the effect truth and an exact solution, or without "
-                             "the estimator companion; switch one of the two on")
+            sentences.append("error budget: it needs the effect truth and an exact solution, or the estimator "
+                             "companion; switch one of the two on")
         if self.take_away != NOTHING and not self.has("budget"):
             sentences.append(f"take away {self.take_away}: nothing is taken away without the effect budget")
         if self.is_patch and (step := patch_test.edge_step(self, self.initial_velocity)):

@@ -204,8 +204,7 @@ class PlanarScene(Scene):
             raise SceneError("threads", self.threads,
                              "the serial plan runs on one; give 1, or the plan parallel or auto")
         if self.for_gpu and self.plan != "auto":
-            raise SceneError("plan", self.plan, "is for processors, and a GPU has a plan of its own; give auto, or "
-                             "--arch cpu")
+            raise SceneError("plan", self.plan, "is for CPUs, and a GPU has its own plan; give auto, or --arch cpu")
 
     def _check_remedies(self) -> None:
         """Refuse a remedy that does harm to the method; without one that does, there is nothing to refuse."""

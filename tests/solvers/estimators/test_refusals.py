@@ -21,7 +21,7 @@ QUIET_VORTEX = replace(VORTEX, cells=24, amplitude=0.25, cfl=0.2, t_end=1.0, **R
 TRANSPORT, COMPANION = {"estimators": ("transport",)}, {"estimators": ("companion",)}
 #: Of an estimator's scene what is changed, and a word of the reason.
 RULES = [
-    *((replace(scene, **TRANSPORT), {"remedies": ("frozen-weights",)}, "transport follows")
+    *((replace(scene, **TRANSPORT), {"remedies": ("frozen-weights",)}, "transport assumes")
       for scene in (BAR, RING, QUIET_VORTEX)),
     (replace(BAR, **TRANSPORT), {"method": "bspline"}, ""), (replace(RING, **COMPANION), {"amplitude": 0.35}, ""),
     *((SMALL_BAR, changes, word) for changes, word in (
@@ -31,7 +31,7 @@ RULES = [
         ({"method": "mpm", "amplitude": 0.025}, "hat functions"),
         ({"linearity_preserving": False, "amplitude": 0.025}, "linearity preservation"),
         ({"periods": 6.0}, "radians behind"), ({"body_force": "two-tone", "periods": 0.8}, "radians behind"),
-        ({"cells": 80, "amplitude": 0.025, "periods": 7.0}, "leave noise"),
+        ({"cells": 80, "amplitude": 0.025, "periods": 7.0}, "cause noise"),
         ({"ppc": 2, "amplitude": 0.01}, "with 2 per cell"), ({"ppc": 1, "amplitude": 0.004}, "with 1 per cell"),
         ({"remedies": ("pieces",), "linearity_preserving": False}, "leave pieces out"))),
     (replace(BAR, amplitude=1e-3, **TWO_GRID), {"remedies": ("null-space-filter", "coupled-deformation")},

@@ -271,7 +271,7 @@ CONTENTS = {
     "more.csv": (b"id,x\n1,2,3\n", "has 2 names and 3 numbers in a line"),
     "same.csv": (b"id,x,x\n1,2,3\n", "has two columns called x"),
     "other.csv": (b"mass,colour\n1,2\n", "holds no particles that are known by name, but mass, colour"),
-    "cells.csv": (b"# cells = many\nid,x,t\n1,2,3\n", "says cells = many; give a number"),
+    "cells.csv": (b"# cells = many\nid,x,t\n1,2,3\n", "has cells = many; give a number"),
     "halfcells.csv": (b"# cells = 1.5\nid,x,t\n1,2,3\n", "states 1.5 cells"),
     "grid.csv": (b"# cells = 2\nid,x,t\n1,2,3\n", "belongs to a grid of 2 cells, which cannot be"),
     "latin.csv": (b"id,x\xff\n1,2\n", "is no text"),

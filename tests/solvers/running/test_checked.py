@@ -38,7 +38,7 @@ def test_a_quantity_as_wrong_as_it_is_large_is_named(quantity, simulate):
 def test_the_companion_says_it_where_the_truth_is_off(simulate):
     scene = replace(NOISY["v"], effects=("estimate", "soundness"))
     found = simulate(scene).to_dict()
-    assert found["as_large_as_itself"]["v"]["by"] == "companion" and "companion says so" in found["reason"]
+    assert found["as_large_as_itself"]["v"]["by"] == "companion" and "according to companion" in found["reason"]
 
 
 def test_a_run_that_goes_on_is_told_the_same(simulate):

@@ -70,7 +70,7 @@ def file_with(tmp_path, result: Result, changes: dict) -> str:
     ({"result": {"seconds": 3}}, "does not say what one says"),
     ({"scene": {"problem": "rod"}}, "names an unknown problem"),
     ({"scene": {"inputs": {"cells": 0}}}, "has an invalid scene: cells 0: "),
-    ({"scene": {"inputs": {"cells": [[10]]}}}, "has a scene with inputs that the bar does not have"),
+    ({"scene": {"inputs": {"cells": [[10]]}}}, "has a scene with inputs that the bar does not accept"),
     ({"scene": {"inputs": {"estimator": ["two-grid"]}}}, "(its samples are not those of its scene)"),
     ({"series__error_x": None}, "(its samples are not those of its scene)"),
     ({"series__more": np.zeros(3)}, "(its samples are not those of its scene)"),

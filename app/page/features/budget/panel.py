@@ -32,7 +32,7 @@ OFFER = lazy("Which part of the error have crossings made, and which the coarse 
               "step? Computed beside the run, from t = 0 on.")
 ON_DEMAND = lazy("Which part of the error have crossings made, and which the coarse grid and the time step? Found "
                   "beside your stage, from t = 0 to the end of the scene.")
-WAITING = lazy("The run begins again, with the errors of each cause beside it.")
+WAITING = lazy("The run starts again, with the errors of each cause.")
 PINNED, THIS = (lazy("pinned"), lazy("pinned: {run}")), (lazy("this run"), lazy("this run: {run}"))
 _NAMES = {"x": lazy("displacement x"), "v": lazy("velocity v"), "F": lazy("deformation F")}
 
@@ -57,7 +57,7 @@ class BudgetFold:
             self._offer = gui.add_html(_offer(OFFER))
             self._find = gui.add_button(tr("Find out"),
                                         hint=tr("with the causes' errors beside the run, from t = 0 on"))
-            self._cancel = gui.add_button(tr("Cancel"), hint=tr("leave it at what has been found"))
+            self._cancel = gui.add_button(tr("Cancel"), hint=tr("keep the current result"))
             self._field = gui.add_dropdown(
                 tr("Divide the error of"), tuple(map(tr, _NAMES.values())),
                 hint=tr("it follows the quantity on the stage, as far as that has a budget"))

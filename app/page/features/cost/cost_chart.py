@@ -205,7 +205,7 @@ def _guides(inside: Axes, dimensions: int) -> str:
 def _keys(dots: Sequence[NumberedRun], best: Sequence[NumberedRun], dimensions: int) -> str:
     """What looks differ by, where no run can be: fast and exact."""
     judges = list(dict.fromkeys(run.estimator for run in dots if run.error is None and not run.broken))
-    keys = [tr("hollow: as {judges} estimates", judges=functools.reduce(
+    keys = [tr("hollow: estimated by {judges}", judges=functools.reduce(
         lambda before, last: tr("{before} or {last}", before=before, last=last), judges))] if judges else []
     keys += [tr("grey: no run is better for less")] * (len(best) > 1)
     keys.append(tr("dashed: a quarter of the error for {times} times the time", times=2 ** (dimensions + 1)))
@@ -299,5 +299,5 @@ def line(like: Sequence[NumberedRun], scene: Scene, tolerance: float, inside: Ax
 def _error(run: NumberedRun) -> str:
     """How wrong a run is, and whose word that is, where it is not the true error."""
     share = percent(run.size)
-    return share if run.error is not None else tr("{share}, as {estimator} estimates", share=share,
+    return share if run.error is not None else tr("{share}, estimated by {estimator}", share=share,
                                                   estimator=escape(run.estimator))

@@ -84,7 +84,7 @@ def sentence(run: NumberedRun) -> str:
     if run.error is not None:
         parts.append(tr("true error of x {share} of {whole}", share=percent(run.error), whole=of))
     if run.estimate is not None:
-        parts.append(tr("{share} of {whole} as {estimator} estimates", share=percent(run.estimate), whole=of,
+        parts.append(tr("{share} of {whole}, estimated by {estimator}", share=percent(run.estimate), whole=of,
                         estimator=run.estimator))
     time = seconds(run.seconds)
     return "; ".join([*parts, tr("{time} alone", time=time) if run.alone else tr("{time} on the stage", time=time)])

@@ -38,7 +38,7 @@ def takes(lesson: Lesson) -> str:
 def choice(gui: viser.GuiApi, lesson: Lesson, chosen: bool) -> viser.GuiCheckboxHandle:
     """A box to take the core alone."""
     return gui.add_checkbox(tr(ONLY), chosen, hint=tr(
-        "the core stands by itself and takes {minutes} minutes; you can go deeper at its end",
+        "the core is self-contained and takes {minutes} minutes; you can go deeper at its end",
         minutes=lesson.core_minutes))
 
 

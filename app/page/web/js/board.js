@@ -16,11 +16,11 @@
   const scroll = by => section.querySelector(".lab-slide [tabindex]")?.scrollBy({top: by * 0.3 * innerHeight});
   const nothing = () => {};  // of keys that mean something on the page below
   const keys = new Map([
-    ["ArrowRight", [tr("→  Page ↓  Space"), tr("the one next thing, as its button says"), next]],
+    ["ArrowRight", [tr("→  Page ↓  Space"), tr("the next action (the main button)"), next]],
     ["PageDown", ["", "", next]], [" ", ["", "", next]],
-    ["ArrowLeft", [tr("←  Page ↑"), tr("look back; nothing is closed by it"), back]],
+    ["ArrowLeft", [tr("←  Page ↑"), tr("look back; all steps stay open"), back]],
     ["PageUp", ["", "", back]],
-    ["ArrowDown", ["↓  ↑", tr("what is longer than the window"), () => scroll(1)]],
+    ["ArrowDown", ["↓  ↑", tr("scroll long texts"), () => scroll(1)]],
     ["ArrowUp", ["", "", () => scroll(-1)]],
     ["v", ["V", tr("the stage, and back to the board"), turn]],
     ["?", ["?", tr("this list"), null]],
