@@ -77,7 +77,7 @@ def cause_token(cause: str) -> str:
     return f"made-{cause.replace('_', '-')}"
 
 
-def tokens() -> str:
+def css_variables() -> str:
     """The light shades of the palette, and of the causes of error, as variables of a style."""
     named = PALETTE | {cause_token(cause): shades for cause, shades in CAUSES.items()}
     return f":root {{ {' '.join(f'--{name}: {shades.light};' for name, shades in named.items())} }}\n"

@@ -12,7 +12,7 @@ _RANGES = {"latin": "U+0000-00FF,U+0131,U+0152-0153,U+02BB-02DC,U+2000-206F,U+20
                     "U+2212,U+2215,U+2248,U+2264-2265,U+FEFF,U+FFFD", "greek": "U+0370-03FF"}
 
 
-def faces() -> str:
+def font_faces_css() -> str:
     """The type as part of a style."""
     return "".join(
         f"@font-face {{ font-family: 'Lab Inter'; font-weight: 100 900; font-display: block; unicode-range: {ranges}; "

@@ -60,7 +60,7 @@ class State:
     pinned: Scene | None = None
 
 
-def write(state: State) -> str:
+def write_state(state: State) -> str:
     """The text of a state, as short as it can be."""
     view = [_word(key, getattr(state, field)) for key, (field, _) in VIEW.items()
             if getattr(state, field) != getattr(State(state.scene), field)]
@@ -68,7 +68,7 @@ def write(state: State) -> str:
     return ";".join([state.scene.problem, *_scene_words(state.scene), *view, *pinned])
 
 
-def read(text: str) -> State:
+def parse_state(text: str) -> State:
     """The state of a text; :class:`StateError` where it is none."""
     if len(text) > LONGEST:
         raise StateError(f"a scene of {len(text):,} characters is too long; at most {LONGEST:,} are allowed")
@@ -89,7 +89,7 @@ def read(text: str) -> State:
     return state
 
 
-def begins(text: str) -> bool:
+def looks_like_state(text: str) -> bool:
     """Whether a text is meant as a state: it begins with a problem."""
     return len(text) <= LONGEST and next(iter(_words(text)), "") in PROBLEMS
 

@@ -7,7 +7,7 @@ from pathlib import Path
 from app.language.translation import tr
 
 
-def rendered(file: Path, **parts: object) -> str:
+def render_template(file: Path, **parts: object) -> str:
     """The text of a file with the parts in their places, and its words in the language that is spoken."""
     return re.sub(r"\{\{(?:(\w+)|\"([^\"]+)\")\}\}",
                   lambda place: f"{parts[place[1]]}" if place[1] else escape(tr(place[2])),

@@ -70,7 +70,8 @@ SYMBOLS = {"amplitude": "A", "modulus": "E", "density": "ρ", "stretch": "F", "i
 #: Fields that some problems have, beside what moves them all.
 OF_MOST = ("amplitude", "modulus", "density", "t_end", "periods", "body_force")
 OF_SOME = ("motion", "stretch", "initial_velocity")
-#: What a scene's fields may be, in words that are put into the visitor's language by :func:`choices`, in the order in
+#: What a scene's fields may be, in words that are put into the visitor's language by :func:`choice_labels`, in the
+#: order in
 #: which they are offered.
 CHOICES = {"method": {code: method.full or method.name for code, method in METHODS.items()},
            "body_force": {"material": lazy("at the particles"), "node": lazy("at the nodes"), "none": lazy("none"),
@@ -83,7 +84,7 @@ CHOICES = {"method": {code: method.full or method.name for code, method in METHO
            "layout": {"polar": lazy("polar"), "cartesian": lazy("Cartesian")}}
 
 
-def choices(kind: type[Scene], field: str) -> dict[str, str]:
+def choice_labels(kind: type[Scene], field: str) -> dict[str, str]:
     """What a field of a kind of scene may be, in words; what has none keeps its own."""
     allowed, words = kind.choices(field), CHOICES.get(field, {})
     return {code: tr(words[code]) for code in words if code in allowed} | {c: c for c in allowed if c not in words}
@@ -99,10 +100,10 @@ def method_name(method: str) -> str:
     return METHODS[method].name if method in METHODS else method
 
 
-def moving(scene: Scene) -> str:
+def motion_text(scene: Scene) -> str:
     """What moves the material, in few words: "A = 25 mm"; of a patch test its stretch and velocity."""
     motion = scene.to_dict().get("motion")  # of a problem that has several
-    names = choices(type(scene), "motion") if motion else {}
+    names = choice_labels(type(scene), "motion") if motion else {}
     unusual = [names[motion]] if motion and motion != type(scene)().to_dict()["motion"] else []
     return ", ".join([*unusual, _moved_by(scene)]) or tr(scene.title)
 
@@ -116,7 +117,7 @@ def _moved_by(scene: Scene) -> str:
 def in_a_line(scene: Scene) -> str:
     """A run in a line: what every run says of itself, and what else is not as usual."""
     said = ("method", "cells", "ppc", "amplitude", "estimators", *(name for name in OF_SOME if hasattr(scene, name)))
-    more = differing(scene, type(scene)(**{name: getattr(scene, name) for name in said}))
+    more = difference_text(scene, type(scene)(**{name: getattr(scene, name) for name in said}))
     title, cells = tr(scene.title), tr("{count} cells", count=scene.cells)
     parts = str(METHODS[scene.method]), cells, particles_per_cell(scene.problem, scene.ppc), _moved_by(scene), more
     return f"{title[:1].upper()}{title[1:]}: {', '.join(filter(None, parts))}"
@@ -157,7 +158,7 @@ def on_page(sentence: str) -> str:
 
 
 @language_cache(64)  # asked for with every frame
-def differing(scene: Scene, other: Scene) -> str:
+def difference_text(scene: Scene, other: Scene) -> str:
     """What a scene is where another of its problem is not: "uGIMP, 40 cells, A = 25 mm"; "" where both are one run."""
     return ", ".join(mine for mine, theirs in zip(_said(scene), _said(other), strict=True) if mine != theirs)
 
@@ -172,7 +173,7 @@ def _said(scene: Scene) -> list[str]:
 
 
 def _field_said(scene: Scene, field: str, unit: str) -> str:
-    value, label, names = getattr(scene, field), tr(field_label(field)), choices(type(scene), field)
+    value, label, names = getattr(scene, field), tr(field_label(field)), choice_labels(type(scene), field)
     if field == "take_away":
         return tr("as it is") if value == error_causes.NOTHING else \
             tr("without {cause}", cause=tr(error_causes.CAUSES[value]))
@@ -210,19 +211,19 @@ def command_line(scene: Scene) -> str:
     return " ".join(words)
 
 
-def brief(silence: str) -> str:
+def short_reason(silence: str) -> str:
     """Why an estimator says nothing, for where there is little room and the readout has the reason."""
     not_valid = tr("not valid here")  # as the sentence says it
     name, found, _ = silence.partition(f": {not_valid}")
     return tr("{name} is not valid here", name=name) if found else silence
 
 
-def number(value: float) -> str:
+def format_number(value: float) -> str:
     """Short and exact to three digits: 0, 0.025, 1.5e-05."""
     return f"{value:.3g}"
 
 
-def ratio(value: float) -> str:
+def format_ratio(value: float) -> str:
     """An estimate over what it is an estimate of: 0.36, 1.02, 6 × 10⁴."""
     if PLAIN_RATIOS[0] < value < PLAIN_RATIOS[1]:
         return f"{value:.2f}"
@@ -230,18 +231,19 @@ def ratio(value: float) -> str:
     return f"{digits} × {power_text(int(power)).strip()}" if power else digits
 
 
-def factor(value: float) -> str:
-    """How many times something is something else, to three digits: 0.386, 2.6, 13.7; beyond, as a :func:`ratio`."""
-    return f"{value:.3g}" if PLAIN_RATIOS[0] < value < PLAIN_RATIOS[1] else ratio(value)
+def format_factor(value: float) -> str:
+    """How many times something is something else, to three digits: 0.386, 2.6, 13.7; beyond, as a
+    :func:`format_ratio`."""
+    return f"{value:.3g}" if PLAIN_RATIOS[0] < value < PLAIN_RATIOS[1] else format_ratio(value)
 
 
 def per_cent(share: float) -> str:
-    """A share to two digits: 0.29 %, 6.4 %, 53 %, 2,300 %; beyond, as a :func:`ratio`."""
+    """A share to two digits: 0.29 %, 6.4 %, 53 %, 2,300 %; beyond, as a :func:`format_ratio`."""
     percent = 100 * share
     if WHOLE_PERCENT <= percent < PLAIN_PERCENT[1]:
         return f"{percent:,.0f} %"
     plain = percent == 0 or PLAIN_PERCENT[0] < percent < PLAIN_PERCENT[1]
-    return f"{percent:.2g} %" if plain else f"{ratio(percent)} %"
+    return f"{percent:.2g} %" if plain else f"{format_ratio(percent)} %"
 
 
 def power_of_ten(largest: float) -> int:

@@ -84,10 +84,10 @@ def test_formulas_are_mathml_and_no_letters(site):
     assert text.count("<math") > 10 and "$" not in re.sub(r"<script.*?</script>", "", text, flags=re.DOTALL)
 
 
-@pytest.mark.parametrize("name", catalogue.names())
+@pytest.mark.parametrize("name", catalogue.lesson_names())
 def test_a_lesson_does_not_tell_before_it_is_asked(name, site):
     """The teacher's notes, claims and right answers are nowhere; what explains is folded, with its title."""
-    lesson = catalogue.lesson(name)
+    lesson = catalogue.load_lesson(name)
     text = (site / "lessons" / f"{name}.html").read_text(encoding="utf-8")
     article = text[text.index("<article"):text.index("</article>")]
     open_parts = re.sub(r"<details.*?</details>", "", article, flags=re.DOTALL)
@@ -103,10 +103,12 @@ def test_a_lesson_does_not_tell_before_it_is_asked(name, site):
 
 
 def test_a_page_for_a_class_has_its_timetable_and_no_claims(site):
-    for name in class_plans.names():
+    for name in class_plans.class_page_names():
         text = (site / "lessons" / "classes" / f"{name}.html").read_text(encoding="utf-8")
         article = text[text.index("<article"):text.index("</article>")]
-        assert _plain(class_plans.page(name).claims.title) in _plain(article) and article.count("<table") >= 1
+        assert (
+            _plain(class_plans.load_class_page(name).claims.title) in _plain(article) and article.count("<table") >= 1
+        )
         assert "+++" not in article and "error.x" not in article
 
 

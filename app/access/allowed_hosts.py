@@ -95,7 +95,7 @@ class Addresses:
         return any(name and name.host == address.host and name.port in (None, address.port) for name in own)
 
 
-def untidy(head: bytes) -> bool:
+def has_stray_whitespace(head: bytes) -> bool:
     """Whether a host or an origin has white space or letters that no name has, which no browser sends."""
     lines = (line.partition(b":") for line in head.split(b"\r\n"))
     return any(name.lower() in (b"host", b"origin") and re.fullmatch(rb" ?[\x21-\x7e]*", value) is None

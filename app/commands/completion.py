@@ -21,7 +21,7 @@ BASH = {"complete -F": "complete -o default -F",
         'COMPREPLY=("${matches[@]}")': 'COMPREPLY=(); [ -z "$completions" ] || COMPREPLY=("${matches[@]}")'}
 
 
-def script(shell: str) -> str:
+def completion_script(shell: str) -> str:
     """The script for a shell, made from the commands' own flags."""
     if shell not in SHELLS:
         raise BadInput("completion", shell, f"give one of {', '.join(SHELLS)}")

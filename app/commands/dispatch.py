@@ -16,8 +16,8 @@ import tyro
 from app import __version__
 from app.commands import DEFAULT_COMMAND, commands
 from app.commands.flags import BadInput
-from app.commands.help import PROGRAM, VERBOSE, Shown, finished, overview, paragraphs
-from app.commands.output import NotWritten, message, put_text, showing_places
+from app.commands.help import PROGRAM, VERBOSE, PrintCapture, commands_overview, help_paragraphs, wrap_help
+from app.commands.output import NotWritten, print_message, put_text, showing_places
 from solvers.scene.extensions import ExtensionError
 from solvers.scene.validation import SceneError, field_flag
 from solvers.untrusted.quoting import meant, quoted, sentence
@@ -40,19 +40,19 @@ def _status(arguments: list[str]) -> int:
         put_text("")  # here, where a reader that has gone is still ours to handle
         return status
     except (BadInput, ExtensionError, SceneError) as error:
-        message(BadInput(field_flag(error.field), error.value, error.sentence) if isinstance(error, SceneError)
-                else error)
+        print_message(BadInput(field_flag(error.field), error.value, error.sentence) if isinstance(error, SceneError)
+                      else error)
         return BAD_INPUT
     except BrokenPipeError:
         os.dup2(os.open(os.devnull, os.O_WRONLY), 1)  # or Python complains again when it ends
         return BROKEN_PIPE
     except NotWritten as error:
-        message(error)
+        print_message(error)
         return FAILED
     except Exception as error:
         if _wants_traceback():
             raise
-        message(sentence(f"failed: {type(error).__name__}: {error}"))
+        print_message(sentence(f"failed: {type(error).__name__}: {error}"))
         return FAILED
 
 
@@ -67,11 +67,11 @@ def _main(arguments: list[str]) -> int:
     flag, _, value = (arguments or [""])[0].partition("=")
     if flag == "--completion":
         from app.commands import completion
-        put_text(completion.script(value or " ".join(arguments[1:])))
+        put_text(completion.completion_script(value or " ".join(arguments[1:])))
         return 0
     name, rest = _find_command(arguments)
     if name not in commands():
-        put_text(overview(name) + "\n")
+        put_text(commands_overview(name) + "\n")
         return 0
     command = _read_flags(commands()[name], f"{PROGRAM} {' '.join(name)}", rest)
     return 0 if command is None else command.execute()
@@ -106,14 +106,14 @@ def _next_words(name: tuple[str, ...]) -> list[str]:
 def _read_flags(kind: type, program: str, arguments: list[str]) -> Any:
     """The command with its flags filled in; None after its help was shown."""
     read: Any = tyro.cli  # the type of what it returns depends on its flags
-    complaints, shown = io.StringIO(), Shown()
+    complaints, shown = io.StringIO(), PrintCapture()
     try:
         with contextlib.redirect_stderr(complaints), contextlib.redirect_stdout(shown):
             command, unknown = read(kind, prog=program, args=arguments, return_unknown_args=True,
-                                    description="\n\n".join(paragraphs(kind)))
+                                    description="\n\n".join(help_paragraphs(kind)))
     except SystemExit as end:
         if not end.code:
-            put_text(finished(shown.getvalue(), kind))
+            put_text(wrap_help(shown.getvalue(), kind))
             return None
         # tyro's boxed complaint as one sentence: the first line between the borders.
         lines = [line.strip(" │|╭╮╰╯─-") for line in complaints.getvalue().splitlines()]

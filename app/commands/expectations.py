@@ -5,7 +5,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from app.commands.flags import BadInput
-from app.commands.output import message
+from app.commands.output import print_message
 from app.lessons.claims import ClaimError, Outcome, Scope, Vocabulary, check_claim, decide
 from solvers.untrusted.quoting import quoted
 
@@ -35,6 +35,6 @@ class Expectations:
                 holds, found = decided.holds, ", ".join(dict.fromkeys(decided.found.split(", ")))  # order: of all grids
             except ClaimError as error:  # one that has no value here does not hold
                 holds, found = False, str(error)
-            message(f"expected {quoted(claim)}: {'holds' if holds else 'DOES NOT HOLD'} ({found})")
+            print_message(f"expected {quoted(claim)}: {'holds' if holds else 'DOES NOT HOLD'} ({found})")
             missed |= not holds
         return int(missed)

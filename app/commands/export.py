@@ -7,12 +7,12 @@ import tyro
 
 from app.commands.flags import BadInput, ProcessesFlag, Switch, TextFlag, default_hint, side_by_side
 from app.commands.lesson import lesson_called
-from app.commands.output import Target, message
-from app.commands.progress import working
+from app.commands.output import Target, print_message
+from app.commands.progress import show_progress
 from app.export.slider_grid import within_reach
 from app.language.translation import ENGLISH, LANGUAGES, use_language
 from app.lessons.lesson import Lesson, LessonError
-from app.state import StateError, begins, read
+from app.state import StateError, looks_like_state, parse_state
 from solvers.scene.validation import require_choice
 
 
@@ -49,27 +49,27 @@ class Export:
         require_choice("lang", self.lang, tuple(LANGUAGES))
         names = self._lesson_names()
         target = Target("out", self.out, ending=".zip" if self.scorm else ".html")
-        with working(self.quiet) as show, use_language(self.lang):
+        with show_progress(self.quiet) as show, use_language(self.lang):
             from app.export import html_file, lesson_data  # here: bad input and --help must not wait for them
             lessons = [_read(name) for name in names]
             if self.scorm:
-                content = lesson_data.package(lessons, processes, show, core=self.core)
+                content = lesson_data.package_lessons(lessons, processes, show, core=self.core)
             elif lessons:
                 content = lesson_data.lesson_page(lessons[0], processes, show, core=self.core).encode()
             else:
                 content = html_file.scene_page(self.what, processes, show).encode()
         target.write(content)
-        message(f"{target.text}: {len(content) / 1e6:.1f} MB")
+        print_message(f"{target.text}: {len(content) / 1e6:.1f} MB")
         return 0
 
     def _lesson_names(self) -> list[str]:
         """Returns the full names of the lessons, none for a scene; refuses what cannot be exported."""
         if self.scorm:
-            if not self.what.strip() or begins(self.what):
+            if not self.what.strip() or looks_like_state(self.what):
                 raise BadInput("", self.what, "is no lesson, and a course keeps a score of lessons alone; give lessons "
                                               "by name or number")
             return list(dict.fromkeys(map(lesson_called, self.what.split())))
-        if not begins(self.what):
+        if not looks_like_state(self.what):
             if len(self.what.split()) > 1:
                 raise BadInput("", self.what, "is no scene, and a file has one lesson; give one, or --scorm for a "
                                               "package of several")
@@ -77,7 +77,7 @@ class Export:
         if self.core:
             raise BadInput("core", self.what, "a scene has no core; give a lesson, by name or number")
         try:
-            scene = read(self.what).scene
+            scene = parse_state(self.what).scene
         except StateError as error:
             raise BadInput("", self.what, str(error)) from None
         if refusal := within_reach(scene):
@@ -88,6 +88,6 @@ class Export:
 def _read(name: str) -> Lesson:
     from app.lessons import catalogue
     try:
-        return catalogue.lesson(name)
+        return catalogue.load_lesson(name)
     except LessonError as error:
         raise BadInput("", name, str(error)) from None

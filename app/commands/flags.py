@@ -33,12 +33,12 @@ def _lenient(metavar: str, parse: Callable[[list[str]], Any]) -> Any:
         str_from_instance=lambda value: list(map(str, value)) if isinstance(value, tuple) else [quoting.quoted(value)])
 
 
-def number(words: list[str]) -> Any:
+def parse_number(words: list[str]) -> Any:
     """A whole number or a float where the words are one, else the words."""
     return _read(number_parsing.number, words)
 
 
-def real(words: list[str]) -> Any:
+def parse_float(words: list[str]) -> Any:
     """A float where the words are one, else the words."""
     return _read(number_parsing.real, words)
 
@@ -76,8 +76,8 @@ def default_hint(text: str) -> Any:
     return tyro.conf.arg(help_behavior_hint=f"(default: {text})")
 
 
-NumberFlag = Annotated[Any, _lenient("N", number)]
-RealFlag = Annotated[Any, _lenient("X", real)]
+NumberFlag = Annotated[Any, _lenient("N", parse_number)]
+RealFlag = Annotated[Any, _lenient("X", parse_float)]
 TextFlag = Annotated[Any, _lenient("TEXT", " ".join)]
 NamesFlag = Annotated[Any, _lenient("TEXT ...", _words)]
 FilesFlag = Annotated[Any, _lenient("FILE ...", tuple)]
@@ -102,7 +102,7 @@ def times_of(words: tuple[str, ...], flag: str) -> list[float]:
     """Times in seconds, as they were typed."""
     times = []
     for word in words:
-        time = real([word])
+        time = parse_float([word])
         if isinstance(time, str) or time < 0:
             raise BadInput(flag, word, "is no time; give seconds from 0 on")
         times.append(time)

@@ -9,7 +9,7 @@ import sys
 import textwrap
 
 from app.commands import DEFAULT_COMMAND, commands
-from app.commands.progress import coloured
+from app.commands.progress import wants_colour
 
 PROGRAM = "mpm-lab"
 WIDEST = 100  # characters of a line
@@ -17,27 +17,27 @@ VERBOSE = "--verbose"
 EVERYWHERE = f"With any command {VERBOSE} shows where in the code something failed."
 
 
-class Shown(io.StringIO):
+class PrintCapture(io.StringIO):
     """Takes what is printed as if it were the standard output, colours included where they are wanted there."""
 
     encoding = sys.stdout.encoding
 
     def __init__(self) -> None:
         super().__init__()
-        self._coloured = coloured(os.environ, sys.stdout.isatty())
+        self._coloured = wants_colour(os.environ, sys.stdout.isatty())
 
     def isatty(self) -> bool:
         return self._coloured
 
 
-def paragraphs(kind: type) -> list[str]:
+def help_paragraphs(kind: type) -> list[str]:
     """The help of a command, a line each: what it does, more of it, and its exit statuses."""
     first, _, rest = (inspect.getdoc(kind) or "").partition("\n\n")
     more, found, statuses = rest.partition("Exit status:")
     return [" ".join(part.split()) for part in (first, *more.split("\n\n"), found + statuses) if part.strip()]
 
 
-def finished(shown: str, kind: type) -> str:
+def wrap_help(shown: str, kind: type) -> str:
     """Returns the help that tyro has ``shown`` with wrapped paragraphs, the example, and what every command has."""
     usage, _, rest = shown.partition("\n")
     if len(usage) > _width():  # as several lines, none of which parts a flag from its value
@@ -45,12 +45,12 @@ def finished(shown: str, kind: type) -> str:
         usage = textwrap.fill(together, _width(), subsequent_indent=" " * 4, break_long_words=False,
                               break_on_hyphens=False).replace("\0", " ")
     shown = f"{usage}\n{rest}"
-    for part in paragraphs(kind):
+    for part in help_paragraphs(kind):
         shown = shown.replace(part, textwrap.fill(part, _width()))
     return f"{shown}\nExample:  {kind.EXAMPLE}\n\n{EVERYWHERE}\n"  # type: ignore[attr-defined]
 
 
-def overview(name: tuple[str, ...]) -> str:
+def commands_overview(name: tuple[str, ...]) -> str:
     """The help above the commands whose names begin so: their names and what they do."""
     program = " ".join((PROGRAM, *name))
     rows = {" ".join((PROGRAM, *known)): (inspect.getdoc(kind) or "").partition("\n")[0]

@@ -9,8 +9,8 @@ from typing import TYPE_CHECKING, Annotated, ClassVar, TypeVar
 import tyro
 
 from app.commands import flags
-from app.commands.output import Folder, Target, json_target, message, put_result, put_text
-from app.commands.progress import working
+from app.commands.output import Folder, Target, json_target, print_message, put_result, put_text
+from app.commands.progress import show_progress
 from app.language.translation import ENGLISH, LANGUAGES, use_language
 from app.lessons.lesson import Lesson, LessonError
 from solvers.scene.validation import require_choice, require_whole
@@ -39,7 +39,7 @@ class LessonList:
     def execute(self) -> int:
         from app.lessons import catalogue
         from app.lessons.duration import minutes_text
-        lessons, mistakes = _read((), lambda name: [catalogue.lesson(name)])
+        lessons, mistakes = _read((), lambda name: [catalogue.load_lesson(name)])
         rows = [(lesson.name, minutes_text(lesson), lesson.title) for lesson in lessons]
         names, times = (max((len(row[column]) for row in rows), default=0) for column in (0, 1))
         for name, time, title in rows:
@@ -75,21 +75,26 @@ class LessonCheck:
             require_whole("variants", self.variants, 1, 1000)
         target = json_target(self.json)
         from app.lessons import catalogue, class_plans
-        from app.lessons.lesson_check import checks
+        from app.lessons.lesson_check import check_lesson
         from app.lessons.lesson_runs import RunCache, scene_texts
-        known = class_plans.names()
+        known = class_plans.class_page_names()
         others = tuple(name for name in self.names if name not in known)
         lessons, mistakes = _read(others, catalogue.in_every_language, known) if others or not self.names else ([], {})
-        pages = _read_each([name for name in known if name in (self.names or known)], class_plans.page, mistakes)
-        with working(self.quiet) as show, closing(RunCache(processes)) as outcomes:
+        pages = _read_each([name for name in known if name in (self.names or known)], class_plans.load_class_page,
+                           mistakes)
+        with show_progress(self.quiet) as show, closing(RunCache(processes)) as outcomes:
             texts = [text for lesson in (*lessons, *(page.claims for page in pages))
                      for numbers in lesson.variants[:self.variants] for text in scene_texts(lesson, numbers)]
             outcomes.prepare(texts, lambda done, total: show(done / total))
-            found = [check for lesson in lessons for check in checks(lesson, outcomes, self.variants)]
-            found += [check for page in pages for check in class_plans.checks(page, catalogue.lessons(), outcomes)]
+            found = [check for lesson in lessons for check in check_lesson(lesson, outcomes, self.variants)]
+            found += [
+                check
+                for page in pages
+                for check in class_plans.check_class_page(page, catalogue.load_lessons(), outcomes)
+            ]
         failed = [check for check in found if not check.holds]
         for check in failed:
-            message(check)
+            print_message(check)
         names = list(dict.fromkeys(lesson.name for lesson in lessons))
         read = [_count(names)] * bool(names) + [_count(pages, "page", " for a class")] * bool(pages)
         told = ", ".join((*read, f"{len(found)} checks", f"{len(failed)} failed")) if read else "nothing was checked"
@@ -130,10 +135,10 @@ class LessonGuide:
             raise flags.BadInput("out", self.out, f"give a file that ends in {' or '.join(teacher_guide.KINDS)}")
         target = None if self.out is None else Target("out", self.out)
         with use_language(self.lang):
-            lessons, _ = _read((self.name,), lambda name: [catalogue.lesson(name)])
+            lessons, _ = _read((self.name,), lambda name: [catalogue.load_lesson(name)])
             if not lessons:
                 return BAD_INPUT
-            with working(self.quiet), closing(RunCache(1)) as outcomes:
+            with show_progress(self.quiet), closing(RunCache(1)) as outcomes:
                 text = teacher_guide.KINDS[ending or ".md"](lessons[0], outcomes, self.core)
         put_text(text, target)
         return OK
@@ -166,15 +171,15 @@ class LessonGrade:
         from app.lessons import catalogue, grading
         from app.lessons.lesson_runs import RunCache
         read = [answers for file in self.files if (answers := _answers(file)) is not None]
-        lessons = catalogue.lessons()
-        with working(self.quiet) as show, closing(RunCache(usual_processes())) as outcomes:
+        lessons = catalogue.load_lessons()
+        with show_progress(self.quiet) as show, closing(RunCache(usual_processes())) as outcomes:
             rows = []
             for done, (file, found) in enumerate(read):
                 show(done / len(read))
-                rows.append(grading.graded(file, found, lessons[found.lesson], outcomes, self.core))
-        put_text(grading.table(rows), target, "utf-8-sig")  # by which a spreadsheet knows the characters
-        for sentence in () if self.quiet else grading.coverage(rows):
-            message(sentence)
+                rows.append(grading.grade_file(file, found, lessons[found.lesson], outcomes, self.core))
+        put_text(grading.grades_csv(rows), target, "utf-8-sig")  # by which a spreadsheet knows the characters
+        for sentence in () if self.quiet else grading.interval_coverage(rows):
+            print_message(sentence)
         return OK if len(read) == len(self.files) else FAILED
 
 
@@ -196,7 +201,7 @@ class LessonScripts:
         for path in sorted(path for part in ("scripts", "scripts/codes", "notebooks")
                            for path in catalogue.FOLDER.glob(f"{part}/*.py")):
             folder.put(path.name, path.read_bytes())
-        message(f"{folder.text}: begin with bar.py")
+        print_message(f"{folder.text}: begin with bar.py")
         return OK
 
 
@@ -210,11 +215,11 @@ def _answers(file: str) -> "tuple[str, Progress] | None":
             text = opened.read(MOST_CHARACTERS + 1)
         if len(text) > MOST_CHARACTERS:
             raise student_progress.NotAnswers(f"is too long; give a file of at most {MOST_CHARACTERS:,} characters")
-        return file_name(file), student_progress.read(text, catalogue.lessons().get)
+        return file_name(file), student_progress.parse_progress(text, catalogue.load_lessons().get)
     except (OSError, ValueError) as error:  # also progress.NotAnswers, and what is no UTF-8
         said = error.strerror.lower() if isinstance(error, OSError) and error.strerror else \
             "is no text" if isinstance(error, UnicodeDecodeError) else str(error)
-        message(flags.BadInput("", file_name(file), said))
+        print_message(flags.BadInput("", file_name(file), said))
         return None
 
 
@@ -227,7 +232,7 @@ def _read(names: tuple[str, ...], find: Callable[[str], Iterable[Lesson]],
     """Reads the named lessons, or all, with ``find``; returns them and, by name, the mistakes, which are printed."""
     from app.lessons import catalogue
     lessons, mistakes = list[Lesson](), dict[str, str]()
-    called = dict.fromkeys(lesson_called(name, also) for name in names) if names else catalogue.names()
+    called = dict.fromkeys(lesson_called(name, also) for name in names) if names else catalogue.lesson_names()
     _read_each(called, lambda name: lessons.extend(find(name)), mistakes)  # a lesson stays without its translation
     return lessons, mistakes
 
@@ -239,7 +244,7 @@ def _read_each(names: Iterable[str], read: Callable[[str], Read], mistakes: dict
         try:
             found.append(read(name))
         except LessonError as error:
-            message(error)
+            print_message(error)
             mistakes[name] = str(error)
     return found
 
@@ -248,6 +253,6 @@ def lesson_called(name: str, also: Sequence[str] = ()) -> str:
     """The full name of a lesson; raises :class:`BadInput` where there is none, with what could be given ``also``."""
     from app.lessons import catalogue
     try:
-        return catalogue.called(name)
+        return catalogue.resolve_name(name)
     except catalogue.UnknownLesson as error:
         raise flags.BadInput("", name, ", ".join((str(error), *also))) from None

@@ -12,8 +12,8 @@ from pathlib import Path
 from typing import Any
 
 from app.commands.flags import BadInput
-from app.lessons.markdown_html import html
-from app.templates import rendered
+from app.lessons.markdown_html import to_html
+from app.templates import render_template
 from solvers.untrusted import quoting
 
 LONGEST_LINE = 1000  # letters; refusals have less
@@ -46,7 +46,7 @@ def showing_places(wanted: bool) -> Iterator[None]:
         log.setLevel(level)
 
 
-def message(message: object) -> None:
+def print_message(message: object) -> None:
     """Prints one line without control characters on standard error, with ``--verbose`` after the traceback."""
     places = traceback.format_exc().splitlines() if _places and sys.exc_info()[1] else []
     with contextlib.suppress(OSError):  # where nobody can be told anything, the exit status still says it
@@ -169,8 +169,8 @@ class Folder:
         Target("out", str(self.path / name)).write(content)
 
 
-def draw(figures: Mapping[str, Callable[[Any], Any]], values: Any, put: Callable[[str, bytes], None], out: str,
-         rest: str) -> tuple[list[str], int]:
+def draw_pictures(figures: Mapping[str, Callable[[Any], Any]], values: Any, put: Callable[[str, bytes], None], out: str,
+                  rest: str) -> tuple[list[str], int]:
     """Draws ``values`` in every way into ``out``; returns the files' names and the exit status."""
     from app.pictures.run import png_bytes
 
@@ -181,7 +181,7 @@ def draw(figures: Mapping[str, Callable[[Any], Any]], values: Any, put: Callable
                 put(f"{name}.png", png_bytes(picture))
                 drawn.append(f"{name}.png")
         except Exception as error:
-            message(f"--out {out}: the picture {name} failed ({type(error).__name__}: {error}); {rest}")
+            print_message(f"--out {out}: the picture {name} failed ({type(error).__name__}: {error}); {rest}")
             status = 1
     return drawn, status
 
@@ -189,15 +189,15 @@ def draw(figures: Mapping[str, Callable[[Any], Any]], values: Any, put: Callable
 def as_html(text: str, folder: Path) -> str:
     """A report in Markdown as one page of HTML, its pictures, which lie in the folder, in it."""
     title = escape(text.partition("\n")[0].lstrip("# "))
-    body = html(text, folder)  # whose tables scroll by themselves where they are wider than a phone
+    body = to_html(text, folder)  # whose tables scroll by themselves where they are wider than a phone
     body = body.replace("<table>", '<div class="wide" tabindex="0"><table>').replace("</table>", "</table></div>")
-    return rendered(REPORT, title=title, body=body)
+    return render_template(REPORT, title=title, body=body)
 
 
 def put_report(folder: Folder, values: dict, pictured: Any, figures: Mapping[str, Callable[[Any], Any]],
                markdown: Callable[[list[str]], str]) -> int:
     """Writes a report as Markdown, JSON and HTML with its pictures; returns the exit status."""
-    drawn, status = draw(figures, pictured, folder.put, folder.text, "the rest is fine")
+    drawn, status = draw_pictures(figures, pictured, folder.put, folder.text, "the rest is fine")
     text = markdown(drawn)
     folder.put("report.json", json_text(values, lines=True).encode())
     folder.put("report.md", text.encode())

@@ -79,7 +79,7 @@ def noted_interrupts() -> Iterator[Callable[[], None]]:
 
 
 @contextlib.contextmanager
-def working(quiet: bool) -> Iterator[Callable[..., None]]:
+def show_progress(quiet: bool) -> Iterator[Callable[..., None]]:
     """While solvers work: a clean standard output, Ctrl-C noted, and, unless ``quiet``, a progress bar on a terminal.
 
     Yields what is to be called now and then with the part done, 0 to 1, and, if one likes, what is being done.
@@ -108,7 +108,7 @@ def working(quiet: bool) -> Iterator[Callable[..., None]]:
                 print("\r" + " " * (BAR_WIDTH + 24 + BAR_TEXT) + "\r", end="", file=sys.stderr, flush=True)
 
 
-def coloured(environment: Mapping[str, str], is_terminal: bool) -> bool:
+def wants_colour(environment: Mapping[str, str], is_terminal: bool) -> bool:
     """Whether to print colours: on a terminal or with FORCE_COLOR, never with NO_COLOR (https://no-color.org)."""
     if environment.get("NO_COLOR") or is_dumb(environment):
         return False

@@ -36,7 +36,7 @@ class SceneFlags:
 
 def of_problem(command: type[SceneFlags], scene: type[Scene], **kinds: Any) -> type:
     """A command for one problem: the flags of its scene, then the command's own; ``kinds`` replace types of flags."""
-    flags = [(field_key(f.name), described(scene, f, kinds.get(f.name)),
+    flags = [(field_key(f.name), describe_flag(scene, f, kinds.get(f.name)),
               field(default=("none",) if f.default == () else f.default))
              for f in fields(scene) if f.name != "problem" and f.name not in command.LEFT_OUT]
     bases = (command, make_dataclass("Flags", flags, bases=(SceneFlags,), frozen=True, kw_only=True))
@@ -47,11 +47,11 @@ def with_flags(command: type, scene: type[Scene], **kinds: Any) -> type:
     """Makes a command for one problem: its flags that the scene has are the scene's; ``kinds`` replaces types."""
     own = {f.name: f.default for f in fields(command)}
     flags = [(f.name, kinds[f.name], field(default=own[f.name])) if f.name in kinds
-             else (f.name, described(scene, f), field(default=f.default)) for f in fields(scene) if f.name in own]
+             else (f.name, describe_flag(scene, f), field(default=f.default)) for f in fields(scene) if f.name in own]
     return _made(command, scene, (make_dataclass("Flags", flags, bases=(command,), frozen=True, kw_only=True),))
 
 
-def described(scene: type[Scene], f: Field, kind: Any = None) -> Any:
+def describe_flag(scene: type[Scene], f: Field, kind: Any = None) -> Any:
     """The type of a field's flag, with its help and, where its default is None or stands for many, what that means."""
     text, separator, rest = f.metadata["help"].partition(";")
     unit = f", {f.metadata['unit']}" if f.metadata["unit"] else ""

@@ -5,11 +5,11 @@ from dataclasses import dataclass, replace
 from typing import Any
 
 from app.export import slider_grid
-from app.export.recording import CURVE_POINTS, Wanted
+from app.export.recording import CURVE_POINTS, RecordingRequest
 from app.export.slider_grid import SliderAxis
-from app.language.translation import language, tr
+from app.language.translation import current_language, tr
 from app.problems.views import VIEWS
-from app.state import State, read, write
+from app.state import State, parse_state, write_state
 from app.words import METHODS, in_a_line, unit_of, with_unit
 from solvers.scene.error_causes import CAUSES, FIELDS
 from solvers.scene.scene import Scene
@@ -37,7 +37,7 @@ class Plan:
 
     @property
     def pinned(self) -> str | None:
-        return None if self.state.pinned is None else write(State(ending(self.state.pinned, self.scene)))
+        return None if self.state.pinned is None else write_state(State(with_end_time(self.state.pinned, self.scene)))
 
     @property
     def pictures(self) -> int:
@@ -51,13 +51,13 @@ class Plan:
         return [text for text in (*self.texts, *([self.pinned] if self.pinned else [])) if not text.startswith("!")]
 
 
-def planned(state: State, axes: Sequence[SliderAxis], quantities: Sequence[str]) -> Plan:
+def make_plan(state: State, axes: Sequence[SliderAxis], quantities: Sequence[str]) -> Plan:
     """The plan for a state; one that says no end is recorded for one period."""
-    state = replace(state, scene=ending(state.scene))
-    return Plan(state, tuple(axes), tuple(quantities), tuple(slider_grid.scenes(state.scene, axes)))
+    state = replace(state, scene=with_end_time(state.scene))
+    return Plan(state, tuple(axes), tuple(quantities), tuple(slider_grid.scene_texts(state.scene, axes)))
 
 
-def ending(scene: Scene, like: Scene | None = None) -> Scene:
+def with_end_time(scene: Scene, like: Scene | None = None) -> Scene:
     """A scene that ends after one period, or sooner if its problem does, where it says nothing else, or as another."""
     if scene.t_end is not None or scene.periods is not None:
         return scene
@@ -66,15 +66,16 @@ def ending(scene: Scene, like: Scene | None = None) -> Scene:
     return replace(scene, periods=min(1.0, scene.DEFAULT_PERIODS))
 
 
-def wanted(plans: Sequence[Plan]) -> dict[tuple[int, str], Wanted]:
+def recordings_needed(plans: Sequence[Plan]) -> dict[tuple[int, str], RecordingRequest]:
     """What is to be recorded, by the number of the plan and the text of the run."""
-    counts = [(plan, min(read(text).scene.particles, MOST[plan.scene.DIMENSIONS]))
+    counts = [(plan, min(parse_state(text).scene.particles, MOST[plan.scene.DIMENSIONS]))
               for plan in plans for text in plan.runs]
     # The tracks of as many particles are kept as the budget has room for, when smaller runs need less.
     most = next((most for most in range(max(MOST.values()), LEAST, -STRIDE)
                  if sum(_bytes(plan, min(count, most)) for plan, count in counts) <= BUDGET), LEAST)
-    return {(number, text): Wanted(text, plan.pictures, min(most, MOST[plan.scene.DIMENSIONS]), plan.quantities,
-                                   plan.state.difference, plan.state.domains, language())
+    return {(number, text): RecordingRequest(text, plan.pictures, min(most, MOST[plan.scene.DIMENSIONS]),
+                                             plan.quantities, plan.state.difference, plan.state.domains,
+                                             current_language())
             for number, plan in enumerate(plans) for text in plan.runs}
 
 
@@ -88,13 +89,14 @@ def _bytes(plan: Plan, particles: int) -> int:
                             + particles * ((2 + 2 * plan.state.domains) * scene.DIMENSIONS + quantities * each))
 
 
-def described(plan: Plan, numbers: Mapping[str, int]) -> dict[str, Any]:
+def plan_to_json(plan: Plan, numbers: Mapping[str, int]) -> dict[str, Any]:
     """The plan as the player reads it; ``numbers`` are those of the recorded runs, by their texts."""
     state, scene = plan.state, plan.scene
     return {"axes": [{"field": axis.field, "label": tr(LABELS[axis.field]), "start": axis.start, "values": axis.values,
-                      "says": [said(type(scene), axis.field, value) for value in axis.values]} for axis in plan.axes],
+                      "says": [format_axis_value(type(scene), axis.field,
+                                                 value) for value in axis.values]} for axis in plan.axes],
             "runs": [text[1:] if text.startswith("!") else numbers[text] for text in plan.texts],
-            "says": ["" if text.startswith("!") else in_a_line(read(text).scene) for text in plan.texts],
+            "says": ["" if text.startswith("!") else in_a_line(parse_state(text).scene) for text in plan.texts],
             "pinned": numbers[plan.pinned] if plan.pinned else None,
             "quantities": plan.quantities, "estimators": scene.estimators, "compares": state.difference,
             "outlines": state.domains and bool(VIEWS[scene.problem].stage.DOMAINS_HINT),
@@ -104,7 +106,7 @@ def described(plan: Plan, numbers: Mapping[str, int]) -> dict[str, Any]:
                      "estimator": state.estimator or next(iter(scene.active_estimators), "")}}
 
 
-def said(kind: type[Scene], field: str, value: Any) -> str:
+def format_axis_value(kind: type[Scene], field: str, value: Any) -> str:
     """A value of an axis of a kind of scene in words."""
     if field == "method":
         return str(METHODS[value])

@@ -8,15 +8,15 @@ from pathlib import Path
 from typing import Any
 
 from app import __version__, state
-from app.colours import tokens
+from app.colours import css_variables
 from app.export import export_plan, slider_grid
-from app.export.export_plan import Plan, described, planned
+from app.export.export_plan import Plan, make_plan, plan_to_json
 from app.export.player_data import vocabulary
-from app.export.recording import Wanted, recording, recordings
-from app.identity import ICON, MARK, faces
-from app.language.translation import catalogue, language, tr
+from app.export.recording import RecordingRequest, record_scene, record_scenes
+from app.identity import ICON, MARK, font_faces_css
+from app.language.translation import current_language, load_catalogue, tr
 from app.problems.views import VIEWS
-from app.templates import rendered
+from app.templates import render_template
 
 PLAYER = Path(__file__).parent / "player"
 #: In their order: what one file says at once, those after it use.
@@ -30,20 +30,20 @@ Progress = Callable[[float, str], None]
 
 def scene_page(text: str, processes: int, on_progress: Progress, counts: Mapping[str, int] = slider_grid.FULL) -> str:
     """Returns the page of a state's text, or of a problem's name, with so many values of each field on sliders."""
-    shown = state.read(text)
+    shown = state.parse_state(text)
     if text.strip() in VIEWS and (judges := VIEWS[text.strip()].estimators):
         shown = replace(shown, scene=replace(shown.scene, estimators=judges))
-    one = planned(shown, (), quantities(shown))
-    one = planned(one.state, slider_grid.around(one.scene, counts), one.quantities)
-    recorded = record([one], processes, on_progress)
-    return assembled(_titled(one), [one], recorded, None)
+    one = make_plan(shown, (), recorded_quantities(shown))
+    one = make_plan(one.state, slider_grid.axes_around(one.scene, counts), one.quantities)
+    recorded = record_plans([one], processes, on_progress)
+    return assemble_page(_titled(one), [one], recorded, None)
 
 
 def recorded_page(shown: state.State) -> str:
     """The page of a state and of no runs around it, recorded by this process itself."""
-    one = planned(shown, (), quantities(shown))
-    recorded = _each_once([one], lambda once: [recording(wanted) for wanted in once])
-    return assembled(_titled(one), [one], recorded, None)
+    one = make_plan(shown, (), recorded_quantities(shown))
+    recorded = _each_once([one], lambda once: [record_scene(wanted) for wanted in once])
+    return assemble_page(_titled(one), [one], recorded, None)
 
 
 def _titled(one: Plan) -> str:
@@ -51,47 +51,49 @@ def _titled(one: Plan) -> str:
     return title[:1].upper() + title[1:]
 
 
-def quantities(shown: state.State) -> tuple[str, ...]:
+def recorded_quantities(shown: state.State) -> tuple[str, ...]:
     """Whose errors are recorded."""
     return (*USUAL, *(key for key in (shown.quantity,) if key not in USUAL))
 
 
-def record(plans: Sequence[Plan], processes: int, on_progress: Progress) -> dict[tuple[int, str], dict[str, Any]]:
+def record_plans(plans: Sequence[Plan], processes: int, on_progress: Progress) -> dict[tuple[int, str], dict[str, Any]]:
     """Recordings by the number of their plan and their text, made side by side."""
-    return _each_once(plans, lambda once: recordings(
+    return _each_once(plans, lambda once: record_scenes(
         once, processes, lambda done: on_progress(done / len(once), f"run {done} of {len(once)}")))
 
 
-def _each_once(plans: Sequence[Plan], make: Callable[[list[Wanted]], list[dict[str, Any]]]) -> dict[
+def _each_once(plans: Sequence[Plan], make: Callable[[list[RecordingRequest]], list[dict[str, Any]]]) -> dict[
         tuple[int, str], dict[str, Any]]:
     """The same by whoever makes them; what several plans want alike is run once."""
-    wanted = export_plan.wanted(plans)
+    wanted = export_plan.recordings_needed(plans)
     once = list(dict.fromkeys(wanted.values()))
     found = dict(zip(once, make(once), strict=True))
     return {key: found[one] for key, one in wanted.items()}
 
 
-def assembled(heading: str, plans: Sequence[Plan], recorded: Mapping[tuple[int, str], dict[str, Any]],
-              lesson: Mapping[str, Any] | None, scripts: Sequence[str] = SCRIPTS) -> str:
+def assemble_page(heading: str, plans: Sequence[Plan], recorded: Mapping[tuple[int, str], dict[str, Any]],
+                  lesson: Mapping[str, Any] | None, scripts: Sequence[str] = SCRIPTS) -> str:
     """The page, of a lesson where one is given, with so many of the player's scripts."""
     runs = list({id(run): run for run in recorded.values()}.values())
     places = {id(run): number for number, run in enumerate(runs)}
-    stages = [described(one, {text: places[id(recorded[k, text])] for text in one.runs}) for k, one in enumerate(plans)]
+    stages = [plan_to_json(one, {text: places[id(recorded[k, text])] for text in one.runs}) for k,
+              one in enumerate(plans)]
     texts = list({_json(run["texts"]): run["texts"] for run in runs}.values())  # most runs say the same
-    data = {"words": catalogue(language()).of_files("app/export/player/"),
+    data = {"words": load_catalogue(current_language()).of_files("app/export/player/"),
             **vocabulary({one.scene.problem for one in plans}), "stages": stages, "lesson": lesson, "texts": texts,
             "runs": [{"head": run["head"], "tracks": run["tracks"], "texts": texts.index(run["texts"])}
                      for run in runs]}
     packed = "\n".join(f"<script type=\"text/plain\" id=\"run-{k}\">{run['data']}</script>"
                        for k, run in enumerate(runs))
-    own = f" lang=\"{lesson['language']}\"" if lesson and lesson["language"] != language() else ""
+    own = f" lang=\"{lesson['language']}\"" if lesson and lesson["language"] != current_language() else ""
     parts = {"title": escape(heading), "lang": own, "version": __version__, "kind": "lesson" if lesson else "scene",
-             "language": language(), "empty": tr("Press <b>On the stage</b> in the lesson: its run begins here."),
-             "style": faces() + tokens() + _file("player.css"), "mark": MARK, "icon": ICON,
+             "language": current_language(),
+             "empty": tr("Press <b>On the stage</b> in the lesson: its run begins here."),
+             "style": font_faces_css() + css_variables() + _file("player.css"), "mark": MARK, "icon": ICON,
              "data": _json(data), "runs": packed,
              "script": "const DATA = JSON.parse(document.getElementById(\"data\").textContent);\n"
                        + "\n".join(_file(f"{name}.js") for name in scripts)}
-    return rendered(PLAYER / "player.html", **parts)
+    return render_template(PLAYER / "player.html", **parts)
 
 
 def _file(name: str) -> str:

@@ -13,17 +13,26 @@ from xml.etree.ElementTree import Element, SubElement, indent, tostring
 
 from app import state
 from app.export import slider_grid
-from app.export.export_plan import Plan, planned
-from app.export.html_file import IN_A_COURSE, SCRIPTS, Progress, assembled, quantities, record
+from app.export.export_plan import Plan, make_plan
+from app.export.html_file import IN_A_COURSE, SCRIPTS, Progress, assemble_page, record_plans, recorded_quantities
 from app.frame.budget_chart import QUESTION
 from app.language.translation import lazy, tr, use_language
 from app.lessons import bet_chart, catalogue, student_progress
-from app.lessons.answer_check import BARE, DIGITS, LONGEST, MOST, TOLD_AFTER, expressions, judge_ends, right
+from app.lessons.answer_check import (
+    BARE,
+    DIGITS,
+    LONGEST,
+    MOST,
+    TOLD_AFTER,
+    answer_expressions,
+    judge_ends,
+    right_answer,
+)
 from app.lessons.bets import BY_ROUND, OWN, YOURS, asked_before
-from app.lessons.claims import ClaimError, needed
-from app.lessons.lesson import CHOICE, DRAG, NAMES, POWERS, REACH, TEXT, Lesson, Numbers, Question, Step, filled
+from app.lessons.claims import ClaimError, runs_needed
+from app.lessons.lesson import CHOICE, DRAG, NAMES, POWERS, REACH, TEXT, Lesson, Numbers, Question, Step, fill_numbers
 from app.lessons.lesson_runs import RunCache, RunFailed
-from app.lessons.markdown_html import html
+from app.lessons.markdown_html import to_html
 from app.words import QUANTITIES, SYMBOLS
 
 #: How many values of each field a stage of a lesson has beside those that its text names.
@@ -40,47 +49,48 @@ def lesson_page(lesson: Lesson, processes: int, on_progress: Progress, counts: M
     """The page of a lesson, with so many values of each field on its sliders; it begins with the ``core`` alone where
     that is asked for, and has these ``scripts`` of the player."""
     plans = {  # what each step with a stage puts there, by the step's key and the number of the variant
-        (step.key, number): _plan(lesson, step, filled(step.stage, numbers), filled(step.text, numbers), counts)
+        (step.key, number): _plan(lesson, step, fill_numbers(step.stage, numbers), fill_numbers(step.text, numbers),
+                                  counts)
         for step in lesson.steps if step.stage for number, numbers in enumerate(lesson.variants)}
-    right = rules(lesson, processes, lambda part, what: on_progress(0.5 * part, what))
+    right = question_rules(lesson, processes, lambda part, what: on_progress(0.5 * part, what))
     once = list(dict.fromkeys(plans.values()))
-    bets = judged(lesson, processes)
-    recorded = record(once, processes, lambda part, what: on_progress(0.5 + 0.5 * part, what))
+    bets = bets_by_step(lesson, processes)
+    recorded = record_plans(once, processes, lambda part, what: on_progress(0.5 + 0.5 * part, what))
     stages = {key: once.index(plan) for key, plan in plans.items()}
-    return assembled(lesson.title, once, recorded, _data(lesson, right, stages, bets, core), scripts)
+    return assemble_page(lesson.title, once, recorded, _data(lesson, right, stages, bets, core), scripts)
 
 
 def _plan(lesson: Lesson, step: Step, stage: str, text: str, counts: Mapping[str, int]) -> Plan:
     """A step's state with what its text has one set, and, where there is room, with more of what the lesson offers."""
-    shown = state.read(stage)
-    kept = quantities(shown)
+    shown = state.parse_state(stage)
+    kept = recorded_quantities(shown)
     with use_language(lesson.language):
         kept += tuple(key for key, quantity in QUANTITIES.items() if key not in kept and f"`{quantity}`" in text)
-        scene = planned(shown, (), kept).scene
-        axes = slider_grid.named(scene, text)
+        scene = make_plan(shown, (), kept).scene
+        axes = slider_grid.axes_named_in(scene, text)
     asks = [other.question for other in lesson.steps[lesson.steps.index(step) + 1:][:1]]
     sought = asks[0].control if asks and asks[0] and asks[0].kind == DRAG else ""  # what one is to find on the stage
     if sought and sought not in {axis.field for axis in axes}:
         own = getattr(scene, sought) if sought != "cfl" else scene.courant_number
         values = [type(own)(float(f"{factor * own:.3g}")) for factor in DENSE]
-        axes.append(slider_grid.axis(scene, sought, values, len(DENSE) + 1))
-    for axis in slider_grid.around(scene, counts):
+        axes.append(slider_grid.axis_through(scene, sought, values, len(DENSE) + 1))
+    for axis in slider_grid.axes_around(scene, counts):
         offered = not lesson.controls or axis.field in lesson.controls
-        room = slider_grid.size((*axes, axis)) <= MOST_RUNS
+        room = slider_grid.count_runs((*axes, axis)) <= MOST_RUNS
         if offered and room and axis.field not in {other.field for other in axes}:
             axes.append(axis)
-    return planned(shown, axes, kept)
+    return make_plan(shown, axes, kept)
 
 
-def rules(lesson: Lesson, processes: int,
-          on_progress: Callable[[float, str], None]) -> dict[str, list[dict[str, Any] | None]]:
+def question_rules(lesson: Lesson, processes: int,
+                   on_progress: Callable[[float, str], None]) -> dict[str, list[dict[str, Any] | None]]:
     """What is right in each question with the numbers of each variant; None where it could not be found out."""
     found = []  # the scenes of all runs that questions are about
     for step in lesson.questions.values():
         for numbers in lesson.variants:
-            for expression in expressions(step.asked, numbers):
-                names = needed(expression, lesson.runs, lesson.main_run(step)) - {""}
-                found += [filled(text, numbers) for name in names for text in lesson.runs[name].texts]
+            for expression in answer_expressions(step.asked, numbers):
+                names = runs_needed(expression, lesson.runs, lesson.main_run(step)) - {""}
+                found += [fill_numbers(text, numbers) for name in names for text in lesson.runs[name].texts]
     with closing(RunCache(processes)) as outcomes:
         outcomes.prepare(found, lambda done, total: on_progress(done / total, f"answer {done} of {total}"))
         return {step.key: [_rule(lesson, step, numbers, outcomes) for numbers in lesson.variants]
@@ -94,7 +104,7 @@ def _rule(lesson: Lesson, step: Step, numbers: Numbers, outcomes: RunCache) -> d
     if asked.kind == TEXT:
         return {"told": ""}
     try:
-        found = right(lesson, step, numbers, outcomes)
+        found = right_answer(lesson, step, numbers, outcomes)
     except (ClaimError, RunFailed):
         return None
     if asked.kind == CHOICE:
@@ -106,13 +116,13 @@ def _data(lesson: Lesson, right: Mapping[str, list[Any]], stages: Mapping[tuple[
           bets: Mapping[str, list[Any]], core: bool) -> dict[str, Any]:
     """Returns the lesson as the player reads it; what differs between variants is a list with an entry for each."""
     def each(text: str) -> list[str]:
-        return _alike([html(filled(text, numbers), catalogue.FOLDER) for numbers in lesson.variants])
+        return _alike([to_html(fill_numbers(text, numbers), catalogue.FOLDER) for numbers in lesson.variants])
 
-    known = catalogue.lessons()
+    known = catalogue.load_lessons()
     # The variant of a name is drawn as in ``app.lessons.lesson``: by Unicode's rules of case, and of where texts split.
     letters = [chr(code) for code in range(sys.maxunicode + 1) if not 0xD800 <= code < 0xE000]
     steps = [{"kind": step.kind, "key": step.key, "core": step.core, "html": each(step.text),
-              "title": _alike([filled(step.title, numbers) for numbers in lesson.variants]),
+              "title": _alike([fill_numbers(step.title, numbers) for numbers in lesson.variants]),
               "stage": [stages[step.key, k] for k in range(len(lesson.variants))] if step.stage else None,
               "bets": step.bets, "judged": _alike(bets.get(step.key, [{}])),
               "question": _question(lesson, step.question, right.get(step.key, []))} for step in lesson.steps]
@@ -138,7 +148,7 @@ def _alike(each: Sequence[Any]) -> list[Any]:
 def _question(lesson: Lesson, asked: Question | None, right: list[Any]) -> dict[str, Any] | None:
     if asked is None:
         return None
-    options = _alike([[filled(option, numbers) for option in asked.options] for numbers in lesson.variants])
+    options = _alike([[fill_numbers(option, numbers) for option in asked.options] for numbers in lesson.variants])
     made: dict[str, Any] = {"kind": asked.kind, "options": options, "unit": asked.unit, "rules": right,
                             "level": asked.level}
     if asked.kind == DRAG:
@@ -156,7 +166,7 @@ def bet_words() -> dict[str, Any]:
             "less": bet_chart.LESS, "more": bet_chart.MORE, "most": bet_chart.MOST}
 
 
-def judged(lesson: Lesson, processes: int) -> dict[str, list[dict[str, dict[str, Any]]]]:
+def bets_by_step(lesson: Lesson, processes: int) -> dict[str, list[dict[str, dict[str, Any]]]]:
     """By the key of each step that shows judges, for each variant, their bets by judge and question."""
     steps = [step for step in lesson.steps if set(step.bets) - {*OWN}]
     with closing(RunCache(processes)) as outcomes:
@@ -172,8 +182,8 @@ LONGEST_TITLE = 200  # letters of a title that every system takes
 WRITTEN = (1980, 1, 1, 0, 0, 0)  # the archive's clock: the same lessons, the same bytes
 
 
-def package(lessons: Sequence[Lesson], processes: int, on_progress: Progress,
-            counts: Mapping[str, int] = COUNTS, core: bool = False) -> bytes:
+def package_lessons(lessons: Sequence[Lesson], processes: int, on_progress: Progress,
+                    counts: Mapping[str, int] = COUNTS, core: bool = False) -> bytes:
     """Returns the archive of lessons, each opened, scored and completed by itself, from the ``core`` on if asked."""
     pages = {}
     for number, lesson in enumerate(lessons):

@@ -38,7 +38,7 @@ def vocabulary(problems: Iterable[str]) -> dict[str, Any]:
         "quantities": {key: {"noun": of.noun, "symbol": of.symbol, "unit": of.unit}
                        for key, of in words.QUANTITIES.items()},
         "compare": (tr(captions.SIDE_BY_SIDE), tr(captions.DIFFERENCE)),
-        "unknown": captions.counting("{remark}", "{unknown}"),
+        "unknown": captions.add_unknown_count("{remark}", "{unknown}"),
         "sentences": {"unstable": tr(headline.UNSTABLE), "last": tr(headline.LAST), "lost": tr(headline.LOST),
                       "now": tr(headline.NOW), "paused": tr(headline.PAUSED), "less": tr(headline.LESS),
                       "more": tr(headline.MORE), "all": headline.ALL_OF_IT, "not_counted": tr(captions.NOT_COUNTED)},
@@ -67,10 +67,10 @@ def stage_data(stage: type[Stage]) -> dict[str, Any]:
 def _laid_out(stage: type[Stage], room: Bounds) -> dict[str, Any]:
     """A stage in a room."""
     places = stage.places(room, RunSlot.ALONE)
-    top = layout.top(room, room.high)
+    top = layout.colour_bar_box(room, room.high)
     halves = tr(captions.ESTIMATE[0]), tr(captions.TRUTH)
     said = StageLabels(halves, (LATER, LATER), (LATER, LATER), "", LATER, LATER, LATER)
-    labels: list[Label] = [*stage.labels(said, places), *field_plot.labels(
+    labels: list[Label] = [*stage.labels(said, places), *field_plot.plot_labels(
         places, stage.PLOT.ends, captions.FieldWords(LATER, LATER), 1, LATER, True)]
     of = [label for label in layout.bar_labels(top, room.gutter > 0, "x", []) if label.text]
     own = {name: value for name, value in vars(places).items() if name not in ("room", "seat", "rectangle", "field")}
@@ -88,8 +88,8 @@ def _colours() -> dict[str, Any]:
             "tones": {tone: PALETTE[name].light for tone, name in tones.items()}}
 
 
-def texts(scene: Scene, not_valid: Mapping[str, str], silent: Mapping[str, Collection[str]],
-          difference: bool) -> dict[str, Any]:
+def missing_value_texts(scene: Scene, not_valid: Mapping[str, str], silent: Mapping[str, Collection[str]],
+                        difference: bool) -> dict[str, Any]:
     """By quantity: why a row of the readout has no number, words of the field plot, and by
     estimator ("" for none) the captions of both halves, side by side and, if wanted, as ``difference``, and what is
     said of the errors. ``silent`` are the estimators by quantity that have no number of it."""
@@ -100,7 +100,7 @@ def texts(scene: Scene, not_valid: Mapping[str, str], silent: Mapping[str, Colle
                          for name in scene.estimators or ("",)}} for key in silent}
 
 
-def notes(scene: Scene, every: int) -> dict[str, str]:
+def stage_notes(scene: Scene, every: int) -> dict[str, str]:
     """What stands at the stage, on which one particle in ``every`` is marked where it crosses."""
     stage = VIEWS[scene.problem].stage
     return {"note": stage.note(scene), "marks": captions.marks_note(stage.MARKED, every)}
@@ -111,6 +111,6 @@ def _by(scene: Scene, not_valid: Mapping[str, str], quantity: str, name: str, si
     estimator, no_truth = name or None, captions.why_no_truth(scene, quantity)
     no_estimate = captions.why_no_estimate(scene, not_valid, estimator, quantity) \
         or f"{name} {captions.not_estimated(quantity)}" * (name in silent)
-    return {"captions": [vars(captions.captions(quantity, estimator, apart, no_estimate, no_truth))
+    return {"captions": [vars(captions.make_captions(quantity, estimator, apart, no_estimate, no_truth))
                          for apart in (False, True)[:1 + difference]],
             "errors": vars(headline.error_words(scene, quantity, estimator, no_estimate, no_truth))}

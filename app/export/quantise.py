@@ -38,7 +38,7 @@ class Track:
         return {"name": self.name, "kind": self.kind, "rows": len(self.values), "width": self.values.shape[1]}
 
 
-def packed(tracks: list[Track]) -> bytes:
+def pack_tracks(tracks: list[Track]) -> bytes:
     """All tracks, one after the other, compressed."""
     return zlib.compress(b"".join(map(_bytes, tracks)), 9)
 

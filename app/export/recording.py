@@ -11,9 +11,9 @@ from typing import Any
 import numpy as np
 
 from app import state
-from app.export.player_data import notes, texts
-from app.export.quantise import NUMBER, PLACE, SIGNED, SIZE, Track, packed
-from app.frame.budget_chart import whose
+from app.export.player_data import missing_value_texts, stage_notes
+from app.export.quantise import NUMBER, PLACE, SIGNED, SIZE, Track, pack_tracks
+from app.frame.budget_chart import error_source_note
 from app.frame.captions import why_no_field
 from app.frame.colour_scale import LEAST_REACH, LEAST_TOP
 from app.frame.planar import PlanarStage
@@ -39,7 +39,7 @@ FARTHEST = 2.0  # metres: particles of a run gone bad are shown there at most
 
 
 @dataclass(frozen=True)
-class Wanted:
+class RecordingRequest:
     """What is recorded of a scene: ``pictures`` of at most ``particles``, with errors of the ``quantities`` (keys)."""
 
     scene: str  # as a state's text
@@ -51,7 +51,8 @@ class Wanted:
     language: str = ENGLISH  # in which it says what it says
 
 
-def recordings(wanted: Sequence[Wanted], processes: int, on_progress: Callable[[int], None]) -> list[dict[str, Any]]:
+def record_scenes(wanted: Sequence[RecordingRequest], processes: int,
+                  on_progress: Callable[[int], None]) -> list[dict[str, Any]]:
     """Returns a recording for each wanted one, made side by side in processes; ``on_progress`` gets the number done.
 
     Raises :class:`~solvers.workers.worker_process.ProcessDied` where one cannot be made.
@@ -65,26 +66,26 @@ def recordings(wanted: Sequence[Wanted], processes: int, on_progress: Callable[[
         return [asked[one].result() for one in wanted]
 
 
-def _compiled(wanted: Wanted) -> tuple:
+def _compiled(wanted: RecordingRequest) -> tuple:
     """What has to be compiled for it."""
-    return combination(state.read(wanted.scene).scene)
+    return combination(state.parse_state(wanted.scene).scene)
 
 
 def work(question: Mapping[str, Any], answer: Callable[[dict], None]) -> None:
     """In a process of its own: record one scene."""
     values = dict(question)
     values["quantities"] = tuple(values["quantities"])
-    answer(recording(Wanted(**values)))
+    answer(record_scene(RecordingRequest(**values)))
 
 
-def recording(wanted: Wanted) -> dict[str, Any]:
+def record_scene(wanted: RecordingRequest) -> dict[str, Any]:
     """The recording as a JSON object: ``head`` says what is there, ``tracks`` how to read ``data``, in base64."""
     with use_language(wanted.language):
         return _recorded(wanted)
 
 
-def _recorded(wanted: Wanted) -> dict[str, Any]:
-    scene = state.read(wanted.scene).scene
+def _recorded(wanted: RecordingRequest) -> dict[str, Any]:
+    scene = state.parse_state(wanted.scene).scene
     solver = build(scene)
     solver.compile()
     rows, own, shots = [solver.measure()], list[np.ndarray](), list[dict[str, Snapshot]]()
@@ -110,9 +111,9 @@ def _recorded(wanted: Wanted) -> dict[str, Any]:
         np.isfinite(shot[key].estimate[name][:, samples.QUANTITIES.index(key)]).any() for shot in shots)]
         for key in wanted.quantities}
     head = _head(wanted, scene, solver, not_valid, len(kept), shots, regular, pictures)
-    return {"head": {**head, **notes(scene, round(_count(shots) / len(marked)))},
-            "texts": texts(scene, not_valid, silent, wanted.difference),
-            "tracks": [track.header for track in tracks], "data": base64.b64encode(packed(tracks)).decode()}
+    return {"head": {**head, **stage_notes(scene, round(_count(shots) / len(marked)))},
+            "texts": missing_value_texts(scene, not_valid, silent, wanted.difference),
+            "tracks": [track.header for track in tracks], "data": base64.b64encode(pack_tracks(tracks)).decode()}
 
 
 def _first(shot: Mapping[str, Snapshot]) -> Snapshot:
@@ -131,7 +132,7 @@ def _shown(dimensions: int, count: int, most: int) -> np.ndarray:
     return np.arange(count) if count <= most else np.sort(np.random.default_rng(0).choice(count, most, replace=False))
 
 
-def _tracks(wanted: Wanted, scene: Scene, kept: np.ndarray, marked: np.ndarray,
+def _tracks(wanted: RecordingRequest, scene: Scene, kept: np.ndarray, marked: np.ndarray,
             shots: list[dict[str, Snapshot]]) -> list[Track]:
     """Returns tracks of the kept particles: places, errors, estimates, exact curves and lines, crossings."""
     instants, stage = [_first(shot) for shot in shots], VIEWS[scene.problem].stage
@@ -157,7 +158,7 @@ def _flat(points: np.ndarray) -> np.ndarray:
     return points.T.ravel()
 
 
-def _quantity(wanted: Wanted, scene: Scene, key: str, shots: list[Snapshot], kept: np.ndarray) -> list[Track]:
+def _quantity(wanted: RecordingRequest, scene: Scene, key: str, shots: list[Snapshot], kept: np.ndarray) -> list[Track]:
     """Of one quantity: the field's deviation from the exact one, or the field itself where that is unknown, with its
     sign; sizes of the true and estimated errors, the true ones only where they are not those of the deviation; and the
     exact field on a curve."""
@@ -236,7 +237,7 @@ def _columns(series: Mapping[str, np.ndarray], name: str) -> np.ndarray:
     return np.stack([series[name.format(key)] for key in samples.QUANTITIES], axis=1)
 
 
-def _head(wanted: Wanted, scene: Scene, solver: Solver, not_valid: dict[str, str], shown: int,
+def _head(wanted: RecordingRequest, scene: Scene, solver: Solver, not_valid: dict[str, str], shown: int,
           shots: list[dict[str, Snapshot]], *series: Mapping[str, np.ndarray]) -> dict[str, Any]:
     """What the player must know of a run beside its numbers."""
     found = [finding for one in series if (finding := earliest(findings(scene, one), not_valid))]
@@ -254,5 +255,5 @@ def _head(wanted: Wanted, scene: Scene, solver: Solver, not_valid: dict[str, str
                 key: [share * scene.size_of(key) for share in (LEAST_TOP, LEAST_REACH)] for key in wanted.quantities},
             "estimators": scene.active_estimators, "not_valid": not_valid, "quantities": wanted.quantities,
             "status": status, "reason": reason or "", "since": since, "budget": None if not scene.has("budget") else {
-                "shares": {field: budget.shares(series[0], field) for field in FIELDS}, "whose": whose(scene),
-                "not_valid": budget.not_valid(series[0])}}
+                "shares": {field: budget.shares(series[0], field) for field in FIELDS},
+                "whose": error_source_note(scene), "not_valid": budget.not_valid(series[0])}}

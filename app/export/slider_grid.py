@@ -45,26 +45,26 @@ def within_reach(scene: Scene) -> str | None:
            f"up to {LONGEST_RUN:.0e}"
 
 
-def around(scene: Scene, counts: Mapping[str, int]) -> list[SliderAxis]:
+def axes_around(scene: Scene, counts: Mapping[str, int]) -> list[SliderAxis]:
     """Axes through a scene with so many values of each field; none of a field that can be nothing else."""
-    axes = [axis(scene, field, _candidates(scene, field), most) for field, most in counts.items()]
+    axes = [axis_through(scene, field, _candidates(scene, field), most) for field, most in counts.items()]
     return [axis for axis in axes if len(axis.values) > 1]
 
 
-def axis(scene: Scene, field: str, candidates: Sequence[Any], most: int) -> SliderAxis:
+def axis_through(scene: Scene, field: str, candidates: Sequence[Any], most: int) -> SliderAxis:
     """An axis of the scene's own value and the first candidates that the problem can be, in their order of size."""
     own = getattr(scene, field) if field != "cfl" else scene.courant_number
     values = [own]
     for value in candidates:
         if value not in values and len(values) < most:
             with suppress(SceneError):
-                if work(_changed(scene, {field: value})) <= max(MOST_WORK, work(scene)):
+                if count_particle_steps(_changed(scene, {field: value})) <= max(MOST_WORK, count_particle_steps(scene)):
                     values.append(value)
     order = values if field == "method" else sorted(values)
     return SliderAxis(field, tuple(order), order.index(own))
 
 
-def named(scene: Scene, text: str) -> list[SliderAxis]:
+def axes_named_in(scene: Scene, text: str) -> list[SliderAxis]:
     """Finds the axes of what a lesson's text has one set or choose, such as "Set **Cells** to `80`"."""
     found: dict[str, list[Any]] = {}
     called = {tr(name): field for name, field in CONTROLS.items()}
@@ -75,20 +75,20 @@ def named(scene: Scene, text: str) -> list[SliderAxis]:
         if field and (value := _value(scene, field, act["value"])) is not None:
             found.setdefault(field, []).append(value)
     return [made for field, values in found.items()
-            if len((made := axis(scene, field, values, len(values) + 1)).values) > 1]
+            if len((made := axis_through(scene, field, values, len(values) + 1)).values) > 1]
 
 
-def size(axes: Sequence[SliderAxis]) -> int:
+def count_runs(axes: Sequence[SliderAxis]) -> int:
     """How many runs a lattice has."""
     return math.prod(len(axis.values) for axis in axes)
 
 
-def scenes(scene: Scene, axes: Sequence[SliderAxis]) -> Iterator[str]:
+def scene_texts(scene: Scene, axes: Sequence[SliderAxis]) -> Iterator[str]:
     """The states' texts of all runs of a lattice, the last axis fastest; or, after a ``!``, why there is none."""
     for values in itertools.product(*(axis.values for axis in axes)):
         changes = dict(zip((axis.field for axis in axes), values, strict=True))
         try:
-            yield state.write(state.State(_changed(scene, changes)))
+            yield state.write_state(state.State(_changed(scene, changes)))
         except SceneError as error:
             yield f"!{error.sentence}"
 
@@ -109,7 +109,7 @@ def _candidates(scene: Scene, field: str) -> Sequence[Any]:
     return [float(f"{factor * getattr(scene, field):.3g}") for factor in AMPLITUDES]
 
 
-def work(scene: Scene) -> float:
+def count_particle_steps(scene: Scene) -> float:
     """Particle-steps of a run: some tens of millions take a second."""
     return float(scene.particles) * scene.steps
 

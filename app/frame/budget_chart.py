@@ -38,9 +38,9 @@ class Layer:
     below: np.ndarray
 
 
-def stacked(series: Mapping[str, np.ndarray], field: str) -> list[Layer]:
+def stack_layers(series: Mapping[str, np.ndarray], field: str) -> list[Layer]:
     """Stacks the parts of a field's error, without traces; ``series`` of a run with the effect ``budget``."""
-    largest = float(np.max(np.abs(error(series, field)), initial=0.0))
+    largest = float(np.max(np.abs(error_rms(series, field)), initial=0.0))
     up = down = np.zeros(len(series["time"]))
     layers = []
     for cause in CAUSES:
@@ -52,12 +52,12 @@ def stacked(series: Mapping[str, np.ndarray], field: str) -> list[Layer]:
     return layers
 
 
-def error(series: Mapping[str, np.ndarray], field: str) -> np.ndarray:
+def error_rms(series: Mapping[str, np.ndarray], field: str) -> np.ndarray:
     """The error of a field, RMS over particles, 0 where a run gone bad has none."""
     return np.nan_to_num(series[f"budget/error_{field}"], posinf=0.0, neginf=0.0)
 
 
-def divided(series: Mapping[str, np.ndarray]) -> bool:
+def has_budget(series: Mapping[str, np.ndarray]) -> bool:
     """Whether series hold a budget, of two times at least."""
     return len(series.get("budget/error_x", ())) > 1
 
@@ -67,27 +67,28 @@ def field_of(quantity: str) -> str:
     return quantity if quantity in FIELDS else FIELDS[-1]
 
 
-def percent(share: float | None) -> str:
+def format_percent(share: float | None) -> str:
     """A share in whole per cent: 97 %, −4 %."""
     return "–" if share is None else f"{round(100 * share) + 0:d} %".replace("-", "−")
 
 
 def largest_share(series: Mapping[str, np.ndarray], field: str) -> tuple[str, float] | None:
     """The cause that has made most of the error so far and its share, as far as shares mean something by now."""
-    if not divided(series) or budget.not_valid(series):
+    if not has_budget(series) or budget.not_valid(series):
         return None
     known = {cause: share for cause, share in budget.shares(series, field).items() if share is not None}
     return max(known.items(), key=lambda item: item[1]) if known else None
 
 
-def blamed(scene: Scene, series: Mapping[str, np.ndarray], quantity: str) -> str:
+def largest_cause_fact(scene: Scene, series: Mapping[str, np.ndarray], quantity: str) -> str:
     """Says which cause made most of the error of a quantity so far; "" where it has no budget."""
-    if not scene.has("budget") or quantity not in FIELDS or not divided(series) \
+    if not scene.has("budget") or quantity not in FIELDS or not has_budget(series) \
             or series["time"][-1] < EARLY * scene.period or (found := largest_share(series, quantity)) is None:
         return ""
-    return tr(_MADE[found[0]], share=per_cent(found[1]), symbol=QUANTITIES[quantity].symbol, whose=whose(scene))
+    return tr(_MADE[found[0]], share=per_cent(found[1]), symbol=QUANTITIES[quantity].symbol,
+              whose=error_source_note(scene))
 
 
-def whose(scene: Scene) -> str:
+def error_source_note(scene: Scene) -> str:
     """What is said behind a share where the error is not the true one."""
     return "" if scene.has("truth") else tr(", as companion sees it")

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from app.frame.colour_scale import known
+from app.frame.colour_scale import any_finite
 from app.language.message_translation import translate_message
 from app.language.translation import language_cache, lazy, tr
 from app.words import QUANTITIES
@@ -60,7 +60,7 @@ class FieldWords:
 
 
 @language_cache(64)  # it is asked for with every frame
-def captions(quantity: str, estimator: str | None, difference: bool, no_estimate: str, no_truth: str) -> Captions:
+def make_captions(quantity: str, estimator: str | None, difference: bool, no_estimate: str, no_truth: str) -> Captions:
     """Returns the captions of the errors of a quantity (x, v, sigma or a) by an estimator, or None; ``no_estimate`` and
     ``no_truth`` say why either is not known, "" where it is."""
     by = tr("by {estimator}", estimator=estimator) if estimator else "", tr(EXACT_SOLUTION)
@@ -84,7 +84,7 @@ def field_words(scene: Scene, component: str, quantity: str) -> FieldWords:
     return FieldWords(name, "" if scene.swings else tr("deviation from the exact one"))
 
 
-def counting(remark: str, unknown: int | str) -> str:
+def add_unknown_count(remark: str, unknown: int | str) -> str:
     """The remark, with how many particles have no number, unless it says itself that none has."""
     if not unknown or remark == tr(OFF):
         return remark
@@ -181,32 +181,33 @@ class View:
     true: np.ndarray | None
 
 
-def look(report: FrameReport, arrays: FrameArrays, quantity: str, estimator: str | None, difference: bool) -> View:
-    """Returns the view of a frame, ``report`` and ``arrays``, with the other arguments of :func:`captions`."""
+def view_of_frame(report: FrameReport, arrays: FrameArrays, quantity: str, estimator: str | None,
+                  difference: bool) -> View:
+    """Returns the view of a frame, ``report`` and ``arrays``, with the other arguments of :func:`make_captions`."""
     scene, column = report.scene, samples.QUANTITIES.index(quantity)
     no_truth = why_no_truth(scene, quantity)
     no_estimate = why_no_estimate(scene, report.not_valid, estimator, quantity)
     true, estimated = None if no_truth else np.abs(arrays.error[:, column]), None
     if estimator is not None and not no_estimate:
         estimated = np.abs(arrays.estimate[estimator][:, column])
-        if not known(estimated):
+        if not any_finite(estimated):
             estimated, no_estimate = None, f"{estimator} {not_estimated(quantity)}"
     apart = arrays.difference[estimator][:, column] if estimator in arrays.difference else None
-    return view(quantity, estimator, estimated, true, no_estimate, no_truth, difference, apart)
+    return view_of_sizes(quantity, estimator, estimated, true, no_estimate, no_truth, difference, apart)
 
 
-def view(quantity: str, estimator: str | None, estimated: np.ndarray | None, true: np.ndarray | None, no_estimate: str,
-         no_truth: str, difference: bool, apart: np.ndarray | None) -> View:
+def view_of_sizes(quantity: str, estimator: str | None, estimated: np.ndarray | None, true: np.ndarray | None,
+                  no_estimate: str, no_truth: str, difference: bool, apart: np.ndarray | None) -> View:
     """The view of sizes of errors.
 
     Parameters
     ----------
     quantity, estimator, no_estimate, no_truth, difference
-        As of :func:`captions`.
+        As of :func:`make_captions`.
     estimated, true, apart : (P,) array or None, in the unit of the quantity
         Sizes of both errors, and of estimate minus truth.
     """
-    said = captions(quantity, estimator, difference, no_estimate, no_truth)
+    said = make_captions(quantity, estimator, difference, no_estimate, no_truth)
     silence = said.silences[0] or (tr(NOT_COMPARED) if difference and apart is None else "")
     shown = None if silence else apart if difference else estimated
     return View(Half(said.titles[0], said.by[0], shown, silence), Half(said.titles[1], said.by[1], true, no_truth),

@@ -8,7 +8,7 @@ import numpy as np
 
 from app.colours import colour_table
 from app.language.translation import lazy, tr
-from app.words import PREFIXES, number, with_unit
+from app.words import PREFIXES, format_number, with_unit
 
 #: Tops between two powers of ten, each with the number of parts into which ticks divide it, so that these are round
 #: too. Neighbours are so close that the largest error reaches three quarters of the scale or more.
@@ -45,7 +45,8 @@ class ColourScale:
     def follow(self, estimated: np.ndarray | None, true: np.ndarray | None, run: Hashable = None,
                beside: tuple[np.ndarray | None, np.ndarray | None] = (None, None), least: float = 0.0) -> None:
         """Adjusts the top, unless held, to the errors of a ``run`` and one ``beside`` it, to ``least`` at least."""
-        truth, estimate = max(largest(true), largest(beside[1])), max(largest(estimated), largest(beside[0]))
+        truth, estimate = (max(largest_finite(true), largest_finite(beside[1])),
+                           max(largest_finite(estimated), largest_finite(beside[0])))
         top = max(truth, min(estimate, BEYOND * truth)) if truth > 0 else estimate
         known = self._largest.get(run, 0.0)
         if run is not None and top > known:
@@ -86,17 +87,18 @@ class ColourScale:
             n, end = self._parts, with_unit(self.top, unit)
             power = math.floor(math.log10(self.top) / 3 + 1e-9)
             size = 1000.0**power if power in PREFIXES else self.top / float(end.split()[0])
-            ticks = [(0.0, tr(ZERO)), *((k / n, number(self.top * k / n / size)) for k in range(1, n)), (1.0, end)]
+            ticks = [(0.0, tr(ZERO)), *((k / n, format_number(self.top * k / n / size)) for k in range(1, n)),
+                     (1.0, end)]
         at, text = ticks.pop()
         return [*ticks, (at, f"≥ {text}" if self.exceeded else text)]
 
 
-def known(sizes: np.ndarray) -> bool:
+def any_finite(sizes: np.ndarray) -> bool:
     """Whether any of some sizes, none of which is negative, is a finite number."""
     return bool(np.fmin.reduce(sizes, initial=np.inf) < np.inf)  # fmin takes the other one where one is none
 
 
-def largest(sizes: np.ndarray | None) -> float:
+def largest_finite(sizes: np.ndarray | None) -> float:
     """The largest of what is finite; 0 for nothing."""
     if sizes is None:
         return 0.0

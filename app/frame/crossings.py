@@ -12,16 +12,16 @@ WINDOW = 1 / 20  # of a period
 LEAST_SECONDS = 0.4  # on the screen
 
 
-def window(scene: Scene, speed: float) -> float:
+def crossing_window(scene: Scene, speed: float) -> float:
     """Simulated seconds for which a crossing is shown, where so many go by in one of the visitor's."""
     return max(WINDOW * scene.period, LEAST_SECONDS * speed)
 
 
-def recent(steps_since: np.ndarray, scene: Scene, speed: float) -> np.ndarray:
+def is_recent(steps_since: np.ndarray, scene: Scene, speed: float) -> np.ndarray:
     """Which particles' last crossings (P,), this many steps ago (P,), -1 for never, are in the window."""
-    return (steps_since >= 0) & (steps_since <= window(scene, speed) / scene.time_step)
+    return (steps_since >= 0) & (steps_since <= crossing_window(scene, speed) / scene.time_step)
 
 
-def ages(steps_since: np.ndarray, scene: Scene, speed: float) -> np.ndarray:
+def crossing_ages(steps_since: np.ndarray, scene: Scene, speed: float) -> np.ndarray:
     """How much of the window has gone by (n,) since crossings this many steps ago (n,): 0 to 1 for recent ones."""
-    return steps_since * np.float32(scene.time_step / window(scene, speed))
+    return steps_since * np.float32(scene.time_step / crossing_window(scene, speed))

@@ -6,10 +6,10 @@ from typing import Any
 
 import numpy as np
 
-from app.frame.captions import CURVE, PARTICLES, FieldWords, counting, field_words
-from app.frame.colour_scale import LEAST_REACH, SMALLEST, largest, round_up
+from app.frame.captions import CURVE, PARTICLES, FieldWords, add_unknown_count, field_words
+from app.frame.colour_scale import LEAST_REACH, SMALLEST, largest_finite, round_up
 from app.frame.layout import Places, RunSlot
-from app.frame.primitives import AWAY, Dots, Label, Lines, Mark, Role, Sign, Tone, in_plane, joined
+from app.frame.primitives import AWAY, Dots, Label, Lines, Mark, Role, Sign, Tone, in_plane, join_points
 from app.language.translation import tr
 from app.words import QUANTITIES, with_unit
 from solvers.scene.scene import Scene
@@ -52,7 +52,7 @@ class Axis:
 
 
 @dataclass(frozen=True)
-class Plotted:
+class PlotSettings:
     """What a plot is of: a quantity along an axis from ``start`` to ``end`` in metres, in words ``ends``.
 
     ``exact(scene, quantity, X, t)`` is what the particles that were at X should have, and ``component`` what of it;
@@ -70,7 +70,7 @@ class Plotted:
 class FieldPlot:
     """Particles as dots around the exact curve, with stems in the colour of their errors; crossed ones stand out."""
 
-    def __init__(self, plotted: Plotted, beside: "FieldPlot | None" = None):
+    def __init__(self, plotted: PlotSettings, beside: "FieldPlot | None" = None):
         self._plotted = plotted
         self.axis: Axis = beside.axis if beside else Axis()
         self._drawn: tuple[Scene, str, int, Places] | None = None
@@ -112,9 +112,9 @@ class FieldPlot:
             self._said = None
             self._begin(places, scene, quantity)
         self._drawn, self._time = now, t
-        values = seen(scene, field, magnified)
+        values = magnify_deviation(scene, field, magnified)
         known = np.isfinite(values)
-        self.axis.follow(largest(np.abs(values)), self._reach)
+        self.axis.follow(largest_finite(np.abs(values)), self._reach)
         unknown = len(values) - int(np.count_nonzero(known))
         if (said := (unknown, self.axis.top)) != self._said:
             self._said = said
@@ -142,13 +142,13 @@ class FieldPlot:
         self._box, self._per_metre = box, (box.right - box.left) / (plotted.end - plotted.start)
         self._line = np.linspace(plotted.start, plotted.end, CURVE_POINTS)
         level = in_plane(np.linspace(box.left, box.right, CURVE_POINTS), box.middle, 0.01)
-        self._level = joined(level[:-1], level[1:])  # the curve of a field that is zero
+        self._level = join_points(level[:-1], level[1:])  # the curve of a field that is zero
         self._reach = 0.0
         if not scene.swings:  # round-off should not fill the plot
             self._reach = LEAST_REACH * scene.size_of(quantity)
         elif scene.solution_known:
             times = scene.time_step + scene.period * np.arange(INSTANTS) / INSTANTS
-            self._reach = max(largest(np.abs(plotted.exact(scene, quantity, self._line, t))) for t in times)
+            self._reach = max(largest_finite(np.abs(plotted.exact(scene, quantity, self._line, t))) for t in times)
 
     def _axes(self, places: Places, scene: Scene, quantity: str, magnified: int, unknown: int) -> Iterator[Mark]:
         """The axes with what is written at them."""
@@ -160,8 +160,9 @@ class FieldPlot:
         yield Lines("field/axes", axes, colours.axis, 1.0)
         words = field_words(scene, self._plotted.component, quantity)
         number = with_unit(self.axis.top, QUANTITIES[quantity].unit)
-        yield from labels(places, self._plotted.ends, FieldWords(words.name, counting(words.remark, unknown)),
-                          magnified, number, scene.solution_known)
+        yield from plot_labels(places, self._plotted.ends,
+                               FieldWords(words.name, add_unknown_count(words.remark, unknown)), magnified, number,
+                               scene.solution_known)
 
     def _curve(self, places: Places, scene: Scene, quantity: str, t: float) -> Iterator[Mark]:
         """What is exact, where it is known."""
@@ -209,8 +210,8 @@ class FieldPlot:
         return self._box.middle + self._box.half / self.axis.top * values
 
 
-def labels(places: Places, ends: tuple[str, str], words: FieldWords, magnified: int, number: str,
-           exact: bool) -> Iterator[Label]:
+def plot_labels(places: Places, ends: tuple[str, str], words: FieldWords, magnified: int, number: str,
+                exact: bool) -> Iterator[Label]:
     """What is written at a plot, the same labels whatever there is: the ``number`` at the end of its axis, what is at
     its ``ends``, its name, with keys of particles and of the ``exact`` curve where there is one, by how much deviations
     are ``magnified``, and a remark."""
@@ -245,7 +246,7 @@ def labels(places: Places, ends: tuple[str, str], words: FieldWords, magnified: 
                     "gutter" if x < 0 else "note", tone=tone, sign=sign)
 
 
-def seen(scene: Scene, field: np.ndarray, magnified: int) -> np.ndarray:
+def magnify_deviation(scene: Scene, field: np.ndarray, magnified: int) -> np.ndarray:
     """Values (P,) as they are drawn: exact plus ``magnified`` times the deviation of a ``field`` (P, 2), where the
     exact one is known. Of a motion without swings deviations alone: the rest is the same everywhere."""
     if not scene.solution_known or (scene.swings and magnified == 1):

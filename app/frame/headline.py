@@ -11,7 +11,7 @@ from collections.abc import Hashable, Mapping
 from dataclasses import dataclass
 
 from app.language.translation import lazy, tr
-from app.words import QUANTITIES, brief, per_cent, ratio, with_unit
+from app.words import QUANTITIES, format_ratio, per_cent, short_reason, with_unit
 from solvers.scene.scene import Scene
 from solvers.solver.rounding import rounding
 
@@ -43,7 +43,7 @@ class Headline:
     @classmethod
     def of(cls, headline: str, *facts: str, **places: str) -> "Headline":
         """With texts in the headline's places, and without facts that are empty."""
-        return cls(tuple(spans(headline, places)), tuple(filter(None, facts)))
+        return cls(tuple(to_spans(headline, places)), tuple(filter(None, facts)))
 
     def __bool__(self) -> bool:
         return bool(self.headline)
@@ -69,10 +69,11 @@ class Headline:
 @dataclass(frozen=True)
 class ErrorWords:
     """How wrong a quantity is: ``told`` with {wrong}, the true error over the ``size`` that a quantity has, or where
-    nobody knows it the estimate, and with {found}, what the estimate says of the true error (:func:`found`); ``names``
-    are the other places of its. ``of`` has {true} and, in words, the size; ``why`` is a fact of what is missing.
-    ``unmeasured`` is said as long as there are no numbers; ``still`` and ``trace`` as long as the true error is at most
-    ``least``: then a motion without swings is what it should be but for round-off."""
+    nobody knows it the estimate, and with {found}, what the estimate says of the true error
+    (:func:`over_or_underestimates`); ``names`` are the other places of its. ``of`` has {true} and, in words, the size;
+    ``why`` is a fact of what is missing. ``unmeasured`` is said as long as there are no numbers; ``still`` and
+    ``trace`` as long as the true error is at most ``least``: then a motion without swings is what it should be but for
+    round-off."""
 
     told: str
     names: Mapping[str, str]
@@ -86,7 +87,7 @@ class ErrorWords:
 
 
 def error_words(scene: Scene, quantity: str, estimator: str | None, no_estimate: str, no_truth: str) -> ErrorWords:
-    """What is said of the errors of a quantity; arguments as of :func:`app.frame.captions.captions`."""
+    """What is said of the errors of a quantity; arguments as of :func:`app.frame.captions.make_captions`."""
     words, size = QUANTITIES[quantity], scene.size_of(quantity)
     noun = words.noun
     why = no_truth
@@ -95,7 +96,7 @@ def error_words(scene: Scene, quantity: str, estimator: str | None, no_estimate:
     elif no_truth:
         told = tr("{by} estimates that the {noun} is {wrong} wrong", noun=noun, **PLACES)
     elif no_estimate:
-        told = tr("the {noun} is {wrong} {off}; {silence}", noun=noun, silence=brief(no_estimate), **PLACES)
+        told = tr("the {noun} is {wrong} {off}; {silence}", noun=noun, silence=short_reason(no_estimate), **PLACES)
     else:
         told = tr("the {noun} is {wrong} {off}; {by} {found}", noun=noun, **PLACES)
     return ErrorWords(told, {"by": estimator or "", "off": tr("wrong")}, size,
@@ -106,7 +107,8 @@ def error_words(scene: Scene, quantity: str, estimator: str | None, no_estimate:
                       -1.0 if scene.swings else max(ROUND_OFF * size, rounding(scene, quantity, scene.steps)))
 
 
-def errors(words: ErrorWords, unit: str, true: float, estimate: float, index: float, before: str = "") -> Headline:
+def format_errors(words: ErrorWords, unit: str, true: float, estimate: float, index: float,
+                  before: str = "") -> Headline:
     """The words with numbers in their places.
 
     Parameters
@@ -128,12 +130,13 @@ def errors(words: ErrorWords, unit: str, true: float, estimate: float, index: fl
         return Headline.of(words.told, words.why)
     if not math.isfinite(norm) or ("{found}" in words.told and not math.isfinite(index)):
         return Headline.of(before + words.unmeasured, words.why)
-    return Headline.of(before + words.told.replace("{found}", found(index)), words.of.format(true=_size(norm, unit)),
-                   words.why, wrong=per_cent(norm / words.size), share=per_cent(index), factor=ratio(index),
+    return Headline.of(before + words.told.replace("{found}", over_or_underestimates(index)),
+                       words.of.format(true=_size(norm, unit)),
+                   words.why, wrong=per_cent(norm / words.size), share=per_cent(index), factor=format_ratio(index),
                    **words.names)
 
 
-def found(index: float) -> str:
+def over_or_underestimates(index: float) -> str:
     """What an estimate says of a true error so many times smaller."""
     return tr(MORE if index >= ALL_OF_IT else LESS)
 
@@ -146,12 +149,12 @@ def _capital(text: str) -> str:
     return text[:1].upper() + text[1:]
 
 
-def fill(text: str, **numbers: str) -> str:
+def fill_template(text: str, **numbers: str) -> str:
     """The text with numbers in the places of their names."""
-    return "".join(piece for _, piece in spans(text, numbers))
+    return "".join(piece for _, piece in to_spans(text, numbers))
 
 
-def spans(text: str, places: Mapping[str, str]) -> list[Span]:
+def to_spans(text: str, places: Mapping[str, str]) -> list[Span]:
     """The text in spans, with what is in the places of their names; a place of another name stays as it is."""
     pieces = re.split(r"\{(\w+)\}", text)  # every second one is the name of a place
     return [(KINDS.get(piece, ""), places[piece]) if k % 2 and piece in places

@@ -68,12 +68,12 @@ class ColourBarBox:
     end: float
 
 
-def rectangle(high: float) -> Rectangle:
+def drawing_rectangle(high: float) -> Rectangle:
     """Of all that is drawn on a stage so high."""
     return -EDGE, 1 + EDGE, 0.0, high
 
 
-def top(room: Bounds, high: float) -> ColourBarBox:
+def colour_bar_box(room: Bounds, high: float) -> ColourBarBox:
     """The top of a stage so high: the title beside the bar, or above it where there is no gutter."""
     pixel = room.pixel
     first = high - ABOVE * pixel - (0.0 if room.gutter else 1.2 * room.line)
@@ -98,12 +98,12 @@ class ColourBar:
         if now == self._drawn:
             return
         if self._drawn is None or now[:2] != self._drawn[:2]:
-            place = top(room.settled(), high)
+            place = colour_bar_box(room.settled(), high)
             ends = place.high / 2
             self.sheet.show(Dots("bar", in_plane(np.linspace(ends, 1 - ends, POINTS), place.middle),
                                  scale.gradient(POINTS), place.high, "square"))
         self._drawn = now
-        place, unit = top(room.settled(), high), QUANTITIES[quantity].unit
+        place, unit = colour_bar_box(room.settled(), high), QUANTITIES[quantity].unit
         self.sheet.show(*bar_labels(place, room.gutter > 0, quantity, scale.ticks(unit)))
 
 

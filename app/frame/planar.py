@@ -8,7 +8,7 @@ import numpy as np
 
 from app.frame.layout import EDGE, RunSlot
 from app.frame.planar_layout import AROUND, planar_labels, planar_places
-from app.frame.primitives import Dots, Label, Lines, Mark, in_plane, joined
+from app.frame.primitives import Dots, Label, Lines, Mark, in_plane, join_points
 from app.frame.stage import Stage, Worst
 from app.language.translation import lazy, tr
 from solvers.engine.shared_frames import FrameArrays
@@ -124,7 +124,7 @@ class PlanarStage(Stage[PlaneScene]):
                 height = float(np.clip(place[0, 1], y + 3.2 * room.line, places.end - room.line))
                 bend = in_plane(np.array([edge - (8 * room.pixel if sign > 0 else 0), edge]), np.full(2, height), 0.02)
                 corners = np.concatenate([place, bend])
-                segments.append(joined(corners[:-1], corners[1:]))
+                segments.append(join_points(corners[:-1], corners[1:]))
                 text = tr("worst: {size}", size=found.size)
             yield Label(f"{name}-worst", text, edge + 3 * sign * room.pixel, height,
                         "center-left" if sign > 0 else "center-right", "note", bold=True)
@@ -147,7 +147,7 @@ class PlanarStage(Stage[PlaneScene]):
             first, second = np.moveaxis(half_edges(scene, F, self._edges), 1, 0)
             corners = [x - first - second, x + first - second, x + first + second, x - first + second]
             placed = [self._images(corner, self.OUTLINED, 0.01) for corner in corners]
-            outlines = np.concatenate([joined(placed[k - 1], placed[k]) for k in range(4)])
+            outlines = np.concatenate([join_points(placed[k - 1], placed[k]) for k in range(4)])
         return Lines("domains", outlines, self._places.room.palette.outline, 1.2)
 
     def _place(self, x: np.ndarray, depth: float = 0.0) -> np.ndarray:

@@ -4,11 +4,11 @@ from collections.abc import Iterator
 from dataclasses import dataclass, replace
 
 from app.frame.field_plot import ROOM
-from app.frame.layout import HALVES, Box, Places, RunSlot, Spot, rectangle, top
+from app.frame.layout import HALVES, Box, Places, RunSlot, Spot, colour_bar_box, drawing_rectangle
 from app.frame.primitives import Anchor, Bounds, Label, Role, Tone
 from app.frame.stage import StageLabels
 from app.language.translation import tr
-from app.words import brief
+from app.words import short_reason
 
 AROUND = 1.05  # of the outermost the body should come, that its cells are drawn to
 WIDEST = {RunSlot.ALONE: 0.5, RunSlot.FIRST: 0.31, RunSlot.SECOND: 0.31}  # of the cells that are drawn
@@ -30,7 +30,7 @@ class PlanarPlaces(Places):
 
 def planar_places(room: Bounds, seat: RunSlot) -> PlanarPlaces:
     """Those in a settled room."""
-    pixel, line, end, alone = room.pixel, room.line, top(room, room.high).end, seat == RunSlot.ALONE
+    pixel, line, end, alone = room.pixel, room.line, colour_bar_box(room, room.high).end, seat == RunSlot.ALONE
     if 1 - FIELD - (NUMBERS + NAMES) * pixel < LEAST:  # letters as large as a projector needs: names stand above
         room = replace(room, gutter=0.0)
     beside = NUMBERS * pixel + (NAMES * pixel if alone and room.gutter else 0.0)
@@ -53,7 +53,7 @@ def planar_places(room: Bounds, seat: RunSlot) -> PlanarPlaces:
     magnified: Spot = (1.0, name[1], "center-right") if room.gutter else (1.0, 0.0, "bottom-right")
     box = Box(left, 1.0, 0.5 * (high + low), half, below, None if seat == RunSlot.SECOND else magnified,
               (1.0, high if room.gutter else end, "top-right"), name if named else None)
-    return PlanarPlaces(room, seat, rectangle(room.high), box, middle, 0.5 * wide / AROUND, end)
+    return PlanarPlaces(room, seat, drawing_rectangle(room.high), box, middle, 0.5 * wide / AROUND, end)
 
 
 def planar_labels(words: StageLabels, places: PlanarPlaces) -> Iterator[Label]:
@@ -73,7 +73,7 @@ def _beside(words: StageLabels, places: PlanarPlaces) -> Iterator[Label]:
         yield Label(f"{name}-title", title, at, y + 0.1 * room.line, "bottom-left", role, 1.1, tone=name, bold=True)
         yield Label(f"{name}-by", by, at, y - 0.1 * room.line, "top-left", "gutter" if at < 0 else "note")
         narrow = min(width, room.letters(room.gutter)) if at < 0 else width
-        yield Label(f"{name}-silence", brief(silence), at, y - 1.9 * room.line, "top-left", role, width=narrow,
+        yield Label(f"{name}-silence", short_reason(silence), at, y - 1.9 * room.line, "top-left", role, width=narrow,
                     tone="faint")
     yield Label("alike", words.alike, right, y - 1.6 * room.line, "top-left", "note", width=width, tone="faint")
     yield Label("size-note", words.note, right, 2 * room.pixel, "bottom-left", "note", width=width, tone="faint")
@@ -127,7 +127,7 @@ def _inside(words: StageLabels, places: PlanarPlaces) -> Iterator[Label]:
     room, (x, y) = places.room, places.middle
     sides: tuple[Anchor, Anchor] = ("center-right", "center-left")
     for name, silence, anchor, apart in zip(HALVES, words.silences, sides, (-4, 4), strict=True):
-        text, width = room.fitting((silence, brief(silence)), 0.55 * places.radius, 1.1 * places.radius)
+        text, width = room.fitting((silence, short_reason(silence)), 0.55 * places.radius, 1.1 * places.radius)
         yield Label(f"{name}-silence", text, x + apart * room.pixel, y, anchor, "silence", width=width)
 
 

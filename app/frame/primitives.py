@@ -13,7 +13,7 @@ from typing import Literal, Protocol
 import numpy as np
 
 from app.colours import PALETTE, rgb
-from app.frame.colour_scale import ColourScale, known
+from app.frame.colour_scale import ColourScale, any_finite
 
 Colour = tuple[int, int, int]
 
@@ -164,7 +164,7 @@ class Bounds:
         """Returns the first text that fits into a box, and how many letters its lines have; "" where none does."""
         letters = self.letters(width)
         for text in texts:
-            lines = wrapped(text, letters).split("\n")
+            lines = wrap_text(text, letters).split("\n")
             if max(map(len, text.split()), default=0) <= letters and len(lines) * self.line <= height:
                 return text, letters
         return "", letters
@@ -189,14 +189,14 @@ class Surface(Protocol):
         """A sheet that is seen with this one."""
 
 
-def shades(scale: ColourScale, sizes: np.ndarray | None, count: int, unknown: Colour) -> np.ndarray:
+def error_colours(scale: ColourScale, sizes: np.ndarray | None, count: int, unknown: Colour) -> np.ndarray:
     """Colours (P, 3) of error sizes; plain grey where nothing is known."""
-    if sizes is None or not known(sizes):
+    if sizes is None or not any_finite(sizes):
         return np.full((count, 3), unknown, np.uint8)
     return scale.colours(sizes)
 
 
-def faded(ages: np.ndarray, palette: Palette) -> np.ndarray:
+def fade_colours(ages: np.ndarray, palette: Palette) -> np.ndarray:
     """Colours (n, 3) that fade from a crossing's to the ground's, for ages (n,) from 0 to 1."""
     ground, crossing = np.array(palette.ground, np.float32), np.array(palette.crossing, np.float32)
     return (crossing + (0.85 * ages)[:, None] * (ground - crossing)).astype(np.uint8)
@@ -209,12 +209,12 @@ def in_plane(x: np.ndarray, y: np.ndarray | float, z: float = 0.0) -> np.ndarray
     return points
 
 
-def joined(starts: np.ndarray, ends: np.ndarray) -> np.ndarray:
+def join_points(starts: np.ndarray, ends: np.ndarray) -> np.ndarray:
     """Line segments (n, 2, 3) between points (n, 3)."""
     return np.stack([starts, ends], axis=1)
 
 
 @lru_cache(1000)
-def wrapped(text: str, width: int) -> str:
+def wrap_text(text: str, width: int) -> str:
     """The text in lines of at most so many characters; as it is for 0."""
     return "\n".join(textwrap.wrap(text, width)) if width else text

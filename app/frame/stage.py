@@ -9,12 +9,12 @@ import numpy as np
 
 from app.frame.captions import ALIKE, ALIKE_LOST, Half, marks_note
 from app.frame.colour_scale import ColourScale
-from app.frame.crossings import ages, recent
-from app.frame.field_plot import FieldPlot, Plotted
+from app.frame.crossings import crossing_ages, is_recent
+from app.frame.field_plot import FieldPlot, PlotSettings
 from app.frame.layout import Rectangle, RunSlot
-from app.frame.primitives import Bounds, Label, Mark, Surface, shades
+from app.frame.primitives import Bounds, Label, Mark, Surface, error_colours
 from app.language.translation import lazy, tr
-from app.words import brief
+from app.words import short_reason
 from solvers.engine.shared_frames import FrameArrays
 from solvers.scene.scene import Scene
 
@@ -65,7 +65,7 @@ class Stage(ABC, Generic[AnyScene]):
     """
 
     HIGH: ClassVar[tuple[float, float]] = (0.3, 0.9)  # the least and the most that the stage is
-    PLOT: ClassVar[Plotted]  # what the plot of the field is of
+    PLOT: ClassVar[PlotSettings]  # what the plot of the field is of
     MOST_MARKED: ClassVar[int]  # particles whose crossings are marked
     LINES: ClassVar[int] = 0  # of material, drawn as the exact solution has them
     MARKED: ClassVar[str] = lazy("crosses an edge")  # what is said of the marks
@@ -129,7 +129,7 @@ class Stage(ABC, Generic[AnyScene]):
             return
         self._captioned, alone = said, self._seat == RunSlot.ALONE
         self._say(titles=(estimate.title, truth.title), by=(estimate.by, truth.by),
-                  silences=tuple(half.silence if alone else brief(half.silence) for half in (estimate, truth)))
+                  silences=tuple(half.silence if alone else short_reason(half.silence) for half in (estimate, truth)))
 
     def remark(self, remarks: Annotations, arrays: FrameArrays) -> None:
         """Write remarks into the frame; those that are there already stay as they are."""
@@ -157,9 +157,10 @@ class Stage(ABC, Generic[AnyScene]):
         unknown, count = self._places.room.palette.unknown, len(arrays.position)
         since = arrays.steps_since_crossing
         with np.errstate(all="ignore"):  # a run gone bad holds anything
-            halves = [shades(self._scale, sizes, count, unknown) for sizes in (estimated, true)]
-            crossed = recent(since, scene, speed) & self._marked
-            marks = [*self._moving(scene, arrays, halves[0], halves[1], t, crossed, ages(since[crossed], scene, speed))]
+            halves = [error_colours(self._scale, sizes, count, unknown) for sizes in (estimated, true)]
+            crossed = is_recent(since, scene, speed) & self._marked
+            marks = [*self._moving(scene, arrays, halves[0], halves[1], t, crossed,
+                                   crossing_ages(since[crossed], scene, speed))]
             if self.plotted:
                 at, shown = self._along(arrays), halves[1] if true is not None else halves[0]
                 marks += self._field.draw(self._places, scene, self.plotted, self.magnified, at, arrays.plotted, t,

@@ -9,7 +9,7 @@ from collections.abc import Iterator, Mapping
 from itertools import islice
 from typing import NamedTuple
 
-from app.language.translation import ENGLISH, catalogue, language, language_cache
+from app.language.translation import ENGLISH, current_language, language_cache, load_catalogue
 
 PLACES = ("solvers/", "app/state.py")  # where such sentences are made
 LONGEST = 1000  # characters of a sentence: none of ours is as long
@@ -113,16 +113,16 @@ class Translator:
 
 
 @functools.lru_cache
-def translator(code: str) -> Translator:
+def translator_for(code: str) -> Translator:
     """That of a language."""
-    return Translator(catalogue(code).of_files(PLACES))
+    return Translator(load_catalogue(code).of_files(PLACES))
 
 
 def translate_message(sentence: str) -> str:
     """A sentence of the solvers in the language that is spoken; one that nobody knows stays English."""
-    return sentence if language() == ENGLISH or not sentence or len(sentence) > LONGEST else _heard(sentence)
+    return sentence if current_language() == ENGLISH or not sentence or len(sentence) > LONGEST else _heard(sentence)
 
 
 @language_cache(1024)
 def _heard(sentence: str) -> str:
-    return translator(language())(sentence)
+    return translator_for(current_language())(sentence)

@@ -60,13 +60,13 @@ class Catalogue:
 
 
 @functools.lru_cache
-def catalogue(code: str) -> Catalogue:
+def load_catalogue(code: str) -> Catalogue:
     """The words of a language; of English there are none, for the code has them."""
     file = LANGUAGES[code].file
     return Catalogue(polib.pofile(str(file)) if file else polib.POFile())
 
 
-def language() -> str:
+def current_language() -> str:
     """The code of the language that is spoken now."""
     return _spoken.get()
 
@@ -83,7 +83,7 @@ def use_language(code: str) -> Iterator[None]:
 
 def with_language(work: Callable[P, T], code: str = "") -> Callable[P, T]:
     """The same work, on whatever thread, in the language that is spoken now, or in that of a ``code``."""
-    code = code or language()
+    code = code or current_language()
 
     def spoken(*args: P.args, **options: P.kwargs) -> T:
         before = _spoken.set(code)  # as in `speaking`, at half the price: it is done with every frame
@@ -97,13 +97,17 @@ def with_language(work: Callable[P, T], code: str = "") -> Callable[P, T]:
 
 def tr(text: str, **values: Any) -> str:
     """A text of the code in the language that is spoken, with the ``values`` in its places: ``{name}``."""
-    said = text if language() == ENGLISH else catalogue(language()).one(text)
+    said = text if current_language() == ENGLISH else load_catalogue(current_language()).one(text)
     return said.format(**values) if values else said
 
 
 def trn(one: str, many: str, count: float, **values: Any) -> str:
     """Of two texts the one that goes with a count, which ``{count}`` is in both, in the language that is spoken."""
-    said = (one if count == 1 else many) if language() == ENGLISH else catalogue(language()).several(one, many, count)
+    said = (
+        (one if count == 1 else many)
+        if current_language() == ENGLISH
+        else load_catalogue(current_language()).several(one, many, count)
+    )
     return said.format(count=count, **values)
 
 
@@ -119,15 +123,15 @@ def language_cache(most: int) -> Callable[[Callable[..., T]], Callable[..., T]]:
         def in_language(_: str, *args: Any, **options: Any) -> T:
             return work(*args, **options)
 
-        return functools.wraps(work)(lambda *args, **options: in_language(language(), *args, **options))
+        return functools.wraps(work)(lambda *args, **options: in_language(current_language(), *args, **options))
 
     return keeping
 
 
-def localised(path: Path) -> Path:
+def localised_path(path: Path) -> Path:
     """A file of text in the language that is spoken: ``about.de.html`` beside ``about.html``, where there is one."""
-    own = path.with_suffix(f".{language()}{path.suffix}")
-    return own if language() != ENGLISH and own.is_file() else path
+    own = path.with_suffix(f".{current_language()}{path.suffix}")
+    return own if current_language() != ENGLISH and own.is_file() else path
 
 
 def preferred_language(query: str, accepted: str) -> str:

@@ -7,8 +7,20 @@ from typing import Any
 
 from app.language.translation import tr
 from app.lessons.bets import BY_ROUND, OWN, PATH, Bet, Bettor, Ends, asked_before
-from app.lessons.claims import ClaimError, decide, said, value
-from app.lessons.lesson import CHOICE, DRAG, EXPLAIN, INTERVAL, NUMBER, TEXT, Lesson, Numbers, Question, Step, filled
+from app.lessons.claims import ClaimError, decide, evaluate, format_value
+from app.lessons.lesson import (
+    CHOICE,
+    DRAG,
+    EXPLAIN,
+    INTERVAL,
+    NUMBER,
+    TEXT,
+    Lesson,
+    Numbers,
+    Question,
+    Step,
+    fill_numbers,
+)
 from app.lessons.lesson_runs import RunCache
 from app.words import with_unit
 
@@ -41,54 +53,55 @@ class Right:
     value: float | str = 0.0
 
 
-def mark(lesson: Lesson, step: Step, answer: Any, numbers: Numbers, outcomes: RunCache) -> AnswerMark:
+def mark_answer(lesson: Lesson, step: Step, answer: Any, numbers: Numbers, outcomes: RunCache) -> AnswerMark:
     """The mark of an answer that fits the step's question; runs what it needs.
 
     Raises :class:`~app.lessons.lesson_runs.RunFailed` and :class:`~app.lessons.claims.ClaimError`.
     """
     if step.asked.kind == TEXT:
         return AnswerMark(None, "")
-    found = right(lesson, step, numbers, outcomes)
-    right_or_not = fits(step.asked, answer, found)
+    found = right_answer(lesson, step, numbers, outcomes)
+    right_or_not = is_right(step.asked, answer, found)
     if step.asked.kind != INTERVAL:
         return AnswerMark(right_or_not, found.told)
     low, high = map(float, answer)
     return AnswerMark(right_or_not, found.told, Bet(low, high, float(found.value), step.asked.level))
 
 
-def right(lesson: Lesson, step: Step, numbers: Numbers, outcomes: RunCache) -> Right:
-    """What is right in a step's question, which is no free text; runs what it needs, and raises as :func:`mark`."""
+def right_answer(lesson: Lesson, step: Step, numbers: Numbers, outcomes: RunCache) -> Right:
+    """What is right in a step's question, which is no free text; runs what it needs, and raises as
+    :func:`mark_answer`."""
     asked = step.asked
-    texts = expressions(asked, numbers)
+    texts = answer_expressions(asked, numbers)
     scope = outcomes.scope(lesson, step, numbers, texts)
     if asked.kind == CHOICE:
         options = (asked.correct,) if asked.correct is not None else \
             tuple(k for k, claim in enumerate(texts, 1) if decide(claim, scope).holds)
         told = functools.reduce(lambda one, other: tr("{one} or {other}", one=one, other=other),
-                                [filled(asked.options[k - 1], numbers) for k in options] or [""])
+                                [fill_numbers(asked.options[k - 1], numbers) for k in options] or [""])
         return Right(told, options)
-    expected = value(texts[-1], scope)
+    expected = evaluate(texts[-1], scope)
     if asked.kind == INTERVAL and (isinstance(expected, str) or expected <= 0):
-        raise ClaimError(f"{texts[-1]} is {said(expected)}: intervals are bets on a size; ask for one above 0")
+        raise ClaimError(f"{texts[-1]} is {format_value(expected)}: intervals are bets on a size; ask for one above 0")
     told = in_unit(asked, expected)
     if asked.kind != INTERVAL and not isinstance(expected, str):
         told += f" (± {100 * asked.tolerance:g} %)"
     return Right(told, value=expected)
 
 
-def expressions(asked: Question, numbers: Numbers) -> list[str]:
+def answer_expressions(asked: Question, numbers: Numbers) -> list[str]:
     """The claims of a question's options, or what it expects, with these numbers."""
-    return [filled(text, numbers) for text in (*asked.holds, asked.expected) if text]
+    return [fill_numbers(text, numbers) for text in (*asked.holds, asked.expected) if text]
 
 
 def in_unit(asked: Question, found: float | str) -> str:
     """A value in words, with the question's unit; as the page writes it, with a prefix, where that has none."""
     if asked.unit in BARE and not isinstance(found, str):
         return with_unit(found, asked.unit, DIGITS)
-    return f"{said(found)} {asked.unit}".strip()
+    return f"{format_value(found)} {asked.unit}".strip()
 
 
-def fits(asked: Question, answer: Any, found: Right) -> bool:
+def is_right(asked: Question, answer: Any, found: Right) -> bool:
     """Whether an answer to a question is right, or an interval holds what came out."""
     if asked.kind == CHOICE:
         return answer in found.options
@@ -100,7 +113,7 @@ def fits(asked: Question, answer: Any, found: Right) -> bool:
     return abs(answer - found.value) <= asked.tolerance * abs(found.value)
 
 
-def trouble(asked: Question, answer: Any) -> str:
+def why_invalid(asked: Question, answer: Any) -> str:
     """Why something is no answer to a question, as a sentence; "" where it is one."""
     if asked.kind == TEXT:
         fits = isinstance(answer, str) and 0 < len(answer.strip()) <= LONGEST
@@ -119,7 +132,7 @@ def trouble(asked: Question, answer: Any) -> str:
     return "" if _is_real(answer) else tr("Please give a number.")
 
 
-def shown(asked: Question, answer: Any) -> str:
+def format_answer(asked: Question, answer: Any) -> str:
     """An answer in words; what a visitor wrote stays as it is and must be escaped."""
     if asked.kind == CHOICE:
         return asked.options[answer - 1]
@@ -133,11 +146,11 @@ def _is_real(number: Any) -> bool:
     return isinstance(number, (int, float)) and not isinstance(number, bool) and abs(number) < MOST
 
 
-def laid(lesson: Lesson, step: Step, given: Mapping[str, Sequence[float]], numbers: Numbers,
-         outcomes: RunCache) -> list[Bettor]:
-    """Returns the bets that a step shows, on the answers ``given`` before it by key; raises as :func:`mark`."""
+def bets_shown(lesson: Lesson, step: Step, given: Mapping[str, Sequence[float]], numbers: Numbers,
+               outcomes: RunCache) -> list[Bettor]:
+    """Returns the bets that a step shows, on the answers ``given`` before it by key; raises as :func:`mark_answer`."""
     steps = [other for other in asked_before(lesson, step) if other.key in given]
-    truths = [float(right(lesson, other, numbers, outcomes).value) for other in steps]
+    truths = [float(right_answer(lesson, other, numbers, outcomes).value) for other in steps]
     found = []
     for name in step.bets if steps else ():
         ends = [given[other.key] if name in OWN else judge_ends(lesson, other, name, numbers, outcomes)
@@ -160,4 +173,4 @@ def judge_ends(lesson: Lesson, step: Step, judge: str, numbers: Numbers, outcome
     found = PATH.fullmatch(step.asked.expected)
     assert found is not None  # has been checked
     run = lesson.runs[found["run"] or lesson.main_run(step)]
-    return outcomes.bets(filled(run.texts[0], numbers))[found["quantity"]][judge]
+    return outcomes.bets(fill_numbers(run.texts[0], numbers))[found["quantity"]][judge]

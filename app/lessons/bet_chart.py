@@ -19,7 +19,7 @@ TRUTH, LESS, MORE = lazy("truth"), "÷ {factor}", "× {factor}"
 
 
 @dataclass(frozen=True)
-class Lines:
+class BettorLines:
     """A bettor's ``lines``: start and end of each bet in % of the width and whether it holds, None for no bet."""
 
     name: str
@@ -29,12 +29,12 @@ class Lines:
 
 
 @dataclass(frozen=True)
-class Drawn:
+class BetChart:
     """The picture: ``reach`` is how many factors of ten go to either side, ``said`` what it shows."""
 
     reach: int
     said: str
-    bettors: tuple[Lines, ...]
+    bettors: tuple[BettorLines, ...]
 
     @property
     def ticks(self) -> list[tuple[float, str]]:
@@ -43,21 +43,21 @@ class Drawn:
         return [(0.0, LESS.format(factor=factor)), (50.0, tr(TRUTH)), (100.0, MORE.format(factor=factor))]
 
 
-def drawn(bettors: Sequence[Bettor]) -> Drawn:
+def draw_bets(bettors: Sequence[Bettor]) -> BetChart:
     """The picture of several, of the same questions."""
     every = [bet for bettor in bettors for bet in bettor.made]
-    farthest = max((abs(decades(end, bet)) for bet in every for end in (bet.low, bet.high)), default=0.0)
+    farthest = max((abs(decades_above(end, bet)) for bet in every for end in (bet.low, bet.high)), default=0.0)
     reach = min(max(math.ceil(farthest), 1), MOST)
     share = sum(bet.level for bet in every) / max(1, len(every))
-    return Drawn(reach, tr(SAID, share=f"{100 * share:.0f}"), tuple(_lines(bettor, reach) for bettor in bettors))
+    return BetChart(reach, tr(SAID, share=f"{100 * share:.0f}"), tuple(_lines(bettor, reach) for bettor in bettors))
 
 
-def decades(end: float, bet: Bet) -> float:
+def decades_above(end: float, bet: Bet) -> float:
     """How many factors of ten an end is above the truth."""
     return math.log10(end) - math.log10(bet.truth)
 
 
-def scored(mark: AnswerMark) -> str:
+def format_score(mark: AnswerMark) -> str:
     """What came out, and of a bet its score."""
     return tr(SCORED, told=mark.expected, score=score_text(mark.bet.score)) if mark.bet else mark.expected
 
@@ -66,13 +66,13 @@ def score_text(score: float) -> str:
     return f"{score:.2f}"
 
 
-def _lines(bettor: Bettor, reach: int) -> Lines:
+def _lines(bettor: Bettor, reach: int) -> BettorLines:
     def place(end: float, bet: Bet) -> float:
-        return min(max(50 + 50 * decades(end, bet) / reach, 0.0), 100.0)
+        return min(max(50 + 50 * decades_above(end, bet) / reach, 0.0), 100.0)
 
     made, left, score = len(bettor.made), len(bettor.bets) - len(bettor.made), bettor.score
     told = tr(NONE) if score is None else tr(SOME if left else TOLD, held=bettor.held, made=made, left=left,
                                              score=score_text(score))
     name = tr(ROUND, number=bettor.round) if bettor.round else tr(YOUR_BETS) if bettor.name == YOURS else bettor.name
-    return Lines(name, told, bettor.name in OWN, tuple(
+    return BettorLines(name, told, bettor.name in OWN, tuple(
         None if bet is None else (place(bet.low, bet), place(bet.high, bet), bet.holds) for bet in bettor.bets))

@@ -30,7 +30,7 @@ PATH = re.compile(r"(?:(?P<run>[a-z][a-z0-9_]*)\.)?error\.(?P<quantity>x|v|sigma
 ABOUT_BETS = re.compile(r"\bbet\.")
 
 
-def score(low: float, high: float, truth: float, level: float) -> float:
+def interval_score(low: float, high: float, truth: float, level: float) -> float:
     """The interval score of a bet at a level, all sizes above 0, in factors of ten: 0 is perfect."""
     least, most, true = math.log10(low), math.log10(high), math.log10(truth)
     return most - least + 2 / (1 - level) * max(least - true, true - most, 0.0)
@@ -51,7 +51,7 @@ class Bet:
 
     @property
     def score(self) -> float:
-        return score(self.low, self.high, self.truth, self.level)
+        return interval_score(self.low, self.high, self.truth, self.level)
 
     @property
     def points(self) -> float:
@@ -87,7 +87,7 @@ def asked_before(lesson: Lesson, step: Step) -> list[Step]:
     return [other for other in before if other.question and other.question.kind == INTERVAL]
 
 
-def word(judge: str) -> str:
+def claim_name(judge: str) -> str:
     """A judge's name in a claim: "two_grid", "gci"."""
     return judge.replace("-", "_").lower()
 
@@ -97,12 +97,13 @@ def about_bets(claim: str) -> bool:
     return ABOUT_BETS.search(claim) is not None
 
 
-def told(ends: Mapping[str, Mapping[str, Ends | None]], errors: Mapping[str, Mapping[str, float | None]]) -> dict:
+def bets_by_judge(ends: Mapping[str, Mapping[str, Ends | None]],
+                  errors: Mapping[str, Mapping[str, float | None]]) -> dict:
     """Returns the judges' bets on a run by judge and quantity, as claims have them: low, high and score."""
-    found: dict[str, dict[str, dict[str, float] | None]] = {word(judge): {} for judge in JUDGES}
+    found: dict[str, dict[str, dict[str, float] | None]] = {claim_name(judge): {} for judge in JUDGES}
     for quantity, judged in ends.items():
         truth = errors[quantity]["final"]
         for judge, pair in judged.items():
-            found[word(judge)][quantity] = None if pair is None or not truth else \
-                {"low": pair[0], "high": pair[1], "score": score(*pair, truth, LEVEL)}
+            found[claim_name(judge)][quantity] = None if pair is None or not truth else \
+                {"low": pair[0], "high": pair[1], "score": interval_score(*pair, truth, LEVEL)}
     return found

@@ -7,9 +7,9 @@ from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
-from app.language.translation import ENGLISH, LANGUAGES, language, language_cache, localised, use_language
+from app.language.translation import ENGLISH, LANGUAGES, current_language, language_cache, localised_path, use_language
 from app.lessons.lesson import Lesson, LessonError, Step
-from app.lessons.lesson_parser import read
+from app.lessons.lesson_parser import read_lesson
 from solvers.untrusted import quoting
 
 FOLDER = Path(__file__).parents[2] / "lessons"
@@ -22,15 +22,15 @@ class UnknownLesson(LookupError):
     """There is no lesson of that name; the message says which there are."""
 
 
-def names(folder: Path = FOLDER) -> list[str]:
+def lesson_names(folder: Path = FOLDER) -> list[str]:
     """The names of the lessons, in their order: files are numbered."""
     return sorted(path.stem for path in folder.glob("*.md")
                   if path.stem not in NO_LESSONS and Path(path.stem).suffix.removeprefix(".") not in LANGUAGES)
 
 
-def called(name: str, folder: Path = FOLDER) -> str:
+def resolve_name(name: str, folder: Path = FOLDER) -> str:
     """The full name of a lesson; its number or its name without the number do as well."""
-    known = names(folder)
+    known = lesson_names(folder)
     found = [full for full in known if name in (full, *full.split("-", 1))]
     found = found or [full for full in known if full.split("-", 1)[0].lstrip("0") == name]
     if len(found) != 1:
@@ -38,9 +38,9 @@ def called(name: str, folder: Path = FOLDER) -> str:
     return found[0]
 
 
-def lesson(name: str, folder: Path = FOLDER) -> Lesson:
+def load_lesson(name: str, folder: Path = FOLDER) -> Lesson:
     """A lesson by its full name."""
-    return _in_its_words(read(folder / f"{name}.md"), folder)
+    return _in_its_words(read_lesson(folder / f"{name}.md"), folder)
 
 
 def in_every_language(name: str, folder: Path = FOLDER) -> Iterator[Lesson]:
@@ -48,21 +48,22 @@ def in_every_language(name: str, folder: Path = FOLDER) -> Iterator[Lesson]:
     for code in LANGUAGES:
         if code == ENGLISH or (folder / f"{name}.{code}.md").is_file():
             with use_language(code):
-                found = lesson(name, folder)
+                found = load_lesson(name, folder)
             yield found
 
 
-def lessons(folder: Path = FOLDER) -> dict[str, Lesson]:
+def load_lessons(folder: Path = FOLDER) -> dict[str, Lesson]:
     """Returns all lessons by name, as their files are now, without those that have a mistake."""
-    paths = {name: folder / f"{name}.md" for name in names(folder)}
-    files = tuple((name, path.stat().st_mtime_ns, localised(path).stat().st_mtime_ns) for name, path in paths.items())
+    paths = {name: folder / f"{name}.md" for name in lesson_names(folder)}
+    files = tuple((name, path.stat().st_mtime_ns, localised_path(path).stat().st_mtime_ns) for name,
+                  path in paths.items())
     with _READING:  # a class that comes at once reads them once
         return _read(folder, files)
 
 
-def after(lesson: Lesson, folder: Path = FOLDER) -> Lesson | None:
+def next_lesson(lesson: Lesson, folder: Path = FOLDER) -> Lesson | None:
     """The lesson that comes next, if there is one."""
-    every = list(lessons(folder).values())
+    every = list(load_lessons(folder).values())
     return next(iter(every[every.index(lesson) + 1:]), None) if lesson in every else None
 
 
@@ -72,24 +73,24 @@ def _read(folder: Path, files: tuple[tuple[str, int, int], ...]) -> dict[str, Le
     found = {}
     for name, *_ in files:
         with suppress(LessonError):
-            found[name] = original = read(folder / f"{name}.md")
+            found[name] = original = read_lesson(folder / f"{name}.md")
             found[name] = _in_its_words(original, folder)
     return found
 
 
 def _in_its_words(original: Lesson, folder: Path) -> Lesson:
     """In the language that is spoken, if it has been put into that."""
-    path = localised(folder / f"{original.name}.md")
-    return original if path.stem == original.name else translated(original, path, language())
+    path = localised_path(folder / f"{original.name}.md")
+    return original if path.stem == original.name else translate_lesson(original, path, current_language())
 
 
-def translated(original: Lesson, path: Path, language: str) -> Lesson:
+def translate_lesson(original: Lesson, path: Path, language: str) -> Lesson:
     """The ``original`` in the words of a file. It keeps its name, its steps' keys and its fingerprint, so that what has
     been answered in one language is marked in any.
 
     Raises :class:`LessonError` where the file has a mistake, or differs in more than words.
     """
-    own = read(path)
+    own = read_lesson(path)
     for line, what in _differences(original, own):
         raise LessonError(line, f"{what} differ from {original.name}.md; give the same there, for a translation has "
                                 "other words only", path.name)

@@ -46,7 +46,7 @@ _RANGE = re.compile(r"(.+?)\s+in\s+(.+?)\.\.(.+)", re.DOTALL)
 
 
 @functools.cache
-def paths() -> Vocabulary:
+def result_paths() -> Vocabulary:
     """The paths of a result: what may stand after each word, level by level."""
     load_extensions()
     estimators = tuple(name.replace("-", "_") for name in ESTIMATORS)
@@ -56,7 +56,7 @@ def paths() -> Vocabulary:
         "error": ((*QUANTITIES, *EXTRA_NORMS), NORMS), "estimate": (estimators, tuple(QUANTITIES), NORMS),
         "index": (estimators, tuple(QUANTITIES)), "distance": (estimators, tuple(QUANTITIES)),
         "budget": (FIELDS, tuple(CAUSES)), "rms": (FIELDS,), "predicted": (FIELDS, tuple(CAUSES)),
-        "bet": (tuple(map(bets.word, bets.JUDGES)), random_runs.QUANTITIES, ("low", "high", "score")),
+        "bet": (tuple(map(bets.claim_name, bets.JUDGES)), random_runs.QUANTITIES, ("low", "high", "score")),
         "valid": (estimators,), "status": (), "steps": (), "particles": (), "t": (), **found,
         "step": (("dt", "bound", "margin"),), "life": (("accurate", "sound", "first_period"),),
         "seconds": (("run", "estimate"),),
@@ -88,7 +88,7 @@ class Scope:
 
     @property
     def paths(self) -> Vocabulary:
-        return self.vocabulary or paths()
+        return self.vocabulary or result_paths()
 
 
 @dataclass(frozen=True)
@@ -99,7 +99,7 @@ class ClaimResult:
     found: str
 
 
-def value(text: str, scope: Scope) -> float | str:
+def evaluate(text: str, scope: Scope) -> float | str:
     """The value of an expression; :class:`ClaimError` where it has none."""
     found = _evaluate(_parsed(text), scope)
     if isinstance(found, list):
@@ -113,7 +113,7 @@ def decide(claim: str, scope: Scope) -> ClaimResult:
     """Whether a claim holds; of several runs, whether it holds of each."""
     parts = _split(claim)
     found = _evaluate(_parsed(parts[0]), scope)
-    each = found if isinstance(found, list) else [value(parts[0], scope)]
+    each = found if isinstance(found, list) else [evaluate(parts[0], scope)]
     results = [_decided(claim, parts, one, scope) for one in each]
     return ClaimResult(all(one.holds for one in results), ", ".join(one.found for one in results))
 
@@ -121,15 +121,15 @@ def decide(claim: str, scope: Scope) -> ClaimResult:
 def _decided(claim: str, parts: tuple[str, ...], found: float | str, scope: Scope) -> ClaimResult:
     """What comes of one value of what stands to the left."""
     if parts[1] in _COMPARISONS:
-        other = value(parts[2], scope)
+        other = evaluate(parts[2], scope)
         if isinstance(found, str) != isinstance(other, str):
             raise ClaimError(f"{claim} compares a word with a number")
-        told = said(found) if _is_number(parts[2]) else f"{said(found)} and {said(other)}"
+        told = format_value(found) if _is_number(parts[2]) else f"{format_value(found)} and {format_value(other)}"
         return ClaimResult(_COMPARISONS[parts[1]](found, other), told)
-    low, high = value(parts[1], scope), value(parts[2], scope)
+    low, high = evaluate(parts[1], scope), evaluate(parts[2], scope)
     if isinstance(found, str) or isinstance(low, str) or isinstance(high, str):
         raise ClaimError(f"{claim}: a range is one of numbers")
-    return ClaimResult(low <= found <= high, said(found))
+    return ClaimResult(low <= found <= high, format_value(found))
 
 
 def check_claim(claim: str, runs: Mapping[str, Any], main: str, vocabulary: Vocabulary | None = None) -> None:
@@ -145,7 +145,7 @@ def check_expression(text: str, runs: Mapping[str, Any], main: str, vocabulary: 
         if isinstance(node, ast.Call) and (not isinstance(node.func, ast.Name) or node.func.id not in FUNCTIONS
                                            or len(node.args) != 1 or node.keywords):
             raise ClaimError(f"{ast.unparse(node)}: give {', '.join(f'{name}(…)' for name in FUNCTIONS)}")
-    known = vocabulary or paths()
+    known = vocabulary or result_paths()
     for path in _paths(_parsed(text)):
         name, rest = _run_of(path, runs, main, known)
         _check_path(rest, known)
@@ -153,14 +153,14 @@ def check_expression(text: str, runs: Mapping[str, Any], main: str, vocabulary: 
             raise ClaimError(f"{'.'.join(path)}: no run comes before this; name one of {', '.join(runs) or 'a run'}")
 
 
-def needed(text: str, runs: Mapping[str, Any], main: str) -> set[str]:
+def runs_needed(text: str, runs: Mapping[str, Any], main: str) -> set[str]:
     """The names of the runs that a claim or an expression is about."""
     found = _split(text) if any(sign in text for sign in (" in ", "<", ">", "=")) else (text,)
     parts = [part for part in found if part not in _COMPARISONS]
-    return {_run_of(path, runs, main, paths())[0] for part in parts for path in _paths(_parsed(part))}
+    return {_run_of(path, runs, main, result_paths())[0] for part in parts for path in _paths(_parsed(part))}
 
 
-def said(found: float | str) -> str:
+def format_value(found: float | str) -> str:
     """A value as it goes into a sentence."""
     return found if isinstance(found, str) else f"{found:.4g}"
 

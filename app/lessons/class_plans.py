@@ -15,7 +15,7 @@ from pathlib import Path
 from app.lessons import catalogue, fenced_blocks, lesson_check, lesson_parser
 from app.lessons.lesson import RUN, Lesson, LessonError, Step
 from app.lessons.lesson_check import Check
-from app.lessons.lesson_parser import Part, numbered, parts_of, split_head
+from app.lessons.lesson_parser import LessonSection, number_lines, parts_of, split_head
 from app.lessons.lesson_runs import RunCache
 
 FOLDER = catalogue.FOLDER / "classes"
@@ -26,7 +26,7 @@ LINK = re.compile(r"\]\(\.\./([\w-]+)\.md\)")
 
 
 @dataclass(frozen=True)
-class Row:
+class TimetableRow:
     """One row of a timetable: its line, from which minute on and how long, and the lesson that it links, or ""."""
 
     line: int
@@ -42,23 +42,23 @@ class ClassPage:
     name: str
     minutes: int
     claims: Lesson
-    sessions: Mapping[str, tuple[Row, ...]]
+    sessions: Mapping[str, tuple[TimetableRow, ...]]
 
 
-def names(folder: Path = FOLDER) -> list[str]:
+def class_page_names(folder: Path = FOLDER) -> list[str]:
     """The names of the pages."""
     return sorted(path.stem for path in folder.glob("*.md"))
 
 
-def page(name: str, folder: Path = FOLDER) -> ClassPage:
+def load_class_page(name: str, folder: Path = FOLDER) -> ClassPage:
     """A page by its name; :class:`LessonError` where its file has a mistake."""
-    return lesson_parser.opened(folder / f"{name}.md", lambda text: parse(text, name))
+    return lesson_parser.parse_file(folder / f"{name}.md", lambda text: parse_class_page(text, name))
 
 
-def parse(text: str, name: str) -> ClassPage:
+def parse_class_page(text: str, name: str) -> ClassPage:
     """The page of a text."""
     head, body, first = split_head(text)
-    values = fenced_blocks.toml(head, 2)
+    values = fenced_blocks.parse_toml(head, 2)
     at = functools.partial(fenced_blocks.line_of, text=head, line=2)
     for key in values:
         if key not in ("title", "minutes"):
@@ -75,9 +75,9 @@ def parse(text: str, name: str) -> ClassPage:
     return ClassPage(name, minutes, claims, sessions)
 
 
-def checks(found: ClassPage, lessons: Mapping[str, Lesson], outcomes: RunCache) -> Iterator[Check]:
+def check_class_page(found: ClassPage, lessons: Mapping[str, Lesson], outcomes: RunCache) -> Iterator[Check]:
     """All claims of a page, and whether its timetables add up and give each core its time."""
-    yield from lesson_check.checks(found.claims, outcomes)
+    yield from lesson_check.check_lesson(found.claims, outcomes)
     for session, rows in found.sessions.items():
         total = sum(row.minutes for row in rows)
         yield Check(found.name, session, rows[0].line, f"the minutes add up to {found.minutes}",
@@ -90,7 +90,7 @@ def checks(found: ClassPage, lessons: Mapping[str, Lesson], outcomes: RunCache) 
                 yield _core(found, session, row, lessons)
 
 
-def _core(found: ClassPage, session: str, row: Row, lessons: Mapping[str, Lesson]) -> Check:
+def _core(found: ClassPage, session: str, row: TimetableRow, lessons: Mapping[str, Lesson]) -> Check:
     """Whether a row gives a core its time."""
     lesson = lessons.get(row.lesson)
     if lesson is None:
@@ -100,7 +100,7 @@ def _core(found: ClassPage, session: str, row: Row, lessons: Mapping[str, Lesson
                  least <= row.minutes <= least + TALK, f"found {row.minutes}")
 
 
-def _step(part: Part) -> Step:
+def _step(part: LessonSection) -> Step:
     """What stands under a heading, as a step with its runs and claims."""
     title = part.heading.removeprefix("## ").strip()
     step = Step(RUN, title, f"line-{part.line}", part.line, "\n".join(part.text).strip())
@@ -108,17 +108,17 @@ def _step(part: Part) -> Step:
         if kind not in ALLOWED:
             raise LessonError(line - 1, f"a page for a class has no {kind} block; it may have {', '.join(ALLOWED)}")
         if kind == "run":
-            runs, stage = fenced_blocks.runs(text, line, ({},))
+            runs, stage = fenced_blocks.parse_runs(text, line, ({},))
             step = replace(step, runs=runs, stage=stage)
         else:
-            step = replace(step, claims=fenced_blocks.claims(text, line))
+            step = replace(step, claims=fenced_blocks.parse_claims(text, line))
     return step
 
 
-def _timetable(part: Part) -> tuple[Row, ...]:
+def _timetable(part: LessonSection) -> tuple[TimetableRow, ...]:
     """The rows of the timetable in a part, or none."""
     rows, inside = [], False
-    for line, text in numbered(part):
+    for line, text in number_lines(part):
         cells = [cell.strip() for cell in text.strip().strip("|").split("|")]
         if tuple(cells) == COLUMNS:
             inside = True
@@ -129,5 +129,5 @@ def _timetable(part: Part) -> tuple[Row, ...]:
                 raise LessonError(line, "a row of a timetable has the minute from which it is, whole minutes, and what "
                                         "it is")
             link = LINK.search(cells[2])
-            rows.append(Row(line, int(cells[0]), int(cells[1]), link[1] if link else ""))
+            rows.append(TimetableRow(line, int(cells[0]), int(cells[1]), link[1] if link else ""))
     return tuple(rows)

@@ -27,8 +27,8 @@ from dataclasses import replace
 
 from app import state
 from app.language.translation import tr
-from app.lessons.lesson import CHOICE, DRAG, EXPLAIN, INTERVAL, NUMBER, PREDICT, RUN, TEXT, Lesson, Step, filled
-from app.lessons.rounds import rounds
+from app.lessons.lesson import CHOICE, DRAG, EXPLAIN, INTERVAL, NUMBER, PREDICT, RUN, TEXT, Lesson, Step, fill_numbers
+from app.lessons.rounds import split_rounds
 
 WORDS_A_MINUTE = 180
 SPOKEN = 3  # words of a formula within a line
@@ -72,7 +72,7 @@ def round_minutes(steps: Sequence[Step], lesson: Lesson) -> int:
 
 def round_seconds(steps: Sequence[Step], lesson: Lesson) -> float:
     """Seconds of whole rounds of a lesson, with its first numbers."""
-    compared = sum(step.question is not None for one in rounds(steps) if one[-1].kind == EXPLAIN for step in one)
+    compared = sum(step.question is not None for one in split_rounds(steps) if one[-1].kind == EXPLAIN for step in one)
     seconds = 0.0
     for step in steps:
         asked = step.question
@@ -101,7 +101,7 @@ def _running(step: Step, lesson: Lesson) -> float:
     seconds = len(acts) * ACT_SECONDS + taken
     if not step.stage or not put:
         return seconds
-    shown = state.read(filled(step.stage, lesson.variants[0]))
+    shown = state.parse_state(fill_numbers(step.stage, lesson.variants[0]))
     if not shown.stops:
         return seconds + ENDLESS_SECONDS
     runs, scene = 1 + sum(name in CHANGES for _, name in acts), shown.scene

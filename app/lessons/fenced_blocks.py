@@ -7,7 +7,7 @@ from typing import Any
 
 from app import state
 from app.lessons.bets import BETTORS
-from app.lessons.lesson import CHOICE, QUESTIONS, REACH, Claim, LessonError, LessonRun, Numbers, Question, filled
+from app.lessons.lesson import CHOICE, QUESTIONS, REACH, Claim, LessonError, LessonRun, Numbers, Question, fill_numbers
 from solvers.untrusted import quoting
 
 if sys.version_info >= (3, 11):
@@ -24,7 +24,7 @@ MOST_RUNS = 8  # of one block that differ in a number
 _AT = re.compile(r" \(at (?:line (\d+), column \d+|end of document)\)$")
 
 
-def toml(text: str, line: int) -> dict[str, Any]:
+def parse_toml(text: str, line: int) -> dict[str, Any]:
     """The values of a TOML text that begins at ``line``."""
     try:
         return tomllib.loads(text)
@@ -55,7 +55,7 @@ def require(values: Mapping[str, Any], key: str, kind: type | tuple[type, ...], 
     return found
 
 
-def texts(values: Mapping[str, Any], key: str, line: int) -> tuple[str, ...]:
+def require_texts(values: Mapping[str, Any], key: str, line: int) -> tuple[str, ...]:
     """A list of texts, which may be missing."""
     found = values.get(key, [])
     if not isinstance(found, list) or not all(isinstance(item, str) and item.strip() for item in found):
@@ -63,9 +63,9 @@ def texts(values: Mapping[str, Any], key: str, line: int) -> tuple[str, ...]:
     return tuple(found)
 
 
-def runs(text: str, line: int, variants: tuple[Numbers, ...]) -> tuple[tuple[LessonRun, ...], str]:
+def parse_runs(text: str, line: int, variants: tuple[Numbers, ...]) -> tuple[tuple[LessonRun, ...], str]:
     """The runs of a block and what is put on the stage: a run by its name, a scene of its own, or the first run."""
-    values, found = toml(text, line), dict[str, LessonRun]()
+    values, found = parse_toml(text, line), dict[str, LessonRun]()
     for name, scene in values.items():
         at = line_of(name, text, line)
         if not NAME.fullmatch(name):
@@ -106,14 +106,14 @@ def _run(name: str, text: str, line: int, variants: tuple[Numbers, ...]) -> Less
 def _check_state(text: str, line: int, variants: tuple[Numbers, ...]) -> None:
     for numbers in variants:
         try:
-            state.read(filled(text, numbers))
+            state.parse_state(fill_numbers(text, numbers))
         except state.StateError as error:
             raise LessonError(line, str(error)) from None
 
 
-def question(text: str, line: int) -> Question:
+def parse_question(text: str, line: int) -> Question:
     """What is asked and which answer is right. What it says of runs is checked once they are all known."""
-    values = toml(text, line)
+    values = parse_toml(text, line)
     kind = values.pop("kind", None)
     if kind not in QUESTIONS:
         raise LessonError(line_of("kind", text, line), f"kind = {kind!s:.60}: give one of {', '.join(QUESTIONS)}")
@@ -144,7 +144,7 @@ def _consistent(asked: Question) -> Question:
     return asked
 
 
-def claims(text: str, line: int) -> tuple[Claim, ...]:
+def parse_claims(text: str, line: int) -> tuple[Claim, ...]:
     """The claims of a block, one a line; what follows a # is a remark."""
     found = [Claim(row.partition("#")[0].strip(), line + k) for k, row in enumerate(text.splitlines())]
     if not any(claim.text for claim in found):
@@ -152,7 +152,7 @@ def claims(text: str, line: int) -> tuple[Claim, ...]:
     return tuple(claim for claim in found if claim.text)
 
 
-def bettors(text: str, line: int) -> tuple[str, ...]:
+def parse_bettors(text: str, line: int) -> tuple[str, ...]:
     """Whose bets a block lays side by side, one a line."""
     found = tuple(row.strip() for row in text.splitlines() if row.strip())
     if unknown := [name for name in found if name not in BETTORS]:
@@ -174,7 +174,7 @@ def _fitting(kind: Any, fits: Callable[[Any], bool], expected: str) -> Callable[
 
 
 _READ: dict[str, Callable[[Mapping[str, Any], str, int], Any]] = {
-    "options": texts, "holds": texts,
+    "options": require_texts, "holds": require_texts,
     "control": _fitting(str, DRAGGED.__contains__, f"give one of {', '.join(DRAGGED)}"),
     "level": _fitting((int, float), lambda level: 0 < level < 1, "give a chance above 0 and below 1, such as 0.8"),
     "tolerance": _fitting((int, float), lambda part: 0 < part <= 1,

@@ -5,10 +5,10 @@ import io
 from collections.abc import Sequence
 from dataclasses import dataclass
 
-from app.lessons.answer_check import AnswerMark, mark, shown
+from app.lessons.answer_check import AnswerMark, format_answer, mark_answer
 from app.lessons.bets import YOURS, Bet, Bettor
 from app.lessons.claims import ClaimError
-from app.lessons.lesson import INTERVAL, PREDICT, TEXT, Lesson, Numbers, Step, drawn, filled
+from app.lessons.lesson import INTERVAL, PREDICT, TEXT, Lesson, Numbers, Step, draw_numbers, fill_numbers
 from app.lessons.lesson_runs import RunCache, RunFailed
 from app.lessons.student_progress import Progress
 from solvers.untrusted import quoting
@@ -17,7 +17,7 @@ BETS = ("intervals", "held", "mean score")  # columns of a table that has any
 
 
 @dataclass(frozen=True)
-class Graded:
+class GradedFile:
     """A student's file: answers in words and marks by the steps' keys, and the questions ``asked`` that count."""
 
     file: str
@@ -47,14 +47,15 @@ class Graded:
         return sum(answer.seconds for answer in self.progress.answers.values()) / 60
 
 
-def graded(file: str, progress: Progress, lesson: Lesson, outcomes: RunCache, core: bool = False) -> Graded:
+def grade_file(file: str, progress: Progress, lesson: Lesson, outcomes: RunCache, core: bool = False) -> GradedFile:
     """Marks a file: a prediction as first made, an observation as last made; with ``core`` no deeper question."""
-    numbers, asked = drawn(lesson, progress.name), {step.key: step for step in lesson.walk(core) if step.question}
-    return Graded(file, progress, lesson, asked, {
+    numbers, asked = draw_numbers(lesson,
+                                  progress.name), {step.key: step for step in lesson.walk(core) if step.question}
+    return GradedFile(file, progress, lesson, asked, {
         key: _answer(lesson, key, progress, numbers, outcomes) for key in progress.answers if key in asked})
 
 
-def table(rows: Sequence[Graded]) -> str:
+def grades_csv(rows: Sequence[GradedFile]) -> str:
     """Returns the rows as CSV: for each question the answer and whether it is right, and an interval's score.
 
     "right" counts right answers; an interval counts 1 - score/2 of one, but never less than nothing.
@@ -84,7 +85,7 @@ def table(rows: Sequence[Graded]) -> str:
     return out.getvalue()
 
 
-def coverage(rows: Sequence[Graded]) -> list[str]:
+def interval_coverage(rows: Sequence[GradedFile]) -> list[str]:
     """Says how many of a class's intervals hold, of how many that should, by question and by lesson."""
     found: dict[tuple[str, str], list[Bet]] = {}
     for row in rows:
@@ -109,9 +110,9 @@ def _answer(lesson: Lesson, key: str, progress: Progress, numbers: Numbers,
             outcomes: RunCache) -> tuple[str, AnswerMark | None]:
     step, answer = lesson.questions[key], progress.answers[key]
     given = answer.first if step.kind == PREDICT else answer.last
-    said = filled(shown(step.asked, given), numbers)
+    said = fill_numbers(format_answer(step.asked, given), numbers)
     try:
-        return said, mark(lesson, step, given, numbers, outcomes)
+        return said, mark_answer(lesson, step, given, numbers, outcomes)
     except (ClaimError, RunFailed):
         return said, None
 

@@ -170,7 +170,7 @@ class Lesson:
         return next((other.runs[0].name for other in steps if other.runs), "")
 
 
-def drawn(lesson: Lesson, name: str) -> Numbers:
+def draw_numbers(lesson: Lesson, name: str) -> Numbers:
     """The numbers of whoever is called so; those without a name get the first."""
     plain = " ".join(unicodedata.normalize("NFKC", name).casefold().split())
     if not plain:
@@ -179,6 +179,6 @@ def drawn(lesson: Lesson, name: str) -> Numbers:
     return lesson.variants[int.from_bytes(digest[:8], "big") % len(lesson.variants)]
 
 
-def filled(text: str, numbers: Numbers) -> str:
+def fill_numbers(text: str, numbers: Numbers) -> str:
     """The text with the numbers in their places. Other braces, those of formulas, stay."""
     return PLACE.sub(lambda found: f"{numbers[found[1]]}" if found[1] in numbers else found[0], text)

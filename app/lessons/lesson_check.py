@@ -3,9 +3,9 @@
 from collections.abc import Iterator
 from dataclasses import dataclass
 
-from app.lessons.answer_check import expressions, right
+from app.lessons.answer_check import answer_expressions, right_answer
 from app.lessons.claims import ClaimError, decide
-from app.lessons.lesson import CHOICE, Lesson, Numbers, Step, filled
+from app.lessons.lesson import CHOICE, Lesson, Numbers, Step, fill_numbers
 from app.lessons.lesson_runs import RunCache, RunFailed
 
 
@@ -25,28 +25,28 @@ class Check:
                f"{'holds' if self.holds else 'does not hold'}, {self.found}"
 
 
-def checks(lesson: Lesson, outcomes: RunCache, variants: int | None = None) -> Iterator[Check]:
+def check_lesson(lesson: Lesson, outcomes: RunCache, variants: int | None = None) -> Iterator[Check]:
     """All claims of a lesson with the numbers of each variant, or of the first so many."""
     for numbers in lesson.variants[:variants]:
         for step in lesson.steps:
             for claim in step.claims:
-                text = filled(claim.text, numbers)
+                text = fill_numbers(claim.text, numbers)
                 try:
                     result = decide(text, outcomes.scope(lesson, step, numbers, [text]))
                     came = result.holds, f"found {result.found}"
                 except (ClaimError, RunFailed) as error:
                     came = False, str(error)
                 yield Check(lesson.file, step.title, claim.line, text, *came)
-            if step.question and expressions(step.question, numbers):
+            if step.question and answer_expressions(step.question, numbers):
                 asked = step.question
                 text = "one option is right" if asked.kind == CHOICE else \
-                    f"{filled(asked.expected, numbers)} has a value"
+                    f"{fill_numbers(asked.expected, numbers)} has a value"
                 yield Check(lesson.file, step.title, asked.line, text, *_question(lesson, step, numbers, outcomes))
 
 
 def _question(lesson: Lesson, step: Step, numbers: Numbers, outcomes: RunCache) -> tuple[bool, str]:
     try:
-        answer = right(lesson, step, numbers, outcomes)
+        answer = right_answer(lesson, step, numbers, outcomes)
     except (ClaimError, RunFailed) as error:
         return False, str(error)
     if step.asked.kind == CHOICE:

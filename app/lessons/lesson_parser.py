@@ -14,8 +14,8 @@ from pathlib import Path
 from typing import Any, TypeVar
 
 from app.lessons import bets, claims, duration, fenced_blocks, rounds
-from app.lessons.lesson import ALLOWED, CONTROLS, KINDS, NEEDED, PLACE, Lesson, LessonError, Numbers, Step, filled
-from app.lessons.markdown_html import RenderError, html
+from app.lessons.lesson import ALLOWED, CONTROLS, KINDS, NEEDED, PLACE, Lesson, LessonError, Numbers, Step, fill_numbers
+from app.lessons.markdown_html import RenderError, to_html
 from solvers.untrusted import quoting
 
 FENCE = "```"
@@ -24,7 +24,7 @@ BLOCKS = ("run", "question", "claims", "teacher", "bets")
 
 
 @dataclass
-class Part:
+class LessonSection:
     """What stands under a heading, or before the first: lines of Markdown, and blocks (kind, text, line)."""
 
     heading: str
@@ -45,9 +45,9 @@ def split_head(text: str) -> tuple[str, list[str], int]:
     return "\n".join(lines[1:end]), lines[end + 1:], end + 2
 
 
-def parts_of(lines: list[str], first: int) -> list[Part]:
+def parts_of(lines: list[str], first: int) -> list[LessonSection]:
     """What stands before the first heading, and under each."""
-    parts, block, opened = [Part("", first, [], [])], None, 0
+    parts, block, opened = [LessonSection("", first, [], [])], None, 0
     for number, line in enumerate(lines, first):
         fence = line.strip()
         if block is not None:
@@ -60,7 +60,7 @@ def parts_of(lines: list[str], first: int) -> list[Part]:
                 raise LessonError(number, f"a block '{quoting.quoted(block)}' is not known; give "
                                           f"{', '.join(BLOCKS)} after {FENCE}")
         elif line.startswith("## "):
-            parts.append(Part(line, number, [], []))
+            parts.append(LessonSection(line, number, [], []))
         else:
             parts[-1].text.append(line)
     if block is not None:
@@ -68,12 +68,12 @@ def parts_of(lines: list[str], first: int) -> list[Part]:
     return parts
 
 
-def notes_of(part: Part) -> str:
+def notes_of(part: LessonSection) -> str:
     """The teacher's notes in it, as Markdown."""
     return "\n\n".join(text for kind, text, _ in part.blocks if kind == "teacher")
 
 
-def numbered(part: Part) -> Sequence[tuple[int, str]]:
+def number_lines(part: LessonSection) -> Sequence[tuple[int, str]]:
     """Lines of Markdown with their numbers in the file. Blocks between them are left out of the count on purpose."""
     inside = [k for _, text, line in part.blocks for k in range(line - 1, line + len(text.splitlines()) + 1)]
     numbers = (k for k in range(part.line + bool(part.heading), 10**9) if k not in inside)
@@ -87,12 +87,12 @@ FORMULA = re.compile(r"\$\$.*?(?:\$\$|$)|\$[^$]*\$|^.*\$\$\s*$")  # or what of o
 HEADING = re.compile(r"##\s+(?P<kind>[^:(]+?)\s*(?P<core>\(core\))?\s*:\s*(?P<title>\S.*)")
 
 
-def read(path: Path) -> Lesson:
+def read_lesson(path: Path) -> Lesson:
     """The lesson of a file; :class:`LessonError` where it is none."""
-    return opened(path, lambda text: parse(text, path.stem, path.parent))
+    return parse_file(path, lambda text: parse_lesson(text, path.stem, path.parent))
 
 
-def opened(path: Path, parsed: Callable[[str], Found]) -> Found:
+def parse_file(path: Path, parsed: Callable[[str], Found]) -> Found:
     """What is ``parsed`` of a file's text; :class:`LessonError` with the file's name where nothing can be."""
     try:
         if path.stat().st_size > LARGEST:
@@ -108,7 +108,7 @@ def opened(path: Path, parsed: Callable[[str], Found]) -> Found:
         raise LessonError(line, "holds characters that are not UTF-8; save the file as UTF-8", path.name) from None
 
 
-def parse(text: str, name: str, folder: Path | None = None) -> Lesson:
+def parse_lesson(text: str, name: str, folder: Path | None = None) -> Lesson:
     """The lesson of a text; pictures that it shows are looked for in ``folder``."""
     head, body, first = split_head(text)
     lesson = _lesson(head, name, hashlib.sha256(text.encode()).hexdigest()[:16])
@@ -119,7 +119,7 @@ def parse(text: str, name: str, folder: Path | None = None) -> Lesson:
                                                "heading such as ## Run: A first look")
     if not parts:
         raise LessonError(first, "no step: give headings such as ## Predict: What will happen?")
-    lesson = replace(lesson, steps=rounds.settled([_step(part, lesson) for part in parts]))
+    lesson = replace(lesson, steps=rounds.mark_core_rounds([_step(part, lesson) for part in parts]))
     check_names(lesson)
     check_claims(lesson)
     rounds.check_core(lesson)
@@ -130,7 +130,7 @@ def parse(text: str, name: str, folder: Path | None = None) -> Lesson:
 
 
 def _lesson(head: str, name: str, fingerprint: str) -> Lesson:
-    values = fenced_blocks.toml(head, 2)  # after the line that begins it
+    values = fenced_blocks.parse_toml(head, 2)  # after the line that begins it
     at = functools.partial(fenced_blocks.line_of, text=head, line=2)
     for key in values:
         if key == "minutes":
@@ -138,17 +138,17 @@ def _lesson(head: str, name: str, fingerprint: str) -> Lesson:
         if key not in HEAD_KEYS:
             raise LessonError(at(key), f"{key} is not known in a head; give {', '.join(HEAD_KEYS)}")
     title = fenced_blocks.require(values, "title", str, "give a text", at("title"))
-    goals = fenced_blocks.texts(values, "goals", at("goals"))
+    goals = fenced_blocks.require_texts(values, "goals", at("goals"))
     if not goals:
         raise LessonError(at("goals"), "goals are missing: give a list of what a student can do afterwards")
-    controls = fenced_blocks.texts(values, "controls", at("controls"))
+    controls = fenced_blocks.require_texts(values, "controls", at("controls"))
     for control in controls:
         if control not in CONTROLS:
             raise LessonError(at("controls"), f"controls: '{quoting.quoted(control)}' is not known; give "
                                               f"{', '.join(CONTROLS)}")
     return Lesson(name, title.strip(), goals, controls,
-                  fenced_blocks.texts(values, "prerequisites", at("prerequisites")), _variants(values, at("variants")),
-                  fingerprint=fingerprint)
+                  fenced_blocks.require_texts(values, "prerequisites", at("prerequisites")),
+                  _variants(values, at("variants")), fingerprint=fingerprint)
 
 
 def _variants(values: Mapping[str, Any], line: int) -> tuple[Numbers, ...]:
@@ -163,7 +163,7 @@ def _variants(values: Mapping[str, Any], line: int) -> tuple[Numbers, ...]:
     return tuple(found)
 
 
-def _step(part: Part, lesson: Lesson) -> Step:
+def _step(part: LessonSection, lesson: Lesson) -> Step:
     kind, title, core = _kind(part)
     seen: set[str] = set()
     for name, _, line in part.blocks:
@@ -179,18 +179,18 @@ def _step(part: Part, lesson: Lesson) -> Step:
     step = Step(kind, title, key, part.line, "\n".join(part.text).strip(), notes_of(part), core=core)
     for name, text, line in part.blocks:
         if name == "run":
-            found, stage = fenced_blocks.runs(text, line, lesson.variants)
+            found, stage = fenced_blocks.parse_runs(text, line, lesson.variants)
             step = replace(step, runs=found, stage=stage)
         elif name == "question":
-            step = replace(step, question=fenced_blocks.question(text, line))
+            step = replace(step, question=fenced_blocks.parse_question(text, line))
         elif name == "claims":
-            step = replace(step, claims=fenced_blocks.claims(text, line))
+            step = replace(step, claims=fenced_blocks.parse_claims(text, line))
         elif name == "bets":
-            step = replace(step, bets=fenced_blocks.bettors(text, line))
+            step = replace(step, bets=fenced_blocks.parse_bettors(text, line))
     return step
 
 
-def _kind(part: Part) -> tuple[str, str, bool]:
+def _kind(part: LessonSection) -> tuple[str, str, bool]:
     """A step's kind and title, and whether its heading says (core)."""
     found = HEADING.fullmatch(part.heading.strip())
     kind = found["kind"].strip().lower() if found else ""
@@ -212,7 +212,7 @@ def check_names(lesson: Lesson) -> None:
                                          "of its own")
         keys[step.key] = step.line
         for run in step.runs:
-            if run.name in names or run.name in claims.paths() or run.name in claims.WORDS:
+            if run.name in names or run.name in claims.result_paths() or run.name in claims.WORDS:
                 also = f"is the run in line {names[run.name]}" if run.name in names else "has a meaning in claims"
                 raise LessonError(run.line, f"{run.name} {also}; give the run another name")
             names[run.name] = run.line
@@ -231,7 +231,7 @@ def check_claims(lesson: Lesson) -> None:
         for text, line, check in checked:
             for numbers in lesson.variants:
                 try:
-                    check(filled(text, numbers), lesson.runs, main)
+                    check(fill_numbers(text, numbers), lesson.runs, main)
                 except claims.ClaimError as error:
                     raise LessonError(line, str(error)) from None
 
@@ -249,17 +249,17 @@ def _check_bets(lesson: Lesson) -> None:
                                                  f"sigma, and that level, or leave the judges out in line {step.line}")
 
 
-def _check_text(part: Part, lesson: Lesson, folder: Path | None) -> None:
+def _check_text(part: LessonSection, lesson: Lesson, folder: Path | None) -> None:
     """Formulas, pictures and places for numbers are all right."""
     known = set(lesson.variants[0])
-    for number, line in numbered(part):
+    for number, line in number_lines(part):
         plain = FORMULA.sub("", line)
         for found in PLACE.finditer(plain):
             if found[1] not in known:
                 raise LessonError(number, f"{found[0]} is no number of a variant; give "
                                           f"{', '.join(f'{{{name}}}' for name in known) or 'none, for none is set'}")
     try:
-        html("\n".join(part.text), folder)
+        to_html("\n".join(part.text), folder)
     except RenderError as error:
-        number = next((k for k, line in numbered(part) if error.piece in line), part.line)
+        number = next((k for k, line in number_lines(part) if error.piece in line), part.line)
         raise LessonError(number, str(error)) from None

@@ -7,9 +7,9 @@ from concurrent.futures import Future, as_completed
 from typing import Any
 
 from app import state
-from app.lessons.bets import Ends, about_bets, told
-from app.lessons.claims import Outcome, Scope, needed
-from app.lessons.lesson import Lesson, Numbers, Step, filled
+from app.lessons.bets import Ends, about_bets, bets_by_judge
+from app.lessons.claims import Outcome, Scope, runs_needed
+from app.lessons.lesson import Lesson, Numbers, Step, fill_numbers
 from solvers.scene.kernel_options import combination
 from solvers.workers.worker_pool import WorkerPool, one_of_each_first
 from solvers.workers.worker_process import ProcessDied
@@ -64,19 +64,19 @@ class RunCache:
         """What the names in these expressions mean in a step: only the runs that they need are run."""
         main, runs = lesson.main_run(step), lesson.runs
         texts = list(texts)
-        asked = set().union(*(needed(text, runs, main) for text in texts))
+        asked = set().union(*(runs_needed(text, runs, main) for text in texts))
         result = self._with_bets if any(map(about_bets, texts)) else self.result
-        return Scope({name: Outcome([result(filled(text, numbers)) for text in run.texts], run.varied)
+        return Scope({name: Outcome([result(fill_numbers(text, numbers)) for text in run.texts], run.varied)
                       for name, run in runs.items() if name in asked}, main)
 
     def _with_bets(self, text: str) -> dict[str, Any]:
         """A result with the judges' bets on it, as claims have them."""
         found = self.result(text)
-        return {**found, "bet": told(self.bets(text), found["error"])}
+        return {**found, "bet": bets_by_judge(self.bets(text), found["error"])}
 
     def prepare(self, texts: Iterable[str], on_progress: Callable[[int, int], None]) -> None:
         """Run all of these scenes, as many at a time as there are processes; failures show when they are asked for."""
-        scenes = {text: state.read(text).scene for text in texts}
+        scenes = {text: state.parse_state(text).scene for text in texts}
         longest_first = sorted(scenes, key=lambda text: (-scenes[text].particles * scenes[text].steps, text))
         runs = dict.fromkeys(map(self._run, one_of_each_first(longest_first, _compiled)))
         for done, _ in enumerate(as_completed(runs), 1):
@@ -85,17 +85,17 @@ class RunCache:
 
 def _scene(text: str) -> str:
     """What of a state's text says the scene."""
-    return state.write(state.State(state.read(text).scene))
+    return state.write_state(state.State(state.parse_state(text).scene))
 
 
 def _compiled(text: str) -> tuple:
     """What has to be compiled for the scene of a state."""
-    return combination(state.read(text).scene)
+    return combination(state.parse_state(text).scene)
 
 
 def scene_texts(lesson: Lesson, numbers: Numbers) -> list[str]:
     """The scenes of all runs of a lesson with these numbers."""
-    return [filled(text, numbers) for run in lesson.runs.values() for text in run.texts]
+    return [fill_numbers(text, numbers) for run in lesson.runs.values() for text in run.texts]
 
 
 def work(question: Mapping[str, Any], answer: Callable[[dict], None]) -> None:
@@ -105,5 +105,5 @@ def work(question: Mapping[str, Any], answer: Callable[[dict], None]) -> None:
 
     if nice := getattr(os, "nice", None):  # not on every system
         nice(max(0, question["politeness"] - nice(0)))
-    scene = state.read(question["scene"]).scene
+    scene = state.parse_state(question["scene"]).scene
     answer(bets(scene) if question["judged"] else run(scene, prices=False, mid_run=False).to_dict())

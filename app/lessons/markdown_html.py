@@ -32,7 +32,7 @@ class RenderError(ValueError):
         super().__init__(sentence(why))
 
 
-def html(markdown: str, folder: Path | None = None) -> str:
+def to_html(markdown: str, folder: Path | None = None) -> str:
     """Html of a text; html in it is shown as text. Pictures are looked for in ``folder``."""
     return _parser(folder).render(markdown)
 
@@ -40,7 +40,7 @@ def html(markdown: str, folder: Path | None = None) -> str:
 @functools.lru_cache(8)
 def _parser(folder: Path | None) -> MarkdownIt:
     parser = MarkdownIt("commonmark", {"html": False}).enable("table")
-    parser.use(dollarmath_plugin, renderer=lambda latex, options: mathml(latex, options["display_mode"]),
+    parser.use(dollarmath_plugin, renderer=lambda latex, options: to_mathml(latex, options["display_mode"]),
                double_inline=True)
 
     def image(renderer: RendererHTML, tokens, index, options, environment) -> str:
@@ -53,7 +53,7 @@ def _parser(folder: Path | None) -> MarkdownIt:
     return parser
 
 
-def mathml(latex: str, display: bool) -> str:
+def to_mathml(latex: str, display: bool) -> str:
     """A formula as MathML, on lines of its own (``display``) or in one; :class:`RenderError` where it has none."""
     latex = latex.strip()
     try:

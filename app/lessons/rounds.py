@@ -7,11 +7,11 @@ marked everything is core.
 from collections.abc import Sequence
 from dataclasses import replace
 
-from app.lessons.claims import needed
-from app.lessons.lesson import EXPLAIN, Lesson, LessonError, Step, filled
+from app.lessons.claims import runs_needed
+from app.lessons.lesson import EXPLAIN, Lesson, LessonError, Step, fill_numbers
 
 
-def rounds(steps: Sequence[Step]) -> list[tuple[Step, ...]]:
+def split_rounds(steps: Sequence[Step]) -> list[tuple[Step, ...]]:
     """The steps, round by round: a round ends with its explanation."""
     found: list[tuple[Step, ...]] = [()]
     for step in steps:
@@ -21,9 +21,9 @@ def rounds(steps: Sequence[Step]) -> list[tuple[Step, ...]]:
     return [one for one in found if one]
 
 
-def settled(steps: Sequence[Step]) -> tuple[Step, ...]:
+def mark_core_rounds(steps: Sequence[Step]) -> tuple[Step, ...]:
     """Steps of which those with a mark are ``core``, as a lesson has them: whole rounds are."""
-    every = rounds(steps)
+    every = split_rounds(steps)
     for first, *others in every:
         if stray := next((step for step in others if step.core), None):
             raise LessonError(stray.line, f"(core) stands at the first step of a round, which is in line {first.line}")
@@ -41,7 +41,7 @@ def check_core(lesson: Lesson) -> None:
         if asked := step.question:
             found += [(text, asked.line) for text in (*asked.holds, asked.expected) if text]
         for text, line in found:
-            uses = needed(filled(text, lesson.variants[0]), lesson.runs, lesson.main_run(step))
+            uses = runs_needed(fill_numbers(text, lesson.variants[0]), lesson.runs, lesson.main_run(step))
             for name in sorted(uses & deeper.keys()):
                 raise LessonError(line, f"the core needs the run {name} of the deeper step in line {deeper[name]}; "
                                         "move it into the core, or this out of it")

@@ -6,7 +6,7 @@ from collections.abc import Callable
 from dataclasses import asdict, dataclass, field
 from typing import Any
 
-from app.lessons.answer_check import trouble
+from app.lessons.answer_check import why_invalid
 from app.lessons.lesson import Lesson
 from solvers.study.json_schema import MapOf, mismatch, parsed
 from solvers.untrusted import quoting
@@ -63,7 +63,7 @@ class Progress:
         return json.dumps({"schema": SCHEMA, **asdict(self)}, ensure_ascii=False)
 
 
-def read(text: str, find: Callable[[str], Lesson | None]) -> Progress:
+def parse_progress(text: str, find: Callable[[str], Lesson | None]) -> Progress:
     """Reads the progress in a text, for a lesson that ``find`` gives by name; raises :class:`NotAnswers`."""
     try:
         values = parsed(text)
@@ -79,7 +79,7 @@ def read(text: str, find: Callable[[str], Lesson | None]) -> Progress:
     answers = {}
     for key, given in values["answers"].items():
         if key in lesson.questions and given["attempts"] > 0 and 0 <= given["seconds"] < MOST_SECONDS and not any(
-                trouble(lesson.questions[key].asked, given[when]) for when in ("first", "last")):
+                why_invalid(lesson.questions[key].asked, given[when]) for when in ("first", "last")):
             answers[key] = Answer(**{name: given[name] for name in ANSWER})
     step = min(max(values["step"], 0), len(lesson.steps) + 1)
     return Progress(lesson.name, values["fingerprint"][:64], values["name"][:LONGEST_NAME], step, answers,
@@ -89,7 +89,7 @@ def read(text: str, find: Callable[[str], Lesson | None]) -> Progress:
 def of_lesson(text: str, lesson: Lesson) -> Progress | None:
     """Reads the progress in a text; None if it is none, or of another version of the lesson."""
     try:
-        found = read(text, {lesson.name: lesson}.get)
+        found = parse_progress(text, {lesson.name: lesson}.get)
     except NotAnswers:
         return None
     return found if found.fingerprint == lesson.fingerprint else None

@@ -3,22 +3,22 @@
 from collections.abc import Callable, Iterator
 from pathlib import Path
 
-from app.language.translation import language, tr
-from app.lessons.answer_check import in_unit, right
+from app.language.translation import current_language, tr
+from app.lessons.answer_check import in_unit, right_answer
 from app.lessons.catalogue import FOLDER
 from app.lessons.claims import ClaimError
 from app.lessons.duration import minutes_text, round_minutes
 from app.lessons.lesson import CHOICE, TEXT, TITLES, Lesson, Numbers, Step
 from app.lessons.lesson_runs import RunCache, RunFailed
-from app.lessons.markdown_html import html
-from app.lessons.rounds import rounds
-from app.templates import rendered
+from app.lessons.markdown_html import to_html
+from app.lessons.rounds import split_rounds
+from app.templates import render_template
 from solvers.study.markdown import grid
 
 PAGE = Path(__file__).parent / "guide.html"
 
 
-def markdown(lesson: Lesson, outcomes: RunCache, core: bool = False) -> str:
+def guide_markdown(lesson: Lesson, outcomes: RunCache, core: bool = False) -> str:
     """The guide as Markdown, or that to the ``core`` alone. Runs what the right answers need."""
     length = tr("*Teacher's guide to the core, which takes {minutes} minutes, without discussion.*",
                 minutes=lesson.core_minutes) if core else \
@@ -37,7 +37,7 @@ def markdown(lesson: Lesson, outcomes: RunCache, core: bool = False) -> str:
                  "`mpm-lab lesson grade {files}`.", name=f"{lesson.name}{flag}", files=f"FILES{flag}"),
               variants, lesson.intro, _quoted(lesson.notes)]
     numbers = {step.key: number for number, step in enumerate(lesson.walk(core), 1)}
-    for one in rounds(lesson.walk(core)):
+    for one in split_rounds(lesson.walk(core)):
         takes = round_minutes(one, lesson)
         begins = tr("*This round takes {minutes} min.*", minutes=takes) if one[0].core else \
             tr("*Deeper: this round is not part of the core and takes {minutes} min.*", minutes=takes)
@@ -49,9 +49,10 @@ def markdown(lesson: Lesson, outcomes: RunCache, core: bool = False) -> str:
     return "\n\n".join(part for part in parts if part.strip()) + "\n"
 
 
-def page(lesson: Lesson, outcomes: RunCache, core: bool = False) -> str:
+def guide_page(lesson: Lesson, outcomes: RunCache, core: bool = False) -> str:
     """The guide as one html file, with its pictures in it."""
-    return rendered(PAGE, language=language(), title=lesson.title, body=html(markdown(lesson, outcomes, core), FOLDER))
+    return render_template(PAGE, language=current_language(), title=lesson.title,
+                           body=to_html(guide_markdown(lesson, outcomes, core), FOLDER))
 
 
 def _question(lesson: Lesson, step: Step, outcomes: RunCache) -> Iterator[str]:
@@ -73,7 +74,7 @@ def _question(lesson: Lesson, step: Step, outcomes: RunCache) -> Iterator[str]:
 
 def _answer(lesson: Lesson, step: Step, numbers: Numbers, outcomes: RunCache) -> str:
     try:
-        found = right(lesson, step, numbers, outcomes)
+        found = right_answer(lesson, step, numbers, outcomes)
     except (ClaimError, RunFailed) as error:
         return tr("could not be worked out: {why}", why=error)
     return found.told if step.asked.kind == CHOICE else in_unit(step.asked, found.value)
@@ -84,4 +85,4 @@ def _quoted(notes: str) -> str:
     return "\n".join(f"> {line}" for line in [tr("**Teacher**"), "", *notes.splitlines()]) if notes.strip() else ""
 
 
-KINDS: dict[str, Callable[[Lesson, RunCache, bool], str]] = {".md": markdown, ".html": page}
+KINDS: dict[str, Callable[[Lesson, RunCache, bool], str]] = {".md": guide_markdown, ".html": guide_page}

@@ -13,7 +13,7 @@ from pathlib import Path
 
 from app.export.html_file import recorded_page, scene_page
 from app.export.slider_grid import within_reach
-from app.state import State, write
+from app.state import State, write_state
 from app.words import QUANTITIES, in_a_line
 from solvers.running.result import Result
 from solvers.scene.scene import Scene
@@ -85,7 +85,7 @@ def show(what: Scene | Result, *, beside: Scene | Result | None = None, error_of
         if one is not None and (refusal := within_reach(one)):
             raise SceneError("scene", in_a_line(one), refusal)
     shown = State(scene, quantity=error_of, pinned=other)
-    page = scene_page(write(shown), processes, on_progress) if sliders else recorded_page(shown)
+    page = scene_page(write_state(shown), processes, on_progress) if sliders else recorded_page(shown)
     return Player(scene, page, height)
 
 

@@ -4,7 +4,7 @@ from collections.abc import Iterator
 from html import escape
 from typing import TYPE_CHECKING
 
-from app.words import NOTHING, QUANTITIES, in_a_line, ratio, with_unit
+from app.words import NOTHING, QUANTITIES, format_ratio, in_a_line, with_unit
 from solvers.running.result import Result
 from solvers.solver.soundness import OK
 
@@ -46,7 +46,7 @@ def _size(value: float | None, unit: str) -> str:
 
 
 def _ratio(value: float | None) -> str:
-    return NOTHING if value is None else ratio(value)
+    return NOTHING if value is None else format_ratio(value)
 
 
 def _row(kind: str, cells: list[str]) -> str:

@@ -13,7 +13,7 @@ from app.page.display_source import Choice, Display, FrameView
 from app.page.stage.error_probe import FlatCamera, Probe, TraceRings
 from app.page.visit.particle_trace import Trace
 from app.problems.views import VIEWS
-from app.renderers.viewer_renderer import Lettering, Sheet
+from app.renderers.viewer_renderer import Lettering, ViewerSurface
 from app.words import QUANTITIES
 
 
@@ -72,9 +72,9 @@ class Canvas:
         ground = np.array(rgb(GROUNDS["ground"][dark]), np.uint8)
         self._client.scene.set_background_image(np.broadcast_to(ground, (2, 2, 3)).copy(), format="png")
 
-    def sheet(self, at: str) -> Sheet:
+    def sheet(self, at: str) -> ViewerSurface:
         """One more to draw on, under a name of its own."""
-        return Sheet(self._client, self.lettering, at)
+        return ViewerSurface(self._client, self.lettering, at)
 
     def _colour(self, sight: Display) -> None:
         """Move the scale of colours; looking back keeps it, to compare frames by."""

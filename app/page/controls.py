@@ -9,11 +9,9 @@ import viser
 from app.frame.colour_scale import ColourScale
 from app.language.translation import lazy, tr
 from app.page.display_source import Choice
-from app.page.features.budget.panel import who
-from app.page.features.slow_motion import SlowMotion
 from app.page.panels.browser_store import BrowserStore
 from app.page.panels.history_controls import DrawingOptions, HistoryControls
-from app.page.panels.page_header import mark, marked
+from app.page.panels.page_header import add_anchor, anchor_html
 from app.page.panels.run_settings import RunWidgets
 from app.page.panels.scene_widgets import Answers, SceneWidgets
 from app.page.panels.stage_choice import EstimatorCards, StageChoice
@@ -21,7 +19,7 @@ from app.page.playback_controls import Transport
 from app.page.visit.session import Session, first_scene
 from app.problems.views import VIEWS
 from app.state import State
-from app.words import choices
+from app.words import choice_labels
 from solvers.engine.engine_messages import FrameReport
 from solvers.engine.shared_frames import FrameArrays
 from solvers.problems import PROBLEMS
@@ -36,9 +34,10 @@ class Controls:
     """Widgets of one visitor, bound to the session; those outside the tabs at once, others by :meth:`build`."""
 
     def __init__(self, gui: viser.GuiApi, session: Session, scale: ColourScale, on_view: Callable[[], None],
-                 looking: HistoryControls, slow: SlowMotion, store: BrowserStore):
+                 looking: HistoryControls, store: BrowserStore):
         self._gui, self._session, self._scale, self._on_view = gui, session, scale, on_view
-        self._looking, self._slow = looking, slow
+        self._looking = looking
+        self._extensions: dict[str, Callable[[], Any]] = {}
         self._offered: tuple[str, ...] = ()  # the controls that a lesson leaves; without any all are
         self._answers = Answers(gui)
         self._turn = threading.RLock()  # widgets must not be removed while others are made or changed among them
@@ -48,12 +47,18 @@ class Controls:
                                          initial_value=tr(session.scene.TITLE),
                                          hint=tr("what moves; each has its own scene"))
         self.stage = StageChoice(gui, session, scale, on_view)
-        self._transport = Transport(gui, session, looking, slow, self._lasting, on_view)
-        self._parts = {"problem": (problem_mark, self.problem), **self.stage.parts, **self._transport.parts}
+        self._transport = Transport(gui, session, looking, self._lasting, on_view)
+        self._parts: dict[str, tuple[Any, ...]] = {
+            "problem": (problem_mark, self.problem), **self.stage.parts, **self._transport.parts}
         self._drawn = DrawingOptions(session, scale, looking, on_view)
         self._run = RunWidgets(session, self._bound, store)
         self.judges = EstimatorCards(gui, session, self.stage, self._bound, store)
         store.heard["entered"] = self._enter
+
+    def extend(self, control: str, build: Callable[[], Any], *widgets: Any) -> None:
+        """Adds what ``build`` makes to a control in the tab, and ``widgets`` elsewhere that a lesson shows with it."""
+        self._extensions[control] = build
+        self._parts[control] = (*self._parts.get(control, ()), *widgets)
 
     def open_on(self, state: State) -> None:
         """Begin with a state whose scene the session has, before there are widgets of its scene."""
@@ -209,7 +214,7 @@ class Controls:
             self._run.build(self._gui, self._part)
             with self._part("estimators"):
                 self.judges.build(self._gui)
-                self._gui.add_html(who())
+                self._extend("estimators")
             with self._fold("drawn", tr("What is drawn"), "estimators", "colours", "trace", "domains"):
                 self._drawn.build(self._gui, self._part)
             if view.motion or view.material:
@@ -221,10 +226,9 @@ class Controls:
                     with self._part("modulus"):
                         self._bound.sliders(view.material)
             with self._part("slow-motion"):
-                mark(self._gui, "lab-slow-fold", words=tr("phase by phase"))
-                self._slow.build(self._gui)
+                self._extend("slow-motion")
             with self._part("details"):
-                self._folds["details"] = mark(self._gui, words=says["details"])
+                self._folds["details"] = add_anchor(self._gui, words=says["details"])
                 with self._gui.add_folder(tr("Method details and remedies"), expand_by_default=False):
                     for field, hint in view.details.items():
                         if field != "body_force" or scene.swings:
@@ -232,7 +236,7 @@ class Controls:
                     self._gui.add_html(f"<div class='lab-group'>{tr('Remedies for long and large motions')}</div>")
                     self._bound.boxes("remedies", REMEDIES)
             with self._part("effects"):
-                self._folds["effects"] = mark(self._gui, words=says["effects"])
+                self._folds["effects"] = add_anchor(self._gui, words=says["effects"])
                 with self._gui.add_folder(tr("Effects: compute only what you need"), expand_by_default=False):
                     self._bound.boxes("effects", ALL)
 
@@ -240,6 +244,10 @@ class Controls:
         """The visitor is done with typing into the text that the browser calls so."""
         for bound in (self._bound, self._lasting):
             bound.enter(str(text))
+
+    def _extend(self, control: str) -> None:
+        if build := self._extensions.get(control):
+            build()
 
     def _part(self, control: str) -> viser.GuiFolderHandle:
         """Room for a control, which a lesson may do without. Without a label nothing of it is seen."""
@@ -249,14 +257,14 @@ class Controls:
         """A folded part of the panel; with the few controls that a lesson leaves there is nothing to fold."""
         if self._offered:
             return self._gui.add_folder(None, visible=not {*controls}.isdisjoint(self._offered))
-        self._folds[name] = mark(self._gui, words=self._fold_words()[name])
+        self._folds[name] = add_anchor(self._gui, words=self._fold_words()[name])
         return self._gui.add_folder(label, expand_by_default=False)
 
     def _fold_words(self) -> dict[str, str]:
         """What is set in each fold, for the right of its name."""
         scene, view = self._session.scene, VIEWS[self._session.scene.problem]
         values = scene.to_dict()
-        motion = [choices(type(scene), "motion")[values["motion"]]] if view.motion else []
+        motion = [choice_labels(type(scene), "motion")[values["motion"]]] if view.motion else []
         material = [f"{tr(slider[0]).split()[-1]} = {values[field]:g}" for field, slider in view.material.items()]
         return {"drawn": self._drawn.words, "motion": ", ".join([*motion, *material]),
                 "details": ", ".join(tr(REMEDIES[name].label) for name in scene.remedies) or tr("none"),
@@ -275,5 +283,5 @@ class Controls:
             self._run.refresh()
             says = self._fold_words()
             for fold, handle in self._folds.items():
-                handle.content = marked(words=says[fold])
+                handle.content = anchor_html(words=says[fold])
         self._answers.refresh(self._session.compiling)

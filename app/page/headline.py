@@ -9,14 +9,25 @@ from time import monotonic
 import numpy as np
 import viser
 
-from app.frame.budget_chart import blamed
+from app.frame.budget_chart import largest_cause_fact
 from app.frame.captions import View
-from app.frame.crossings import recent, window
-from app.frame.headline import BACK, LAST, LOST, PAUSED, SO_FAR, UNSTABLE, Headline, error_words, errors, fill
+from app.frame.crossings import crossing_window, is_recent
+from app.frame.headline import (
+    BACK,
+    LAST,
+    LOST,
+    PAUSED,
+    SO_FAR,
+    UNSTABLE,
+    Headline,
+    error_words,
+    fill_template,
+    format_errors,
+)
 from app.language.translation import lazy, tr, trn
 from app.page.stage.worst_region import WorstRegions
-from app.page.visit.history import last, until
-from app.words import QUANTITIES, differing, factor, number, on_page
+from app.page.visit.history import last_value, series_until
+from app.words import QUANTITIES, difference_text, format_factor, format_number, on_page
 from solvers.engine.engine_messages import FrameReport
 from solvers.engine.shared_frames import FrameArrays
 from solvers.scene.scene import Scene
@@ -46,22 +57,22 @@ class HeadlinePanel:
                              f"data-aloud='{self._aloud}'></i>"
 
 
-def summary(report: FrameReport | None, arrays: FrameArrays | None, view: View | None, worst: WorstRegions,
-            series: dict[str, np.ndarray], quantity: str, drawn: str | None, ago: float = 0.0,
-            beside: str = "", speed: float = 0.0) -> Headline:
+def frame_headline(report: FrameReport | None, arrays: FrameArrays | None, view: View | None, worst: WorstRegions,
+                   series: dict[str, np.ndarray], quantity: str, drawn: str | None, ago: float = 0.0,
+                   beside: str = "", speed: float = 0.0) -> Headline:
     """What is said of a frame, the ``view`` of it, its worst regions and the run's sampled ``series``.
 
     A run that plays is told as it has been so far, one that stands or is lost as it is now: of each, its error and its
     estimate alike. ``quantity`` is a key, ``drawn`` the estimator on the stage, ``ago`` how many periods before now the
-    frame was, ``beside`` what is to be said of a pinned run (:func:`compared`), ``speed`` how many simulated seconds go
-    by in one of the visitor's.
+    frame was, ``beside`` what is to be said of a pinned run (:func:`compare_with_pinned`), ``speed`` how many
+    simulated seconds go by in one of the visitor's.
     """
     if report is None or arrays is None or view is None:
         return Headline.of(tr(WAITING))
-    series, when = until(series, report.time), number(report.time)
+    series, when = series_until(series, report.time), format_number(report.time)
     moment = report.scene, report.playing, report.status, ago
     if report.status == soundness.UNSTABLE:
-        return Headline((("bad", fill(tr(UNSTABLE), time=when)),), (*_reason(report), tr(LAST)), moment)
+        return Headline((("bad", fill_template(tr(UNSTABLE), time=when)),), (*_reason(report), tr(LAST)), moment)
     lost = report.status == soundness.LOST
     of_now = not report.playing or lost
     true, estimate = map(_norm, (view.true, view.estimated)) if of_now else (
@@ -70,12 +81,12 @@ def summary(report: FrameReport | None, arrays: FrameArrays | None, view: View |
                         view.right.silence if view.true is None else "")
     before = "" if lost else tr(SO_FAR)
     if not report.playing:
-        before = fill(tr(BACK), ago=f"{ago:.2f}") if ago else fill(tr(PAUSED), time=when)
+        before = fill_template(tr(BACK), ago=f"{ago:.2f}") if ago else fill_template(tr(PAUSED), time=when)
     index = estimate / true if true else math.nan
-    said = errors(words, QUANTITIES[quantity].unit, true, estimate,
-                  index if of_now else last(series, f"{drawn}/index_{quantity}"), before)
+    said = format_errors(words, QUANTITIES[quantity].unit, true, estimate,
+                         index if of_now else last_value(series, f"{drawn}/index_{quantity}"), before)
     region = None if true <= words.least else worst.by_truth or worst.by_estimate
-    who = blamed(report.scene, series, quantity)
+    who = largest_cause_fact(report.scene, series, quantity)
     facts = [*said.facts[:1], who, *said.facts[1:],
              tr("worst at {region}", region=region.name) if region else "", *_crossings(report, arrays, speed)]
     if beside:  # in place of what it is compared with
@@ -83,29 +94,30 @@ def summary(report: FrameReport | None, arrays: FrameArrays | None, view: View |
     headline = said.headline
     if lost:
         facts = _reason(report) or facts
-        headline = ("bad", fill(tr(LOST), since=f"{report.since or 0.0:.4g}")), ("", ": "), *headline
+        headline = ("bad", fill_template(tr(LOST), since=f"{report.since or 0.0:.4g}")), ("", ": "), *headline
     return Headline(headline, tuple(filter(None, facts)), moment)
 
 
-def compared(live: dict[str, np.ndarray], pinned: dict[str, np.ndarray], quantity: str, scenes: tuple[Scene, Scene],
-             ) -> str:
+def compare_with_pinned(live: dict[str, np.ndarray], pinned: dict[str, np.ndarray], quantity: str,
+                        scenes: tuple[Scene, Scene], ) -> str:
     """Says which of the live and the pinned run errs more, as means over common periods; "" if not known."""
     larger = in_common(live, pinned, f"error_{quantity}", scenes)
     if not math.isfinite(larger) or larger <= 0:
         return ""
-    said = differing(scenes[1], scenes[0])
+    said = difference_text(scenes[1], scenes[0])
     if not 0 < len(said) <= MOST_DIFFERING:
-        return tr("{factor} times as wrong as the pinned run", factor=factor(larger)) if larger >= 1 else \
-            tr("the pinned run is {factor} times as wrong", factor=factor(1 / larger))
-    return tr("{factor} times as wrong as the pinned run, {run}", factor=factor(larger), run=said) if larger >= 1 else \
-        tr("the pinned run, {run}, is {factor} times as wrong", factor=factor(1 / larger), run=said)
+        return tr("{factor} times as wrong as the pinned run", factor=format_factor(larger)) if larger >= 1 else \
+            tr("the pinned run is {factor} times as wrong", factor=format_factor(1 / larger))
+    return tr("{factor} times as wrong as the pinned run, {run}", factor=format_factor(larger),
+              run=said) if larger >= 1 else \
+        tr("the pinned run, {run}, is {factor} times as wrong", factor=format_factor(1 / larger), run=said)
 
 
 def in_common(live: dict[str, np.ndarray], pinned: dict[str, np.ndarray], name: str,
               scenes: tuple[Scene, Scene]) -> float:
     """Returns the ratio of a live to a pinned run's series, as means over common periods; NaN if not known."""
     periods = min(periods_of(series, scene) for series, scene in zip((live, pinned), scenes, strict=True))
-    mine, other = (_mean(until(series, periods * scene.period * (1 + 1e-9)), name)
+    mine, other = (_mean(series_until(series, periods * scene.period * (1 + 1e-9)), name)
                    for series, scene in zip((live, pinned), scenes, strict=True))
     return mine / other if other else math.nan
 
@@ -138,8 +150,8 @@ def _crossings(report: FrameReport, arrays: FrameArrays, speed: float) -> list[s
     """How many particles have crossed a cell boundary within the window in which that is marked."""
     if not report.scene.has("crossings"):
         return []
-    count = int(np.count_nonzero(recent(arrays.steps_since_crossing, report.scene, speed)))
-    seconds = number(window(report.scene, speed))
+    count = int(np.count_nonzero(is_recent(arrays.steps_since_crossing, report.scene, speed)))
+    seconds = format_number(crossing_window(report.scene, speed))
     if not count:
         return [tr("no particle crossed a cell boundary in the last {seconds} s", seconds=seconds)]
     return [trn("{count:,} particle crossed a cell boundary in the last {seconds} s",

@@ -2,13 +2,13 @@
 
 from collections.abc import Callable
 
-from app.frame.captions import View, look, why_no_index
+from app.frame.captions import View, view_of_frame, why_no_index
 from app.frame.colour_scale import LEAST_TOP
 from app.frame.headline import Headline
 from app.language.translation import tr
 from app.page.display_source import Choice, Display, FrameView
-from app.page.headline import compared, summary
-from app.page.panels.readout import readout
+from app.page.headline import compare_with_pinned, frame_headline
+from app.page.panels.readout import live_readout
 from app.page.panels.timeline import Now
 from app.page.readout_panel import Numbers
 from app.page.stage.worst_region import WorstRegions
@@ -16,7 +16,7 @@ from app.page.visit.frame_buffer import FrameBuffer
 from app.page.visit.particle_trace import Trace
 from app.page.visit.session import Session
 from app.page.visit.status_message import Notice
-from app.words import differing
+from app.words import difference_text
 from solvers.engine.engine_messages import FrameReport
 from solvers.engine.shared_frames import FrameArrays
 from solvers.solver.soundness import UNSTABLE
@@ -43,14 +43,14 @@ class LiveRun:
         pinned = self._session.pinned
         if pinned and pinned.scene.problem != scene.problem:
             pinned = None  # it goes with the next frame
-        said = differing(scene, pinned.scene) if pinned else ""
+        said = difference_text(scene, pinned.scene) if pinned else ""
         name = tr("this run: {run}", run=said) if said else tr("this run") if pinned else ""
-        picture = self._picture(report, arrays, look(report, arrays, *asked), name)
+        picture = self._picture(report, arrays, view_of_frame(report, arrays, *asked), name)
         if not report.playing:  # while it moves, words that change with each frame could not be read
             self._worst.look(report, arrays, picture.view, choice.quantity)
         beside: FrameView | str | None = None  # a pinned run, or before its first frame that there will be one
         if pinned:
-            run, view = differing(pinned.scene, scene) or tr("the same so far"), pinned.view(*asked)
+            run, view = difference_text(pinned.scene, scene) or tr("the same so far"), pinned.view(*asked)
             beside = tr("pinned: {run}, being prepared", run=run) if view is None or pinned.last is None else \
                 self._picture(*pinned.last, view, tr("pinned: {run}", run=run))
         return Display(picture, (picture.view.left.sizes, picture.view.right.sizes), asked,
@@ -67,7 +67,7 @@ class LiveRun:
             return None
         report = shown[0]
         scene, valid = report.scene, report.valid_estimators
-        text = readout(session, history, report, quantity, choice.estimator, probed, self._worst, recent.ago)
+        text = live_readout(session, history, report, quantity, choice.estimator, probed, self._worst, recent.ago)
         moves = session.playing and not session.ended and not recent.back and report.status != UNSTABLE
         now = Now(report.time, recent.span, moves, report.since,
                   report.status == UNSTABLE and (report.since or 0.0) >= report.time - scene.time_step)
@@ -79,10 +79,10 @@ class LiveRun:
         history, pinned, report = self._session.history, self._session.pinned, picture.report
         if picture.foreign or not history.scene == report.scene == self._worst.scene:
             return Headline()  # another run has begun just now
-        beside = "" if pinned is None else compared(history.series, pinned.history.series, choice.quantity,
-                                                    (report.scene, pinned.scene))
-        return summary(report, picture.arrays, picture.view, self._worst, history.series, choice.quantity,
-                       choice.estimator, self._recent.ago, beside, picture.speed)
+        beside = "" if pinned is None else compare_with_pinned(history.series, pinned.history.series, choice.quantity,
+                                                               (report.scene, pinned.scene))
+        return frame_headline(report, picture.arrays, picture.view, self._worst, history.series, choice.quantity,
+                              choice.estimator, self._recent.ago, beside, picture.speed)
 
     def notice(self) -> Notice | None:
         """What the session has to say, or else something further."""

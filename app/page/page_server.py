@@ -18,14 +18,14 @@ from urllib.parse import quote
 from app.access.allowed_hosts import Addresses
 from app.access.class_code import BOARD, CLASS, TEACHER, AccessIdentity, ClassCode, generate_code
 from app.access.log_limit import RateLimitFilter
+from app.classroom.board import Board
+from app.classroom.class_context import Classroom
 from app.identity import ICON
 from app.language.translation import lazy, tr, with_language
 from app.lessons import catalogue
-from app.page.features.board.board import Board
-from app.page.features.lesson.marking import Classroom
-from app.page.opening_tour import OPENING
+from app.page.features.opening_tour import OPENING
 from app.page.prewarm import usual_scenes
-from app.page.shutdown import ending, in_background
+from app.page.shutdown import exit_within, in_background
 from app.page.visit.engine_links import PageLinks, SessionCount
 from solvers.engine.engine_messages import FRAME_SECONDS
 from solvers.engine.engine_pool import EnginePool
@@ -175,7 +175,7 @@ def serve(host: str, port: int, max_sessions: int, warm_up: bool = True, code: s
     # The engines start before the page's imports: they need longest.
     pool, server = EnginePool(OPENING.scene, _engine_count(), 1 / frames), None
     classroom = Classroom(lesson, teacher, core=core)
-    shared = Board(catalogue.lesson(lesson), classroom.outcomes, core) if board else None
+    shared = Board(catalogue.load_lesson(lesson), classroom.outcomes, core) if board else None
     signal.signal(signal.SIGTERM, signal.default_int_handler)  # it ends as by Ctrl-C
     log = logging.StreamHandler()
     log.addFilter(RateLimitFilter())
@@ -184,13 +184,13 @@ def serve(host: str, port: int, max_sessions: int, warm_up: bool = True, code: s
         server = _start_server(host, port, pool, max_sessions, addresses, codes, classroom, shared)
         _announce(f"{HERE if host in EVERYWHERE else host}:{server.get_port()}",
                   f"http://{_outside(host)}:{server.get_port()}/", codes)
-        lessons = catalogue.lessons()  # while nothing else is to be done: the first visitor wants them
+        lessons = catalogue.load_lessons()  # while nothing else is to be done: the first visitor wants them
         if warm_up:
             pool.expect(usual_scenes(lessons, lesson))
         while True:  # the system may give Ctrl-C to any thread, and does not wake this one for it then
             sleep(HEARS_WITHIN)
     finally:
-        with ending(ENDS_WITHIN):
+        with exit_within(ENDS_WITHIN):
             pool.dismiss()  # first: it takes them longest
             closing = [] if server is None else server.visitors.say_goodbye()
             closing.append(in_background(classroom.outcomes.close))
@@ -208,23 +208,23 @@ def serve(host: str, port: int, max_sessions: int, warm_up: bool = True, code: s
 
 def _start_server(host: str, port: int, pool: EnginePool, max_sessions: int, addresses: Addresses,
                   codes: Mapping[str, str], classroom: Classroom, board: Board | None = None) -> Any:
-    from app.page.features.board.panel import JoinInfo, LecturerContext
+    from app.classroom.class_context import JoinInfo, LecturerContext
     from app.page.page import Page
-    from app.page.panels.page_header import ground, set_up
+    from app.page.panels.page_header import initial_html, set_up
     from app.viewer import viser_patches
     from app.viewer.index_page import Index
-    from app.viewer.send_queue import mend, together
-    from app.viewer.web_server import Doors, Lab
+    from app.viewer.send_queue import batch_messages, patch_viser
+    from app.viewer.web_server import AccessControl, Lab
 
-    mend()
-    pool.gather(together)
+    patch_viser()
+    pool.gather(batch_messages)
     viser_patches.mend_callbacks()
     # A frame may be drawn for a visitor who left a moment ago; that is nobody's fault.
     warnings.filterwarnings("ignore", message="Queued a .* on a closed connection")
     code = codes[CLASS]
-    doors = Doors(addresses, ClassCode(code, port, codes[TEACHER], codes[BOARD]) if code else None)
+    doors = AccessControl(addresses, ClassCode(code, port, codes[TEACHER], codes[BOARD]) if code else None)
     # The viewer would announce itself in a box of its own.
-    with contextlib.redirect_stdout(io.StringIO()), doors.guarding(Index(ground, ICON)):
+    with contextlib.redirect_stdout(io.StringIO()), doors.guarding(Index(initial_html, ICON)):
         server = Lab(host=host, port=port, verbose=False)
     set_up(server.gui)
 

@@ -1,4 +1,4 @@
-"""The controls of time below the stage, made once before the tabs: run, speed, pin, look back, slow motion."""
+"""The controls of time below the stage, made once before the tabs: run, speed, pin, look back."""
 
 from collections.abc import Callable
 from typing import Any
@@ -6,7 +6,6 @@ from typing import Any
 import viser
 
 from app.language.translation import lazy, tr
-from app.page.features.slow_motion import SlowMotion
 from app.page.panels.history_controls import HistoryControls
 from app.page.panels.number_slider import Size, SizeControl
 from app.page.panels.scene_widgets import SceneWidgets
@@ -16,15 +15,14 @@ from solvers.scene.scene import Scene
 
 PLAY, PAUSE, STEP, RESET = lazy("Play"), lazy("Pause"), lazy("Step"), lazy("Reset")
 PIN, UNPIN = lazy("Pin this run"), lazy("Unpin")
-SLOW, NOT_SLOW = lazy("Slow motion"), lazy("Normal speed")
 
 
 class Transport:
     """Widgets of one visitor. ``on_view`` is called when only the drawing changes."""
 
-    def __init__(self, gui: viser.GuiApi, session: Session, looking: HistoryControls, slow: SlowMotion,
-                 bound: SceneWidgets, on_view: Callable[[], None]):
-        self._session, self._slow, self._on_view = session, slow, on_view
+    def __init__(self, gui: viser.GuiApi, session: Session, looking: HistoryControls, bound: SceneWidgets,
+                 on_view: Callable[[], None]):
+        self._session, self._on_view = session, on_view
         self.acts = {PLAY: lambda: session.play(True), PAUSE: lambda: session.play(False),
                      STEP: lambda: session.play(False, single_steps=1), RESET: session.reset}
         shown = {tr(name): act for name, act in self.acts.items()}
@@ -38,13 +36,9 @@ class Transport:
         self._pin.on_click(lambda _: self._turn())
         back_mark = gui.add_html("<i class='lab-at-back'></i>")
         self._back = looking.build_slider(gui)
-        slow_mark = gui.add_html("<i class='lab-at-slow'></i>")
-        self._slowly = gui.add_button(tr(SLOW), hint=tr("pause, and walk through one time step phase by phase"))
-        self._slowly.on_click(lambda _: slow.end() if slow.on else slow.forward())
         # A mark that stayed where its widget has gone would mark what comes next.
         self.parts: dict[str, tuple[Any, ...]] = {
-            "pin": (pin_mark, self._pin), "look-back": (back_mark, self._back),
-            "slow-motion": (slow_mark, self._slowly), "speed": (self._speed,)}
+            "pin": (pin_mark, self._pin), "look-back": (back_mark, self._back), "speed": (self._speed,)}
 
     def pin(self, scene: Scene | None = None) -> None:
         """Keep the run on the stage, or one of a scene, beside what follows."""
@@ -58,7 +52,6 @@ class Transport:
     def refresh(self) -> None:
         """Show what the session has come to by itself."""
         self._pin.label = tr(PIN if self._session.pinned is None else UNPIN)
-        self._slowly.label = tr(NOT_SLOW if self._slow.on else SLOW)
 
     @property
     def _pace(self) -> Size:

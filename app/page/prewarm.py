@@ -12,9 +12,9 @@ from dataclasses import replace
 from typing import Any
 
 from app import state
-from app.lessons.lesson import Lesson, filled
+from app.lessons.lesson import Lesson, fill_numbers
 from app.page.features.budget.panel import EFFECT
-from app.page.opening_tour import OPENING
+from app.page.features.opening_tour import OPENING
 from app.page.visit.session import first_scene
 from app.problems.views import VIEWS
 from solvers.problems import PROBLEMS
@@ -61,7 +61,7 @@ def _stages(lesson: Lesson) -> Iterator[Scene]:
     """What a lesson puts on the stage, pinned runs too: its variants differ in numbers, which compile nothing."""
     for step in lesson.steps:
         if step.stage:
-            shown = state.read(filled(step.stage, lesson.variants[0]))
+            shown = state.parse_state(fill_numbers(step.stage, lesson.variants[0]))
             yield shown.scene
             if shown.pinned is not None:
                 yield shown.pinned

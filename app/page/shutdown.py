@@ -12,7 +12,7 @@ INTERRUPTED = 130  # what a shell expects of a process that was ended by Ctrl-C
 
 
 @contextmanager
-def ending(seconds: float) -> Iterator[None]:
+def exit_within(seconds: float) -> Iterator[None]:
     """The last that this process does: after so many seconds it ends in any case, and ignores Ctrl-C."""
     for kind in (signal.SIGINT, signal.SIGTERM):
         signal.signal(kind, signal.SIG_IGN)

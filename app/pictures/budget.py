@@ -14,9 +14,9 @@ from matplotlib.ticker import FuncFormatter, MaxNLocator
 
 from app.colours import CAUSES as COLOURS
 from app.colours import INK, INK2, INK3, PINNED
-from app.frame.budget_chart import CAPTION, UNITS, error, largest_share, percent, stacked
-from app.renderers.picture_style import FEW, in_sizes, sheet
-from app.words import method_name, moving
+from app.frame.budget_chart import CAPTION, UNITS, error_rms, format_percent, largest_share, stack_layers
+from app.renderers.picture_style import FEW, in_sizes, make_figure
+from app.words import method_name, motion_text
 from solvers.running.result import Result
 from solvers.scene.error_causes import CAUSES, FIELDS
 
@@ -30,7 +30,7 @@ BARS = {"before": "as it was", "predicted": "predicted by the budget", "again": 
 def budget_figure(found: BudgetResult) -> Figure:
     """x, v and F over time; below, of a cause that was taken away, the errors before, as predicted and as they came."""
     taken = found.take_away()
-    figure = sheet(WIDTH, HEIGHT + (MORE if taken else 0), _title(found.result))
+    figure = make_figure(WIDTH, HEIGHT + (MORE if taken else 0), _title(found.result))
     places = figure.add_gridspec(2 if taken else 1, 3, height_ratios=(HEIGHT, MORE) if taken else (1,))
     draw_budget([figure.add_subplot(places[0, k]) for k in range(len(FIELDS))], found.result.series)
     if taken:
@@ -43,13 +43,15 @@ def budget_figure(found: BudgetResult) -> Figure:
 def draw_budget(panels: Sequence[Axes], series: Mapping[str, np.ndarray]) -> None:
     """The stacked parts of the error of each field, one to a panel; ``series`` of a run with the effect budget."""
     for axes, field in zip(panels, FIELDS, strict=True):
-        for layer in stacked(series, field):
+        for layer in stack_layers(series, field):
             for edges in (layer.above, layer.below):
                 axes.fill_between(series["time"], *edges, color=COLOURS[layer.cause].light, linewidth=0)
-        axes.plot(series["time"], error(series, field), color=INK, linewidth=1.4)
+        axes.plot(series["time"], error_rms(series, field), color=INK, linewidth=1.4)
         axes.axhline(0, color=INK, linewidth=0.6)
         most = largest_share(series, field)
-        axes.set_title(f"Error of {field}, RMS" + (f": {CAUSES[most[0]]} made {percent(most[1])}" if most else ""))
+        axes.set_title(
+            f"Error of {field}, RMS" + (f": {CAUSES[most[0]]} made {format_percent(most[1])}" if most else "")
+        )
         axes.margins(x=0)
         if UNITS[field]:
             in_sizes(axes.yaxis, UNITS[field])
@@ -85,7 +87,7 @@ def _bars(axes: Axes, taken: dict, field: str, named: bool) -> None:
 def _title(result: Result) -> str:
     scene = result.scene
     lp = ", linearity preserving" if scene.linearity_preserving else ""
-    swing = f"A = {scene.amplitude:g} m" if "amplitude" in scene.moved_by else moving(scene)
+    swing = f"A = {scene.amplitude:g} m" if "amplitude" in scene.moved_by else motion_text(scene)
     said = [f"Who made this error? {scene.problem.capitalize()}, {method_name(scene.method)}{lp} · {scene.cells} cells "
             f"· {swing} · body force {scene.body_force}"]
     values = result.budget

@@ -10,7 +10,7 @@ from matplotlib.figure import Figure
 
 from app.colours import COLOUR_MAP, ESTIMATE, INK, METHOD_COLOURS, METHOD_MARKS, TRUTH
 from app.renderers import panel_style
-from app.renderers.panel_style import positive, say, thinned
+from app.renderers.panel_style import positive_or_gap, subsample_indices, write_note
 from app.renderers.picture_style import in_sizes
 from app.words import QUANTITIES, method_name
 from solvers.judging.check import Checked
@@ -48,7 +48,7 @@ def _says_nothing(axes: Axes) -> bool:
     if any(np.isfinite(line.get_ydata()).any() for line in axes.lines):
         return False
     axes.set_yticks([])
-    say(axes, "not in the files, or zero")
+    write_note(axes, "not in the files, or zero")
     return True
 
 
@@ -59,7 +59,7 @@ def _draw_norms(axes: Axes, g: GridJudgement, q: str, k: int, count: int) -> Non
     lines.append(("companion", series(g.estimated)[q], ESTIMATE, "--"))
     for label, values, colour, style in lines:
         moved = g.grid.times > 0  # the error of the start is rounding, far below all others
-        values, times = positive(values[moved]), g.grid.times[moved]
+        values, times = positive_or_gap(values[moved]), g.grid.times[moved]
         if np.isfinite(values).any():
             axes.plot(times, values, color=colour, linestyle=style, marker=mark, markersize=5, alpha=shade,
                       linewidth=1.4, label=f"{label}, {g.grid.cells} cells")
@@ -73,7 +73,7 @@ def space_figure(judged: Judgement) -> Figure | None:
         return None
     frame, errors = next((f, e) for f, e in zip(g.grid.frames, g.best, strict=True) if f.time == worst.time)
     size = sizes(errors["x"])
-    few = np.union1d(thinned(len(size)), [int(np.argmax(size))])
+    few = np.union1d(subsample_indices(len(size)), [int(np.argmax(size))])
     X, x, shown = frame.material_position[few], frame.position[few], size[few]
     alone = np.isin(few, g.apart.which) if g.apart and g.apart.frame.time == frame.time else np.zeros(len(few), bool)
     figure = Figure(figsize=(10, 4) if X.shape[1] == 1 else (10, 8.5), layout="constrained")
@@ -109,7 +109,7 @@ def order_figure(judged: Judgement) -> Figure | None:
     for axes, q in zip(figure.subplots(1, len(JUDGED)), JUDGED, strict=True):
         h = [g.scene.spacing for g in judged.grids]
         here = np.array([largest(g.norms[q]) for g in judged.grids], dtype=float)  # None becomes NaN
-        axes.plot(h, positive(here), "o-", color=THEIRS, linewidth=2, markersize=7, label="these particles")
+        axes.plot(h, positive_or_gap(here), "o-", color=THEIRS, linewidth=2, markersize=7, label="these particles")
         lines: dict[tuple[str, bool], list[tuple[float, float]]] = {}
         for g in judged.grids:
             for run in g.ours:
@@ -148,7 +148,7 @@ def places_figure(checked: Checked) -> Figure | None:
     moment = int(np.argmin(np.abs(motion.times - named[0].time))) if named else len(motion.times) - 1
     with np.errstate(all="ignore"):
         far = np.nan_to_num(departures(motion.near, motion.x[moment] - motion.reference), posinf=0.0)
-    few = thinned(len(far))
+    few = subsample_indices(len(far))
     figure = Figure(figsize=(10, 4.5) if motion.dimensions == 1 else (10, 8), layout="constrained")
     axes = figure.subplots()
     axes.set_title(f"Particles at t = {motion.times[moment]:.4g} s, verdict: {checked.verdict}")

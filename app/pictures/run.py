@@ -16,9 +16,9 @@ from app.colours import ESTIMATE_INK, INK3, TRUTH
 from app.frame.captions import NOTHING_TO_SHOW
 from app.pictures.budget import draw_budget, name_causes
 from app.problems.views import VIEWS
-from app.renderers.panel_style import positive, say, styled
-from app.renderers.picture_style import ESTIMATE_WIDTH, TRUTH_WIDTH, in_sizes, name_ends, sheet
-from app.words import QUANTITIES, method_name, moving, particles_per_cell, unit_of
+from app.renderers.panel_style import estimator_styles, positive_or_gap, write_note
+from app.renderers.picture_style import ESTIMATE_WIDTH, TRUTH_WIDTH, in_sizes, make_figure, name_ends
+from app.words import QUANTITIES, method_name, motion_text, particles_per_cell, unit_of
 from solvers.running.result import Result
 from solvers.scene.error_causes import FIELDS
 from solvers.solver import budget
@@ -44,7 +44,7 @@ def run_figure(result: Result) -> Figure:
         upper, lower = height / (1 + lower), lower * (MIN_SHARE + (1 - MIN_SHARE) / several)
         height = upper * (1 + lower)
     divided = result.scene.has("budget") and budget.not_valid(result.series) is None
-    figure = sheet(WIDTH, height + MADE * divided, _title(result))
+    figure = make_figure(WIDTH, height + MADE * divided, _title(result))
     places = figure.add_gridspec(2 + divided, 2, height_ratios=(1, lower, MADE * (1 + lower) / height)[:2 + divided])
     norms = places[0, 0].subgridspec(len(DRAWN), 1).subplots(squeeze=False)[:, 0]
     index, space = places[0, 1].subgridspec(2, 1).subplots(squeeze=False)[:, 0]
@@ -75,7 +75,7 @@ def _title(result: Result) -> str:
     lp = ", linearity preserving" if scene.linearity_preserving else ""
     layout = scene.to_dict().get("layout")
     swing = f"A = {scene.amplitude:g} {unit_of(type(scene), 'amplitude')}" if "amplitude" in scene.moved_by \
-        else moving(scene)
+        else motion_text(scene)
     first = (f"{scene.problem.capitalize()}, {method_name(scene.method)}{lp} · {scene.cells} cells "
              f"(h = {scene.spacing:.3g} m) · {particles_per_cell(scene.problem, scene.ppc)}"
              f"{f' ({layout} layout)' if layout else ''}"
@@ -89,10 +89,10 @@ def _draw_norm(axes: Axes, result: Result, quantity: str) -> None:
     """The truth and each estimate of one quantity's error norm over time."""
     lines = [("true", "truth", f"error_{quantity}", TRUTH, "-")]
     lines += [(name, f"estimate ({name})", f"{name}/estimate_{quantity}", colour, style)
-              for name, colour, style in styled(result)]
+              for name, colour, style in estimator_styles(result)]
     drawn: list[tuple[str, np.ndarray, str]] = []
     for name, label, key, colour, style in lines:
-        values = positive(result.series[key])
+        values = positive_or_gap(result.series[key])
         if np.isfinite(values).any():
             width = ESTIMATE_WIDTH if drawn or name != "true" else TRUTH_WIDTH
             axes.plot(result.series["time"], values, color=colour, linestyle=style, linewidth=width, label=label,
@@ -103,8 +103,9 @@ def _draw_norm(axes: Axes, result: Result, quantity: str) -> None:
     silent = _not_estimated(result, quantity)
     if not drawn:
         axes.set_yticks([])
-        say(axes, f"nothing to show: not estimated by {', '.join(silent)}, and no true error was computed" if silent
-            else NOTHING_TO_SHOW)
+        write_note(axes,
+                   f"nothing to show: not estimated by {', '.join(silent)}, and no true error was computed" if silent
+                   else NOTHING_TO_SHOW)
         return
     if silent:
         axes.text(0.99, 0.04, f"not estimated by {', '.join(silent)}", transform=axes.transAxes, fontsize=9.5,
@@ -125,7 +126,7 @@ def _draw_index(axes: Axes, result: Result) -> None:
     silent: list[str] = []
     drawn: list[tuple[str, np.ndarray, str]] = []
     several = len(result.scene.active_estimators) > 1
-    for name, colour, _ in styled(result):
+    for name, colour, _ in estimator_styles(result):
         for quantity, style in INDEX_STYLES.items():
             symbol = QUANTITIES[quantity].symbol
             estimated, true = result.series[f"{name}/estimate_{quantity}"], result.series[f"error_{quantity}"]
@@ -143,8 +144,8 @@ def _draw_index(axes: Axes, result: Result) -> None:
     if not axes.get_legend_handles_labels()[0]:
         axes.set_yticks([])
         rounded = set(result.rounding) >= set(INDEX_STYLES) and bool(result.scene.active_estimators)
-        say(axes, "no index: the true errors are nothing but rounding" if rounded else
-            "nothing to show: the index needs an estimate and a true error")
+        write_note(axes, "no index: the true errors are nothing but rounding" if rounded else
+                   "nothing to show: the index needs an estimate and a true error")
         return
     axes.set_ylim(0, 1.35 * min(highest, HIGHEST_INDEX))
     in_sizes(axes.yaxis, "")

@@ -15,8 +15,8 @@ from matplotlib.lines import Line2D
 from app.colours import ESTIMATE_INK, INK, INK2, INK3, LINE2, METHOD_COLOURS, METHOD_MARKS, TRUTH, TRUTH_INK
 from app.pictures import study_parts as parts
 from app.pictures.run import DRAWN
-from app.renderers.panel_style import Look, say
-from app.renderers.picture_style import Sizes, in_sizes
+from app.renderers.panel_style import Look, write_note
+from app.renderers.picture_style import SizeFormatter, in_sizes
 from app.words import METHODS, QUANTITIES
 from solvers.solver.soundness import BROKEN, OK
 from solvers.study.convergence import Series, balance, error_of, measured, pareto
@@ -39,10 +39,10 @@ def error_time_figure(rows: Sequence[dict]) -> Figure:
     """Error against seconds: lower left is better. The front is made of the rows that none beats in both."""
     title = "What accuracy costs: error against time"
     cells = sorted({row["scene"]["cells"] for row in measured(rows)})
-    shown = parts.known(rows, DRAWN)
+    shown = parts.known_quantities(rows, DRAWN)
     if not shown:
-        return parts.nothing(title, NO_TRUTH)
-    lines = parts.lined(rows)
+        return parts.empty_figure(title, NO_TRUTH)
+    lines = parts.series_styles(rows)
     if 1 < len(cells) <= MOST_NAMED:
         title += f"; from left to right along a line: {', '.join(map(str, cells))} cells"
     figure, axes = parts.frame(title, 1, len(shown), (WIDTH, 5.6))
@@ -54,7 +54,7 @@ def error_time_figure(rows: Sequence[dict]) -> Figure:
             panel.plot(*zip(*best, strict=True), marker="o", markersize=6, **FRONT)
         parts.draw_errors(panel, lines, quantity, lambda row: row["seconds"]["min"])
         panel.set_xlabel("time of the bare run, shortest of the repeats")
-        parts.logarithmic(panel)
+        parts.set_log_axes(panel)
     front = Line2D([], [], **FRONT, label="Pareto front: no row has less error in less time")
     parts.legend_below(figure, lines, [front])
     return figure
@@ -63,10 +63,10 @@ def error_time_figure(rows: Sequence[dict]) -> Figure:
 def error_spacing_figure(rows: Sequence[dict]) -> Figure:
     """Error against h, with the orders fitted and triangles to compare with."""
     title = "Convergence: error against cell size"
-    shown = parts.known(rows, DRAWN)
+    shown = parts.known_quantities(rows, DRAWN)
     if not shown:
-        return parts.nothing(title, NO_TRUTH)
-    lines = parts.lined(rows)
+        return parts.empty_figure(title, NO_TRUTH)
+    lines = parts.series_styles(rows)
     figure, axes = parts.frame(title, 1, len(shown), (WIDTH, 6.2))
     for panel, quantity in zip(axes[0], shown, strict=True):
         parts.draw_errors(panel, lines, quantity, lambda row: row["h"], joined=False)
@@ -78,7 +78,7 @@ def error_spacing_figure(rows: Sequence[dict]) -> Figure:
         else:
             panel.text(0.03, 0.03, "one h only: no order to fit", transform=panel.transAxes, color=INK3)
         panel.set_xlabel("cell size h")
-        parts.logarithmic(panel, "m")
+        parts.set_log_axes(panel, "m")
         parts.ticks_at(panel, spacings, "m")
     parts.legend_below(figure, lines)
     return figure
@@ -88,11 +88,11 @@ def estimate_truth_figure(rows: Sequence[dict]) -> Figure:
     """Estimated against true error, a row of panels for each estimator; on the line they are equal."""
     title = "Can the estimate be believed? Estimated against true error (largest RMS of each run)"
     rows = measured(rows)
-    shown = parts.known(rows)
+    shown = parts.known_quantities(rows)
     names = list(dict.fromkeys(name for row in rows for name, norms in row["estimate"].items()
                                if any(norms.get(quantity, {}).get("max") for quantity in shown)))
     if not names or not shown:
-        return parts.nothing(title, NO_TRUTH if names else "no row has an estimate")
+        return parts.empty_figure(title, NO_TRUTH if names else "no row has an estimate")
     figure, axes = parts.frame(title, len(names), len(shown), (WIDTH, 1.3 + 3.1 * len(names)))
     for line, name in zip(axes, names, strict=True):
         for panel, quantity in zip(line, shown, strict=True):
@@ -110,7 +110,7 @@ def cost_figure(rows: Sequence[dict]) -> Figure:
     title = "What a run costs"
     rows = [row for row in measured(rows) if row["status"] == OK and row["rate"]]
     if not rows:
-        return parts.nothing(title, "no run stood to its end")
+        return parts.empty_figure(title, "no run stood to its end")
     prices = _extra_prices(rows)
     figure, axes = parts.frame(title, 1, 2, (WIDTH, max(4.6, 1.8 + 0.55 * len(prices))))
     _steps(axes[0, 0], rows)
@@ -124,12 +124,13 @@ def cost_figure(rows: Sequence[dict]) -> Figure:
 def error_step_figure(rows: Sequence[dict]) -> Figure:
     """Error against dt, one line for each method and h, with the dt at which time error and space error are equal."""
     title = "Time step: where the error of time and the error of space balance"
-    lines = [entry for entry in parts.lined(rows, "dt") if len({row["scene"]["dt"] for row in entry[0].rows}) > 1]
+    lines = [entry for entry in parts.series_styles(rows,
+                                                    "dt") if len({row["scene"]["dt"] for row in entry[0].rows}) > 1]
     if not lines:
-        return parts.nothing(title, "no grid was run with several time steps; give --dt or --cfl several values")
-    shown = parts.known(rows, DRAWN)
+        return parts.empty_figure(title, "no grid was run with several time steps; give --dt or --cfl several values")
+    shown = parts.known_quantities(rows, DRAWN)
     if not shown:
-        return parts.nothing(title, NO_TRUTH)
+        return parts.empty_figure(title, NO_TRUTH)
     figure, axes = parts.frame(title, 1, len(shown), (WIDTH, 6.0))
     for panel, quantity in zip(axes[0], shown, strict=True):
         _balances(panel, lines, quantity)
@@ -192,7 +193,7 @@ def _balances(axes: Axes, lines: Sequence[tuple[Series, Look]], quantity: str) -
                    for note in (SPACE, TIME, NEITHER) if (number := notes.count(note)))
     axes.set_title(axes.get_title("left") + said)
     axes.set_xlabel("time step dt")
-    parts.logarithmic(axes)
+    parts.set_log_axes(axes)
 
 
 def _agreement(axes: Axes, rows: Sequence[dict], estimator: str, quantity: str) -> None:
@@ -200,7 +201,7 @@ def _agreement(axes: Axes, rows: Sequence[dict], estimator: str, quantity: str) 
     axes.set_title(f"{str(name).capitalize()} by {estimator}")
     axes.set_xlabel("true error", color=TRUTH_INK)
     axes.set_ylabel("estimated error", color=ESTIMATE_INK)
-    axes.yaxis.set_major_formatter(Sizes(name.unit))
+    axes.yaxis.set_major_formatter(SizeFormatter(name.unit))
     axes.set_box_aspect(1)
     points = []
     for row in rows:
@@ -209,7 +210,7 @@ def _agreement(axes: Axes, rows: Sequence[dict], estimator: str, quantity: str) 
             points.append((true, estimated, row["scene"]["method"], row["status"] in BROKEN))
     if not points:
         axes.set_axis_off()
-        say(axes, "not estimated" if any(row["estimate"].get(estimator) for row in rows) else "not valid here")
+        write_note(axes, "not estimated" if any(row["estimate"].get(estimator) for row in rows) else "not valid here")
         return
     # One range for both axes: the true errors of stable runs, and estimates if they are not off by powers of ten.
     stood = [point for point in points if not point[3]] or points
@@ -231,7 +232,7 @@ def _agreement(axes: Axes, rows: Sequence[dict], estimator: str, quantity: str) 
     for factor in (0.5, 2):
         axes.plot(ends, factor * ends, color=TRUTH, linewidth=0.9, linestyle=":", zorder=2)
     axes.set(xlim=(low, high), ylim=(low, high))
-    parts.logarithmic(axes, name.unit)
+    parts.set_log_axes(axes, name.unit)
 
 
 def _extra_prices(rows: Sequence[dict]) -> dict[str, list[tuple[str, float]]]:
@@ -256,7 +257,7 @@ def _steps(axes: Axes, rows: Sequence[dict]) -> None:
                       linestyle="none", markersize=6, alpha=0.9)
     axes.set_title("A step of the bare method, time for one particle")
     axes.set_xlabel("particles")
-    parts.logarithmic(axes, "")
+    parts.set_log_axes(axes, "")
     axes.set(yscale="linear", ylim=(0, 1.15 * max(1e-6 / row["rate"] for row in rows)))
     in_sizes(axes.yaxis, "s")
     parts.ticks_at(axes, sorted({row["particles"] for row in rows}))

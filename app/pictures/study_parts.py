@@ -13,8 +13,8 @@ from matplotlib.lines import Line2D
 from matplotlib.ticker import LogFormatterSciNotation, LogLocator, NullFormatter
 
 from app.colours import INK, INK3, LINE, LINE2, METHOD_COLOURS, METHOD_MARKS
-from app.renderers.panel_style import Look, say
-from app.renderers.picture_style import Sizes, in_sizes, sheet
+from app.renderers.panel_style import Look, write_note
+from app.renderers.picture_style import SizeFormatter, in_sizes, make_figure
 from app.words import METHODS, QUANTITIES, method_name, unit_of, with_unit
 from solvers.problems import PROBLEMS
 from solvers.running.quantities_of_interest import SAFETY
@@ -34,23 +34,23 @@ UNSTABLE_LOOK: Look = {"marker": "x", "linestyle": "none", "markersize": 9, "mar
 
 
 def frame(title: str, rows: int, columns: int, size: tuple[float, float]) -> tuple[Figure, np.ndarray]:
-    figure = sheet(*size, title)
+    figure = make_figure(*size, title)
     return figure, figure.subplots(rows, columns, squeeze=False)
 
 
-def nothing(title: str, sentence: str) -> Figure:
+def empty_figure(title: str, sentence: str) -> Figure:
     figure, axes = frame(title, 1, 1, (8.0, 2.5))
     axes[0, 0].set_axis_off()
-    say(axes[0, 0], f"nothing to show: {sentence}")
+    write_note(axes[0, 0], f"nothing to show: {sentence}")
     return figure
 
 
-def known(rows: Sequence[dict], among: Iterable[str] = QUANTITIES) -> list[str]:
+def known_quantities(rows: Sequence[dict], among: Iterable[str] = QUANTITIES) -> list[str]:
     """The quantities of which some row knows an error."""
     return [q for q in among if any(error_of(row, q) for row in measured(rows))]
 
 
-def lined(rows: Sequence[dict], along: str = "cells") -> list[tuple[Series, Look]]:
+def series_styles(rows: Sequence[dict], along: str = "cells") -> list[tuple[Series, Look]]:
     """Each series and how it is drawn: colour and mark say the method, line style and filling what else differs."""
     lines = series(rows, along)
     numbers = {variant: k for k, variant in enumerate(dict.fromkeys(line.variant for line in lines))}
@@ -82,7 +82,7 @@ def draw_errors(axes: Axes, lines: Sequence[tuple[Series, Look]], quantity: str,
             height, place = error, {}
         axes.plot([x], [height], color=colour, zorder=5, **UNSTABLE_LOOK, **place)
     axes.set_title(f"Error of {QUANTITIES[quantity]}, largest RMS")
-    axes.yaxis.set_major_formatter(Sizes(QUANTITIES[quantity].unit))
+    axes.yaxis.set_major_formatter(SizeFormatter(QUANTITIES[quantity].unit))
 
 
 def method_handles(rows: Iterable[dict]) -> list[Line2D]:
@@ -106,16 +106,16 @@ def legend_below(figure: Figure, entries: Sequence[tuple[Series, Look]], extra: 
     figure.legend(handles=handles, loc="outside lower center", ncols=columns)
 
 
-def logarithmic(axes: Axes, unit: str = "s") -> None:
+def set_log_axes(axes: Axes, unit: str = "s") -> None:
     """Makes both axes logarithmic, with ticks at 1, 2 and 5 where an axis is short; the horizontal one in ``unit``."""
     across = axes.yaxis.get_major_formatter()
     axes.set(xscale="log", yscale="log")
     axes.grid(axis="both", color=LINE)
-    for axis, sizes in ((axes.xaxis, Sizes(unit)), (axes.yaxis, across)):
+    for axis, sizes in ((axes.xaxis, SizeFormatter(unit)), (axes.yaxis, across)):
         low, high = axis.get_view_interval()
         few = low > 0 and np.floor(np.log10(high)) - np.ceil(np.log10(low)) < 1
         axis.set_major_locator(LogLocator(subs=(1, 2, 5) if few else (1,)))
-        axis.set_major_formatter(sizes if isinstance(sizes, Sizes) else LogFormatterSciNotation())
+        axis.set_major_formatter(sizes if isinstance(sizes, SizeFormatter) else LogFormatterSciNotation())
         axis.set_minor_formatter(NullFormatter())
 
 
@@ -185,7 +185,7 @@ def stability_figure(rows: Sequence[dict]) -> Figure:
     """Bright held long, dark broke soon; a tick marks what held to the end."""
     shown = measured(rows)
     if not shown:
-        return nothing("Stability", "no run was possible")
+        return empty_figure("Stability", "no run was possible")
     kind = PROBLEMS[shown[0]["problem"]].scene
     methods = [name for name in kind.choices("method") if any(row["scene"]["method"] == name for row in shown)]
     treatments = [name for name in TREATMENTS if any(treatment_of(row) == name for row in shown)]
@@ -193,7 +193,7 @@ def stability_figure(rows: Sequence[dict]) -> Figure:
     longest = max(row["scene"]["periods"] for row in shown)
     unit = unit_of(kind, "amplitude")
     size = (1.6 + PANEL[0] * len(treatments), 1.6 + PANEL[1] * len(methods))
-    figure = sheet(*size, f"{kind.TITLE.capitalize()}: periods until x is off by A/10 or the run breaks, of "
+    figure = make_figure(*size, f"{kind.TITLE.capitalize()}: periods until x is off by A/10 or the run breaks, of "
                           f"{longest:g} (✓: held to the end)")
     axes = figure.subplots(len(methods), len(treatments), squeeze=False, sharex=True, sharey=True)
     for line, method in zip(axes, methods, strict=True):

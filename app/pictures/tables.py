@@ -9,8 +9,8 @@ from matplotlib.figure import Figure, SubFigure
 from matplotlib.ticker import FixedFormatter, FixedLocator, LogLocator, NullFormatter, NullLocator
 
 from app.colours import ESTIMATE_INK, INK, INK3, TRUTH
-from app.renderers.panel_style import Look, line_style, say
-from app.renderers.picture_style import in_sizes, sheet
+from app.renderers.panel_style import Look, line_style, write_note
+from app.renderers.picture_style import in_sizes, make_figure
 from app.words import EXTRA_NORMS, QUANTITIES, method_name, with_unit
 from solvers.scene.estimator_registry import ESTIMATORS
 from solvers.study.tables.paper_tables import short
@@ -25,9 +25,9 @@ BAND = (0.8, 1.25)  # an index that may be trusted
 LEAST_SPAN, MOST_SPAN = (0.3, 3.0), (0.003, 2000.0)  # of the axis of an index
 
 
-def figure(table: dict) -> Figure:
+def table_figure(table: dict) -> Figure:
     width, height = {"1": (15, 19), "2": (13, 12), "3": (20, 12.5)}[table["table"]]
-    whole = sheet(width, height, f"{table['title']}\n{table['caption']}")
+    whole = make_figure(width, height, f"{table['title']}\n{table['caption']}")
     draw = {"1": (_bar_errors, _indices), "2": (_ring_errors,), "3": (_indices,)}[table["table"]]
     places = whole.add_gridspec(len(draw), 1, height_ratios=(1, 1.75)[:len(draw)], hspace=0.03)
     for k, part in enumerate(draw):
@@ -71,7 +71,7 @@ def _indices(figure: SubFigure, table: dict) -> None:
                    for part, found in parts(table).items() for method, rows in _by("method", found).items()}
     known = [quantity for quantity in QUANTITIES if any(_has_index(row, quantity) for row in table["rows"])]
     if not known:
-        say(figure.subplots(), "no estimator gives an index here")
+        write_note(figure.subplots(), "no estimator gives an index here")
         return
     axes = figure.subplots(len(known), len(columns), squeeze=False, sharey="row")
     for panels, (title, rows) in zip(axes.T, columns.items(), strict=True):
@@ -138,7 +138,7 @@ def _draw_indices(panels: list[Axes], rows: list[dict], quantities: list[str]) -
     for axes, quantity in zip(panels, quantities, strict=True):
         if not any(_has_index(row, quantity) for row in rows):
             axes.set_axis_off()
-            say(axes, f"no index of {QUANTITIES[quantity].symbol} here")
+            write_note(axes, f"no index of {QUANTITIES[quantity].symbol} here")
             continue
         axes.set(xscale="log", xlim=(cells[0] / 1.25, cells[-1] * 1.25))
         axes.axhspan(*BAND, color=TRUTH, alpha=0.13, linewidth=0, label="0.8 to 1.25")

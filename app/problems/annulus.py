@@ -7,9 +7,9 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from app.frame.field_plot import Plotted
+from app.frame.field_plot import PlotSettings
 from app.frame.planar import WHOLE, PlanarStage
-from app.frame.primitives import Lines, Mark, joined
+from app.frame.primitives import Lines, Mark, join_points
 from app.language.translation import lazy, tr
 from app.problems.interface import Body, Regions
 from solvers.engine.shared_frames import FrameArrays
@@ -20,7 +20,7 @@ FULL = 2 * np.pi
 NO_BREAK = "\N{NO-BREAK SPACE}"
 
 
-class Look(NamedTuple):
+class AnnulusRegions(NamedTuple):
     """Of a quarter or a whole ring: its regions, so many ``angles`` from the x axis on and ``shells`` from the inside
     out, and its picture, in which the outer radius is about so many ``points`` long and dark ``lines`` are exact."""
 
@@ -33,12 +33,12 @@ class Look(NamedTuple):
 
 
 LOOKS = {
-    "quarter": Look(
+    "quarter": AnnulusRegions(
         6, (lazy("inner third, {low}–{high}°"), lazy("middle third, {low}–{high}°"),
             lazy("outer third, {low}–{high}°")),
         lazy("the quarter ring into 6 angles from the x axis on and 3 thirds of the wall"),
         (13.5, 0.85), 240.0, "exact surfaces"),
-    "whole": Look(
+    "whole": AnnulusRegions(
         8, (lazy("innermost fifth, {low}–{high}°"), lazy("inner fifth, {low}–{high}°"),
             lazy("middle fifth, {low}–{high}°"), lazy("outer fifth, {low}–{high}°"),
             lazy("outermost fifth, {low}–{high}°")),
@@ -86,7 +86,7 @@ class WholeStage(AnnulusStage):
         yield from super()._moving(scene, arrays, estimated, true, t, crossed, age)
         lines = self.exact_lines(scene, t, SPOKES * scene.solution_known)
         x = self._place(lines.reshape(-1, 2), 0.015).reshape(-1, SPOKE_POINTS, 3)
-        yield Lines("spokes", joined(x[:, :-1].reshape(-1, 3), x[:, 1:].reshape(-1, 3)),
+        yield Lines("spokes", join_points(x[:, :-1].reshape(-1, 3), x[:, 1:].reshape(-1, 3)),
                     self._places.room.palette.exact, 1.5)
 
 
@@ -95,8 +95,8 @@ def body_of(kind: type[Any]) -> Body:
     whole = kind.ANGLE >= FULL
     look = LOOKS["whole" if whole else "quarter"]
     base: type[AnnulusStage] = WholeStage if whole else AnnulusStage
-    plotted = Plotted(kind.INNER, kind.OUTER, (f"R = {kind.INNER:g} m", f"{kind.OUTER:g} m"), kind.exact_along,
-                      kind.PLOTTED)
+    plotted = PlotSettings(kind.INNER, kind.OUTER, (f"R = {kind.INNER:g} m", f"{kind.OUTER:g} m"), kind.exact_along,
+                           kind.PLOTTED)
     stage = type(base.__name__, (base,), {"PLOT": plotted})
     return Body(stage, partial(_draw, stage, look), partial(_regions, kind, look), look.division, look.picture)
 
@@ -106,7 +106,7 @@ def _swell(scene: CircularScene) -> float:
     return scene.amplitude if scene.PLOTTED == "radial" else 0.0
 
 
-def _regions(kind: type[Any], look: Look, X: np.ndarray) -> Regions:
+def _regions(kind: type[Any], look: AnnulusRegions, X: np.ndarray) -> Regions:
     shells, angles = len(look.shells), look.angles
     share = (np.hypot(X[:, 0], X[:, 1]) - kind.INNER) / (kind.OUTER - kind.INNER)
     shell = np.clip((share * shells).astype(int), 0, shells - 1)
@@ -117,8 +117,9 @@ def _regions(kind: type[Any], look: Look, X: np.ndarray) -> Regions:
     return Regions(names, shell * angles + angle)
 
 
-def _draw(stage: type[AnnulusStage], look: Look, figure: Any, space: Any, particles: Any, result: Any) -> None:
-    from app.renderers.panel_style import drawable, robust_size
+def _draw(stage: type[AnnulusStage], look: AnnulusRegions, figure: Any, space: Any, particles: Any,
+          result: Any) -> None:
+    from app.renderers.panel_style import drawable_or_gap, robust_size
     from app.renderers.plane_panels import draw_halves, draw_profile
 
     scene, shown, mirrored = result.scene, result.shown, stage.MIRRORS != WHOLE
@@ -126,7 +127,7 @@ def _draw(stage: type[AnnulusStage], look: Look, figure: Any, space: Any, partic
     rims = [R * np.stack([np.cos(angles), np.sin(angles)], axis=1) for R in (scene.INNER, scene.OUTER)]
     moved = [rim + scene.EXACT.displacement(scene, rim, shown.time) for rim in rims]
     outer = scene.OUTER + abs(float(moved[1][0, 0]) - scene.OUTER)
-    farthest = robust_size(np.hypot(*drawable(shown.position).T)) if mirrored else outer
+    farthest = robust_size(np.hypot(*drawable_or_gap(shown.position).T)) if mirrored else outer
     lines = [rim * (side, 1) for rim in moved for side in ((-1, 1) if mirrored else (1,))]
     draw_profile(space, result, stage)
     draw_halves(figure, particles, result, stage, 1.06 * float(np.clip(farthest, outer, 2 * outer)),

@@ -5,7 +5,7 @@ from typing import Any
 
 import numpy as np
 
-from app.frame.field_plot import Plotted
+from app.frame.field_plot import PlotSettings
 from app.frame.planar import PlanarStage
 from app.frame.primitives import Mark
 from app.language.translation import lazy, tr
@@ -28,7 +28,7 @@ def plotted_row(scene: BoxScene) -> float:
 class BoxStage(PlanarStage[BoxScene]):
     """Makes marks of frames of the square."""
 
-    PLOT = Plotted(0.0, 1.0, ("X = 0", "1 m"), lambda scene, quantity, X, t: scene.exact_along(
+    PLOT = PlotSettings(0.0, 1.0, ("X = 0", "1 m"), lambda scene, quantity, X, t: scene.exact_along(
         quantity, np.stack([X, np.full_like(X, plotted_row(scene))], axis=1), t))
 
     @staticmethod

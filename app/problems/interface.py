@@ -10,7 +10,7 @@ import numpy as np
 from app.frame.planar import PlanarStage
 from app.frame.slow_motion.stage import SlowStage
 from app.frame.stage import Stage
-from app.language.translation import lazy, localised
+from app.language.translation import lazy, localised_path
 from app.problems.suggestion import Suggestion
 from app.state import State
 
@@ -111,5 +111,5 @@ class ProblemView:
     @property
     def about(self) -> str:
         """Html on what moves: ``about/PROBLEM.html``, if there is one."""
-        path = localised(Path(__file__).parent / "about" / f"{self.problem}.html")
+        path = localised_path(Path(__file__).parent / "about" / f"{self.problem}.html")
         return path.read_text(encoding="utf-8") if path.exists() else ""

@@ -6,7 +6,7 @@ from app.frame.slow_motion.planar import PlanarSlowStage
 from app.language.translation import lazy
 from app.problems import annulus, box
 from app.problems.interface import ProblemView, Reach
-from app.problems.plane_suggestions import questions
+from app.problems.plane_suggestions import suggestions_for
 from solvers.problems.planar.problem import PlanarProblem
 
 FORMULA = ("displacement", lazy("Displacement u_x, u_y"),
@@ -20,7 +20,7 @@ def view_of(problem: PlanarProblem) -> ProblemView:
     body = box.BODY if kind.layout == "box" else annulus.body_of(kind)
     lowest, speed, highest = showing.speed
     poisson = (lazy("Poisson's ratio ν"), -0.5, 0.49, 0.01, showing.poisson_hint)
-    asks = questions(showing)
+    asks = suggestions_for(showing)
     return ProblemView(
         kind.problem, body.stage, PlanarSlowStage, body.draw, body.regions, body.division, body.picture, speed=speed,
         reach=Reach(showing.cells, showing.ppc, showing.amplitude, showing.modulus, (lowest, highest)),

@@ -4,16 +4,27 @@ from dataclasses import replace
 
 from app.language.message_translation import translate_message
 from app.language.translation import lazy, tr
-from app.problems.suggestion import Answer, NotNow, Offer, Ran, Suggestion, asked, breaking, halving, work
+from app.problems.suggestion import (
+    Answer,
+    NotNow,
+    Offer,
+    Ran,
+    Suggestion,
+    changed_state,
+    suggest_breaking,
+    suggest_halving_cells,
+    work_ratio,
+)
 from app.state import State
-from app.words import factor, per_cent, ratio
+from app.words import format_factor, format_ratio, per_cent
 from solvers.problems.planar.problem import ViewSettings
 
 
-def questions(showing: ViewSettings) -> tuple[Suggestion, ...]:
+def suggestions_for(showing: ViewSettings) -> tuple[Suggestion, ...]:
     """Those of a problem, which its sliders bound."""
     fewest, most, _ = showing.cells
-    known = (halving(most), _widening(2 * fewest), breaking(*showing.breaking), TRANSPORT, STAIRCASE, TILE)
+    known = (suggest_halving_cells(most), _widening(2 * fewest), suggest_breaking(*showing.breaking), TRANSPORT,
+             STAIRCASE, TILE)
     by_name = {spark.key: spark for spark in known}
     return tuple(by_name[name] for name in showing.sparks)
 
@@ -22,7 +33,7 @@ def _ask_transport(state: State) -> Offer:
     judges = state.scene.estimators
     if (state.estimator or next(iter(judges), None)) == "transport":
         raise NotNow(tr("it is on the stage"))
-    changed = asked(state, {"estimators": (*judges, *({"transport"} - set(judges)))}, pinned=False)
+    changed = changed_state(state, {"estimators": (*judges, *({"transport"} - set(judges)))}, pinned=False)
     return Offer(tr("Ask transport, too"), tr("the method's own equations"), replace(changed, estimator="transport"))
 
 
@@ -33,11 +44,11 @@ def _says(ran: Ran) -> Answer:
     index, companion = ran.index("transport"), ran.index("companion")
     if index != index:
         return tr("Transport does not estimate the {noun}.", noun=ran.noun), tr("It reports this instead of a number.")
-    said = tr("Transport estimates {times} times the true error.", times=ratio(index)) if index >= 1 else \
+    said = tr("Transport estimates {times} times the true error.", times=format_ratio(index)) if index >= 1 else \
         tr("Transport estimates {share} of the true error.", share=per_cent(index))
     if companion == companion:
         return said, tr("Companion estimates {times} times. Which one would you trust without the true error?",
-                        times=ratio(companion))
+                        times=format_ratio(companion))
     return said, tr("Which one would you trust without the true error?")
 
 
@@ -50,24 +61,27 @@ def _widening(fewest: int) -> Suggestion:
         if state.scene.cells < 2 * fewest:
             raise NotNow(tr("{fewest} cells are the fewest here", fewest=fewest))
         return Offer(tr("Double the cells' width"), tr("theory: 4 times the error"),
-                     asked(state, {"cells": state.scene.cells // 2}))
+                     changed_state(state, {"cells": state.scene.cells // 2}))
 
     return Suggestion("widen", "halve", lazy("Double the cells' width"), offer, _widened, 0.2)
 
 
 def _widened(ran: Ran) -> Answer:
-    return tr("Its error is {factor} times as large; theory: 4 times.", factor=factor(ran.ratio)), \
-        tr("It takes {factor} of the particle steps: fewer particles, and fewer steps.", factor=factor(work(ran)))
+    return tr("Its error is {factor} times as large; theory: 4 times.", factor=format_factor(ran.ratio)), \
+        tr("It takes {factor} of the particle steps: fewer particles, and fewer steps.",
+           factor=format_factor(work_ratio(ran)))
 
 
 def _staircase(state: State) -> Offer:
     if getattr(state.scene, "layout", "") == "cartesian":
-        return Offer(tr("Rims that are round"), tr("particles along circles"), asked(state, {"layout": "polar"}))
-    return Offer(tr("Rims like a staircase"), tr("particles along the grid"), asked(state, {"layout": "cartesian"}))
+        return Offer(tr("Rims that are round"), tr("particles along circles"),
+                     changed_state(state, {"layout": "polar"}))
+    return Offer(tr("Rims like a staircase"), tr("particles along the grid"),
+                 changed_state(state, {"layout": "cartesian"}))
 
 
 def _stepped(ran: Ran) -> Answer:
-    return tr("Its error is {factor} times as large.", factor=factor(ran.ratio)), \
+    return tr("Its error is {factor} times as large.", factor=format_factor(ran.ratio)), \
         tr("Only the particles' initial positions differ: see the rims.")
 
 
@@ -76,12 +90,13 @@ STAIRCASE = Suggestion("staircase", "stairs", lazy("Rims like a staircase"), _st
 
 def _untile(state: State) -> Offer:
     if state.scene.method == "ugimp":
-        return Offer(tr("Domains that tile"), tr("CPDI's parallelograms"), asked(state, {"method": "cpdi"}))
-    return Offer(tr("Boxes that do not tile"), tr("uGIMP: boxes keep their size"), asked(state, {"method": "ugimp"}))
+        return Offer(tr("Domains that tile"), tr("CPDI's parallelograms"), changed_state(state, {"method": "cpdi"}))
+    return Offer(tr("Boxes that do not tile"), tr("uGIMP: boxes keep their size"),
+                 changed_state(state, {"method": "ugimp"}))
 
 
 def _untiled(ran: Ran) -> Answer:
-    said = tr("Its error is {factor} times as large.", factor=factor(ran.ratio))
+    said = tr("Its error is {factor} times as large.", factor=format_factor(ran.ratio))
     if ran.state.scene.method == "ugimp":
         return said, tr("Boxes that keep their size leave gaps where the material stretches. Would smaller cells help?")
     return said, tr("Parallelograms follow the material and leave no gap.")

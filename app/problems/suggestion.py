@@ -10,7 +10,7 @@ import numpy as np
 from app.language.message_translation import translate_message
 from app.language.translation import lazy, tr
 from app.state import State
-from app.words import QUANTITIES, factor, number, ratio
+from app.words import QUANTITIES, format_factor, format_number, format_ratio
 from solvers.scene.validation import SceneError
 
 QUARTER = (0.22, 0.28)  # what still goes as a quarter
@@ -74,7 +74,7 @@ class Suggestion:
     breaks: bool = False
 
 
-def asked(state: State, changes: Mapping[str, Any], pinned: bool = True, **view: Any) -> State:
+def changed_state(state: State, changes: Mapping[str, Any], pinned: bool = True, **view: Any) -> State:
     """Returns the state with a changed scene from t = 0 on, the run before pinned beside it if wanted."""
     before = replace(state.scene, periods=None, t_end=None)
     try:
@@ -85,7 +85,7 @@ def asked(state: State, changes: Mapping[str, Any], pinned: bool = True, **view:
                              "stops": False, "traced": None, "magnified": 1, "difference": False, **view})
 
 
-def work(ran: Ran) -> float:
+def work_ratio(ran: Ran) -> float:
     """How many times the particle steps of the pinned run a period of the other takes."""
     def a_period(scene: Any) -> float:
         return scene.particles * scene.period / scene.time_step
@@ -93,31 +93,32 @@ def work(ran: Ran) -> float:
     return math.nan if ran.state.pinned is None else a_period(ran.state.scene) / a_period(ran.state.pinned)
 
 
-def fell(ran: Ran) -> Answer:
+def error_ratio_text(ran: Ran) -> Answer:
     """What has become of the error with cells half as wide."""
     by, hint = ran.ratio, tr("Largest error in the first period. Theory: 0.25 times, for {work} times the work.",
-                             work=number(work(ran)))
+                             work=format_number(work_ratio(ran)))
     if not math.isfinite(by):
         return tr("Unknown: there is no true error to compare."), hint
     if by >= 1 + SAME:
-        return tr("It rose to {factor} times as much. Why?", factor=factor(by)), hint
+        return tr("It rose to {factor} times as much. Why?", factor=format_factor(by)), hint
     if QUARTER[0] <= by <= QUARTER[1]:
-        return tr("It fell to {factor}: a quarter.", factor=factor(by)), hint
-    return tr("It fell to {factor}, not to a quarter. Why?", factor=factor(by)), hint
+        return tr("It fell to {factor}: a quarter.", factor=format_factor(by)), hint
+    return tr("It fell to {factor}, not to a quarter. Why?", factor=format_factor(by)), hint
 
 
-def halving(most: int) -> Suggestion:
+def suggest_halving_cells(most: int) -> Suggestion:
     """Cells half as wide, up to so many of them."""
     def offer(state: State) -> Offer:
         cells = 2 * state.scene.cells
         if cells > most:
             raise NotNow(tr("{most} cells are the most here", most=most))
-        return Offer(tr("Halve the cells"), tr("theory: error falls to a quarter"), asked(state, {"cells": cells}))
+        return Offer(tr("Halve the cells"), tr("theory: error falls to a "
+                                               "quarter"), changed_state(state, {"cells": cells}))
 
-    return Suggestion("halve", "halve", lazy("Halve the cells"), offer, fell)
+    return Suggestion("halve", "halve", lazy("Halve the cells"), offer, error_ratio_text)
 
 
-def breaking(hint: str, changes: Mapping[str, Any], periods: float) -> Suggestion:
+def suggest_breaking(hint: str, changes: Mapping[str, Any], periods: float) -> Suggestion:
     """A run that will not last."""
     title = lazy("Break it")
 
@@ -126,11 +127,11 @@ def breaking(hint: str, changes: Mapping[str, Any], periods: float) -> Suggestio
             **changes, "estimators": ("companion",), "remedies": ()}
         if all(getattr(state.scene, name) == value for name, value in wanted.items()):
             raise NotNow(tr("it is on the stage"))
-        return Offer(tr(title), tr(hint), asked(state, wanted, pinned=False, quantity="x", estimator=None))
+        return Offer(tr(title), tr(hint), changed_state(state, wanted, pinned=False, quantity="x", estimator=None))
 
     def answer(ran: Ran) -> Answer:
         index = ran.index("companion")
-        said = ratio(index) if math.isfinite(index) else ""
+        said = format_ratio(index) if math.isfinite(index) else ""
         knows = tr("Companion estimates {index} times the true error.", index=said) if said else ""
         return tr("It was stable for {periods:g} periods. Continue?", periods=periods), knows
 

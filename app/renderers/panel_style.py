@@ -10,7 +10,7 @@ from matplotlib.colors import Normalize
 from matplotlib.figure import Figure
 
 from app.colours import INK3
-from app.frame.colour_scale import largest
+from app.frame.colour_scale import largest_finite
 from app.frame.layout import RunSlot
 from app.frame.primitives import Bounds, Label
 from app.frame.stage import Stage, StageLabels
@@ -34,7 +34,7 @@ def line_style(estimator: str) -> Any:
     return (0, tuple(DASH_SCALE * length for length in dashes)) if dashes else "-"
 
 
-def styled(result: Result) -> list[tuple[str, str, Any]]:
+def estimator_styles(result: Result) -> list[tuple[str, str, Any]]:
     """Each active estimator with its colour and line style."""
     return [(name, ESTIMATORS[name].colour, line_style(name)) for name in result.scene.active_estimators]
 
@@ -45,7 +45,7 @@ def when_text(result: Result) -> str:
     return f"at t = {result.shown.time:.4g} s{why}"
 
 
-def thinned(count: int) -> np.ndarray:
+def subsample_indices(count: int) -> np.ndarray:
     """Indices of the particles to draw: all, or some by chance, for every k-th may all lie at one place of a cell."""
     if count <= MOST_DOTS:
         return np.arange(count)
@@ -54,9 +54,9 @@ def thinned(count: int) -> np.ndarray:
 
 def shared_scale(truth: np.ndarray | None, estimates: list[np.ndarray]) -> Normalize:
     """One colour scale, from 0, for the sizes of the truth and of every estimate of it."""
-    top = max((largest(sizes) for sizes in estimates), default=0.0)
-    if truth is not None and largest(truth) > 0:
-        top = min(max(top, largest(truth)), SCALE_OVER_TRUTH * largest(truth))
+    top = max((largest_finite(sizes) for sizes in estimates), default=0.0)
+    if truth is not None and largest_finite(truth) > 0:
+        top = min(max(top, largest_finite(truth)), SCALE_OVER_TRUTH * largest_finite(truth))
     return Normalize(0.0, min(top, MOST) or NO_ERROR)
 
 
@@ -70,7 +70,7 @@ def colour_bar(figure: Figure, drawn: ScalarMappable, axes: Axes | list[Axes], l
         in_sizes(bar.ax.xaxis, unit, few=False)
 
 
-def positive(values: np.ndarray) -> np.ndarray:
+def positive_or_gap(values: np.ndarray) -> np.ndarray:
     """What a logarithmic axis can show; the rest leaves a gap."""
     return np.where((values > LEAST) & (values < MOST), values, np.nan)
 
@@ -81,12 +81,12 @@ def robust_size(values: np.ndarray) -> float:
     return float(np.percentile(shown, 98)) if len(shown) else 0.0
 
 
-def drawable(values: np.ndarray) -> np.ndarray:
+def drawable_or_gap(values: np.ndarray) -> np.ndarray:
     """What a linear axis can be asked to draw, on it or beside it; the rest leaves a gap."""
     return np.where(np.abs(values) < MOST, values, np.nan)
 
 
-def say(axes: Axes, sentence: str) -> None:
+def write_note(axes: Axes, sentence: str) -> None:
     axes.text(0.5, 0.5, sentence, transform=axes.transAxes, ha="center", va="center", color=INK3, wrap=True)
 
 

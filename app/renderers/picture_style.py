@@ -41,7 +41,7 @@ SETTINGS: Any = {
 matplotlib.rcParams.update(SETTINGS)
 
 
-class Sizes(Formatter):
+class SizeFormatter(Formatter):
     """Ticks with one prefix and the unit at the last (0, 100, 200 µm), or on a logarithmic axis a unit at each."""
 
     def __init__(self, unit: str):
@@ -67,7 +67,7 @@ class Sizes(Formatter):
 
 def in_sizes(axis: Axis, unit: str, few: bool = True) -> None:
     """Sizes along an axis that has its scale and its limits, at ``few`` lines of a grid or as many as usual."""
-    axis.set_major_formatter(Sizes(unit))
+    axis.set_major_formatter(SizeFormatter(unit))
     axis.set_minor_formatter(NullFormatter())
     if axis.get_scale() == "log":
         low, high = axis.get_view_interval()
@@ -109,7 +109,7 @@ def name_ends(axes: Axes, named: Sequence[tuple[str, np.ndarray, str]], apart: f
                   fontweight="bold")
 
 
-class Sheet(Figure):
+class NotebookFigure(Figure):
     """A figure that a notebook shows, which looks the same whatever the settings are when it is written."""
 
     def savefig(self, *arguments: Any, **options: Any) -> None:
@@ -122,8 +122,8 @@ class Sheet(Figure):
         return picture.getvalue()
 
 
-def sheet(width: float, height: float, title: str) -> Sheet:
+def make_figure(width: float, height: float, title: str) -> NotebookFigure:
     """An empty figure of so many inches, with a headline at its upper left."""
-    figure = Sheet(figsize=(width, height), layout=ConstrainedLayoutEngine(w_pad=0.1, h_pad=0.08))
+    figure = NotebookFigure(figsize=(width, height), layout=ConstrainedLayoutEngine(w_pad=0.1, h_pad=0.08))
     figure.suptitle(title, x=0.012, ha="left", fontsize=13, linespacing=1.4)
     return figure

@@ -41,10 +41,10 @@ def draw_profile(axes: Axes, result: Result, stage: type[PlanarStage], over: Pro
     at, inner, outer = result.shown, stage.PLOT.start, stage.PLOT.end
     radius = over.coordinate(at.material_position)
     lines = [] if at.error is None else [("true", at.error[:, 0], TRUTH, "-")]
-    lines += [(name, at.estimate[name][:, 0], *look) for name, *look in panel_style.styled(result)]
-    few, drawn, ends = panel_style.thinned(len(radius)), [], []
+    lines += [(name, at.estimate[name][:, 0], *look) for name, *look in panel_style.estimator_styles(result)]
+    few, drawn, ends = panel_style.subsample_indices(len(radius)), [], []
     for name, sizes, colour, style in lines:
-        shown = panel_style.positive(sizes)
+        shown = panel_style.positive_or_gap(sizes)
         if not np.isfinite(shown).any():
             continue
         size = float(np.clip(2000 / len(few), 1.0, 8.0))
@@ -60,7 +60,7 @@ def draw_profile(axes: Axes, result: Result, stage: type[PlanarStage], over: Pro
     in_sizes(axes.xaxis, "m", few=False)
     if not drawn:
         axes.set_yticks([])
-        panel_style.say(axes, NOTHING_TO_SHOW)
+        panel_style.write_note(axes, NOTHING_TO_SHOW)
         return
     low, high = np.nanpercentile(drawn, 1) / 2, 2 * np.nanmax(drawn)
     axes.set(yscale="log", ylim=(low, high))
@@ -93,9 +93,9 @@ def draw_halves(figure: Figure, place: SubplotSpec, result: Result, stage: type[
     has its own particles. ``lines`` (n, 2) in metres are exact, ``told`` says which; a metre is ``per_metre`` points.
     """
     shown, mirrored = result.shown, (-1, 1) in stage.MIRRORS
-    few = panel_style.thinned(len(shown.position))
+    few = panel_style.subsample_indices(len(shown.position))
     few = few[np.isfinite(shown.position[few]).all(axis=1)]  # an unstable run leaves NaN
-    x, y = panel_style.drawable(shown.position[few]).T
+    x, y = panel_style.drawable_or_gap(shown.position[few]).T
     truth = None if shown.error is None else shown.error[few, 0]
     estimates = {name: shown.estimate[name][few, 0] for name in result.scene.active_estimators}
     scale = panel_style.shared_scale(truth, list(estimates.values()))
@@ -116,7 +116,7 @@ def draw_halves(figure: Figure, place: SubplotSpec, result: Result, stage: type[
                       transform=axes.transAxes, color=INK3 if sizes is None else colour, fontsize=11,
                       fontweight="bold", va="top", ha="right" if side > 0 else "left", bbox=panel_style.GROUND)
         if not len(few):
-            panel_style.say(axes, "no particle is left")
+            panel_style.write_note(axes, "no particle is left")
         coloured = ", coloured by the size of the position's error" if estimates or truth is not None else ""
         axes.set_title(f"Particles {panel_style.when_text(result)}{coloured}" if axes is panels[0] else "")
     if len(few) and (estimates or truth is not None):

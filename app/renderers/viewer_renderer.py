@@ -9,7 +9,7 @@ import numpy as np
 import viser
 
 from app.frame.layout import EDGE
-from app.frame.primitives import AWAY, Bounds, Dots, Label, Lines, Mark, wrapped
+from app.frame.primitives import AWAY, Bounds, Dots, Label, Lines, Mark, wrap_text
 from app.viewer.widgets import put_arrays
 
 USUAL = (736.0, 358.0, 120.0)  # pixels of the free box and of the gutter left of it, until the browser says
@@ -91,7 +91,7 @@ class Lettering:
 
     def _placed(self, sheet: str, label: Label, left: float, top: float, width: float, height: float) -> dict:
         """A label as the page gets it, its place in parts of the stage's box."""
-        said = {"name": f"{sheet}/{label.name}", "text": wrapped(label.text, label.width), "role": label.role,
+        said = {"name": f"{sheet}/{label.name}", "text": wrap_text(label.text, label.width), "role": label.role,
                 "x": round((label.x - left) / width, 4), "y": round((top - label.y) / height, 4),
                 "anchor": label.anchor}
         further = {"size": (label.size, 1.0), "tone": (label.tone, "plain"), "bold": (label.bold, False),
@@ -99,7 +99,7 @@ class Lettering:
         return said | {name: value for name, (value, usual) in further.items() if value != usual}
 
 
-class Sheet:
+class ViewerSurface:
     """Draws marks under the name ``at`` of one client's scene; only what has changed is sent."""
 
     def __init__(self, client: viser.ClientHandle, lettering: Lettering, at: str):
@@ -121,8 +121,8 @@ class Sheet:
     def room(self) -> Bounds:
         return self._lettering.room
 
-    def child(self, name: str) -> "Sheet":
-        return Sheet(self._client, self._lettering, f"{self._at}/{name}")
+    def child(self, name: str) -> "ViewerSurface":
+        return ViewerSurface(self._client, self._lettering, f"{self._at}/{name}")
 
     def show(self, *marks: Mark) -> None:
         changed, turned = [], []

@@ -96,7 +96,7 @@ async def send_away(connection: Any, why: str) -> None:
     await connection.wait_closed()
 
 
-async def feel(line: BrowserConnection) -> None:
+async def ping_until_closed(line: BrowserConnection) -> None:
     """Pings a browser until its websocket is closed: it answers when it has read all that was sent before."""
     with suppress(ConnectionClosed):
         while True:

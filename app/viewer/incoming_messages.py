@@ -37,11 +37,11 @@ Rule = Callable[[Any], bool]
 
 def _numbers(count: int, reach: float = FAR) -> Rule:
     return lambda value: (type(value) is list and len(value) == count
-                          and all(widgets.number(part, -reach, reach) for part in value))
+                          and all(widgets.is_number_between(part, -reach, reach) for part in value))
 
 
 def _between(low: float, high: float) -> Rule:
-    return lambda value: widgets.number(value, low, high)
+    return lambda value: widgets.is_number_between(value, low, high)
 
 
 def _whole(low: int, high: int) -> Rule:
@@ -86,7 +86,7 @@ FIELDS: dict[str, dict[str, Rule]] = {
         "transferred_bytes": _whole(0, 2**53), "total_bytes": _whole(0, 2**53)}}
 
 
-def refusal(message: bytes | str, find: Callable[[str], Any], who: str = "") -> str | None:
+def why_refused(message: bytes | str, find: Callable[[str], Any], who: str = "") -> str | None:
     """Returns why a message from an IP address is refused, or None; ``find`` gives a widget by its id."""
     part_of_file = upload.kind_of(message)
     most = upload.LARGEST_PART if part_of_file == upload.PART else MOST_BYTES
@@ -109,11 +109,15 @@ def refusal(message: bytes | str, find: Callable[[str], Any], who: str = "") -> 
     if kind == "ScenePointerMessage":
         return None if _pointer(said) else "a place that nobody can point at"
     if part_of_file:
-        box = upload.of(find(said["source_component_uuid"]))
+        box = upload.upload_of_button(find(said["source_component_uuid"]))
         return "a file that nobody has asked for" if box is None else box.take(part_of_file, said, who)
     if kind == "GuiUpdateMessage":
         widget = find(said["uuid"])
-        return "a widget that is not there" if widget is None else widgets.refusal(widget, said["updates"]["value"])
+        return (
+            "a widget that is not there"
+            if widget is None
+            else widgets.why_value_refused(widget, said["updates"]["value"])
+        )
     return None
 
 
@@ -149,7 +153,7 @@ class IncomingLimiter:
             return first
         while True:
             message = await self._received(*args, **options)
-            why = refusal(message, self._find, self._who)
+            why = why_refused(message, self._find, self._who)
             of_file = why is None and upload.kind_of(message)
             self._rate.pay(PART_AS if of_file else 1 + len(message) / BYTES_AS_ONE + (REFUSED_AS if why else 0))
             await self._keep_pace()

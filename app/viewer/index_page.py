@@ -35,7 +35,8 @@ def has_page(path: str) -> bool:
     return path in PATHS
 
 
-def policy(html: str = "", host: str = "", more: tuple[str, ...] | None = (), unpacks: bool = False) -> str:
+def content_security_policy(html: str = "", host: str = "", more: tuple[str, ...] | None = (),
+                            unpacks: bool = False) -> str:
     """What a page may do, as Content-Security-Policy.
 
     Parameters
@@ -73,13 +74,14 @@ _GROUP, _BYTES = 5, 4  # five digits, of as many kinds as there are above, are f
 _PACKED = re.compile(r'<script data-p="([^"]*)" data-ss="(\d+)" data-cs="(\d+)">')
 
 
-def said(status: HTTPStatus, text: str, kind: str = "text/plain", cookie: str = "", wait: float = 0) -> Response:
+def make_response(status: HTTPStatus, text: str, kind: str = "text/plain", cookie: str = "",
+                  wait: float = 0) -> Response:
     """An answer of our own, which nobody keeps."""
     body = text.encode() + (b"\n" if kind == "text/plain" and text else b"")
     headers = Headers({"Content-Type": f"{kind}; charset=utf-8", "Content-Length": str(len(body)),
                        "Cache-Control": "no-store", "Connection": "close"})
     if kind == "text/html":
-        headers[POLICY] = policy(text)
+        headers[POLICY] = content_security_policy(text)
     if cookie:
         headers["Set-Cookie"] = cookie
     if wait:
@@ -87,9 +89,9 @@ def said(status: HTTPStatus, text: str, kind: str = "text/plain", cookie: str = 
     return Response(status.value, status.phrase, headers, body)
 
 
-def dressed(connection: object, request: Request, response: Response) -> Response:
+def with_security_headers(connection: object, request: Request, response: Response) -> Response:
     """Any answer, and what all say."""
-    for name, value in {**ALWAYS, POLICY: policy()}.items():
+    for name, value in {**ALWAYS, POLICY: content_security_policy()}.items():
         if name not in response.headers:
             response.headers[name] = value
     return response
@@ -104,7 +106,7 @@ class Index:
     def answer(self, request: Request, code: str) -> Response:
         """What a request for a page gets, which has one well-formed host, in a language."""
         if not has_page(request.path.partition("?")[0]):
-            return said(HTTPStatus.NOT_FOUND, "There is no such page.")
+            return make_response(HTTPStatus.NOT_FOUND, "There is no such page.")
         return self._pages[code].answer(request)
 
 
@@ -121,7 +123,7 @@ class _Page:
         html = html.replace('<div id="root"></div>', f'<div id="root"></div>\n{own}', 1)
         self._body = html.encode()
         self._packed = gzip.compress(self._body)
-        self._policy = policy(html, "{host}", None if script is None else (script,), unpacks=True)
+        self._policy = content_security_policy(html, "{host}", None if script is None else (script,), unpacks=True)
 
     def answer(self, request: Request) -> Response:
         packs = "gzip" in ",".join(request.headers.get_all("Accept-Encoding"))

@@ -24,7 +24,7 @@ ALIGNED = 8  # bytes at multiples of which arrays begin
 STORED, LAST_BLOCK = b"\x28\xb5\x2f\xfd\xa0", 1
 
 
-class Moved(SceneNodeUpdateMessage, include_in_scene_serialization=True):
+class ChangedArrays(SceneNodeUpdateMessage, include_in_scene_serialization=True):
     """Arrays of a thing on the stage are others now. Whoever says so writes to them no more."""
 
     def redundancy_key(self) -> str:
@@ -49,13 +49,13 @@ def _key(name: str, props: tuple[str, ...]) -> str:
     return SceneNodeUpdateMessage(name, dict.fromkeys(props)).redundancy_key()
 
 
-def packed(window: Sequence[Message], compressor: zstandard.ZstdCompressor) -> bytes:
+def pack_messages(window: Sequence[Message], compressor: zstandard.ZstdCompressor) -> bytes:
     """Messages as a browser gets them: two lengths, words and numbers, and arrays after them."""
     arrays: list[memoryview] = []
     messages = [message.as_serializable_dict(arrays) for message in window]
     words = msgspec.msgpack.encode({"messages": messages, "timestampSec": perf_counter(),
                                     "binaryBufferLengths": [array.nbytes for array in arrays]})
-    held = stored(words) if len(words) <= SHORT else compressor.compress(words)
+    held = stored_frame(words) if len(words) <= SHORT else compressor.compress(words)
     parts: list[bytes | memoryview] = [len(words).to_bytes(8, "little"), len(held).to_bytes(8, "little"), held]
     length = 16 + len(held)
     for array in arrays:
@@ -64,7 +64,7 @@ def packed(window: Sequence[Message], compressor: zstandard.ZstdCompressor) -> b
     return b"".join(parts)
 
 
-def stored(words: bytes) -> bytes:
+def stored_frame(words: bytes) -> bytes:
     """A frame of Zstandard that holds bytes, 128 kB at most, as they are."""
     return b"".join((STORED, len(words).to_bytes(4, "little"), (LAST_BLOCK | len(words) << 3).to_bytes(3, "little"),
                      words))
@@ -76,4 +76,4 @@ async def send(websocket: Any, buffer: AsyncMessageBuffer, client_id: int,
     compressor = zstandard.ZstdCompressor(level=1)
     async with aclosing(buffer.window_generator(client_id, backlog_done_message)) as windows:
         async for window in windows:
-            await websocket.send(packed(window, compressor))
+            await websocket.send(pack_messages(window, compressor))

@@ -62,7 +62,7 @@ _here = _Here()
 
 
 @contextmanager
-def together() -> Iterator[None]:
+def batch_messages() -> Iterator[None]:
     """Holds back what this thread says to several browsers, so that the loop is woken once."""
     rung = _here.rung = set()
     try:
@@ -222,7 +222,7 @@ class SendBuffer(AsyncMessageBuffer):
         self._flushed = False
 
 
-def mend() -> None:
+def patch_viser() -> None:
     """Lets new servers use this buffer, :mod:`app.viewer.message_encoding` and :mod:`app.viewer.viser_patches`."""
     viser_patches.mend_widgets()
     _infra.AsyncMessageBuffer = SendBuffer  # type: ignore[assignment, misc]

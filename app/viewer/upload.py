@@ -174,6 +174,6 @@ class Upload:
             ROOM.give_back(*self._taken.pop(0))
 
 
-def of(button: Any) -> Upload | None:
+def upload_of_button(button: Any) -> Upload | None:
     """The upload of a button for files, if it has one."""
     return getattr(button, _OWN, None)

@@ -12,7 +12,7 @@ from viser._assignable_props_api import AssignablePropsBase
 from viser.infra._messages import get_type_hints_cached
 
 from app.access.log_limit import log_failure
-from app.language.translation import language, with_language
+from app.language.translation import current_language, with_language
 
 MESSAGE = "something that a visitor did could not be acted on"
 _ICONS = _icons.ICONS_DIR / "tabler-icons.zip"
@@ -28,7 +28,7 @@ def mend_widgets() -> None:
     known.__set_name__(AssignablePropsBase, "_prop_hints")
     AssignablePropsBase._prop_hints = known  # type: ignore[method-assign, assignment]
     for module in (_icons, _gui_api, _gui_handles):
-        module.svg_from_icon = icon  # type: ignore[attr-defined]
+        module.svg_from_icon = icon_svg  # type: ignore[attr-defined]
 
 
 def kinds_of_values(widget: Any) -> dict[str, Any]:
@@ -43,7 +43,7 @@ def _archive() -> ZipFile:
 
 
 @lru_cache(256)
-def icon(name: str) -> str:
+def icon_svg(name: str) -> str:
     """An icon by its name, as svg."""
     return _archive().read(f"{name}.svg").decode()
 
@@ -69,13 +69,13 @@ class _Carrying(Executor):
     """Does work as another one, in the language that was spoken when it was made."""
 
     def __init__(self, executor: Executor):
-        self._executor, self._language = executor, language()
+        self._executor, self._language = executor, current_language()
 
     def submit(self, work: Any, /, *args: Any, **options: Any) -> Future:
         return self._executor.submit(with_language(work, self._language), *args, **options)
 
 
-def speak(client: Any) -> None:
+def run_in_language(client: Any) -> None:
     """Lets callbacks of this visitor's widgets and stage speak the language that is spoken now."""
     for part in (client.gui, client.scene):
         part._thread_executor = _Carrying(part._thread_executor)

@@ -19,17 +19,24 @@ from websockets.datastructures import Headers
 from websockets.exceptions import ConnectionClosed, InvalidMessage
 from websockets.http11 import Request, Response
 
-from app.access.allowed_hosts import FOREIGN_PAGE, Addresses, untidy
+from app.access.allowed_hosts import FOREIGN_PAGE, Addresses, has_stray_whitespace
 from app.access.class_code import TEACHER, AccessIdentity, ClassCode
 from app.access.log_limit import Refusals, log_failure
 from app.access.network_limits import TokenBucket, TokenBuckets, network_of
 from app.language import translation
-from app.language.translation import ENGLISH, language, language_cache, lazy, tr, with_language
-from app.templates import rendered
+from app.language.translation import ENGLISH, current_language, language_cache, lazy, tr, with_language
+from app.templates import render_template
 from app.viewer import viser_patches
-from app.viewer.connection import HEADS_WITHIN, BrowserConnection, BrowserConnections, address_of, feel, send_away
+from app.viewer.connection import (
+    HEADS_WITHIN,
+    BrowserConnection,
+    BrowserConnections,
+    address_of,
+    ping_until_closed,
+    send_away,
+)
 from app.viewer.incoming_messages import PARTS, PARTS_A_SECOND, IncomingLimiter
-from app.viewer.index_page import Index, dressed, has_page, said
+from app.viewer.index_page import Index, has_page, make_response, with_security_headers
 from app.viewer.send_queue import PROTOCOL, SendBuffer
 
 LARGEST_MESSAGE = 1_000_000  # bytes; the websocket is closed before more of one has been read
@@ -51,14 +58,14 @@ _CODE_PAGE = Path(__file__).parents[1] / "access" / "code.html"
 @language_cache(1)
 def _code_page() -> str:
     """What asks for the class code."""
-    return rendered(_CODE_PAGE, language=language())
+    return render_template(_CODE_PAGE, language=current_language())
 
 
 class Lab(viser.ViserServer):
     """The viewer's server without its tunnel; its ``visitors`` have come through its ``doors``."""
 
     visitors: Any = None
-    doors: "Doors"
+    doors: "AccessControl"
 
     def wait_until_told(self, seconds: float) -> None:
         """Until every browser has been sent the goodbye and all before it; not longer for one that takes nothing."""
@@ -83,7 +90,7 @@ class Lab(viser.ViserServer):
         """There is nothing to disconnect."""
 
 
-class Doors:
+class AccessControl:
     """The doors of one server. All but :meth:`guarding` is called on the web server's loop."""
 
     def __init__(self, addresses: Addresses, code: ClassCode | None):
@@ -120,7 +127,7 @@ class Doors:
             asyncio.get_running_loop().set_exception_handler(viser_patches.of_loop)
             own = {"max_size": LARGEST_MESSAGE, "max_queue": WAITING, "logger": log, "open_timeout": HEADS_WITHIN,
                    "create_connection": partial(BrowserConnection, self._lines),
-                   "process_request": answer, "process_response": dressed}
+                   "process_request": answer, "process_response": with_security_headers}
             return serve(partial(self._handle, handler), *args, **{**options, **own})
 
         log = logging.Logger("websockets.server", logging.ERROR)  # of this server alone
@@ -162,7 +169,7 @@ class Doors:
         finally:
             silent.cancel()
             self._lines.silent.leave(connection)
-        pulse = asyncio.create_task(feel(connection))
+        pulse = asyncio.create_task(ping_until_closed(connection))
         try:
             await handler(connection)
         finally:
@@ -178,28 +185,30 @@ class Doors:
         """The same, in the visitor's language."""
         who, headers = self._who(connection), request.headers
         opens_socket = "websocket" in ",".join(headers.get_all("Upgrade")).lower()
-        refusal = FOREIGN_PAGE if untidy(connection.head) else self._addresses.refusal(headers, opens_socket)
+        refusal = (
+            FOREIGN_PAGE if has_stray_whitespace(connection.head) else self._addresses.refusal(headers, opens_socket)
+        )
         if refusal:
             self._refusals.note(refusal, who)
-            return said(HTTPStatus.FORBIDDEN, refusal)
+            return make_response(HTTPStatus.FORBIDDEN, refusal)
         known = not self._code or self._code.knows(headers)
         if path == "/health" and self._visitors and not opens_socket:
             health = self._visitors.health()
             shown = health if known else {"ready": health["ready"]}
-            return said(HTTPStatus.OK, json.dumps(shown), "application/json")
+            return make_response(HTTPStatus.OK, json.dumps(shown), "application/json")
         if self._code and not opens_socket and path.endswith("/enter"):
             return self._enter(self._code, headers, who)
         if not known:
             if opens_socket:
                 self._refusals.note(NO_CODE, who)
-                return said(HTTPStatus.FORBIDDEN, tr(NO_CODE))
-            return said(HTTPStatus.OK if has_page(path) else HTTPStatus.FORBIDDEN, _code_page(), "text/html")
+                return make_response(HTTPStatus.FORBIDDEN, tr(NO_CODE))
+            return make_response(HTTPStatus.OK if has_page(path) else HTTPStatus.FORBIDDEN, _code_page(), "text/html")
         if opens_socket:
             return self._wait(who)
         if not (looks := _LOOKS.search(path)):
-            return index.answer(request, language())
+            return index.answer(request, current_language())
         there = self._visitors is not None and self._visitors.attend(looks[2], looks[1] == "here")
-        return said(HTTPStatus.NO_CONTENT if there else HTTPStatus.NOT_FOUND, "")
+        return make_response(HTTPStatus.NO_CONTENT if there else HTTPStatus.NOT_FOUND, "")
 
     def guest(self, visitor: int) -> AccessIdentity | None:
         """Returns with whose code a visitor has come, the teacher's where none is needed; None for one who left."""
@@ -225,7 +234,8 @@ class Doors:
         wait = max(handshakes.wait(), self._away.get(who, now) - now)
         if wait:
             self._refusals.note("a visitor, because there were too many at once", who)
-            return said(HTTPStatus.SERVICE_UNAVAILABLE, tr("Too many come at once. Try again in a moment."), wait=wait)
+            return make_response(HTTPStatus.SERVICE_UNAVAILABLE, tr("Too many come at once. Try again in a moment."),
+                                 wait=wait)
         handshakes.pay()
         return None
 
@@ -239,12 +249,12 @@ class Doors:
         guesses = headers.get_all("X-Class-Code")
         entry = code.enter(unquote(guesses[0][:1000]) if guesses else "", who)
         if entry.cookie and code.knows(headers) and not entry.more:
-            return said(HTTPStatus.NO_CONTENT, "")  # of no use to one who is in
+            return make_response(HTTPStatus.NO_CONTENT, "")  # of no use to one who is in
         if entry.cookie:
-            return said(HTTPStatus.OK, "", cookie=entry.cookie)
+            return make_response(HTTPStatus.OK, "", cookie=entry.cookie)
         self._refusals.note("a wrong class code" if not entry.wait else "a class code after too many wrong ones", who)
-        return said(HTTPStatus.TOO_MANY_REQUESTS if entry.wait else HTTPStatus.FORBIDDEN, entry.sentence,
-                    wait=entry.wait)
+        return make_response(HTTPStatus.TOO_MANY_REQUESTS if entry.wait else HTTPStatus.FORBIDDEN, entry.sentence,
+                             wait=entry.wait)
 
     def _close(self, connection: Any, why: str) -> None:
         """Close a websocket that has said nothing."""

@@ -21,28 +21,28 @@ class Connection:
         self._socket = socket
 
     async def send(self, message: dict[str, Any]) -> None:
-        await self._socket.send(packed(message))
+        await self._socket.send(pack_message(message))
 
     async def __aiter__(self) -> AsyncIterator[list[dict[str, Any]]]:
         async for raw in self._socket:
             assert isinstance(raw, bytes)
-            yield unpacked(raw)
+            yield unpack_messages(raw)
 
 
 @asynccontextmanager
-async def connected(address: str, headers: Mapping[str, str] | None = None) -> AsyncIterator[Connection]:
+async def connect(address: str, headers: Mapping[str, str] | None = None) -> AsyncIterator[Connection]:
     """A connection to the page at ``address`` (host:port), asked for with these headers too, closed in the end."""
     async with client.connect(f"ws://{address}", max_size=LARGEST, compression=None, open_timeout=PATIENCE,
                               additional_headers=headers, subprotocols=[client.Subprotocol(PROTOCOL)]) as socket:
         yield Connection(socket)
 
 
-def packed(message: dict[str, Any]) -> bytes:
+def pack_message(message: dict[str, Any]) -> bytes:
     """A message as a browser sends it."""
     return msgspec.msgpack.encode(message)
 
 
-def unpacked(raw: bytes) -> list[dict[str, Any]]:
+def unpack_messages(raw: bytes) -> list[dict[str, Any]]:
     """The messages that came together, without their arrays: in front of these is their size, packed and not."""
     size, length = (int.from_bytes(raw[k:k + 8], "little") for k in (0, 8))
     words = zstandard.ZstdDecompressor().decompress(raw[16:16 + length], max_output_size=size)

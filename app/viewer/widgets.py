@@ -7,14 +7,14 @@ from typing import Any, cast
 import numpy as np
 import viser
 
-from app.viewer.message_encoding import Moved
+from app.viewer.message_encoding import ChangedArrays
 from app.viewer.send_queue import SendBuffer
 
 LONGEST_TEXT = 200  # characters; little that the page asks for is longer
 _OWN = "longest_text"  # where a text that may be longer says how long
 
 
-def refusal(widget: Any, value: Any) -> str | None:
+def why_value_refused(widget: Any, value: Any) -> str | None:
     """Why a browser cannot have set this widget to ``value``; None where it can."""
     rule = RULES.get(type(widget))
     if rule is None:
@@ -24,12 +24,12 @@ def refusal(widget: Any, value: Any) -> str | None:
     return None if rule(widget, value) else f"a value that “{widget.label}” cannot have"
 
 
-def allow(text: viser.GuiTextHandle, longest: int) -> None:
+def set_max_length(text: viser.GuiTextHandle, longest: int) -> None:
     """Let a text have so many characters."""
     object.__setattr__(text, _OWN, longest)  # the viewer's own way takes its properties only
 
 
-def number(value: Any, low: float = -math.inf, high: float = math.inf) -> bool:
+def is_number_between(value: Any, low: float = -math.inf, high: float = math.inf) -> bool:
     """Whether this is a finite number from ``low`` to ``high``; True and False are none."""
     return type(value) in (int, float) and abs(value) <= 1e300 and low <= value <= high
 
@@ -39,11 +39,11 @@ def put_arrays(changed: Sequence[tuple[viser.SceneNodeHandle, dict[str, np.ndarr
     messages, api = [], changed[0][0]._impl.api
     for handle, arrays in changed:
         vars(handle._impl.props).update(arrays)
-        messages.append(Moved(handle.name, arrays, api._owner_id))
+        messages.append(ChangedArrays(handle.name, arrays, api._owner_id))
     cast(SendBuffer, api._websock_interface.get_message_buffer()).push_all(messages)
 
 
-def identity(widget: Any) -> str:
+def widget_id(widget: Any) -> str:
     """What a browser calls a widget: the id of its input."""
     return str(widget._impl.uuid)
 
@@ -58,7 +58,7 @@ def _ranged(widget: Any, value: Any) -> bool:
     half = 0.5 * 10.0**-widget.precision * (1 + 1e-9) if type(widget.value) is float else 0.0
     low = -math.inf if widget.min is None else widget.min - half
     high = math.inf if widget.max is None else widget.max + half
-    return number(value, low, high) and (type(widget.value) is float or value == int(value))
+    return is_number_between(value, low, high) and (type(widget.value) is float or value == int(value))
 
 
 def _truth(widget: Any, value: Any) -> bool:

@@ -5,7 +5,7 @@ from typing import Any
 from docutils import nodes
 from sphinx.util import logging
 
-from app.lessons.markdown_html import RenderError, mathml
+from app.lessons.markdown_html import RenderError, to_mathml
 
 LOG = logging.getLogger(__name__)
 
@@ -30,7 +30,7 @@ def block(translator: Any, node: nodes.Node) -> None:
 
 def _shown(node: nodes.Node, display: bool) -> str:
     try:
-        return mathml(node.astext(), display)
+        return to_mathml(node.astext(), display)
     except RenderError as error:
         LOG.warning("%s", error, location=node)
         return ""

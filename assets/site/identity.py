@@ -39,4 +39,4 @@ def letters(app: Any) -> None:
     if app.builder.format == "html":
         folder = Path(app.outdir) / "_static"
         folder.mkdir(parents=True, exist_ok=True)
-        (folder / STYLE).write_text(identity.faces(), encoding="utf-8")
+        (folder / STYLE).write_text(identity.font_faces_css(), encoding="utf-8")

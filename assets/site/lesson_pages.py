@@ -11,7 +11,7 @@ from typing import Any
 from app import state
 from app.commands.serve import Serve
 from app.lessons import catalogue
-from app.lessons.fenced_blocks import toml
+from app.lessons.fenced_blocks import parse_toml
 from app.lessons.lesson import (
     CHOICE,
     DRAG,
@@ -25,13 +25,13 @@ from app.lessons.lesson import (
     Numbers,
     Question,
     Step,
-    drawn,
-    filled,
+    draw_numbers,
+    fill_numbers,
 )
-from app.lessons.lesson_parser import parse, parts_of, split_head
-from app.lessons.rounds import rounds
+from app.lessons.lesson_parser import parse_lesson, parts_of, split_head
+from app.lessons.rounds import split_rounds
 from app.page.features.lesson import core
-from app.page.sharing import link
+from app.page.features.sharing import state_link
 
 FOLDER = "lessons/"
 CLASSES = "lessons/classes/"
@@ -52,8 +52,8 @@ def setup(app: Any) -> dict:
 def as_page(app: Any, docname: str, source: list[str]) -> None:
     """The page of a lesson's file in the place of its text, and of one for a class."""
     name = docname.removeprefix(FOLDER)
-    if docname.startswith(FOLDER) and name in catalogue.names():
-        source[0] = page(parse(source[0], name, catalogue.FOLDER))
+    if docname.startswith(FOLDER) and name in catalogue.lesson_names():
+        source[0] = page(parse_lesson(source[0], name, catalogue.FOLDER))
     if docname.startswith(CLASSES):
         source[0] = class_page(source[0])
 
@@ -62,22 +62,22 @@ def class_page(text: str) -> str:
     """A page for a class as Markdown: its title for its head, and no runs and claims."""
     head, body, first = split_head(text)
     parts = (f"{part.heading}\n" + "\n".join(part.text) for part in parts_of(body, first))
-    return f"# {toml(head, 2)['title']}\n\n" + "\n\n".join(parts) + "\n"
+    return f"# {parse_toml(head, 2)['title']}\n\n" + "\n\n".join(parts) + "\n"
 
 
 def page(lesson: Lesson) -> str:
     """A lesson as Markdown, with the numbers that a student without a name gets."""
-    numbers = drawn(lesson, "")
-    before = ", ".join(f"[{catalogue.lesson(name).title}]({name}.md)" for name in lesson.prerequisites)
-    parts = [f"# {lesson.title}", core.takes(lesson),
+    numbers = draw_numbers(lesson, "")
+    before = ", ".join(f"[{catalogue.load_lesson(name).title}]({name}.md)" for name in lesson.prerequisites)
+    parts = [f"# {lesson.title}", core.duration_text(lesson),
              "\n".join(f"* {goal}" for goal in lesson.goals), f"Do before: {before}." if before else "",
              f"In the lab: `mpm-lab serve --lesson {lesson.name}`, or the tab *Lessons*. Links *On the stage* lead to "
              "a lab that runs on this machine.", lesson.intro]
-    deeper = [first for first, *_ in rounds(lesson.steps) if not first.core]
+    deeper = [first for first, *_ in split_rounds(lesson.steps) if not first.core]
     for number, step in enumerate(lesson.steps, 1):
         parts += [DEEPER] * (step in deeper)
         parts += (_explained if step.kind == EXPLAIN else _step)(lesson, step, number, numbers)
-    return filled("\n\n".join(part for part in parts if part.strip()), numbers) + "\n"
+    return fill_numbers("\n\n".join(part for part in parts if part.strip()), numbers) + "\n"
 
 
 def _step(lesson: Lesson, step: Step, number: int, numbers: Numbers) -> Iterator[str]:
@@ -99,8 +99,8 @@ def _text(lesson: Lesson, step: Step, numbers: Numbers) -> str:
     """A step's text, with a link where the lab has the button that puts the step's run on its stage."""
     if not step.stage:
         return step.text
-    scene = filled(step.stage, numbers)
-    linked = f"Press **[On the stage]({LAB}#{link(state.read(scene), lesson.name)})**"
+    scene = fill_numbers(step.stage, numbers)
+    linked = f"Press **[On the stage]({LAB}#{state_link(state.parse_state(scene), lesson.name)})**"
     text = step.text.replace(BUTTON, linked) if BUTTON in step.text else f"{step.text}\n\n- {linked}."
     return f"{text}\n\n<small class='scene'>On the stage:</small> `{scene}`"
 

@@ -1,4 +1,4 @@
-"""A scene's error budget, and what happens when one of its causes is taken away: foretold, and run again."""
+"""A scene's error budget, and what happens when one of its causes is taken away: predicted, and run again."""
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace

@@ -8,7 +8,7 @@ from solvers.scene.error_causes import CAUSES, FIELDS
 from solvers.solver.error_norms import UNBOUNDED, finite
 
 #: The causes' errors, in sizes of the error itself, up to which shares say who made it. Of 600 random runs, three
-#: causes taken away from each (``tests.budget``), up to 3 the budget foretold what was left of x, v and F to 0.15 of
+#: causes taken away from each (``tests.budget``), up to 3 the budget predicted what was left of x, v and F to 0.15 of
 #: the error before in 97 % of the cases, from 3 to 10 in 94 %, and beyond in 50 %, where it missed by many times
 #: the error (``assets/budget.md``). 3 is on the safe side: shares of parts that cancel are hard to read, too.
 MOST_CANCELLED = 3.0

@@ -87,7 +87,7 @@ def test_the_page_has_the_same_palette():
         wanted = PALETTE | {colours.cause_token(cause): both for cause, both in colours.CAUSES.items()}
         assert {name: said.get(name) for name in wanted} == {name: both[shade] for name, both in wanted.items()}
         if not shade:
-            assert dict(re.findall(r"--([\w-]+): (#[0-9a-f]{6});", colours.tokens())).items() <= said.items()
+            assert dict(re.findall(r"--([\w-]+): (#[0-9a-f]{6});", colours.css_variables())).items() <= said.items()
 
 
 def test_estimators_have_colours_of_the_palette_and_dashes_of_their_own():

@@ -23,16 +23,16 @@ class SlidingScene(BarScene):
 
 def test_what_does_not_swing_has_its_own_title_and_motion():
     scene = SlidingScene()
-    assert scene.title == "sliding bar" and words.moving(scene) == "v = 1 m/s"
+    assert scene.title == "sliding bar" and words.motion_text(scene) == "v = 1 m/s"
     assert words.in_a_line(scene).startswith("Sliding bar: ") and "patch" not in words.in_a_line(scene)
 
 
 def test_a_patch_test_says_so():
     scene = BarScene(motion=PATCH, cells=8, ppc=2.5)
-    assert scene.title == "patch test of the bar" and words.moving(scene) == "patch test, F = 1.02, v = 1 m/s"
+    assert scene.title == "patch test of the bar" and words.motion_text(scene) == "patch test, F = 1.02, v = 1 m/s"
     assert words.in_a_line(scene).lower().count("patch test") == 1
     assert "--motion patch" in words.command_line(scene) and "--body-force" not in words.command_line(scene)
-    assert words.moving(replace(BarScene(), amplitude=0.025)) == "A = 25 mm"
+    assert words.motion_text(replace(BarScene(), amplitude=0.025)) == "A = 25 mm"
 
 
 @pytest.mark.parametrize(("value", "text"), [

@@ -51,7 +51,7 @@ FEW_FRAMES = """
 FEW = 10  # frames a second
 SIZE = {"width": 1280, "height": 720}
 PHONE = {"width": 390, "height": 844}
-HOME = f"#{state.write(state.State(FIRST_SCENE))}"  # a link: who comes without one sees the opening and its story
+HOME = f"#{state.write_state(state.State(FIRST_SCENE))}"  # a link: who comes without one sees the opening and its story
 FAILED = pytest.StashKey[bool]()
 HOW = "no Chromium or Chrome found: install one (Debian: apt-get install chromium) to run the browser tests"
 

@@ -3,7 +3,7 @@
 import re
 from contextlib import suppress
 
-from app.lessons.lesson import NUMBER, OBSERVE, PREDICT, drawn, filled
+from app.lessons.lesson import NUMBER, OBSERVE, PREDICT, draw_numbers, fill_numbers
 from app.words import size_in
 from tests.browser.driving import FOLDERS, again_until, click, row, scene, time, unfold, until
 
@@ -132,18 +132,18 @@ def go_on(page):
 
 def follow(page, lesson):
     """Go through a lesson whose introduction is shown; the sentences of what was read and found not right."""
-    numbers, wrong, read, stops = drawn(lesson, ""), [], [], False
+    numbers, wrong, read, stops = draw_numbers(lesson, ""), [], [], False
     go_on(page)
     for number, step in enumerate(lesson.steps, 1):
         where = f"step {number} of {len(lesson.steps)}"
         until(lambda where=where: where in page.locator(".lab-lesson-head").inner_text(), where)
         if step.stage:
             stops = "stops" in step.stage.partition(" pinned")[0].split()
-        found = do(page, filled(step.text, numbers), stops) if step.kind != PREDICT else []
+        found = do(page, fill_numbers(step.text, numbers), stops) if step.kind != PREDICT else []
         read = found if step.stage or "Read **" in step.text else read  # else what one "did read" before
         if step.question:
             counts = step.kind == OBSERVE and step.question.kind == NUMBER and read
-            answer(page, step, reckoned(page, filled(step.text, numbers)) or read[-1] if counts else "1")
+            answer(page, step, reckoned(page, fill_numbers(step.text, numbers)) or read[-1] if counts else "1")
             if counts:
                 said = page.locator(".lab-recorded")
                 until(lambda said=said: "checked" not in said.inner_text(), "the mark", LONG)

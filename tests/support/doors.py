@@ -5,7 +5,7 @@ from contextlib import contextmanager
 
 from app.access.allowed_hosts import Addresses
 from app.access.class_code import BOARD, CLASS, TEACHER
-from app.page.features.lesson.marking import Classroom
+from app.classroom.class_context import Classroom
 from app.page.page_server import _start_server
 from solvers.workers.worker_process import free_port
 

@@ -11,7 +11,7 @@ from websockets.sync.client import connect
 
 from app.commands.bench.class_load import is_frame
 from app.viewer.send_queue import PROTOCOL
-from app.viewer.websocket_client import packed, unpacked
+from app.viewer.websocket_client import pack_message, unpack_messages
 from tests.support.processes import HANG, until
 
 CAMERA = {"type": "ViewerCameraMessage", "wxyz": [0.0, 1.0, 0.0, 0.0], "position": [0.0, 0.0, 30.0], "fov": 0.07,
@@ -35,7 +35,7 @@ class Raw:
 
     def say(self, message):
         """Say something; bytes go as they are."""
-        self.socket.send(message if isinstance(message, bytes | str) else packed(message))
+        self.socket.send(message if isinstance(message, bytes | str) else pack_message(message))
 
     def set(self, widget, value, **others):
         self.say({"type": "GuiUpdateMessage", "uuid": widget, "updates": {"value": value, **others}})
@@ -74,7 +74,7 @@ class Raw:
     def _read(self):
         try:
             for raw in self.socket:
-                messages = unpacked(raw)
+                messages = unpack_messages(raw)
                 for message in messages:
                     self._hear(message)
                 self.frames += any(map(is_frame, messages))

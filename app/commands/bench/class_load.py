@@ -18,7 +18,7 @@ from itertools import pairwise
 from time import monotonic
 from typing import Any
 
-from app.viewer.websocket_client import connected
+from app.viewer.websocket_client import connect
 from solvers.workers.worker_process import HOME, LINUX, descendants, free_port, processor_seconds, proportional_bytes
 
 SCHEMA = "mpm-lab/class/1"
@@ -77,7 +77,7 @@ class Visitor:
     async def stay(self) -> None:
         """Until the connection is closed, from either side."""
         self.asked = monotonic()
-        async with connected(self.address) as connection:
+        async with connect(self.address) as connection:
             self._connection = connection
             await connection.send(CAMERA)
             async for messages in connection:
@@ -151,7 +151,7 @@ class Visitor:
 
 
 @contextmanager
-def serving(*arguments: str) -> Iterator[tuple[str, int]]:
+def start_server(*arguments: str) -> Iterator[tuple[str, int]]:
     """A server of the page in a process of its own: its address (host:port) and the number of the process."""
     port = free_port()
     process = subprocess.Popen([*ITSELF, "serve", "--port", str(port), *arguments], stderr=subprocess.PIPE, text=True)
@@ -172,7 +172,7 @@ def serving(*arguments: str) -> Iterator[tuple[str, int]]:
 
 def class_load(load: Load, on_progress: Callable[[float], None]) -> dict[str, Any]:
     """Have a class use a server, and say what its visitors got."""
-    with serving("--max-sessions", str(load.visitors)) as (address, server):
+    with start_server("--max-sessions", str(load.visitors)) as (address, server):
         return asyncio.run(_attend(address, server, load, on_progress))
 
 

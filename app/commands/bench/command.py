@@ -7,8 +7,8 @@ import tyro
 
 from app.commands.flags import NumberFlag, PathFlag, Switch, default_hint
 from app.commands.output import json_target, put_result
-from app.commands.progress import working
-from app.commands.run.text import NOTHING, formatted
+from app.commands.progress import show_progress
+from app.commands.run.text import NOTHING, format_value
 from solvers.scene.validation import require_number, require_whole
 
 MOST_VISITORS, MOST_MINUTES = 200, 600
@@ -45,7 +45,7 @@ class Bench:
         if self.visitors is not None:
             require_whole("class", self.visitors, 1, MOST_VISITORS)
             require_number("minutes", self.minutes, 0, MOST_MINUTES)
-        with working(self.quiet) as show:  # imports here: bad input and --help must not wait for Taichi
+        with show_progress(self.quiet) as show:  # imports here: bad input and --help must not wait for Taichi
             if self.visitors is None:
                 from app.commands.bench.class_load import ITSELF
                 from solvers.bench.bench import bench
@@ -99,7 +99,7 @@ def _gpu(gpu: dict) -> str:
         rates = row["rates"]
         lines.append(_line(_scene(row), f"{row['particles']:,}", _rate(rates["gpu"]),
                            NOTHING if row["share"] is None else f"{100 * row['share']:.0f} %",
-                           *(formatted(rates[plan], ".1f") for plan in ("serial", "parallel"))))
+                           *(format_value(rates[plan], ".1f") for plan in ("serial", "parallel"))))
     return "\n".join([*lines, "  limit: what the memory allows, each particle's numbers moved once in each phase\n"
                       "  serial, parallel: the processor's plans, on one thread and on all"])
 
@@ -107,7 +107,7 @@ def _gpu(gpu: dict) -> str:
 def _prices(title: str, rows: list[dict]) -> str:
     lines = [title]
     for row in rows:
-        lines.append(_line(f"{_scene(row)}: {row['name']}", formatted(row["ratio"], ".3f")))
+        lines.append(_line(f"{_scene(row)}: {row['name']}", format_value(row["ratio"], ".3f")))
         if row.get("not_valid"):
             lines.append(f"    {row['not_valid']}")
     return "\n".join(lines)
@@ -117,7 +117,7 @@ def _off(rows: list[dict]) -> str:
     lines = ["an effect that is off: time of a bare step over the method's phases with nothing optional",
              _line("", "ratio", "quartiles", "noise", "call", "stripped")]
     for row in rows:
-        ratio, low, high = (formatted(row[name], ".3f") for name in ("ratio", "low", "high"))
+        ratio, low, high = (format_value(row[name], ".3f") for name in ("ratio", "low", "high"))
         noise = NOTHING if row["same"] is None else f"{100 * abs(row['same'] - 1):.1f} %"
         lines.append(_line(_scene(row), ratio, f"{low}..{high}", noise, f"{1e3 * row['call']:.2f} ms",
                            f"{1e3 * row['call_stripped']:.2f} ms"))

@@ -10,8 +10,8 @@ import tyro
 from app.commands import flags
 from app.commands.expectations import Expectations
 from app.commands.output import Folder, json_target, json_text, put_report, put_text
-from app.commands.progress import working
-from app.templates import rendered
+from app.commands.progress import show_progress
+from app.templates import render_template
 from app.words import NOTHING, with_unit
 from solvers.study.markdown import grid
 from solvers.untrusted.quoting import FileError, code, file_name, markdown
@@ -51,7 +51,7 @@ class Check:
         target = json_target(self.json)
         folder = None if self.out is None else Folder(self.out)
         try:
-            with working(self.quiet) as show:
+            with show_progress(self.quiet) as show:
                 from solvers.judging.check import check  # here: bad input must not wait for it
                 checked = check(self.files, times=times, on_progress=show)
         except FileError as error:
@@ -61,20 +61,20 @@ class Check:
         if target:
             target.write(json_text(values, lines=not target.is_stdout).encode())
         if self.expect:
-            return max(status, EXPECTABLE.told(self.expect, [outcome(values)]))
+            return max(status, EXPECTABLE.told(self.expect, [claims_outcome(values)]))
         return status or (CONTRADICTED if checked.wrong else 0)
 
     def _write(self, folder: Folder | None, checked: Any, values: dict) -> int:
         """The report where it was asked for."""
         if not self.quiet and self.json != "-":
-            put_text(summary(values) + "\n")
+            put_text(verdict_text(values) + "\n")
         if folder is None:
             return 0
         from app.pictures.judge import CHECKED
         return put_report(folder, values, checked, CHECKED, lambda drawn: as_markdown(values, drawn))
 
 
-def outcome(values: Mapping[str, Any]) -> dict[str, Any]:
+def claims_outcome(values: Mapping[str, Any]) -> dict[str, Any]:
     """The report in the shape that claims are about."""
     count = {word: sum(one["verdict"] == word for one in values["findings"]) for word in ("broken", "suspicious")}
     return {"contradictions": values["contradictions"], "particles": values["particles"], **count}
@@ -86,7 +86,7 @@ CAPTION = "The particles at the moment of the first contradiction, or at the las
 NO_CONTRADICTION = "No contradiction was found. That is not to say that the run is right."
 
 
-def summary(values: dict) -> str:
+def verdict_text(values: dict) -> str:
     """The verdict, what was found wrong, and what could not be told."""
     lines = [*map(markdown, values["not_told"]), *values["never_told"]]
     return "\n\n".join([_verdict(values), *([_wrong(values)] if _wrong(values) else []),
@@ -103,8 +103,8 @@ def as_markdown(values: dict, pictures: list[str]) -> str:
     looked = "## What was looked at\n\n" + grid(["looked at", "measured", "limit", "verdict", "remark"], rows,
                                                 words=("looked at", "verdict", "remark"))
     shown = [f"![{CAPTION}]({name})" for name in pictures]
-    return "\n\n".join([f"# {count} file{'s' * (count != 1)} checked: {values['verdict']}", summary(values), *shown,
-                        looked, *notes, f"Files: {listed}.", rendered(HERE / "how.md")])
+    return "\n\n".join([f"# {count} file{'s' * (count != 1)} checked: {values['verdict']}", verdict_text(values),
+                        *shown, looked, *notes, f"Files: {listed}.", render_template(HERE / "how.md")])
 
 
 def _verdict(values: dict) -> str:

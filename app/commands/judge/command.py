@@ -11,12 +11,12 @@ import tyro
 from app.commands import flags
 from app.commands.expectations import Expectations
 from app.commands.output import Folder, put_report, put_text
-from app.commands.progress import working
+from app.commands.progress import show_progress
 from app.commands.scene_flags import SceneFlags
 from app.lessons.claims import NORMS
 from app.problems.views import VIEWS
-from app.templates import rendered
-from app.words import NOTHING, QUANTITIES, method_name, moving, particles_per_cell, ratio, with_unit
+from app.templates import render_template
+from app.words import NOTHING, QUANTITIES, format_ratio, method_name, motion_text, particles_per_cell, with_unit
 from solvers.judging.error_norms import QUANTITIES as JUDGED
 from solvers.judging.findings.finding import OFF
 from solvers.problems.reference import OF_METHODS
@@ -70,7 +70,7 @@ class Judge(SceneFlags):
         scene, *_ = (self.scene(cells=count) for count in cells)  # each says what is wrong with it
         folder = None if self.out is None else Folder(self.out)
         try:
-            with working(self.quiet) as show:
+            with show_progress(self.quiet) as show:
                 from solvers import judge  # here: bad input must not wait for it
                 judged = judge(scene, self.files, cells=cells, times=times, compare=not self.no_compare,
                                on_progress=show)
@@ -82,7 +82,7 @@ class Judge(SceneFlags):
         """Cells of the grid, one number for all files or one for each."""
         given = self.inputs()["cells"]
         words = given.replace(",", " ").split() if isinstance(given, str) else []
-        cells = [flags.number([word]) for word in words] or [given]
+        cells = [flags.parse_number([word]) for word in words] or [given]
         if len(cells) > 1 and len(cells) != len(self.files):
             raise flags.BadInput("cells", given, f"gives {len(cells)} grids for {len(self.files)} files; give one "
                                                  "number for all or one for each")
@@ -92,15 +92,15 @@ class Judge(SceneFlags):
         """The summary, the report where it was asked for, and what came of the claims."""
         values, status = judged.to_dict(), 0
         if not self.quiet:
-            put_text(summary(values, judged) + "\n")
+            put_text(judgement_text(values, judged) + "\n")
         if folder is not None:
             from app.pictures.judge import FIGURES
             status = put_report(folder, values, judged, FIGURES, lambda drawn: as_markdown(values, judged, drawn))
-        grids = outcomes(values)
+        grids = claims_outcomes(values)
         return max(status, EXPECTABLE.told(self.expect, grids, "cells" if len(grids) > 1 else ""))
 
 
-def outcomes(values: Mapping[str, Any]) -> list[Mapping[str, Any]]:
+def claims_outcomes(values: Mapping[str, Any]) -> list[Mapping[str, Any]]:
     """Each grid's part of the report in the shape of a run's JSON object."""
     orders = values["order"] or {}
     return [{
@@ -120,13 +120,13 @@ OF_SOME = (("poisson_ratio", "Poisson's ratio", ""), ("frequency", "frequency B 
 HERE = Path(__file__).parent
 
 
-def summary(values: dict, judged: "Judgement") -> str:
+def judgement_text(values: dict, judged: "Judgement") -> str:
     """What was judged, how large the errors are, and what does not hold."""
     scene, asked = judged.scene, values["scene"]
     more = [f"{name} {asked[key]:{'' if key == 'law' else 'g'}}{unit}" for key, name, unit in OF_SOME if key in asked]
     files = sorted({file for g in values["grids"] for file in g["files"]})
     head = [f"# {scene.title.capitalize()}: {len(files)} file{'s' * (len(files) != 1)} judged",
-            f"{values['problem'].capitalize()}: {moving(scene)}, E = {asked['modulus']:g} Pa, density "
+            f"{values['problem'].capitalize()}: {motion_text(scene)}, E = {asked['modulus']:g} Pa, density "
             f"{asked['density']:g} kg/m³, {''.join(f'{one}, ' for one in more)}body force {asked['body_force']}, "
             f"{particles_per_cell(values['problem'], asked['ppc'])} unless files say which they are, against the "
             f"{values['against']}.", _largest(values, judged)]
@@ -142,7 +142,7 @@ def as_markdown(values: dict, judged: "Judgement", pictures: list[str]) -> str:
     shown = [f"![{CAPTIONS[name]}]({name})" for name in pictures]
     body = [_grid(g, values, several=len(values["grids"]) > 1) for g in values["grids"]]
     order = [_order(values)] if values["order"] else []
-    return "\n\n".join([summary(values, judged), *shown, *order, *body, rendered(HERE / "how.md")])
+    return "\n\n".join([judgement_text(values, judged), *shown, *order, *body, render_template(HERE / "how.md")])
 
 
 def _largest(values: dict, judged: "Judgement") -> str:
@@ -175,7 +175,7 @@ def _verdict(g: dict, values: dict) -> str:
         worst = max(ours, key=lambda run: run["error"]["x"]["max"])
         sentences.append(f"Of our methods on this grid {_method(best)} has the least, "
                          f"{_size(best['error']['x']['max'], 'x')} (these particles: "
-                         f"{ratio(x / best['error']['x']['max'])} "
+                         f"{format_ratio(x / best['error']['x']['max'])} "
                          f"times), and {_method(worst)} the most, {_size(worst['error']['x']['max'], 'x')}.")
     sentences += [f"**{check['says'][:1].upper()}{check['says'][1:]}.**" for check in g["checks"]
                   if check["verdict"] == OFF and check["check"] != BY_PLACE]
@@ -231,7 +231,7 @@ def _ours(g: dict) -> str:
         theirs = run["error"]
         both = [(here[q]["max"], theirs[q]["max"]) for q in JUDGED]
         rows.append([_method(run), *(_size(theirs[q]["max"], q) for q in JUDGED),
-                     *(NOTHING if one is None or not other else ratio(one / other) for one, other in both),
+                     *(NOTHING if one is None or not other else format_ratio(one / other) for one, other in both),
                      f"{run['status']}, cfl {run['cfl']:.3g}"])
     return grid(heads, rows, words=("method", "ran"))
 

@@ -8,9 +8,9 @@ from typing import Annotated, Any, ClassVar
 import numpy as np
 
 from app.commands.flags import BadInput, NamesFlag, PathFlag, default_hint, times_of
-from app.commands.output import Folder, json_text, message
+from app.commands.output import Folder, json_text, print_message
 from app.commands.scene_flags import SceneFlags
-from app.templates import rendered
+from app.templates import render_template
 from app.words import per_cell
 from solvers.judging.column_names import column_names
 from solvers.problems import PROBLEMS
@@ -54,7 +54,7 @@ class ProblemCommand(SceneFlags):
         folder = Folder(self.out)
         for name, content in _files(scene, times).items():
             folder.put(name, content)
-        message(f"{folder.text}: begin with problem.md")
+        print_message(f"{folder.text}: begin with problem.md")
         return 0
 
 
@@ -76,7 +76,7 @@ def _files(scene: Scene, times: list[float]) -> dict[str, bytes]:
         "body_force.csv": particle_writers.csv(force, {"problem": scene.problem}),
         f"{name}.csv": particle_writers.csv(particle_writers.table(solution), said),
         "problem.json": json_text({"schema": problem_handout.SCHEMA, **numbers}, lines=True).encode(),
-        "problem.md": page(scene, PROBLEMS[scene.problem].reference.texts(scene), times, name).encode()}
+        "problem.md": problem_page(scene, PROBLEMS[scene.problem].reference.texts(scene), times, name).encode()}
 
 
 def _in_space(vectors: np.ndarray) -> np.ndarray:
@@ -84,7 +84,7 @@ def _in_space(vectors: np.ndarray) -> np.ndarray:
     return np.pad(vectors, ((0, 0), (0, 3 - vectors.shape[1])))
 
 
-def page(scene: Scene, texts: Texts, times: Sequence[float], solution: str) -> str:
+def problem_page(scene: Scene, texts: Texts, times: Sequence[float], solution: str) -> str:
     """What the problem is, what each file holds, and how to be judged."""
     columns = {key: ", ".join(f"`{name}`" for name in column_names(key, scene.DIMENSIONS))
                for key in ("X", "x", "v", "F", "sigma")}
@@ -95,7 +95,7 @@ def page(scene: Scene, texts: Texts, times: Sequence[float], solution: str) -> s
     flags = (f"--{key.replace('_', '-')} {f'{value:.15g}' if isinstance(value, float) else value}"
              for key, value in scene.to_dict().items() if value is not None
              and key not in {"problem", "t_end", "periods", *map(field_key, OF_METHODS)})
-    return rendered(
+    return render_template(
         PAGE, **vars(texts), **columns, title=scene.title, problem=scene.problem, flags=" ".join(flags),
         solution=solution, known=known, times=len(times), cells=scene.cells, h=f"{scene.spacing:.6g}",
         per_cell=per_cell(scene.problem, scene.ppc), period_is=period, period=f"{scene.period:.15g}",

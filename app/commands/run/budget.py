@@ -4,8 +4,8 @@ from dataclasses import dataclass, replace
 from typing import Annotated, Any, ClassVar
 
 from app.commands.flags import BadInput, PathFlag, Switch, default_hint, one_of
-from app.commands.output import Target, json_target, message, put_result
-from app.commands.progress import working
+from app.commands.output import Target, json_target, print_message, put_result
+from app.commands.progress import show_progress
 from app.commands.run.command import BROKEN, OK
 from app.commands.run.text import budget_table, take_away_table
 from app.commands.scene_flags import SceneFlags
@@ -45,12 +45,12 @@ class Budget(SceneFlags):
         picture = None if self.plot is None else Target("plot", self.plot, ending=".png")
         if target and picture and target.path == picture.path:
             raise BadInput("plot", self.plot, "is the file of --json too; give each its own")
-        with working(self.quiet) as show:
+        with show_progress(self.quiet) as show:
             from solvers.running.budget import run_budget  # here: bad input and --help must not wait for Taichi
             if (on_demand := PROBLEMS[scene.problem].budget) is not None:
                 on_demand.check(scene, self.take_away)  # what is refused needs no warning
             for sentence in () if self.quiet else scene.warnings():
-                message(f"warning: {sentence}")
+                print_message(f"warning: {sentence}")
             found = run_budget(scene, self.take_away, show)
         put_result(found.to_dict(), target, _tables)
         if picture:
@@ -59,7 +59,7 @@ class Budget(SceneFlags):
             picture.write(png_bytes(budget_figure(found)))
         broken = [result for result in (found.result, found.again) if result and result.status != "ok"]
         for result in broken:
-            message(result.reason)
+            print_message(result.reason)
         return BROKEN if broken else OK
 
     def _scene(self) -> Any:

@@ -10,8 +10,8 @@ import tyro
 
 from app import state
 from app.commands.flags import BadInput, PathFlag, Switch, TextFlag, default_hint
-from app.commands.output import Target, json_target, message, put_result
-from app.commands.progress import working
+from app.commands.output import Target, json_target, print_message, put_result
+from app.commands.progress import show_progress
 from app.commands.run.text import goal_table, run_table
 from app.commands.scene_flags import SceneFlags
 from solvers.judging.frames import Frame
@@ -88,17 +88,17 @@ class Output:
             raise BadInput("plot", self.plot, "is the file of --json too; give each its own")
         writer = None if self.particles is None else ParticleWriter(self.particles, scene)
         for sentence in () if self.quiet else scene.warnings():
-            message(f"warning: {sentence}")
+            print_message(f"warning: {sentence}")
         result = _run(scene, self.quiet, writer, self.goal)
         if scene.arch == "gpu" and result.arch in ("x64", "arm64") and not self.quiet:
             why = "no GPU was found" if scene.for_gpu else f"the {scene.problem} is built for processors"
-            message(f"{why}: this ran on the processor ({result.arch})")
+            print_message(f"{why}: this ran on the processor ({result.arch})")
         put_result(result.to_dict(), target, lambda values: run_table(values) + goal_table(scene, values["goals"]))
         if writer:
             writer.write(result)
         drawn = picture is None or _draw(result, picture)
         if result.reason:
-            message(result.reason)
+            print_message(result.reason)
         if result.status != "ok":
             return BROKEN
         return OK if drawn else FAILED
@@ -134,14 +134,14 @@ class RunText(Output):
 
     def execute(self) -> int:
         try:
-            scene = state.read(self.text.rpartition("#")[2]).scene  # a whole link does as well
+            scene = state.parse_state(self.text.rpartition("#")[2]).scene  # a whole link does as well
         except state.StateError as error:
             raise BadInput("scene", self.text, str(error)) from None
         return self.run_and_write(scene)
 
 
 def _run(scene: Scene, quiet: bool, writer: ParticleWriter | None, goals: Sequence[str]) -> Result:
-    with working(quiet) as show:
+    with show_progress(quiet) as show:
         from solvers.running.run import run  # here: bad input and --help must not wait for Taichi
         return run(scene, on_progress=show, prices=True, on_sample=writer.keep if writer else None, goals=goals)
 
@@ -152,6 +152,6 @@ def _draw(result: Result, target: Target) -> bool:
         from app.pictures.run import png_bytes, run_figure
         target.write(png_bytes(run_figure(result)))
     except Exception as error:
-        message(f"--plot {target.text}: the picture failed ({type(error).__name__}: {error}); the run is fine")
+        print_message(f"--plot {target.text}: the picture failed ({type(error).__name__}: {error}); the run is fine")
         return False
     return True

@@ -28,7 +28,8 @@ def run_table(result: dict) -> str:
     for name in estimates:  # one estimator's values are not keyed by its name
         estimate, index, distance = (result[key] if len(names) == 1 else result[key][name]
                                      for key in ("estimate", "index", "distance"))
-        rows = [(*_norm(q, estimate[q]), formatted(index[q], ".3f"), formatted(distance[q], ".3f")) for q in QUANTITIES]
+        rows = [(*_norm(q, estimate[q]), format_value(index[q], ".3f"),
+                 format_value(distance[q], ".3f")) for q in QUANTITIES]
         parts.append(_columns([(f"estimate: {name}", *SUMMARY, "index", "distance"), *rows]))
     if estimates:
         parts += ["index: estimate over truth, 1 is perfect; distance: their difference over truth, 0 is perfect"]
@@ -42,8 +43,8 @@ def run_table(result: dict) -> str:
 
 def budget_table(budget: dict) -> str:
     """Each cause's share of the error, and whose error it is; or why shares say nothing."""
-    rows = [(cause, *(formatted(budget[field][name], ".3f") for field in FIELDS)) for name, cause in CAUSES.items()]
-    whose = "the error" if budget["reference"] == "exact" else f"what the {budget['reference']} says the error is"
+    rows = [(cause, *(format_value(budget[field][name], ".3f") for field in FIELDS)) for name, cause in CAUSES.items()]
+    whose = "the error" if budget["reference"] == "exact" else f"what the {budget['reference']} has the error is"
     text = _columns([("share of the error of", *FIELDS), *rows])
     return f"{text}\n{budget['not_valid'] or f'shares of {whose} over the run, adding up to 1'}"
 
@@ -71,13 +72,13 @@ def _heading(result: dict) -> str:
 def _norm(key: str, summary: dict) -> tuple[str, ...]:
     """An error with its unit, and its sizes; a problem's own norms say first which quantity they are of: a_nodes."""
     name = f"{key} ({QUANTITIES[key.partition('_')[0]].unit})"
-    return name, *(formatted(summary[part], ".3e") for part in SUMMARY)
+    return name, *(format_value(summary[part], ".3e") for part in SUMMARY)
 
 
 def take_away_table(values: dict) -> str:
     """What is left of the error without a cause, as predicted and as it came."""
     heads = {"before": "before", "predicted": "predicted", "again": "run again"}
-    rows = [(words, *(formatted(values[key][field], ".3e") for field in FIELDS)) for key, words in heads.items()]
+    rows = [(words, *(format_value(values[key][field], ".3e") for field in FIELDS)) for key, words in heads.items()]
     return _columns([(f"without {CAUSES[values['class']]}, RMS", *(f"{field} ({UNITS[field]})" for field in FIELDS)),
                      *rows])
 
@@ -95,7 +96,7 @@ def _effects(result: dict) -> Iterator[tuple[str, str]]:
 def _number(value: float | None, number: Number) -> str:
     if number.unit == SHARE:
         return NOTHING if value is None else f"{100 * value:.3g} %"
-    return formatted(value, "," if number.kind is int else ".4g") + f" {number.unit}" * bool(number.unit)
+    return format_value(value, "," if number.kind is int else ".4g") + f" {number.unit}" * bool(number.unit)
 
 
 def _cost(result: dict) -> str:
@@ -113,7 +114,7 @@ def _columns(rows: list[tuple[str, ...]]) -> str:
     return "\n".join(f"{row[0]:<24}" + "".join(f"{cell:>12}" for cell in row[1:]) for row in rows)
 
 
-def formatted(value: float | None, form: str) -> str:
+def format_value(value: float | None, form: str) -> str:
     """A number; a dash where there is none."""
     return NOTHING if value is None else format(value, form)
 
@@ -125,12 +126,12 @@ def goal_table(scene: Scene, goals: Mapping[str, dict]) -> str:
     blocks = []
     for name, goal in goals.items():
         unit = goal["unit"]
-        lines = [f"{name:<24}{formatted(goal['value'], '.6g'):>{GOAL_WIDTH}} {unit}"]
+        lines = [f"{name:<24}{format_value(goal['value'], '.6g'):>{GOAL_WIDTH}} {unit}"]
         for estimator, bar in goal["bar"].items():
             counts = track_record.held(scene, name, estimator)
             often = f"   held {counts[0]} of {counts[1]}" if counts and bar is not None else ""
-            lines.append(f"  {'+- ' + estimator:<22}{formatted(bar, '.2g'):>{GOAL_WIDTH}} {unit}{often}")
+            lines.append(f"  {'+- ' + estimator:<22}{format_value(bar, '.2g'):>{GOAL_WIDTH}} {unit}{often}")
         if goal["true_error"] is not None:
-            lines.append(f"  {'true error':<22}{formatted(goal['true_error'], '.2g'):>{GOAL_WIDTH}} {unit}")
+            lines.append(f"  {'true error':<22}{format_value(goal['true_error'], '.2g'):>{GOAL_WIDTH}} {unit}")
         blocks.append("\n".join(lines))
     return "\n\n".join(["", *blocks, GOAL_MEANING])

@@ -8,8 +8,18 @@ import time
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Annotated, Any, ClassVar
 
-from app.commands.flags import BadInput, PathFlag, RealFlag, Switch, choices_of, default_hint, number, real, several_of
-from app.commands.output import json_target, message, put_result
+from app.commands.flags import (
+    BadInput,
+    PathFlag,
+    RealFlag,
+    Switch,
+    choices_of,
+    default_hint,
+    parse_float,
+    parse_number,
+    several_of,
+)
+from app.commands.output import json_target, print_message, put_result
 from app.commands.progress import noted_interrupts, stdout_to_stderr
 from app.words import command_line, per_cell
 from solvers.scene.scene import Scene
@@ -76,7 +86,7 @@ class Advise:
         values = as_dict(advice, base, self.tolerance, self.relative, time.monotonic() - begun)
         put_result(values, target, as_text)
         if not advice.met:
-            message(values["reason"])
+            print_message(values["reason"])
         return OK if advice.met else UNREACHABLE
 
     def _search(self, base: Scene, quantity: str, tolerance: float, check_interrupts) -> Advice:
@@ -85,8 +95,8 @@ class Advise:
         def told(looks: int, certain: int, scene: Scene) -> None:
             check_interrupts()
             if not self.quiet and sys.stderr.isatty():
-                message(f"run {looks}: {scene.method}, {scene.cells} cells, {per_cell(scene.problem, scene.ppc)} "
-                        f"particles per cell, cfl {scene.cfl:g}")
+                print_message(f"run {looks}: {scene.method}, {scene.cells} cells, {per_cell(scene.problem, scene.ppc)} "
+                              f"particles per cell, cfl {scene.cfl:g}")
 
         for method in self.method:
             require_choice("method", method, base.choices("method"))
@@ -97,7 +107,7 @@ class Advise:
 
     def _numbers(self, flag: str, words: tuple[str, ...], default: tuple[Any, ...]) -> tuple[Any, ...]:
         """The words of a flag as numbers that a scene accepts."""
-        numbers = tuple(real([word]) if flag == "cfl" else number([word]) for word in words)
+        numbers = tuple(parse_float([word]) if flag == "cfl" else parse_number([word]) for word in words)
         for value in numbers:
             self.SCENE(**{flag: value})  # says what is wrong with it
         return numbers or default

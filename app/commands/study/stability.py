@@ -4,7 +4,7 @@ from dataclasses import dataclass
 from typing import Annotated, Any, ClassVar
 
 from app import __version__
-from app.commands.flags import ProcessesFlag, RealFlag, choices_of, default_hint, number, several_of
+from app.commands.flags import ProcessesFlag, RealFlag, choices_of, default_hint, parse_number, several_of
 from app.commands.output import json_text
 from app.commands.study.study_command import StudyFlags
 from app.words import unit_of
@@ -64,8 +64,8 @@ class Stability(StudyFlags):
             require_choice("method", method, self.SCENE.choices("method"))
         axes = {"method": list(self.method or self.SCENE.choices("method")),
                 **{name: [getattr(self, name)] for name in ("cells", "ppc", "periods")},
-                "amplitude": [number([word]) for word in self.amplitude] or list(self.SCENE.HARD_AMPLITUDES),
-                "cfl": [number([word]) for word in self.cfl] or list(DEFAULT_CFL)}
+                "amplitude": [parse_number([word]) for word in self.amplitude] or list(self.SCENE.HARD_AMPLITUDES),
+                "cfl": [parse_number([word]) for word in self.cfl] or list(DEFAULT_CFL)}
         for name, values in axes.items():
             for value in values:
                 self.SCENE(**{name: value})  # says what is wrong with it

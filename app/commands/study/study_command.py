@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Annotated, Any, ClassVar
 
 from app.commands.flags import BadInput, NumberFlag, PathFlag, Switch, TextFlag, default_hint
-from app.commands.output import Target, draw, message, put_text, report_write_errors
+from app.commands.output import Target, draw_pictures, print_message, put_text, report_write_errors
 from solvers.scene.scene import Scene
 from solvers.scene.validation import require_whole
 from solvers.solver.soundness import LOST, OK, UNSTABLE
@@ -94,7 +94,7 @@ class Study:
     def write(self, figures: Mapping[str, Callable], values: Any, files: Callable[[list[str]], Mapping[str, str]],
               printed: str = "") -> int:
         """Draws ``values``, writes the ``files``, of which one may be ``printed``, and returns the exit status."""
-        drawn, status = draw(figures, values, self._put, self.out, "the rows are fine")
+        drawn, status = draw_pictures(figures, values, self._put, self.out, "the rows are fine")
         for name, text in (texts := files(drawn)).items():
             self._put(name, text.encode())
         if printed:
@@ -136,12 +136,12 @@ class Study:
         if self.quiet:
             return
         there = sum(store.finished(task.key) for task in tasks)
-        message(f"{len(tasks)} rows" + (f", {there} of them there already" if there else ""))
+        print_message(f"{len(tasks)} rows" + (f", {there} of them there already" if there else ""))
         if old := sum(store.outdated(task.key) for task in tasks):
-            message(f"{old} row{'s were' if old > 1 else ' was'} measured by another version of the solvers and "
+            print_message(f"{old} row{'s were' if old > 1 else ' was'} measured by another version of the solvers and "
                 f"{'are' if old > 1 else 'is'} measured again")
         for sentence in dict.fromkeys(sentence for task in tasks for sentence in task.remarks()):
-            message(sentence)
+            print_message(sentence)
 
     def _measure(self, tasks: Sequence["Question"], place: "LocalExecutor | Cluster", store: Store) -> bool:
         """Fill the store; False if the place where rows run was lost on the way."""
@@ -155,13 +155,13 @@ class Study:
             with report_write_errors(f"--out {quoted(self.out)}"):
                 store.append(self.beside(row))
             if not self.quiet and row["status"] != REFUSED:  # that was said before
-                message(f"{done}/{len(tasks)} {self.told(row, tasks)}")
+                print_message(f"{done}/{len(tasks)} {self.told(row, tasks)}")
 
         try:
             for group in self.stages(todo):
                 execute(group, place, keep, self.given_up)
         except ExecutorLost as error:
-            message(f"{error}; {done} of {len(tasks)} rows are kept: give --resume to run the others")
+            print_message(f"{error}; {done} of {len(tasks)} rows are kept: give --resume to run the others")
             return False
         return True
 

@@ -9,7 +9,7 @@ from typing import Annotated
 import tyro
 
 from app.commands.flags import BadInput, PathFlag, ProcessesFlag, Switch, TextFlag, default_hint, side_by_side
-from app.commands.output import Target, json_text, message
+from app.commands.output import Target, json_text, print_message
 from app.commands.study.study_command import INCOMPLETE, Study
 from app.words import NOTHING, QUANTITIES, method_name
 from solvers.problems import PROBLEMS
@@ -81,22 +81,22 @@ class Tables(Study):
         return side_by_side(self.processes)
 
     def document(self, rows: list[dict]) -> int:
-        from app.pictures.tables import figure
+        from app.pictures.tables import table_figure
 
         wanted = self._tables()
         keys = {task.key for task in runs(wanted)}
         if failed := [row for row in rows if row["key"] in keys and row["status"] == FAILED]:
-            message(f"{len(failed)} runs failed, the first of them: {failed[0]['reason']}; the others are kept")
+            print_message(f"{len(failed)} runs failed, the first of them: {failed[0]['reason']}; the others are kept")
             return INCOMPLETE
         made = [document(table, results_of(table, rows)) for table in wanted]
-        status = self.write({f"table{table['table']}": functools.partial(lambda table, _: figure(table), table)
+        status = self.write({f"table{table['table']}": functools.partial(lambda table, _: table_figure(table), table)
                              for table in made}, made,
                             lambda _: {f"table{table['table']}.{kind}": text for table in made
                                        for kind, text in (("json", json_text(table, lines=True)),
-                                                          ("md", markdown(table)))})
+                                                          ("md", table_markdown(table)))})
         unstable = [row for table in made for row in table["rows"] if row["unstable"]]
         for row in unstable:
-            message(f"{row['name']}: {row['unstable']}")
+            print_message(f"{row['name']}: {row['unstable']}")
         return UNSTABLE if unstable else status
 
 
@@ -109,7 +109,7 @@ COMPARED = {"1": {"x": "x (m)", "v": "v (m/s)", "sigma_log": "σ (Pa)", "grid_cr
 Footnotes = dict[str, int]  # sentences under the table, each once, with their numbers
 
 
-def markdown(table: dict) -> str:
+def table_markdown(table: dict) -> str:
     notes: Footnotes = {}
     blocks = [f"# {table['title']}", *table["setup"]]
     for part, rows in parts(table).items():

@@ -4,7 +4,7 @@ import numpy as np
 
 from app.frame.layout import Rectangle
 from app.frame.primitives import Bounds, Colour
-from app.frame.slow_motion.stage import DOMAINS, FRONT, OTHERS, SlowStage, shape
+from app.frame.slow_motion.stage import DOMAINS, FRONT, OTHERS, SlowStage, averaged_hat
 from solvers.problems.planar.layout import CORNERS
 from solvers.scene.scene import Scene
 from solvers.solver.step_breakdown import StepBreakdown
@@ -70,9 +70,9 @@ class PlanarSlowStage(SlowStage):
                 return out
 
             for node in np.unique(a.nodes[:, axis].round(12)):
-                curve = beside(x, shape((x - node) / a.spacing, reach))
+                curve = beside(x, averaged_hat((x - node) / a.spacing, reach))
                 self._sketch.line(curve[:-1], curve[1:], OTHERS, 2.0)
-                read = beside(feet[:, axis], shape((feet[:, axis] - node) / a.spacing, reach))
+                read = beside(feet[:, axis], averaged_hat((feet[:, axis] - node) / a.spacing, reach))
                 self._sketch.dots(read, FRONT, 0)
             self._sketch.line(beside(feet[:, axis], np.zeros(len(feet))), self._place(feet), FRONT)
         if cpdi:

@@ -4,7 +4,7 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from app.frame.primitives import Anchor, Colour, Dots, Label, Lines, Mark, in_plane, joined
+from app.frame.primitives import Anchor, Colour, Dots, Label, Lines, Mark, in_plane, join_points
 
 THICKNESSES = (1.0, 2.0, 3.5, 5.5, 8.0)  # pixels
 SIZES = (0.012, 0.024, 0.036)  # across, of dots
@@ -29,7 +29,7 @@ class Sketch:
         """From each start to its end, as near to so many pixels thick as there is."""
         self._depth += LAYER
         kind = np.abs(np.subtract.outer(np.broadcast_to(thickness, len(starts)), THICKNESSES)).argmin(axis=1)
-        segments = joined(*(in_plane(at[:, 0], at[:, 1], self._depth) for at in (starts, ends)))
+        segments = join_points(*(in_plane(at[:, 0], at[:, 1], self._depth) for at in (starts, ends)))
         for k, drawn in enumerate(self._segments):
             chosen = segments[kind == k]
             drawn.append((chosen, np.broadcast_to(np.array(colour, np.uint8), chosen.shape)))

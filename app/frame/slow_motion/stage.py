@@ -5,10 +5,10 @@ from dataclasses import replace
 
 import numpy as np
 
-from app.frame.layout import Rectangle, rectangle
-from app.frame.primitives import Anchor, Bounds, Colour, Surface, wrapped
+from app.frame.layout import Rectangle, drawing_rectangle
+from app.frame.primitives import Anchor, Bounds, Colour, Surface, wrap_text
 from app.frame.slow_motion.sketch import SIZES, Sketch
-from app.frame.slow_motion.step_phases import PHASES, scaled
+from app.frame.slow_motion.step_phases import PHASES, format_scaled
 from app.language.translation import tr
 from solvers.scene.scene import Scene
 from solvers.solver.step_breakdown import StepBreakdown
@@ -38,7 +38,7 @@ class SlowStage(ABC):
     @property
     def rectangle(self) -> Rectangle:
         """Of all that is drawn."""
-        return rectangle(self._room.high)
+        return drawing_rectangle(self._room.high)
 
     def _divide(self) -> None:
         """Give words and picture their places in the room that there is now."""
@@ -72,8 +72,8 @@ class SlowStage(ABC):
         self._sketch.dots(self._nodes, NODE, 0)
         self._numbers(a, phase)
         which = tr("Particle {particle} in step {step}", particle=a.particle, step=a.step)
-        caption = "\n".join(wrapped(line, self.width) for line in [which, *PHASES[phase].front(scene, a)])
-        self._sketch.text(0.0, self._room.high, wrapped("; ".join(self._legend), self.width), "top-left", CAPTION)
+        caption = "\n".join(wrap_text(line, self.width) for line in [which, *PHASES[phase].front(scene, a)])
+        self._sketch.text(0.0, self._room.high, wrap_text("; ".join(self._legend), self.width), "top-left", CAPTION)
         self._sketch.text(0.0, 0.0, caption, "bottom-left", CAPTION)
         self.sheet.show(*self._sketch.marks())
 
@@ -166,7 +166,7 @@ class SlowStage(ABC):
         """The solver's own, beside each node: on the side to which its arrows point least."""
         shown = PHASES[phase].columns[:PHASES[phase].drawn]
         digits = DIGITS[a.nodes.shape[1]]
-        texts, units = zip(*(scaled(c.scale * c.values(a), c.unit, digits) for c in shown), strict=True)
+        texts, units = zip(*(format_scaled(c.scale * c.values(a), c.unit, digits) for c in shown), strict=True)
         arrows = [c.values(a) for c in shown] + [a.velocity - a.before_velocity] * (phase == 3)
         taken = np.max([self._aim(values / max(np.abs(values).max(), 1e-300)) @ np.array([side for _, side in SIDES]).T
                         if values.ndim > 1 else np.zeros((len(self._nodes), len(SIDES))) for values in arrows], axis=0)
@@ -251,7 +251,7 @@ class SlowStage(ABC):
         """Draw the shape functions; they grow with ``s``."""
 
 
-def shape(distance: np.ndarray, reach: float) -> np.ndarray:
+def averaged_hat(distance: np.ndarray, reach: float) -> np.ndarray:
     """Returns the hat function averaged over ``reach`` to either side, in cells; with 1/2 it is the B-spline."""
     if reach < 1e-9:
         return np.maximum(0.0, 1 - np.abs(distance))

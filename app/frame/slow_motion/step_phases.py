@@ -92,14 +92,15 @@ def _of_stress(scene: Scene) -> str:
 
 def _carried(_: Scene, a: StepBreakdown) -> list[str]:
     here = a.before
-    return [f"x = {amount(here.position[0], 'm')}, v = {amount(here.velocity[0], 'm/s')}",
-            tr("mass {mass}, stress {stress}", mass=amount(1000 * a.mass[:1], "g"), stress=_tensor(here.stress[0]))]
+    return [f"x = {format_amount(here.position[0], 'm')}, v = {format_amount(here.velocity[0], 'm/s')}",
+            tr("mass {mass}, stress {stress}", mass=format_amount(1000 * a.mass[:1], "g"),
+               stress=_tensor(here.stress[0]))]
 
 
 def _given(_: Scene, a: StepBreakdown) -> list[str]:
     momentum = a.mass[0] * a.before.velocity[0]
     return [tr("each node gets its weight × mass {mass}, and × momentum {momentum}",
-               mass=amount(1000 * a.mass[:1], "g"), momentum=amount(momentum, "N s"))]
+               mass=format_amount(1000 * a.mass[:1], "g"), momentum=format_amount(momentum, "N s"))]
 
 
 def _pulled(scene: Scene, a: StepBreakdown) -> list[str]:
@@ -113,10 +114,10 @@ def _pulled(scene: Scene, a: StepBreakdown) -> list[str]:
 
 def _moved(_: Scene, a: StepBreakdown) -> list[str]:
     before, after = a.before, a.after
-    lines = [f"v = {change(before.velocity[0], after.velocity[0], 'm/s')}",
-             f"x = {change(before.position[0], after.position[0], 'm')}"]
+    lines = [f"v = {format_change(before.velocity[0], after.velocity[0], 'm/s')}",
+             f"x = {format_change(before.position[0], after.position[0], 'm')}"]
     if np.abs(a.left_over).max() > 1e-9 * np.abs(after.velocity[0]).max():  # far above round-off
-        lines.append(tr("the remedies changed v by {amount}", amount=amount(a.left_over, "m/s")))
+        lines.append(tr("the remedies changed v by {amount}", amount=format_amount(a.left_over, "m/s")))
     return lines
 
 
@@ -136,13 +137,13 @@ PHASES = (
     Phase(lazy("New velocities of the nodes"),
           lambda _: tr("new v of a node = momentum / mass + time step × a, with a = force / mass"),
           (OLD, NEW, ACCELERATION), 2,
-          lambda scene, a: [tr("time step {size}", size=amount(np.array([a.time_step]), "s"))]),
+          lambda scene, a: [tr("time step {size}", size=format_amount(np.array([a.time_step]), "s"))]),
     Phase(lazy("Velocities come back, the particles move"),
           lambda scene: tr(MOTION.get(scene.velocity, MOTION[""])), (NEW, ACCELERATION, WEIGHTS), 1, _moved),
     Phase(lazy("Stress last"), _of_stress, (NEW, SLOPES), 1, _strained))
 
 
-def scaled(values: np.ndarray, unit: str, digits: int) -> tuple[list[str], str]:
+def format_scaled(values: np.ndarray, unit: str, digits: int) -> tuple[list[str], str]:
     """Texts of numbers (n,) or vectors (n, D) that share a power of ten, and the unit with its prefix."""
     largest = np.abs(values[np.isfinite(values)]).max(initial=0.0)
     power = math.floor(math.log10(largest) / 3) if largest > 0 and unit not in ("", "1/m") else 0
@@ -153,15 +154,15 @@ def scaled(values: np.ndarray, unit: str, digits: int) -> tuple[list[str], str]:
     return texts, PREFIXES[power] + unit
 
 
-def amount(values: np.ndarray, unit: str, digits: int = 4) -> str:
+def format_amount(values: np.ndarray, unit: str, digits: int = 4) -> str:
     """A number or the components (D,) of a vector, with its unit."""
-    return change(values, None, unit, digits)
+    return format_change(values, None, unit, digits)
 
 
-def change(before: np.ndarray, after: np.ndarray | None, unit: str, digits: int = 6) -> str:
+def format_change(before: np.ndarray, after: np.ndarray | None, unit: str, digits: int = 6) -> str:
     """The same before and after, with an arrow between."""
     both = before[None] if after is None else np.stack([before, after])
-    texts, unit = scaled(both, unit, digits)
+    texts, unit = format_scaled(both, unit, digits)
     return " → ".join(f"({text})" if len(before) > 1 else text for text in texts) + f" {unit}".rstrip()
 
 
@@ -170,4 +171,4 @@ def _tensor(values: np.ndarray, unit: str = "Pa", full: bool = False, after: np.
     which = [0] if values.size == 1 else [0, 1, 2, 3] if full else [0, 1, 3]
     name = {1: "", 3: "(xx, xy, yy) ", 4: "(xx, xy, yx, yy) "}[len(which)]
     parts = values.ravel()[which]
-    return name + (amount(parts, unit) if after is None else change(parts, after.ravel()[which], unit))
+    return name + (format_amount(parts, unit) if after is None else format_change(parts, after.ravel()[which], unit))

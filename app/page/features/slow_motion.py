@@ -2,7 +2,7 @@
 
 import logging
 import threading
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import replace
 from html import escape
 
@@ -12,12 +12,12 @@ from app.frame.headline import Headline
 from app.frame.layout import Rectangle
 from app.frame.primitives import Bounds
 from app.frame.slow_motion.stage import DIGITS, SlowStage
-from app.frame.slow_motion.step_phases import PHASES, scaled
-from app.language.translation import tr, with_language
-from app.page.canvas import Canvas
+from app.frame.slow_motion.step_phases import PHASES, format_scaled
+from app.language.translation import lazy, tr, with_language
 from app.page.display_source import Choice, Display, FrameView, Source
-from app.page.panels.page_header import BARE
-from app.page.visit.session import Session
+from app.page.feature import Feature, PageView
+from app.page.page_context import PageContext
+from app.page.panels.page_header import BARE, add_anchor
 from app.problems.views import VIEWS
 from solvers.engine.engine_messages import FrameReport
 from solvers.scene.scene import Scene
@@ -28,14 +28,17 @@ TICK = 0.06  # seconds between two pictures
 SECONDS = (1.0, 10.0, 3.0)  # that a phase takes: least, most, at first
 MOVING = 0.7  # share of them in which things move; then they rest, to be read
 LAST = len(PHASES) - 1
+SLOW, NOT_SLOW = lazy("Slow motion"), lazy("Normal speed")
 
 
-class SlowMotion:
-    """The mode of one visitor: while ``on`` the run rests, while ``showing`` a step replaces the ordinary stage;
-    ``on_view`` is called when that changes. It ends when something else moves the run on."""
+class SlowMotion(Feature):
+    """The mode of one visitor: while ``on`` the run rests, while ``showing`` a step replaces the ordinary stage. It
+    ends when something else moves the run on."""
 
-    def __init__(self, client: viser.ClientHandle, canvas: Canvas, session: Session, on_view: Callable[[], None]):
-        self._client, self._canvas, self._session, self._on_view = client, canvas, session, on_view
+    def __init__(self, page: PageContext):
+        self._client, self._canvas, self._session, self._on_view = (
+            page.client, page.canvas, page.session, page.stage.draw)
+        self.source = SlowStep(self, page.run)
         self._lock = threading.RLock()
         self._over = threading.Event()  # of the thread that draws while the mode is on
         self._stages: dict[str, SlowStage] = {}  # made when they are first needed
@@ -44,6 +47,20 @@ class SlowMotion:
         self.sentence = Headline()  # that says what is on the stage, while the mode is on
         self._phase, self._s, self._seconds, self._asked = 0, 0.0, SECONDS[2], 0
         self._drawn: tuple[int, float, Bounds] | None = None  # phase, how far it is, and in which room
+
+        mark = page.gui.add_html("<i class='lab-at-slow'></i>")
+        self._button = page.gui.add_button(tr(SLOW),
+                                           hint=tr("pause, and walk through one time step phase by phase"))
+        self._button.on_click(lambda _: self.leave_stage() if self.on else self.forward())
+        page.controls.extend("slow-motion", lambda: self._build_fold(page.gui), mark, self._button)
+
+    @classmethod
+    def build(cls, page: PageContext) -> "SlowMotion":
+        return cls(page)
+
+    @property
+    def shortcuts(self) -> Mapping[str, Callable[[], None]]:
+        return {"phase": self.forward, "phase back": self.back}
 
     @property
     def showing(self) -> bool:
@@ -56,8 +73,9 @@ class SlowMotion:
         step = self._step  # without the lock: who draws asks, whom those wait for that hold it
         return None if step is None else self._stages[step[0].problem].rectangle
 
-    def build(self, gui: viser.GuiApi) -> None:
-        """Make the widgets, for the session's present scene."""
+    def _build_fold(self, gui: viser.GuiApi) -> None:
+        """Make the widgets among the controls, for the session's present scene."""
+        add_anchor(gui, "lab-slow-fold", words=tr("phase by phase"))
         least, most, _ = SECONDS
         with self._lock, gui.add_folder(tr("One step in slow motion"), expand_by_default=False):
             self._box = gui.add_checkbox(tr("Slow motion"), self.on, hint=tr(
@@ -114,9 +132,11 @@ class SlowMotion:
             if self._phase > 0:
                 self._phase, self._s = self._phase - 1, 1.0
 
-    def end(self) -> None:
-        """Something else takes the stage."""
+    def leave_stage(self) -> None:
         self._switch(False)
+
+    def refresh(self, view: PageView) -> None:
+        self._button.label = tr(NOT_SLOW if self.on else SLOW)
 
     def close(self) -> None:
         """The visitor has gone."""
@@ -224,7 +244,7 @@ def _table(scene: Scene, a: StepBreakdown, phase: int) -> str:
     what = PHASES[phase]
     names, rows = [tr("node at, m")], [[", ".join(f"{x:.4g}".replace("-", "−") for x in place) for place in a.nodes]]
     for column in what.columns:
-        texts, unit = scaled(column.scale * column.values(a), column.unit, DIGITS[a.nodes.shape[1]])
+        texts, unit = format_scaled(column.scale * column.values(a), column.unit, DIGITS[a.nodes.shape[1]])
         name = tr(column.name)
         names.append(f"{name}, {unit.replace(' ', NO_BREAK)}" if unit else name)
         rows.append(texts)

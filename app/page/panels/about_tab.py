@@ -2,8 +2,8 @@
 
 import viser
 
-from app.language.translation import ENGLISH, language, localised, tr
-from app.page.panels.page_header import WEB, links
+from app.language.translation import ENGLISH, current_language, localised_path, tr
+from app.page.panels.page_header import WEB, language_links
 from app.problems.views import VIEWS
 from solvers.problems import PROBLEMS
 from solvers.scene.estimator_registry import ESTIMATORS
@@ -19,8 +19,8 @@ def add_about(gui: viser.GuiApi) -> None:
                               divisions=", ".join(tr(view.division) for view in VIEWS.values())))
     for estimator in ESTIMATORS.values():
         with gui.add_folder(tr("The estimator {title}", title=estimator.title), expand_by_default=False):
-            gui.add_html(f"<div class='lab-about lab-explanation'>{estimator.explained(language())}</div>")
-    own = "" if language() == ENGLISH else f" lang='{language()}'"  # what it stands in may be English
+            gui.add_html(f"<div class='lab-about lab-explanation'>{estimator.explained(current_language())}</div>")
+    own = "" if current_language() == ENGLISH else f" lang='{current_language()}'"  # what it stands in may be English
     rules, remedies = "", ""
     for rule in CONTRADICTIONS.values():
         size = tr("more than {most:g}", most=rule.most)
@@ -32,11 +32,11 @@ def add_about(gui: viser.GuiApi) -> None:
             label = tr("{label} ({problems} only)", label=label, problems=", ".join(titles))
         remedies += f"<dt{own}>{label}</dt><dd{own}>{tr(remedy.explanation)}.</dd>"
     gui.add_html(_text("trust.html").format(rules=rules, remedies=remedies, error=MOST_ERROR, safe=SAFE))
-    gui.add_html(f"<div class='lab-about lab-languages'>{links()}</div>")
+    gui.add_html(f"<div class='lab-about lab-languages'>{language_links()}</div>")
 
 
 def _text(name: str) -> str:
     """A text of the web folder; one that is there in English only says so."""
-    path = localised(WEB / name)
+    path = localised_path(WEB / name)
     text = path.read_text(encoding="utf-8")
-    return text if language() == ENGLISH or path.name != name else f"<div lang='{ENGLISH}'>{text}</div>"
+    return text if current_language() == ENGLISH or path.name != name else f"<div lang='{ENGLISH}'>{text}</div>"

@@ -12,7 +12,7 @@ from typing import Any
 import viser
 
 from app.language.translation import tr
-from app.viewer.widgets import allow, number
+from app.viewer.widgets import is_number_between, set_max_length
 
 LONGEST = 20_000  # characters that a browser may tell at once
 MOST_KINDS = 40  # of things that are remembered until somebody hears them: a browser may say any number
@@ -32,7 +32,7 @@ class BrowserStore:
         self._early: dict[str, Any] = {}  # said before anybody listened, the latest of each kind
         gui.add_html(MARK)
         self._text = gui.add_text(tr("kept by the browser"), "")
-        allow(self._text, LONGEST)
+        set_max_length(self._text, LONGEST)
         self._mark = gui.add_html("")
         self._waiting: deque[str] = deque(maxlen=MOST_KINDS)  # what it has said and nobody has heard yet
         self._hearing = threading.Lock()
@@ -128,7 +128,7 @@ class Window:
         store.heard["dark"] = self._shade
 
     def _hear(self, said: Any) -> None:
-        if not (isinstance(said, list) and len(said) == 6 and all(number(part, 0, WIDEST) for part in said)):
+        if not (isinstance(said, list) and len(said) == 6 and all(is_number_between(part, 0, WIDEST) for part in said)):
             return
         size = LayoutMetrics(*map(float, said))
         if size != self.size:

@@ -9,7 +9,7 @@ import numpy as np
 import viser
 
 from app.language.translation import lazy, tr, with_language
-from app.page.panels.page_header import mark
+from app.page.panels.page_header import add_anchor
 from app.page.panels.scene_widgets import SceneWidgets
 from app.words import size_in, with_unit
 from solvers.untrusted import quoting
@@ -43,9 +43,9 @@ class SizeControl:
         self._typed: threading.Timer | None = None
         self._value = value  # what is, as far as is known
         low, high = _ends(size, value)
-        marks = [mark(gui, "lab-logarithmic", *filter(None, [size.place]), words=size.words)]
+        marks = [add_anchor(gui, "lab-logarithmic", *filter(None, [size.place]), words=size.words)]
         self._slider = gui.add_slider(size.name, low, high, STEP, float(np.log10(value)), hint=size.hint)
-        marks.append(mark(gui, "lab-typed", *filter(None, [size.place])))
+        marks.append(add_anchor(gui, "lab-typed", *filter(None, [size.place])))
         self._text = gui.add_text(
             tr("{name}, typed", name=size.name), self._shown(value),
             hint=tr(TYPE_SIZE if size.unit else TYPE, unit=size.unit, example=self._shown(size.default)))

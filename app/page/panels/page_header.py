@@ -13,10 +13,10 @@ from typing import Any
 import viser
 
 from app.colours import TEXTS, rgb
-from app.identity import MARK, faces
-from app.language.translation import LANGUAGES, catalogue, language, lazy, tr
+from app.identity import MARK, font_faces_css
+from app.language.translation import LANGUAGES, current_language, lazy, load_catalogue, tr
 from app.page.panels.browser_store import BrowserStore
-from app.templates import rendered
+from app.templates import render_template
 from app.words import in_a_line
 from solvers.problems import PROBLEMS
 from solvers.scene.scene import Scene
@@ -34,11 +34,13 @@ def _web(folder: str, ending: str) -> str:
     return "".join(path.read_text(encoding="utf-8") for path in sorted((WEB / folder).glob(f"*.{ending}")))
 
 
-def ground() -> str:
+def initial_html() -> str:
     """Returns what the first html of a browser has of ours: style, frame, scripts and their texts."""
-    words = json.dumps(catalogue(language()).of_files("app/page/web/js/"), ensure_ascii=False).replace("<", "\\u003c")
-    frame = rendered(WEB / "ground.html", mark=MARK, languages=links())
-    return f"<style>\n{faces()}{_web('css', 'css')}</style>\n{frame}" \
+    words = json.dumps(load_catalogue(current_language()).of_files("app/page/web/js/"), ensure_ascii=False).replace(
+        "<", "\\u003c"
+    )
+    frame = render_template(WEB / "ground.html", mark=MARK, languages=language_links())
+    return f"<style>\n{font_faces_css()}{_web('css', 'css')}</style>\n{frame}" \
         + f"<script type='application/json' id='lab-words'>{words}</script>\n<script>\n{_web('js', 'js')}</script>"
 
 
@@ -54,18 +56,18 @@ def set_up(gui: viser.GuiApi, dark: bool = False) -> None:
     gui.set_panel_label("mpm-lab: how wrong is it?")
 
 
-def links() -> str:
+def language_links() -> str:
     """Html of the links to all languages but the one that is spoken (``js/languages.js``: it keeps what is seen)."""
     return " ".join(f"<a class='lab-language' href='?lang={code}' lang='{code}' hreflang='{code}'>{other.name}</a>"
-                    for code, other in LANGUAGES.items() if code != language())
+                    for code, other in LANGUAGES.items() if code != current_language())
 
 
-def mark(gui: viser.GuiApi, *names: str, words: str = "") -> viser.GuiHtmlHandle:
-    """Marks the next widget with names, and ``words`` beside its label; :func:`marked` changes the mark."""
-    return gui.add_html(marked(*names, words=words))
+def add_anchor(gui: viser.GuiApi, *names: str, words: str = "") -> viser.GuiHtmlHandle:
+    """Marks the next widget with names, and ``words`` beside its label; :func:`anchor_html` changes the mark."""
+    return gui.add_html(anchor_html(*names, words=words))
 
 
-def marked(*names: str, words: str = "") -> str:
+def anchor_html(*names: str, words: str = "") -> str:
     """The html of a mark."""
     return f"<i class='{' '.join(('lab-words', *names))}' data-words='{escape(words)}'></i>"
 

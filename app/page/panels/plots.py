@@ -14,13 +14,13 @@ from viser import uplot
 
 from app.colours import PINNED, TRUTH
 from app.frame.captions import NOT_COUNTED, TRUE
-from app.frame.colour_scale import BEYOND, largest
+from app.frame.colour_scale import BEYOND, largest_finite
 from app.language.translation import lazy, tr
-from app.page.panels.readout import named
+from app.page.panels.readout import name_with_sample
 from app.page.visit.history import RunSeries
 from app.page.visit.particle_trace import TracedParticle
 from app.page.visit.pinned_run import PinnedRun
-from app.words import QUANTITIES, number, power_of_ten, power_text
+from app.words import QUANTITIES, format_number, power_of_ten, power_text
 from solvers.scene.estimator_registry import ESTIMATORS
 from solvers.scene.scene import Scene
 
@@ -86,22 +86,25 @@ class Plots:
         of_time, second = _time_unit(time[-1], history.scene)
         self._time_label.content = _time_label(of_time)
         # What the lines of the presented plot are, for where the readout does not say it.
-        meant = *map(named, (TRUE, *valid)), tr("over {time}", time=of_time)
+        meant = *map(name_with_sample, (TRUE, *valid)), tr("over {time}", time=of_time)
         lines = "".join(f"<span>{text}</span>" for text in meant)
         title = tr("error norm of {symbol} / {unit}", symbol=words.symbol, unit=unit) \
             + f"<br>{tr('grey: pinned')}" * bool(grey) + f"<div class='lab-lines'>{lines}</div>"
         self._headings[0].content = _heading(title, NORM, kind="lab-presented")
-        put(self._plots[0], finite(second * time, *errors))
+        set_series(self._plots[0], finite_series(second * time, *errors))
         (low, high), ends = INDEX_RANGE, {name: series[f"{name}/index_{quantity}"][-1] for name in valid}
-        beyond = no_index or "; ".join(tr(ABOVE if index > high else BELOW, estimator=name, index=number(index))
+        beyond = no_index or "; ".join(tr(ABOVE if index > high else BELOW, estimator=name, index=format_number(index))
                                        for name, index in ends.items()
                                        if np.isfinite(index) and not low <= index <= high)
         title = tr("error index of {symbol}: estimated / true", symbol=words.symbol)
         self._headings[1].content = _heading(title, INDEX, beyond)
         indices = [np.minimum(series[f"{name}/index_{quantity}"], INDEX_RANGE[1]) if name in valid else nothing
                    for name in self._estimators]
-        put(self._plots[1], finite(second * time, *(np.minimum(values, INDEX_RANGE[1]) for values in grey_index),
-                                     np.ones(len(time)), *indices))
+        set_series(
+            self._plots[1],
+            finite_series(second * time, *(np.minimum(values, INDEX_RANGE[1]) for values in grey_index),
+                          np.ones(len(time)), *indices),
+        )
         self._show_crossings(history, series, grey_rate, second)
 
     def show_trace(self, traced: TracedParticle, valid: tuple[str, ...], quantity: str, latest: bool,
@@ -110,7 +113,7 @@ class Plots:
         series, (heading, plot) = traced.latest if latest else traced.series, self._trace
         time, (errors, unit) = series["time"], self._errors(series, valid, quantity)
         if len(time) < 2:
-            put(plot, finite(EMPTY, *(np.full(2, np.nan) for _ in plot.data[1:])))
+            set_series(plot, finite_series(EMPTY, *(np.full(2, np.nan) for _ in plot.data[1:])))
             return
         first = next((values for values in errors if np.isfinite(values).any()), np.zeros(len(time)))
         crossed = np.where(traced.crossed(time), first, np.nan)
@@ -118,7 +121,7 @@ class Plots:
         error = tr("error of {symbol} / {unit}", symbol=QUANTITIES[quantity].symbol, unit=unit)
         heading.content = _heading(f"{traced.title}<br>{error}", TRACE,
                                    kind=f"lab-traced' data-particle='{traced.particle}")
-        put(plot, (*finite(_time_unit(time[-1], traced.scene)[1] * time, *errors), crossed, at))
+        set_series(plot, (*finite_series(_time_unit(time[-1], traced.scene)[1] * time, *errors), crossed, at))
 
     def _errors(self, series: dict[str, np.ndarray], valid: tuple[str, ...], quantity: str,
                 grey: Sequence[np.ndarray] = ()) -> tuple[list[np.ndarray], str]:
@@ -127,20 +130,24 @@ class Plots:
         estimated = [bounded(series[f"{name}/estimate_{quantity}"], true) if name in valid
                      else np.full(len(true), np.nan) for name in self._estimators]
         errors = [*grey, true, *estimated]
-        power = power_of_ten(max(largest(values) for values in errors))
+        power = power_of_ten(max(largest_finite(values) for values in errors))
         return [values / 10.0**power for values in errors], f"{power_text(power)}{QUANTITIES[quantity].unit}"
 
     def clear(self) -> None:
         """Show nothing: no time has passed."""
         self._time_label.content = _time_label("t / s")
         for plot in self._plots:
-            put(plot, finite(EMPTY, *(np.full(2, np.nan) for _ in plot.data[1:])))
+            set_series(plot, finite_series(EMPTY, *(np.full(2, np.nan) for _ in plot.data[1:])))
 
     def _build(self, estimators: tuple[str, ...], height: int, pinned: bool) -> PlotSet:
-        grey = [line(tr("pinned, true"), PINNED, 2.5), line(tr("pinned"), PINNED, 1.5, (5, 3))] if pinned else []
-        lines = [line(name, ESTIMATORS[name].colour, 2, ESTIMATORS[name].dashes) for name in estimators]
-        true, perfect = line(tr(TRUE), TRUTH, 3.5), line(tr("perfect"), PERFECT, 2.5)
-        crossings = line(tr("crossings"), CROSSINGS, 1.5)
+        grey = (
+            [series_options(tr("pinned, true"), PINNED, 2.5), series_options(tr("pinned"), PINNED, 1.5, (5, 3))]
+            if pinned
+            else []
+        )
+        lines = [series_options(name, ESTIMATORS[name].colour, 2, ESTIMATORS[name].dashes) for name in estimators]
+        true, perfect = series_options(tr(TRUE), TRUTH, 3.5), series_options(tr("perfect"), PERFECT, 2.5)
+        crossings = series_options(tr("crossings"), CROSSINGS, 1.5)
         marks = _marks(tr("crossed"), CROSSINGS, 7), _marks(tr("shown"), "black", 5)
         with self._tab:
             return [self._plot(tr("particle"), (true, *lines, *marks), height),
@@ -154,14 +161,14 @@ class Plots:
         """A ``second`` is so many units of the axis."""
         time, rate = history.crossings_per_second(series)
         time = np.append(series["time"][:1], time)  # from where the other plots begin, and the first rate counts too
-        power = power_of_ten(max(map(largest, (*grey, rate))))
+        power = power_of_ten(max(map(largest_finite, (*grey, rate))))
         self._headings[2].content = _heading(
             f"{tr('grid crossings per second')}{' / ' * bool(power)}{power_text(power)}", CROSSED,
             "" if history.scene.has("crossings") else tr(NOT_COUNTED))
         rates = [np.append(values[:1], values) / 10.0**power for values in (*grey, rate)]
         if len(time) < 3:  # nothing to draw yet, over the time that has passed
             time, rates = series["time"][[0, -1]], [np.full(2, np.nan) for _ in rates]
-        put(self._plots[2], finite(second * time, *rates))
+        set_series(self._plots[2], finite_series(second * time, *rates))
 
     def _plot(self, heading: str, series: tuple[uplot.Series, ...], height: int, y_scale: uplot.Scale = _FROM_ZERO,
               y_axis: uplot.Axis | None = None) -> HeadedPlot:
@@ -183,7 +190,7 @@ def grey_curves(pinned: PinnedRun | None, history: RunSeries, series: dict[str, 
     theirs, none = run.latest if latest else run.series, np.zeros(0)
     own, true = theirs.get("time", none), theirs.get(f"error_{quantity}", none)
 
-    def put(times: np.ndarray, own: np.ndarray, values: np.ndarray) -> np.ndarray:
+    def on_axis(times: np.ndarray, own: np.ndarray, values: np.ndarray) -> np.ndarray:
         if not len(own) or len(values) != len(own):
             return np.full(len(times), np.nan)
         ended = times > stretch * own[-1] + APART * history.scene.period
@@ -191,18 +198,18 @@ def grey_curves(pinned: PinnedRun | None, history: RunSeries, series: dict[str, 
 
     estimated = bounded(theirs.get(f"{estimator}/estimate_{quantity}", np.full(len(true), np.nan)), true)
     time = series["time"]
-    return [[put(time, own, true), put(time, own, estimated)],
-            [put(time, own, theirs.get(f"{estimator}/index_{quantity}", none))],
-            [put(history.crossings_per_second(series)[0], *run.crossings_per_second(theirs))]]
+    return [[on_axis(time, own, true), on_axis(time, own, estimated)],
+            [on_axis(time, own, theirs.get(f"{estimator}/index_{quantity}", none))],
+            [on_axis(history.crossings_per_second(series)[0], *run.crossings_per_second(theirs))]]
 
 
-def put(plot: viser.GuiUplotHandle, data: tuple[np.ndarray, ...]) -> None:
+def set_series(plot: viser.GuiUplotHandle, data: tuple[np.ndarray, ...]) -> None:
     """Give a plot its series; what it has already is not sent again, as while a run is paused."""
     if not all(np.array_equal(own, new, equal_nan=True) for own, new in zip(plot.data, data, strict=True)):
         plot.data = data
 
 
-def line(label: str, colour: str, width: float, dashes: tuple[int, ...] = ()) -> uplot.Series:
+def series_options(label: str, colour: str, width: float, dashes: tuple[int, ...] = ()) -> uplot.Series:
     return {"label": label, "stroke": colour, "width": width, "dash": dashes, "points": {"show": False}}
 
 
@@ -214,11 +221,11 @@ def _marks(label: str, colour: str, size: float) -> uplot.Series:
 
 def bounded(estimated: np.ndarray, true: np.ndarray) -> np.ndarray:
     """An estimate that has lost its way is drawn at the edge of the plot instead of flattening the truth."""
-    truth = largest(true)
+    truth = largest_finite(true)
     return np.minimum(estimated, BEYOND * truth) if truth > 0 else estimated
 
 
-def finite(time: np.ndarray, *values: np.ndarray) -> tuple[np.ndarray, ...]:
+def finite_series(time: np.ndarray, *values: np.ndarray) -> tuple[np.ndarray, ...]:
     """What the plots take, nothing infinite; a series of nothing has one zero, without which none finds its range."""
     drawn = [np.where(np.isfinite(v), v, np.nan) for v in values]
     for series in drawn:

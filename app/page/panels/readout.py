@@ -13,10 +13,10 @@ from app.frame.captions import ESTIMATED, TRUE, why_no_numbers
 from app.language.message_translation import translate_message
 from app.language.translation import lazy, tr
 from app.page.stage.worst_region import WorstRegion, WorstRegions
-from app.page.visit.history import History, last, until
+from app.page.visit.history import History, last_value, series_until
 from app.page.visit.pinned_run import PinnedRun
 from app.page.visit.session import Session
-from app.words import NOTHING, QUANTITIES, differing, ratio, with_unit
+from app.words import NOTHING, QUANTITIES, difference_text, format_ratio, with_unit
 from solvers.engine.engine_messages import FrameReport
 from solvers.running.quantities_of_interest import ENERGY, STRESS
 from solvers.scene.effects import ALL, SHARE, Line, Number, told
@@ -70,42 +70,42 @@ class Readout:
         return f"<div class='lab-readout'>{self.errors}{self.beside}</div>"
 
 
-def readout(session: Session, history: History, report: FrameReport, quantity: str, drawn: str | None,
-            probed: str | None, worst: WorstRegions, ago: float = 0.0) -> Readout:
+def live_readout(session: Session, history: History, report: FrameReport, quantity: str, drawn: str | None,
+                 probed: str | None, worst: WorstRegions, ago: float = 0.0) -> Readout:
     """The numbers of a run, and what it shows of ``quantity`` (its key) with the estimator ``drawn`` on the stage, for
     a frame ``ago`` periods before the newest. The ``history`` is that of the frame's run: the session may have begun
     another one since."""
-    series = until(history.series, report.time)
+    series = series_until(history.series, report.time)
     return Readout(_estimates(session, report, series, quantity, drawn),
                    _worst(worst, drawn, quantity) + _run(session, history, report, series, drawn, probed, ago),
-                   judged(report, series, quantity, drawn))
+                   estimator_cards(report, series, quantity, drawn))
 
 
-def judged(report: FrameReport, series: dict[str, np.ndarray], quantity: str, drawn: str | None) -> str:
+def estimator_cards(report: FrameReport, series: dict[str, np.ndarray], quantity: str, drawn: str | None) -> str:
     """What the cards of the judges say of a run of a ``problem`` up to a time, as JSON.
 
     The ``true`` error's norm at that time, or why it is not ``known``, the estimator on the ``stage``, and for each of
     the ``judges`` that run its ``index`` so far, in words and as a place ``at`` from 0 to 1 on a gauge of factors from
     0.1 to 10, and how often it was right in runs like this one (``trust``), or what it ``says`` instead.
     """
-    why_not = silences(report, series, quantity)
+    why_not = missing_reasons(report, series, quantity)
     judges: dict[str, dict[str, object]] = {}
     for name in report.scene.estimators:
         if says := why_not[name]:
             judges[name] = {"says": says[:1].upper() + says[1:]}
         else:
-            at = place(last(series, f"{name}/index_{quantity}"))
+            at = gauge_position(last_value(series, f"{name}/index_{quantity}"))
             counts = track_record.right(report.scene, name, quantity)  # None where nobody counted
             judges[name] = {"index": _ratio(series, f"{name}/index_{quantity}"), "at": at,
                             "trust": "" if counts is None else tr(
                                 "right within 10\N{NO-BREAK SPACE}% in {n} of {all} runs like this",
                                 n=counts[0], all=counts[1])}
-    true = why_not[TRUE] or norm(series, f"error_{quantity}", QUANTITIES[quantity].unit)
+    true = why_not[TRUE] or format_norm(series, f"error_{quantity}", QUANTITIES[quantity].unit)
     return json.dumps({"problem": report.scene.problem, "true": true, "known": not why_not[TRUE], "stage": drawn,
                        "judges": judges})
 
 
-def place(index: float) -> float | None:
+def gauge_position(index: float) -> float | None:
     """Where an error index stands on the gauge, beyond its ends at them; nowhere if it is not known."""
     if not math.isfinite(index):
         return None
@@ -132,7 +132,7 @@ def _run(session: Session, history: History, report: FrameReport, series: dict[s
     rows += [(line.name, text) for name, line in lines.items()
              if scene.has(name) and (text := _found(name, line, series))]
     if scene.has("margin"):
-        text = tr("{margin} of its bound", margin=ratio(margin))
+        text = tr("{margin} of its bound", margin=format_ratio(margin))
         rows.append(("step", NOTHING if math.isnan(margin) else  # before the first step nothing has a mass
                      f"<span class='lab-over'>{text}</span>" if margin > 1 else text))
     rows += [] if ago else list(_goals(report, drawn))
@@ -144,8 +144,9 @@ def _run(session: Session, history: History, report: FrameReport, series: dict[s
         *([("unseen", html.escape(translate_message(report.not_checked)))] if report.not_checked else []),
         ("region", html.escape(probed or tr(DRAG)))]
     hints = {**{line.name: line.hint for line in lines.values()}, **HINTS}
-    return table("".join(f"<tr title=\"{html.escape(tr(hints[name]) if hints[name] else '')}\">"
-                         f"<td>{html.escape(tr(name))}</td>\n<td>{text}</td></tr>\n" for name, text in rows), "lab-run")
+    return table_html("".join(f"<tr title=\"{html.escape(tr(hints[name]) if hints[name] else '')}\">"
+                              f"<td>{html.escape(tr(name))}</td>\n<td>{text}</td></tr>\n" for name, text in rows),
+                      "lab-run")
 
 
 def _goals(report: FrameReport, drawn: str | None) -> Iterator[tuple[str, str]]:
@@ -165,7 +166,7 @@ def _found(name: str, line: Line, series: dict[str, np.ndarray]) -> str:
     numbers, values = ALL[name].numbers, ALL[name].values(series) if len(series.get("time", ())) else {}
     if all(value is None for value in values.values()):
         return ""
-    lights = "".join(light(abs(value), number.bounds) for number in numbers
+    lights = "".join(traffic_light(abs(value), number.bounds) for number in numbers
                      if number.bounds and (value := values[number.key]) is not None)
     texts = {number.key: _said_number(values[number.key], number) for number in numbers}
     return lights + html.escape(tr(line.words)).format(*texts.values(), **texts)
@@ -177,7 +178,7 @@ def _said_number(value: float | None, number: Number) -> str:
     return f"{value:,}" if number.kind is int else with_unit(value, number.unit) if number.unit else f"{value:.3g}"
 
 
-def light(size: float, bounds: tuple[float, float]) -> str:
+def traffic_light(size: float, bounds: tuple[float, float]) -> str:
     """A light and a word before a number: calm up to the first bound, alarming beyond the second."""
     kind, word = ("good", tr("fine")) if size <= bounds[0] else ("watch", tr("watch it")) if size <= bounds[1] else \
         ("bad", tr("alarming"))
@@ -190,7 +191,7 @@ def _percent(share: float | None) -> str:
     sign = "−" if share < 0 else "+"
     if f"{share:.2%}".lstrip("-") == "0.00%":
         return "0.00%"
-    return f"{sign}{abs(share):.2%}" if abs(share) < 10 else f"{sign}{ratio(100 * abs(share))}%"
+    return f"{sign}{abs(share):.2%}" if abs(share) < 10 else f"{sign}{format_ratio(100 * abs(share))}%"
 
 
 def _estimates(session: Session, report: FrameReport, series: dict[str, np.ndarray], key: str,
@@ -199,23 +200,23 @@ def _estimates(session: Session, report: FrameReport, series: dict[str, np.ndarr
     unit = QUANTITIES[key].unit
     heads = (f"<span title=\"{html.escape(tr(hint))}\">{head}</span>" for head, hint in
              ((tr("norm now"), NORM), (tr("index so far"), INDEX), (tr("distance so far"), DISTANCE)))
-    rows = [row("head", tr("error of {symbol}", symbol=QUANTITIES[key].symbol), *heads)]
-    for name, silence in silences(report, series, key).items():
+    rows = [row_html("head", tr("error of {symbol}", symbol=QUANTITIES[key].symbol), *heads)]
+    for name, silence in missing_reasons(report, series, key).items():
         if len(silence) > SHORT:
-            rows.append(row("", f"<span class='lab-name'>{named(name)}</span>: {html.escape(silence)}"))
+            rows.append(row_html("", f"<span class='lab-name'>{name_with_sample(name)}</span>: {html.escape(silence)}"))
         elif silence:
-            rows.append(row("", named(name), html.escape(silence)))
+            rows.append(row_html("", name_with_sample(name), html.escape(silence)))
         elif name == TRUE:
-            rows.append(row("", named(name), norm(series, f"error_{key}", unit), "", ""))
+            rows.append(row_html("", name_with_sample(name), format_norm(series, f"error_{key}", unit), "", ""))
         else:
-            rows.append(row("", named(name), norm(series, f"{name}/estimate_{key}", unit),
+            rows.append(row_html("", name_with_sample(name), format_norm(series, f"{name}/estimate_{key}", unit),
                              _ratio(series, f"{name}/index_{key}"), _ratio(series, f"{name}/distance_{key}")))
     if session.pinned:
         # Where it differs: on the stage that is drawn, which no screen reader reads.
         said = "" if session.pinned.scene.problem != report.scene.problem else \
-            differing(session.pinned.scene, report.scene) or tr("the same so far")
+            difference_text(session.pinned.scene, report.scene) or tr("the same so far")
         rows.append(_pinned(session.pinned, said, key, drawn))
-    return table("".join(rows), "lab-numbers lab-estimates")
+    return table_html("".join(rows), "lab-numbers lab-estimates")
 
 
 def _pinned(run: PinnedRun, said: str, key: str, drawn: str | None) -> str:
@@ -223,15 +224,15 @@ def _pinned(run: PinnedRun, said: str, key: str, drawn: str | None) -> str:
     estimator, series = run.estimator(drawn), run.history.series
     what = tr("norm: its true error; index and distance: its estimate by {estimator}", estimator=estimator) \
         if estimator else tr(NORM)
-    name = f"<span title='{html.escape(what)}'>{line(PINNED)} {tr('pinned')}</span>"
+    name = f"<span title='{html.escape(what)}'>{line_svg(PINNED)} {tr('pinned')}</span>"
     if trouble := run.shortfall():
         said = f"{said}; {trouble}"
     ratios = (_ratio(series, f"{estimator}/{ratio}_{key}") for ratio in ("index", "distance"))
-    return row("", name, norm(series, f"error_{key}", QUANTITIES[key].unit), *ratios) \
-        + row("", f"<span class='lab-name'>{tr('pinned: {run}', run=html.escape(said))}</span>")
+    return row_html("", name, format_norm(series, f"error_{key}", QUANTITIES[key].unit), *ratios) \
+        + row_html("", f"<span class='lab-name'>{tr('pinned: {run}', run=html.escape(said))}</span>")
 
 
-def silences(report: FrameReport, series: dict[str, np.ndarray], quantity: str) -> dict[str, str]:
+def missing_reasons(report: FrameReport, series: dict[str, np.ndarray], quantity: str) -> dict[str, str]:
     """For the truth and each estimator asked for, why there is no number of it; "" where there is."""
     norms = {name: series.get(f"{name}/estimate_{quantity}", np.zeros(0)) for name in report.scene.estimators}
     silent = {name for name, values in norms.items() if len(values) and not np.isfinite(values).any()}
@@ -248,9 +249,9 @@ def _worst(worst: WorstRegions, drawn: str | None, quantity: str) -> str:
     heads = "".join(f"<td>{head}</td>" for head in (tr("estim."), tr(TRUE)))
     rows = [f"<tr class='lab-head' title='{html.escape(tr(WORST))}'>"
             f"<td colspan='2'>{tr('worst region')}</td>{heads}</tr>",
-            *(row("", html.escape(_title(name)), *_region(region, QUANTITIES[quantity].unit))
+            *(row_html("", html.escape(_title(name)), *_region(region, QUANTITIES[quantity].unit))
               for name, region in (*by, (TRUE, worst.by_truth)))]
-    return table("".join(rows), "lab-numbers lab-worst")
+    return table_html("".join(rows), "lab-numbers lab-worst")
 
 
 def _region(region: WorstRegion | None, unit: str) -> tuple[str, ...]:
@@ -261,12 +262,12 @@ def _region(region: WorstRegion | None, unit: str) -> tuple[str, ...]:
                                         for value in (region.estimated, region.true)))
 
 
-def table(rows: str, kind: str = "") -> str:
+def table_html(rows: str, kind: str = "") -> str:
     """Rows as a table of a kind (``style.css``)."""
     return f"<table class='{kind}'>{rows}</table>"
 
 
-def row(kind: str, *cells: str) -> str:
+def row_html(kind: str, *cells: str) -> str:
     """A row of four cells; a last one that stands for several takes their room."""
     span = 5 - len(cells)
     first = "".join(f"<td>{cell}</td>\n" for cell in cells[:-1])
@@ -274,9 +275,9 @@ def row(kind: str, *cells: str) -> str:
     return f"<tr class='lab-{kind}'>{first}{last}{cells[-1]}</td></tr>\n"
 
 
-def named(name: str) -> str:
+def name_with_sample(name: str) -> str:
     """A name behind a piece of its line in the plots."""
-    return f"{sample(name)} {html.escape(_title(name))}"
+    return f"{line_sample(name)} {html.escape(_title(name))}"
 
 
 def _title(name: str) -> str:
@@ -284,26 +285,26 @@ def _title(name: str) -> str:
     return tr(name) if name in (TRUE, ESTIMATED) else name
 
 
-def sample(name: str) -> str:
+def line_sample(name: str) -> str:
     """A piece of the line of the truth or of an estimator, in the page's own colour for it, if it has one."""
     known = ESTIMATORS.get(name)
     colour = known.colour if known else TRUTH if name == TRUE else ESTIMATE
     own = "truth" if name == TRUE else name.replace("-", "")
-    return line(f"var(--{html.escape(own)}, {colour})", known.dashes if known else ())
+    return line_svg(f"var(--{html.escape(own)}, {colour})", known.dashes if known else ())
 
 
-def line(colour: str, dashes: tuple[int, ...] = ()) -> str:
+def line_svg(colour: str, dashes: tuple[int, ...] = ()) -> str:
     """A piece of a line as svg."""
     dashed = f" stroke-dasharray='{','.join(map(str, dashes))}'" if dashes else ""
     return "<svg width='18' height='8' aria-hidden='true'>" \
            f"<path d='M0 4h18' style='stroke: {colour}' stroke-width='3'{dashed}/></svg>"
 
 
-def norm(series: dict[str, np.ndarray], name: str, unit: str) -> str:
-    return with_unit(value, unit) if math.isfinite(value := last(series, name)) else NOTHING
+def format_norm(series: dict[str, np.ndarray], name: str, unit: str) -> str:
+    return with_unit(value, unit) if math.isfinite(value := last_value(series, name)) else NOTHING
 
 
 def _ratio(series: dict[str, np.ndarray], name: str) -> str:
-    if not math.isfinite(value := last(series, name)):
+    if not math.isfinite(value := last_value(series, name)):
         return NOTHING
-    return ratio(value).replace(" × ", "×")  # else it seems to go on from the number before
+    return format_ratio(value).replace(" × ", "×")  # else it seems to go on from the number before

@@ -11,7 +11,7 @@ from app import words
 from app.language.translation import lazy, tr
 from app.page.panels.browser_store import BrowserStore
 from app.page.panels.number_slider import Size, SizeControl
-from app.page.panels.page_header import mark, marked
+from app.page.panels.page_header import add_anchor, anchor_html
 from app.page.panels.scene_widgets import SceneWidgets
 from app.page.visit.session import Session
 from app.problems.views import VIEWS
@@ -50,7 +50,7 @@ class RunWidgets:
         with part("ppc"):
             low, high = view.reach.ppc
             step, hint = (1, tr("in each direction")) if scene.swings else (0.5, tr("need not be whole here"))
-            mark(gui, words=tr("how fine the body is"))
+            add_anchor(gui, words=tr("how fine the body is"))
             per_cell = gui.add_slider(tr("Particles / cell"), low, max(high, scene.ppc), step, scene.ppc, hint=hint)
             self._bound.follow(per_cell, lambda count: session.set(ppc=count))
         if "amplitude" in scene.moved_by:
@@ -70,13 +70,13 @@ class RunWidgets:
 
     def _method(self, gui: viser.GuiApi) -> None:
         scene = self._session.scene
-        self._names = words.choices(type(scene), "method")
+        self._names = words.choice_labels(type(scene), "method")
         codes = {name: code for code, name in self._names.items()}
         self._shown_method = gui.add_dropdown(
             tr("Method"), tuple(codes), initial_value=self._names[scene.method],
             hint=tr("shape functions that carry data between particles and grid"))
         self._pictured = scene.method
-        self._pictures = gui.add_html(pictures(tuple(self._names), scene.method))
+        self._pictures = gui.add_html(method_pictures(tuple(self._names), scene.method))
         self._bound.follow(self._shown_method, lambda name: self._session.set(method=codes[name]))
 
     def _choose_method(self, method: Any) -> None:
@@ -99,12 +99,12 @@ class RunWidgets:
 
         low, high, step = VIEWS[scene.problem].reach.cells
         high = max(high, scene.cells)  # of a scene that was loaded
-        words_beside = mark(gui, words=size(scene.cells))
+        words_beside = add_anchor(gui, words=size(scene.cells))
         cells = gui.add_slider(label(scene.cells), low, high, step, scene.cells,
                                hint=tr("grid cells across {across:g} m", across=across))
 
         def changed(count: int) -> None:
-            cells.label, words_beside.content = label(count), marked(words=size(count))
+            cells.label, words_beside.content = label(count), anchor_html(words=size(count))
             self._session.set(cells=count)
 
         self._bound.follow(cells, changed)
@@ -123,7 +123,7 @@ class RunWidgets:
             else:  # the step stays as it was
                 by_hand(float(f"{session.scene.courant_number:.3g}"))
 
-        mark(gui, "lab-auto")
+        add_anchor(gui, "lab-auto")
         self._auto = gui.add_checkbox(tr("Auto step"), scene.dt == AUTO, hint=tr(
             "take {safe:g} of the longest stable step along the motion, by linear theory; the slider shows it",
             safe=SAFE))
@@ -142,10 +142,10 @@ class RunWidgets:
             self._step_size.show(scene.courant_number)
         if scene.method != self._pictured:
             self._pictured = scene.method
-            self._pictures.content = pictures(tuple(self._names), scene.method)
+            self._pictures.content = method_pictures(tuple(self._names), scene.method)
 
 
-def weights(method: str) -> tuple[np.ndarray, np.ndarray]:
+def shape_weights(method: str) -> tuple[np.ndarray, np.ndarray]:
     """Returns places (S,) in cells from a node and a particle's weights (S,) there by a method."""
     at = np.linspace(-REACH, REACH, POINTS)
     half = np.full_like(at, STRETCHED if method in FOLLOWS else HALF_WIDTH)
@@ -161,7 +161,7 @@ def _weight(method: str, at: np.ndarray, half_width: np.ndarray) -> np.ndarray:
     return np.where((first <= 0) & (first > -3), values[np.arange(len(at)), here], 0.0)
 
 
-def pictures(methods: tuple[str, ...], chosen: str) -> str:
+def method_pictures(methods: tuple[str, ...], chosen: str) -> str:
     """Returns a picture for each method, the ``chosen`` one marked; for pointers, as the dropdown says the same."""
     def name(method: str) -> str:
         return tr(NAMES[method]) if method in NAMES else (METHODS[method].name if method in METHODS else method)
@@ -175,7 +175,7 @@ def pictures(methods: tuple[str, ...], chosen: str) -> str:
 def _curve(method: str) -> str:
     if method not in (*METHODS,):
         return ""
-    at, weight = weights(method)
+    at, weight = shape_weights(method)
     points = " ".join(f"{(x / REACH + 1) / 2 * WIDTH:.1f},{HEIGHT - 3 - (HEIGHT - 6) * w:.1f}"
                       for x, w in zip(at, weight, strict=True))
     nodes = "".join(f"<circle cx='{(x / REACH + 1) / 2 * WIDTH:.1f}' cy='{HEIGHT - 3:.0f}' r='1.5'/>"

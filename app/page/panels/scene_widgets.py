@@ -13,11 +13,11 @@ import viser
 from app import words
 from app.language.message_translation import translate_message
 from app.language.translation import tr
-from app.page.panels.page_header import mark
+from app.page.panels.page_header import add_anchor
 from app.page.visit.session import Session, first_scene
 from app.problems.interface import LinearSlider
 from app.problems.views import VIEWS
-from app.viewer.widgets import allow, identity, is_removed
+from app.viewer.widgets import is_removed, set_max_length, widget_id
 from solvers.motion.formula import MOST_CHARACTERS
 from solvers.scene.effects import Effect
 from solvers.scene.remedies import Remedy
@@ -69,7 +69,7 @@ class Answers:
 
 
 def _said(widget: Any, kind: str, sentence: str) -> str:
-    return f"<i class='lab-answer' data-of='{identity(widget)}' data-kind='{kind}' data-says='{escape(sentence)}'></i>"
+    return f"<i class='lab-answer' data-of='{widget_id(widget)}' data-kind='{kind}' data-says='{escape(sentence)}'></i>"
 
 
 class SceneWidgets:
@@ -87,7 +87,7 @@ class SceneWidgets:
 
     def on_enter(self, text: viser.GuiTextHandle, act: Callable[[], None]) -> None:
         """Call ``act`` when the visitor is done with a text: has pressed Enter, or gone elsewhere."""
-        self._enters[identity(text)] = self.in_turn(act)
+        self._enters[widget_id(text)] = self.in_turn(act)
 
     def enter(self, text: str) -> None:
         """The visitor is done with the text of this identity, if it is one of these."""
@@ -151,7 +151,7 @@ class SceneWidgets:
         """A dropdown of what the scene's field may be, in words; a box for one that is true or false."""
         scene, label, hint = self._session.scene, tr(field_label(field)), tr(hint)
         label = label[:1].upper() + label[1:]
-        value, names = getattr(scene, field), words.choices(type(scene), field)
+        value, names = getattr(scene, field), words.choice_labels(type(scene), field)
         codes = {name: code for code, name in names.items()}
         widget = self._gui.add_dropdown(label, tuple(codes), hint=hint, initial_value=names[value]) if names \
             else self._gui.add_checkbox(label, value, hint=hint)
@@ -159,9 +159,9 @@ class SceneWidgets:
 
     def formula(self, field: str, label: str, hint: str) -> None:
         """Makes a text for a formula of the scene, checked while it is typed and applied when it is finished."""
-        mark(self._gui, "lab-formula")
+        add_anchor(self._gui, "lab-formula")
         text = self._gui.add_text(tr(label), getattr(self._session.scene, field), hint=tr(hint))
-        allow(text, MOST_CHARACTERS)
+        set_max_length(text, MOST_CHARACTERS)
         said = self._gui.add_html("")
 
         def check(typed: str) -> None:
@@ -195,7 +195,7 @@ class SceneWidgets:
         motion = VIEWS[scene.problem].motion
         if motion is None:
             return
-        names = words.choices(type(scene), "motion")
+        names = words.choice_labels(type(scene), "motion")
         shown = self._gui.add_dropdown(tr("Motion"), tuple(names.values()), hint=tr(motion.hint),
                                        initial_value=names[scene.to_dict()["motion"]])
 

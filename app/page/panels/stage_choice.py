@@ -15,7 +15,7 @@ from app.frame.captions import TRUE
 from app.frame.colour_scale import ColourScale
 from app.language.translation import lazy, tr
 from app.page.panels.browser_store import BrowserStore
-from app.page.panels.readout import sample
+from app.page.panels.readout import line_sample
 from app.page.panels.scene_widgets import SceneWidgets
 from app.page.visit.session import Session
 from app.problems.views import VIEWS
@@ -161,7 +161,7 @@ class EstimatorCards:
         """Make the widgets, for the session's present scene."""
         wished, problem = self._session.scene.estimators, self._session.scene.problem
         gui.add_html(f"<h2 class='lab-h2'>{tr('Who judges the run?')}<small title='{escape(tr(INDEX))}'>"
-                     f"{tr('index, 1 is perfect · price')}</small></h2><div class='lab-judge-true'>{sample(TRUE)} "
+                     f"{tr('index, 1 is perfect · price')}</small></h2><div class='lab-judge-true'>{line_sample(TRUE)} "
                      f"<b>{tr(TRUE)}</b> <span>{tr('norm now')}</span> <strong></strong></div>")
         self._boxes = {}
         usual = VIEWS[problem].estimators
@@ -174,7 +174,7 @@ class EstimatorCards:
         self._stage.judge_by(wished)
 
     def show(self, judged: str) -> None:
-        """Have the cards say what :func:`app.page.panels.readout.judged` does; nothing if it is empty."""
+        """Have the cards say what :func:`app.page.panels.readout.estimator_cards` does; nothing if it is empty."""
         self._said.content = f"<i class='lab-judged' data-said='{escape(judged)}'></i>"
 
     def _choose(self) -> None:
@@ -201,6 +201,6 @@ def _card(name: str, problem: str) -> str:
                                                                      summary=tr(estimator.summary))
     return (f"<div class='lab-judge lab-off' data-judge='{escape(name)}' data-problem='{escape(problem)}'>"
             f"<button type='button' class='lab-judge-name' title='{escape(stage)}'>"
-            f"{sample(name)} {escape(estimator.title)}</button><span class='lab-tag'>{tr('on the stage')}</span>"
+            f"{line_sample(name)} {escape(estimator.title)}</button><span class='lab-tag'>{tr('on the stage')}</span>"
             f"<p class='lab-idea'>{idea}</p><p class='lab-index'><strong></strong> <span>{cost}</span></p>"
             "<i class='lab-gauge' aria-hidden='true'><b></b></i><p class='lab-trust'></p><p class='lab-why'></p></div>")

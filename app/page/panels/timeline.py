@@ -11,9 +11,9 @@ from viser import uplot
 
 from app.colours import LINES, PINNED
 from app.frame.captions import TRUE
-from app.frame.colour_scale import largest, round_up
+from app.frame.colour_scale import largest_finite, round_up
 from app.language.translation import lazy, tr
-from app.page.panels.plots import EMPTY, bounded, finite, grey_curves, line, put
+from app.page.panels.plots import EMPTY, bounded, finite_series, grey_curves, series_options, set_series
 from app.page.visit.history import RunSeries
 from app.page.visit.pinned_run import PinnedRun
 from app.words import QUANTITIES, in_periods, with_unit
@@ -83,7 +83,7 @@ class Timeline:
                      else np.full(len(time), np.nan) for name in self._estimators]
         top = self._scaled(past, (quantity, latest), time, [*grey, true, *estimated])
         start, end, _ = self._ends or (0.0, 1.0, 1.0)
-        put(self._plot, finite(time - start, *grey, true, *estimated))
+        set_series(self._plot, finite_series(time - start, *grey, true, *estimated))
         self._read = time, {tr(TRUE): true, **dict(zip(self._estimators, estimated, strict=True))}
         self._say(past, series, quantity, start, end, top, now)
 
@@ -98,13 +98,13 @@ class Timeline:
 
     def clear(self, now: Now) -> None:
         """Show nothing but whether it moves: no time has passed."""
-        put(self._plot, finite(EMPTY, *(np.full(2, np.nan) for _ in self._plot.data[1:])))
+        set_series(self._plot, finite_series(EMPTY, *(np.full(2, np.nan) for _ in self._plot.data[1:])))
         self._tell({"symbol": "", "top": [0, ""], "start": "", "ticks": [], "now": 0, "reach": [0, 0], "strip": "",
                     "clock": with_unit(now.time, "s"), "playing": now.playing, "read": [], "lost": None, "says": ""})
 
     def _scaled(self, past: RunSeries, of: object, time: np.ndarray, curves: Sequence[np.ndarray]) -> float:
         """Let the axes reach so far; within one run they only grow. The error that is their top."""
-        most = max(map(largest, curves))
+        most = max(map(largest_finite, curves))
         start, of_time = float(time[0]) if time[0] > past.scene.period else 0.0, unit_of_time(past.scene)
         end = round_up((float(time[-1]) - start) / of_time, ENDS)[0] * of_time
         top, _ = round_up(HEADROOM * most, ENDS) if most > 0 else (1.0, 0)
@@ -162,7 +162,7 @@ class Timeline:
             return ""
         at = start + (end - start) * (np.arange(BINS) + 0.5) / BINS
         at = at[at <= series["time"][-1]]
-        most = largest(rate)
+        most = largest_finite(rate)
         shades = np.interp(at, time, rate) / most if most > 0 else np.zeros(len(at))
         return "".join(map(str, np.rint(SHADES * np.nan_to_num(shades)).astype(int)))
 
@@ -178,10 +178,14 @@ class Timeline:
 
     def _series(self, estimators: tuple[str, ...], pinned: bool) -> tuple[uplot.Series, ...]:
         """What each line looks like, the truth's broad and beneath."""
-        grey = [line(tr("pinned, true"), PINNED, 2.5), line(tr("pinned"), PINNED, 1.5, (5, 3))] if pinned else []
-        lines = [line(name, LINES[name.replace("-", "")][self._dark], 2, ESTIMATORS[name].dashes)
+        grey = (
+            [series_options(tr("pinned, true"), PINNED, 2.5), series_options(tr("pinned"), PINNED, 1.5, (5, 3))]
+            if pinned
+            else []
+        )
+        lines = [series_options(name, LINES[name.replace("-", "")][self._dark], 2, ESTIMATORS[name].dashes)
                  for name in estimators]
-        return {"label": "t"}, *grey, line(tr(TRUE), LINES["truth"][self._dark], 4), *lines
+        return {"label": "t"}, *grey, series_options(tr(TRUE), LINES["truth"][self._dark], 4), *lines
 
 
 def unit_of_time(scene: Scene) -> float:

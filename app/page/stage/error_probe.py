@@ -16,11 +16,11 @@ import numpy as np
 import viser
 
 from app.frame.layout import Rectangle
-from app.frame.primitives import Lines, in_plane, joined
+from app.frame.primitives import Lines, in_plane, join_points
 from app.frame.stage import Stage
 from app.language.translation import lazy, tr
 from app.page.visit.particle_trace import Trace
-from app.renderers.viewer_renderer import Sheet
+from app.renderers.viewer_renderer import ViewerSurface
 from app.words import with_unit
 from solvers.engine.shared_frames import FrameArrays
 
@@ -103,7 +103,7 @@ _RING = RADIUS * np.stack([np.cos(_ANGLES), np.sin(_ANGLES), 0 * _ANGLES], axis=
 class Probe:
     """One visitor's selected region and what was read in it."""
 
-    def __init__(self, client: viser.ClientHandle, sheet: Sheet, camera: FlatCamera):
+    def __init__(self, client: viser.ClientHandle, sheet: ViewerSurface, camera: FlatCamera):
         self._rectangle: tuple[tuple[float, float], tuple[float, float]] | None = None
         self._sheet = sheet
         self.text: str | None = None
@@ -134,7 +134,7 @@ class Probe:
         (left, right), (bottom, top) = (sorted(coordinates) for coordinates in zip(*ends, strict=True))
         self._rectangle = (left, bottom), (right, top)
         corners = in_plane(np.array([left, right, right, left]), np.array([bottom, bottom, top, top]), 0.03)
-        self._show(joined(corners, np.roll(corners, -1, axis=0)))
+        self._show(join_points(corners, np.roll(corners, -1, axis=0)))
 
     def _show(self, frame: np.ndarray) -> None:
         self._sheet.show(Lines("rectangle", frame, self._sheet.room.palette.dot, 1.5))
@@ -143,7 +143,7 @@ class Probe:
 class TraceRings:
     """Rings around one visitor's traced particle. A click on it, or into an empty place, ends the trace."""
 
-    def __init__(self, client: viser.ClientHandle, sheet: Sheet, trace: Trace):
+    def __init__(self, client: viser.ClientHandle, sheet: ViewerSurface, trace: Trace):
         self._trace = trace
         self._seen: tuple[Stage, FrameArrays] | None = None
         self._sheet = sheet
@@ -159,7 +159,7 @@ class TraceRings:
         around = middles[:, None] + _RING  # (images, angles, 3)
         for name, width, height in RINGS:
             around[:, :, 2] = height
-            self._sheet.show(Lines(name, joined(around[:, :-1].reshape(-1, 3), around[:, 1:].reshape(-1, 3)),
+            self._sheet.show(Lines(name, join_points(around[:, :-1].reshape(-1, 3), around[:, 1:].reshape(-1, 3)),
                                    getattr(self._sheet.room.palette, name), width))
         self._sheet.visible = True
 

@@ -11,7 +11,7 @@ from time import monotonic
 from typing import Any, cast
 from weakref import WeakSet
 
-from app.language.translation import language, tr, with_language
+from app.language.translation import current_language, tr, with_language
 from solvers.engine.engine_pool import EnginePool, Listener, SessionLink
 from solvers.scene.scene import Scene
 
@@ -55,7 +55,7 @@ class _Told:
     """What a listener hears from the engine's thread, in the language in which the line is opened."""
 
     def __init__(self, listener: Listener):
-        self._listener, self._language = listener, language()
+        self._listener, self._language = listener, current_language()
 
     def __getattr__(self, name: str) -> Any:
         said = vars(self)[name] = with_language(getattr(self._listener, name), self._language)  # not asked for again

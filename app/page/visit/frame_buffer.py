@@ -34,13 +34,13 @@ class FrameBuffer:
                 self._frames.clear()
                 self._bytes = 0
             elif self._frames and self._frames[-1][0].step == report.step:  # asked for anew, to hold something else
-                self._bytes -= size(self._frames.pop()[1])
+                self._bytes -= frame_bytes(self._frames.pop()[1])
             else:
                 self.back = 0
             self._frames.append((report, arrays))
-            self._bytes += size(arrays)
+            self._bytes += frame_bytes(arrays)
             while len(self._frames) > MOST_FRAMES or (self._bytes > MOST_BYTES and len(self._frames) > 1):
-                self._bytes -= size(self._frames.popleft()[1])
+                self._bytes -= frame_bytes(self._frames.popleft()[1])
             self.back = 0 if report.playing else min(self.back, len(self._frames) - 1)
             if self._wanted is not None and not report.playing:
                 self.back, self._wanted = self._back_to(self._wanted), None
@@ -105,7 +105,7 @@ class FrameBuffer:
             return (newest.time - earlier.time) / newest.scene.period
 
 
-def size(arrays: FrameArrays) -> int:
+def frame_bytes(arrays: FrameArrays) -> int:
     """Bytes of a frame's particles."""
     held = (arrays.position, arrays.displacement, arrays.deformation_gradient, arrays.steps_since_crossing,
             arrays.error, *arrays.estimate.values(), *arrays.difference.values(), arrays.plotted)

@@ -103,7 +103,7 @@ def _moved(values: np.ndarray, more: int) -> tuple[np.ndarray, int, int]:
     return table, 0, rows
 
 
-def until(series: dict[str, np.ndarray], time: float) -> dict[str, np.ndarray]:
+def series_until(series: dict[str, np.ndarray], time: float) -> dict[str, np.ndarray]:
     """What series held at a time in s: their rows up to then, and one at least."""
     times = series.get("time", np.zeros(0))
     if not len(times) or times[-1] <= time:
@@ -111,7 +111,7 @@ def until(series: dict[str, np.ndarray], time: float) -> dict[str, np.ndarray]:
     return {name: values[:max(1, int(np.searchsorted(times, time, "right")))] for name, values in series.items()}
 
 
-def last(series: Mapping[str, np.ndarray], name: str) -> float:
+def last_value(series: Mapping[str, np.ndarray], name: str) -> float:
     """The last value of a series, NaN where there is none."""
     values = series.get(name, np.zeros(0))
     return float(values[-1]) if len(values) else math.nan

@@ -20,7 +20,7 @@ class TracedParticle(RunSeries):
         report, arrays = frames[-1]
         super().__init__(report.scene.period)
         self.particle, self.scene = particle, report.scene
-        self.at_rest = rest(arrays)[particle]  # (D,) in metres
+        self.at_rest = reference_positions(arrays)[particle]  # (D,) in metres
         self._step = -1
         self._crossings: tuple[int, ...] = ()  # steps
         for frame in frames:
@@ -89,10 +89,10 @@ class Trace:
             elif report.scene.problem != traced.scene.problem:
                 self.traced = None
             else:
-                squares = ((rest(arrays) - traced.at_rest) ** 2).sum(axis=1)
+                squares = ((reference_positions(arrays) - traced.at_rest) ** 2).sum(axis=1)
                 self.traced = TracedParticle(int(np.argmin(squares)), [(report, arrays)])
 
 
-def rest(arrays: FrameArrays) -> np.ndarray:
+def reference_positions(arrays: FrameArrays) -> np.ndarray:
     """Where the particles were at rest, (P, D) in metres."""
     return np.nan_to_num(arrays.position.astype(float) - arrays.displacement)

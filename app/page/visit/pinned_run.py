@@ -3,7 +3,7 @@
 from collections.abc import Callable
 from dataclasses import replace
 
-from app.frame.captions import View, look
+from app.frame.captions import View, view_of_frame
 from app.language.message_translation import translate_message
 from app.language.translation import tr
 from app.page.visit.history import History
@@ -42,7 +42,7 @@ class PinnedRun:
             return None
         report, arrays = self.last
         estimator = self.estimator(drawn)
-        return look(report, arrays, quantity, estimator, difference and estimator in arrays.difference)
+        return view_of_frame(report, arrays, quantity, estimator, difference and estimator in arrays.difference)
 
     def shortfall(self) -> str | None:
         """Why it does not go on, in few words; None while it does."""

@@ -12,7 +12,7 @@ from app.language.translation import lazy, tr
 from app.page.visit.engine_links import FASTEST, PageLinks, too_many
 from app.page.visit.history import History
 from app.page.visit.pinned_run import PinnedRun
-from app.page.visit.status_message import Notice, doubt
+from app.page.visit.status_message import Notice, doubt_notice
 from app.problems.views import VIEWS
 from app.words import on_page
 from solvers.engine.engine_messages import FrameReport, Pace
@@ -229,7 +229,7 @@ class Session:
             urgent, history = self._urgent(waiting), self.history
             valid = self.report.valid_estimators if self.report else ()
         # Outside the lock: the bound of a large ring's step takes seconds, and frames must go on.
-        return urgent or (None if waiting else doubt(history, valid) or self._crowd())
+        return urgent or (None if waiting else doubt_notice(history, valid) or self._crowd())
 
     def _urgent(self, waiting: bool) -> Notice | None:
         """What must be said before any doubt; ``waiting`` says that the last wish has no answer yet."""

@@ -4,7 +4,7 @@ from dataclasses import dataclass
 
 from app.language.translation import tr
 from app.page.visit.history import History
-from app.words import on_page, ratio
+from app.words import format_ratio, on_page
 from solvers.untrusted.quoting import as_html
 
 LONGEST = 1000  # letters of a sentence; refusals have less
@@ -26,7 +26,7 @@ class Notice:
                 f"{as_html(self.sentence[:1].upper() + self.sentence[1:], LONGEST)}</div>")
 
 
-def doubt(history: History, valid: tuple[str, ...]) -> Notice | None:
+def doubt_notice(history: History, valid: tuple[str, ...]) -> Notice | None:
     """A run may be sound and an estimate of it not, or its scene may have surprises ahead."""
     series, scene = history.series, history.scene
     if not len(series.get("error_x", ())):
@@ -35,6 +35,6 @@ def doubt(history: History, valid: tuple[str, ...]) -> Notice | None:
         index = series[f"{estimator}/index_x"][-1]
         if index > BROKEN:
             return Notice("refused", tr("The estimate {estimator} has failed: it is {index} times the true error of x. "
-                                        "Do not trust it here.", estimator=estimator, index=ratio(index)))
+                                        "Do not trust it here.", estimator=estimator, index=format_ratio(index)))
     warnings = scene.warnings()
     return Notice("refused", f"{on_page(warnings[0])}.") if warnings else None

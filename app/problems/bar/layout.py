@@ -3,7 +3,7 @@
 from dataclasses import dataclass
 
 from app.frame.field_plot import ROOM
-from app.frame.layout import Box, Places, RunSlot, Spot, rectangle, top
+from app.frame.layout import Box, Places, RunSlot, Spot, colour_bar_box, drawing_rectangle
 from app.frame.primitives import Bounds
 
 #: In pixels: what stands above the upper and below the lower lane; the least lane and gap, that of a strip, and between
@@ -29,7 +29,7 @@ def bar_places(room: Bounds, seat: RunSlot) -> BarPlaces:
 
 
 def _alone(room: Bounds) -> BarPlaces:
-    pixel, end = room.pixel, top(room, room.high).end
+    pixel, end = room.pixel, colour_bar_box(room, room.high).end
     lane = min(max(LANE * end, LEAST_LANE * pixel), MOST_LANE * pixel)
     gap = max(GAP * lane, LEAST_GAP * pixel)
     estimate = end - BRACKET * pixel - 0.5 * lane
@@ -43,13 +43,13 @@ def _alone(room: Bounds) -> BarPlaces:
     below = low - 2 * pixel
     remark: Spot = (0.78, below, "top-center") if room.gutter else (1 - END * pixel, below, "top-right")
     box = Box(0.0, 1.0, middle, half, below, (0.5, below, "top-center"), remark, at, keys)
-    return BarPlaces(room, RunSlot.ALONE, rectangle(room.high), box, estimate, truth, lane,
+    return BarPlaces(room, RunSlot.ALONE, drawing_rectangle(room.high), box, estimate, truth, lane,
                      0.5 * (estimate + truth), end - room.line)
 
 
 def _paired(room: Bounds, seat: RunSlot) -> BarPlaces:
     """Each run has half the height: a heading, its plot, and two strips that touch each other."""
-    pixel, end, second = room.pixel, top(room, room.high).end, seat == RunSlot.SECOND
+    pixel, end, second = room.pixel, colour_bar_box(room, room.high).end, seat == RunSlot.SECOND
     low = 1.2 * room.line  # for the numbers below both
     each = 0.5 * (end - low - APART * pixel)
     start = end - (each + APART * pixel) * second
@@ -63,4 +63,4 @@ def _paired(room: Bounds, seat: RunSlot) -> BarPlaces:
     below = low - 6 * pixel if second else None
     box = Box(0.0, 1.0, middle, half, below, (0.5, below, "top-center") if below else None,
               (1.0, middle + ROOM * half, "top-right"), at if room.gutter else None)
-    return BarPlaces(room, seat, rectangle(room.high), box, estimate, truth, strip, None, heading)
+    return BarPlaces(room, seat, drawing_rectangle(room.high), box, estimate, truth, strip, None, heading)

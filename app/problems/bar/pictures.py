@@ -29,8 +29,8 @@ def _draw_curve(axes: Axes, result: Result) -> None:
     even = scene.initial_velocity * shown.time if scene.is_patch else 0.0  # nobody could see the rest beside it
     curve = exact_solution.displacement(scene, fine, shown.time) - even
     axes.plot(fine, curve, color=TRUTH, linewidth=TRUTH_WIDTH, label="exact", zorder=2)
-    few = panel_style.thinned(len(shown.position))
-    moved = panel_style.drawable((shown.position - shown.material_position - even)[few])
+    few = panel_style.subsample_indices(len(shown.position))
+    moved = panel_style.drawable_or_gap((shown.position - shown.material_position - even)[few])
     size = float(np.clip(1500 / len(few), 2.0, 12.0))
     axes.scatter(shown.material_position[few], moved, s=size, color=INK, linewidths=0, label="particles", zorder=3)
     name = "Displacement u − vt" if scene.is_patch else "Displacement u"
@@ -49,7 +49,7 @@ def _draw_lanes(figure: Figure, axes: Axes, result: Result) -> None:
     lanes += [(f"estimate\n({name})", np.abs(shown.estimate[name][:, 0]), ESTIMATE_INK)
               for name in result.scene.active_estimators]
     lanes = [lane for lane in lanes if lane[1] is not None] or [("particles", None, INK)]
-    few = panel_style.thinned(len(shown.position))
+    few = panel_style.subsample_indices(len(shown.position))
     few = few[(position[few] >= 0) & (position[few] <= 1)]  # an unstable run leaves NaN and worse
     known = [sizes[few] for _, sizes, _ in lanes if sizes is not None]
     truth = known.pop(0) if shown.error is not None else None
@@ -59,7 +59,7 @@ def _draw_lanes(figure: Figure, axes: Axes, result: Result) -> None:
         look = {"color": "0.4"} if sizes is None else {"array": sizes[few], "cmap": COLOUR_MAP, "norm": scale}
         strokes = axes.vlines(position[few], height - 0.32, height + 0.32, linewidth=width, zorder=2, **look)
     if not len(few):
-        panel_style.say(axes, "no particle is left on the bar")
+        panel_style.write_note(axes, "no particle is left on the bar")
     lined = cells <= panel_style.MOST_CELL_LINES
     if lined:
         axes.vlines(np.arange(cells + 1) / cells, -0.5, len(lanes) - 0.5, color=LINE2,

@@ -4,7 +4,7 @@ import numpy as np
 
 from app.frame.layout import Rectangle
 from app.frame.primitives import Bounds, Colour
-from app.frame.slow_motion.stage import CAPTION, DOMAINS, FRONT, NODE, OTHERS, SlowStage, shape
+from app.frame.slow_motion.stage import CAPTION, DOMAINS, FRONT, NODE, OTHERS, SlowStage, averaged_hat
 from solvers.scene.scene import Scene
 from solvers.solver.step_breakdown import StepBreakdown
 
@@ -68,7 +68,7 @@ class BarSlowStage(SlowStage):
         reach = 0.5 if scene.method == "bspline" else float(a.edges[0, 0, 0]) / h
         x = np.linspace(self._left, self._right, POINTS)
         for node in a.nodes[:, 0]:
-            curve = self._at(x, self._row(NODES_AT) + s * high * shape((x - node) / h, reach))
+            curve = self._at(x, self._row(NODES_AT) + s * high * averaged_hat((x - node) / h, reach))
             self._sketch.line(curve[:-1], curve[1:], OTHERS, 2.0)
         read = self._at(np.full(len(a.nodes), place), self._row(NODES_AT) + s * high * a.links.weight[0])
         self._sketch.line(self._spots[:1], self._at(a.place[0], self._row(NODES_AT) + high), FRONT)

@@ -5,13 +5,13 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from app.frame.field_plot import ROOM, Plotted
+from app.frame.field_plot import ROOM, PlotSettings
 from app.frame.layout import HALVES, RunSlot
-from app.frame.primitives import Anchor, Bounds, Dots, Label, Lines, Mark, Tone, faded, in_plane, joined
+from app.frame.primitives import Anchor, Bounds, Dots, Label, Lines, Mark, Tone, fade_colours, in_plane, join_points
 from app.frame.stage import TOUCH, Stage, StageLabels, Worst
 from app.language.translation import lazy, tr
 from app.problems.bar.layout import BarPlaces, bar_places
-from app.words import brief
+from app.words import short_reason
 from solvers.engine.shared_frames import FrameArrays
 from solvers.problems.bar import exact_solution
 from solvers.problems.bar.scene import BarScene
@@ -25,7 +25,7 @@ CROSSING = 9.0  # pixels across
 BRACKET, NEAR = 7.0, 0.1  # pixels high; how far from the middle of a region what is in it may be
 
 
-def where(scene: BarScene, X: np.ndarray, t: float) -> np.ndarray:
+def exact_positions(scene: BarScene, X: np.ndarray, t: float) -> np.ndarray:
     """Where the material that was at X should be."""
     return X + exact_solution.displacement(scene, X, t)
 
@@ -33,7 +33,7 @@ def where(scene: BarScene, X: np.ndarray, t: float) -> np.ndarray:
 class BarStage(Stage[BarScene]):
     """Makes marks of frames of the bar."""
 
-    PLOT = Plotted(0.0, 1.0, ("x = 0", "1 m"), exact_solution.field, where=where)
+    PLOT = PlotSettings(0.0, 1.0, ("x = 0", "1 m"), exact_solution.field, where=exact_positions)
     MOST_MARKED, HALVES = 200, lazy("Lanes")
 
     @staticmethod
@@ -43,7 +43,7 @@ class BarStage(Stage[BarScene]):
     @staticmethod
     def labels(words: StageLabels, places: BarPlaces) -> Iterator[Label]:
         for name, silence, lane in zip(HALVES, words.silences, (places.estimate, places.truth), strict=True):
-            text, width = places.room.fitting((silence, brief(silence)), LONGEST, places.lane)
+            text, width = places.room.fitting((silence, short_reason(silence)), LONGEST, places.lane)
             yield Label(f"{name}-silence", text, 0.5, lane, "center-center", "silence", width=min(width, WIDEST_LINE))
         yield from (_names if places.seat == RunSlot.ALONE else _pair_names)(words, places)
 
@@ -81,7 +81,7 @@ class BarStage(Stage[BarScene]):
                 ("cells", places.truth - 0.5 * places.lane - over, places.estimate + 0.5 * places.lane + over,
                  colours.cell, -0.01),
                 ("cells-below", box.middle - ROOM * box.half, box.middle + ROOM * box.half, colours.grid, -0.02)):
-            yield Lines(name, joined(*(in_plane(edges, y, depth) for y in (low, high))), colour, 1.0)
+            yield Lines(name, join_points(*(in_plane(edges, y, depth) for y in (low, high))), colour, 1.0)
         self._lanes = _Lanes(particles, places)
 
     def _moving(self, scene: BarScene, arrays: FrameArrays, estimated: np.ndarray, true: np.ndarray, t: float,
@@ -92,7 +92,7 @@ class BarStage(Stage[BarScene]):
         if between is None:
             yield Dots("crossings", NONE, NONE, 1.0)
         else:
-            yield Dots("crossings", in_plane(x[crossed], between, 0.02), faded(age, room.palette),
+            yield Dots("crossings", in_plane(x[crossed], between, 0.02), fade_colours(age, room.palette),
                        CROSSING * room.pixel)
 
     def _worst(self, worst: tuple[Worst | None, Worst | None], arrays: FrameArrays) -> Iterator[Mark]:
@@ -109,7 +109,7 @@ class BarStage(Stage[BarScene]):
                 y = lane + up * (0.5 * places.lane + 4 * room.pixel)
                 ends, high = np.array([at.min(), at.max()]), y + up * BRACKET * room.pixel
                 corners = in_plane(ends[[0, 0, 1, 1]], np.array([y, high, high, y]), 0.02)
-                segments.append(joined(corners[:-1], corners[1:]))
+                segments.append(join_points(corners[:-1], corners[1:]))
                 text, y = tr("worst: {size}", size=found.size), high + up * 2 * room.pixel
                 beside = 1.1 * room.extent(text)[0]
                 x = float(np.clip(ends.mean(), 0.5 * beside, 1 - 0.5 * beside))

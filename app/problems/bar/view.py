@@ -10,9 +10,18 @@ from app.language.translation import lazy, tr
 from app.problems.bar.slow import BarSlowStage
 from app.problems.bar.stage import BarStage
 from app.problems.interface import Motion, ProblemView, Reach, Regions
-from app.problems.suggestion import Answer, NotNow, Offer, Ran, Suggestion, asked, breaking, halving
+from app.problems.suggestion import (
+    Answer,
+    NotNow,
+    Offer,
+    Ran,
+    Suggestion,
+    changed_state,
+    suggest_breaking,
+    suggest_halving_cells,
+)
 from app.state import State
-from app.words import factor, per_cent
+from app.words import format_factor, per_cent
 from solvers.problems.bar.patch_test import PATCH
 from solvers.problems.bar.scene import BarScene
 
@@ -24,25 +33,29 @@ PASSED = 1e-9  # of the stress: round-off
 
 def _cross(state: State) -> Offer:
     if state.scene.method == "mpm":  # they do: what would smoother functions do at the same crossings?
-        return Offer(tr("Smooth the crossing"), tr("uGIMP: particles as intervals"), asked(state, {"method": "ugimp"}))
+        return Offer(tr("Smooth the crossing"), tr("uGIMP: particles as intervals"),
+                     changed_state(state, {"method": "ugimp"}))
     return Offer(tr("Let particles cross"), tr("hat functions, the oldest method"),
-                 asked(state, {"method": "mpm"}, quantity="sigma"))
+                 changed_state(state, {"method": "mpm"}, quantity="sigma"))
 
 
 def _crossed(ran: Ran) -> Answer:
     own, other = (series["crossings"][-1] if len(series.get("crossings", ())) else math.nan
                   for series in (ran.series, ran.pinned))
     if ran.ratio >= 1:
-        return tr("The error of the {noun} is {factor} times as large.", noun=ran.noun, factor=factor(ran.ratio)), \
+        return tr("The error of the {noun} is {factor} times as "
+                  "large.", noun=ran.noun, factor=format_factor(ran.ratio)), \
             tr("{own:,.0f} crossings, {other:,.0f} in the pinned run. It is the functions, not the crossing.", own=own,
                other=other)
-    return tr("The error of the {noun} is {factor} times the previous one.", noun=ran.noun, factor=factor(ran.ratio)), \
+    return tr("The error of the {noun} is {factor} times the previous "
+              "one.", noun=ran.noun, factor=format_factor(ran.ratio)), \
         tr("{own:,.0f} crossings, {other:,.0f} in the pinned run.", own=own, other=other)
 
 
-VIBRATING = (halving(MOST_CELLS), Suggestion("cross", "cross", lazy("Let particles cross"), _cross, _crossed),
-             breaking(lazy("A = 100 mm: which method fails first?"),
-                      {"method": "mpm", "amplitude": BREAKING, "displacement": ""}, 1.5))
+VIBRATING = (suggest_halving_cells(MOST_CELLS), Suggestion("cross", "cross", lazy("Let particles cross"), _cross,
+                                                           _crossed),
+             suggest_breaking(lazy("A = 100 mm: which method fails first?"),
+                              {"method": "mpm", "amplitude": BREAKING, "displacement": ""}, 1.5))
 
 
 def _misfit(title: str, hint: str, method: str) -> Suggestion:
@@ -50,7 +63,7 @@ def _misfit(title: str, hint: str, method: str) -> Suggestion:
         if (state.scene.method, state.scene.ppc) == (method, MISFITS):
             raise NotNow(tr("it is on the stage"))
         return Offer(tr(title), tr(hint),
-                     asked(state, {"method": method, "ppc": MISFITS}, pinned=False, quantity="sigma"))
+                     changed_state(state, {"method": method, "ppc": MISFITS}, pinned=False, quantity="sigma"))
 
     icon = {"mpm": "break", "bspline": "cross", "ugimp": "halve"}[method]
     return Suggestion(f"misfit-{method}", icon, title, offer, _wrong, 0.5)
@@ -71,7 +84,7 @@ PATCH_TEST = (_misfit(lazy("Particles that do not fit"), lazy("2.5 a cell, hat f
               _misfit(lazy("Particles that tile"), lazy("the same as intervals: uGIMP"), "ugimp"))
 
 
-def sparks(state: State) -> tuple[Suggestion, ...]:
+def bar_suggestions(state: State) -> tuple[Suggestion, ...]:
     """The three that fit what the bar does."""
     return VIBRATING if state.scene.swings else PATCH_TEST
 
@@ -121,7 +134,7 @@ BAR = ProblemView(
     prices={"transport": 0.09, "recovered": 0.09, "companion": 0.06, "two-grid": 0.18},  # two-grid: of 80 cells
     formula=("displacement", lazy("Displacement u"),
              lazy("a formula of X, t, w and A in metres; empty for the built-in one")),
-    motion=MOTION, estimators=("recovered", "transport"), sparks=sparks,
+    motion=MOTION, estimators=("recovered", "transport"), sparks=bar_suggestions,
     details={"linearity_preserving": lazy("correct the gradient so that linear stress gives the exact force"),
              "body_force": lazy("where the force is evaluated"),
              "velocity": lazy("the velocity that moves the particles")})

@@ -13,7 +13,7 @@ import pytest
 
 from app.cli import INTERRUPTED, main
 from app.commands import commands, dispatch
-from app.commands.output import NotWritten, Target, message, showing_places
+from app.commands.output import NotWritten, Target, print_message, showing_places
 from app.commands.run import command as run_command
 from tests.support.paths import ROOT
 from tests.support.processes import HANG, children, ended, has_library, until
@@ -74,8 +74,8 @@ def test_verbose_ends_with_its_command_and_shows_what_is_told_on_the_way(capsys)
             try:
                 raise ValueError("a picture\x1b[2J")
             except ValueError as error:
-                message(error)
-            message("nothing failed")
+                print_message(error)
+            print_message("nothing failed")
     *places, first, second, third, fourth = capsys.readouterr().err.splitlines()
     assert (first, second) == (third, fourth) == ("mpm-lab: a picture\\x1b[2J", "mpm-lab: nothing failed")
     assert places[0].startswith("Traceback") and "\x1b" not in "".join(places)

@@ -14,10 +14,10 @@ import pytest
 
 from app.cli import main
 from app.commands import commands
-from app.commands.completion import SHELLS, script
+from app.commands.completion import SHELLS, completion_script
 from app.commands.dispatch import _find_command, _read_flags
 from app.commands.help import EVERYWHERE, WIDEST
-from app.commands.progress import coloured
+from app.commands.progress import wants_colour
 from tests.support.paths import ROOT
 from tests.support.processes import HANG
 
@@ -79,7 +79,7 @@ def test_the_overview_fits_a_terminal(name, wide, capsys):
     ({"TERM": "xterm", "FORCE_COLOR": "1"}, False, True), ({"TERM": "dumb", "FORCE_COLOR": "1"}, True, False),
     ({"TERM": "xterm", "FORCE_COLOR": "1", "NO_COLOR": "1"}, True, False)])
 def test_who_wants_colours(environment, is_terminal, wanted):
-    assert coloured(environment, is_terminal) is wanted
+    assert wants_colour(environment, is_terminal) is wanted
 
 
 @pytest.mark.skipif(os.name == "nt", reason="POSIX terminals")
@@ -107,7 +107,7 @@ def test_help_on_a_terminal(given, wanted):
 def test_a_shell_gets_its_script(shell, capsys):
     assert main(["--completion", shell]) == 0 and main([f"--completion={shell}"]) == 0
     seen = capsys.readouterr()
-    assert seen.out == 2 * script(shell) and seen.err == ""
+    assert seen.out == 2 * completion_script(shell) and seen.err == ""
     assert all(word in seen.out for name in commands() for word in name if not word.startswith("-"))
     assert "--linearity-preserving" in seen.out
 
@@ -115,7 +115,7 @@ def test_a_shell_gets_its_script(shell, capsys):
 @pytest.mark.skipif(shutil.which("bash") is None, reason="no bash")
 def test_bash_completes_commands_flags_words_and_files(tmp_path):
     """What is offered after each line; where nothing is known, bash offers files by itself (-o default)."""
-    (tmp_path / "lab.sh").write_text(script("bash"), encoding="utf-8")
+    (tmp_path / "lab.sh").write_text(completion_script("bash"), encoding="utf-8")
     (tmp_path / "mine.csv").touch()
     lines = {"mpm-lab ru": "run", "mpm-lab run b": "bar", "mpm-lab run bar --meth": "--method",
              "mpm-lab run bar --estimator comp": "companion", "mpm-lab run bar --json min": "mine.csv",

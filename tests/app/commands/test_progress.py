@@ -8,7 +8,7 @@ import sys
 import pytest
 
 from app.commands import progress
-from app.commands.progress import MEASURED, Remaining, working
+from app.commands.progress import MEASURED, Remaining, show_progress
 
 
 def test_what_is_left_is_reckoned_from_the_first_part_on():
@@ -32,7 +32,7 @@ def test_the_bar_on_a_terminal(name, quiet, shown, monkeypatch):
     monkeypatch.setattr(progress.time, "monotonic", lambda: clock[0])
     monkeypatch.setattr(sys, "stderr", terminal)
     monkeypatch.setenv("TERM", name)
-    with working(quiet) as show:
+    with show_progress(quiet) as show:
         for clock[0], part in ((50.0, 0.01), (50.0 + 0.9 * MEASURED, 0.1), (60.0, 0.51)):
             show(part, "a row")
     seen = terminal.getvalue()

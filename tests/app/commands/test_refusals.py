@@ -18,8 +18,8 @@ from app.commands import commands
 from app.lessons import catalogue, grading, student_progress
 from app.lessons.claims import ClaimError, check_claim
 from app.lessons.lesson import LessonError
-from app.lessons.lesson_parser import parse
-from app.lessons.markdown_html import RenderError, html
+from app.lessons.lesson_parser import parse_lesson
+from app.lessons.markdown_html import RenderError, to_html
 from app.page.visit.status_message import Notice
 from solvers.problems import PROBLEMS
 from solvers.scene.validation import SceneError
@@ -29,9 +29,10 @@ from solvers.study.summary import csv_text, summary
 EVIL = "\x1b]0;owned\x07\x1b[31m\u202e\u2066evil\x9b2J"
 TEXTS = [EVIL, EVIL * 300, "9" * 10_000, "=cmd|' /C calc'!A0\t" + EVIL, "<img src=x>![](http://evil.example)`" + EVIL]
 LONGEST = 410  # letters of a message
-SLOW = ("app.page.page_server.serve", "app.commands.run.command._run", "app.commands.run.budget.working",
-        "app.commands.bench.command.working", "app.commands.lesson.working", "app.commands.export.working",
-        "app.commands.judge.command.working", "app.commands.check.command.working", "app.commands.judge.problem._files",
+SLOW = ("app.page.page_server.serve", "app.commands.run.command._run", "app.commands.run.budget.show_progress",
+        "app.commands.bench.command.show_progress", "app.commands.lesson.show_progress",
+        "app.commands.export.show_progress", "app.commands.judge.command.show_progress",
+        "app.commands.check.command.show_progress", "app.commands.judge.problem._files",
         "app.commands.study.study_command.Study._place", "app.commands.study.advise.Advise._search")
 
 
@@ -82,11 +83,11 @@ def test_every_field_of_a_scene_and_word_of_a_state(problem, text):
                 harmless(error.sentence)
         for word in (f"{name}={text}", f"{text}={name}", f"pinned;{name}={text}"):
             with pytest.raises(state.StateError) as refusal:
-                state.read(f"{problem};{word}")
+                state.parse_state(f"{problem};{word}")
             harmless(str(refusal.value))
     for word in state.VIEW:
         with pytest.raises(state.StateError) as refusal:
-            state.read(f"{problem};{word}={text}")
+            state.parse_state(f"{problem};{word}={text}")
         harmless(str(refusal.value))
 
 
@@ -117,7 +118,7 @@ FINE = {"head": "", "intro": "", "scene": "bar cells=20", "claim": "error.x.max 
 def test_every_part_of_a_lesson(place, wrong, text):
     bare = json.dumps(text, ensure_ascii=False)[1:-1] if place == "scene" or '"{}"' in wrong else text
     try:
-        parse(LESSON.format(**FINE | {place: wrong.replace("{}", bare)}), "a")
+        parse_lesson(LESSON.format(**FINE | {place: wrong.replace("{}", bare)}), "a")
     except LessonError as error:
         harmless(str(error))
         harmless(error.sentence)
@@ -126,8 +127,8 @@ def test_every_part_of_a_lesson(place, wrong, text):
 @pytest.mark.parametrize("text", TEXTS, ids=range(len(TEXTS)))
 def test_claims_pictures_names_and_notices(text):
     for act, refusal in ((lambda: check_claim(text, {}, ""), ClaimError),
-                         (lambda: catalogue.called(text), catalogue.UnknownLesson),
-                         (lambda: html(f"![]({'x' * 9000}.svg)"), RenderError)):
+                         (lambda: catalogue.resolve_name(text), catalogue.UnknownLesson),
+                         (lambda: to_html(f"![]({'x' * 9000}.svg)"), RenderError)):
         with pytest.raises(refusal) as found:
             act()
         harmless(str(found.value))
@@ -158,15 +159,15 @@ def test_every_field_of_handed_in_answers(text, tmp_path, monkeypatch, capsys):
 
 @pytest.mark.parametrize("text", TEXTS, ids=range(len(TEXTS)))
 def test_tables_hold_no_formula_and_nothing_that_does_not_show(text):
-    lesson = catalogue.lessons()["01-one-step"]
+    lesson = catalogue.load_lessons()["01-one-step"]
     key = next(key for key, step in lesson.questions.items())
-    found = grading.Graded(text, student_progress.Progress("01-one-step", "", text), lesson, lesson.questions,
+    found = grading.GradedFile(text, student_progress.Progress("01-one-step", "", text), lesson, lesson.questions,
                             {key: (text, None)})
     row = {"scene": {"method": text, text: text}, "asked": {}, "status": "failed", "reason": text, "index": None}
-    for table in (grading.table([found]), csv_text([row])):
+    for table in (grading.grades_csv([found]), csv_text([row])):
         cells = [cell for line in csv.reader(io.StringIO(table)) for cell in line]
         assert all(cell.isprintable() and not cell.startswith(tuple("=+-@\t\r")) for cell in cells)
-    assert "\n* " in summary("bar", [row]) and "<img" not in html(summary("bar", [row]))
+    assert "\n* " in summary("bar", [row]) and "<img" not in to_html(summary("bar", [row]))
     assert all(line.isprintable() for line in summary("bar", [row]).split("\n"))
 
 

@@ -19,11 +19,11 @@ from app import state
 from app.cli import main
 from app.export import export_plan, slider_grid
 from app.export.html_file import _titled, scene_page
-from app.export.lesson_data import lesson_page, manifest, package, rules
-from app.export.quantise import NONE, NUMBER, PLACE, SIGNED, SIZE, TOPS, Track, packed
-from app.export.recording import Wanted, recording
+from app.export.lesson_data import lesson_page, manifest, package_lessons, question_rules
+from app.export.quantise import NONE, NUMBER, PLACE, SIGNED, SIZE, TOPS, Track, pack_tracks
+from app.export.recording import RecordingRequest, record_scene
 from app.frame.stage import one_in
-from app.lessons.lesson_parser import parse
+from app.lessons.lesson_parser import parse_lesson
 from app.problems.views import VIEWS
 from solvers.problems.planar.layout import particle_layout
 from solvers.scene.error_causes import FIELDS
@@ -76,7 +76,7 @@ def test_a_track_is_as_exact_as_it_says(kind, share):
     values = np.abs(values) if kind == SIZE else values
     values[3, 5], values[4, 6] = np.nan, np.inf
     track = Track("it", kind, values)
-    found = tracks([track.header], packed([track]))["it"]
+    found = tracks([track.header], pack_tracks([track]))["it"]
     known = np.isfinite(values)
     assert (np.isnan(found) == ~known).all()
     largest = np.abs(np.where(known, values, 0)).max(axis=None if kind == PLACE else 1, keepdims=True)
@@ -89,7 +89,7 @@ def test_a_track_of_a_run_gone_bad_is_written(kind):
     values = np.array([[1e300, 2.0, np.nan, np.inf], [3e-45, 2e-45, 0.0, 1e-300], [1e39, 1e31, 1.0, 1e-39]])
     track = Track("it", kind, values)
     with np.errstate(all="raise"):
-        found = tracks([track.header], packed([track]))["it"].astype(float)
+        found = tracks([track.header], pack_tracks([track]))["it"].astype(float)
     assert (np.isnan(found) == (np.isnan(values) | (np.isinf(values) & (kind != NUMBER)))).all()
     assert found[0, 0] > 1e29 and found[2, 0] > 1e29 and (found[1, [0, 1]] >= 0).all()
     assert np.nanmax(found[1]) < 1e-43 and found[2, 2] < 2e28
@@ -99,20 +99,20 @@ def test_a_track_of_a_run_gone_bad_is_written(kind):
     ("bar motion=patch cells=10 periods=0.1", "Patch test of the bar"), ("bar cells=10 periods=0.1", "Vibrating bar"),
     ("ring cells=12 periods=0.02", "Expanding ring")])
 def test_a_file_is_titled_by_what_it_shows(text, heading):
-    assert _titled(export_plan.planned(state.read(text), (), ("x",))) == heading
+    assert _titled(export_plan.make_plan(state.parse_state(text), (), ("x",))) == heading
 
 
 def test_zeros_and_nothing_stay_what_they_are():
     for values in (np.zeros((3, 4)), np.empty((0, 1)), np.full((2, 2), np.nan)):
         track = Track("it", SIZE, values)
-        found = tracks([track.header], packed([track]))["it"]
+        found = tracks([track.header], pack_tracks([track]))["it"]
         assert np.array_equal(found, values, equal_nan=True)
 
 
 @pytest.mark.parametrize("text", [BAR, RING, VORTEX])
 def test_a_recording_holds_the_numbers_of_the_run(text, simulate):
-    scene = state.read(text).scene
-    result, made = simulate(scene), recording(Wanted(text, 9, 1000, ALL))
+    scene = state.parse_state(text).scene
+    result, made = simulate(scene), record_scene(RecordingRequest(text, 9, 1000, ALL))
     found, head = decoded(made), made["head"]
     assert (head["status"], head["steps"], head["shown"]) == ("ok", scene.steps, result.particles)
     assert len(found["time"]) == 9 and found["time"][-1] == pytest.approx(result.time)
@@ -135,7 +135,7 @@ def test_a_recording_holds_the_numbers_of_the_run(text, simulate):
 def test_who_made_the_error_is_kept_where_the_run_has_it(simulate):
     """The shares are those of the run, and the parts of each picture add up to its error; elsewhere nothing is kept."""
     text = "bar cells=10 periods=0.25 estimators=none effects=truth,budget"
-    result, made = simulate(state.read(text).scene), recording(Wanted(text, 9, 1000, ("x",)))
+    result, made = simulate(state.parse_state(text).scene), record_scene(RecordingRequest(text, 9, 1000, ("x",)))
     found, said = decoded(made), made["head"]["budget"]
     assert said["not_valid"] is None and said["whose"] == ""
     for field in FIELDS:
@@ -143,53 +143,57 @@ def test_who_made_the_error_is_kept_where_the_run_has_it(simulate):
         error, *parts = found[f"budget.{field}"].T
         assert near(error[-1:], result.series[f"budget/error_{field}"][-1:], 1 / 254)
         assert np.abs(sum(parts) - error).max() <= 5 / 254 * np.abs(found[f"budget.{field}"]).max()
-    plain = recording(Wanted(BAR, 3, 1000, ("x",)))
+    plain = record_scene(RecordingRequest(BAR, 3, 1000, ("x",)))
     assert plain["head"]["budget"] is None and not any(name.startswith("budget") for name in decoded(plain))
 
 
 def test_domains_are_kept_where_they_are_asked_for():
-    one, scene = Wanted("ring cells=12 periods=0.1", 3, 1000, ("x",), domains=True), state.read("ring cells=12").scene
-    found = decoded(recording(one))
+    one, scene = RecordingRequest("ring cells=12 periods=0.1", 3, 1000, ("x",),
+                                  domains=True), state.parse_state("ring cells=12").scene
+    found = decoded(record_scene(one))
     half = found["edges"][0].reshape(2, 2, -1)
     edges = VIEWS["ring"].stage.domain_edges(scene, np.tile(np.eye(2), (scene.particles, 1, 1)))  # (P, edge, x or y)
     assert near(half, edges.transpose(1, 2, 0), 0.01) and not near(half, edges.transpose(2, 1, 0), 0.2)
     area = 4 * np.abs(half[0, 0] * half[1, 1] - half[0, 1] * half[1, 0])
     assert near(area, particle_layout(scene).volume, 0.03)
-    assert "edges" not in decoded(recording(replace(one, domains=False)))
+    assert "edges" not in decoded(record_scene(replace(one, domains=False)))
 
 
 def test_a_run_gone_bad_ends_there_and_says_why():
-    made = recording(Wanted("bar cells=10 cfl=3 periods=2", 40, 1000, ("x",)))
+    made = record_scene(RecordingRequest("bar cells=10 cfl=3 periods=2", 40, 1000, ("x",)))
     assert made["head"]["status"] == "unstable" and "went unstable at t =" in made["head"]["reason"]
     assert len(decoded(made)["time"]) < 40
 
 
 def test_of_many_particles_some_are_kept():
-    assert recording(Wanted("bar cells=40 periods=0.02", 2, 100, ("x",)))["head"]["shown"] == 80
-    assert recording(Wanted("ring cells=24 periods=0.02", 2, 100, ("x",)))["head"]["shown"] == 100
+    assert record_scene(RecordingRequest("bar cells=40 periods=0.02", 2, 100, ("x",)))["head"]["shown"] == 80
+    assert record_scene(RecordingRequest("ring cells=24 periods=0.02", 2, 100, ("x",)))["head"]["shown"] == 100
 
 
 @pytest.mark.parametrize("problem", ["bar", "ring"])
 def test_a_lattice_has_sixty_runs_and_stays_within_the_budget(problem):
-    shown = state.read(f"{problem} estimators=recovered,transport")
-    axes = slider_grid.around(shown.scene, slider_grid.FULL)
-    one = export_plan.planned(shown, axes, ("x", "v", "sigma"))
+    shown = state.parse_state(f"{problem} estimators=recovered,transport")
+    axes = slider_grid.axes_around(shown.scene, slider_grid.FULL)
+    one = export_plan.make_plan(shown, axes, ("x", "v", "sigma"))
     assert [len(axis.values) for axis in axes] == [5, 4, 3] and len(one.runs) == 60
     assert all(axis.values[axis.start] == getattr(shown.scene, axis.field) for axis in axes)
-    most = next(iter(export_plan.wanted([one]).values())).particles
-    sizes = [export_plan._bytes(one, min(state.read(text).scene.particles, most)) for text in one.runs]
+    most = next(iter(export_plan.recordings_needed([one]).values())).particles
+    sizes = [export_plan._bytes(one, min(state.parse_state(text).scene.particles, most)) for text in one.runs]
     assert sum(sizes) <= export_plan.BUDGET
 
 
 def test_what_a_lesson_names_is_on_the_sliders():
     text = "- Set **Cells** to `80`.\n- Choose **Method** `B-spline`.\n- Set **CFL number** to `0.025`.\nRead **norm**."
-    axes = {axis.field: axis.values for axis in slider_grid.named(state.read("bar cells=20 cfl=0.4").scene, text)}
+    axes = {
+        axis.field: axis.values
+        for axis in slider_grid.axes_named_in(state.parse_state("bar cells=20 cfl=0.4").scene, text)
+    }
     assert axes == {"cells": (20, 80), "method": ("ugimp", "bspline"), "cfl": (0.025, 0.4)}
 
 
 def test_what_cannot_be_says_why():
     axes = [slider_grid.SliderAxis("method", ("cpgimp", "ugimp"), 0)]
-    texts = list(slider_grid.scenes(state.read("bar method=cpgimp velocity=corners").scene, axes))
+    texts = list(slider_grid.scene_texts(state.parse_state("bar method=cpgimp velocity=corners").scene, axes))
     assert texts[0].startswith("bar;") and texts[1].startswith("!moves the corners")
 
 
@@ -204,14 +208,14 @@ def test_a_file_is_small_and_asks_nobody_for_anything():
 
 
 def test_what_is_right_is_known_for_every_variant():
-    found = rules(parse(TEXT, "99-test"), 1, lambda part, what: None)
+    found = question_rules(parse_lesson(TEXT, "99-test"), 1, lambda part, what: None)
     assert [rule["options"] for rule in found["what-happens"]] == [[2], [2]]
     first, second = (rule["value"] for rule in found["and"])
     assert 0 < first < second
 
 
 HEAD = '+++\ntitle = "<Öl> & \\"Wasser\\""\ngoals = ["see"]\n+++\n\nBegin.\n'
-READ = parse(HEAD + "\n## Explain: Only read\n\nNothing is asked.\n", "10-read")
+READ = parse_lesson(HEAD + "\n## Explain: Only read\n\nNothing is asked.\n", "10-read")
 LESSONS = [READ, replace(READ, name="11 zwei&drei", fingerprint="f" * 64)]
 IMS, ADL = "{http://www.imsproject.org/xsd/imscp_rootv1p1p2}", "{http://www.adlnet.org/xsd/adlcp_rootv1p2}"
 
@@ -222,8 +226,8 @@ def silent(part, what):
 
 @pytest.fixture(scope="module")
 def archive():
-    made = package(LESSONS, 1, silent)
-    assert made == package(LESSONS, 1, silent)
+    made = package_lessons(LESSONS, 1, silent)
+    assert made == package_lessons(LESSONS, 1, silent)
     with zipfile.ZipFile(io.BytesIO(made)) as files:
         yield files
 
@@ -263,7 +267,8 @@ def test_only_a_package_speaks_to_a_system(archive):
 
 def test_several_lessons_are_packed_once_each(capsys, monkeypatch, tmp_path):
     asked = []
-    monkeypatch.setattr("app.export.lesson_data.package", lambda lessons, *others, core: asked.extend(lessons) or b"PK")
+    monkeypatch.setattr("app.export.lesson_data.package_lessons", lambda lessons, *others,
+                        core: asked.extend(lessons) or b"PK")
     assert main(["export", "1", "04", "1", "--scorm", "--quiet", "--out", str(tmp_path / "a.zip")]) == 0
     assert [lesson.name for lesson in asked] == ["01-one-step", "04-grid-crossing"]
     assert (tmp_path / "a.zip").read_bytes() == b"PK"

@@ -9,7 +9,7 @@ from html import unescape
 from types import SimpleNamespace
 
 from app.frame.primitives import Label
-from app.renderers.viewer_renderer import Lettering, Sheet
+from app.renderers.viewer_renderer import Lettering, ViewerSurface
 
 NOTE = Label("note", "a", 0.0, 0.5, "center-center", "note")
 
@@ -39,7 +39,7 @@ def sheet_of(gui, at="/stage"):
     scene = SimpleNamespace(add_frame=lambda name, **options: SimpleNamespace(visible=True))
     lettering = Lettering(gui)
     lettering.look((-0.015, 1.015, 0.0, 0.5))
-    return Sheet(SimpleNamespace(scene=scene), lettering, at), lettering
+    return ViewerSurface(SimpleNamespace(scene=scene), lettering, at), lettering
 
 
 def test_a_label_is_placed_in_parts_of_the_box():

@@ -6,7 +6,7 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from app.frame.field_plot import ROOM, Axis, FieldPlot, seen
+from app.frame.field_plot import ROOM, Axis, FieldPlot, magnify_deviation
 from app.frame.layout import RunSlot
 from app.frame.primitives import Bounds
 from app.problems.bar.stage import BarStage
@@ -75,10 +75,11 @@ def test_what_is_off_is_not_zero(scene):
 def test_magnified_is_exact_plus_so_many_deviations():
     """Of what does not swing, where all else is the same everywhere, deviations alone."""
     field, known = np.array([[5.0, 0.25], [2.0, -0.5]]), SimpleNamespace(solution_known=True, swings=True)
-    np.testing.assert_array_equal(seen(known, field, 1), [5, 2])
-    np.testing.assert_array_equal(seen(known, field, 10), [4.75 + 2.5, 2.5 - 5])
-    np.testing.assert_array_equal(seen(SimpleNamespace(solution_known=False), field, 10), [5, 2])
-    np.testing.assert_array_equal(seen(SimpleNamespace(solution_known=True, swings=False), field, 10), [2.5, -5])
+    np.testing.assert_array_equal(magnify_deviation(known, field, 1), [5, 2])
+    np.testing.assert_array_equal(magnify_deviation(known, field, 10), [4.75 + 2.5, 2.5 - 5])
+    np.testing.assert_array_equal(magnify_deviation(SimpleNamespace(solution_known=False), field, 10), [5, 2])
+    np.testing.assert_array_equal(magnify_deviation(SimpleNamespace(solution_known=True, swings=False), field, 10),
+                                  [2.5, -5])
 
 
 def test_axis_ends_at_round_numbers_and_holds_everything():

@@ -5,9 +5,9 @@ from itertools import product
 import numpy as np
 import pytest
 
-from app.frame.crossings import LEAST_SECONDS, WINDOW, ages, recent, window
+from app.frame.crossings import LEAST_SECONDS, WINDOW, crossing_ages, crossing_window, is_recent
 from app.frame.field_plot import ROOM
-from app.frame.layout import RunSlot, top
+from app.frame.layout import RunSlot, colour_bar_box
 from app.frame.planar_layout import AROUND, planar_labels, planar_places
 from app.frame.primitives import Bounds
 from app.frame.stage import StageLabels
@@ -27,7 +27,7 @@ def test_everything_stands_in_the_rectangle_below_the_scale(problem, seat, room)
     stage = VIEWS[problem].stage
     places = stage.places(room.settled(), seat)
     (x0, x1, y0, y1), box = places.rectangle, places.field
-    end = top(places.room, room.high).end
+    end = colour_bar_box(places.room, room.high).end
     assert y0 == 0 and y1 == pytest.approx(room.high)
     assert 0 <= box.left < box.right <= 1 and box.half * room.pixels > 15
     assert y0 < box.middle - ROOM * box.half and box.middle + ROOM * box.half < end
@@ -39,12 +39,12 @@ def test_everything_stands_in_the_rectangle_below_the_scale(problem, seat, room)
 def test_a_crossing_is_shown_for_a_part_of_a_period_and_long_enough_to_be_seen():
     scene = BarScene()
     for speed in (0.01, 10.0):
-        long = window(scene, speed * scene.period)
+        long = crossing_window(scene, speed * scene.period)
         assert long == pytest.approx(max(WINDOW * scene.period, LEAST_SECONDS * speed * scene.period))
         steps = np.array([-1.0, 0.0, 0.4 * long / scene.time_step, 1.1 * long / scene.time_step], np.float32)
-        shown = recent(steps, scene, speed * scene.period)
+        shown = is_recent(steps, scene, speed * scene.period)
         np.testing.assert_array_equal(shown, [False, True, True, False])
-        np.testing.assert_allclose(ages(steps[shown], scene, speed * scene.period), [0, 0.4], rtol=1e-5)
+        np.testing.assert_allclose(crossing_ages(steps[shown], scene, speed * scene.period), [0, 0.4], rtol=1e-5)
 
 
 @pytest.mark.parametrize("letters", (1.0, 1.7, 2.5))

@@ -6,10 +6,10 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from app.frame.slow_motion.stage import NUMBERS, shape
-from app.frame.slow_motion.step_phases import PHASES, scaled
+from app.frame.slow_motion.stage import NUMBERS, averaged_hat
+from app.frame.slow_motion.step_phases import PHASES, format_scaled
 from app.problems.views import VIEWS
-from app.renderers.viewer_renderer import Lettering, Sheet
+from app.renderers.viewer_renderer import Lettering, ViewerSurface
 from app.words import PREFIXES
 from solvers.engine.engine_messages import Pace, SessionRequest
 from solvers.engine.shared_frames import FrameOptions
@@ -141,7 +141,7 @@ def test_the_page_shows_the_numbers_of_the_step(name):
     for phase in PHASES:
         for column in phase.columns:
             values = column.scale * column.values(a)
-            texts, unit = scaled(values, column.unit, 4)
+            texts, unit = format_scaled(values, column.unit, 4)
             factor = 1000.0 ** next((power for power, prefix in PREFIXES.items() if prefix + column.unit == unit), 0)
             read = np.array([[float(x.replace("−", "-")) for x in text.split(", ")] for text in texts])
             assert unit.endswith(column.unit) and len(texts) == len(a.nodes)
@@ -157,7 +157,7 @@ def test_the_drawn_shape_function_is_that_of_the_solver():
         solver.advance(20)
         _, a = solver.break_down(5)
         reach = 0.5 if name == "bar bspline" else a.edges[0, 0, 0] / a.spacing
-        drawn = shape((a.place[0, 0] - a.nodes[:, 0]) / a.spacing, reach)
+        drawn = averaged_hat((a.place[0, 0] - a.nodes[:, 0]) / a.spacing, reach)
         assert close(drawn, a.links.weight[0], 1.0)
 
 
@@ -165,7 +165,7 @@ def test_the_drawn_shape_function_is_that_of_the_solver():
 def test_words_stay_on_a_small_stage(name):
     """A narrower window has shorter lines; words that were there are broken anew when the window changes."""
     lettering = Lettering(GUI)
-    stage = VIEWS[SCENES[name].problem].slow(Sheet(SimpleNamespace(scene=Scene()), lettering, "/slow"))
+    stage = VIEWS[SCENES[name].problem].slow(ViewerSurface(SimpleNamespace(scene=Scene()), lettering, "/slow"))
     solver = build(SCENES[name])
     solver.advance(40)
     _, breakdown = solver.break_down(7)
@@ -184,7 +184,7 @@ def test_words_stay_on_a_small_stage(name):
 def test_numbers_lie_neither_over_the_particle_in_front_nor_over_each_other(name):
     scene = replace(SCENES[name], cells=16 if name == "vortex cpdi" else 12)
     drawn, lettering = Scene(), Lettering(GUI)
-    stage = VIEWS[scene.problem].slow(Sheet(SimpleNamespace(scene=drawn), lettering, "/slow"))
+    stage = VIEWS[scene.problem].slow(ViewerSurface(SimpleNamespace(scene=drawn), lettering, "/slow"))
     solver = build(scene)
     solver.advance(40)
     sides = {"bottom-center": (0, 1), "top-center": (0, -1), "center-left": (1, 0), "center-right": (-1, 0)}

@@ -7,7 +7,7 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
 from app.cli import main
-from app.state import State, StateError, read, write
+from app.state import State, StateError, parse_state, write_state
 from app.words import MAGNIFICATIONS, QUANTITIES
 from solvers.problems import PROBLEMS
 from solvers.problems.bar.scene import BarScene
@@ -24,11 +24,11 @@ STATES = [
     State(BarScene(effects=("truth",), estimators=("two-grid",), cfl=None, dt=1e-3 / 3))]
 
 
-@pytest.mark.parametrize("state", STATES, ids=write)
+@pytest.mark.parametrize("state", STATES, ids=write_state)
 def test_a_state_is_read_as_it_was_written(state):
-    assert read(write(state)) == state
-    assert read(write(state).replace(";", " ")) == state
-    assert read(write(state).replace(";", "&")) == state
+    assert parse_state(write_state(state)) == state
+    assert parse_state(write_state(state).replace(";", " ")) == state
+    assert parse_state(write_state(state).replace(";", "&")) == state
 
 
 @pytest.mark.parametrize("switches", SETS, ids=str)
@@ -41,14 +41,14 @@ def test_any_state_comes_back_to_the_bit(switches):
         scene = PROBLEMS[drawn["problem"]].scene(**drawn)
         state = State(scene, quantity, None, difference, magnified, logarithmic, speed=speed, stops=stops,
                       pinned=type(scene)() if stops else None)
-        assert read(write(state)) == state
+        assert parse_state(write_state(state)) == state
 
     same()
 
 
 def test_defaults_are_left_out():
-    assert write(State(BarScene())) == "bar"
-    assert write(State(BarScene(cells=80), stops=True)) == "bar;cells=80;stops"
+    assert write_state(State(BarScene())) == "bar"
+    assert write_state(State(BarScene(cells=80), stops=True)) == "bar;cells=80;stops"
 
 
 @pytest.mark.parametrize("text, said", [
@@ -79,7 +79,7 @@ def test_defaults_are_left_out():
 ])
 def test_what_is_no_state_is_refused_in_a_sentence(text, said):
     with pytest.raises(StateError) as refusal:
-        read(text)
+        parse_state(text)
     assert said in str(refusal.value)
     assert str(refusal.value).isprintable() and len(str(refusal.value)) <= 400
 
@@ -96,11 +96,11 @@ def test_any_text_is_a_state_that_comes_back_or_is_refused_shortly(parts, mark):
     """And a whole link, or what is none."""
     for text in (mark.join(parts), mark.join(["bar", *parts])):
         try:
-            state = read(text)
+            state = parse_state(text)
         except StateError as error:
             assert str(error).isprintable() and len(str(error)) <= 400
         else:
-            assert read(write(state)) == state
+            assert parse_state(write_state(state)) == state
 
 
 @pytest.mark.parametrize("text", ["bar;cells=8;ppc=2;periods=0.1;error-of=v;pinned;cells=20",

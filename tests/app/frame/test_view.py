@@ -9,10 +9,10 @@ import numpy as np
 import pytest
 
 from app import words
-from app.frame.captions import ESTIMATE_OFF, NONE_CHOSEN, OFF, TRUTH_OFF, UNKNOWN, look
+from app.frame.captions import ESTIMATE_OFF, NONE_CHOSEN, OFF, TRUTH_OFF, UNKNOWN, view_of_frame
 from app.frame.colour_scale import DECADES, MOST_TICKS, ColourScale
 from app.frame.stage import Stage
-from app.page.panels.readout import _percent, readout
+from app.page.panels.readout import _percent, live_readout
 from app.page.stage.worst_region import SteadyMaximum, WorstRegions
 from app.page.visit.session import first_scene
 from app.problems.bar.view import BAR as BAR_VIEW
@@ -51,7 +51,7 @@ SIGNED, TRUE = np.linspace(-1, 1, 20), np.linspace(1, -1, 20)
 
 
 def view_of(scene=BAR, estimator="transport", difference=False, quantity="x", not_valid=None):
-    return look(report_of(scene, not_valid), arrays_of(SIGNED, TRUE), quantity, estimator, difference)
+    return view_of_frame(report_of(scene, not_valid), arrays_of(SIGNED, TRUE), quantity, estimator, difference)
 
 
 @pytest.mark.parametrize(("difference", "title", "times"), [(False, "Estimate", 1), (True, "Estimate − truth", 2)])
@@ -211,7 +211,7 @@ def test_margin_of_the_step_is_read(margin, shown):
 
 def readout_of(scene, margin):
     session = SimpleNamespace(history=SimpleNamespace(series={}, margin=margin), speed=1.0, pinned=None, ended=False)
-    return readout(session, session.history, report_of(scene), "x", "transport", None, WorstRegions()).html
+    return live_readout(session, session.history, report_of(scene), "x", "transport", None, WorstRegions()).html
 
 
 @pytest.mark.parametrize("problem", PROBLEMS)
@@ -225,7 +225,7 @@ def test_every_problem_is_shown(problem):
         assert low <= getattr(scene, field) <= high
     assert view.reach.speed[0] <= view.speed <= view.reach.speed[1]
     for field in view.details:
-        value, names = getattr(scene, field), words.choices(type(scene), field)
+        value, names = getattr(scene, field), words.choice_labels(type(scene), field)
         assert value in names if scene.choices(field) else isinstance(value, bool)
     assert issubclass(view.stage, Stage) and callable(view.draw)
 
@@ -268,12 +268,12 @@ def test_worst_places_by_estimate_and_by_truth():
     places, estimate, error = WorstRegions(), np.full(20, 0.1), np.full(20, 0.2)
     estimate[3], error[7] = 1.0, -2.0
     arrays, report = arrays_of(estimate, error), report_of(BAR)
-    places.look(report, arrays, look(report, arrays, "x", "transport", False), "x")
+    places.look(report, arrays, view_of_frame(report, arrays, "x", "transport", False), "x")
     assert (places.by_estimate.name, places.by_truth.name) == ("X = 0.15–0.20 m", "X = 0.35–0.40 m")
     assert (places.by_estimate.estimated, places.by_estimate.true) == (1.0, 0.2)
     assert (places.by_truth.estimated, places.by_truth.true) == (0.1, 2.0)
     report = report_of(replace(BAR, body_force="two-tone"))
-    places.look(report, arrays, look(report, arrays, "x", "transport", False), "x")
+    places.look(report, arrays, view_of_frame(report, arrays, "x", "transport", False), "x")
     assert places.by_truth is None and places.by_estimate.true is None
 
 

@@ -48,16 +48,17 @@ def test_what_is_said_of_a_run_and_its_errors(problem):
     kind, stage = PROBLEMS[problem].scene, VIEWS[problem].stage
     with use_language(CODE):
         for scene in scenes(kind):
-            assert not outside(f"{words.differing(scene, kind())} {words.moving(scene)} {stage.note(scene)}")
+            assert not outside(f"{words.difference_text(scene, kind())} {words.motion_text(scene)} {stage.note(scene)}")
             for quantity in words.QUANTITIES:
                 for estimator in (None, *kind.ESTIMATORS):
                     no_truth = captions.why_no_truth(scene, quantity)
                     no_estimate = captions.why_no_estimate(scene, scene.not_valid, estimator, quantity)
-                    told = astuple(captions.captions(quantity, estimator, estimator is None, no_estimate, no_truth))
+                    told = astuple(captions.make_captions(quantity, estimator, estimator is None, no_estimate,
+                                                          no_truth))
                     said = headline.error_words(scene, quantity, estimator, no_estimate, no_truth)
                     plot = captions.field_words(scene, stage.PLOT.component, quantity)
-                    run = headline.errors(said, "m", 0.2, 0.1, 0.5, tr(headline.SO_FAR))
-                    assert not outside(f"{told} {plot} {captions.counting(plot.remark, 3)} {run}")
+                    run = headline.format_errors(said, "m", 0.2, 0.1, 0.5, tr(headline.SO_FAR))
+                    assert not outside(f"{told} {plot} {captions.add_unknown_count(plot.remark, 3)} {run}")
 
 
 @pytest.mark.parametrize("problem", PROBLEMS)
@@ -66,7 +67,7 @@ def test_what_a_problem_says_of_itself_and_asks(problem):
     with use_language(CODE):
         said = [*view.regions(np.ones((1, kind.DIMENSIONS))).names, *map(tr, view.details.values()),
                 tr(view.amplitude_hint), tr(view.modulus_hint), tr(view.division), tr(view.stage.HALVES),
-                captions.marks_note(view.stage.MARKED, 3), *words.choices(kind, "body_force").values()]
+                captions.marks_note(view.stage.MARKED, 3), *words.choice_labels(kind, "body_force").values()]
         for scene in scenes(kind):
             state = State(scene)
             for spark in view.sparks(state):

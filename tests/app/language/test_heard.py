@@ -6,9 +6,9 @@ import re
 import pytest
 
 from app.frame.captions import why_no_estimate
-from app.language.message_translation import LONGEST, MOST_TEXTS, Translator, translate_message, translator
+from app.language.message_translation import LONGEST, MOST_TEXTS, Translator, translate_message, translator_for
 from app.language.translation import use_language
-from app.words import brief, on_page
+from app.words import on_page, short_reason
 from solvers import BarScene, RingScene, VortexScene
 from solvers.problems import PROBLEMS
 from solvers.scene.effects import EFFECTS
@@ -114,7 +114,7 @@ def test_what_nobody_knows_stays_as_it_is(sentence):
 def test_a_sentence_that_quotes_anything_takes_a_bounded_time():
     """It counts the texts that are looked up, for the clock says what else runs."""
     looked = {}
-    translator("de")._known(("has {x}, b: c (give and " * LONGEST)[:LONGEST], looked, 0)
+    translator_for("de")._known(("has {x}, b: c (give and " * LONGEST)[:LONGEST], looked, 0)
     assert len(looked) == MOST_TEXTS
 
 
@@ -122,7 +122,7 @@ def test_an_estimator_that_does_not_hold_says_so_in_few_words_in_any_language():
     scene = BarScene(method="bspline", estimators=("transport",))
     for code, said in (("en", "transport is not valid here"), ("de", "transport gilt hier nicht")):
         with use_language(code):
-            assert brief(why_no_estimate(scene, scene.not_valid, "transport", "x")) == said
+            assert short_reason(why_no_estimate(scene, scene.not_valid, "transport", "x")) == said
 
 
 def test_what_is_off_is_called_as_the_effect_is():

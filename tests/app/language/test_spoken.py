@@ -7,7 +7,16 @@ import polib
 import pytest
 
 from app.language import translation
-from app.language.translation import LANGUAGES, Language, language, localised, tr, trn, use_language, with_language
+from app.language.translation import (
+    LANGUAGES,
+    Language,
+    current_language,
+    localised_path,
+    tr,
+    trn,
+    use_language,
+    with_language,
+)
 
 WORDS = {"Play": "Los", "{n} of {all} are here": "von {all} sind {n} da"}
 
@@ -24,7 +33,7 @@ def other(tmp_path, monkeypatch):
     file.save(str(tmp_path / "zz.po"))
     monkeypatch.setitem(LANGUAGES, "zz", Language("Other", tmp_path / "zz.po"))
     yield "zz"
-    translation.catalogue.cache_clear()
+    translation.load_catalogue.cache_clear()
 
 
 def test_a_text_is_what_the_language_says_and_english_is_the_code(other):
@@ -32,7 +41,7 @@ def test_a_text_is_what_the_language_says_and_english_is_the_code(other):
     with use_language(other):
         assert tr("Play") == "Los" and tr("{n} of {all} are here", n=1, all=3) == "von 3 sind 1 da"
         assert tr("not there") == "not there"
-    assert language() == "en" and tr("Play") == "Play"
+    assert current_language() == "en" and tr("Play") == "Play"
 
 
 @pytest.mark.parametrize(("count", "english", "said"), [(1, "1 dot", "1 Punkt"), (2, "2 dots", "2 Punkte"),
@@ -45,10 +54,10 @@ def test_a_count_chooses_its_form(other, count, english, said):
 
 def test_a_thread_speaks_what_was_spoken_where_its_work_was_given_to_it(other):
     with ThreadPoolExecutor(1) as thread, use_language(other):
-        assert thread.submit(language).result() == "en"
+        assert thread.submit(current_language).result() == "en"
         assert thread.submit(with_language(tr), "Play").result() == "Los"
         assert thread.submit(with_language(tr, "en"), "Play").result() == "Play"
-        assert thread.submit(language).result() == "en"
+        assert thread.submit(current_language).result() == "en"
 
 
 def test_what_is_kept_is_kept_by_language(other):
@@ -67,16 +76,20 @@ def test_what_is_kept_is_kept_by_language(other):
 
 def test_a_file_has_its_translation_beside_it_or_stands_for_itself(tmp_path):
     (tmp_path / "about.html").touch()
-    assert localised(tmp_path / "about.html").name == "about.html"
+    assert localised_path(tmp_path / "about.html").name == "about.html"
     with use_language("de"):
-        assert localised(tmp_path / "about.html").name == "about.html"
+        assert localised_path(tmp_path / "about.html").name == "about.html"
         (tmp_path / "about.de.html").touch()
-        assert localised(tmp_path / "about.html").name == "about.de.html"
+        assert localised_path(tmp_path / "about.html").name == "about.de.html"
 
 
 def test_scripts_get_their_own_words(other):
-    assert translation.catalogue(other).of_files("app/page/web/js/") == WORDS
-    assert translation.catalogue(other).of_files("app/export/") == translation.catalogue("en").of_files("app/") == {}
+    assert translation.load_catalogue(other).of_files("app/page/web/js/") == WORDS
+    assert (
+        translation.load_catalogue(other).of_files("app/export/")
+        == translation.load_catalogue("en").of_files("app/")
+        == {}
+    )
 
 
 @pytest.mark.parametrize(("query", "accepted", "found"), [

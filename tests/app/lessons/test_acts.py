@@ -9,9 +9,9 @@ import pytest
 from app import state
 from app.language.translation import ENGLISH, use_language
 from app.lessons import catalogue
-from app.lessons.lesson import drawn, filled
+from app.lessons.lesson import draw_numbers, fill_numbers
 from app.page.features.lesson import action_buttons
-from app.page.features.lesson.action_buttons import Act, do, found, put, who, with_buttons
+from app.page.features.lesson.action_buttons import Act, cause_button, find_actions, perform, stage_button, with_buttons
 from app.page.features.lesson.step_html import choices_html, shelf_html, step_html, text_html
 
 SAID = "\n\n".join(("Words.", "- Press **On the stage**.", "- Set **Cells** to `80`.\n- Choose **Method** `B-spline`.",
@@ -20,23 +20,24 @@ SAID = "\n\n".join(("Words.", "- Press **On the stage**.", "- Set **Cells** to `
 
 def test_what_can_be_done_is_a_button_and_the_rest_is_text():
     html = text_html(SAID, {})
-    assert found(html) == [Act("Set", "Cells", "80"), Act("Choose", "Method", "B-spline"), Act("Press", "Pause", "")]
+    assert find_actions(html) == [Act("Set", "Cells", "80"), Act("Choose", "Method", "B-spline"),
+                                  Act("Press", "Pause", "")]
     shown = with_buttons(html)
     assert re.findall(r"data-act='(\w+)'", shown) == ["stage", "0", "1", "2"]
-    assert put() in shown and "Set <b>Cells</b> to <b>80</b></button>" in shown
+    assert stage_button() in shown and "Set <b>Cells</b> to <b>80</b></button>" in shown
     assert "Set <strong>Particle</strong> to <code>10</code>." in shown
 
 
 def test_who_made_the_error_is_asked_by_a_button():
     html = text_html("- Press **On the stage**.\n- Press **Who made this error?**\n", {})
-    assert found(html) == [] and who() in with_buttons(html)
+    assert find_actions(html) == [] and cause_button() in with_buttons(html)
 
 
 class Hand:
     """Controls that only remember what was done with them."""
 
     def __init__(self, text: str):
-        self.scene, self.done = state.read(text).scene, []
+        self.scene, self.done = state.parse_state(text).scene, []
 
     def change(self, field, said, meant):
         self.done.append((field, meant(self.scene)))
@@ -59,12 +60,12 @@ class Hand:
     (Act("Press", "Reset", ""), ("press", "Reset"))])
 def test_an_act_means_what_its_widget_would_do(act, meant):
     hand = Hand("bar")
-    do(act, hand)
+    perform(act, hand)
     assert hand.done == [meant]
 
 
 @pytest.mark.parametrize("core", [True, False], ids=["core", "all"])
-@pytest.mark.parametrize("name", catalogue.names())
+@pytest.mark.parametrize("name", catalogue.lesson_names())
 def test_every_act_of_a_lesson_can_be_done_in_its_scene(name, core):
     """Where the step's run is on the stage the value is one that the field may have; each run has a button. In the core
     alone the stage has only what the core has put there. A lesson in another language has the same acts."""
@@ -74,21 +75,24 @@ def test_every_act_of_a_lesson_can_be_done_in_its_scene(name, core):
 
 
 def _done(lesson, core):
-    told = [[(act.verb, act.name) for act in found(text_html(step.text, drawn(lesson, "")))] for step in lesson.steps]
+    told = [
+        [(act.verb, act.name) for act in find_actions(text_html(step.text, draw_numbers(lesson, "")))]
+        for step in lesson.steps
+    ]
     with use_language(ENGLISH):
-        assert told == [[(act.verb, act.name) for act in found(text_html(step.text, drawn(lesson, "")))]
-                        for step in catalogue.lesson(lesson.name).steps]
-    numbers, text = drawn(lesson, ""), "bar"
+        assert told == [[(act.verb, act.name) for act in find_actions(text_html(step.text, draw_numbers(lesson, "")))]
+                        for step in catalogue.load_lesson(lesson.name).steps]
+    numbers, text = draw_numbers(lesson, ""), "bar"
     for step in lesson.walk(core):
-        text = filled(step.stage, numbers) or text
+        text = fill_numbers(step.stage, numbers) or text
         html = step_html(lesson, step, numbers, "", False)
-        assert html.count(put()) == bool(step.stage)
+        assert html.count(stage_button()) == bool(step.stage)
         hand = Hand(text)
-        for act in found(text_html(step.text, numbers)):
+        for act in find_actions(text_html(step.text, numbers)):
             if act.name == "On the stage":
                 assert act.value in hand.scene.estimators
             else:
-                do(act, hand)
+                perform(act, hand)
                 field, value = hand.done[-1]
                 allowed = hand.scene.choices(field) if field in action_buttons.FIELDS.values() else ()
                 assert not allowed or value in allowed
@@ -97,5 +101,5 @@ def _done(lesson, core):
 def test_answers_and_titles_are_escaped():
     html = choices_html(["<b>one", "two"], 2, False, "a'key")
     assert "&lt;b&gt;one" in html and html.count(" checked") == 1 and "data-question='a&#x27;key'" in html
-    every = shelf_html(catalogue.lessons())
-    assert every.count("class='lab-open'") == len(catalogue.names()) and "data-fingerprint=" in every
+    every = shelf_html(catalogue.load_lessons())
+    assert every.count("class='lab-open'") == len(catalogue.lesson_names()) and "data-fingerprint=" in every

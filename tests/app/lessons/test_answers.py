@@ -7,10 +7,10 @@ import viser
 
 from app import state
 from app.lessons import catalogue
-from app.lessons.answer_check import mark, shown, trouble
+from app.lessons.answer_check import format_answer, mark_answer, why_invalid
 from app.lessons.lesson import DRAG, PREDICT
 from app.lessons.lesson_runs import RunCache
-from app.page.features.lesson.answer_widgets import AnswerWidgets, number
+from app.page.features.lesson.answer_widgets import AnswerWidgets, parse_number
 from solvers.workers.worker_process import free_port
 
 
@@ -23,7 +23,7 @@ def gui():
 
 @pytest.fixture(scope="module")
 def dragged():
-    lesson = catalogue.lesson("04-grid-crossing")
+    lesson = catalogue.load_lesson("04-grid-crossing")
     [step] = [step for step in lesson.steps if step.question and step.question.kind == DRAG]
     return lesson, step
 
@@ -32,28 +32,28 @@ def test_where_a_control_is_left_is_what_the_stage_has(gui, dragged):
     """In the stage's units, and it follows the stage."""
     lesson, step = dragged
     on_stage = ["bar;method=mpm;amplitude=0.0032"]
-    widgets = AnswerWidgets(gui, step, {}, None, False, lambda: state.read(on_stage[0]).scene)
+    widgets = AnswerWidgets(gui, step, {}, None, False, lambda: state.parse_state(on_stage[0]).scene)
     assert widgets.value == 0.0032 and "The stage has Amplitude A = <b>3.2 mm</b>" in widgets._said.content
-    assert mark(lesson, step, widgets.value, {}, RunCache()).right is True
+    assert mark_answer(lesson, step, widgets.value, {}, RunCache()).right is True
     on_stage[0] = "bar;amplitude=0.002"
     widgets.refresh()
     assert widgets.value == 0.002 and "<b>2 mm</b>" in widgets._said.content
-    assert mark(lesson, step, widgets.value, {}, RunCache()).right is False
+    assert mark_answer(lesson, step, widgets.value, {}, RunCache()).right is False
     on_stage[0] = "bar;motion=patch"
     widgets.refresh()
-    assert trouble(step.asked, widgets.value) and "put the run there first" in widgets._said.content
+    assert why_invalid(step.asked, widgets.value) and "put the run there first" in widgets._said.content
 
 
 def test_a_prediction_of_a_control_is_a_slider(gui, dragged):
     step = replace(dragged[1], kind=PREDICT)
-    widgets = AnswerWidgets(gui, step, {}, 0.01, False, lambda: state.read("bar").scene)
+    widgets = AnswerWidgets(gui, step, {}, 0.01, False, lambda: state.parse_state("bar").scene)
     assert widgets.value == pytest.approx(0.01, rel=0.02)
     assert "Your value: Amplitude A = <b>10 mm</b>" in widgets._said.content
 
 
 def test_only_an_option_that_there_is_can_be_chosen(gui):
-    [step, *_] = [step for step in catalogue.lesson("04-grid-crossing").steps if step.question]
-    widgets = AnswerWidgets(gui, step, {}, None, False, lambda: state.read("bar").scene)
+    [step, *_] = [step for step in catalogue.load_lesson("04-grid-crossing").steps if step.question]
+    widgets = AnswerWidgets(gui, step, {}, None, False, lambda: state.parse_state("bar").scene)
     for said in (0, 4, -1, True, 1.0, "1", None, [1], 10**9):
         widgets.choose(said)
         assert widgets.value is None
@@ -66,11 +66,11 @@ def test_only_an_option_that_there_is_can_be_chosen(gui):
     ("0.33", "µm", 0.33), ("2.75 mm/s", "µm/s", 2750), ("3,2 mm", "m", 0.0032), ("12 %", "%", 12),
     ("much", "Pa", None)])
 def test_a_size_is_read_with_any_prefix(text, unit, value):
-    assert number(text, unit) == (None if value is None else pytest.approx(value, rel=1e-12))
+    assert parse_number(text, unit) == (None if value is None else pytest.approx(value, rel=1e-12))
 
 
 def test_an_answer_is_shown_as_the_page_writes_sizes():
-    lesson = catalogue.lesson("04-grid-crossing")
+    lesson = catalogue.load_lesson("04-grid-crossing")
     asked = next(step.question for step in lesson.steps if step.question and step.question.unit == "Pa")
-    assert shown(asked, 0.0756) == "75.6 mPa"
-    assert shown(replace(asked, kind="interval"), [0.0001, 0.025]) == "100 µPa to 25 mPa"
+    assert format_answer(asked, 0.0756) == "75.6 mPa"
+    assert format_answer(replace(asked, kind="interval"), [0.0001, 0.025]) == "100 µPa to 25 mPa"

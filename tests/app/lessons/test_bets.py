@@ -9,12 +9,12 @@ import pytest
 
 from app import state
 from app.lessons import catalogue
-from app.lessons.answer_check import laid, right
-from app.lessons.bet_chart import drawn
-from app.lessons.bets import BY_ROUND, JUDGES, YOURS, Bet, Bettor, score
+from app.lessons.answer_check import bets_shown, right_answer
+from app.lessons.bet_chart import draw_bets
+from app.lessons.bets import BY_ROUND, JUDGES, YOURS, Bet, Bettor, interval_score
 from app.lessons.claims import ClaimError, check_claim, decide
 from app.lessons.lesson import LessonError
-from app.lessons.lesson_parser import parse
+from app.lessons.lesson_parser import parse_lesson
 from app.lessons.lesson_runs import RunCache, work
 from solvers.study.coverage.random_runs import Draw
 
@@ -51,7 +51,7 @@ def lesson_of(**bettors):
     """A lesson of a round for each name, whose bet is on a bar of so many cells, and which shows these bets."""
     rounds = [BET.format(name=name, expected=f"{name}.error.x.final")
               + ROUND.format(name=name, cells=8 + 4 * k, bettors=who) for k, (name, who) in enumerate(bettors.items())]
-    return parse(HEAD + "".join(rounds), "99-bets")
+    return parse_lesson(HEAD + "".join(rounds), "99-bets")
 
 
 class Here(RunCache):
@@ -67,13 +67,18 @@ class Here(RunCache):
 def test_a_bet_costs_its_width_and_ten_times_what_it_misses_by():
     """In factors of ten, to rounding of the logarithms: 1e-12."""
     near = pytest.approx
-    assert score(1e-6, 1e-5, 3e-6, 0.8) == near(1, abs=1e-12)
-    assert score(2e-6, 2e-6, 2e-6, 0.8) == 0
-    assert score(1e-6, 1e-5, 2e-5, 0.8) == score(1e-6, 1e-5, 5e-7, 0.8) == near(1 + 10 * np.log10(2), abs=1e-12)
-    assert score(1e-6, 1e-5, 2e-5, 0.9) == near(1 + 20 * np.log10(2), abs=1e-12)
+    assert interval_score(1e-6, 1e-5, 3e-6, 0.8) == near(1, abs=1e-12)
+    assert interval_score(2e-6, 2e-6, 2e-6, 0.8) == 0
+    assert (
+        interval_score(1e-6, 1e-5, 2e-5, 0.8)
+        == interval_score(1e-6, 1e-5, 5e-7, 0.8)
+        == near(1 + 10 * np.log10(2), abs=1e-12)
+    )
+    assert interval_score(1e-6, 1e-5, 2e-5, 0.9) == near(1 + 20 * np.log10(2), abs=1e-12)
     for unit in (1e-9, 1e6):  # a bet in other units costs the same
-        assert score(unit * 1e-6, unit * 1e-5, unit * 2e-5, 0.8) == near(score(1e-6, 1e-5, 2e-5, 0.8), abs=1e-12)
-    assert score(1e-300, 1e300, 1, 0.8) == near(600)
+        assert interval_score(unit * 1e-6, unit * 1e-5, unit * 2e-5, 0.8) == near(interval_score(1e-6, 1e-5, 2e-5, 0.8),
+                                                                                  abs=1e-12)
+    assert interval_score(1e-300, 1e300, 1, 0.8) == near(600)
 
 
 @pytest.mark.parametrize("level", [0.5, 0.8, 0.9])
@@ -83,7 +88,7 @@ def test_nobody_scores_less_than_by_what_he_thinks(level):
     truths = np.exp(0.5 + 2 * np.random.default_rng(3).gamma(2.0, size=101))
     truths.sort()
     pairs = list(itertools.combinations(range(101), 2))
-    mean = {(low, high): np.mean([score(truths[low], truths[high], truth, level) for truth in truths])
+    mean = {(low, high): np.mean([interval_score(truths[low], truths[high], truth, level) for truth in truths])
             for low, high in pairs if abs(low - 100 * (1 - level) / 2) < 8 and abs(high - 100 * (1 + level) / 2) < 8}
     assert min(mean, key=mean.get) == (round(50 * (1 - level)), round(50 * (1 + level)))
 
@@ -91,15 +96,15 @@ def test_nobody_scores_less_than_by_what_he_thinks(level):
 def test_bets_are_drawn_as_multiples_of_the_truth():
     """Factors of ten are equally wide; what goes on beyond ten thousand is cut."""
     yours = Bettor(YOURS, (Bet(1, 100, 10), Bet(20, 30, 10)))
-    picture = drawn([yours, Bettor("GCI", (Bet(9.99, 10.01, 10), None))])
+    picture = draw_bets([yours, Bettor("GCI", (Bet(9.99, 10.01, 10), None))])
     own, gci = picture.bettors
     assert picture.reach == 1 and [text for _, text in picture.ticks] == ["÷ 10", "truth", "× 10"]
     assert own.lines[0] == (0, 100, True)
     assert own.lines[1][:2] == pytest.approx((50 + 50 * np.log10(2), 50 + 50 * np.log10(3)))
     assert own.told == "1 of 2 contain the truth, mean score 2.59" and (own.name, own.own) == ("Your bets", True)
     assert gci.told == "1 of 1 contain the truth, 1 without a bet, mean score 0.00" and gci.lines[1] is None
-    assert drawn([Bettor(YOURS, (Bet(1e-12, 1e12, 1),))]).bettors[0].lines == ((0, 100, True),)
-    assert drawn([Bettor("transport", (None,))]).bettors[0].told == "does not bet on these"
+    assert draw_bets([Bettor(YOURS, (Bet(1e-12, 1e12, 1),))]).bettors[0].lines == ((0, 100, True),)
+    assert draw_bets([Bettor("transport", (None,))]).bettors[0].told == "does not bet on these"
 
 
 def test_bets_are_laid_beside_those_of_judges():
@@ -108,21 +113,21 @@ def test_bets_are_laid_beside_those_of_judges():
     with closing(Here()) as outcomes:
         truths = [outcomes.result(lesson.runs[name].texts[0])["error"]["x"]["final"] for name in ("first", "second")]
         given = {"bet-first": [truths[0] / 2, truths[0] * 2], "bet-second": [truths[1] * 2, truths[1] * 3]}
-        [yours] = laid(lesson, lesson.steps[2], given, {}, outcomes)
+        [yours] = bets_shown(lesson, lesson.steps[2], given, {}, outcomes)
         assert yours == Bettor(YOURS, (Bet(truths[0] / 2, truths[0] * 2, truths[0]),))
-        one, two, companion, *others = laid(lesson, lesson.steps[-1], given, {}, outcomes)
+        one, two, companion, *others = bets_shown(lesson, lesson.steps[-1], given, {}, outcomes)
         assert [(bettor.round, bettor.held, len(bettor.made)) for bettor in (one, two)] == [(1, 1, 1), (2, 0, 1)]
         assert companion.score < 0.01  # it may miss by as little: the grids are coarser than any that was drawn
         assert [bettor.name for bettor in others] == [*JUDGES[1:]] and others[-1].made
-        assert laid(lesson, lesson.steps[-1], {}, {}, outcomes) == []
+        assert bets_shown(lesson, lesson.steps[-1], {}, {}, outcomes) == []
         scope = outcomes.scope(lesson, lesson.steps[-1], {}, ["first.bet.companion.x.score"])
         said = scope.outcomes["first"].results[0]["bet"]["companion"]["x"]
         assert said["low"] <= truths[0] * (1 + 1e-3) and said["score"] == pytest.approx(companion.bets[0].score)
         assert decide("first.bet.companion.x.score < 0.01", scope).holds
-        below = parse(HEAD + BET.format(name="z", expected="-1 * first.error.x.final") + ROUND.format(
+        below = parse_lesson(HEAD + BET.format(name="z", expected="-1 * first.error.x.final") + ROUND.format(
             name="first", cells=8, bettors=YOURS), "99-below")
         with pytest.raises(ClaimError, match="intervals are bets on a size; ask for one above 0"):
-            right(below, below.steps[0], {}, outcomes)
+            right_answer(below, below.steps[0], {}, outcomes)
 
 
 @pytest.mark.parametrize("old, new, said", [
@@ -140,15 +145,15 @@ def test_mistakes_of_bets_are_told(old, new, said):
     assert old in text
     changed = text.replace(old, new, 1)
     if not said:
-        parse(changed, "99-bets")
+        parse_lesson(changed, "99-bets")
         changed, said = changed.replace(YOURS, "GCI"), "judges bet on errors at the end, at a level of 0.8; give exp"
     with pytest.raises(LessonError, match=said):
-        parse(changed, "99-bets")
+        parse_lesson(changed, "99-bets")
 
 
 def test_bets_without_an_interval_are_told():
     with pytest.raises(LessonError, match="bets are shown, and no interval is asked before"):
-        parse(HEAD + ROUND.format(name="first", cells=8, bettors=YOURS), "99-bets")
+        parse_lesson(HEAD + ROUND.format(name="first", cells=8, bettors=YOURS), "99-bets")
 
 
 def test_claims_about_bets_are_read():
@@ -166,10 +171,10 @@ def test_the_eight_runs_of_lesson_ten_are_those_that_were_drawn():
         return (scene.problem, scene.method, scene.cells, scene.ppc, *map(float, sizes), scene.body_force,
                 scene.linearity_preserving, scene.velocity)
 
-    lesson = catalogue.lesson("10-how-sure-are-you")
+    lesson = catalogue.load_lesson("10-how-sure-are-you")
     bets = [step.asked.expected.split(".")[0] for step in lesson.questions.values() if step.asked.kind == "interval"]
-    runs = {rounded(state.read(lesson.runs[name].texts[0]).scene) for name in bets}
-    assert rounded(state.read(lesson.runs["broken"].texts[0]).scene) == rounded(Draw("bar", 10, 0).scene())
+    runs = {rounded(state.parse_state(lesson.runs[name].texts[0]).scene) for name in bets}
+    assert rounded(state.parse_state(lesson.runs["broken"].texts[0]).scene) == rounded(Draw("bar", 10, 0).scene())
     drawn_runs = [Draw(problem, 10, number).scene() for problem, numbers in (("bar", range(1, 6)), ("ring", range(3)))
                   for number in numbers]
     assert len(bets) == len(runs) == 8 and runs == set(map(rounded, drawn_runs))

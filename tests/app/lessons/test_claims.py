@@ -2,7 +2,7 @@
 
 import pytest
 
-from app.lessons.claims import ClaimError, Outcome, Scope, check_claim, decide, needed, value
+from app.lessons.claims import ClaimError, Outcome, Scope, check_claim, decide, evaluate, runs_needed
 
 FINE = {"scene": {"estimator": ["recovered"], "cells": 40, "amplitude": 0.1}, "not_valid": {}, "status": "ok",
         "error": {"x": {"final": 1e-4, "max": 2e-4, "mean": None}}, "index": {"x": 0.98}, "grid_crossings": 12,
@@ -55,11 +55,11 @@ def test_what_claims_nothing_is_told(claim, said):
     ("error.x.max / 0", "has no value")])
 def test_what_has_no_value_is_told(text, said):
     with pytest.raises(ClaimError) as told:
-        value(text, SCOPE)
+        evaluate(text, SCOPE)
     assert said in str(told.value)
 
 
 def test_a_claim_needs_the_runs_that_it_names():
-    assert needed("error.x.max < 1", SCOPE.outcomes, "fine") == {"fine"}
-    assert needed("order(grids.error.x.max) in 1..2", SCOPE.outcomes, "fine") == {"grids"}
-    assert needed("gone.error.x.max / grids.error.x.max > 2", SCOPE.outcomes, "fine") == {"gone", "grids"}
+    assert runs_needed("error.x.max < 1", SCOPE.outcomes, "fine") == {"fine"}
+    assert runs_needed("order(grids.error.x.max) in 1..2", SCOPE.outcomes, "fine") == {"grids"}
+    assert runs_needed("gone.error.x.max / grids.error.x.max > 2", SCOPE.outcomes, "fine") == {"gone", "grids"}

@@ -9,10 +9,22 @@ import pytest
 
 from app.cli import main
 from app.lessons import catalogue, duration, grading
-from app.lessons.lesson import CHOICE, EXPLAIN, OBSERVE, PREDICT, RUN, TEXT, Lesson, LessonError, Question, Step, drawn
-from app.lessons.lesson_parser import parse
-from app.lessons.rounds import rounds
-from app.lessons.student_progress import Progress, read
+from app.lessons.lesson import (
+    CHOICE,
+    EXPLAIN,
+    OBSERVE,
+    PREDICT,
+    RUN,
+    TEXT,
+    Lesson,
+    LessonError,
+    Question,
+    Step,
+    draw_numbers,
+)
+from app.lessons.lesson_parser import parse_lesson
+from app.lessons.rounds import split_rounds
+from app.lessons.student_progress import Progress, parse_progress
 from tests.app.lessons.test_lesson_format import TEXT as ROUND
 
 DEEPER = """
@@ -39,14 +51,14 @@ PLAYS = "bar periods=2 speed=0.1 stops"  # for 20 s
 
 @pytest.fixture(scope="module")
 def two():
-    return parse(TWO, "two")
+    return parse_lesson(TWO, "two")
 
 
 def test_a_round_is_of_the_core_as_its_first_step_says(two):
     assert [step.core for step in two.steps] == [True] * 4 + [False] * 3
-    assert [len(one) for one in rounds(two.steps)] == [4, 3]
+    assert [len(one) for one in split_rounds(two.steps)] == [4, 3]
     assert two.deeper == two.steps[4:] and two.walk(core=True) == two.steps[:4] and two.walk(core=False) == two.steps
-    plain = parse(ROUND + DEEPER, "plain")
+    plain = parse_lesson(ROUND + DEEPER, "plain")
     assert plain.deeper == () and plain.walk(core=True) == plain.steps
     assert [step.key for step in two.steps] == [step.key for step in plain.steps]  # a mark is not part of the title
 
@@ -56,12 +68,12 @@ def test_a_round_is_of_the_core_as_its_first_step_says(two):
 def test_the_core_needs_no_run_of_a_deeper_step(old, new, where):
     text = TWO.replace(old, new, 1)
     with pytest.raises(LessonError, match="the core needs the run fine of the deeper step in line") as mistake:
-        parse(text, "two")
+        parse_lesson(text, "two")
     assert mistake.value.line == text[:text.index(where)].count("\n") + 1
 
 
 def test_a_deeper_step_may_need_a_run_of_the_core():
-    assert parse(TWO.replace("fine.error.x.final", "first(grids.error.x.final)"), "two").deeper
+    assert parse_lesson(TWO.replace("fine.error.x.final", "first(grids.error.x.final)"), "two").deeper
 
 
 def test_who_takes_the_core_goes_past_what_is_deeper(two):
@@ -122,34 +134,35 @@ def test_minutes_are_whole_and_told():
     assert duration.minutes_text(lesson(step(text=WORDS))) == "1 min"
 
 
-@pytest.mark.parametrize("name", catalogue.names())
+@pytest.mark.parametrize("name", catalogue.lesson_names())
 def test_the_core_of_our_lessons_is_some_twenty_minutes_and_stands_by_itself(name):
     """It looks back upon nothing that is deeper by its title; and no text of a lesson says minutes of its own."""
-    found = catalogue.lesson(name)
+    found = catalogue.load_lesson(name)
     assert 15 <= found.core_minutes <= 25 and found.core_minutes <= found.minutes
     core = "\n".join((found.intro, *(f"{step.title}\n{step.text}" for step in found.walk(core=True))))
     assert not any(step.title in core for step in found.deeper if len(step.title) > 20)
     assert not re.search(r"\b(last|first|second|third|fourth) (round|part) of this lesson|deeper", core)
     notes = "\n".join((found.notes, *(step.notes for step in found.steps)))
     assert not re.search(r"\b(\d+|ten|twenty) min(utes)?\b", notes)
-    assert drawn(found, "Ada") == drawn(replace(found, steps=found.walk(core=True)), "Ada")  # a student's numbers
+    assert draw_numbers(found, "Ada") == draw_numbers(replace(found, steps=found.walk(core=True)),
+                                                      "Ada")  # a student's numbers
 
 
 def test_which_is_told_by_the_list(capsys):
     assert main(["lesson", "list"]) == 0
     lines = capsys.readouterr().out.splitlines()
-    for line, found in zip(lines, catalogue.lessons().values(), strict=True):
+    for line, found in zip(lines, catalogue.load_lessons().values(), strict=True):
         assert f"{found.core_minutes} min core, {found.minutes} min in all  {found.title}" in line
 
 
 def test_whether_the_core_is_taken_is_kept_and_an_older_file_still_reads(two):
     find = {"two": two}.get
-    assert read(Progress("two", two.fingerprint, core=True).text(), find).core is True
+    assert parse_progress(Progress("two", two.fingerprint, core=True).text(), find).core is True
     old = Progress("two", two.fingerprint, core=True).text().replace(', "core": true', "")
-    assert '"core"' not in old and read(old, find).core is False
-    assert read(old.replace('"step"', '"core": "yes", "step"'), find).core is False
-    whole = parse(ROUND, "whole")  # where nothing is deeper there is nothing to skip
-    assert read(Progress("whole", "", core=True).text(), {"whole": whole}.get).core is False
+    assert '"core"' not in old and parse_progress(old, find).core is False
+    assert parse_progress(old.replace('"step"', '"core": "yes", "step"'), find).core is False
+    whole = parse_lesson(ROUND, "whole")  # where nothing is deeper there is nothing to skip
+    assert parse_progress(Progress("whole", "", core=True).text(), {"whole": whole}.get).core is False
 
 
 class NoRuns:
@@ -163,17 +176,17 @@ def test_of_the_core_alone_its_questions_count(two):
     progress = Progress("two", two.fingerprint, "Ada", core=True)
     for key in ("said", "more"):
         progress.answer(key, "words", 1.0)
-    core, every = (grading.graded("file", progress, asked, NoRuns(), core) for core in (True, False))
+    core, every = (grading.grade_file("file", progress, asked, NoRuns(), core) for core in (True, False))
     assert (core.marked, every.marked) == (0, 1)
     assert list(core.answers) == ["said"] and list(every.answers) == ["said", "more"]
-    head, row = grading.table([core]).splitlines()
+    head, row = grading.grades_csv([core]).splitlines()
     assert head.endswith("core only,file,said,said: right") and row.endswith("yes,file,words,")
 
 
 def test_the_guide_says_what_is_deeper_or_leaves_it_out(monkeypatch, capsys):
     """Of lesson 6, which has two deeper rounds; the right answers are not run here."""
     monkeypatch.setattr("app.lessons.teacher_guide._answer", lambda *_: "42")
-    found = catalogue.lesson("06-ring")
+    found = catalogue.load_lesson("06-ring")
     title = found.deeper[0].title
     assert main(["lesson", "guide", "6", "--quiet"]) == 0
     text = capsys.readouterr().out

@@ -11,11 +11,11 @@ import pytest
 
 from app.cli import main
 from app.lessons import catalogue, grading
-from app.lessons.answer_check import mark, shown, trouble
-from app.lessons.lesson import drawn, filled
-from app.lessons.lesson_parser import parse
+from app.lessons.answer_check import format_answer, mark_answer, why_invalid
+from app.lessons.lesson import draw_numbers, fill_numbers
+from app.lessons.lesson_parser import parse_lesson
 from app.lessons.lesson_runs import RunCache
-from app.lessons.student_progress import NotAnswers, Progress, read
+from app.lessons.student_progress import NotAnswers, Progress, parse_progress
 from tests.app.lessons.test_lesson_format import TEXT, use_folder
 
 SAVED = TEXT + """
@@ -102,12 +102,12 @@ def test_the_guide_has_notes_and_right_answers(shelf_of_one, tmp_path, capfd):
 
 
 def test_marks_are_derived_from_the_runs(outcomes):
-    lesson = parse(SAVED, "01-test")
+    lesson = parse_lesson(SAVED, "01-test")
     steps, numbers = lesson.questions, lesson.variants[1]
     coarse = outcomes.result("bar cells=8 amplitude=0.03 periods=0.1")["error"]["x"]["final"]
 
     def right(key, answer):
-        return mark(lesson, steps[key], answer, numbers, outcomes).right
+        return mark_answer(lesson, steps[key], answer, numbers, outcomes).right
 
     assert right("what-happens", 2) and not right("what-happens", 1)
     assert right("and", 1.05 * coarse) and not right("and", 1.2 * coarse)
@@ -116,8 +116,9 @@ def test_marks_are_derived_from_the_runs(outcomes):
 
 
 def test_grade_makes_one_table(shelf_of_one, outcomes, tmp_path, capfd):
-    lesson = catalogue.lesson("01-test")
-    hers, his = (outcomes.result(filled(lesson.runs["grids"].texts[0], drawn(lesson, name)))["error"]["x"]["final"]
+    lesson = catalogue.load_lesson("01-test")
+    hers, his = (outcomes.result(fill_numbers(lesson.runs["grids"].texts[0],
+                                              draw_numbers(lesson, name)))["error"]["x"]["final"]
                  for name in ("Ada", "Émile"))
     one = answers(lesson, "Ada", what_happens=2, drag=20.0, bet=[hers / 2, hers * 2],
                   say="=1+1 <img src=x onerror=alert(1)>")
@@ -146,7 +147,7 @@ def test_grade_makes_one_table(shelf_of_one, outcomes, tmp_path, capfd):
     (json.dumps({**EMPTY, "lesson": 3}), "lesson is of the wrong kind")])
 def test_a_file_of_something_else_is_told(text, said, tmp_path, capfd):
     with pytest.raises(NotAnswers, match=said):
-        read(text, {}.get)
+        parse_progress(text, {}.get)
     (tmp_path / "file.json").write_text(text)
     assert main(["lesson", "grade", str(tmp_path / "file.json"), str(tmp_path / "none.json")]) == 1
     told = capfd.readouterr().err
@@ -154,13 +155,13 @@ def test_a_file_of_something_else_is_told(text, said, tmp_path, capfd):
 
 
 def test_answers_that_no_question_can_have_are_left_out():
-    lesson = parse(SAVED, "01-test")
+    lesson = parse_lesson(SAVED, "01-test")
     progress = answers(lesson, what_happens=9, drag="20", bet=[1.0], say="x" * 501)
     progress.answers["no-such-step"] = progress.answers["drag"]
-    assert read(progress.text(), {"01-test": lesson}.get).answers == {}
+    assert parse_progress(progress.text(), {"01-test": lesson}.get).answers == {}
     progress = answers(lesson, drag=20.0)
     progress.answer("drag", 30.0, 2.0)
-    kept = read(progress.text(), {"01-test": lesson}.get).answers["drag"]
+    kept = parse_progress(progress.text(), {"01-test": lesson}.get).answers["drag"]
     assert (kept.first, kept.last, kept.attempts, kept.seconds) == (20.0, 30.0, 2, 3.5)
 
 
@@ -170,20 +171,20 @@ def test_answers_that_no_question_can_have_are_left_out():
     ("bet", [None, 1.0], "two numbers"), ("bet", [0.0, 1.0], "give two numbers above 0: bets are scored by factors"),
     ("say", " ", "write one to 500")])
 def test_what_is_no_answer_is_told(key, answer, said):
-    lesson = parse(SAVED, "01-test")
-    assert said in trouble(lesson.questions[key].question, answer)
+    lesson = parse_lesson(SAVED, "01-test")
+    assert said in why_invalid(lesson.questions[key].question, answer)
 
 
 def test_answers_in_words():
-    lesson = parse(SAVED, "01-test")
-    assert shown(lesson.questions["what-happens"].question, 2) == "something"
-    assert shown(lesson.questions["bet"].question, [0.5, 2.0]) == "0.5 to 2"
-    assert shown(lesson.questions["and"].question, 1.5) == "1.5 m"
+    lesson = parse_lesson(SAVED, "01-test")
+    assert format_answer(lesson.questions["what-happens"].question, 2) == "something"
+    assert format_answer(lesson.questions["bet"].question, [0.5, 2.0]) == "0.5 to 2"
+    assert format_answer(lesson.questions["and"].question, 1.5) == "1.5 m"
 
 
 def test_a_prediction_counts_as_it_was_first_made(outcomes):
-    lesson = parse(SAVED, "01-test")
+    lesson = parse_lesson(SAVED, "01-test")
     progress = answers(lesson, what_happens=1)
     progress.answer("what-happens", 2, 1.0)
-    row = grading.graded("file", progress, lesson, outcomes)
+    row = grading.grade_file("file", progress, lesson, outcomes)
     assert row.answers["what-happens"][0] == "nothing" and row.right == 0

@@ -6,9 +6,9 @@ import pytest
 
 from app import state
 from app.lessons import catalogue, class_plans
-from app.lessons.catalogue import FOLDER, UnknownLesson, called, lessons, names
-from app.lessons.lesson import EXPLAIN, LessonError, drawn, filled
-from app.lessons.lesson_parser import parse, read
+from app.lessons.catalogue import FOLDER, UnknownLesson, lesson_names, load_lessons, resolve_name
+from app.lessons.lesson import EXPLAIN, LessonError, draw_numbers, fill_numbers
+from app.lessons.lesson_parser import parse_lesson, read_lesson
 from solvers.scene.estimator_registry import ESTIMATORS
 
 TEXT = """+++
@@ -63,15 +63,15 @@ Ask them.
 
 def use_folder(monkeypatch, folder):
     """Have all that reads lessons and pages for a class read those of this folder."""
-    for function in (catalogue.names, catalogue.called, catalogue.lesson, catalogue.lessons,
+    for function in (catalogue.lesson_names, catalogue.resolve_name, catalogue.load_lesson, catalogue.load_lessons,
                      catalogue.in_every_language):
         monkeypatch.setattr(function, "__defaults__", (folder,))
-    for function in (class_plans.names, class_plans.page):
+    for function in (class_plans.class_page_names, class_plans.load_class_page):
         monkeypatch.setattr(function, "__defaults__", (folder / "classes",))
 
 
 def test_a_lesson_is_read():
-    lesson = parse(TEXT, "test")
+    lesson = parse_lesson(TEXT, "test")
     assert (lesson.title, lesson.controls) == ("A test", ("cells", "method"))
     assert [step.kind for step in lesson.steps] == ["predict", "run", "observe", "explain"]
     assert lesson.runs["grids"].texts == ("bar cells=8 amplitude={A} periods=0.1",
@@ -119,7 +119,7 @@ def test_a_mistake_is_told_with_its_line(old, new, where, said):
     assert old in TEXT
     text = TEXT.replace(old, new, 1)
     with pytest.raises(LessonError) as mistake:
-        parse(text, "test")
+        parse_lesson(text, "test")
     assert said in mistake.value.sentence
     assert mistake.value.line == text[:text.index(where)].count("\n") + 1
 
@@ -127,28 +127,34 @@ def test_a_mistake_is_told_with_its_line(old, new, where, said):
 def test_a_file_that_is_no_text_is_told(tmp_path):
     (tmp_path / "07-bad.md").write_bytes(TEXT.encode() + b"\xff")
     with pytest.raises(LessonError, match="UTF-8"):
-        read(tmp_path / "07-bad.md")
+        read_lesson(tmp_path / "07-bad.md")
 
 
 def test_numbers_are_drawn_from_the_name():
-    lesson = parse(TEXT, "test")
-    assert drawn(lesson, "") == {"A": 0.02}
-    assert drawn(lesson, "Ada Lovelace") == drawn(lesson, "  ada   LOVELACE ")
-    assert {drawn(lesson, f"student {k}")["A"] for k in range(20)} == {0.02, 0.03}
-    assert filled("A = {A}, $\\frac{h}{2}$", {"A": 0.02}) == "A = 0.02, $\\frac{h}{2}$"
+    lesson = parse_lesson(TEXT, "test")
+    assert draw_numbers(lesson, "") == {"A": 0.02}
+    assert draw_numbers(lesson, "Ada Lovelace") == draw_numbers(lesson, "  ada   LOVELACE ")
+    assert {draw_numbers(lesson, f"student {k}")["A"] for k in range(20)} == {0.02, 0.03}
+    assert fill_numbers("A = {A}, $\\frac{h}{2}$", {"A": 0.02}) == "A = 0.02, $\\frac{h}{2}$"
 
 
 def test_lessons_are_found_by_name_and_number():
-    full = names()
-    assert len(full) == len(lessons()) == 10
-    assert called("4") == called("04") == called("grid-crossing") == called("04-grid-crossing") == full[3]
+    full = lesson_names()
+    assert len(full) == len(load_lessons()) == 10
+    assert (
+        resolve_name("4")
+        == resolve_name("04")
+        == resolve_name("grid-crossing")
+        == resolve_name("04-grid-crossing")
+        == full[3]
+    )
     with pytest.raises(UnknownLesson, match="give one of 01-"):
-        called("99")
+        resolve_name("99")
 
 
 def test_prerequisites_and_pictures_of_our_lessons_are_there():
-    for lesson in lessons().values():
-        assert set(lesson.prerequisites) <= set(names())
+    for lesson in load_lessons().values():
+        assert set(lesson.prerequisites) <= set(lesson_names())
         assert lesson.notes or any(step.notes for step in lesson.steps)
     assert (FOLDER / "README.md").exists()
 
@@ -166,13 +172,13 @@ def test_letters_of_a_figure_can_be_read_beside_the_stage(figure):
     assert sizes and min(sizes) * BESIDE / width >= LEAST
 
 
-@pytest.mark.parametrize("name", names())
+@pytest.mark.parametrize("name", lesson_names())
 def test_an_estimate_is_on_the_stage_only_where_the_text_speaks_of_it(name):
     """In one of the steps until it is explained; or where the reader chooses estimators."""
-    lesson = lessons()[name]
+    lesson = load_lessons()[name]
     for k, step in enumerate(lesson.steps if "estimators" not in lesson.controls else ()):
         end = next((j for j, other in enumerate(lesson.steps[k:], k + 1) if other.kind == EXPLAIN), len(lesson.steps))
         said = " ".join(f"{other.title} {other.text}" for other in lesson.steps[k:end])
         for numbers in lesson.variants if step.stage else ():
-            asked = state.read(filled(step.stage, numbers)).scene.estimators
+            asked = state.parse_state(fill_numbers(step.stage, numbers)).scene.estimators
             assert not asked or any(name in said for name in (*ESTIMATORS, "estimat")), (step.key, asked)

@@ -7,10 +7,10 @@ import re
 import pytest
 
 from app.lessons import class_plans
-from app.lessons.answer_check import expressions, right
-from app.lessons.catalogue import lessons, names
+from app.lessons.answer_check import answer_expressions, right_answer
+from app.lessons.catalogue import lesson_names, load_lessons
 from app.lessons.lesson import CHOICE
-from app.lessons.lesson_check import checks
+from app.lessons.lesson_check import check_lesson
 from app.lessons.lesson_runs import RunCache, scene_texts
 from solvers.problems.bar.scene import BarScene
 from solvers.problems.ring import RingScene
@@ -99,34 +99,34 @@ def outcomes():
 
 
 @pytest.mark.parametrize("name", [pytest.param(name, marks=pytest.mark.slow) if name[:2] in LONG else name
-                                  for name in names()])
+                                  for name in lesson_names()])
 def test_every_claim_of_a_lesson_holds(name, outcomes):
     """And what is asked has the right answers that it had."""
-    lesson = lessons()[name]
+    lesson = load_lessons()[name]
     outcomes.prepare(scene_texts(lesson, lesson.variants[0]), lambda done, total: None)
-    found = list(checks(lesson, outcomes, variants=1))
+    found = list(check_lesson(lesson, outcomes, variants=1))
     assert [str(check) for check in found if not check.holds] == []
     assert len(found) > 10
     numbers = lesson.variants[0]
-    asked = {key: right(lesson, step, numbers, outcomes).value for key, step in lesson.questions.items()
-             if step.question.kind != CHOICE and expressions(step.question, numbers)}
+    asked = {key: right_answer(lesson, step, numbers, outcomes).value for key, step in lesson.questions.items()
+             if step.question.kind != CHOICE and answer_expressions(step.question, numbers)}
     assert asked == pytest.approx(RIGHT[name], rel=0.02, abs=0)
-    assert {key: right(lesson, step, numbers, outcomes).told for key, step in lesson.questions.items()
+    assert {key: right_answer(lesson, step, numbers, outcomes).told for key, step in lesson.questions.items()
             if step.question.kind == CHOICE} == CHOSEN[name]
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("name", class_plans.names())
+@pytest.mark.parametrize("name", class_plans.class_page_names())
 def test_every_claim_of_a_page_for_a_class_holds(name, outcomes):
     """Most of its runs are those of lessons."""
-    found = list(class_plans.checks(class_plans.page(name), lessons(), outcomes))
+    found = list(class_plans.check_class_page(class_plans.load_class_page(name), load_lessons(), outcomes))
     assert [str(check) for check in found if not check.holds] == [] and len(found) > 20
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("name", names())
+@pytest.mark.parametrize("name", lesson_names())
 def test_every_claim_holds_with_all_numbers(name, outcomes):
-    assert [str(check) for check in checks(lessons()[name], outcomes) if not check.holds] == []
+    assert [str(check) for check in check_lesson(load_lessons()[name], outcomes) if not check.holds] == []
 
 
 def edited(name: str, **values) -> str:

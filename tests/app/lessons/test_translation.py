@@ -8,22 +8,22 @@ import pytest
 from app.cli import main
 from app.language.translation import LANGUAGES, use_language
 from app.lessons import catalogue
-from app.lessons.grading import graded
-from app.lessons.lesson import LessonError, drawn
+from app.lessons.grading import grade_file
+from app.lessons.lesson import LessonError, draw_numbers
 from app.lessons.lesson_runs import RunCache
-from app.lessons.student_progress import Progress, read
+from app.lessons.student_progress import Progress, parse_progress
 from app.page.features.lesson.step_html import head_html, intro_html, shelf_html, step_html
 from tests.app.lessons.test_lesson_format import TEXT, use_folder
 
 GRID = "04-grid-crossing"
-TRANSLATED = [(name, code) for code in LANGUAGES for name in catalogue.names()
+TRANSLATED = [(name, code) for code in LANGUAGES for name in catalogue.lesson_names()
               if (catalogue.FOLDER / f"{name}.{code}.md").is_file()]
 GERMAN = TEXT.replace("title = \"A test\"", "title = \"Ein Test\"").replace("What happens?", "Was geschieht?")
 
 
 def in_language(name, code, folder=catalogue.FOLDER):
     with use_language(code):
-        return catalogue.lesson(name, folder)
+        return catalogue.load_lesson(name, folder)
 
 
 @pytest.fixture
@@ -36,7 +36,7 @@ def folder(tmp_path):
 
 @pytest.mark.parametrize("name, code", TRANSLATED)
 def test_a_translation_is_the_same_lesson_in_other_words(name, code):
-    original, own = catalogue.lesson(name), in_language(name, code)
+    original, own = catalogue.load_lesson(name), in_language(name, code)
     assert (own.name, own.fingerprint, own.language) == (name, original.fingerprint, code)
     assert own.variants == original.variants
     for step, other in zip(own.steps, original.steps, strict=True):
@@ -62,7 +62,7 @@ def test_a_translation_that_changes_more_than_words_is_refused(folder, before, a
     with pytest.raises(LessonError, match=f"01-test.de.md, line .*{said} differ from 01-test.md"):
         in_language("01-test", "de", folder)
     with use_language("de"):
-        assert catalogue.lessons(folder)["01-test"].title == "A test"  # the page has it in English then
+        assert catalogue.load_lessons(folder)["01-test"].title == "A test"  # the page has it in English then
 
 
 def test_a_mistake_in_a_translation_is_told_and_the_original_is_checked(folder, monkeypatch, capfd):
@@ -75,10 +75,10 @@ def test_a_mistake_in_a_translation_is_told_and_the_original_is_checked(folder, 
 
 
 def test_a_translation_is_no_lesson_of_its_own(folder):
-    assert catalogue.names(folder) == list(catalogue.lessons(folder)) == ["01-test"]
+    assert catalogue.lesson_names(folder) == list(catalogue.load_lessons(folder)) == ["01-test"]
     with use_language("de"):
-        assert catalogue.lessons(folder)["01-test"].title == "Ein Test"
-    assert catalogue.lessons(folder)["01-test"].title == "A test"
+        assert catalogue.load_lessons(folder)["01-test"].title == "Ein Test"
+    assert catalogue.load_lessons(folder)["01-test"].title == "A test"
     assert [lesson.file for lesson in catalogue.in_every_language("01-test", folder)] == ["01-test", "01-test.de"]
 
 
@@ -89,25 +89,27 @@ def test_what_is_handed_in_is_graded_in_any_language(written, graded_in):
     handed = Progress(lesson.name, lesson.fingerprint, "Ada")
     handed.answer(key, 3.125, 1.0)
     with use_language(graded_in), closing(RunCache()) as outcomes:
-        found = read(handed.text(), catalogue.lessons().get)
-        row = graded("ada.json", found, catalogue.lessons()[GRID], outcomes)
+        found = parse_progress(handed.text(), catalogue.load_lessons().get)
+        row = grade_file("ada.json", found, catalogue.load_lessons()[GRID], outcomes)
     assert row.right == 1 and row.progress.fingerprint == row.lesson.fingerprint
-    assert drawn(lesson, "Ada") == drawn(row.lesson, "Ada")
+    assert draw_numbers(lesson, "Ada") == draw_numbers(row.lesson, "Ada")
 
 
 def test_a_lesson_that_is_in_english_only_says_so():
     with use_language("de"):
-        own, other = (catalogue.lesson(name) for name in (GRID, "03-order"))
+        own, other = (catalogue.load_lesson(name) for name in (GRID, "03-order"))
         assert "nur auf Englisch" in intro_html(other, other.variants[0], False)
         assert "nur auf Englisch" not in intro_html(own, own.variants[0], False)
         assert " lang='en'>" in head_html(other, Progress("", "")) and "Einführung" in head_html(own, Progress("", ""))
-        assert shelf_html(catalogue.lessons()).count("lang='en'") == len(catalogue.names()) - len(TRANSLATED)
-    assert "lang=" not in shelf_html(catalogue.lessons()) + intro_html(other, other.variants[0], False)
+        assert shelf_html(catalogue.load_lessons()).count("lang='en'") == len(catalogue.lesson_names()) - len(
+            TRANSLATED
+        )
+    assert "lang=" not in shelf_html(catalogue.load_lessons()) + intro_html(other, other.variants[0], False)
 
 
 def test_what_a_text_tells_to_do_is_a_button_in_its_own_words():
     with use_language("de"):
-        own, other = (catalogue.lesson(name) for name in (GRID, "03-order"))
+        own, other = (catalogue.load_lesson(name) for name in (GRID, "03-order"))
         shown = [step_html(lesson, step, lesson.variants[0], "", False) for lesson in (own, other)
                  for step in lesson.steps if step.stage]
     assert any("Setze <b>Zellen</b> auf <b>80</b></button>" in html for html in shown)

@@ -14,7 +14,7 @@ from app.export import slider_grid
 from app.export.html_file import scene_page
 from app.notebook import show
 from app.notebook.result import result_table
-from app.words import ratio, with_unit
+from app.words import format_ratio, with_unit
 from solvers import BarScene, RingScene, SceneError, run
 from tests.support.processes import python
 
@@ -33,7 +33,7 @@ def frame_of(player) -> dict[str, str]:
 def test_the_player_is_the_exported_page_of_the_run(beside, error_of):
     """The same bytes as the export's, whose numbers are tested: recorded by this process, with no runs around it."""
     player = show(SMALL, beside=beside, error_of=error_of)
-    text = state.write(state.State(SMALL, quantity=error_of, pinned=beside))
+    text = state.write_state(state.State(SMALL, quantity=error_of, pinned=beside))
     assert player.page == scene_page(text, 1, lambda part, doing: None, counts={})
     assert frame_of(player)["srcdoc"] == player.page
 
@@ -50,8 +50,8 @@ def test_a_player_is_framed_and_saved_as_it_is(tmp_path):
 
 
 def test_sliders_bring_runs_around_it(monkeypatch):
-    around, told = slider_grid.around, []
-    monkeypatch.setattr(slider_grid, "around", lambda scene, counts: around(scene, {"cells": 2}))
+    around, told = slider_grid.axes_around, []
+    monkeypatch.setattr(slider_grid, "axes_around", lambda scene, counts: around(scene, {"cells": 2}))
     player = show(SMALL, sliders=True, processes=1, on_progress=lambda part, doing: told.append(part))
     assert told[-1] == 1.0 and len(player.page) > len(show(SMALL).page)
 
@@ -84,8 +84,8 @@ def test_the_table_has_the_numbers_of_the_result():
     for row, key, unit in zip(rows, ("x", "v", "sigma", "a"), ("m", "m/s", "Pa", "m/s²"), strict=True):
         wanted = [with_unit(result.error[key]["max"], unit)]
         for name in ("companion", "recovered"):
-            wanted += [with_unit(result.estimate[name][key]["max"], unit), ratio(result.index[name][key]),
-                       ratio(result.distance[name][key])]
+            wanted += [with_unit(result.estimate[name][key]["max"], unit), format_ratio(result.index[name][key]),
+                       format_ratio(result.distance[name][key])]
         assert row[1:] == wanted
     assert f"ok after {result.steps:,} steps, at 250 ms" in result_table(result)
     assert result._repr_html_() == result_table(result)

@@ -2,6 +2,8 @@
 
 from types import SimpleNamespace
 
+from app.page.feature import PageView
+
 
 class Widget(SimpleNamespace):
     """It remembers what a click calls, and may hold others."""
@@ -44,3 +46,8 @@ class Gui:
         self.made.append(widget := Widget(**{"content": "", "visible": True} | what))
         self.by_label[label] = widget
         return widget
+
+
+def page_view(alone=True):
+    """What a feature sees at a refresh of which it needs nothing but whether the run has the page for itself."""
+    return PageView(None, None, not alone, alone)

@@ -51,7 +51,7 @@ class Driver:
         title, cells = BEGINNINGS[problem]
         visitor.find("Download CSV")  # the last of the controls
         opened = visitor.find("step margin")
-        visitor.follow(state.write(state.State(FIRST_SCENE)))
+        visitor.follow(state.write_state(state.State(FIRST_SCENE)))
         until(lambda: asked and asked[-1] == FIRST_SCENE, "the first scene")
         until(lambda: visitor.find("step margin") != opened, "its controls in place of the opening's")
         if problem != "bar":

@@ -11,10 +11,10 @@ import numpy as np
 import pytest
 
 from app.frame.captions import UNKNOWN
-from app.page.panels.readout import ROUNDED, judged, place, readout
+from app.page.panels.readout import ROUNDED, estimator_cards, gauge_position, live_readout
 from app.page.stage.worst_region import WorstRegions
 from app.page.visit.history import History
-from app.page.visit.status_message import doubt
+from app.page.visit.status_message import doubt_notice
 from app.problems.views import VIEWS
 from solvers.problems import PROBLEMS
 from solvers.problems.bar.scene import BarScene
@@ -30,9 +30,9 @@ NAMED = "positions are ok, but the velocity is off by up to 18 times its own siz
 
 
 def test_an_index_has_a_place_on_the_gauge():
-    assert [place(index) for index in (0.1, 1.0, 10.0, 1e-9, 1e9, 0.0)] == [0.0, 0.5, 1.0, 0.0, 1.0, 0.0]
-    assert place(float("nan")) is None
-    assert place(1.1) > 0.5 > place(0.9)
+    assert [gauge_position(index) for index in (0.1, 1.0, 10.0, 1e-9, 1e9, 0.0)] == [0.0, 0.5, 1.0, 0.0, 1.0, 0.0]
+    assert gauge_position(float("nan")) is None
+    assert gauge_position(1.1) > 0.5 > gauge_position(0.9)
 
 
 def test_cards_say_what_the_run_has():
@@ -41,7 +41,7 @@ def test_cards_say_what_the_run_has():
     solver, history = build(scene), History(scene, 20)
     history.add(solver.advance(200))
     report = replace(report_of(scene), time=solver.time, not_valid={"recovered": "not valid here: why"})
-    cards = json.loads(judged(report, history.series, "x", "transport"))
+    cards = json.loads(estimator_cards(report, history.series, "x", "transport"))
     assert (cards["problem"], cards["stage"], cards["known"]) == ("bar", "transport", True)
     assert set(cards["judges"]) == {"transport", "recovered"}
     index = history.series["transport/index_x"][-1]
@@ -50,7 +50,7 @@ def test_cards_say_what_the_run_has():
     trust = cards["judges"]["transport"]["trust"]
     assert trust == f"right within 10\N{NO-BREAK SPACE}% in {held} of {of} runs like this"
     assert cards["judges"]["recovered"] == {"says": "Not valid here: why"}
-    unknown = json.loads(judged(report_of(replace(scene, body_force="two-tone")), {}, "x", None))
+    unknown = json.loads(estimator_cards(report_of(replace(scene, body_force="two-tone")), {}, "x", None))
     assert (unknown["true"], unknown["known"]) == (UNKNOWN, False)
 
 
@@ -92,17 +92,18 @@ def test_a_run_that_is_ok_for_positions_alone_says_so_in_its_readout():
     history, session = watched(BAR)
     for reason in (None, NAMED):
         report = replace(report_of(BAR), reason=reason)
-        html = readout(session, history, report, "x", None, None, WorstRegions()).html
+        html = live_readout(session, history, report, "x", None, None, WorstRegions()).html
         assert (NAMED in html) == (reason is not None)
-    assert doubt(history, ("companion",)) is None
+    assert doubt_notice(history, ("companion",)) is None
 
 
 def test_what_nobody_looked_at_is_a_line_of_the_readout():
     history, session = watched(BAR)
     report = replace(report_of(BAR), step=300, time=300 * BAR.time_step)
-    said = readout(session, history, replace(report, not_checked="velocity & stress"), "x", None, None, WorstRegions())
+    said = live_readout(session, history, replace(report, not_checked="velocity & stress"), "x", None, None,
+                        WorstRegions())
     assert "velocity &amp; stress" in said.html
-    assert "unseen" not in readout(session, history, report, "x", None, None, WorstRegions()).html
+    assert "unseen" not in live_readout(session, history, report, "x", None, None, WorstRegions()).html
 
 
 def test_numbers_of_the_body_have_a_bar_by_who_is_on_the_stage():
@@ -112,11 +113,11 @@ def test_numbers_of_the_body_have_a_bar_by_who_is_on_the_stage():
               "rounding": 0.0, "bar": {"companion": 2e-5}}
     report = replace(report_of(BAR), step=300, time=300 * BAR.time_step, goals={ENERGY: energy})
     held, of = track_record.held(BAR, ENERGY, "companion")
-    html = readout(session, history, report, "x", "companion", None, WorstRegions()).html
+    html = live_readout(session, history, report, "x", "companion", None, WorstRegions()).html
     assert "kinetic energy" in html and f"6.2 mJ ± 20 µJ; such bars held in {held} of {of} runs like this" in html
-    html = readout(session, history, report, "x", None, None, WorstRegions()).html
+    html = live_readout(session, history, report, "x", None, None, WorstRegions()).html
     assert "6.2 mJ" in html and "±" not in html.partition("6.2 mJ")[2].partition("</td>")[0]
-    assert "6.2 mJ" not in readout(session, history, report, "x", None, None, WorstRegions(), ago=0.1).html
+    assert "6.2 mJ" not in live_readout(session, history, report, "x", None, None, WorstRegions(), ago=0.1).html
 
 
 def test_an_error_that_is_nothing_but_rounding_has_no_index_on_the_page():
@@ -124,8 +125,8 @@ def test_an_error_that_is_nothing_but_rounding_has_no_index_on_the_page():
     for scene, rounded in ((patch, True), (BAR, False)):
         history, session = watched(scene)
         report = replace(report_of(scene), step=300, time=300 * scene.time_step)
-        html = readout(session, history, report, "v", "companion", None, WorstRegions()).html
-        card = json.loads(judged(report, history.series, "v", "companion"))["judges"]["companion"]
+        html = live_readout(session, history, report, "v", "companion", None, WorstRegions()).html
+        card = json.loads(estimator_cards(report, history.series, "v", "companion"))["judges"]["companion"]
         assert (ROUNDED in html) == rounded
         assert ("index" not in card and card["says"] == "Nothing but rounding") == rounded
 
@@ -136,6 +137,6 @@ def test_the_speed_is_read_in_periods(scene, said):
     """0.3 simulated seconds a second are 1.2 periods of 1/4 s, or 0.075 of 4 s, and only that is too slow."""
     session = SimpleNamespace(history=SimpleNamespace(series={}, margin=np.nan), speed=1.25, pinned=None, ended=False)
     report = replace(report_of(scene), real_speed=0.3, playing=True)
-    html = readout(session, session.history, report, "x", "transport", None, WorstRegions()).html
+    html = live_readout(session, session.history, report, "x", "transport", None, WorstRegions()).html
     assert f"<td>speed</td>\n<td>{said}" in html
     assert ("CAPPED" in html) == (scene.modulus < 1)

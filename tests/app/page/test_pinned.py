@@ -8,7 +8,7 @@ import pytest
 
 from app.page.panels.plots import grey_curves
 from app.page.visit import session as page
-from app.words import differing
+from app.words import difference_text
 from solvers.engine import compiling_fork
 from solvers.engine.engine_messages import FRAME_SECONDS, Pace
 from solvers.engine.session_stepper import MOST_APART
@@ -179,9 +179,9 @@ def test_grey_curves_are_put_at_the_same_number_of_periods():
 
 def test_a_caption_names_what_differs():
     """In words, once each, and nothing that both have."""
-    assert differing(BarScene(method="mpm", amplitude=0.01), BarScene()) == "MPM (hat functions), A = 10 mm"
-    assert differing(BarScene(), BarScene(method="mpm", amplitude=0.01)) == "uGIMP, A = 25 mm"
-    assert differing(BarScene(dt="auto", estimators=()), BarScene()) == "no estimator, auto step"
-    assert differing(RingScene(layout="cartesian", ppc=3), RingScene()) \
+    assert difference_text(BarScene(method="mpm", amplitude=0.01), BarScene()) == "MPM (hat functions), A = 10 mm"
+    assert difference_text(BarScene(), BarScene(method="mpm", amplitude=0.01)) == "uGIMP, A = 25 mm"
+    assert difference_text(BarScene(dt="auto", estimators=()), BarScene()) == "no estimator, auto step"
+    assert difference_text(RingScene(layout="cartesian", ppc=3), RingScene()) \
         == "3 × 3 particles per cell, layout Cartesian"
-    assert differing(BarScene(periods=3), BarScene()) == ""
+    assert difference_text(BarScene(periods=3), BarScene()) == ""

@@ -6,8 +6,8 @@ import pytest
 
 from app import state
 from app.lessons import catalogue
-from app.lessons.lesson import filled
-from app.page.opening_tour import OPENING
+from app.lessons.lesson import fill_numbers
+from app.page.features.opening_tour import OPENING
 from app.page.prewarm import usual_scenes
 from app.page.visit.session import first_scene
 from solvers.problems import PROBLEMS
@@ -16,12 +16,12 @@ from solvers.scene.kernel_options import combination
 
 @pytest.fixture(scope="module")
 def lessons():
-    return catalogue.lessons()
+    return catalogue.load_lessons()
 
 
 def taught(lesson):
     """The combinations that a lesson puts on the stage, for every variant."""
-    stages = [state.read(filled(step.stage, numbers)) for step in lesson.steps if step.stage
+    stages = [state.parse_state(fill_numbers(step.stage, numbers)) for step in lesson.steps if step.stage
               for numbers in lesson.variants]
     return {combination(scene) for shown in stages for scene in (shown.scene, shown.pinned) if scene is not None}
 

@@ -6,14 +6,14 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from app.frame.captions import NOT_COMPARED, look
+from app.frame.captions import NOT_COMPARED, view_of_frame
 from app.frame.crossings import WINDOW
 from app.page.features.upload.uploaded_run import UploadedRun
-from app.page.headline import summary
-from app.page.panels.readout import readout
+from app.page.headline import frame_headline
+from app.page.panels.readout import live_readout
 from app.page.stage.worst_region import WorstRegions
-from app.page.visit.frame_buffer import MOST_BYTES, MOST_FRAMES, FrameBuffer, size
-from app.page.visit.history import LAST_PERIODS, MOST_ROWS, DownsampledSeries, History, until
+from app.page.visit.frame_buffer import MOST_BYTES, MOST_FRAMES, FrameBuffer, frame_bytes
+from app.page.visit.history import LAST_PERIODS, MOST_ROWS, DownsampledSeries, History, series_until
 from solvers.engine.shared_frames import FrameOptions, block_bytes, read, write
 from solvers.problems.bar.scene import BarScene
 from solvers.running.run import build
@@ -58,12 +58,12 @@ def test_the_last_frames_are_kept():
 def test_memory_is_bounded_and_large_frames_are_fewer():
     """And what is counted is all that a frame of the engine brings."""
     recent, particles = FrameBuffer(), 200_000
-    held = size(frame(0, particles=particles)[1])
+    held = frame_bytes(frame(0, particles=particles)[1])
     for step in range(20):
         recent.add(*frame(step, particles=particles, fresh=step == 0))
     assert len(recent.frames) == MOST_BYTES // held < 20
     scene = BarScene(cells=8, ppc=2, estimators=("transport",))
-    assert size(engine_frame(build(scene))) == 4 * scene.particles * (1 + 1 + 1 + 1 + 4 + 4 + 2)
+    assert frame_bytes(engine_frame(build(scene))) == 4 * scene.particles * (1 + 1 + 1 + 1 + 4 + 4 + 2)
 
 
 def engine_frame(solver):
@@ -106,23 +106,24 @@ def test_numbers_are_those_of_the_frame():
     for step in range(12):
         history.add(solver.measure() if step == 0 else solver.advance(40))
         report = replace(report_of(scene), step=solver.step, time=solver.time, playing=False)
-        seen.append((report, readout(session, session.history, report, "x", "transport", None, WorstRegions()).html))
+        seen.append((report, live_readout(session, session.history, report, "x", "transport", None,
+                                          WorstRegions()).html))
     report, then = seen[5]
-    now = readout(session, session.history, report, "x", "transport", None, WorstRegions(), ago=0.314).html
+    now = live_readout(session, session.history, report, "x", "transport", None, WorstRegions(), ago=0.314).html
     assert "<td>shown</td>\n<td><b>0.31 periods back</b>, paused</td>" in now and "<td>speed</td>" not in now
     assert then != seen[-1][1]
     cut = then.index("<td>energy</td>")
     assert then[cut:] == now[now.index("<td>energy</td>"):]
     arrays = engine_frame(solver)
-    view = look(report, arrays, "x", "transport", False)
-    said = [summary(report, arrays, view, WorstRegions(), series, "x", "transport", ago)
-            for series, ago in ((until(history.series, report.time), 0.0), (history.series, 0.314))]
+    view = view_of_frame(report, arrays, "x", "transport", False)
+    said = [frame_headline(report, arrays, view, WorstRegions(), series, "x", "transport", ago)
+            for series, ago in ((series_until(history.series, report.time), 0.0), (history.series, 0.314))]
     now, then = (str(one).partition(" the displacement is ") for one in said)
     assert now[0] == f"At t = {report.time:.3g} s" and then[0] == "0.31 periods back" and now[2] == then[2] != ""
 
 
 def test_a_frame_from_before_the_comparison_says_so():
-    view = look(report_of(BAR), arrays_of(SIGNED, TRUE, differences=False), "x", "transport", True)
+    view = view_of_frame(report_of(BAR), arrays_of(SIGNED, TRUE, differences=False), "x", "transport", True)
     assert view.left.sizes is None and view.left.silence == NOT_COMPARED
 
 
@@ -150,9 +151,9 @@ def test_the_latest_periods_stay_fine_however_long_the_run():
 
 def test_until_cuts_at_a_time():
     series = {"time": np.array([0.0, 1.0, 2.0]), "value": np.array([5.0, 6.0, 7.0])}
-    assert until(series, 2.0) is series and until({}, 1.0) == {}
-    np.testing.assert_array_equal(until(series, 1.0)["value"], [5, 6])
-    np.testing.assert_array_equal(until(series, -1.0)["value"], [5])
+    assert series_until(series, 2.0) is series and series_until({}, 1.0) == {}
+    np.testing.assert_array_equal(series_until(series, 1.0)["value"], [5, 6])
+    np.testing.assert_array_equal(series_until(series, -1.0)["value"], [5])
 
 
 @pytest.mark.parametrize("scene", [BarScene(modulus=64.0), BarScene(modulus=0.25)], ids=["quick", "slow"])

@@ -6,7 +6,7 @@ from types import SimpleNamespace
 import pytest
 
 from app import state
-from app.page.panels.suggestions import Suggestions, what_now
+from app.page.features.suggestions import Suggestions, what_now
 from app.page.visit.history import History
 from app.page.visit.session import first_scene
 from app.problems.suggestion import NotNow
@@ -17,8 +17,10 @@ from solvers.problems import PROBLEMS
 from solvers.running.run import build
 from solvers.scene.scene import AUTO
 from tests.app.frame.test_view import report_of
+from tests.app.page.panel import page_view
 
-BASES = [*map(first_scene, PROBLEMS), state.read("bar;motion=patch;modulus=1000;cfl=0.2;estimators=companion").scene]
+BASES = [*map(first_scene, PROBLEMS),
+         state.parse_state("bar;motion=patch;modulus=1000;cfl=0.2;estimators=companion").scene]
 
 
 def ran(scene, periods):
@@ -38,7 +40,7 @@ def test_three_a_problem_each_of_which_can_be_asked(base):
     for spark in sparks:
         asked = spark.offer(State(base)).state
         assert asked.scene != base and asked.pinned in (None, replace(base, periods=None, t_end=None))
-        assert state.read(state.write(asked)) == asked
+        assert state.parse_state(state.write_state(asked)) == asked
 
 
 def test_what_cannot_be_asked_says_why():
@@ -60,7 +62,8 @@ class Stage:
         self.session = SimpleNamespace(scene=scene, report=self.report, pinned=None, history=None)
         self.html = SimpleNamespace(content="")
         gui = SimpleNamespace(add_html=lambda _: self.html)
-        self.sparks = Suggestions(gui, self.session, lambda: self.state, self.show, lambda _: False)
+        self.sparks = Suggestions(gui, self.session, lambda: self.state, self.show, lambda _: False,
+                                  lambda: False)
 
     def show(self, shown):
         self.state, session = shown, self.session
@@ -68,7 +71,7 @@ class Stage:
         session.pinned = shown.pinned and SimpleNamespace(scene=shown.pinned, history=None)
 
     def look(self):
-        self.sparks.refresh(True)
+        self.sparks.refresh(page_view())
         return self.html.content
 
 
@@ -106,7 +109,7 @@ def test_the_next_one_is_compared_with_the_run_before_the_first():
 
 def test_a_lost_run_has_ways_on():
     """Back to before it broke, what cures it, another method: each does what it says."""
-    scene = state.read("bar;method=mpm;amplitude=0.1;estimators=companion").scene
+    scene = state.parse_state("bar;method=mpm;amplitude=0.1;estimators=companion").scene
     report = replace(report_of(scene), status="lost", since=1.225, reason="the run is lost from t = 1.225 s on: so")
     shown, sought = [], []
     ways = dict((card.key, act) for card, act in what_now(State(scene), report, sought.append, shown.append))

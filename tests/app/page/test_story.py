@@ -7,10 +7,11 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from app.page.opening_tour import BEAT, OPENING, OpeningTour
+from app.page.features.opening_tour import BEAT, OPENING, OpeningTour
 from app.words import per_cent
 from solvers.running.run import build
 from tests.app.frame.test_view import report_of
+from tests.app.page.panel import page_view
 from tests.app.page.test_recent import engine_frame
 
 
@@ -48,8 +49,8 @@ class Visit:
         if self.pinned and self.compiled:
             step, last = round(periods / QUARTER * OPENING.pinned.steps), self.pinned.last
             self.pinned.last = replace(shown[0], step=step), last and last[1]
-        self.story.follow(True)
-        return str(self.story.said(shown))
+        self.story.refresh(page_view())
+        return str(self.story.headline(shown))
 
 
 @pytest.fixture(scope="module")
@@ -80,7 +81,7 @@ def test_four_beats_in_the_runs_own_numbers(quarter):
     assert f"The stress is {per_cent(wrong / size)} wrong" in (said := visit.at(QUARTER)) or "An estimator" in said
     assert visit.asked[1:] == ["no end", "hurry"]
     visit.story.beat = 2
-    said = str(visit.story.said(quarter[0]))
+    said = str(visit.story.headline(quarter[0]))
     assert f"The stress is {per_cent(wrong / size)} wrong" in said
     assert f"10 particles have changed their cell: {per_cent(share)} of the squared error" in said
     assert f"finds {per_cent(found)} of that error" in visit.at(QUARTER)
@@ -115,7 +116,7 @@ def test_it_can_be_left_and_anything_else_ends_it():
     assert chosen.asked == []
     lesson = Visit()
     lesson.story.hear("play")
-    lesson.story.follow(False)
+    lesson.story.refresh(page_view(alone=False))
     assert lesson.story.beat == 0
     lesson.story.hear({"no": "word"})
 
@@ -132,7 +133,7 @@ def test_it_does_not_pause_before_the_pinned_run_is_there():
     visit.compiled = True
     visit.at(0.01)
     visit.ended = True  # as the frame before said
-    visit.story.follow(True)
+    visit.story.refresh(page_view())
     assert visit.asked == ["open", "hurry"]
     visit.at(QUARTER)
     assert visit.asked[2:] == ["no end", "hurry"]

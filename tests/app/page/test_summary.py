@@ -8,11 +8,11 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from app.frame.captions import NONE_CHOSEN, UNKNOWN, look
+from app.frame.captions import NONE_CHOSEN, UNKNOWN, view_of_frame
 from app.frame.crossings import WINDOW
 from app.frame.headline import Headline
 from app.frame.stage import NOTHING
-from app.page.headline import SAY_SECONDS, WAITING, HeadlinePanel, compared, summary
+from app.page.headline import SAY_SECONDS, WAITING, HeadlinePanel, compare_with_pinned, frame_headline
 from app.page.stage.worst_region import WorstRegions
 from app.problems.views import VIEWS
 from app.words import per_cent
@@ -32,9 +32,10 @@ def told(scene=BAR, drawn="transport", series=SERIES, crossed=(), ago=0.0, **cha
     """What is said of a frame of the bar whose estimate is half the error; ``crossed`` steps ago."""
     report, arrays = replace(report_of(scene), time=0.35, **changes), arrays_of(ERROR / 2, ERROR)
     arrays.steps_since_crossing[:len(crossed)] = crossed
-    view, worst = look(report, arrays, "x", drawn, False), WorstRegions()
+    view, worst = view_of_frame(report, arrays, "x", drawn, False), WorstRegions()
     worst.look(report, arrays, view, "x")
-    return summary(report, arrays, view, worst, {name: np.array(v) for name, v in series.items()}, "x", drawn, ago)
+    return frame_headline(report, arrays, view, worst, {name: np.array(v) for name, v in series.items()}, "x", drawn,
+                          ago)
 
 
 def said(*given, **changes):
@@ -56,7 +57,7 @@ def test_no_place_of_a_run_is_marked_in_another_one(monkeypatch):
 
     def found(scene):
         report, arrays = replace(report_of(scene), time=0.35), arrays_of(ERROR / 2, ERROR)
-        worst.look(report, arrays, look(report, arrays, "x", "transport", False), "x")
+        worst.look(report, arrays, view_of_frame(report, arrays, "x", "transport", False), "x")
 
     found(BAR)
     assert worst.remarks(BAR).worst[1] is not None and worst.remarks(other) == NOTHING
@@ -72,7 +73,7 @@ def test_where_it_is_worst_is_looked_for_in_each_of_the_two():
     estimated, report = np.full(20, 0.001), replace(report_of(BAR), time=0.35)
     estimated[17] = 0.002
     arrays = arrays_of(estimated, ERROR)
-    view, worst = look(report, arrays, "x", "transport", False), WorstRegions()
+    view, worst = view_of_frame(report, arrays, "x", "transport", False), WorstRegions()
     worst.look(report, arrays, view, "x")
     assert worst.by_estimate.particles[17] and not worst.by_estimate.particles[6]
     assert worst.by_truth.particles[6] and not worst.by_truth.particles[17]
@@ -119,7 +120,7 @@ def test_crossings_are_those_of_the_last_twentieth_of_a_period(beyond, who):
 def test_a_run_that_stands_is_told_of_its_moment_and_what_is_not_known_is_not_told(begins, given, changes):
     """That it is lost or unstable comes first. Without truth the worst place is that of the estimate."""
     assert said(replace(BAR, **given), **changes).startswith(begins)
-    assert summary(None, None, None, WorstRegions(), {}, "x", None) == Headline.of(WAITING)
+    assert frame_headline(None, None, None, WorstRegions(), {}, "x", None) == Headline.of(WAITING)
 
 
 def test_sentences_come_calmly():
@@ -145,10 +146,10 @@ def test_a_pinned_run_is_compared_by_its_true_error():
     live, pinned = ({"time": np.array(t), "error_v": np.array(v)} for t, v in (
         ([0.0, 0.5], [1.0, 3.0]), ([0.0, 0.5, 1.0], [2.0, 6.0, 40.0])))
     scenes = BAR, replace(BAR, method="bspline")
-    assert compared(live, pinned, "v", scenes) == "the pinned run, B-spline, is 2 times as wrong"
-    assert compared(pinned, live, "v", scenes) == "2 times as wrong as the pinned run, B-spline"
+    assert compare_with_pinned(live, pinned, "v", scenes) == "the pinned run, B-spline, is 2 times as wrong"
+    assert compare_with_pinned(pinned, live, "v", scenes) == "2 times as wrong as the pinned run, B-spline"
     for unknown in ({}, {"error_v": np.array([np.nan, 1.0])}, {"error_v": np.zeros(2)}, {"error_v": np.zeros(0)}):
-        assert compared(unknown, live, "v", scenes) == compared(live, unknown, "v", scenes) == ""
+        assert compare_with_pinned(unknown, live, "v", scenes) == compare_with_pinned(live, unknown, "v", scenes) == ""
 
 
 def test_shares_have_two_digits_and_no_exponents():

@@ -155,7 +155,7 @@ def test_a_click_marks_and_another_ends_it(run, stage):
     clicks, scene = [], Scene()
     scene.on_click = lambda: clicks.append
     trace, client = Trace(recent), SimpleNamespace(scene=scene)
-    mark = TraceRings(client, viewer_renderer.Sheet(client, Lettering(GUI), "/trace"), trace)
+    mark = TraceRings(client, viewer_renderer.ViewerSurface(client, Lettering(GUI), "/trace"), trace)
     mark.look(stage, arrays)
     assert not scene.made["trace"].visible
     images = stage.images(arrays, slice(5, 6))[:, 0, :2]

@@ -8,7 +8,7 @@ from zipfile import ZipFile
 import viser
 from viser._messages import GuiSliderProps
 
-from app.page.opening_tour import OPENING
+from app.page.features.opening_tour import OPENING, OpeningTour
 from app.viewer import viser_patches
 from tests.support.doors import lab
 from tests.support.processes import until
@@ -66,16 +66,18 @@ def test_the_story_begins_on_the_widgets_that_are_there():
         until(lambda: visitor.cells("1"), "the widgets")
         until(lambda: any(one.visitors._pages.values()), "the page")
         (page,) = one.visitors._pages.values()
-        store, begun = visitor.find("kept by the browser"), page._session.moves[1]
+        session = page._context.session
+        (story,) = (feature for feature in page._features if isinstance(feature, OpeningTour))
+        store, begun = visitor.find("kept by the browser"), session.moves[1]
         for known, cells in ((True, 40), (False, 30)):
             visitor.set(visitor.cells("1"), cells)
-            until(lambda of=cells: page._session.scene.cells == of, "the choice")
-            page._story.beat = 0
+            until(lambda of=cells: session.scene.cells == of, "the choice")
+            story.beat = 0
             visitor.set(store, json.dumps({"story": "play", "known": known}))  # another text each time
-            until(lambda: page._story.beat == 1, "the story")
+            until(lambda: story.beat == 1, "the story")
             begun += 1
-            assert page._session.moves[1] == begun and page._session.scene == OPENING.scene
-            assert page._session.pinned.scene == OPENING.pinned
+            assert session.moves[1] == begun and session.scene == OPENING.scene
+            assert session.pinned.scene == OPENING.pinned
             until(lambda there=known: visitor.gone or there, "widgets that are made anew")
             assert bool(visitor.gone) is not known
 
@@ -85,7 +87,7 @@ def test_icons_and_kinds_of_values_are_the_viewers():
     icon = viser.Icon.SCHOOL
     with ZipFile(viser_patches._ICONS) as archive:
         drawing = archive.read(f"{icon}.svg").decode()
-    assert viser_patches.icon(icon) == drawing and drawing.startswith("<svg")
+    assert viser_patches.icon_svg(icon) == drawing and drawing.startswith("<svg")
     handle = SimpleNamespace(_impl=SimpleNamespace(props=GuiSliderProps.__new__(GuiSliderProps)))
     found = viser_patches.kinds_of_values(handle)
     assert found == get_type_hints(GuiSliderProps) and found is viser_patches.kinds_of_values(handle)

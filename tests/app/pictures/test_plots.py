@@ -12,7 +12,7 @@ from matplotlib.colors import to_rgb
 
 from app.colours import CAUSES as CAUSE_COLOURS
 from app.colours import ESTIMATE, TRUTH
-from app.frame.budget_chart import percent
+from app.frame.budget_chart import format_percent
 from app.pictures.run import png_bytes, run_figure
 from solvers.problems.bar.scene import BarScene
 from solvers.problems.ring import RingScene
@@ -108,7 +108,7 @@ def test_who_made_the_error_is_drawn_where_the_run_has_it(result):
     titles = [axes.get_title(loc="left") for axes in figure.axes]
     for field in FIELDS:
         cause, share = max(divided.budget[field].items(), key=lambda item: item[1])
-        assert f"Error of {field}, RMS: {CAUSES[cause]} made {percent(share)}" in titles
+        assert f"Error of {field}, RMS: {CAUSES[cause]} made {format_percent(share)}" in titles
     assert len(figure.legends[0].get_texts()) == len(CAUSES) and not plain.legends
     assert not any(" made " in axes.get_title(loc="left") for axes in plain.axes)
     crossings = to_rgb(CAUSE_COLOURS["crossings"].light)

@@ -6,17 +6,17 @@ from contextlib import ExitStack
 
 import pytest
 
+from app.classroom.board import NEXT, Board
+from app.classroom.class_context import Classroom
 from app.lessons import catalogue
 from app.lessons.lesson_runs import RunCache, RunFailed
 from app.lessons.student_progress import SCHEMA
-from app.page.features.board.board import NEXT, Board
-from app.page.features.lesson.marking import Classroom
 from tests.support.doors import lab
 from tests.support.processes import until
 from tests.support.pupils import Pupil, cookie_of
 
 CODE, NOTES, OWN = "wave-4711", "tide-0815", "surf-2323"
-LESSON = catalogue.lesson("04-grid-crossing")
+LESSON = catalogue.load_lesson("04-grid-crossing")
 STEPS = LESSON.steps
 NUMBER = next(at for at, step in enumerate(STEPS, 1) if step.key == "where-does-the-trouble-begin")
 

@@ -13,7 +13,7 @@ from websockets.http11 import Request
 
 from app.colours import ESTIMATE, TRUTH
 from app.identity import ICON, MARK
-from app.page.panels.page_header import ground
+from app.page.panels.page_header import initial_html
 from app.viewer.index_page import Index, has_page, unpacked_script
 
 BUILD = Path(viser.__file__).parent / "client" / "build"
@@ -21,7 +21,7 @@ BUILD = Path(viser.__file__).parent / "client" / "build"
 
 @pytest.fixture(scope="module")
 def index():
-    return Index(ground, ICON)
+    return Index(initial_html, ICON)
 
 
 def ask(index, path="/", code="en", **headers):
@@ -32,7 +32,7 @@ def test_it_has_our_title_our_mark_and_our_ground(index):
     body = ask(index).body.decode()
     icon = unquote(body.split('rel="icon"')[1].split('href="')[1].split('"')[0])
     assert icon == f"data:image/svg+xml,{MARK}" and ESTIMATE in MARK and TRUTH in MARK
-    assert "<title>mpm-lab</title>" in body and ground() in body
+    assert "<title>mpm-lab</title>" in body and initial_html() in body
     assert ask(index, "/other.js").status_code == 404
 
 

@@ -135,8 +135,8 @@ def test_a_text_may_be_long_only_where_it_says_so(here, visitor):
     one, _ = here
     for label, longest in (("Trace particle", 200), ("kept by the browser", 20_000)):
         text = page_of(one)[visitor.find(label)]
-        assert widgets.refusal(text, "x" * longest) is None
-        assert "cannot have" in widgets.refusal(text, "x" * (longest + 1))
+        assert widgets.why_value_refused(text, "x" * longest) is None
+        assert "cannot have" in widgets.why_value_refused(text, "x" * (longest + 1))
 
 
 def test_what_is_off_takes_nothing(here, visitor):
@@ -197,8 +197,8 @@ def test_every_message_goes_through_the_check(here, visitor, monkeypatch):
     ``Hearing`` in ``app/viewer/incoming_messages.py`` and ``Doors._widget`` in ``app/viewer/web_server.py``."""
     one, _ = here
     heard = []
-    check = incoming_messages.refusal
-    monkeypatch.setattr(incoming_messages, "refusal", lambda message,
+    check = incoming_messages.why_refused
+    monkeypatch.setattr(incoming_messages, "why_refused", lambda message,
                         *how: heard.append(message) or check(message, *how))
     widget = visitor.find("Longest run, s")
     visitor.set(widget, "8")

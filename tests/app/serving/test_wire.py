@@ -11,8 +11,8 @@ import zstandard
 from viser._messages import GuiUpdateMessage, ReplayDoneMessage, SceneNodeUpdateMessage, SetCameraFovMessage
 from viser.infra import _infra
 
-from app.viewer.message_encoding import SHORT, Moved, send
-from app.viewer.send_queue import SendBuffer, together
+from app.viewer.message_encoding import SHORT, ChangedArrays, send
+from app.viewer.send_queue import SendBuffer, batch_messages
 from tests.support.listening import PATIENCE
 from tests.support.processes import until
 
@@ -90,7 +90,7 @@ def test_frames_of_many_that_come_together_wake_the_sender_once(loop, monkeypatc
         buffer.atomic_end()
 
     woken.clear()
-    with together():
+    with batch_messages():
         for buffer in buffers[:3]:
             tell(buffer, 1)
         assert not woken
@@ -112,7 +112,7 @@ def test_messages_are_packed_as_the_viewer_packs_them(words, monkeypatch):
     points, colours = np.arange(15, dtype=np.float32).reshape(5, 3), np.arange(7, dtype=np.uint8)
     said = {"points": points.astype(np.float16), "colors": colours}
     usual, ours = ([kind("/bar/lanes", said, "3"), kind("/ring", {"points": points[::2]}, "3"),
-                    GuiUpdateMessage("text", {"content": words})] for kind in (SceneNodeUpdateMessage, Moved))
+                    GuiUpdateMessage("text", {"content": words})] for kind in (SceneNodeUpdateMessage, ChangedArrays))
     assert [message.redundancy_key() for message in ours] == [message.redundancy_key() for message in usual]
     assert [message.entity_state_key() for message in ours] == [message.entity_state_key() for message in usual]
     sent = []

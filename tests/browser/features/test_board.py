@@ -12,7 +12,7 @@ from tests.browser.driving import downloaded, until
 from tests.browser.page.test_present import SIZES
 from tests.support.pupils import Pupil, cookie_of
 
-LESSON = catalogue.lesson("04-grid-crossing")
+LESSON = catalogue.load_lesson("04-grid-crossing")
 STEPS, LETTERS, HEADING = LESSON.steps, 28, 40  # pixels for the last row, in a window of 1280 by 720
 ON_THE_BOARD = SIZES.replace("(document.body,", "(document.getElementById('lab-board'),")  # what is below is covered
 #: Of what is on the board, what is wider than its box.

@@ -7,10 +7,10 @@ from pathlib import Path
 
 import pytest
 
-from app.export.lesson_data import package
-from app.export.recording import recording
-from app.lessons.lesson import drawn
-from app.lessons.lesson_parser import parse
+from app.export.lesson_data import package_lessons
+from app.export.recording import record_scene
+from app.lessons.lesson import draw_numbers
+from app.lessons.lesson_parser import parse_lesson
 from tests.app.lessons.test_lesson_format import TEXT
 from tests.browser import courses
 from tests.browser.driving import until
@@ -22,9 +22,9 @@ KINDS = {"Drag": 'kind = "drag"\ncontrol = "cells"\nexpected = "20"', "Between":
          "Number": 'kind = "number"\nexpected = "-2.5e-9"\nunit = "m"', "First words": 'kind = "text"',
          "Second words": 'kind = "text"', "Third words": 'kind = "text"'}
 DEEPER = ASKED.format("In words", KINDS["First words"]) + "\n## Explain: The end of it\n"
-LESSONS = [parse(TEXT.replace("## Predict", "## Predict (core)") + DEEPER, "97-runs"),
-           parse(HEAD + "".join(ASKED.format(*one) for one in KINDS.items()), "98-kinds"),
-           parse(HEAD + "\n## Explain: Only read\n\nNothing is asked.\n", "99-read")]
+LESSONS = [parse_lesson(TEXT.replace("## Predict", "## Predict (core)") + DEEPER, "97-runs"),
+           parse_lesson(HEAD + "".join(ASKED.format(*one) for one in KINDS.items()), "98-kinds"),
+           parse_lesson(HEAD + "\n## Explain: Only read\n\nNothing is asked.\n", "99-read")]
 FILES = [f"{lesson.name}.html" for lesson in LESSONS]
 LONG = "Ω" * 500
 
@@ -32,8 +32,9 @@ LONG = "Ω" * 500
 @pytest.fixture(scope="module")
 def packed():
     with pytest.MonkeyPatch.context() as patch:  # a process of their own would take seconds to start
-        patch.setattr("app.export.html_file.recordings", lambda wanted, *others: [recording(one) for one in wanted])
-        return package(LESSONS, 1, lambda part, what: None, {})
+        patch.setattr("app.export.html_file.record_scenes",
+                      lambda wanted, *others: [record_scene(one) for one in wanted])
+        return package_lessons(LESSONS, 1, lambda part, what: None, {})
 
 
 @pytest.fixture(scope="module")
@@ -138,7 +139,7 @@ def test_the_core_alone_is_a_lesson_completed(system, begin):
 def test_a_name_of_the_system_draws_the_numbers(system, begin):
     name = "李, 小龍"
     frame = begin(FILES[0], core__student_name=name)
-    numbers = drawn(LESSONS[0], name)
+    numbers = draw_numbers(LESSONS[0], name)
     assert frame.get_by_label("Your name").input_value() == name and frame.get_by_label("Your name").is_disabled()
     assert f"Begin with A = {numbers['A']}." in frame.locator("#lesson").inner_text()
     variant = LESSONS[0].variants.index(numbers)

@@ -8,15 +8,15 @@ import pytest
 
 from app import state, words
 from app.colours import TRUTH
-from app.export.html_file import quantities, scene_page
+from app.export.html_file import recorded_quantities, scene_page
 from app.export.lesson_data import lesson_page
-from app.export.recording import recording
-from app.frame.budget_chart import CAPTION, percent
-from app.frame.captions import captions, field_words, not_estimated, why_no_estimate, why_no_truth
+from app.export.recording import record_scene
+from app.frame.budget_chart import CAPTION, format_percent
+from app.frame.captions import field_words, make_captions, not_estimated, why_no_estimate, why_no_truth
 from app.lessons import student_progress
-from app.lessons.answer_check import mark
-from app.lessons.lesson import drawn
-from app.lessons.lesson_parser import parse
+from app.lessons.answer_check import mark_answer
+from app.lessons.lesson import draw_numbers
+from app.lessons.lesson_parser import parse_lesson
 from app.lessons.lesson_runs import RunCache
 from app.problems.views import VIEWS
 from solvers.scene.error_causes import CAUSES
@@ -86,14 +86,15 @@ def play(chromium, tmp_path):
 
 @pytest.fixture(scope="module")
 def lesson():
-    return parse(TEXT.replace("## Predict", "## Predict (core)") + MORE, "99-test")
+    return parse_lesson(TEXT.replace("## Predict", "## Predict (core)") + MORE, "99-test")
 
 
 @pytest.fixture(scope="module", autouse=True)
 def recorded_here():
     """Recordings are made by this process, which a process of their own would take seconds to start for."""
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr("app.export.html_file.recordings", lambda wanted, *others: [recording(one) for one in wanted])
+        patch.setattr("app.export.html_file.record_scenes",
+                      lambda wanted, *others: [record_scene(one) for one in wanted])
         yield
 
 
@@ -144,10 +145,10 @@ FILES = {"bar": "bar cells=10 periods=0.25;difference", "ring": "ring cells=12 p
 def test_whatever_is_looked_at_is_said_as_on_the_page(play, name):
     """Titles, captions, notes and reasons for silence, of every quantity by every estimator."""
     text = f"{FILES[name]};estimators=companion,transport"
-    scene, apart = state.read(text).scene, state.read(text).difference
+    scene, apart = state.parse_state(text).scene, state.parse_state(text).difference
     stage, page = VIEWS[scene.problem].stage, play(text)
     assert page.locator("h1").inner_text() == scene.title.capitalize()
-    for key in quantities(state.read(text)):
+    for key in recorded_quantities(state.parse_state(text)):
         no_truth = why_no_truth(scene, key)
         for estimator, magnified in zip(scene.estimators, words.MAGNIFICATIONS[1:], strict=False):
             drawn, _ = look(page, {"Error of": str(words.QUANTITIES[key]), "On the stage": estimator,
@@ -156,7 +157,7 @@ def test_whatever_is_looked_at_is_said_as_on_the_page(play, name):
             row = page.locator("#norms tr").filter(has=page.get_by_role("rowheader", name=estimator)).inner_text()
             if not no_estimate and row.endswith(not_estimated(key)):
                 no_estimate = f"{estimator} {not_estimated(key)}"
-            said = captions(key, estimator, apart, no_estimate, no_truth)
+            said = make_captions(key, estimator, apart, no_estimate, no_truth)
             field = field_words(scene, stage.PLOT.component, key)
             larger = f"error × {magnified}" * scene.solution_known
             for part in (*said.titles, *said.by, *said.silences, stage.note(scene), stage.MARKED, field.name,
@@ -164,12 +165,12 @@ def test_whatever_is_looked_at_is_said_as_on_the_page(play, name):
                 assert part in drawn, (key, estimator)
             seen = page.locator("#summary").inner_text()
             capital = no_truth[:1].upper() + no_truth[1:]  # it may begin a sentence
-            assert scene.swings is False or (words.brief(no_estimate) in seen and capital in seen)
+            assert scene.swings is False or (words.short_reason(no_estimate) in seen and capital in seen)
 
 
 def test_a_vortex_has_its_exact_lines(play):
     text = "vortex cells=12 periods=0.05 estimators=none"
-    scene, stage = state.read(text).scene, VIEWS["vortex"].stage
+    scene, stage = state.parse_state(text).scene, VIEWS["vortex"].stage
     drawn, lines = look(play(text), {"Colours": "logarithmic"})
     spokes = np.array([points for colour, width, points in lines if (colour, width) == (TRUTH.lower(), 1.5)])
     exact = stage.exact_lines(scene, scene.steps * scene.time_step, stage.LINES)[:, ::2] * (1, -1)
@@ -197,8 +198,8 @@ def test_a_run_gone_bad_counts_what_has_no_number(play):
 
 def test_a_lesson_is_played_to_its_hand_in(chromium, lesson, lesson_file, tmp_path):
     path, outcomes = lesson_file
-    numbers = drawn(lesson, "Ada")
-    right = mark(lesson, lesson.steps[2], 0.0, numbers, outcomes).expected.partition(" (")[0]
+    numbers = draw_numbers(lesson, "Ada")
+    right = mark_answer(lesson, lesson.steps[2], 0.0, numbers, outcomes).expected.partition(" (")[0]
     with opened(chromium, path) as page:
         onward, check = (page.get_by_role("button", name=name) for name in ("Next", "Check my answer"))
         page.get_by_label("Your name").fill("Ada")
@@ -230,11 +231,12 @@ def test_a_lesson_is_played_to_its_hand_in(chromium, lesson, lesson_file, tmp_pa
             page.get_by_role("button", name="Hand in").click()
         download.value.save_as(tmp_path / "answers.json")
     assert download.value.suggested_filename == "99-test-Ada.json"
-    found = student_progress.read((tmp_path / "answers.json").read_text(encoding="utf-8"), {lesson.name: lesson}.get)
+    found = student_progress.parse_progress((tmp_path / "answers.json").read_text(encoding="utf-8"),
+                                            {lesson.name: lesson}.get)
     assert (found.name, found.fingerprint, found.answers["in-words"].last) == ("Ada", lesson.fingerprint, ATTACK)
     assert found.answers["and"].attempts == 3 and found.answers["and"].first == 1.5
     for key, is_right in (("what-happens", True), ("and", True), ("in-words", None)):
-        assert mark(lesson, lesson.questions[key], found.answers[key].last, numbers, outcomes).right is is_right
+        assert mark_answer(lesson, lesson.questions[key], found.answers[key].last, numbers, outcomes).right is is_right
 
 
 def test_the_core_of_a_lesson_is_taken_alone(chromium, lesson, lesson_file, tmp_path):
@@ -254,7 +256,8 @@ def test_the_core_of_a_lesson_is_taken_alone(chromium, lesson, lesson_file, tmp_
         download.value.save_as(tmp_path / "answers.json")
         page.get_by_role("button", name="Go deeper").click()
         assert where.inner_text() == "Step 5 of 6" and page.locator(".deeper").inner_text() == "deeper"
-    found = student_progress.read((tmp_path / "answers.json").read_text(encoding="utf-8"), {lesson.name: lesson}.get)
+    found = student_progress.parse_progress((tmp_path / "answers.json").read_text(encoding="utf-8"),
+                                            {lesson.name: lesson}.get)
     assert found.core is True and found.answers.keys() == {"what-happens", "and"}
 
 
@@ -262,18 +265,18 @@ def test_a_name_draws_the_same_numbers_as_on_the_page(chromium, lesson, lesson_f
     with opened(chromium, lesson_file[0]) as page:
         for name in NAMES:
             page.get_by_label("Your name").fill(name)
-            assert f"Begin with A = {drawn(lesson, name)['A']}." in page.locator("#lesson").inner_text()
+            assert f"Begin with A = {draw_numbers(lesson, name)['A']}." in page.locator("#lesson").inner_text()
 
 
 def test_who_made_the_error_is_in_the_file_where_the_run_has_it(play, simulate):
     """Areas in the colours of the causes and the shares of the run; another quantity has its own."""
     text = "bar;method=mpm;cells=10;periods=0.5;estimators=none;effects=truth,budget;error-of=x"
-    result, page = simulate(state.read(text).scene), play(text)
+    result, page = simulate(state.parse_state(text).scene), play(text)
     for key, field in (("x", "x"), ("v", "v"), ("sigma", "F")):
         page.get_by_role("combobox", name="Error of").select_option(label=str(words.QUANTITIES[key]))
         rows = page.locator("#causes tr:not(.head)").all_inner_texts()
         shares = result.budget[field]
-        assert [row.split("\t")[1] for row in rows] == [percent(shares[cause]) for cause in CAUSES]
+        assert [row.split("\t")[1] for row in rows] == [format_percent(shares[cause]) for cause in CAUSES]
         assert CAUSES["crossings"] in rows[0] and page.locator("#divided").inner_text() == CAPTION
     assert not play(text.replace(",budget", "")).locator("#budget").is_visible()
 
@@ -282,7 +285,7 @@ def test_a_lesson_goes_to_who_made_the_error(chromium, tmp_path):
     """What it tells to press is there, and the chart that it speaks of is before the reader then."""
     said = '- Press **On the stage**.\n- Press **Who made this error?**\n\n```run\nstage = '
     run = '"bar method=mpm cells=8 periods=0.25 estimators=none effects=truth,budget stops"\n```\n'
-    lesson = parse(TEXT[:TEXT.index("## Predict")] + f"## Run: Ask\n\n{said}{run}", "99-who")
+    lesson = parse_lesson(TEXT[:TEXT.index("## Predict")] + f"## Run: Ask\n\n{said}{run}", "99-who")
     file = tmp_path / "who.html"
     file.write_text(lesson_page(lesson, 1, silent, {}), encoding="utf-8")
     with opened(chromium, file) as page:

@@ -5,11 +5,11 @@ from contextlib import closing, contextmanager
 import pytest
 
 from app.export.lesson_data import lesson_page
-from app.export.recording import recording
+from app.export.recording import record_scene
 from app.language.translation import use_language
 from app.lessons import catalogue
 from app.lessons.answer_check import TOLD_AFTER
-from app.lessons.lesson_parser import parse
+from app.lessons.lesson_parser import parse_lesson
 from tests.app.lessons.test_lesson_format import TEXT
 from tests.browser.conftest import FEW_FRAMES, SIZE, no_errors, serving
 from tests.browser.driving import again_until, until
@@ -98,7 +98,7 @@ def test_nothing_on_the_page_is_said_outside_the_catalogue(chromium, address):
         look("introduction")
         onward = page.locator("[data-lab~=lab-beside][data-lab~=lab-main] + div button, "
                               "[data-lab~=lab-beside] + div + [data-lab~=lab-beside] + div button").last
-        lesson = catalogue.lesson(LESSON)
+        lesson = catalogue.load_lesson(LESSON)
         for step in lesson.steps[:4]:
             again_until(onward.click, lambda step=step: step.title in page.locator(".lab-lesson h2").all_inner_texts(),
                         step.title)
@@ -141,10 +141,11 @@ def test_nothing_on_the_page_is_said_outside_the_catalogue(chromium, address):
 @pytest.mark.slow
 def test_nothing_in_a_file_is_said_outside_the_catalogue(chromium, tmp_path, monkeypatch):
     """A lesson, which is in English: each step, and what is said of answers."""
-    monkeypatch.setattr("app.export.html_file.recordings", lambda wanted, *others: [recording(one) for one in wanted])
+    monkeypatch.setattr("app.export.html_file.record_scenes", lambda wanted,
+                        *others: [record_scene(one) for one in wanted])
     path = tmp_path / "lesson.html"
     with use_language(pseudo.CODE):
-        path.write_text(lesson_page(parse(TEXT, "99-test"), 1, lambda part, what: None, {}), encoding="utf-8")
+        path.write_text(lesson_page(parse_lesson(TEXT, "99-test"), 1, lambda part, what: None, {}), encoding="utf-8")
     page, found = chromium.new_page(viewport=SIZE), {}
     page.add_init_script(WATCH)
     page.goto(path.as_uri())

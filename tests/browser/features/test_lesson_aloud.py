@@ -58,7 +58,7 @@ def answered(page, step):
 @pytest.fixture(scope="module")
 def walk(server, chromium, tmp_path_factory):
     """What was told in each step, and the file that was handed in."""
-    lesson, told = catalogue.lesson(NAME), []
+    lesson, told = catalogue.load_lesson(NAME), []
     with visit(chromium, server[0]) as page:
         page.get_by_role("tab", name="Explore").focus()
         page.keyboard.press("ArrowRight")
@@ -91,13 +91,13 @@ def walk(server, chromium, tmp_path_factory):
 
 
 def test_a_lesson_is_done_by_keyboard_alone(walk):
-    lesson = catalogue.lesson(NAME)
+    lesson = catalogue.load_lesson(NAME)
     assert walk["handed"]["answers"].keys() == lesson.questions.keys()
     assert walk["handed"]["step"] == len(lesson.steps) + 1 and walk["axe"] == []
 
 
 def test_the_shelf_names_every_lesson(walk):
-    for lesson in catalogue.lessons().values():
+    for lesson in catalogue.load_lessons().values():
         assert re.search(rf'button ".*{re.escape(lesson.title)}.*{lesson.minutes} min', walk["shelf"]), lesson.title
 
 

@@ -30,7 +30,7 @@ def class_room():
 def lesson_page(request):
     """The address of a server that opens everyone on a lesson, and the lesson."""
     with serving(arguments=("--lesson", request.param)) as one:
-        yield one[0], catalogue.lesson(request.param)
+        yield one[0], catalogue.load_lesson(request.param)
 
 
 def address(page):
@@ -96,7 +96,7 @@ def test_a_lesson_from_start_to_hand_in(lesson_page, chromium, tmp_path, capfd):
 @pytest.mark.slow
 def test_the_core_is_taken_alone(class_room, chromium):
     """From a deeper step one goes past all that is deeper; it outlives a reload."""
-    lesson = catalogue.lesson(NAME)
+    lesson = catalogue.load_lesson(NAME)
     deeper = lesson.steps.index(lesson.deeper[0]) + 1
     begun = Progress(NAME, lesson.fingerprint, step=deeper).text()
     keep = f"localStorage['mpm-lab/{NAME}'] ||= {json.dumps(begun)};"
@@ -127,7 +127,7 @@ def test_a_link_that_means_nothing_is_refused_in_words(server, chromium):
 @pytest.mark.slow
 def test_a_lessons_controls_stand_below_its_text(server, chromium):
     """Those that it needs; and what its text says to do is a button that does it."""
-    lesson = catalogue.lesson("04-grid-crossing")
+    lesson = catalogue.load_lesson("04-grid-crossing")
     first = next(k for k, step in enumerate(lesson.steps, 1) if "Set **Cells**" in step.text)
     with visit(chromium, server[0], f"#lesson={lesson.name}") as page:
         until(page.locator(".lab-lesson-head").is_visible, "the lesson")
@@ -151,7 +151,7 @@ def test_a_lessons_controls_stand_below_its_text(server, chromium):
 @pytest.mark.slow
 def test_lessons_are_opened_by_a_finger_with_how_far_one_has_come(class_room, chromium):
     """On a phone, from a list of buttons; chosen answers are said by radio buttons, and the next lesson is offered."""
-    lesson = catalogue.lesson(NAME)
+    lesson = catalogue.load_lesson(NAME)
     with visit(chromium, class_room[0], size=PHONE, touch=True) as page:
         until(page.locator(".lab-lesson-head").is_visible, "the lesson")
         page.get_by_role("button", name="Next", exact=True).tap()
@@ -162,7 +162,7 @@ def test_lessons_are_opened_by_a_finger_with_how_far_one_has_come(class_room, ch
         until(lambda: come.inner_text() == f"1 of {len(lesson.steps)}", "how far one has come")
         assert page.get_by_role("button", name=f"Continue: {lesson.title}").is_visible()
         other, head = page.locator(".lab-open[data-steps]").nth(1), page.locator(".lab-lesson-head")
-        title = catalogue.lesson(catalogue.names()[1]).title
+        title = catalogue.load_lesson(catalogue.lesson_names()[1]).title
         again_until(lambda: other.is_visible() and other.tap(),
                     lambda: head.is_visible() and title in head.inner_text(), "another")
 
@@ -178,10 +178,10 @@ def test_a_link_can_be_copied_and_shown_as_a_code(own_page):
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("name", catalogue.names())
+@pytest.mark.parametrize("name", catalogue.lesson_names())
 def test_a_lesson_done_as_it_is_written(name, server, chromium):
     """By a machine that reads nothing but its text: what it reads on the page is what the lesson expects."""
     with visit(chromium, server[0], query=f"#lesson={name}") as page:
         until(page.locator(".lab-lesson-head").is_visible, "the lesson")
-        assert follow(page, catalogue.lesson(name)) == []
+        assert follow(page, catalogue.load_lesson(name)) == []
         assert "the end" in page.locator(".lab-lesson-head").inner_text()

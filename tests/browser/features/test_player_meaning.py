@@ -12,9 +12,9 @@ from app.export.html_file import PLAYER
 from app.export.lesson_data import bet_words
 from app.export.player_data import vocabulary
 from app.frame.colour_scale import TOPS
-from app.lessons.bet_chart import drawn
+from app.lessons.bet_chart import draw_bets
 from app.lessons.bets import BY_ROUND, YOURS, Bet, Bettor
-from app.page.features.lesson.answer_widgets import number
+from app.page.features.lesson.answer_widgets import parse_number
 from solvers.problems import PROBLEMS
 from tests.app.frame.test_meaning import assert_shades
 
@@ -108,7 +108,7 @@ def test_bets_are_scored_and_drawn_as_in_python(player):
             assert (one is None) == (bet is None)
             assert bet is None or (one[1] == bet.holds and one[0] == pytest.approx(bet.score, rel=1e-13, abs=1e-13))
     for some in (bettors, bettors[2:3], bettors[:1]):
-        picture, seen = drawn(some), player.evaluate(f"(told) => picture({again})", [
+        picture, seen = draw_bets(some), player.evaluate(f"(told) => picture({again})", [
             told[bettors.index(one)] for one in some])
         assert (seen["reach"], seen["said"]) == (picture.reach, picture.said)
         assert [tuple(tick) for tick in seen["ticks"]] == picture.ticks
@@ -119,7 +119,7 @@ def test_bets_are_scored_and_drawn_as_in_python(player):
                 assert line is None or line[:2] == pytest.approx(drawn_line[:2], abs=1e-9)
     labels = player.evaluate(f"(told) => [...figure({again}).querySelectorAll('svg')].map((one) => "
                              "one.getAttribute('aria-label'))", told)
-    assert labels == [f"{one.name}: {one.told}" for one in drawn(bettors).bettors]
+    assert labels == [f"{one.name}: {one.told}" for one in draw_bets(bettors).bettors]
 
 
 def test_an_answer_is_read_as_on_the_page(player):
@@ -129,7 +129,7 @@ def test_an_answer_is_read_as_on_the_page(player):
                           "5 mm", "1 ms", "7 µm/s²", "nothing", "", "-3 mm", "1 mmm")]
     found = player.evaluate("(asked) => asked.map((one) => numberIn(...one))", asked)
     for (text, unit), value in zip(asked, found, strict=True):
-        meant = number(text, unit)
+        meant = parse_number(text, unit)
         assert value == (meant if meant is None else pytest.approx(meant, rel=1e-11)), (text, unit)
 
 
@@ -149,7 +149,7 @@ def sizes():
 def test_a_number_is_written_as_on_the_page(player):
     """Every form of the player's ``words.js`` beside that of ``app.words``, to the letter."""
     values = sizes()
-    forms = {"number(x)": words.number, "number(x, 4)": lambda x: f"{x:.4g}", "ratio(x)": words.ratio,
+    forms = {"number(x)": words.format_number, "number(x, 4)": lambda x: f"{x:.4g}", "ratio(x)": words.format_ratio,
              "perCent(x)": words.per_cent, "powerOfTen(x)": words.power_of_ten, "fixed(x, 2)": lambda x: f"{x:.2f}",
              "withUnit(x, 'm')": lambda x: words.with_unit(x, "m"),
              "withUnit(x, 'Pa', 2)": lambda x: words.with_unit(x, "Pa", 2)}

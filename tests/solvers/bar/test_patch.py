@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from app import state
-from app.export.recording import Wanted, recording
+from app.export.recording import RecordingRequest, record_scene
 from app.problems.bar.view import change
 from solvers.problems.bar import exact_solution, patch_test
 from solvers.problems.bar.scene import BarScene
@@ -145,8 +145,8 @@ def test_a_third_is_a_number_of_particles_too():
 
 def test_it_travels_as_a_text_and_as_an_object():
     scene = BarScene(motion="patch", cells=20, ppc=2.5, stretch=.9, initial_velocity=-.5)
-    text = state.write(state.State(scene))
-    assert "motion=patch" in text and "ppc=2.5" in text and state.read(text).scene == scene
+    text = state.write_state(state.State(scene))
+    assert "motion=patch" in text and "ppc=2.5" in text and state.parse_state(text).scene == scene
     values = scene.to_dict()
     assert (values["amplitude"], values["stretch"], values["body_force"]) == (None, .9, "none")
     assert BarScene().to_dict()["stretch"] is None
@@ -183,6 +183,6 @@ def test_the_page_passes_from_one_motion_to_the_other():
 
 
 def test_a_recording_says_that_it_moves_on():
-    head = recording(Wanted("bar;motion=patch;ppc=2.5;cells=20;t-end=2.5", 5, 100, ("sigma",)))["head"]
+    head = record_scene(RecordingRequest("bar;motion=patch;ppc=2.5;cells=20;t-end=2.5", 5, 100, ("sigma",)))["head"]
     assert head["moves_on"] and head["particles"] == 50
     assert head["least"]["sigma"] == pytest.approx([8e-5, 8e-3])  # a thousandth and a tenth of the stress

@@ -6,10 +6,10 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from app.commands.flags import BadInput, number, real, times_of
-from app.page.features.cost.cost_texts import NoNumber, typed
+from app.commands.flags import BadInput, parse_float, parse_number, times_of
+from app.page.features.cost.cost_texts import NoNumber, parse_positive
 from app.state import StateError
-from app.state import read as read_state
+from app.state import parse_state as read_state
 from app.words import size_in
 from solvers.untrusted import number_parsing
 
@@ -20,8 +20,9 @@ NONE = ["", " ", "4_0", "４０", "٣", "0x10", "inf", "-inf", "nan", "Infinity"
 @pytest.mark.parametrize("text", NONE)
 def test_what_is_no_number_is_none_anywhere(text):
     assert not number_parsing.is_number(text)
-    assert number([text]) == text and real([text]) == text  # flags, of which the scene says what is wrong
-    for read, refusal in ((lambda: times_of((text,), "time"), BadInput), (lambda: typed("Tolerance", text), NoNumber),
+    assert parse_number([text]) == text and parse_float([text]) == text  # flags, of which the scene says what is wrong
+    for read, refusal in ((lambda: times_of((text,), "time"), BadInput),
+                          (lambda: parse_positive("Tolerance", text), NoNumber),
                           (lambda: read_state("bar;cells=" + text.replace(" ", "_")), StateError),
                           (lambda: size_in(text.replace(",", " "), "m"), ValueError)):
         with pytest.raises(refusal):

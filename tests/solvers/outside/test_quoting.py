@@ -9,7 +9,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from app.lessons.markdown_html import html as rendered
+from app.lessons.markdown_html import to_html as rendered
 from solvers.untrusted import quoting
 
 texts = st.text(max_size=3000) | st.text(alphabet="\x1b[]m=\u202e\u2066\t\r\n!()<>`*_$&\\'\"|#x\udcff", max_size=80)

@@ -5,8 +5,8 @@ import json
 import pytest
 
 from app.cli import main
-from app.commands.study.tables import Tables, markdown
-from app.pictures.tables import figure
+from app.commands.study.tables import Tables, table_markdown
+from app.pictures.tables import table_figure
 from app.words import QUANTITIES
 from solvers.problems import PROBLEMS
 from solvers.scene.estimator_registry import ESTIMATORS
@@ -139,10 +139,10 @@ def test_several_estimators_are_told_apart(retold, made):
     assert said["transport"]["index"] == made["3"]["rows"][0]["estimators"]["transport"]["index"]
     assert said["recovered"] == {"index": nothing, "cost": None, "distance": nothing,
                                  "not_valid": "not valid here: a wall"}
-    text = markdown(table)
+    text = table_markdown(table)
     assert "| –[^1] |" in text and "| recovered[^1] | – |" in text
     assert text.count("[^1]: recovered: not valid here: a wall") == 1
-    assert any("no index: recovered" in words.get_text() for axes in figure(table).subfigs[0].axes
+    assert any("no index: recovered" in words.get_text() for axes in table_figure(table).subfigs[0].axes
                for words in axes.texts)
 
 
@@ -153,30 +153,30 @@ def test_pictures_have_a_colour_an_estimator_and_no_dead_panel(retold):
                                 "index": {"transport": run["index"], "companion": {**run["index"], "sigma": None}},
                                 "distance": dict.fromkeys(names, run["distance"])})
     assert table["rows"][0]["estimators"]["transport"]["index"]["sigma"] is None
-    panels = figure(table).subfigs[0].axes
+    panels = table_figure(table).subfigs[0].axes
     assert [panel.get_ylabel() for panel in panels] == [f"index of {QUANTITIES[q]}" for q in ("x", "v", "a")]
     colours = {line.get_label(): line.get_color() for line in panels[0].get_lines()}
     assert {name: colours[name] for name in names} == {name: ESTIMATORS[name].colour for name in names}
     stressed = {**table["rows"][0], "inputs": {**table["rows"][0]["inputs"], "method": "ugimp"}, "estimators": {
         "companion": {"index": dict.fromkeys(QUANTITIES, 1.0)}}}
-    panels = figure({**table, "rows": [*table["rows"], stressed]}).subfigs[0].axes
+    panels = table_figure({**table, "rows": [*table["rows"], stressed]}).subfigs[0].axes
     dead = [panel for panel in panels if not panel.axison]
     assert [text.get_text() for panel in dead for text in panel.texts] == ["no index of σ here"]
 
 
 def test_markdown_has_the_setup_the_papers_numbers_ours_and_the_ratio(made):
     for number, table in made.items():
-        text = markdown(table)
+        text = table_markdown(table)
         assert text.startswith(f"# Table {number}. ") and all(line in text for line in table["setup"])
         rows = [line for line in text.splitlines() if line.startswith("|")]
         assert {line.count("|") for line in rows if "cells" in line} <= {line.count("|") for line in rows}
         assert all(f"## {row['part']}" in text for row in table["rows"])
     ours = digits(made["1"]["rows"][0]["ours"]["x"], 3)
-    assert f"| 20 | {ours} | 3.6e-6 |" in markdown(made["1"])
-    assert "| 17,000 |" in markdown(made["1"]) and "| 20 | the paper's, printed | 0.89 | 0.14 | 1.6 |" \
-        in markdown(made["1"])
-    assert f"| CPDI | 12 | {digits(made['2']['rows'][0]['ours']['x'], 3)} | 4.1e-4 |" in markdown(made["2"])
-    assert "| 250 |" in markdown(made["2"]) and "| 10 |" in markdown(made["3"])
+    assert f"| 20 | {ours} | 3.6e-6 |" in table_markdown(made["1"])
+    assert "| 17,000 |" in table_markdown(made["1"]) and "| 20 | the paper's, printed | 0.89 | 0.14 | 1.6 |" \
+        in table_markdown(made["1"])
+    assert f"| CPDI | 12 | {digits(made['2']['rows'][0]['ours']['x'], 3)} | 4.1e-4 |" in table_markdown(made["2"])
+    assert "| 250 |" in table_markdown(made["2"]) and "| 10 |" in table_markdown(made["3"])
 
 
 @pytest.mark.parametrize(("value", "count", "text"), [
@@ -188,7 +188,7 @@ def test_digits(value, count, text):
 
 def test_pictures_show_ours_and_the_papers(made):
     for table in made.values():
-        drawn = [line for part in figure(table).subfigs for axes in part.axes for line in axes.get_lines()]
+        drawn = [line for part in table_figure(table).subfigs for axes in part.axes for line in axes.get_lines()]
         labels = {line.get_label() for line in drawn}
         assert "the paper's, printed" in labels
         for row in table["rows"]:
@@ -223,7 +223,7 @@ def test_all_writes_nine_files_and_goes_on_where_it_was(place, tmp_path, monkeyp
                                                                         for kind in ("md", "json", "png"))}
     for number in "123":
         table = json.loads((folder / f"table{number}.json").read_text())
-        assert (folder / f"table{number}.md").read_text() == markdown(table)
+        assert (folder / f"table{number}.md").read_text() == table_markdown(table)
         assert (folder / f"table{number}.png").read_bytes().startswith(b"\x89PNG\r\n\x1a\n")
     assert asked == 4 and len(place.asked) == len(runs(CUT.values())) == (folder / "rows.jsonl").read_text().count("\n")
     said = capsys.readouterr()

@@ -12,8 +12,8 @@ from string import ascii_lowercase
 from typing import Any
 
 from app.language.translation import tr
-from app.lessons.answer_check import Right, fits, in_unit
-from app.lessons.lesson import CHOICE, INTERVAL, Numbers, Question, filled
+from app.lessons.answer_check import Right, in_unit, is_right
+from app.lessons.lesson import CHOICE, INTERVAL, Numbers, Question, fill_numbers
 
 COLUMNS = 36  # of dots, across the axis
 DECADES = 1.5  # that most answers span, from which on each decade has the same room
@@ -78,14 +78,14 @@ def axis_for(values: Sequence[float], always: Sequence[float] = ()) -> Axis:
     return Axis(low - margin, high + margin, logarithmic)
 
 
-def options(asked: Question, numbers: Numbers) -> str:
+def answer_options(asked: Question, numbers: Numbers) -> str:
     """What there is to choose from, before anything is said of it."""
-    rows = "".join(f"<li><b>{letter})</b> <span>{escape(filled(option, numbers))}</span></li>"
+    rows = "".join(f"<li><b>{letter})</b> <span>{escape(fill_numbers(option, numbers))}</span></li>"
                    for letter, option in zip(ascii_lowercase, asked.options, strict=False))
     return f"<ol class='lab-bars'>{rows}</ol>" if rows else ""
 
 
-def chart(asked: Question, answers: Sequence[Any], numbers: Numbers, found: Right | None) -> str:
+def answer_chart(asked: Question, answers: Sequence[Any], numbers: Numbers, found: Right | None) -> str:
     """The answers to a question that is no free text, and what is ``found`` to be right, once that may be seen."""
     if asked.kind == CHOICE:
         return _bars(asked, answers, numbers, found)
@@ -112,7 +112,7 @@ def chart(asked: Question, answers: Sequence[Any], numbers: Numbers, found: Righ
 
 def right_among(asked: Question, answers: Sequence[Any], found: Right) -> int:
     """How many of the answers are right, or intervals hold what came out."""
-    return sum(fits(asked, answer, found) for answer in answers)
+    return sum(is_right(asked, answer, found) for answer in answers)
 
 
 def _bars(asked: Question, answers: Sequence[int], numbers: Numbers, found: Right | None) -> str:
@@ -120,8 +120,10 @@ def _bars(asked: Question, answers: Sequence[int], numbers: Numbers, found: Righ
     for k, (letter, option) in enumerate(zip(ascii_lowercase, asked.options, strict=False), 1):
         came = found is not None and k in found.options
         sign = f"<em>✓ {says}</em>" if came else ""
-        rows.append(f"<li{' class=lab-came-out' * came}><b>{letter})</b> <span>{escape(filled(option, numbers))} {sign}"
-                    f"</span><i style='--part: {counts[k] / max(1, len(answers)):.4f}'></i><b>{counts[k]}</b></li>")
+        rows.append(
+            f"<li{' class=lab-came-out' * came}><b>{letter})</b> <span>{escape(fill_numbers(option, numbers))} {sign}"
+            f"</span><i style='--part: {counts[k] / max(1, len(answers)):.4f}'></i><b>{counts[k]}</b></li>"
+        )
     return f"<ol class='lab-bars lab-counted'>{''.join(rows)}</ol>"
 
 
@@ -129,7 +131,7 @@ def _lines(asked: Question, answers: Sequence[Sequence[float]], axis: Axis, foun
     rows = []
     for low, high in answers:
         left, right = 100 * axis.place(low), 100 * axis.place(high)
-        kind = "" if found is None else " class='lab-holds'" if fits(asked, (low, high), found) else \
+        kind = "" if found is None else " class='lab-holds'" if is_right(asked, (low, high), found) else \
             " class='lab-misses'"
         rows.append(f"<i{kind} style='margin-left: {left:.2f}%; width: {right - left:.2f}%'></i>")
     return f"<div class='lab-lines' style='--most: {max(1, len(answers))}'>{''.join(rows)}</div>"

@@ -2,58 +2,48 @@
 
 import json
 import threading
-from collections.abc import Callable
-from dataclasses import dataclass, replace
+from collections.abc import Callable, Mapping
 from html import escape
 from typing import Any
-from urllib.parse import urlsplit
 
-import viser
-
-from app.access.allowed_hosts import is_loopback
+from app import state
 from app.access.log_limit import log_failure
-from app.language.translation import lazy, tr, with_language
+from app.classroom.board import BACK, NEXT, REVEALED, Board, has_chart
+from app.classroom.class_context import LecturerContext
+from app.language.translation import with_language
 from app.lessons.answer_check import Right
-from app.lessons.lesson import filled
-from app.page.features.board.board import BACK, NEXT, REVEALED, Board, has_chart
+from app.lessons.lesson import fill_numbers
+from app.page.feature import Feature
 from app.page.features.board.chart import right_among
-from app.page.features.board.slides import JoinInfo, says_next, slide
-from app.page.panels.browser_store import BrowserStore
+from app.page.features.board.slides import says_next, slide_html
+from app.page.page_context import PageContext
 
 AGAIN = 0.25  # seconds at least between two pictures: thirty may answer at once
 STAGE, SAVE = "stage", "save"
 SCHEMA = "mpm-lab/board/1"  # of the file that a lecturer may save
-OF_NO_USE = lazy("Only this computer can open this address: serve with --host 0.0.0.0 for a class.")
 
 
-@dataclass(frozen=True)
-class LecturerContext:
-    """What a lecturer's page has: the ``board`` and the ``door`` by which a class comes in."""
+class BoardPanel(Feature):
+    """The board on a lecturer's page."""
 
-    board: Board
-    door: JoinInfo
-
-    def seen_from(self, here: str) -> JoinInfo:
-        """The door for a class, where the lecturer's browser has found the lab under this address."""
-        known = self.door.link
-        link = here if here and not is_loopback(urlsplit(here).hostname or "") else known
-        return replace(self.door, link=link, warning=tr(OF_NO_USE) * is_loopback(urlsplit(link).hostname or ""))
-
-
-class BoardPanel:
-    """One lecturer's page. ``on_cover`` is told whether the stage is covered, and at which step the board is then."""
-
-    def __init__(self, client: viser.ClientHandle, store: BrowserStore, lectern: LecturerContext,
-                 on_cover: Callable[[bool, int], None]):
-        self._client, self._store, self._lectern, self._on_cover = client, store, lectern, on_cover
-        self._board = board = lectern.board
-        self._covers, self._closed = True, threading.Event()
+    def __init__(self, page: PageContext, lecturer: LecturerContext):
+        self._page, self._lecturer = page, lecturer
+        self._board = board = lecturer.board
+        self._covers, self._at, self._closed = True, "", threading.Event()
+        page.attend(uncovered=False)
         self._drawing, self._news = threading.Lock(), threading.Event()
-        self._says = client.gui.add_html("")
-        store.heard["board"] = self._hear
+        self._says = page.gui.add_html("")
         board.watch(self._news.set)
         self.draw()
-        threading.Thread(target=with_language(self._follow), name="board", daemon=True).start()
+        threading.Thread(target=with_language(self._draw_loop), name="board", daemon=True).start()
+
+    @classmethod
+    def build(cls, page: PageContext) -> "BoardPanel | None":
+        return cls(page, page.lecturer) if page.lecturer else None
+
+    @property
+    def messages(self) -> Mapping[str, Callable[[Any], None]]:
+        return {"board": self._hear}
 
     def close(self) -> None:
         """The lecturer has gone, and the board is as it was."""
@@ -68,9 +58,21 @@ class BoardPanel:
             self._says.content = (
                 f"<template class='lab-board' data-turn='{place.turn}' data-covers='{'yes' * self._covers}' "
                 f"data-next='{escape(says_next(self._board, place))}' data-back='{'yes' * (place.at > 0)}'>"
-                f"{slide(self._board, place, self._lectern.seen_from(self._store.here))}</template>")
+                f"{slide_html(self._board, place, self._lecturer.seen_from(self._page.store.here))}</template>")
 
-    def _follow(self) -> None:
+    def _cover(self, step: int) -> None:
+        """Covers the stage, where nothing need move then, or lets it be seen at this step of the lesson."""
+        page = self._page
+        page.attend(uncovered=not self._covers)
+        if not self._covers:
+            page.presenter.begin()
+            if page.lesson:
+                page.lesson.turn(self._board.core, step)
+            if (stage := stage_of(self._board, step)) != self._at:
+                self._at = stage
+                page.controls.show(state.parse_state(stage))
+
+    def _draw_loop(self) -> None:
         while not self._closed.is_set():
             self._news.wait()
             self._news.clear()
@@ -90,20 +92,20 @@ class BoardPanel:
             self._board.press(what, turn)
         elif what == STAGE:
             self._covers = turn == 0
-            self._on_cover(self._covers, self._board.place.at)
+            self._cover(self._board.place.at)
         elif what == SAVE:
-            self._client.send_file_download(f"{self._board.lesson.name}-class.json", saved(self._board).encode(),
-                                            save_immediately=True)
+            self._page.client.send_file_download(
+                f"{self._board.lesson.name}-class.json", answers_json(self._board).encode(), save_immediately=True)
         self.draw()
 
 
 def stage_of(board: Board, at: int) -> str:
     """The state that belongs on the stage at a place of the lesson: that of the last step up to there which has one."""
     stages = [step.stage for step in board.lesson.steps[:at] if step.stage]
-    return filled(stages[-1], board.numbers) if stages else ""
+    return fill_numbers(stages[-1], board.numbers) if stages else ""
 
 
-def saved(board: Board) -> str:
+def answers_json(board: Board) -> str:
     """Returns all answers without names as JSON, by question and sorted, with what came out if revealed."""
     questions = []
     for at, step in enumerate(board.lesson.steps, 1):
@@ -112,9 +114,9 @@ def saved(board: Board) -> str:
         answers, came = board.tally.answers(step.key), board.came_out(step)
         revealed = came if board.stage(at) == REVEALED and isinstance(came, Right) else None
         questions.append({
-            "key": step.key, "step": step.kind, "title": filled(step.title, board.numbers),
+            "key": step.key, "step": step.kind, "title": fill_numbers(step.title, board.numbers),
             "kind": step.asked.kind, "unit": step.asked.unit,
-            "options": [filled(option, board.numbers) for option in step.asked.options],
+            "options": [fill_numbers(option, board.numbers) for option in step.asked.options],
             "count": len(answers), "late": board.tally.late(step.key),
             "answers": answers if has_chart(step) else None, "came_out": revealed and revealed.told,
             "right": None if revealed is None else right_among(step.asked, answers, revealed)})

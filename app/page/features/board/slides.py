@@ -2,17 +2,17 @@
 
 from dataclasses import dataclass
 from html import escape
-from urllib.parse import quote
 
 import segno
 
+from app.classroom.board import COUNTED, REVEALED, Board, Place, has_chart
+from app.classroom.class_context import JoinInfo
 from app.language.translation import lazy, tr, trn
 from app.lessons import catalogue
 from app.lessons.answer_check import Right
-from app.lessons.lesson import CHOICE, INTERVAL, PREDICT, TITLES, Step, filled
-from app.lessons.markdown_html import html
+from app.lessons.lesson import CHOICE, INTERVAL, PREDICT, TITLES, Step, fill_numbers
+from app.lessons.markdown_html import to_html
 from app.page.features.board import chart
-from app.page.features.board.board import COUNTED, REVEALED, Board, Place, has_chart
 
 IN_ONE = 8  # scores, in one column
 NOBODY, WORKING = lazy("Nobody is here yet."), lazy("The result is being computed …")
@@ -23,21 +23,7 @@ INTERVALS = lazy("{right} of {of} intervals contain the result: {share} % ({leve
 
 
 @dataclass(frozen=True)
-class JoinInfo:
-    """By which a class comes in: its ``link`` without the code, the ``code``, a ``warning`` where nobody else can."""
-
-    link: str
-    code: str
-    warning: str = ""
-
-    @property
-    def whole(self) -> str:
-        """The link that brings the code along."""
-        return f"{self.link}#code={quote(self.code)}"
-
-
-@dataclass(frozen=True)
-class Scored:
+class QuestionScore:
     """A question that has been revealed: of how many answers how many are right, or hold what came out."""
 
     step: Step
@@ -45,7 +31,7 @@ class Scored:
     answers: int
 
 
-def slide(board: Board, place: Place, door: JoinInfo) -> str:
+def slide_html(board: Board, place: Place, door: JoinInfo) -> str:
     """All of a place but its buttons."""
     step = board.step(place.at)
     where = tr("step {at} of {total}", at=board.number(place.at), total=board.total) if step else \
@@ -73,14 +59,14 @@ def says_next(board: Board, place: Place) -> str:
     return tr("Show how the class did") if place.at < board.end else ""
 
 
-def scores(board: Board) -> list[Scored]:
+def question_scores(board: Board) -> list[QuestionScore]:
     """Of the questions whose outcome has been revealed."""
     found = []
     for at, step in enumerate(board.lesson.steps, 1):
         came = board.came_out(step)
         if board.stage(at) == REVEALED and isinstance(came, Right):
             answers = board.tally.answers(step.key)
-            found.append(Scored(step, chart.right_among(step.asked, answers, came), len(answers)))
+            found.append(QuestionScore(step, chart.right_among(step.asked, answers, came), len(answers)))
     return found
 
 
@@ -97,23 +83,23 @@ def _beginning(board: Board, door: JoinInfo) -> str:
 
 
 def _step(board: Board, place: Place, step: Step) -> str:
-    title = escape(filled(step.title, board.numbers))
+    title = escape(fill_numbers(step.title, board.numbers))
     head = f"<h2><span class='lab-kind lab-kind-{step.kind}'>{tr(TITLES[step.kind])}</span> {title}</h2>"
     if step.question is None:
         here, come = board.tally.here, board.tally.reached(place.at)
         following = board.step(board.after(place.at))
         onward = tr("Next: {kind}: {title}", kind=tr(TITLES[following.kind]),
-                    title=filled(following.title, board.numbers)) if following else \
+                    title=fill_numbers(following.title, board.numbers)) if following else \
             tr("Next: the end, and how the class did")
         said = tr("{come} of {here} have come to this step", come=come, here=here) if here else tr(NOBODY)
         return f"{head}<div class='lab-waits'>{_meter(said, come, here)}<p>{escape(onward)}</p></div>"
     if place.stage == COUNTED:
-        text, name = html(filled(step.text, board.numbers), catalogue.FOLDER), tr("the question")
+        text, name = to_html(fill_numbers(step.text, board.numbers), catalogue.FOLDER), tr("the question")
         return f"{head}<div class='lab-asked' tabindex='0' role='region' aria-label='{name}'>{text}</div>" \
-               f"{chart.options(step.asked, board.numbers)}{_counted(board, step, place.at)}"
+               f"{chart.answer_options(step.asked, board.numbers)}{_counted(board, step, place.at)}"
     answers = board.tally.answers(step.key)
     came = board.came_out(step) if place.stage == REVEALED else None
-    drawn = chart.chart(step.asked, answers, board.numbers, came if isinstance(came, Right) else None)
+    drawn = chart.answer_chart(step.asked, answers, board.numbers, came if isinstance(came, Right) else None)
     after = board.tally.late(step.key)
     late = trn("{count} came later and is not counted.", "{count} came later and are not counted.",
                after) if after else ""
@@ -169,8 +155,8 @@ def _outcome(place: Place, step: Step, answers: list, came: Right | str | None) 
 
 
 def _end(board: Board) -> str:
-    found = scores(board)
-    rows = "".join(f"<li><span>{escape(filled(one.step.title, board.numbers))}</span>"
+    found = question_scores(board)
+    rows = "".join(f"<li><span>{escape(fill_numbers(one.step.title, board.numbers))}</span>"
                    f"<i style='--part: {one.right / max(1, one.answers):.4f}'></i>"
                    f"<b>{tr(HELD if one.step.asked.kind == INTERVAL else RIGHT, right=one.right, of=one.answers)}</b>"
                    "</li>" for one in found)
@@ -182,7 +168,7 @@ def _end(board: Board) -> str:
            f"aria-label='{name}'>{rows}</ol>"
 
 
-def calibration(found: list[Scored]) -> list[str]:
+def calibration(found: list[QuestionScore]) -> list[str]:
     """How well a class has known what it knows: predictions, observations and intervals, a sentence each."""
     said = []
     intervals = [one for one in found if one.step.asked.kind == INTERVAL]

@@ -8,12 +8,12 @@ from html import escape
 import numpy as np
 
 from app.colours import cause_token
-from app.frame.budget_chart import CAPTION, MEANINGS, UNITS, error, percent, stacked, whose
+from app.frame.budget_chart import CAPTION, MEANINGS, UNITS, error_rms, error_source_note, format_percent, stack_layers
 from app.frame.colour_scale import round_up
 from app.language.message_translation import translate_message
 from app.language.translation import lazy, tr
-from app.page.visit.history import until
-from app.words import number, per_cent, with_unit
+from app.page.visit.history import series_until
+from app.words import format_number, per_cent, with_unit
 from solvers.scene.error_causes import CAUSES, NOTHING
 from solvers.scene.scene import Scene
 from solvers.solver import budget
@@ -73,12 +73,13 @@ def taken_away(scene: Scene) -> str:
     return getattr(scene, "take_away", NOTHING)  # problems without a budget have no such field
 
 
-def chart(runs: Sequence[BudgetData], field: str) -> str:
+def budget_chart(runs: Sequence[BudgetData], field: str) -> str:
     """Returns the stacked errors of a field on one scale, with each cause's share, or why a run has no shares."""
     drawn = [run for run in runs if not run.not_valid]
     axes = _axes(drawn, field) if drawn else None
     figures = "".join(_figure(run, field, axes) if axes and not run.not_valid else
-                      _titled(run, f"<p class='lab-no-budget'>{escape(sentence(run.not_valid))}</p>") for run in runs)
+                      _titled(run,
+                              f"<p class='lab-no-budget'>{escape(as_sentence(run.not_valid))}</p>") for run in runs)
     caption = f"<p class='lab-caption'>{tr(CAPTION)}</p>" if drawn else ""
     return f"<div class='lab-budget-chart'>{figures}{_shares(drawn, field) if drawn else ''}{caption}</div>"
 
@@ -86,8 +87,8 @@ def chart(runs: Sequence[BudgetData], field: str) -> str:
 def _axes(runs: Sequence[BudgetData], field: str) -> _Axes:
     highest, lowest, end, start = 0.0, 0.0, 0.0, math.inf
     for run in runs:
-        layers, time = stacked(run.plotted, field), run.plotted["time"] / run.scene.period
-        highest = max(highest, float(error(run.plotted, field).max()), *(float(one.above.max()) for one in layers))
+        layers, time = stack_layers(run.plotted, field), run.plotted["time"] / run.scene.period
+        highest = max(highest, float(error_rms(run.plotted, field).max()), *(float(one.above.max()) for one in layers))
         lowest = min(lowest, *(float(one.below.min()) for one in layers), 0.0)
         end, start = max(end, float(time[-1])), min(start, float(time[0]))
     start = start if start > 1 else 0.0
@@ -99,16 +100,16 @@ def _axes(runs: Sequence[BudgetData], field: str) -> _Axes:
 def _figure(run: BudgetData, field: str, axes: _Axes) -> str:
     """One run's chart with its axes."""
     paths = []
-    for layer in stacked(run.plotted, field):
+    for layer in stack_layers(run.plotted, field):
         colour = f"style='fill:var(--{cause_token(layer.cause)})'"
         for inner, outer in (layer.above, layer.below):
             if np.max(np.abs(outer - inner)) > 0.5 * axes.unit:
                 around = [*axes.places(run, outer), *axes.places(run, inner)[::-1]]
                 paths.append(f"<path {colour} d='M{'L'.join(around)}Z'/>")
-    line, zero = axes.places(run, error(run.plotted, field)), axes.part(0.0)
+    line, zero = axes.places(run, error_rms(run.plotted, field)), axes.part(0.0)
     tick = round_up(0.5 * axes.top, TICKS)[0]
     period, unit = run.scene.period, UNITS[field]
-    size = with_unit(tick, unit) if unit else number(tick)
+    size = with_unit(tick, unit) if unit else format_number(tick)
     begins = with_unit(axes.start * period, "s") if axes.start else "0"
     svg = f"<svg viewBox='0 0 {WIDTH} {HEIGHT}' preserveAspectRatio='none' role='img' " \
           f"aria-label='{_said(run, field)}'>" \
@@ -127,7 +128,7 @@ def _titled(run: BudgetData, inside: str) -> str:
 def _said(run: BudgetData, field: str) -> str:
     """The chart in words."""
     shares = budget.shares(run.series, field)
-    parts = ", ".join(f"{tr(CAUSES[cause])} {percent(share)}" for cause, share in shares.items())
+    parts = ", ".join(f"{tr(CAUSES[cause])} {format_percent(share)}" for cause, share in shares.items())
     return escape(tr("error of {field} over time, made by {parts}", field=field, parts=parts), quote=True)
 
 
@@ -138,16 +139,18 @@ def _shares(runs: Sequence[BudgetData], field: str) -> str:
     head = "".join(f"<th>{escape(run.name.partition(':')[0])}</th>" for run in runs) if several else "<td></td>"
     rows = "".join(
         f"<tr data-cause='{cause}'><td><i style='background:var(--{cause_token(cause)})'></i><b>{tr(words)}</b> "
-        f"<span>{tr(MEANINGS[cause])}</span></td>{''.join(f'<td>{percent(one[cause])}</td>' for one in shares)}</tr>"
-        for cause, words in CAUSES.items())
-    of = tr("share of the error of {field} over the run", field=field) + whose(runs[-1].scene)
+        f"<span>{tr(MEANINGS[cause])}</span></td>"
+        f"{''.join(f'<td>{format_percent(one[cause])}</td>' for one in shares)}</tr>"
+        for cause, words in CAUSES.items()
+    )
+    of = tr("share of the error of {field} over the run", field=field) + error_source_note(runs[-1].scene)
     return f"<table class='lab-causes{' lab-two' * several}'><tr><th>{of}</th>{head}</tr>{rows}</table>"
 
 
-def outcome(before: BudgetData, again: BudgetData, field: str, cause: str) -> str:
+def removal_outcome(before: BudgetData, again: BudgetData, field: str, cause: str) -> str:
     """Returns RMS errors before, as predicted without a cause, and without it, over the time that both runs have."""
     end = min(run.series["time"][-1] for run in (before, again)) * (1 + WHOLE)
-    first, second = until(before.series, end), until(again.series, end)
+    first, second = series_until(before.series, end), series_until(again.series, end)
     sizes = {"before": budget.rms(first, field), "predicted": budget.rms(first, field, without=cause),
              "again": budget.rms(second, field)}
     if not (whole := sizes["before"]):
@@ -161,12 +164,12 @@ def _bar(words: str, size: float | None, whole: float, unit: str, key: str) -> s
     """A size as a bar and in words, beside the ``whole``."""
     if size is None:
         return f"<p data-size='{key}'><span>{words}</span> <b>–</b></p>"
-    said = with_unit(size, unit) if unit else number(size)
+    said = with_unit(size, unit) if unit else format_number(size)
     share = "" if key == "before" else f" <small>{per_cent(size / whole)}</small>"
     return f"<p data-size='{key}'><span>{words}</span> <b>{said}</b>{share}" \
            f"<i style='width:{100 * min(1.0, size / whole):.1f}%'></i></p>"
 
 
-def sentence(text: str) -> str:
+def as_sentence(text: str) -> str:
     """A reason as a sentence of its own."""
     return f"{text[:1].upper()}{text[1:]}."

@@ -33,7 +33,7 @@ Tell = Callable[[dict[str, Any]], object]
 
 
 @dataclass(frozen=True)
-class Found(JobStatus):
+class BudgetProgress(JobStatus):
     """Of a ``scene``: how far (``part``) it is, the samples, and ``again`` those of the run without the ``cause``."""
 
     scene: Scene | None = None
@@ -43,23 +43,23 @@ class Found(JobStatus):
     again: Series | None = None
 
 
-class BudgetJobs(Background[Found]):
+class BudgetJobs(Background[BudgetProgress]):
     """One visitor's."""
 
     WORK = __name__
     BUSY = lazy("Other visitors' questions keep this server busy: it answers {n} at a time. Try again in a while.")
 
     def __init__(self, slots: Slots = SLOTS):
-        super().__init__(Found(), slots)
+        super().__init__(BudgetProgress(), slots)
 
     def budget(self, scene: Scene, cause: str = NOTHING) -> None:
         """Find the budget of a scene, and what is left without a cause; until then the one without it stays."""
         before = self.status.series if self.status.scene == scene else None
-        self._start(Found("budget", scene=scene, cause=cause, series=before),
+        self._start(BudgetProgress("budget", scene=scene, cause=cause, series=before),
                     {"task": task_of(scene).to_dict(), "cause": cause}, PATIENCE)
         self.give_way()
 
-    def heard(self, before: Found, message: dict[str, Any]) -> Found:
+    def heard(self, before: BudgetProgress, message: dict[str, Any]) -> BudgetProgress:
         given: dict[str, Any] = message | {
             name: columns and {key: np.array(values, float) for key, values in columns.items()}
             for name, columns in message.items() if name in ("series", "again")}

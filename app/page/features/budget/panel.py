@@ -1,9 +1,9 @@
 """Who made this error? A fold with the chart of the error budget, and a cause to take away and run again without: the
-first run stays pinned beside the second, with what the budget has foretold and what has come. Runs of the bar carry
+first run stays pinned beside the second, with what the budget has predicted and what has come. Runs of the bar carry
 their budget with them; in the plane it is found beside the stage, when it is asked for."""
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import replace
 from html import escape
 from time import monotonic
@@ -11,17 +11,18 @@ from typing import Any
 
 import viser
 
-from app.frame.budget_chart import QUESTION, divided, field_of, largest_share, percent
+from app.frame.budget_chart import QUESTION, field_of, format_percent, has_budget, largest_share
 from app.language.message_translation import translate_message
 from app.language.translation import lazy, tr
-from app.page.display_source import Choice
-from app.page.features.budget.chart import BudgetData, chart, outcome, sentence, taken_away
-from app.page.features.budget.jobs import BudgetJobs, Found
-from app.page.panels.page_header import marked
+from app.page.feature import Feature, PageView
+from app.page.features.budget.chart import BudgetData, as_sentence, budget_chart, removal_outcome, taken_away
+from app.page.features.budget.jobs import BudgetJobs, BudgetProgress
+from app.page.page_context import PageContext
+from app.page.panels.page_header import anchor_html
 from app.page.readout_panel import Numbers
 from app.page.visit.session import Session
 from app.state import State
-from app.words import differing
+from app.words import difference_text
 from solvers.scene.error_causes import CAUSES, NOTHING
 from solvers.scene.scene import Scene
 from solvers.scene.validation import SceneError
@@ -37,13 +38,13 @@ PINNED, THIS = (lazy("pinned"), lazy("pinned: {run}")), (lazy("this run"), lazy(
 _NAMES = {"x": lazy("displacement x"), "v": lazy("velocity v"), "F": lazy("deformation F")}
 
 
-def who() -> str:
+def cause_button() -> str:
     """A button below the judges' cards: it opens the fold (``js/budget.js``)."""
     return (f"<button type='button' class='lab-who'><b>{tr(QUESTION)}</b> "
             f"<span>{tr('crossings, grid, body force or time step')}</span></button>")
 
 
-class BudgetFold:
+class BudgetFold(Feature):
     """Widgets of one visitor. ``state`` is what is seen, ``show`` puts another state on the stage."""
 
     def __init__(self, gui: viser.GuiApi, session: Session, state: Callable[[], State], show: Callable[[State], None],
@@ -51,7 +52,7 @@ class BudgetFold:
         self._session, self._state, self._show, self._clock = session, state, show, clock
         self.jobs = BudgetJobs()
         self._followed, self._drawn_at = "", -math.inf
-        self._mark = gui.add_html(marked("lab-budget"))
+        self._mark = gui.add_html(anchor_html("lab-budget"))
         self._fold = gui.add_folder(tr(QUESTION), expand_by_default=False)
         with self._fold:
             self._offer = gui.add_html(_offer(OFFER))
@@ -75,6 +76,18 @@ class BudgetFold:
             state := self._state(), scene=_without(NOTHING, state.scene), pinned=None)))
         self._field.on_update(lambda _: setattr(self, "_drawn_at", -math.inf))
 
+    @classmethod
+    def build(cls, page: PageContext) -> "BudgetFold":
+        page.controls.extend("estimators", lambda: page.gui.add_html(cause_button()))
+        return cls(page.gui, page.session, lambda: page.controls.state, page.controls.show)
+
+    @property
+    def messages(self) -> Mapping[str, Callable[[Any], None]]:
+        return {"budget": self.press}
+
+    def close(self) -> None:
+        self.jobs.close()
+
     def press(self, said: object) -> None:
         """The visitor has asked who made the error."""
         if said is True:
@@ -90,13 +103,16 @@ class BudgetFold:
             self._show(replace(state, scene=_with_budget(state.scene),
                                pinned=None if state.pinned is None else _with_budget(state.pinned)))
 
-    def show(self, numbers: Numbers, choice: Choice, studying: bool) -> None:
-        """Shows the budget of a run; while a lesson is ``studying`` only if the lesson has asked for it."""
+    def refresh(self, view: PageView) -> None:
+        """Shows the budget of a run; in a lesson only if that has asked for it."""
+        if (numbers := view.numbers) is None:
+            return
+        choice = view.choice
         scene = self._session.scene if numbers.scene is not None else None
         own = scene is not None and EFFECT in scene.OWN_EFFECTS
         on = scene is not None and EFFECT in scene.effects
         found = self._found(scene)
-        _see(scene is not None and (on or not studying), self._mark, self._fold)
+        _see(scene is not None and (on or not view.in_lesson), self._mark, self._fold)
         if scene is None or not self._fold.visible:
             return
         runs = _runs_found(found) if not own else self._runs(numbers, scene, choice.latest) if on else []
@@ -109,7 +125,7 @@ class BudgetFold:
         _see(own and taken_away(scene) != NOTHING, self._back)
         # Why there is no chart yet, or cannot be one.
         reason = next((text for text in scene.warnings() if text.startswith("error budget")), "") if own and on else ""
-        why = f"<p class='lab-budget-offer'>{escape(sentence(translate_message(reason).partition(': ')[2]))}</p>" \
+        why = f"<p class='lab-budget-offer'>{escape(as_sentence(translate_message(reason).partition(': ')[2]))}</p>" \
             if reason else ""
         self._offer.content = why or _offer(WAITING if on else OFFER) if own else _going(found) or _offer(ON_DEMAND)
         if choice.quantity != self._followed:  # its field is divided
@@ -117,29 +133,29 @@ class BudgetFold:
             self._field.value = tr(_NAMES[field_of(choice.quantity)])  # type: ignore[misc]
         self._draw(runs, self._cause_between(runs) if own else found.cause, on, numbers.now.playing)
 
-    def _found(self, scene: Scene | None) -> Found:
+    def _found(self, scene: Scene | None) -> BudgetProgress:
         """What the jobs have of a scene. One for another scene is of no use any more."""
         status = self.jobs.status
         if status.scene == scene:
             return status
         self.jobs.cancel()
-        return Found()
+        return BudgetProgress()
 
     def _draw(self, runs: list[BudgetData], cause: str, on: bool, playing: bool) -> None:
         """The chart of the runs, and what has become of the error of the first without a ``cause``."""
         field, now = next(field for field, name in _NAMES.items() if tr(name) == self._field.value), self._clock()
         if not runs:
             self._drawn_at = -math.inf
-            self._mark.content = marked("lab-budget", words="" if on else tr("not asked yet"))
+            self._mark.content = anchor_html("lab-budget", words="" if on else tr("not asked yet"))
             self._outcome.content = ""
         elif not playing or now >= self._drawn_at + REDRAWN:
             self._drawn_at = now
-            self._chart.content = chart(runs, field)
+            self._chart.content = budget_chart(runs, field)
             most = largest_share(runs[-1].series, field)  # who has made most of the error
-            self._mark.content = marked("lab-budget", words=tr("not valid here") if most is None else
-                                        f"{tr(CAUSES[most[0]])} {percent(most[1])}")
+            self._mark.content = anchor_html("lab-budget", words=tr("not valid here") if most is None else
+                                             f"{tr(CAUSES[most[0]])} {format_percent(most[1])}")
             self._outcome.content = "" if cause == NOTHING or len(runs) < 2 else \
-                outcome(runs[0], runs[-1], field, cause)
+                removal_outcome(runs[0], runs[-1], field, cause)
 
     @staticmethod
     def _cause_between(runs: list[BudgetData]) -> str:
@@ -152,11 +168,16 @@ class BudgetFold:
     def _runs(self, numbers: Numbers, scene: Scene, latest: bool) -> list[BudgetData]:
         """A pinned run with a budget, and the one on the stage, if that has one yet."""
         past, pinned = numbers.past, numbers.pinned
-        if past is None or past.scene != scene or not divided(past.series) or not divided(past.latest):
+        if past is None or past.scene != scene or not has_budget(past.series) or not has_budget(past.latest):
             return []
-        both = [] if pinned is None or not divided(pinned.history.series) or not divided(pinned.history.latest) else [
-            BudgetData(_named(PINNED, pinned.scene, scene), pinned.scene, pinned.history.series,
-                    pinned.history.latest if latest else pinned.history.series)]
+        both = (
+            []
+            if pinned is None or not has_budget(pinned.history.series) or not has_budget(pinned.history.latest)
+            else [
+                BudgetData(_named(PINNED, pinned.scene, scene), pinned.scene, pinned.history.series,
+                           pinned.history.latest if latest else pinned.history.series)
+            ]
+        )
         name = "" if pinned is None or not both else _named(THIS, scene, pinned.scene)
         return [*both, BudgetData(name, scene, past.series, past.latest if latest else past.series)]
 
@@ -175,7 +196,7 @@ class BudgetFold:
             self._show(replace(state, scene=after, pinned=before))
 
 
-def _runs_found(found: Found) -> list[BudgetData]:
+def _runs_found(found: BudgetProgress) -> list[BudgetData]:
     """The run whose budget a job has found, and the one without a cause."""
     if found.scene is None or found.series is None:
         return []
@@ -184,13 +205,13 @@ def _runs_found(found: Found) -> list[BudgetData]:
     return [BudgetData(name, found.scene, series, series) for name, series in runs.items()]
 
 
-def _going(found: Found) -> str:
+def _going(found: BudgetProgress) -> str:
     """How far a job is, or what has become of it; "" where there is nothing to say."""
     if found.running:
         return f"<p class='lab-budget-offer' role='status'>" \
-               f"{tr('Being computed in the background: {share}', share=percent(found.part))}</p>"
+               f"{tr('Being computed in the background: {share}', share=format_percent(found.part))}</p>"
     said = tr("It was cancelled") if found.cancelled else found.trouble
-    return f"<p class='lab-budget-offer' role='alert'>{escape(sentence(said.removesuffix('.')))}</p>" if said else ""
+    return f"<p class='lab-budget-offer' role='alert'>{escape(as_sentence(said.removesuffix('.')))}</p>" if said else ""
 
 
 def _with_budget(scene: Scene) -> Scene:
@@ -204,7 +225,7 @@ def _without(cause: str, scene: Scene) -> Scene:
 
 
 def _named(name: tuple[str, str], scene: Scene, other: Scene) -> str:
-    said = differing(scene, other)
+    said = difference_text(scene, other)
     return tr(name[bool(said)], run=said)
 
 

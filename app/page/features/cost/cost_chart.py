@@ -16,8 +16,23 @@ from itertools import chain, pairwise
 
 from app.colours import METHOD_MARKS
 from app.language.translation import lazy, tr, trn
-from app.page.features.cost.cost_texts import called, details, percent, seconds, sentence, together, whole
-from app.page.features.cost.visitor_runs import SWEEP, NumberedRun, cheapest, front, measured, staged
+from app.page.features.cost.cost_texts import (
+    error_reference,
+    format_percent,
+    format_seconds,
+    join_names,
+    run_details,
+    run_name,
+    run_sentence,
+)
+from app.page.features.cost.visitor_runs import (
+    SWEEP,
+    NumberedRun,
+    cheapest_run,
+    measured_runs,
+    pareto_front,
+    run_of_scene,
+)
 from app.words import METHODS, method_name
 from solvers.problems import PROBLEMS
 from solvers.scene.scene import Scene
@@ -55,7 +70,7 @@ class LogAxis:
 
     def around(self, values: Iterable[float]) -> "LogAxis":
         """This axis, longer where values need it: what has been drawn once stays within it."""
-        other = around(values)
+        other = axis_around(values)
         return self if other is None else LogAxis(min(self.low, other.low), max(self.high, other.high))
 
     def ticks(self, label: Callable[[float], str]) -> list[Tick]:
@@ -69,7 +84,7 @@ class LogAxis:
         return found
 
 
-def around(values: Iterable[float]) -> LogAxis | None:
+def axis_around(values: Iterable[float]) -> LogAxis | None:
     """An axis that holds these values with some room; None if there are none."""
     logs = [math.log10(value) for value in values]
     if not logs:
@@ -98,34 +113,35 @@ class Axes:
                 0.0 if run.broken else _percent(1 - self.up.part(run.size)))
 
 
-def axes(runs: Sequence[NumberedRun], tolerance: float, before: Axes | None = None) -> Axes:
+def axes_for(runs: Sequence[NumberedRun], tolerance: float, before: Axes | None = None) -> Axes:
     """Those that hold the runs and the tolerance, and what was held ``before``."""
     times = [run.seconds for run in runs if run.drawable and run.alone]
     errors = [run.size for run in runs if run.drawable and not run.broken]
     least = min(errors, default=1e-2) / 10**MOST_BELOW
     wanted = [max(tolerance, least)] if math.isfinite(tolerance) else []
     if before is None:
-        up = around([*errors, *wanted]) if errors else None
-        return Axes(around(times), up or UNMEASURED.around(wanted))
-    return Axes(before.times.around(times) if before.times else around(times), before.up.around([*errors, *wanted]))
+        up = axis_around([*errors, *wanted]) if errors else None
+        return Axes(axis_around(times), up or UNMEASURED.around(wanted))
+    return Axes(before.times.around(times) if before.times else axis_around(times),
+                before.up.around([*errors, *wanted]))
 
 
-def picture(runs: Sequence[NumberedRun], like: Sequence[NumberedRun], scene: Scene, inside: Axes) -> str:
+def draw_runs(runs: Sequence[NumberedRun], like: Sequence[NumberedRun], scene: Scene, inside: Axes) -> str:
     """Draws the runs of the scene's problem; those not comparable (``like``) are faint, the scene's own is marked."""
     numbers = {run.number for run in like}
     dots = [run for run in runs if run.drawable]
-    best = front(like)
+    best = pareto_front(like)
     band = f"<div class='lab-band'><span>{tr('not timed alone')}</span></div>" * any(not run.alone for run in dots)
-    drawn = [_path(curve, inside, f"class='lab-curve' style='{_colour(curve[0])}'") for curve in curves(like)]
+    drawn = [_path(curve, inside, f"class='lab-curve' style='{_colour(curve[0])}'") for curve in sweep_curves(like)]
     under = _path(best, inside, "class='lab-front'")
     lines = "".join([_grid(inside), _guides(inside, scene.DIMENSIONS) if inside.times else "", under, *drawn])
-    texts = [_beside(run, inside, "lab-name", words, _colour(run)) for run, words in names(like)]
+    texts = [_beside(run, inside, "lab-name", words, _colour(run)) for run, words in curve_names(like)]
     texts += [  # the name of a method whose runs are a cloud: at the right, as high as the most accurate of them
         f"<span class='lab-name lab-at-edge' style='left:100%;top:{inside.place(run)[1]}%;{_colour(run)}' "
         f"aria-hidden='true'><svg viewBox='-8 -8 16 16'><path d='{SHAPES[METHOD_MARKS[run.method]]}'/></svg>"
-        f"{escape(method_name(run.method))}</span>" for run in unnamed(like)]
-    texts += [_beside(run, inside, "lab-cells", str(run.scene.cells)) for run in [*chain(*curves(like)), *best]]
-    if own := staged(like, scene):
+        f"{escape(method_name(run.method))}</span>" for run in best_without_curve(like)]
+    texts += [_beside(run, inside, "lab-cells", str(run.scene.cells)) for run in [*chain(*sweep_curves(like)), *best]]
+    if own := run_of_scene(like, scene):
         texts.append(_beside(own, inside, f"lab-on-stage{' lab-untimed' * (not own.alone)}", tr("on the stage")))
     # What is drawn last is on top: those that count.
     last = sorted(dots, key=lambda run: (run.number in numbers, run in best))
@@ -134,18 +150,18 @@ def picture(runs: Sequence[NumberedRun], like: Sequence[NumberedRun], scene: Sce
             f"{''.join(_dot(run, inside, run.number not in numbers) for run in last)}")
 
 
-def curves(runs: Sequence[NumberedRun]) -> list[list[NumberedRun]]:
+def sweep_curves(runs: Sequence[NumberedRun]) -> list[list[NumberedRun]]:
     """Runs of sweeps that differ in their cells alone, by cells."""
     groups: dict[str, list[NumberedRun]] = {}
-    for run in measured(runs):
+    for run in measured_runs(runs):
         if run.source == SWEEP:
             groups.setdefault(json.dumps({**run.row["asked"], "cells": 0}, sort_keys=True), []).append(run)
     return [sorted(group, key=lambda run: run.scene.cells) for group in groups.values()]
 
 
-def names(runs: Sequence[NumberedRun]) -> list[tuple[NumberedRun, str]]:
+def curve_names(runs: Sequence[NumberedRun]) -> list[tuple[NumberedRun, str]]:
     """Each curve's method at its finest run, and where several curves are of one method what they differ in."""
-    ends = [curve[-1] for curve in curves(runs)]
+    ends = [curve[-1] for curve in sweep_curves(runs)]
     found = []
     for end in ends:
         others = [other for other in ends if other is not end and other.method == end.method]
@@ -158,11 +174,11 @@ def names(runs: Sequence[NumberedRun]) -> list[tuple[NumberedRun, str]]:
     return found
 
 
-def unnamed(runs: Sequence[NumberedRun]) -> list[NumberedRun]:
+def best_without_curve(runs: Sequence[NumberedRun]) -> list[NumberedRun]:
     """The most accurate run of each method that has no curve."""
-    named = {curve[0].method for curve in curves(runs)}
+    named = {curve[0].method for curve in sweep_curves(runs)}
     best: dict[str, NumberedRun] = {}
-    for run in sorted(measured(runs), key=lambda run: run.size):
+    for run in sorted(measured_runs(runs), key=lambda run: run.size):
         if run.method not in named:
             best.setdefault(run.method, run)
     return list(best.values())
@@ -179,11 +195,11 @@ def _percent(part: float) -> float:
 
 def _grid(inside: Axes) -> str:
     parts = []
-    for tick in inside.across.ticks(seconds):
+    for tick in inside.across.ticks(format_seconds):
         x, kind = _percent(tick.part), " lab-minor" * tick.minor
         parts.append(f"<line x1='{x}%' x2='{x}%' y1='0' y2='100%' class='lab-grid{kind}'/><text x='{x}%' y='100%' "
                      f"dy='1.6em' text-anchor='middle' class='lab-across{kind}'>{tick.label}</text>")
-    for tick in inside.up.ticks(percent):
+    for tick in inside.up.ticks(format_percent):
         y, kind = _percent(1 - tick.part), " lab-minor" * tick.minor
         parts.append(f"<line x1='0' x2='100%' y1='{y}%' y2='{y}%' class='lab-grid{kind}'/><text x='0' y='{y}%' "
                      f"dy='0.35em' text-anchor='end' class='lab-up{kind}'>{tick.label}</text>")
@@ -217,10 +233,13 @@ def _keys(dots: Sequence[NumberedRun], best: Sequence[NumberedRun], dimensions: 
 def _titles(scene: Scene) -> str:
     length = tr("the RMS, largest in the run") if not scene.periods else tr("the RMS, largest in one period") \
         if scene.periods == 1 else tr("the RMS, largest in {n:g} periods", n=scene.periods)
-    return (f"<text x='0' y='0' class='lab-title lab-above'>{tr('error of x, in % of {whole}', whole=whole(scene))} "
-            f"<tspan>{length}</tspan></text>"
-            f"<text x='100%' y='100%' dy='3.2em' text-anchor='end' class='lab-title'>{tr('time of one run')} "
-            f"<tspan>{tr('alone on this machine')}</tspan></text>")
+    return (
+        f"<text x='0' y='0' class='lab-title lab-above'>"
+            f"{tr('error of x, in % of {whole}', whole=error_reference(scene))} "
+        f"<tspan>{length}</tspan></text>"
+        f"<text x='100%' y='100%' dy='3.2em' text-anchor='end' class='lab-title'>{tr('time of one run')} "
+        f"<tspan>{tr('alone on this machine')}</tspan></text>"
+    )
 
 
 def _path(runs: Sequence[NumberedRun], inside: Axes, look: str) -> str:
@@ -235,7 +254,7 @@ def _dot(run: NumberedRun, inside: Axes, aside: bool) -> str:
     shape = CROSS if run.broken else SHAPES[METHOD_MARKS[run.method]]
     kinds = [kind for kind, holds in (("lab-broken", run.broken), ("lab-judged", run.error is None),
                                       ("lab-untimed", not run.alone), ("lab-aside", aside)) if holds]
-    said = sentence(run)
+    said = run_sentence(run)
     words = escape(tr("{run}; of another scene than the one on the stage", run=said) if aside else said, quote=True)
     return (f"<button class='{' '.join(['lab-dot', *kinds])}' data-run='{run.number}' tabindex='-1' "
             f"style='left:{x}%;top:{y}%;{_colour(run)}' aria-label='{words}'>"
@@ -252,10 +271,10 @@ PROVISIONAL = lazy("Cheapest so far for <b>{share} of {whole}</b>: <strong>{seco
 WORSE = 1.1  # times the error of the coarsest grid, from which on a method gets worse with finer ones
 
 
-def headline(like: Sequence[NumberedRun], scene: Scene, tolerance: float, trouble: str, sweep: int,
-             provisional: bool = False) -> tuple[str, str]:
+def answer_headline(like: Sequence[NumberedRun], scene: Scene, tolerance: float, trouble: str, sweep: int,
+                    provisional: bool = False) -> tuple[str, str]:
     """Returns the answer and a second line as html; ``trouble`` is why there is no tolerance, ``sweep`` its runs."""
-    known, of = measured(like), whole(scene)
+    known, of = measured_runs(like), error_reference(scene)
     if not known:
         begin = tr("Begin with a small sweep of {n} runs", n=sweep)
         button = f"<button data-press='{escape(tr('Small sweep'))}'>{begin}</button>"
@@ -264,33 +283,34 @@ def headline(like: Sequence[NumberedRun], scene: Scene, tolerance: float, troubl
             asked = tr("What does accuracy cost on the {problem}?", problem=tr(PROBLEMS[scene.problem].scene.TITLE))
             return tr("Nothing measured yet."), f"{asked}<br>{button}"
         untimed = tr("The run on the stage has an error of {share} of {whole}, but its time includes pictures and "
-                     "estimates.", share=percent(live.size), whole=of)
+                     "estimates.", share=format_percent(live.size), whole=of)
         return tr("Nothing timed yet."), f"{untimed}<br>{button}"
     if trouble:
         return tr("How accurate must it be?"), escape(trouble)
-    best = cheapest(like, tolerance)
+    best = cheapest_run(like, tolerance)
     if best is None:
         near = min(known, key=lambda run: run.size)
-        return (tr("No run so far comes below <b>{share} of {whole}</b>.", share=percent(tolerance), whole=of),
+        return (tr("No run so far comes below <b>{share} of {whole}</b>.", share=format_percent(tolerance), whole=of),
                 tr("The closest has an error of {error}: {run}, {seconds}. <b>Find the cheapest run</b> looks for a "
-                   "better one.", error=_error(near), run=escape(called(near)), seconds=seconds(near.seconds)))
+                   "better one.", error=_error(near), run=escape(run_name(near)), seconds=format_seconds(near.seconds)))
     answer = PROVISIONAL if provisional else FINAL
-    worse = dict.fromkeys(str(METHODS.get(curve[0].method, curve[0].method)) for curve in curves(like)
+    worse = dict.fromkeys(str(METHODS.get(curve[0].method, curve[0].method)) for curve in sweep_curves(like)
                           if len(curve) > 1 and curve[-1].size > WORSE * curve[0].size)
     says = [trn("{methods} gets worse, however much you pay.", "{methods} get worse, however much you pay.", len(worse),
-                methods=escape(together(worse)))] if worse else []
-    return (tr(answer, share=percent(tolerance), whole=of, seconds=seconds(best.seconds), run=escape(called(best))),
-            " ".join([tr("Its error is {error}; {run}.", error=_error(best), run=escape(details(best))), *says]))
+                methods=escape(join_names(worse)))] if worse else []
+    return (tr(answer, share=format_percent(tolerance), whole=of, seconds=format_seconds(best.seconds),
+               run=escape(run_name(best))),
+            " ".join([tr("Its error is {error}; {run}.", error=_error(best), run=escape(run_details(best))), *says]))
 
 
-def line(like: Sequence[NumberedRun], scene: Scene, tolerance: float, inside: Axes | None) -> str:
+def tolerance_line(like: Sequence[NumberedRun], scene: Scene, tolerance: float, inside: Axes | None) -> str:
     """Returns the line of the accuracy wanted, as a mark that the script reads."""
     if inside is None or not math.isfinite(tolerance):
         return "<i class='lab-cost-line'></i>"
-    best, text = cheapest(like, tolerance), percent(tolerance)
-    price = f" data-best='{best.number}' data-price='{seconds(best.seconds)}'" if best else ""
-    found = f"{seconds(best.seconds)}, {called(best)}" if best else tr("no run so far")
-    spoken = tr("{share} of {whole}: {found}", share=text, whole=whole(scene), found=found)
+    best, text = cheapest_run(like, tolerance), format_percent(tolerance)
+    price = f" data-best='{best.number}' data-price='{format_seconds(best.seconds)}'" if best else ""
+    found = f"{format_seconds(best.seconds)}, {run_name(best)}" if best else tr("no run so far")
+    spoken = tr("{share} of {whole}: {found}", share=text, whole=error_reference(scene), found=found)
     return (f"<i class='lab-cost-line' data-low='{inside.up.low:.6g}' data-high='{inside.up.high:.6g}' "
             f"data-value='{math.log10(tolerance):.6g}' data-text='{text}' "
             f"data-spoken='{escape(spoken, quote=True)}'{price}></i>")
@@ -298,6 +318,6 @@ def line(like: Sequence[NumberedRun], scene: Scene, tolerance: float, inside: Ax
 
 def _error(run: NumberedRun) -> str:
     """How wrong a run is, and whose word that is, where it is not the true error."""
-    share = percent(run.size)
+    share = format_percent(run.size)
     return share if run.error is not None else tr("{share}, estimated by {estimator}", share=share,
                                                   estimator=escape(run.estimator))

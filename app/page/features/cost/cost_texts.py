@@ -9,7 +9,7 @@ from app.language.message_translation import translate_message
 from app.language.translation import lazy, tr, trn
 from app.page.features.cost.jobs import CostStatus
 from app.page.features.cost.visitor_runs import MOST_RUNS, SEARCH, SWEEP, NumberedRun
-from app.words import NOTHING, method_name, moving, on_page, particles_per_cell, per_cell, power_text, with_unit
+from app.words import NOTHING, method_name, motion_text, on_page, particles_per_cell, per_cell, power_text, with_unit
 from solvers.problems import PROBLEMS
 from solvers.scene.remedies import REMEDIES
 from solvers.scene.scene import Scene
@@ -44,7 +44,7 @@ class NoNumber(ValueError):
     """What was typed cannot be used; the message says why."""
 
 
-def typed(name: str, text: str, most: float = math.inf) -> float:
+def parse_positive(name: str, text: str, most: float = math.inf) -> float:
     """A positive number that a visitor typed."""
     try:
         value = number_parsing.real(text.strip())
@@ -56,46 +56,46 @@ def typed(name: str, text: str, most: float = math.inf) -> float:
     return value
 
 
-def setting(scene: Scene) -> str:
+def scene_summary(scene: Scene) -> str:
     """A scene in short."""
     method = method_name(scene.method)
     if scene.linearity_preserving:
         method = tr("linearity-preserving {method}", method=method)
     if scene.remedies:
         method = tr("{method} with {remedies}", method=method,
-                    remedies=together([tr(REMEDIES[name].label) for name in scene.remedies]))
+                    remedies=join_names([tr(REMEDIES[name].label) for name in scene.remedies]))
     return tr("{method}, {cells} cells, {particles}, CFL {number:.3g}", method=method, cells=scene.cells,
               particles=particles_per_cell(scene.problem, scene.ppc), number=scene.courant_number)
 
 
-def together(names: Iterable[str]) -> str:
+def join_names(names: Iterable[str]) -> str:
     """One and another."""
     return functools.reduce(lambda before, last: tr("{before} and {last}", before=before, last=last), names)
 
 
-def sentence(run: NumberedRun) -> str:
+def run_sentence(run: NumberedRun) -> str:
     """A run in short, one fact after the other."""
     scene = run.scene
-    parts = [tr("run {number}: {run}", number=run.number, run=called(run)), details(run),
-             f"{moving(scene)}, E {with_unit(scene.modulus, 'Pa')}"]
+    parts = [tr("run {number}: {run}", number=run.number, run=run_name(run)), run_details(run),
+             f"{motion_text(scene)}, E {with_unit(scene.modulus, 'Pa')}"]
     if run.status in (*BROKEN, FAILED):
         return "; ".join([*parts, f"{tr(ENDS[run.status])}: {translate_message(run.row['reason'] or '')}"])
-    of = whole(scene)
+    of = error_reference(scene)
     if run.error is not None:
-        parts.append(tr("true error of x {share} of {whole}", share=percent(run.error), whole=of))
+        parts.append(tr("true error of x {share} of {whole}", share=format_percent(run.error), whole=of))
     if run.estimate is not None:
-        parts.append(tr("{share} of {whole}, estimated by {estimator}", share=percent(run.estimate), whole=of,
+        parts.append(tr("{share} of {whole}, estimated by {estimator}", share=format_percent(run.estimate), whole=of,
                         estimator=run.estimator))
-    time = seconds(run.seconds)
+    time = format_seconds(run.seconds)
     return "; ".join([*parts, tr("{time} alone", time=time) if run.alone else tr("{time} on the stage", time=time)])
 
 
-def called(run: NumberedRun) -> str:
+def run_name(run: NumberedRun) -> str:
     """Its method and cells."""
     return tr("{method} on {cells} cells", method=method_name(run.method), cells=run.scene.cells)
 
 
-def details(run: NumberedRun) -> str:
+def run_details(run: NumberedRun) -> str:
     """What else was chosen, and how many steps that makes."""
     scene = run.scene
     chosen = tr("{particles} per cell, CFL {number:.3g}, {steps:,} steps", particles=per_cell(scene.problem, scene.ppc),
@@ -104,13 +104,13 @@ def details(run: NumberedRun) -> str:
                       *(tr(REMEDIES[name].label) for name in scene.remedies)])
 
 
-def whole(scene: Scene) -> str:
+def error_reference(scene: Scene) -> str:
     """What an error is a part of."""
     moved = "amplitude" in scene.moved_by and scene.size_of("x") == scene.amplitude
     return "A" if moved else tr("the largest displacement")
 
 
-def percent(value: float | None) -> str:
+def format_percent(value: float | None) -> str:
     """A part as a percentage of two digits: 12 %, 0.5 %, 3.1 × 10⁻⁶ %."""
     if value is None:
         return NOTHING
@@ -121,18 +121,18 @@ def percent(value: float | None) -> str:
     return (plain.rstrip("0").rstrip(".") if "." in plain else plain) + f"{TOGETHER}%"
 
 
-def seconds(value: float | None) -> str:
+def format_seconds(value: float | None) -> str:
     """A time of two digits, with the prefix that keeps it short."""
     if value is None or not math.isfinite(value):
         return NOTHING
     return (f"{value:.0f} s" if value >= 99.5 else with_unit(value, "s", 2)).replace(" ", TOGETHER)
 
 
-def table(runs: Sequence[NumberedRun]) -> str:
+def runs_table(runs: Sequence[NumberedRun]) -> str:
     """The newest runs as a table, the newest first; their numbers are buttons."""
     if not runs:
         return ""
-    said = [tr("Errors of x in % of {whole}: the RMS, largest over time.", whole=whole(runs[-1].scene)),
+    said = [tr("Errors of x in % of {whole}: the RMS, largest over time.", whole=error_reference(runs[-1].scene)),
             *[tr("{n} more are on the chart and in the file.", n=len(runs) - MOST_LINES)] * (len(runs) > MOST_LINES),
             tr("The newest {n} runs are kept.", n=MOST_RUNS)]
     lines = "".join(_line(run) for run in list(reversed(runs))[:MOST_LINES])
@@ -141,22 +141,22 @@ def table(runs: Sequence[NumberedRun]) -> str:
 
 
 def _line(run: NumberedRun) -> str:
-    small = [details(run)]
+    small = [run_details(run)]
     if run.status in (*BROKEN, FAILED):
         error = f"<td class='lab-bad'>{tr(ENDS[run.status])}</td>"
     else:
-        estimated = tr("est. {share}", share=percent(run.estimate))
-        error = f"<td>{estimated if run.error is None else percent(run.error)}</td>"
-        small += [f"{run.estimator}: {percent(run.estimate)}"] * (run.estimate is not None)
+        estimated = tr("est. {share}", share=format_percent(run.estimate))
+        error = f"<td>{estimated if run.error is None else format_percent(run.error)}</td>"
+        small += [f"{run.estimator}: {format_percent(run.estimate)}"] * (run.estimate is not None)
     small += [tr("timed on the stage")] * (not run.alone)
     load = tr("load run {number}", number=run.number)
-    return (f"<tbody title='{escape(sentence(run), quote=True)}'><tr><td rowspan=2><button data-run='{run.number}' "
+    return (f"<tbody title='{escape(run_sentence(run), quote=True)}'><tr><td rowspan=2><button data-run='{run.number}' "
             f"aria-label='{load}'>{run.number}</button></td><td>{escape(method_name(run.method))}, "
-            f"{run.scene.cells}</td>{error}<td>{seconds(run.seconds)}</td></tr>"
+            f"{run.scene.cells}</td>{error}<td>{format_seconds(run.seconds)}</td></tr>"
             f"<tr><td colspan=3 class='lab-details'>{escape('; '.join(small))}</td></tr></tbody>")
 
 
-def others(runs: Sequence[NumberedRun], problem: str) -> str:
+def other_runs_note(runs: Sequence[NumberedRun], problem: str) -> str:
     """That there are runs of another problem than the one on the stage, if so."""
     hidden = [run for run in runs if run.row["problem"] != problem]
     if not hidden:
@@ -167,7 +167,7 @@ def others(runs: Sequence[NumberedRun], problem: str) -> str:
                len(hidden), problem=tr(name))
 
 
-def counted(status: CostStatus) -> str:
+def job_count_text(status: CostStatus) -> str:
     """How far a job has come that runs."""
     if not status.total:
         return tr(STARTING[status.kind])
@@ -175,12 +175,12 @@ def counted(status: CostStatus) -> str:
     return tr(said[status.kind], done=status.done, total=status.total)
 
 
-def going(status: CostStatus) -> str:
+def job_text(status: CostStatus) -> str:
     """How a job goes, or how it ended."""
     if status.running:
         if status.kind == SWEEP or status.task is None:
-            return counted(status)
-        run = setting(status.task.scene())
+            return job_count_text(status)
+        run = scene_summary(status.task.scene())
         if status.done < status.total:
             return tr("Search, run {number} of at least {total}: {run}.", number=status.done + 1, total=status.total,
                       run=run)
@@ -193,11 +193,11 @@ def going(status: CostStatus) -> str:
     if status.advice:
         known = trn("{count} of them had been made by an earlier search on this server.",
                     "{count} of them had been made by earlier searches on this server.", status.known)
-        return f"{found(status.advice)} {known}" if status.known else found(status.advice)
+        return f"{advice_text(status.advice)} {known}" if status.known else advice_text(status.advice)
     return tr("The sweep is done: {n} runs.", n=status.done) if status.kind == SWEEP else ""
 
 
-def stage(paused: bool, playing: bool, others: bool) -> str:
+def timing_note(paused: bool, playing: bool, others: bool) -> str:
     """What the stages do to the times while a job runs: the visitor's own and those of ``others``."""
     own = tr("Your stage is paused meanwhile, so that the times are accurate.") if paused else \
         tr("Your stage is running: times are too long. Press Pause for accurate ones.") if playing else ""
@@ -205,16 +205,16 @@ def stage(paused: bool, playing: bool, others: bool) -> str:
     return f"{own} {theirs}".strip()
 
 
-def found(advice: dict) -> str:
+def advice_text(advice: dict) -> str:
     """The recommendation."""
     scene = Task(**advice["task"]).scene()
     size = scene.size_of("x")
     error = tr("no usable error") if advice["error"] is None else tr(
         "an error of {size}, {share} of {whole}", size=with_unit(advice["error"], "m"),
-        share=percent(advice["error"] / size), whole=whole(scene))
+        share=format_percent(advice["error"] / size), whole=error_reference(scene))
     known = tr("by its own estimate") if advice["measured"] else tr("expected, not run")
-    run = tr("{run}: {error} ({known}), {seconds} for the bare run", run=setting(scene), error=error, known=known,
-             seconds=seconds(advice["seconds"]))
+    run = tr("{run}: {error} ({known}), {seconds} for the bare run", run=scene_summary(scene), error=error, known=known,
+             seconds=format_seconds(advice["seconds"]))
     runner_up = tr("Runner-up: {why}.", why=on_page(advice["why"])) if advice["why"] else ""
     taken = tr("Take {run}.", run=run) if advice["met"] else \
         tr("No run within the limits meets this. The closest is {run}.", run=run)

@@ -17,7 +17,15 @@ from dataclasses import asdict, dataclass, field, replace
 from app import __version__
 from app.language.translation import lazy
 from app.page.features.background_job import SLOTS, Background, JobStatus
-from app.page.features.cost.visitor_runs import LIVE, SEARCH, SWEEP, NumberedRun, Runs, bare, question
+from app.page.features.cost.visitor_runs import (
+    LIVE,
+    SEARCH,
+    SWEEP,
+    NumberedRun,
+    Runs,
+    advice_key,
+    without_search_options,
+)
 from app.page.visit.session import Session
 from solvers.scene.scene import Scene
 from solvers.scene.validation import SceneError
@@ -137,16 +145,16 @@ def small_sweep(scene: Scene) -> list[Task]:
     return tasks
 
 
-def timings(runs: Sequence[NumberedRun]) -> list[Task]:
+def scenes_to_time(runs: Sequence[NumberedRun]) -> list[Task]:
     """The scenes of those runs that were timed on the stage only: there they go in small pieces, with every effect."""
     return [Task(run.row["problem"], run.row["asked"], repeats=REPEATS, version=__version__)
             for run in runs if run.source == LIVE]
 
 
-def search(scene: Scene, tolerance: float, budget: float) -> SearchJob:
+def search_job(scene: Scene, tolerance: float, budget: float) -> SearchJob:
     """The job of finding the cheapest run of this problem with an error of x of ``tolerance`` times A at most."""
-    return SearchJob(task_of(bare(scene)).to_dict(), scene.candidates(), PARTICLES_PER_CELL, COURANT_NUMBERS, "x",
-                     tolerance * scene.size_of("x"), budget)
+    return SearchJob(task_of(without_search_options(scene)).to_dict(), scene.candidates(), PARTICLES_PER_CELL,
+                     COURANT_NUMBERS, "x", tolerance * scene.size_of("x"), budget)
 
 
 @dataclass(frozen=True)
@@ -203,7 +211,7 @@ class Jobs(Background[CostStatus]):
     def search(self, job: SearchJob, quiet: bool = True) -> None:
         """Begin a search; it is ``quiet`` where nothing else moves on this server."""
         if not self.status.running:
-            self._quiet, self._about = quiet, json.dumps(question(Task(**job.base).scene()), sort_keys=True)
+            self._quiet, self._about = quiet, json.dumps(advice_key(Task(**job.base).scene()), sort_keys=True)
         self._start(CostStatus("search"), asdict(replace(job, known=self._kept.known(self._about, quiet))))
 
     def beside(self) -> None:

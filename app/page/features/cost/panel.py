@@ -1,21 +1,31 @@
 """The Cost tab: what accuracy costs in time, out of a visitor's own runs."""
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from html import escape
 from threading import Lock
 from time import monotonic
+from typing import Any
 
 import viser
 
 from app.language.translation import tr
+from app.page.feature import Feature, PageView
 from app.page.features.cost import cost_texts
-from app.page.features.cost.cost_chart import Axes, axes, headline, line, picture
-from app.page.features.cost.jobs import CostStatus, Jobs, QuietStage, search, small_sweep, timings
-from app.page.features.cost.visitor_runs import LIVE, LiveRows, Runs, comparable, csv_bytes, question, staged
+from app.page.features.cost.cost_chart import Axes, answer_headline, axes_for, draw_runs, tolerance_line
+from app.page.features.cost.jobs import CostStatus, Jobs, QuietStage, scenes_to_time, search_job, small_sweep
+from app.page.features.cost.visitor_runs import (
+    LIVE,
+    LiveRows,
+    Runs,
+    advice_key,
+    comparable_runs,
+    csv_bytes,
+    run_of_scene,
+)
+from app.page.page_context import PageContext
 from app.page.panels.page_header import BESIDE
 from app.page.visit.engine_links import too_many
-from app.page.visit.history import History
 from app.page.visit.session import Session
 from app.page.visit.status_message import Notice
 from app.words import command_line
@@ -32,7 +42,7 @@ STREAM_SECONDS = 0.5  # between two pictures of what a job finds
 PICKED, WANTED = "<i class='lab-picked'></i>", "<i class='lab-wanted'></i>"
 
 
-class CostTab:
+class CostTab(Feature):
     """The Cost tab with its chart; ``load`` puts a scene on the stage. Any thread may call."""
 
     def __init__(self, client: viser.ClientHandle, session: Session, load: Callable[[Scene], None]):
@@ -53,22 +63,34 @@ class CostTab:
         self._remarked_on: tuple | None = None
         self._build(client.gui)
 
-    def follow(self, report: FrameReport, history: History) -> None:
+    @classmethod
+    def build(cls, page: PageContext) -> "CostTab":
+        with page.tabs["cost"]:
+            return cls(page.client, page.session, page.controls.load)
+
+    @property
+    def messages(self) -> Mapping[str, Callable[[Any], None]]:
+        return {"cost": self.open}
+
+    def close(self) -> None:
+        self.jobs.close()
+
+    def follow(self, report: FrameReport) -> None:
         """A frame has come: take its run's row when it is complete."""
-        if row := self._live.follow(report, history):
+        if row := self._live.follow(report, self._session.history):
             self.runs.add(row, LIVE)
 
     def open(self, _: object) -> None:
         """The tab has been opened: somebody may want to know the cheapest run at once."""
         scene = self._session.scene
         if scene.swings:
-            self.jobs.prepare(search(scene, float(TOLERANCE), float(BUDGET)), self._alone())
+            self.jobs.prepare(search_job(scene, float(TOLERANCE), float(BUDGET)), self._alone())
 
     def _alone(self) -> bool:
         """Whether nothing of other visitors moves on this server."""
         return not (self.jobs.others or self._session.others_playing)
 
-    def refresh(self) -> None:
+    def refresh(self, view: PageView | None = None) -> None:
         """Now and then, and when the line of the tolerance has been moved."""
         with self._refreshing:
             status = self.jobs.status  # once: a job that begins meanwhile must not give way to a stage yet to be paused
@@ -77,7 +99,7 @@ class CostTab:
             scene, stage = self._session.scene, self._stage_word(status)
             if self._of != (self.runs.version, scene):  # seldom, and of many runs it takes a millisecond
                 self._of = self.runs.version, scene
-                self._chartable = (self.runs.version, question(scene), staged(self.runs.all(), scene))
+                self._chartable = (self.runs.version, advice_key(scene), run_of_scene(self.runs.all(), scene))
             charted = self._chartable
             if charted != self._charted and (not status.running or monotonic() >= self._next):
                 self._charted, self._next = charted, monotonic() + STREAM_SECONDS
@@ -99,7 +121,7 @@ class CostTab:
         others = self.jobs.others or self._session.others_playing
         if others or self._session.playing:
             self.jobs.beside()
-        return cost_texts.stage(self._quiet.paused, self._session.playing, others)
+        return cost_texts.timing_note(self._quiet.paused, self._session.playing, others)
 
     def _drop_what_is_old(self) -> None:
         """An advice and a remark hold for the input that they were given on; a search for another is of no use."""
@@ -119,7 +141,7 @@ class CostTab:
         return self._tolerance.value, self._budget.value, self._session.scene
 
     def _question(self) -> tuple:
-        return self._tolerance.value, self._budget.value, question(self._session.scene)
+        return self._tolerance.value, self._budget.value, advice_key(self._session.scene)
 
     def _say(self, remark: str) -> None:
         self._remarked_on, self._remark = self._input(), remark
@@ -159,43 +181,43 @@ class CostTab:
         self._time = gui.add_button(tr("Time my runs alone"), icon=viser.Icon.CLOCK, visible=False, hint=tr(
             "runs on the stage are timed in small pieces and with every effect; this runs them bare and in one go, in "
             "the background"))
-        self._time.on_click(lambda _: self._start_sweep(timings(self.runs.all())))
+        self._time.on_click(lambda _: self._start_sweep(scenes_to_time(self.runs.all())))
         self._table = gui.add_html("")
 
     def _show_runs(self, scene: Scene) -> None:
         """The chart and the table: when runs or what they are compared with have changed."""
         runs = self.runs.all()
         of_problem = [run for run in runs if run.row["problem"] == scene.problem]
-        inside = self._inside = axes(of_problem, self._wanted()[0], self._axes.get(scene.problem))
+        inside = self._inside = axes_for(of_problem, self._wanted()[0], self._axes.get(scene.problem))
         if of_problem:  # what an empty chart holds is no reason for what others hold
             self._axes[scene.problem] = inside
-        drawing = picture(of_problem, comparable(of_problem, scene), scene, inside)
+        drawing = draw_runs(of_problem, comparable_runs(of_problem, scene), scene, inside)
         self._chart.content = f"<template class='lab-cost-chart'>{drawing}</template>"
-        hidden = f"<p>{cost_texts.others(runs, scene.problem)}</p>"
-        self._table.content = f"<div class='lab-cost'>{cost_texts.table(of_problem)}{hidden}</div>"
+        hidden = f"<p>{cost_texts.other_runs_note(runs, scene.problem)}</p>"
+        self._table.content = f"<div class='lab-cost'>{cost_texts.runs_table(of_problem)}{hidden}</div>"
         self._download.disabled = not runs
-        self._time.visible = bool(timings(runs))
+        self._time.visible = bool(scenes_to_time(runs))
 
     def _show_answer(self, scene: Scene, status: CostStatus, stage: str) -> None:
         """What stands above the chart, and the line in it."""
-        like = comparable(self.runs.all(), scene)
+        like = comparable_runs(self.runs.all(), scene)
         tolerance, trouble = self._wanted()
-        if axes(like, tolerance, self._inside) != self._inside:
+        if axes_for(like, tolerance, self._inside) != self._inside:
             self._show_runs(scene)
-        says, more = headline(like, scene, tolerance, trouble, len(small_sweep(scene)), status.running)
+        says, more = answer_headline(like, scene, tolerance, trouble, len(small_sweep(scene)), status.running)
         if status.running:
-            more = escape(f"{cost_texts.counted(status)} {stage}")
+            more = escape(f"{cost_texts.job_count_text(status)} {stage}")
         elif status.advice:
             end = tr("The search has ended. A clearly cheaper run is unlikely, but "
                      "possible.") if status.advice["met"] else tr("The search has ended.")
             more = f"{more} {escape(end)}"
         self._line.content = (f"<template class='lab-cost-says'><h2>{says}</h2><p>{more}</p></template>"
-                              f"{line(like, scene, tolerance, self._inside)}")
+                              f"{tolerance_line(like, scene, tolerance, self._inside)}")
 
     def _wanted(self) -> tuple[float, str]:
         """The tolerance that was typed, or NaN and why it is none."""
         try:
-            return cost_texts.typed(tr("Tolerance"), self._tolerance.value), ""
+            return cost_texts.parse_positive(tr("Tolerance"), self._tolerance.value), ""
         except cost_texts.NoNumber as refusal:
             return math.nan, str(refusal)
 
@@ -207,7 +229,7 @@ class CostTab:
             self._bar.value = min(100.0, 100.0 * share)  # type: ignore[misc]
         self._take.visible = bool(status.advice) and not status.running
         found = " class='lab-found'" * (bool(status.advice) and not status.running)
-        texts = [f"<p{look}>{escape(text)}</p>" for text, look in ((cost_texts.going(status), found), (stage, ""),
+        texts = [f"<p{look}>{escape(text)}</p>" for text, look in ((cost_texts.job_text(status), found), (stage, ""),
                                                                    (self._remark, "")) if text]
         self._sentence.content = f"<div class='lab-cost' role='status'>{''.join(texts)}</div>" if texts else ""
 
@@ -227,8 +249,9 @@ class CostTab:
             self._say(tr(cost_texts.NOTHING_TO_FIND))
             return
         try:
-            job = search(self._session.scene, cost_texts.typed(tr("Tolerance"), self._tolerance.value),
-                         cost_texts.typed(tr("Longest run"), self._budget.value, cost_texts.LONGEST_BUDGET))
+            job = search_job(self._session.scene, cost_texts.parse_positive(tr("Tolerance"), self._tolerance.value),
+                             cost_texts.parse_positive(tr("Longest run"), self._budget.value,
+                                                       cost_texts.LONGEST_BUDGET))
         except cost_texts.NoNumber as refusal:
             self._say(str(refusal))
             return

@@ -11,7 +11,7 @@ import viser
 
 from app import words
 from app.frame.budget_chart import QUESTION
-from app.language.translation import ENGLISH, language, language_cache, lazy, tr, use_language, with_language
+from app.language.translation import ENGLISH, current_language, language_cache, lazy, tr, use_language, with_language
 from app.lessons.markdown_html import FIELDS, SENTENCES
 from app.state import State
 from app.words import size_in, unit_of
@@ -64,31 +64,31 @@ class Act:
         return bool(self.value) and (self.name in FIELDS or self.name in LOOKS)
 
 
-def put() -> str:
+def stage_button() -> str:
     """The button that puts a step's run on the stage."""
     return f"<button type='button' class='lab-act lab-put' data-act='stage'>{tr(STAGE)}</button>"
 
 
-def who() -> str:
+def cause_button() -> str:
     """The button that asks who made the error."""
     return f"<button type='button' class='lab-act' data-act='budget'>{tr(ASKED)}</button>"
 
 
-def found(html: str) -> list[Act]:
+def find_actions(html: str) -> list[Act]:
     """What can be done of what a step's html asks for, in its order."""
     return [act for act in map(_act, _lines().finditer(html)) if act.known]
 
 
 def with_buttons(html: str) -> str:
-    """Returns html with a button for each act of :func:`found`, for the step's run, and for its error budget."""
+    """Returns html with a button for each act of :func:`find_actions`, for the step's run, and for its error budget."""
     count = itertools.count()
 
     def button(line: re.Match[str]) -> str:
         act = _act(line)
         if (act.verb, act.name) == ("Press", STAGE):
-            return f"<li class='lab-to-do'>{put()}</li>"
+            return f"<li class='lab-to-do'>{stage_button()}</li>"
         if (act.verb, act.name) == ("Press", ASKED):
-            return f"<li class='lab-to-do'>{who()}</li>"
+            return f"<li class='lab-to-do'>{cause_button()}</li>"
         if not act.known:
             return line[0]
         name, value = (f"<b>{part}</b>" for part in _parts(line))
@@ -113,7 +113,7 @@ def _parts(line: re.Match[str]) -> tuple[str, str]:
     return said[f"{line.lastgroup}_name"], said.get(f"{line.lastgroup}_value") or ""
 
 
-def pressed(said: object, step: int, known: Sequence[Act]) -> Act | str | None:
+def parse_click(said: object, step: int, known: Sequence[Act]) -> Act | str | None:
     """Returns the act, or :data:`STAGE`, that a browser says is pressed in the step; it may say anything."""
     if not isinstance(said, list) or len(said) != 2 or said[0] != step:
         return None
@@ -126,10 +126,10 @@ def pressed(said: object, step: int, known: Sequence[Act]) -> Act | str | None:
 def _act(line: re.Match[str]) -> Act:
     name, value = map(unescape, _parts(line))
     known = {tr(one): one for one in NAMES}
-    return Act(f"{line.lastgroup}", known.get(name, name), value, language())
+    return Act(f"{line.lastgroup}", known.get(name, name), value, current_language())
 
 
-def do(act: Act, controls: AllowedControls) -> None:
+def perform(act: Act, controls: AllowedControls) -> None:
     """Do it as the reader would with the widget."""
     if act.verb == "Press":
         controls.press(act.name)
@@ -149,7 +149,7 @@ def _meant(act: Act) -> Callable[[Scene], object]:
     field = FIELDS[act.name]
 
     def of(scene: Scene) -> object:
-        names = words.choices(type(scene), field)
+        names = words.choice_labels(type(scene), field)
         if names:
             return next((code for code, name in names.items() if name == act.value), act.value)
         number = size_in(act.value, unit_of(type(scene), field))

@@ -9,7 +9,7 @@ import viser
 
 from app.language.translation import tr
 from app.lessons import lesson
-from app.lessons.lesson import Numbers, Question, Step, filled
+from app.lessons.lesson import Numbers, Question, Step, fill_numbers
 from app.page.features.lesson import step_html as page
 from app.words import PREFIXES, SYMBOLS, size_in, with_unit
 from solvers.scene.scene import Scene
@@ -32,7 +32,7 @@ class AnswerWidgets:
         self._slider: Any = None
         asked = self._asked
         if asked.kind == lesson.CHOICE:
-            options = [filled(option, numbers) for option in asked.options]
+            options = [fill_numbers(option, numbers) for option in asked.options]
             gui.add_html(page.choices_html(options, answer, fixed, step.key, lang))
         elif asked.kind == lesson.DRAG:
             self._said = gui.add_html("")
@@ -56,7 +56,9 @@ class AnswerWidgets:
             return self._chosen
         if asked.kind == lesson.DRAG:
             return self._there
-        found = [text.value if asked.kind == lesson.TEXT else number(text.value, asked.unit) for text in self.texts]
+        found = [
+            text.value if asked.kind == lesson.TEXT else parse_number(text.value, asked.unit) for text in self.texts
+        ]
         return found if asked.kind == lesson.INTERVAL else found[0]
 
     def choose(self, option: Any) -> None:
@@ -105,7 +107,7 @@ def in_unit(value: float, unit: str) -> str:
     return with_unit(value, unit, SHORT) if unit else f"{value:.{SHORT}g}"
 
 
-def number(text: str, unit: str) -> float | None:
+def parse_number(text: str, unit: str) -> float | None:
     """A number, also with a decimal comma, or a size as the page writes it: 2.75 mm/s."""
     plain = text.strip().replace(",", ".").replace("−", "-")
     with suppress(ValueError):

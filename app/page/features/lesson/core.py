@@ -22,12 +22,12 @@ FIRST_PREDICT = lazy("You predict first: Next opens when your answer is recorded
 WAITS = lazy("The next step is not open yet. Please wait until your lecturer opens it.")
 
 
-def deeper() -> str:
+def optional_step_mark() -> str:
     """The mark of a step that is no core."""
     return f"<span class='lab-kind lab-kind-deeper'>{tr('deeper')}</span>"
 
 
-def takes(lesson: Lesson) -> str:
+def duration_text(lesson: Lesson) -> str:
     """How long the lesson takes, as its introduction begins."""
     if not lesson.deeper:
         return tr("{minutes} minutes. Afterwards you can", minutes=lesson.minutes)
@@ -35,14 +35,14 @@ def takes(lesson: Lesson) -> str:
               minutes=lesson.minutes)
 
 
-def choice(gui: viser.GuiApi, lesson: Lesson, chosen: bool) -> viser.GuiCheckboxHandle:
+def core_checkbox(gui: viser.GuiApi, lesson: Lesson, chosen: bool) -> viser.GuiCheckboxHandle:
     """A box to take the core alone."""
     return gui.add_checkbox(tr(ONLY), chosen, hint=tr(
         "the core is self-contained and takes {minutes} minutes; you can go deeper at its end",
         minutes=lesson.core_minutes))
 
 
-def where(lesson: Lesson, progress: Progress) -> str:
+def progress_html(lesson: Lesson, progress: Progress) -> str:
     """How far one has come, in words, and below them as a row of segments."""
     steps = [(number, step) for number, step in enumerate(lesson.steps, 1) if step.core or not progress.core]
     at, total = sum(number <= progress.step for number, _ in steps), len(steps)
@@ -59,7 +59,7 @@ def where(lesson: Lesson, progress: Progress) -> str:
            f"aria-valuemax='{total}' aria-valuenow='{at}'>{segments}</div>"
 
 
-def left(lesson: Lesson) -> str:
+def core_end_note(lesson: Lesson) -> str:
     """Said at the end of the core."""
     minutes = max(1, lesson.minutes - lesson.core_minutes)
     told = tr("This was the core. The lesson has {steps} deeper steps, some {minutes} minutes.",

@@ -3,38 +3,17 @@
 import logging
 from collections.abc import Callable
 from concurrent.futures import ThreadPoolExecutor
-from dataclasses import dataclass, field
 from typing import Any
 
 from app.language.translation import lazy, tr, with_language
-from app.lessons.answer_check import TOLD_AFTER, AnswerMark, laid, mark
+from app.lessons.answer_check import TOLD_AFTER, AnswerMark, bets_shown, mark_answer
 from app.lessons.bets import Bettor
 from app.lessons.claims import ClaimError
-from app.lessons.lesson import EXPLAIN, PREDICT, Lesson, Step, drawn
+from app.lessons.lesson import EXPLAIN, PREDICT, Lesson, Step, draw_numbers
 from app.lessons.lesson_runs import RunCache, RunFailed
 from app.lessons.student_progress import Answer, Progress
-from app.page.features.board.board import BoardSeat
 
 LATER = lazy("could not be checked just now")
-POLITE = 10  # more than the engines: marks can wait, stages cannot
-
-
-@dataclass(frozen=True)
-class Classroom:
-    """What the visitors of a server share: the ``lesson`` opened, teacher's notes, outcomes, whether lessons begin with
-    the core; and of each visitor a ``seat``, where a board paces the lesson."""
-
-    lesson: str = ""
-    teacher: bool = False
-    outcomes: RunCache = field(default_factory=lambda: RunCache(politeness=POLITE))
-    core: bool = False
-    seat: BoardSeat | None = None
-
-    def begun(self, lesson: Lesson) -> Progress:
-        """How somebody begins a lesson, or goes on with the one that is paced."""
-        if self.seat and self.seat.lesson == lesson.name:
-            return self.seat.progress()
-        return Progress(lesson.name, lesson.fingerprint, core=self.core and bool(lesson.deeper))
 
 
 class Marker:
@@ -76,7 +55,7 @@ class Marker:
 
         def work() -> None:
             try:
-                bets[step.key] = laid(lesson, step, given, drawn(lesson, progress.name), self._outcomes)
+                bets[step.key] = bets_shown(lesson, step, given, draw_numbers(lesson, progress.name), self._outcomes)
             except (RunFailed, ClaimError):
                 bets[step.key] = LATER
             tell()
@@ -85,7 +64,7 @@ class Marker:
 
     def _marked(self, lesson: Lesson, step: Step, progress: Progress, answer: Any) -> AnswerMark | str:
         try:
-            return mark(lesson, step, answer, drawn(lesson, progress.name), self._outcomes)
+            return mark_answer(lesson, step, answer, draw_numbers(lesson, progress.name), self._outcomes)
         except (RunFailed, ClaimError):
             return tr(LATER)
 
@@ -112,7 +91,7 @@ def bets_ahead(lesson: Lesson, step: Step) -> Step | None:
     return ends if ends is not None and ends.bets and step.kind != PREDICT else None
 
 
-def comment(step: Step, answer: Answer, found: AnswerMark | str | None) -> tuple[str, bool | None]:
+def answer_comment(step: Step, answer: Answer, found: AnswerMark | str | None) -> tuple[str, bool | None]:
     """What is said after an answer that has been ``found`` so, and whether it is right, as far as that is said."""
     if step.kind == PREDICT:
         return tr("It is recorded; now see what happens."), None

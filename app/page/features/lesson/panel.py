@@ -1,35 +1,38 @@
 """The lesson player: one step at a time beside the stage, a prediction before what it is about runs."""
 
 import threading
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from time import monotonic
+from typing import Any
 
 import viser
 
 from app import state
+from app.classroom.board import BoardSeat
+from app.classroom.class_context import Classroom
 from app.language.translation import tr, use_language, with_language
 from app.lessons import catalogue
 from app.lessons import student_progress as kept
-from app.lessons.answer_check import LONGEST, AnswerMark, trouble
-from app.lessons.lesson import EXPLAIN, PREDICT, TEXT, Lesson, Numbers, Step, drawn, filled
-from app.page.features.board.board import BoardSeat
+from app.lessons.answer_check import LONGEST, AnswerMark, why_invalid
+from app.lessons.lesson import EXPLAIN, PREDICT, TEXT, Lesson, Numbers, Step, draw_numbers, fill_numbers
+from app.page.feature import Feature, PageView
 from app.page.features.lesson import action_buttons, core
 from app.page.features.lesson import step_html as page
 from app.page.features.lesson.answer_widgets import AnswerWidgets
 from app.page.features.lesson.core import KEPT, MAIN, PACED, StepNavigation
-from app.page.features.lesson.marking import Classroom, Marker, asked_since, bets_ahead, comment
-from app.page.panels.browser_store import BrowserStore
-from app.viewer.widgets import allow, is_removed
+from app.page.features.lesson.marking import Marker, answer_comment, asked_since, bets_ahead
+from app.page.page_context import PageContext
+from app.viewer.widgets import is_removed, set_max_length
 
 FIRST = -1e9  # in the order of what stands in the tab: a step, and then the controls that it needs
 
 
-class Player:
+class Player(Feature):
     """One visitor's lessons in a ``tab``, above the ``controls`` that a lesson needs; ``on_change`` is called when what
-    the browser should keep has changed. What it says through its ``store`` may be anything."""
+    the browser should keep has changed."""
 
     def __init__(self, client: viser.ClientHandle, tab: viser.GuiTabHandle, classroom: Classroom,
-                 controls: action_buttons.AllowedControls, store: BrowserStore, on_change: Callable[[], None]):
+                 controls: action_buttons.AllowedControls, on_change: Callable[[], None]):
         self._client, self._gui, self._tab, self._room = client, client.gui, tab, classroom
         self._controls, self._on_change = controls, on_change
         self._lock = threading.RLock()
@@ -45,8 +48,17 @@ class Player:
         self._widgets = self._gui.add_folder(None, order=FIRST)
         self._below = self._gui.add_folder(None)  # the controls' own: only one thread may put into a place at a time
         self._build()
-        store.heard |= {"open": lambda name: self.open(name) if isinstance(name, str) else None,
-                        "choice": self._choose, "do": self._act}
+
+    @classmethod
+    def build(cls, page: PageContext) -> "Player":
+        with page.tabs["lessons"] as tab:
+            page.lesson = player = cls(page.client, tab, page.classroom, page.controls, lambda: page.keep())
+        return player
+
+    @property
+    def messages(self) -> Mapping[str, Callable[[Any], None]]:
+        return {"open": lambda name: self.open(name) if isinstance(name, str) else None,
+                "choice": self._choose, "do": self._act}
 
     @property
     def name(self) -> str:
@@ -67,7 +79,7 @@ class Player:
 
     def open(self, name: str) -> None:
         """Begin a lesson; one that is not there changes nothing."""
-        lesson = catalogue.lessons().get(name)
+        lesson = catalogue.load_lessons().get(name)
         if lesson is None or lesson is self._lesson:
             return
         with self._lock:
@@ -77,8 +89,8 @@ class Player:
         self._rebuild()
         self._on_change()
 
-    def refresh(self) -> None:
-        """Call now and then: what a question says of the stage follows it."""
+    def refresh(self, view: PageView) -> None:
+        """What a question says of the stage follows it."""
         with self._lock:
             if self._answer is not None:
                 self._answer.refresh()
@@ -125,7 +137,7 @@ class Player:
             self._paced.shows(self._progress.step)
         with self._widgets:
             if self._lesson is None:
-                self._gui.add_html(page.shelf_html(catalogue.lessons()))
+                self._gui.add_html(page.shelf_html(catalogue.load_lessons()))
                 return
             head = self._gui.add_html(page.head_html(self._lesson, self._progress))
             if (step := self._step) is not None:
@@ -144,7 +156,7 @@ class Player:
         name = self._gui.add_text(tr("Your name"), self._progress.name, hint=hint)
         name.on_update(lambda _: self._call(name.value))
         if lesson.deeper:
-            only = core.choice(self._gui, lesson, self._progress.core)
+            only = core.core_checkbox(self._gui, lesson, self._progress.core)
             only.on_update(lambda _: self._choose_core(lesson, only.value, head))
         self._buttons(back=False, onward=True)
 
@@ -176,7 +188,7 @@ class Player:
             self._marker.lay(lesson, ahead, self._progress,
                              lambda: self._show(text, lambda: self._explained(lesson, step)))
         with use_language(lesson.language):
-            self._acts = action_buttons.found(page.text_html(step.text, self._numbers))
+            self._acts = action_buttons.find_actions(page.text_html(step.text, self._numbers))
         if step.question is not None:
             return self._ask(lesson, step)
         self._buttons(back=True, onward=True)
@@ -185,10 +197,10 @@ class Player:
         answered = self._progress.answers.get(step.key)
         fixed = step.kind == PREDICT and answered is not None  # what one has predicted stays
         widgets = AnswerWidgets(self._gui, step, self._numbers, answered.last if answered else None, fixed,
-                                lambda: self._controls.state.scene, page.lang(lesson))
+                                lambda: self._controls.state.scene, page.lang_attribute(lesson))
         self._answer = None if fixed else widgets
         for text in widgets.texts:
-            allow(text, LONGEST)
+            set_max_length(text, LONGEST)
         said = self._gui.add_html("" if answered is None else self._taken(step, None))
         self._gui.add_html(MAIN)
         does = tr("Record my prediction") if step.kind == PREDICT else tr("Check my answer")
@@ -196,7 +208,7 @@ class Player:
         self._buttons(back=True, onward=answered is not None, main=answered is not None)
 
         def take(_: viser.GuiEvent) -> None:
-            if why := trouble(step.asked, answer := widgets.value):
+            if why := why_invalid(step.asked, answer := widgets.value):
                 return self._show(said, lambda: f"<div class='lab-lesson lab-recorded' role='alert'>{why}</div>")
             with self._lock:
                 if step.kind != PREDICT or step.key not in self._progress.answers:  # on another page of his meanwhile
@@ -222,12 +234,12 @@ class Player:
     def _act(self, said: object) -> None:
         """The visitor has pressed what a step's text tells him to do: a step's number, and that of the act."""
         with self._lock:
-            act, step = action_buttons.pressed(said, self._progress.step, self._acts), self._step
-            stage = filled(step.stage, self._numbers) if step and act == action_buttons.STAGE else ""
+            act, step = action_buttons.parse_click(said, self._progress.step, self._acts), self._step
+            stage = fill_numbers(step.stage, self._numbers) if step and act == action_buttons.STAGE else ""
         if stage:
-            self._controls.show(state.read(stage))
+            self._controls.show(state.parse_state(stage))
         elif isinstance(act, action_buttons.Act):
-            action_buttons.do(act, self._controls)
+            action_buttons.perform(act, self._controls)
 
     @property
     def _step(self) -> Step | None:
@@ -238,7 +250,7 @@ class Player:
         """What is said of the answer that the step has."""
         assert self._lesson is not None
         answer = self._progress.answers[step.key]
-        return page.taken_html(self._lesson, step, answer, self._numbers, *comment(step, answer, found))
+        return page.taken_html(self._lesson, step, answer, self._numbers, *answer_comment(step, answer, found))
 
     def _check(self, lesson: Lesson, step: Step, said: viser.GuiHtmlHandle) -> None:
         """Mark the answer, which may need a run, and say so; the way on is free, and may have been taken already."""
@@ -273,7 +285,7 @@ class Player:
     def _build_end(self, lesson: Lesson) -> None:
         text = self._gui.add_html(self._end(lesson))
         self._mark_all(lesson, None, text)
-        if following := catalogue.after(lesson):
+        if following := catalogue.next_lesson(lesson):
             self._gui.add_html(MAIN)
             title = tr("Next lesson: {title}", title=following.title)
             self._gui.add_button(title).on_click(lambda _: self.open(following.name))
@@ -316,4 +328,4 @@ class Player:
     @property
     def _numbers(self) -> Numbers:
         """The visitor's own."""
-        return drawn(self._lesson, self._progress.name) if self._lesson else {}
+        return draw_numbers(self._lesson, self._progress.name) if self._lesson else {}

@@ -5,14 +5,14 @@ from collections.abc import Mapping, Sequence
 from html import escape
 from string import ascii_lowercase
 
-from app.language.translation import language, lazy, tr, trn, use_language
+from app.language.translation import current_language, lazy, tr, trn, use_language
 from app.lessons import catalogue
-from app.lessons.answer_check import AnswerMark, shown
-from app.lessons.bet_chart import Lines, drawn, scored
+from app.lessons.answer_check import AnswerMark, format_answer
+from app.lessons.bet_chart import BettorLines, draw_bets, format_score
 from app.lessons.bets import Bettor
 from app.lessons.duration import minutes_text
-from app.lessons.lesson import CHOICE, TEXT, TITLES, Lesson, Numbers, Step, filled
-from app.lessons.markdown_html import html
+from app.lessons.lesson import CHOICE, TEXT, TITLES, Lesson, Numbers, Step, fill_numbers
+from app.lessons.markdown_html import to_html
 from app.lessons.student_progress import Answer, Progress
 from app.page.features.lesson import action_buttons, core
 
@@ -28,46 +28,53 @@ def shelf_html(lessons: Mapping[str, Lesson]) -> str:
     rows = "".join(
         f"<li><button type='button' class='lab-open' data-lesson='{escape(name)}' data-steps='{len(lesson.steps)}' "
         f"data-core='{in_core[name]}' data-fingerprint='{lesson.fingerprint}'>"
-        f"<span class='lab-number'>{k}</span><b{lang(lesson)}>{escape(lesson.title)}</b>"
+        f"<span class='lab-number'>{k}</span><b{lang_attribute(lesson)}>{escape(lesson.title)}</b>"
         f"<small>{minutes_text(lesson)}</small><small class='lab-come'></small></button></li>"
         for k, (name, lesson) in enumerate(lessons.items(), 1))
     return f"<div class='lab-lesson lab-shelf'><p>{tr('You predict, run, observe, and then read why.')}</p>" \
            f"<div class='lab-go-on'></div><ol>{rows}</ol></div>"
 
 
-def lang(lesson: Lesson) -> str:
+def lang_attribute(lesson: Lesson) -> str:
     """The attribute of what a lesson says where that is not in the language that is spoken."""
-    return "" if lesson.language == language() else f" lang='{lesson.language}'"
+    return "" if lesson.language == current_language() else f" lang='{lesson.language}'"
 
 
 def head_html(lesson: Lesson, progress: Progress) -> str:
     """Title, and how far one has come."""
     return f"<div class='lab-lesson lab-lesson-head'><i class='lab-studying'></i>" \
-           f"<b{lang(lesson)}>{escape(lesson.title)}</b>{core.where(lesson, progress)}</div>"
+           f"<b{lang_attribute(lesson)}>{escape(lesson.title)}</b>{core.progress_html(lesson, progress)}</div>"
 
 
 def intro_html(lesson: Lesson, numbers: Numbers, teacher: bool) -> str:
     """The lesson's beginning: what it is for, and its first words."""
     goals = "".join(f"<li>{escape(goal)}</li>" for goal in lesson.goals)
-    known = catalogue.lessons()
-    before = [f"<span{lang(known[name])}>{escape(known[name].title)}</span>" if name in known and lang(known[name]) else
-              escape(known[name].title if name in known else name) for name in lesson.prerequisites]
+    known = catalogue.load_lessons()
+    before = [
+        f"<span{lang_attribute(known[name])}>{escape(known[name].title)}</span>"
+        if name in known and lang_attribute(known[name])
+        else escape(known[name].title if name in known else name)
+        for name in lesson.prerequisites
+    ]
     first = tr("Do before: {lessons}.", lessons="; ".join(before))
     needs = f"<p>{first}</p>" if before else ""
-    only = f"<p>{tr('This lesson is in English.')}</p>" if lang(lesson) else ""
-    return f"<div class='lab-lesson'>{only}<p>{core.takes(lesson)}</p><ul{lang(lesson)}>{goals}</ul>{needs}" \
-           f"{_own(lesson, text_html(lesson.intro, numbers))}{_notes(lesson, lesson.notes, teacher)}</div>"
+    only = f"<p>{tr('This lesson is in English.')}</p>" if lang_attribute(lesson) else ""
+    return (
+        f"<div class='lab-lesson'>{only}<p>{core.duration_text(lesson)}</p>"
+        f"<ul{lang_attribute(lesson)}>{goals}</ul>{needs}"
+        f"{_own(lesson, text_html(lesson.intro, numbers))}{_notes(lesson, lesson.notes, teacher)}</div>"
+    )
 
 
 def step_html(lesson: Lesson, step: Step, numbers: Numbers, before: str, teacher: bool) -> str:
     """A step's text, below what is said ``before`` it, which is html. What it asks for is a button that does it."""
     kind = f"<span class='lab-kind lab-kind-{step.kind}'>{tr(TITLES[step.kind])}</span>"
-    deeper = "" if step.core else core.deeper()
-    title = f"<h2{lang(lesson)}>{escape(filled(step.title, numbers))}</h2>"
+    deeper = "" if step.core else core.optional_step_mark()
+    title = f"<h2{lang_attribute(lesson)}>{escape(fill_numbers(step.title, numbers))}</h2>"
     with use_language(lesson.language):
         text = action_buttons.with_buttons(text_html(step.text, numbers))
-        if step.stage and action_buttons.put() not in text:
-            text += f"<p>{tr('The run that this is about:')}</p>{action_buttons.put()}"
+        if step.stage and action_buttons.stage_button() not in text:
+            text += f"<p>{tr('The run that this is about:')}</p>{action_buttons.stage_button()}"
     return f"<div class='lab-lesson' data-step='{lesson.steps.index(step) + 1}'>{kind}{deeper}{title}" \
            f"{before}{_own(lesson, text)}{_notes(lesson, step.notes, teacher)}</div>"
 
@@ -85,7 +92,7 @@ def choices_html(options: Sequence[str], chosen: int | None, fixed: bool, key: s
 def compared_html(lesson: Lesson, steps: Sequence[Step], answers: Mapping[str, Answer],
                   marks: Mapping[str, AnswerMark | str], numbers: Numbers) -> str:
     """Each answer beside what came out; ``marks`` has a sentence where there is no mark yet."""
-    rows, own = [], lang(lesson)
+    rows, own = [], lang_attribute(lesson)
     for step in steps:
         asked, answer = step.question, answers.get(step.key)
         if asked is None or answer is None:
@@ -95,12 +102,12 @@ def compared_html(lesson: Lesson, steps: Sequence[Step], answers: Mapping[str, A
             out = f"<td colspan='2'>{escape(mark)}</td>"
         else:
             kind, sign, word = SIGNS[mark.right]
-            came = tr("for your teacher") if asked.kind == TEXT else escape(scored(mark))
+            came = tr("for your teacher") if asked.kind == TEXT else escape(format_score(mark))
             word = tr(word) if word else ""
             out = f"<td{own if asked.kind == CHOICE else ''}>{came}</td>" \
                   f"<td class='lab-{kind}' title='{word}' aria-label='{word}'>{sign}</td>"
-        said = escape(filled(shown(asked, answer.first), numbers))
-        rows.append(f"<tr><th scope='row'{own}>{escape(filled(step.title, numbers))}</th>"
+        said = escape(fill_numbers(format_answer(asked, answer.first), numbers))
+        rows.append(f"<tr><th scope='row'{own}>{escape(fill_numbers(step.title, numbers))}</th>"
                     f"<td{own if asked.kind == CHOICE else ''}>{said}</td>{out}</tr>")
     if not rows:
         return ""
@@ -111,7 +118,8 @@ def compared_html(lesson: Lesson, steps: Sequence[Step], answers: Mapping[str, A
 
 def taken_html(lesson: Lesson, step: Step, answer: Answer, numbers: Numbers, comment: str, right: bool | None) -> str:
     """Returns an answer that was taken and a comment on it, which ``js/lesson_aloud.js`` reads out."""
-    said, own = filled(shown(step.asked, answer.last), numbers), lang(lesson) if step.asked.kind == CHOICE else ""
+    said, own = fill_numbers(format_answer(step.asked, answer.last),
+                             numbers), lang_attribute(lesson) if step.asked.kind == CHOICE else ""
     kind, sign, word = SIGNS[right]
     mark = f" <span class='lab-{kind}'>{sign} {tr(word)}</span>" if sign else ""
     return f"<div class='lab-lesson lab-recorded'>{tr('Your answer:')} <b{own}>{escape(said)}</b>{mark} " \
@@ -126,7 +134,7 @@ def end_html(lesson: Lesson, progress: Progress, marks: Mapping[str, AnswerMark 
     open_ones = trn("{count} question is still open; go back to answer.",
                     "{count} questions are still open; go back to answer.", missing)
     left = f"<p>{open_ones}</p>" if missing else ""
-    more = core.left(lesson) if progress.core and not paced else ""
+    more = core.core_end_note(lesson) if progress.core and not paced else ""
     what = tr("<b>Hand in</b> saves a file with your answers and times, and your name if you have given one. Nothing "
               "is sent to anybody.")
     if paced:
@@ -140,17 +148,20 @@ def text_html(markdown: str, numbers: Numbers) -> str:
     name, short = tr("enlarge the figure"), tr("enlarge")
     return FIGURE.sub(rf"<button type='button' class='lab-enlarge' aria-label='{name}'>\1"
                       rf"<span aria-hidden='true'>{short}</span></button>",
-                      html(filled(markdown, numbers), catalogue.FOLDER))
+                      to_html(fill_numbers(markdown, numbers), catalogue.FOLDER))
 
 
 def _notes(lesson: Lesson, notes: str, teacher: bool) -> str:
-    return f"<aside class='lab-teacher'><b>{tr('Teacher')}</b>{_own(lesson, html(notes, catalogue.FOLDER))}</aside>" \
-        if notes and teacher else ""
+    return (
+        f"<aside class='lab-teacher'><b>{tr('Teacher')}</b>{_own(lesson, to_html(notes, catalogue.FOLDER))}</aside>"
+        if notes and teacher
+        else ""
+    )
 
 
 def _own(lesson: Lesson, words: str) -> str:
     """What a lesson says, as html, so that a browser knows in which language it is."""
-    return f"<div{lang(lesson)}>{words}</div>" if lang(lesson) else words
+    return f"<div{lang_attribute(lesson)}>{words}</div>" if lang_attribute(lesson) else words
 
 
 WAITED_FOR = lazy("Bets are being compared with the results …")
@@ -163,14 +174,14 @@ def bets_html(bettors: Sequence[Bettor] | str) -> str:
         return f"<p class='lab-bets-later'>{escape(tr(bettors))}</p>"
     if not bettors:
         return ""
-    picture = drawn(bettors)
+    picture = draw_bets(bettors)
     rows = "".join(map(_row, picture.bettors))
     axis = "".join(f"<span>{text}</span>" for _, text in picture.ticks)
     return f"<figure class='lab-bets'><figcaption>{picture.said}</figcaption>{rows}" \
            f"<div class='lab-bets-axis' aria-hidden='true'>{axis}</div></figure>"
 
 
-def _row(bettor: Lines) -> str:
+def _row(bettor: BettorLines) -> str:
     """One bettor: who, how it went, and the lines."""
     high = OWN_ROW if bettor.own else ROW
     lines = "".join(

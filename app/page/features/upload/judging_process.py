@@ -84,7 +84,7 @@ class Judging:
         self._slots.give_back()
 
 
-def sentence(name: str, reason: str, problems: tuple[str, ...]) -> str:
+def question_sentence(name: str, reason: str, problems: tuple[str, ...]) -> str:
     """What is asked: why the file is not judged yet, and of what it could be."""
     *others, last = (tr(PROBLEMS[problem].scene.TITLE) for problem in problems)
     titles = last
@@ -94,7 +94,7 @@ def sentence(name: str, reason: str, problems: tuple[str, ...]) -> str:
     return tr("The file {file} {reason}. Is it of the {problems}?", file=name, reason=on_page(reason), problems=titles)
 
 
-class Question:
+class ProblemQuestion:
     """Buttons with the problems that a file fits; ``on_choice`` is called with the one that is meant, or with None."""
 
     def __init__(self, gui: viser.GuiApi, on_choice: Callable[[str | None], None]):

@@ -13,8 +13,17 @@ from app.frame.captions import NO_INDEX
 from app.frame.headline import Headline
 from app.language.translation import lazy, tr, with_language
 from app.page.display_source import Choice, Display, FrameView
-from app.page.features.upload.judging_process import FIRST, Judging, Question, sentence
-from app.page.features.upload.uploaded_run import JUDGE, UploadedRun, headline, readout, scene_of, taken
+from app.page.feature import Feature
+from app.page.features.upload.judging_process import FIRST, Judging, ProblemQuestion, question_sentence
+from app.page.features.upload.uploaded_run import (
+    JUDGE,
+    UploadedRun,
+    file_headline,
+    file_readout,
+    loaded_notice,
+    scene_of,
+)
+from app.page.page_context import PageContext
 from app.page.panels.page_header import BARE
 from app.page.panels.timeline import Now
 from app.page.readout_panel import Numbers
@@ -23,6 +32,7 @@ from app.page.visit.session import Session, first_scene
 from app.page.visit.status_message import Notice
 from app.viewer.upload import LARGEST, TOO_LARGE, Upload
 from app.words import on_page
+from solvers.engine.engine_messages import FrameReport
 from solvers.judging.file_view import Shown
 from solvers.judging.particle_readers import KINDS
 from solvers.scene.scene import Scene
@@ -38,7 +48,7 @@ WHAT = lazy("Drop a file of particles anywhere on this page, or choose it ({kind
              "it on the stage. <code>mpm-lab problem</code> writes all that a code needs.")
 
 
-class UploadPanel:
+class UploadPanel(Feature):
     """One visitor's. ``on_view`` is called when something else is to be drawn, ``on_begin`` before a file takes the
     stage, ``on_scene`` with the scene of one that is of another problem than the stage. While one is :attr:`shown`
     (:class:`~app.page.display_source.Source`), in the colours of all its times, the run rests; that ends when
@@ -48,6 +58,7 @@ class UploadPanel:
                  on_begin: Callable[[], None], on_scene: Callable[[Scene], None]):
         gui = client.gui
         self._session, self._on_view, self._on_begin, self._on_scene = session, on_view, on_begin, on_scene
+        self.source = self
         self._lock = threading.RLock()
         self._judging: Judging | None = None
         self._run: UploadedRun | None = None
@@ -62,7 +73,14 @@ class UploadPanel:
         self._upload = Upload(gui, button, with_language(self._arrived),
                               with_language(lambda text: self._refuse(tr(text))))
 
-    def build(self, gui: viser.GuiApi) -> None:
+    @classmethod
+    def build(cls, page: PageContext) -> "UploadPanel":
+        panel = cls(page.client, page.session, page.stage.draw, lambda: page.clear_stage(), page.controls.load)
+        with page.tabs["explore"]:
+            panel._build_folds(page.gui)
+        return panel
+
+    def _build_folds(self, gui: viser.GuiApi) -> None:
         """Make the widgets, in their tab."""
         with gui.add_folder(tr("Your own code, judged"), order=LAST, expand_by_default=False):
             what = tr(WHAT, kinds=", ".join(KINDS), most=LARGEST / 1e6)
@@ -73,7 +91,7 @@ class UploadPanel:
             self._back = gui.add_button(tr(BACK), icon=viser.Icon.ARROW_BACK_UP, visible=False, hint=tr(BACK_HINT))
             self._text = gui.add_html("")
         self._back.on_click(lambda _: self.leave())
-        self._question = Question(gui, self._answer)
+        self._question = ProblemQuestion(gui, self._answer)
         self._folder = gui.add_folder(tr("Your file on the stage"), order=FIRST, visible=False)
         with self._folder:
             self._slider = gui.add_slider(tr("Frame"), 1, 2, 1, 1,
@@ -92,7 +110,7 @@ class UploadPanel:
         run = self._run
         return None if run is None else (run, min(self._k, len(run) - 1))
 
-    def follow(self) -> None:
+    def follow(self, report: FrameReport) -> None:
         """A frame of our run has come: if that is to move on, it is wanted."""
         with self._lock:
             if self._run is not None and self._session.moves != self._moves:
@@ -177,7 +195,7 @@ class UploadPanel:
 
     def _ask(self, name: str, reason: str, problems: tuple[str, ...]) -> None:
         """A file that is not of the problem on the stage: it waits for an answer."""
-        said = sentence(name, reason, problems)
+        said = question_sentence(name, reason, problems)
         self._news = monotonic(), Notice("refused", tr("{question} Select it at the top of Explore.", question=said))
         self._question.ask(said, problems)
         self._say(said)
@@ -202,7 +220,7 @@ class UploadPanel:
             self._session.play(False)
             self._moves = self._session.moves
         self._run, self._k = run, 0
-        self._say(taken(run, self._session.scene))
+        self._say(loaded_notice(run, self._session.scene))
         self._slider.max, self._slider.value = max(2, len(run)), 1  # type: ignore[misc]
         self._slider.disabled = len(run) < 2
         self._folder.visible = self._back.visible = True
@@ -274,7 +292,7 @@ class UploadPanel:
         if (shown := self.shown) is None:
             return None
         run, k = shown
-        return Numbers(readout(run, k, choice.quantity, probed), None if run.estimate is None else run,
+        return Numbers(file_readout(run, k, choice.quantity, probed), None if run.estimate is None else run,
                        (JUDGE,), (JUDGE,), JUDGE, Now(run.times[k], (run.times[0], run.times[-1]), self.playing),
                        "" if run.true is not None else tr(NO_INDEX))
 
@@ -284,4 +302,4 @@ class UploadPanel:
             return Headline()
         worst = WorstRegions()  # of this frame: at another time a file may have other particles
         worst.look(picture.report, picture.arrays, picture.view, choice.quantity)
-        return headline(*shown, picture.view, worst, choice.quantity)
+        return file_headline(*shown, picture.view, worst, choice.quantity)

@@ -8,14 +8,14 @@ from pathlib import Path
 
 import numpy as np
 
-from app.frame.captions import TRUE, UNKNOWN, View, view
-from app.frame.headline import Headline, error_words, errors
+from app.frame.captions import TRUE, UNKNOWN, View, view_of_sizes
+from app.frame.headline import Headline, error_words, format_errors
 from app.language.message_translation import translate_message
 from app.language.translation import lazy, tr
-from app.page.panels.readout import DRAG, Readout, named, row, table
+from app.page.panels.readout import DRAG, Readout, name_with_sample, row_html, table_html
 from app.page.stage.worst_region import WorstRegions
 from app.page.visit.history import RunSeries
-from app.words import NOTHING, QUANTITIES, differing, number, ratio, with_unit
+from app.words import NOTHING, QUANTITIES, difference_text, format_number, format_ratio, with_unit
 from solvers.engine.engine_messages import FrameReport
 from solvers.engine.shared_frames import FrameArrays, FrameOptions
 from solvers.judging.file_view import Shown, columns, open_table
@@ -89,8 +89,8 @@ class UploadedRun(RunSeries):
         no_estimate = lacks or (tr(COMING) if self.estimate is None else "")
         true = None if no_truth else arrays.error[:, column]
         estimated = None if no_estimate else arrays.estimate[JUDGE][:, column]
-        return view(quantity, JUDGE, estimated, true, no_estimate, no_truth, difference,
-                    arrays.difference[JUDGE][:, column])
+        return view_of_sizes(quantity, JUDGE, estimated, true, no_estimate, no_truth, difference,
+                             arrays.difference[JUDGE][:, column])
 
     def largest(self, quantity: str) -> tuple[np.ndarray, np.ndarray]:
         """The largest estimated and true sizes of all times, (1,) each: the colours of a file stay as they are."""
@@ -115,13 +115,13 @@ HINTS = {lazy("now"): lazy("root of the mean square over the particles, at the t
          lazy("index"): lazy("estimated over true error, summed over the times; 1 is perfect")}
 
 
-def headline(run: UploadedRun, k: int, view: View, worst: WorstRegions, quantity: str) -> Headline:
+def file_headline(run: UploadedRun, k: int, view: View, worst: WorstRegions, quantity: str) -> Headline:
     true, estimated = (_now(norms, k, quantity) for norms in (run.true, run.estimate))
     words = error_words(run.scene, quantity, JUDGE, view.left.silence if estimated is None else "",
                         view.right.silence if true is None else "")
     wrong, says = (np.nan if norm is None else norm for norm in (true, estimated))
-    said = errors(words, QUANTITIES[quantity].unit, wrong, says, says / wrong if wrong else np.nan,
-                  tr("at t = {time} s in {file} ", time=number(run.times[k]), file=run.name))
+    said = format_errors(words, QUANTITIES[quantity].unit, wrong, says, says / wrong if wrong else np.nan,
+                         tr("at t = {time} s in {file} ", time=format_number(run.times[k]), file=run.name))
     region = worst.by_truth or worst.by_estimate
     return replace(said, facts=(*said.facts, tr("worst at {region}", region=region.name)) if region else said.facts)
 
@@ -133,14 +133,14 @@ def scene_of(own: Scene, page: Scene) -> Scene:
     return page
 
 
-def taken(run: UploadedRun, page: Scene) -> str:
+def loaded_notice(run: UploadedRun, page: Scene) -> str:
     """That a file is on the stage, and with what it is judged where that is not what the page shows."""
-    said = differing(scene_of(run.scene, page), page) if run.scene.problem == page.problem else ""
+    said = difference_text(scene_of(run.scene, page), page) if run.scene.problem == page.problem else ""
     return tr("The file {file} is on the stage, judged with {settings}.", file=run.name, settings=said) if said else \
         tr("The file {file} is on the stage.", file=run.name)
 
 
-def readout(run: UploadedRun, k: int, quantity: str, probed: str | None) -> Readout:
+def file_readout(run: UploadedRun, k: int, quantity: str, probed: str | None) -> Readout:
     verdict = run.verdict or {}
     rows = [(tr("file"), f"<b>{escape(run.name)}</b>"),
             (tr("frame"), tr("{n} of {all}", n=k + 1, all=len(run))),
@@ -150,7 +150,7 @@ def readout(run: UploadedRun, k: int, quantity: str, probed: str | None) -> Read
                             spacing=with_unit(run.scene.spacing, "m"))), (tr("particles"), f"{run.particles(k):,}"),
             *([(tr("crossings"), tr("{n:,} at least", n=verdict["crossings_at_least"]))] if verdict else []),
             (tr("region"), escape(probed or tr(DRAG)))]
-    run_of = table("".join(f"<tr><td>{name}</td>\n<td>{text}</td></tr>\n" for name, text in rows))
+    run_of = table_html("".join(f"<tr><td>{name}</td>\n<td>{text}</td></tr>\n" for name, text in rows))
     found = "".join(f"<p>{escape(text)}</p>" for text in _found(run, quantity))
     return Readout(f"{_errors(run, k, quantity)}<div class='lab-own'>{found}</div>", run_of)
 
@@ -159,18 +159,28 @@ def _errors(run: UploadedRun, k: int, quantity: str) -> str:
     """A line for the truth and one for the companion."""
     words = QUANTITIES[quantity]
     heads = (f"<span title=\"{escape(tr(hint))}\">{tr(head)}</span>" for head, hint in HINTS.items())
-    rows = [row("head", tr("error of {symbol}", symbol=words.symbol), *heads)]
+    rows = [row_html("head", tr("error of {symbol}", symbol=words.symbol), *heads)]
     if quantity in run.missing or quantity == "a":
-        return table("".join([*rows, row("", named(TRUE), tr("not in the file"))]), "lab-numbers lab-estimates")
+        return table_html("".join([*rows, row_html("", name_with_sample(TRUE), tr("not in the file"))]),
+                          "lab-numbers lab-estimates")
     for name, norms in ((TRUE, run.true), (JUDGE, run.estimate)):
         last = run.series.get(f"{JUDGE}/index_{quantity}", np.zeros(0))[-1:]
-        index = "" if name != JUDGE else ratio(float(last[0])) if np.isfinite(last).any() else NOTHING
+        index = "" if name != JUDGE else format_ratio(float(last[0])) if np.isfinite(last).any() else NOTHING
         values = np.zeros(0) if norms is None or quantity not in norms else \
             norms[quantity][run.times > 0 if (run.times > 0).any() else ...]
         largest = float(values.max()) if len(values) and np.isfinite(values).all() else None
-        rows.append(row("", named(name), *(NOTHING if value is None else with_unit(value, words.unit, 2) for value in (
-            _now(norms, k, quantity), largest)), index))
-    return table("".join(rows), "lab-numbers lab-estimates")
+        rows.append(
+            row_html(
+                "",
+                name_with_sample(name),
+                *(
+                    NOTHING if value is None else with_unit(value, words.unit, 2)
+                    for value in (_now(norms, k, quantity), largest)
+                ),
+                index,
+            )
+        )
+    return table_html("".join(rows), "lab-numbers lab-estimates")
 
 
 def _found(run: UploadedRun, quantity: str) -> list[str]:
@@ -182,11 +192,11 @@ def _found(run: UploadedRun, quantity: str) -> list[str]:
     if worst:
         size = with_unit(worst["size"], QUANTITIES[quantity].unit)
         found.append(tr("Worst of all: {size}, particle {particle} at {place}, t = {time} s.", size=size,
-                        particle=worst["particle"], place=_place(worst["X"]), time=number(worst["t"])))
+                        particle=worst["particle"], place=_place(worst["X"]), time=format_number(worst["t"])))
     if gap := run.verdict["neighbour_gap"]:
         found.append(tr("{count:,} particles ({share:.2g} %) are not where their neighbours are, by up to {apart:.2g} "
                         "h, at t = {time} s: the farthest is particle {particle} at {place}.", count=gap["count"],
-                        share=100 * gap["share"], apart=gap["farthest_over_h"], time=number(gap["t"]),
+                        share=100 * gap["share"], apart=gap["farthest_over_h"], time=format_number(gap["t"]),
                         particle=gap["particle"], place=_place(gap["X"])))
     notes = map(translate_message, run.verdict["notes"])
     return [*found, *(f"{note[:1].upper()}{note[1:]}." for note in notes)]

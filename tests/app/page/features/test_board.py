@@ -7,15 +7,15 @@ from dataclasses import replace
 
 import pytest
 
+from app.classroom import class_answers as tally_module
+from app.classroom.board import BACK, COUNTED, NEXT, REVEALED, SHOWN, Board
+from app.classroom.class_answers import ClassAnswers
 from app.lessons import catalogue
 from app.lessons.lesson import CHOICE, INTERVAL, TEXT
 from app.lessons.lesson_runs import RunCache, RunFailed
 from app.lessons.student_progress import Answer
-from app.page.features.board import class_answers as tally_module
-from app.page.features.board.board import BACK, COUNTED, NEXT, REVEALED, SHOWN, Board
-from app.page.features.board.class_answers import ClassAnswers
-from app.page.features.board.panel import LecturerContext, saved
-from app.page.features.board.slides import JoinInfo, calibration, says_next, scores, slide
+from app.page.features.board.panel import LecturerContext, answers_json
+from app.page.features.board.slides import JoinInfo, calibration, question_scores, says_next, slide_html
 from tests.support.processes import until
 
 DOOR = JoinInfo("http://lab/", "wave-4711")
@@ -35,7 +35,7 @@ class Waiting(RunCache):
 @pytest.fixture
 def lesson():
     """Two predictions that need no run, a step without a question, a free text and an interval."""
-    four = catalogue.lesson("04-grid-crossing")
+    four = catalogue.load_lesson("04-grid-crossing")
     number = next(step for step in four.steps if step.key == "where-does-the-trouble-begin")
     choice = replace(four.steps[0], question=replace(four.steps[0].asked, holds=("1 < 0", "1 < 2", "2 < 1")))
     text = replace(number, key="why", title="Why?", question=replace(number.asked, kind=TEXT, expected=""))
@@ -56,7 +56,7 @@ def press(board, *whats):
 
 
 def shown(board):
-    return slide(board, board.place, DOOR)
+    return slide_html(board, board.place, DOOR)
 
 
 def revealed(board):
@@ -143,7 +143,7 @@ def test_how_many_first_then_what_and_then_what_came_out(board):
     assert not re.search(r"<b>\d</b></li>", shown(board)) and "came out" not in shown(board)
     press(board, NEXT)
     assert re.findall(r"<b>(\d)</b></li>", shown(board)) == ["0", "1", "1"] and "came out" not in shown(board)
-    assert json.loads(saved(board))["questions"][0]["came_out"] is None
+    assert json.loads(answers_json(board))["questions"][0]["came_out"] is None
     for late in (seats[2], board.seat("d")):  # also one who comes only then
         for _ in range(2):
             late.answered(first, 2)
@@ -167,7 +167,7 @@ def test_free_texts_are_counted_and_never_shown_or_saved(board):
     seat.answered(board.step(4), "my name is Ada")
     assert "1 of 1 has predicted" in shown(board)
     press(board, NEXT)
-    assert "Ada" not in saved(board) + shown(board) and board.place.at == 5
+    assert "Ada" not in answers_json(board) + shown(board) and board.place.at == 5
     assert board.tally.answers("why") == [""]
 
 
@@ -180,11 +180,11 @@ def test_the_end_says_how_well_the_class_has_known(board):
             for seat, answer in zip(seats, given[step.asked.kind], strict=True):
                 seat.answered(step, answer)
         press(board, NEXT)
-    until(lambda: len(scores(board)) == 3, "what came out")
-    assert calibration(scores(board)) == ["4 of 6 predictions were right: 67 %",
-                                          "2 of 3 intervals contain the result: 67 % (80 % expected)"]
+    until(lambda: len(question_scores(board)) == 3, "what came out")
+    assert calibration(question_scores(board)) == ["4 of 6 predictions were right: 67 %",
+                                                   "2 of 3 intervals contain the result: 67 % (80 % expected)"]
     assert "2 of 3 held" in shown(board) and shown(board).count("2 of 3 right") == 2
-    kept = json.loads(saved(board))
+    kept = json.loads(answers_json(board))
     assert kept.keys() == {"schema", "lesson", "fingerprint", "numbers", "questions"}
     assert {key for question in kept["questions"] for key in question} == {
         "key", "step", "title", "kind", "unit", "options", "count", "late", "answers", "came_out", "right"}
@@ -200,12 +200,12 @@ def test_the_board_shows_the_address_by_which_a_class_comes_in(board, here, link
     door = LecturerContext(board, JoinInfo("http://10.0.0.5:8080/", "wave 4711")).seen_from(here)
     assert (door.link, door.warning, door.whole) == (link, "", f"{link}#code=wave%204711")
     door = LecturerContext(board, JoinInfo("http://127.0.0.1:8080/", "wave-4711")).seen_from("http://localhost:8080/")
-    assert "Only this computer" in slide(board, board.place, door)  # which nobody else can open
+    assert "Only this computer" in slide_html(board, board.place, door)  # which nobody else can open
 
 
 def test_what_cannot_be_worked_out_is_said_and_ends_nothing():
     outcomes = Waiting()
-    board = Board(catalogue.lesson("04-grid-crossing"), outcomes)
+    board = Board(catalogue.load_lesson("04-grid-crossing"), outcomes)
     press(board, NEXT, NEXT, NEXT)
     assert "being computed" in shown(board)
     outcomes.go.set()

@@ -6,7 +6,7 @@ import pytest
 
 from app.lessons.answer_check import Right
 from app.lessons.lesson import CHOICE, DRAG, INTERVAL, NUMBER, Question
-from app.page.features.board.chart import axis_for, chart, options, right_among
+from app.page.features.board.chart import answer_chart, answer_options, axis_for, right_among
 
 OPTIONS = ("It <grows>", "It falls to {A}", "Neither")
 
@@ -34,7 +34,7 @@ def test_one_odd_answer_does_not_squeeze_the_others():
     values = [1.0, 1.2, 1.4, 1.6, 1.8, 2.0, 2.1, 2.2, 2.3, 2.4, 6969.0]
     axis = axis_for(values)
     assert axis.place(2.4) - axis.place(1.0) > 0.3 and axis.beyond(6969.0) == 1
-    assert "1 further to the right" in chart(asked(NUMBER, unit="mm"), values, {}, None)
+    assert "1 further to the right" in answer_chart(asked(NUMBER, unit="mm"), values, {}, None)
 
 
 def test_decades_have_the_same_room_where_answers_span_many():
@@ -44,23 +44,23 @@ def test_decades_have_the_same_room_where_answers_span_many():
 
 
 def test_bars_have_their_counts_and_what_came_out_a_sign():
-    before = chart(asked(CHOICE, options=OPTIONS), [1, 1, 2], {"A": 7}, None)
+    before = answer_chart(asked(CHOICE, options=OPTIONS), [1, 1, 2], {"A": 7}, None)
     assert re.findall(r"<b>(\d)</b>", before) == ["2", "1", "0"] and "came out" not in before
     assert "It &lt;grows&gt;" in before and "It falls to 7" in before
     assert [round(float(part), 2) for part in re.findall(r"--part: ([\d.]+)", before)] == [0.67, 0.33, 0]
-    after = chart(asked(CHOICE, options=OPTIONS), [1, 1, 2], {"A": 7}, Right("It falls to 7", (2,)))
+    after = answer_chart(asked(CHOICE, options=OPTIONS), [1, 1, 2], {"A": 7}, Right("It falls to 7", (2,)))
     assert after.count("✓ this came out") == 1
     assert after.index("falls to 7") < after.index("came out") < after.index("Neither")
-    assert "<i" not in options(asked(CHOICE, options=OPTIONS), {"A": 7})
+    assert "<i" not in answer_options(asked(CHOICE, options=OPTIONS), {"A": 7})
 
 
 @pytest.mark.parametrize("kind", [NUMBER, DRAG])
 def test_numbers_are_dots_and_what_is_right_a_band(kind):
     """As many dots as answers, above each other where they are the same."""
     question = asked(kind, unit="m", tolerance=0.1)
-    before = chart(question, [0.001, 0.001, 0.002], {}, None)
+    before = answer_chart(question, [0.001, 0.001, 0.002], {}, None)
     assert before.count("<i></i>") == 3 and "--most: 2" in before and "came out" not in before
-    after = chart(question, [0.001, 0.001, 0.002], {}, Right("", value=0.002))
+    after = answer_chart(question, [0.001, 0.001, 0.002], {}, Right("", value=0.002))
     band = re.search(r"lab-band' style='left: ([\d.]+)%; width: ([\d.]+)%", after)
     dots = [float(left) for left in re.findall(r"<div style='left: ([\d.]+)%", after)]
     assert "2 mm came out" in after and dots[0] < float(band[1]) < dots[1] + 3 < sum(map(float, band.groups())) + 6
@@ -70,12 +70,12 @@ def test_numbers_are_dots_and_what_is_right_a_band(kind):
 
 def test_intervals_are_lines_and_those_that_hold_what_came_out_look_different():
     question, given = asked(INTERVAL, unit="µm"), [[1.0, 2.0], [1.5, 4.0], [3.0, 5.0]]
-    before = chart(question, given, {}, None)
+    before = answer_chart(question, given, {}, None)
     spans = [tuple(map(float, span)) for span in re.findall(r"margin-left: ([\d.]+)%; width: ([\d.]+)%", before)]
     assert len(spans) == 3 and spans[0][0] < spans[1][0] < spans[2][0] and spans[1][1] > spans[0][1] > 0
     assert "lab-holds" not in before and "came out" not in before
     found = Right("", value=3.5)
-    after = chart(question, given, {}, found)
+    after = answer_chart(question, given, {}, found)
     assert after.count("lab-holds") == 2 == right_among(question, given, found) and after.count("lab-misses") == 1
     assert "3.5 µm came out" in after
 
@@ -83,5 +83,5 @@ def test_intervals_are_lines_and_those_that_hold_what_came_out_look_different():
 @pytest.mark.parametrize("kind", [CHOICE, NUMBER, DRAG, INTERVAL])
 def test_no_answer_at_all_is_no_fault(kind):
     question = asked(kind, options=OPTIONS)
-    chart(question, [], {"A": 1}, None)
-    assert "came out" in chart(question, [], {"A": 1}, Right("", (1,), 2.0))
+    answer_chart(question, [], {"A": 1}, None)
+    assert "came out" in answer_chart(question, [], {"A": 1}, Right("", (1,), 2.0))

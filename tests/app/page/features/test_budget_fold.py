@@ -11,21 +11,22 @@ from types import SimpleNamespace
 import numpy as np
 
 from app import state
-from app.frame.budget_chart import MEANINGS, blamed, error, field_of, percent, stacked
+from app.frame.budget_chart import MEANINGS, error_rms, field_of, format_percent, largest_cause_fact, stack_layers
 from app.page.display_source import Choice
-from app.page.features.budget.chart import HEIGHT, MOST, WIDTH, BudgetData, chart
+from app.page.feature import PageView
+from app.page.features.budget.chart import HEIGHT, MOST, WIDTH, BudgetData, budget_chart
 from app.page.features.budget.panel import BudgetFold
 from app.page.panels.timeline import Now
 from app.page.readout_panel import Numbers
 from app.state import State
-from app.words import differing, per_cent, with_unit
+from app.words import difference_text, per_cent, with_unit
 from solvers.problems.ring import RingScene
 from solvers.running import budget as running
 from solvers.scene.error_causes import CAUSES, FIELDS
 from solvers.solver import budget
 from tests.app.page.panel import Gui
 
-HATS = state.read("bar;method=mpm;cells=20;ppc=2;estimators=none;effects=truth,crossings,budget").scene
+HATS = state.parse_state("bar;method=mpm;cells=20;ppc=2;estimators=none;effects=truth,crossings,budget").scene
 UGIMP = replace(HATS, method="ugimp")
 RING = RingScene(cells=8, ppc=1, periods=0.2, method="ugimp", estimators=())
 
@@ -67,7 +68,7 @@ class Stage:
         """What is read in the fold after another refresh."""
         now = Now(0.0, (0.0, 0.0), playing)
         numbers = Numbers(SimpleNamespace(), history, (), (), None, now, "", pinned, scene=scene)
-        self.fold.show(numbers, Choice(quantity, None, False, False, 1, False), studying)
+        self.fold.refresh(PageView(Choice(quantity, None, False, False, 1, False), numbers, studying, True))
         fold = self.fold
         return "".join(html.content for html in (fold._offer, fold._chart, fold._outcome) if html.visible)
 
@@ -81,10 +82,10 @@ def shares(text):
 def test_layers_add_up_to_the_error_and_leave_no_gap():
     series = made()
     for field in FIELDS:
-        layers = stacked(series, field)
+        layers = stack_layers(series, field)
         assert [layer.cause for layer in layers] == ["crossings", "coarse_grid", "time_step"], "who makes none has none"
         whole = sum(np.diff(edges, axis=0)[0] for layer in layers for edges in (layer.above, layer.below))
-        np.testing.assert_allclose(whole, error(series, field), rtol=0, atol=1e-18)
+        np.testing.assert_allclose(whole, error_rms(series, field), rtol=0, atol=1e-18)
         assert not layers[0].above[0].any() and layers[-1].below[1].min() < 0
         for one, other in pairwise(layers):
             assert np.array_equal(one.above[1], other.above[0]) and np.array_equal(one.below[1], other.below[0])
@@ -93,22 +94,22 @@ def test_layers_add_up_to_the_error_and_leave_no_gap():
 def test_the_line_is_the_error_at_its_times():
     """Whole units of the chart; few enough points whatever the run's length."""
     series = made()
-    line = re.search(r"lab-whole' d='M(.*?)'", chart([of(series)], "x"))[1]
+    line = re.search(r"lab-whole' d='M(.*?)'", budget_chart([of(series)], "x"))[1]
     points = np.array([point.split() for point in line.split("L")], float)
     sizes = series["budget/error_x"]
     assert len(points) == len(sizes) <= MOST
     assert np.abs(points[:, 0] - WIDTH * series["time"] / HATS.period).max() <= 0.5 + 1e-9
     assert np.abs(points[:, 1] - np.polyval(np.polyfit(sizes, points[:, 1], 1), sizes)).max() < 1
     assert HEIGHT / 2 < np.ptp(points[:, 1]) <= HEIGHT
-    assert chart([of(made(periods=12.0, count=30 * MOST))], "v").count("L") < 12 * MOST
+    assert budget_chart([of(made(periods=12.0, count=30 * MOST))], "v").count("L") < 12 * MOST
 
 
 def test_the_legend_has_shares_and_two_runs_have_one_scale():
-    text = chart([of(made())], "v")
+    text = budget_chart([of(made())], "v")
     assert shares(text) == dict(zip(CAUSES, (["90 %"], ["20 %"], ["0 %"], ["−10 %"]), strict=True))
     assert all(words in text for words in (*CAUSES.values(), *MEANINGS.values()))
-    assert percent(-0.001) == "0 %" and percent(None) == "–"
-    text = chart([of(made(), "pinned: MPM"), of(made(0.4, 0.7, 3e-4), "this run: uGIMP", UGIMP)], "v")
+    assert format_percent(-0.001) == "0 %" and format_percent(None) == "–"
+    text = budget_chart([of(made(), "pinned: MPM"), of(made(0.4, 0.7, 3e-4), "this run: uGIMP", UGIMP)], "v")
     assert text.count("<figure>") == 2 and text.count(">pinned</th>") == 1
     assert shares(text)["crossings"] == ["90 %", "40 %"]
     heights = [min(float(point.split()[1]) for point in line.split("L"))
@@ -118,18 +119,22 @@ def test_the_legend_has_shares_and_two_runs_have_one_scale():
 
 def test_where_shares_mean_nothing_the_reason_stands_in_place_of_the_chart():
     series = made() | {f"budget/size_x_{cause}": 5 * made()["budget/error_x"] for cause in CAUSES}
-    text = chart([of(series)], "x")
+    text = budget_chart([of(series)], "x")
     assert "the causes have errors of x that cancel and are 20 times as large" in text and "<svg" not in text
     assert "data-cause" not in text
-    assert blamed(HATS, series, "x") == ""
+    assert largest_cause_fact(HATS, series, "x") == ""
 
 
 def test_the_sentence_names_who_made_most():
     series = made()
-    assert blamed(HATS, series, "x") == f"crossings made {per_cent(0.9)} of the error of x"
-    assert blamed(HATS, series, "sigma") == blamed(replace(HATS, effects=("truth",)), series, "x") == ""
-    assert blamed(HATS, made(0.1, 0.8), "v").startswith("the coarse grid made ")
-    assert blamed(HATS, made(periods=0.01), "x") == "", "a share says nothing yet"
+    assert largest_cause_fact(HATS, series, "x") == f"crossings made {per_cent(0.9)} of the error of x"
+    assert (
+        largest_cause_fact(HATS, series, "sigma")
+        == largest_cause_fact(replace(HATS, effects=("truth",)), series, "x")
+        == ""
+    )
+    assert largest_cause_fact(HATS, made(0.1, 0.8), "v").startswith("the coarse grid made ")
+    assert largest_cause_fact(HATS, made(periods=0.01), "x") == "", "a share says nothing yet"
     assert [field_of(quantity) for quantity in ("x", "v", "sigma", "a")] == ["x", "v", "F", "F"]
 
 
@@ -229,8 +234,10 @@ def test_a_cause_is_taken_away_foretold_and_run_again():
     stage.gui.by_label["Take it away and run again"].click()
     shown = stage.state
     assert shown.scene == replace(HATS, take_away="crossings") and shown.pinned == HATS and shown.quantity == "v"
-    assert state.read(state.write(shown)) == shown
-    assert differing(shown.scene, HATS) == "without crossings" and differing(HATS, shown.scene) == "as it is"
+    assert state.parse_state(state.write_state(shown)) == shown
+    assert (
+        difference_text(shown.scene, HATS) == "without crossings" and difference_text(HATS, shown.scene) == "as it is"
+    )
     half = budget.rms(made(periods=0.5, count=21), "v")
     assert half < 0.5 * budget.rms(made(), "v")
     text = stage.look(past(shown.scene, made(0.0, 1.0, 2e-4, 0.5, 21)),

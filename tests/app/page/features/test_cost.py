@@ -7,7 +7,7 @@ from dataclasses import replace
 import pytest
 
 from app.page.features.cost import cost_texts
-from app.page.features.cost.jobs import timings
+from app.page.features.cost.jobs import scenes_to_time
 from app.page.features.cost.panel import CostTab
 from app.page.features.cost.visitor_runs import LIVE, SEARCH, SWEEP, LiveRows, Runs, csv_bytes, live_row
 from app.page.visit.history import History
@@ -81,9 +81,9 @@ def test_live_run_that_goes_bad_is_a_row(status, steps, changes, said):
     """Drawn and told under its own name; one that is lost goes to the end of its scene."""
     bad = replace(SCENE, cells=40, **changes)
     run = run_of(bad, steps)
-    assert run.row["status"] == status and run.row["reason"] and run.drawable and said in cost_texts.sentence(run)
+    assert run.row["status"] == status and run.row["reason"] and run.drawable and said in cost_texts.run_sentence(run)
     assert run.row["t"] < bad.end_time if status == "unstable" else run.row["steps"] == bad.steps
-    assert f">{status}</td>" in cost_texts.table([run])
+    assert f">{status}</td>" in cost_texts.runs_table([run])
 
 
 def test_run_that_is_lost_after_its_scene_is_ok():
@@ -95,7 +95,7 @@ def test_run_that_is_lost_after_its_scene_is_ok():
 def test_live_run_without_truth_has_its_estimate():
     run = run_of(replace(SCENE, body_force="two-tone"))
     assert run.error is None and run.size == run.estimate > 0 and run.drawable
-    assert f"est. {cost_texts.percent(run.estimate)}" in cost_texts.table([run])
+    assert f"est. {cost_texts.format_percent(run.estimate)}" in cost_texts.runs_table([run])
 
 
 def test_runs_keep_their_numbers_and_are_bounded():
@@ -107,7 +107,7 @@ def test_runs_keep_their_numbers_and_are_bounded():
     runs.add(made_up(cells=20), LIVE)
     runs.add(made_up(cells=10, status="failed"), SWEEP)
     assert [(run.number, run.source) for run in runs.all()] == [(1, LIVE), (2, SWEEP)]
-    assert [task.inputs["cells"] for task in timings(runs.all())] == [10]
+    assert [task.inputs["cells"] for task in scenes_to_time(runs.all())] == [10]
     for cells in (30, 40):
         runs.add(made_up(cells=cells), LIVE)
     assert [run.number for run in runs.all()] == [2, 3, 4]
@@ -137,8 +137,8 @@ def test_scene_too_large_to_watch_is_not_loaded():
 @pytest.mark.parametrize("text", ["", "abc", "0", "-1", "nan", "inf", "1e999", "61"])
 def test_what_is_no_number_is_refused_in_words(text):
     with pytest.raises(cost_texts.NoNumber, match="give a number above 0"):
-        cost_texts.typed("Longest run", text, cost_texts.LONGEST_BUDGET)
-    assert cost_texts.typed("Tolerance", " 1e-4 ") == 1e-4
+        cost_texts.parse_positive("Longest run", text, cost_texts.LONGEST_BUDGET)
+    assert cost_texts.parse_positive("Tolerance", " 1e-4 ") == 1e-4
 
 
 def test_row_that_says_most_is_kept():
@@ -152,7 +152,7 @@ def test_row_that_says_most_is_kept():
 @pytest.mark.parametrize(("part", "text"), [(0.005, "0.5"), (0.12, "12"), (0.0123, "1.2"), (1.0, "100"), (0.999, "100"),
                                             (22.0, "2200"), (1e-5, "0.001"), (3.14e-9, "3.1 × 10⁻⁷")])
 def test_parts_are_said_in_percent(part, text):
-    assert cost_texts.percent(part) == f"{text}\N{NO-BREAK SPACE}%"
+    assert cost_texts.format_percent(part) == f"{text}\N{NO-BREAK SPACE}%"
 
 
 def test_table_is_bounded_and_says_what_is_left_out():
@@ -161,6 +161,6 @@ def test_table_is_bounded_and_says_what_is_left_out():
     for cells in range(10, 10 + cost_texts.MOST_LINES + 3):
         runs.add(made_up(cells=cells), SWEEP)
     runs.add(failed(task_of(SCENE), "lost <b>"), SWEEP)
-    listed = cost_texts.table(runs.all())
+    listed = cost_texts.runs_table(runs.all())
     assert listed.count("<button") == cost_texts.MOST_LINES and "4 more are on the chart" in listed
-    assert "lost <b>" not in listed and cost_texts.table([]) == ""
+    assert "lost <b>" not in listed and cost_texts.runs_table([]) == ""

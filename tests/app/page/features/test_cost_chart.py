@@ -9,9 +9,27 @@ import pytest
 
 from app.colours import GROUNDS, METHOD_COLOURS
 from app.page.features.cost import visitor_runs
-from app.page.features.cost.cost_chart import LogAxis, around, axes, headline, line, names, picture, unnamed
-from app.page.features.cost.cost_texts import percent, seconds
-from app.page.features.cost.visitor_runs import LIVE, SEARCH, SWEEP, Runs, cheapest, comparable, front, staged
+from app.page.features.cost.cost_chart import (
+    LogAxis,
+    answer_headline,
+    axes_for,
+    axis_around,
+    best_without_curve,
+    curve_names,
+    draw_runs,
+    tolerance_line,
+)
+from app.page.features.cost.cost_texts import format_percent, format_seconds
+from app.page.features.cost.visitor_runs import (
+    LIVE,
+    SEARCH,
+    SWEEP,
+    Runs,
+    cheapest_run,
+    comparable_runs,
+    pareto_front,
+    run_of_scene,
+)
 from app.page.panels.page_header import WEB
 from solvers.problems.bar.scene import BarScene
 from solvers.study.parameter_grid import task_of
@@ -38,7 +56,7 @@ def numbered(*rows):
 
 
 def drawn(runs, scene=SCENE, tolerance=1e-3):
-    return picture(runs, comparable(runs, scene), scene, axes(runs, tolerance))
+    return draw_runs(runs, comparable_runs(runs, scene), scene, axes_for(runs, tolerance))
 
 
 def sweep(*methods):
@@ -73,9 +91,10 @@ def test_every_run_is_a_button_where_its_error_and_time_are():
     assert found[4][0] == {"lab-dot", "lab-broken"} and found[4][2] == 0 and "too long" in found[4][3]
     assert found[5][0] == {"lab-dot", "lab-judged"} and "estimated by companion" in found[5][3]
     assert drawing.count("class='lab-curve'") == 2 and "hollow: estimated by companion" in drawing
-    assert [words for _, words in names(runs)] == ["uGIMP"] and [run.method for run in unnamed(runs)] == ["bspline"]
+    assert [words for _,
+            words in curve_names(runs)] == ["uGIMP"] and [run.method for run in best_without_curve(runs)] == ["bspline"]
     rows = [(made_up("ugimp", cells, cfl), SWEEP) for cfl in (0.1, 0.5) for cells in (10, 20)]
-    assert [words for _, words in names(numbered(*rows))] == ["uGIMP, CFL 0.1", "uGIMP, CFL 0.5"]
+    assert [words for _, words in curve_names(numbered(*rows))] == ["uGIMP, CFL 0.1", "uGIMP, CFL 0.5"]
     assert not buttons(drawn([])) and "time of one run" in drawn([])  # what will be there
     lost = made_up(status="lost", reason="<img src=x onerror='alert(1)'>")
     stranger = drawn([visitor_runs.NumberedRun(1, SWEEP, lost)])
@@ -89,9 +108,9 @@ def test_times_of_a_stage_are_not_on_the_axis():
     runs = numbered((slow, LIVE), *sweep("ugimp"))
     found = buttons(drawn(runs))
     assert found[1][0] == {"lab-dot", "lab-untimed"} and found[1][1] == 0 and "on the stage" in found[1][3]
-    assert axes(runs, 1e-3).across.high < 2 and "not timed alone" in drawn(runs)
+    assert axes_for(runs, 1e-3).across.high < 2 and "not timed alone" in drawn(runs)
     only = numbered((slow, LIVE))
-    assert not front(only) and cheapest(only, 1e9) is None and "lab-band" in drawn(only)
+    assert not pareto_front(only) and cheapest_run(only, 1e9) is None and "lab-band" in drawn(only)
     assert "lab-band" not in drawn(numbered(*sweep("ugimp")))
 
 
@@ -99,8 +118,8 @@ def test_runs_of_another_scene_are_faint_and_no_answer():
     """Another amplitude is another question; another method or remedy is not."""
     runs = numbered(*sweep("ugimp"))
     other = replace(SCENE, amplitude=0.01)
-    assert len(comparable(runs, replace(SCENE, method="cpgimp", cells=33, ppc=2, cfl=0.3))) == 3
-    assert not comparable(runs, other)
+    assert len(comparable_runs(runs, replace(SCENE, method="cpgimp", cells=33, ppc=2, cfl=0.3))) == 3
+    assert not comparable_runs(runs, other)
     faint = buttons(drawn(runs, other)).values()
     assert all("lab-aside" in kinds and "another scene" in words for kinds, _, _, words in faint)
     assert not any("lab-aside" in kinds for kinds, *_ in buttons(drawn(runs)).values())
@@ -109,58 +128,66 @@ def test_runs_of_another_scene_are_faint_and_no_answer():
 def test_front_is_what_none_beats():
     """By whatever method, and by an estimate where no truth is known; the cheapest below a tolerance is on it."""
     runs = numbered(*sweep("ugimp", "mpm"), (judged(cells=30, size=0.049, seconds={"min": 1e-4}), SEARCH))
-    best = front(runs)
+    best = pareto_front(runs)
     assert [run.seconds for run in best] == sorted(run.seconds for run in best)
     assert [run.size for run in best] == sorted((run.size for run in best), reverse=True)
-    assert cheapest(runs, 0.05).number == 7 and cheapest(runs, 0.03).scene.cells == 40 and cheapest(runs, 1e-9) is None
+    assert (
+        cheapest_run(runs, 0.05).number == 7
+        and cheapest_run(runs, 0.03).scene.cells == 40
+        and cheapest_run(runs, 1e-9) is None
+    )
 
 
 def test_headline_is_the_answer_and_says_whose_word_it_is():
     runs = numbered(*sweep("ugimp"), (made_up("mpm", 10, order=0.5), SWEEP), (made_up("mpm", 20, order=0.1), SWEEP))
-    best = cheapest(runs, 0.03)
-    says, more = headline(runs, SCENE, 0.03, "", 16)
-    assert says == f"For <b>3{NBSP}% of A</b>, pay <strong>{seconds(best.seconds)}</strong>: uGIMP on 40 cells."
-    assert percent(best.size) in more and "MPM (hat functions) gets worse" in more and "estimate" not in more
-    so_far, still = headline(runs, SCENE, 0.03, "", 16, provisional=True)
-    assert so_far == f"Cheapest so far for <b>3{NBSP}% of A</b>: <strong>{seconds(best.seconds)}</strong>, " \
+    best = cheapest_run(runs, 0.03)
+    says, more = answer_headline(runs, SCENE, 0.03, "", 16)
+    assert says == f"For <b>3{NBSP}% of A</b>, pay <strong>{format_seconds(best.seconds)}</strong>: uGIMP on 40 cells."
+    assert format_percent(best.size) in more and "MPM (hat functions) gets worse" in more and "estimate" not in more
+    so_far, still = answer_headline(runs, SCENE, 0.03, "", 16, provisional=True)
+    assert so_far == f"Cheapest so far for <b>3{NBSP}% of A</b>: <strong>{format_seconds(best.seconds)}</strong>, " \
         "uGIMP on 40 cells." and still == more
-    assert headline(runs, SCENE, 1e-9, "", 16)[0].startswith("No run so far comes below")
+    assert answer_headline(runs, SCENE, 1e-9, "", 16)[0].startswith("No run so far comes below")
     guessed = numbered((judged(size=0.02), SEARCH))
-    assert "estimated by companion" in headline(guessed, SCENE, 0.03, "", 16)[1]
-    assert headline(runs, SCENE, float("nan"), "give a <number>", 16)[1] == "give a &lt;number&gt;"
-    assert headline([], SCENE, 1e-3, "", 16)[0] == "Nothing measured yet."
-    says, more = headline(numbered((made_up(), LIVE)), SCENE, 1e-3, "", 16)
+    assert "estimated by companion" in answer_headline(guessed, SCENE, 0.03, "", 16)[1]
+    assert answer_headline(runs, SCENE, float("nan"), "give a <number>", 16)[1] == "give a &lt;number&gt;"
+    assert answer_headline([], SCENE, 1e-3, "", 16)[0] == "Nothing measured yet."
+    says, more = answer_headline(numbered((made_up(), LIVE)), SCENE, 1e-3, "", 16)
     assert says == "Nothing timed yet." and "data-press='Small sweep'" in more and "of 16 runs" in more
 
 
 def test_line_says_what_it_lights_up():
     runs = numbered(*sweep("ugimp"))
-    mark = line(runs, SCENE, 0.03, axes(runs, 0.03))
-    assert f"data-best='3' data-price='{seconds(runs[2].seconds)}'" in mark
-    assert f"data-spoken='3{NBSP}% of A: {seconds(runs[2].seconds)}, uGIMP on 40 cells'" in mark
-    out_of_reach = line(runs, SCENE, 1e-9, axes(runs, 1e-9))
+    mark = tolerance_line(runs, SCENE, 0.03, axes_for(runs, 0.03))
+    assert f"data-best='3' data-price='{format_seconds(runs[2].seconds)}'" in mark
+    assert f"data-spoken='3{NBSP}% of A: {format_seconds(runs[2].seconds)}, uGIMP on 40 cells'" in mark
+    out_of_reach = tolerance_line(runs, SCENE, 1e-9, axes_for(runs, 1e-9))
     assert "data-best" not in out_of_reach and "no run so far" in out_of_reach
     nothing = "<i class='lab-cost-line'></i>"
-    assert line(runs, SCENE, float("nan"), axes(runs, 0.03)) == line([], SCENE, 0.03, None) == nothing
+    assert (
+        tolerance_line(runs, SCENE, float("nan"), axes_for(runs, 0.03))
+        == tolerance_line([], SCENE, 0.03, None)
+        == nothing
+    )
 
 
 def test_axes_hold_everything_and_only_grow():
     runs = numbered(*sweep("ugimp"))
-    first = axes(runs, 1e-3)
-    assert axes(runs, 0.01, first) == first  # what is looked at stays where it is
-    wider = axes(runs, 1e-4, first)
+    first = axes_for(runs, 1e-3)
+    assert axes_for(runs, 0.01, first) == first  # what is looked at stays where it is
+    wider = axes_for(runs, 1e-4, first)
     assert wider.up.low < first.up.low and wider.up.high == first.up.high
-    assert axes(runs, 1e-30, first).up.low > -10  # a line is no reason to squeeze all runs together
-    empty = axes([], 1e-5)
+    assert axes_for(runs, 1e-30, first).up.low > -10  # a line is no reason to squeeze all runs together
+    empty = axes_for([], 1e-5)
     assert empty.up.low < -4 and empty.across.low < empty.across.high and empty.times is None
-    assert axes(runs, 1e-3, empty).across == first.across and axes([], 0.01, first) == first
+    assert axes_for(runs, 1e-3, empty).across == first.across and axes_for([], 0.01, first) == first
 
 
 @pytest.mark.parametrize("values", [[1e-3], [1e-9, 1e3], [0.02, 0.021]])
 def test_axis_holds_its_values_and_has_ticks(values):
-    axis = around(values)
+    axis = axis_around(values)
     ticks = axis.ticks(str)
-    assert all(0 < axis.part(value) < 1 for value in values) and around([]) is None
+    assert all(0 < axis.part(value) < 1 for value in values) and axis_around([]) is None
     assert ticks and np.all(np.diff([tick.part for tick in ticks]) > 0) and not all(tick.minor for tick in ticks)
     assert LogAxis(0.0, 1.0).around(values).part(values[0]) >= 0
 
@@ -168,10 +195,15 @@ def test_axis_holds_its_values_and_has_ticks(values):
 def test_run_on_the_stage_is_marked():
     """Whatever else is computed beside it, and where it was timed alone, if so; the step may be said either way."""
     runs = numbered((made_up("ugimp", 20, estimate=None, key="live"), LIVE), *sweep("ugimp"))
-    assert staged(runs, replace(SCENE, cfl=0.05, estimators=(), effects=())) is runs[2]
-    assert staged(runs[:1], SCENE) is runs[0] and "on the stage</span>" in drawn(runs[:1])
-    assert staged(runs, replace(SCENE, cells=40)) is runs[3] and staged(runs, replace(SCENE, cells=41)) is None
-    assert staged(runs, replace(SCENE, cfl=0.1)) is None and staged(runs, replace(SCENE, amplitude=0.01)) is None
+    assert run_of_scene(runs, replace(SCENE, cfl=0.05, estimators=(), effects=())) is runs[2]
+    assert run_of_scene(runs[:1], SCENE) is runs[0] and "on the stage</span>" in drawn(runs[:1])
+    assert (
+        run_of_scene(runs, replace(SCENE, cells=40)) is runs[3] and run_of_scene(runs, replace(SCENE, cells=41)) is None
+    )
+    assert (
+        run_of_scene(runs, replace(SCENE, cfl=0.1)) is None
+        and run_of_scene(runs, replace(SCENE, amplitude=0.01)) is None
+    )
 
 
 def test_methods_have_the_colours_of_every_picture():

@@ -13,9 +13,9 @@ import pytest
 from app.page.features import background_job
 from app.page.features.cost import cost_texts
 from app.page.features.cost import jobs as cost_jobs
-from app.page.features.cost.jobs import CostStatus, Jobs, SearchCache, WarmWorker, search, small_sweep
+from app.page.features.cost.jobs import CostStatus, Jobs, SearchCache, WarmWorker, search_job, small_sweep
 from app.page.features.cost.panel import CostTab
-from app.page.features.cost.visitor_runs import Runs, cheapest, question
+from app.page.features.cost.visitor_runs import Runs, advice_key, cheapest_run
 from solvers.problems.bar.scene import BarScene
 from solvers.problems.ring import RingScene
 from solvers.study.background_jobs import READY
@@ -76,7 +76,7 @@ def jobs():
 
 def few(tolerance):
     """A search among two families."""
-    return replace(search(SCENE, tolerance, 5.0), methods=(("ugimp", False), ("mpm", False)), ppc=(2,),
+    return replace(search_job(SCENE, tolerance, 5.0), methods=(("ugimp", False), ("mpm", False)), ppc=(2,),
                    courant_numbers=(0.5,))
 
 
@@ -107,18 +107,18 @@ def test_a_sweep_and_a_search_in_processes_of_their_own(jobs):
         until(lambda one=one: not one.status.running, "the end of a search")
     advice, found = searcher.status.advice, searcher.runs.all()
     assert advice["met"] and advice["error"] <= 1e-2 * SCENE.amplitude
-    said = cost_texts.going(searcher.status)
+    said = cost_texts.job_text(searcher.status)
     assert said.startswith("Take uGIMP") and "estimate" in said
     assert len(found) == advice["looks"] == searcher.status.done and searcher.status.known == 0
     assert {(run.source, run.error, run.estimator) for run in found} == {("search", None, "companion")}
     assert all(run.drawable for run in found)
-    taken = cheapest(found, 1e-2)
+    taken = cheapest_run(found, 1e-2)
     assert taken.row["asked"] == advice["task"]["inputs"] and taken.scene.has("truth")
     assert taken.seconds == advice["seconds"] and taken.size == advice["error"] / SCENE.amplitude
-    assert cost_texts.found({**advice, "met": False, "error": None}).startswith("No run within the limits")
+    assert cost_texts.advice_text({**advice, "met": False, "error": None}).startswith("No run within the limits")
     assert other.status.known == other.status.done == searcher.status.done and other.status.task is None
     assert other.status.advice == advice and [run.row for run in other.runs.all()] == [run.row for run in found]
-    assert f"{other.status.known} of them had been made by earlier searches" in cost_texts.going(other.status)
+    assert f"{other.status.known} of them had been made by earlier searches" in cost_texts.job_text(other.status)
     searcher.close()
     other.close()
 
@@ -130,23 +130,23 @@ def test_a_job_is_told_of_and_makes_room(jobs, pools):
     assert len(pools) == 1 and pools[0].work == "solvers.study.background_jobs:sweep" and len(pools[0].question) == 16
     other = Jobs(Runs(), jobs.slots)
     other.sweep(small_sweep(SCENE))
-    assert "server busy" in cost_texts.going(other.status) and not other.status.running and other.others
+    assert "server busy" in cost_texts.job_text(other.status) and not other.status.running and other.others
     pools[0].hear({"row": made_up()})
-    assert cost_texts.going(jobs.status) == "Sweep: 1 of 16 runs."
+    assert cost_texts.job_text(jobs.status) == "Sweep: 1 of 16 runs."
     jobs.cancel()
     until(lambda: not jobs.status.running, "the end of a job that was cancelled")
-    assert "cancelled" in cost_texts.going(jobs.status) and jobs.status.trouble is None and len(jobs.runs.all()) == 1
+    assert "cancelled" in cost_texts.job_text(jobs.status) and jobs.status.trouble is None and len(jobs.runs.all()) == 1
     for error, said in ((ProcessDied("was ended by SIGKILL"), "SIGKILL"),
                         (OSError(11, "Resource temporarily unavailable"), "temporarily unavailable")):
         jobs.sweep(small_sweep(SCENE))
         pools[-1].end(error)
-        assert said in cost_texts.going(jobs.status) and not jobs.status.running and jobs.slots.taken == 0
+        assert said in cost_texts.job_text(jobs.status) and not jobs.status.running and jobs.slots.taken == 0
     other.search(few(1e-2))
     pools[-1].hear({"look": 1, "certain": 2, "task": task_of(SCENE).to_dict()})
-    assert cost_texts.going(other.status).startswith("Search, run 1 of at least 2: uGIMP")
+    assert cost_texts.job_text(other.status).startswith("Search, run 1 of at least 2: uGIMP")
     pools[-1].hear({"trouble": "no method makes a valid scene with these settings"})
     pools[-1].end()
-    assert "no method" in cost_texts.going(other.status) and pools[0].closed
+    assert "no method" in cost_texts.job_text(other.status) and pools[0].closed
 
 
 def test_visitor_who_leaves_takes_the_process_along(jobs, pools):
@@ -228,7 +228,7 @@ def test_who_opens_the_tab_has_a_process_made_ready(tab):
     tab.open({"what": "ever"})
     tab.stage.scene = BarScene(motion="patch")
     tab.open(True)
-    assert [quiet for _, quiet in asked] == [True, False] and asked[0][0] == search(SCENE, 1e-3, 10.0)
+    assert [quiet for _, quiet in asked] == [True, False] and asked[0][0] == search_job(SCENE, 1e-3, 10.0)
 
 
 def test_what_is_kept_is_bounded_and_times_hold_for_an_hour():
@@ -321,7 +321,7 @@ FOUND = {"met": True, "task": task_of(SCENE).to_dict(), "error": None, "measured
 
 def test_advice_goes_when_what_was_asked_changes(tab):
     """What the search itself chooses, as when its advice is loaded, changes nothing; a remark goes with its input."""
-    tab.jobs.search = lambda job, quiet: None
+    tab.jobs.search_job = lambda job, quiet: None
     tab.widgets.by_label[SEARCH].click()
     tab.jobs.status = CostStatus("search", advice=FOUND)
     tab.widgets.by_label["Load this scene"].click()
@@ -334,7 +334,7 @@ def test_advice_goes_when_what_was_asked_changes(tab):
     tab.refresh()
     assert tab.jobs.status == CostStatus()
     for change in ({"amplitude": 0.01}, {"modulus": 8.0}, {"body_force": "none"}, {"periods": 2.0}):
-        assert question(replace(SCENE, **change)) != question(SCENE)
+        assert advice_key(replace(SCENE, **change)) != advice_key(SCENE)
 
 
 def test_search_ends_when_what_was_asked_changes(tab, pools):
@@ -344,5 +344,5 @@ def test_search_ends_when_what_was_asked_changes(tab, pools):
     tab.refresh()
     until(lambda: not tab.jobs.status.running, "the end of the search")
     tab.refresh()
-    assert cost_texts.going(tab.jobs.status) == "The search was cancelled."
+    assert cost_texts.job_text(tab.jobs.status) == "The search was cancelled."
     assert "The goal of the search has changed." in tab.widgets.said

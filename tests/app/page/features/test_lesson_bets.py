@@ -27,7 +27,7 @@ def test_a_picture_has_a_line_for_each_bet_and_says_it_in_words():
 
 
 def test_what_came_out_has_a_bets_score_beside_it():
-    lesson = catalogue.lesson("10-how-sure-are-you")
+    lesson = catalogue.load_lesson("10-how-sure-are-you")
     step = next(step for step in lesson.steps if step.question)
     mark = AnswerMark(True, "44.56 nm", Bet(2e-8, 2e-7, 4.456e-8))
     html = compared_html(lesson, [step], {step.key: Answer([2e-8, 2e-7], [2e-8, 2e-7], 1, 1.0)}, {step.key: mark}, {})
@@ -36,12 +36,12 @@ def test_what_came_out_has_a_bets_score_beside_it():
 
 def test_bets_are_asked_for_from_the_run_on():
     """So that they are there when they are explained; never where somebody still predicts."""
-    lesson = catalogue.lesson("10-how-sure-are-you")
+    lesson = catalogue.load_lesson("10-how-sure-are-you")
 
     def ends(step: Step) -> Step:
         return next(other for other in lesson.steps[lesson.steps.index(step):] if other.kind == EXPLAIN)
 
     assert [bets_ahead(lesson, step) for step in lesson.steps] == [
         None if step.kind == PREDICT else ends(step) for step in lesson.steps]
-    other = catalogue.lesson("09-four-judges")
+    other = catalogue.load_lesson("09-four-judges")
     assert {bets_ahead(other, step) for step in other.steps} == {None}

@@ -14,9 +14,9 @@ import pytest
 
 from app.cli import main
 from app.page.features.upload.judging_process import BUSY, Judging
-from app.page.features.upload.judging_process import sentence as question
+from app.page.features.upload.judging_process import question_sentence as question
 from app.page.features.upload.panel import TO_BE_READ, UploadPanel
-from app.page.features.upload.uploaded_run import UploadedRun, taken
+from app.page.features.upload.uploaded_run import UploadedRun, loaded_notice
 from app.page.visit.engine_links import MOST_WATCHED
 from app.page.visit.status_message import Notice
 from app.viewer import upload
@@ -106,8 +106,11 @@ def test_a_file_of_another_problem_is_asked_about_and_one_that_says_its_scene_is
     assert max(answers["frames"]["norms"]["x"]) < 1e-12
     run, _ = run_of(process, ours, bar, tmp_path, "ours.npz")
     assert run.scene.problem == "ring" and run.scene.amplitude == 0.02 and run.true["x"].max() < 1e-12
-    assert taken(run, PROBLEMS["ring"].scene(cells=12)) == "The file ours.npz is on the stage, judged with A = 20 mm."
-    assert taken(run, PROBLEMS["ring"].scene(cells=12, amplitude=0.02)) == "The file ours.npz is on the stage."
+    assert (
+        loaded_notice(run, PROBLEMS["ring"].scene(cells=12))
+        == "The file ours.npz is on the stage, judged with A = 20 mm."
+    )
+    assert loaded_notice(run, PROBLEMS["ring"].scene(cells=12, amplitude=0.02)) == "The file ours.npz is on the stage."
     answers, _ = shown_of(process, liar, bar, tmp_path)
     assert answers["asks"]["problems"] == ["bar"]
     assert "is a file of the ring, and has" in answers["asks"]["reason"]
@@ -337,7 +340,7 @@ def test_what_is_no_file_is_refused_and_harms_nobody(here, sender, arrived):
         assert neighbour.closed is None
         for client in one._connected_clients.values():
             assert client.gui._current_file_upload_states == {}
-            boxes = [h for h in client.gui._gui_input_handle_from_uuid.values() if upload.of(h)]
+            boxes = [h for h in client.gui._gui_input_handle_from_uuid.values() if upload.upload_of_button(h)]
             assert [box.value.content for box in boxes] == [b""]
 
 
@@ -345,8 +348,8 @@ def test_nothing_of_a_file_stays_when_its_visitor_has_gone(here, arrived):
     with Raw(here[1]) as raw:
         raw.find("Download CSV")
         sender = Sender(raw)
-        [box] = [h for h in page_of(here[0]).values() if upload.of(h)]
-        folder = upload.of(box).folder
+        [box] = [h for h in page_of(here[0]).values() if upload.upload_of_button(h)]
+        folder = upload.upload_of_button(box).folder
         sender.start(2 * upload.PART_BYTES)
         sender.part(0, bytes(upload.PART_BYTES))
         until(lambda: (folder / "coming").exists(), "the beginning of a file")

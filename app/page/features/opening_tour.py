@@ -1,7 +1,7 @@
 """The story of the opening in four beats with the runs' own numbers, and the pause at its end."""
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from time import monotonic
 from typing import Any
 
@@ -11,6 +11,8 @@ import viser
 from app import state
 from app.frame.headline import Headline
 from app.language.translation import tr, trn
+from app.page.feature import Feature, PageView
+from app.page.page_context import PageContext
 from app.page.visit.frame_buffer import Frame
 from app.page.visit.pinned_run import PinnedRun
 from app.page.visit.session import Session
@@ -28,11 +30,14 @@ WIDE = 1.0 + 1e-6  # cells from a particle that has crossed, within which an err
 #: What a visitor sees first who has followed no link: hat functions beside B-splines, slowly, for the quarter of a
 #: period in which the first particles change their cell and the stress is wrong there; then it stops. At larger
 #: amplitudes, where all cross again and again, those that crossed err no more than the others.
-OPENING = state.read("bar;method=mpm;amplitude=0.0034;periods=0.25;estimators=recovered,transport;error-of=sigma;"
-                     "speed=0.0125;stops;"
-                     "pinned;method=bspline;amplitude=0.0034;periods=0.25;estimators=recovered,transport")
+OPENING = state.parse_state(
+    "bar;method=mpm;amplitude=0.0034;periods=0.25;estimators=recovered,transport;error-of=sigma;"
+    "speed=0.0125;stops;"
+    "pinned;method=bspline;amplitude=0.0034;periods=0.25;estimators=recovered,transport"
+)
 
-class OpeningTour:
+
+class OpeningTour(Feature):
     """One visitor's tour: ``open_on`` shows the opening, ``hurry`` restores the speed; ``story.js`` starts it."""
 
     def __init__(self, gui: viser.GuiApi, session: Session, open_on: Callable[[], None], hurry: Callable[[], None],
@@ -43,6 +48,28 @@ class OpeningTour:
         self.beat = 0  # 1 to LAST while the story is told
         self._since = 0.0
 
+    @classmethod
+    def build(cls, page: PageContext) -> "OpeningTour":
+        def open_on() -> None:  # without new widgets if nothing has been changed: they would take long
+            if page.controls.state == OPENING and page.session.playing and not page.session.refused:
+                page.session.reset()
+            else:
+                page.controls.show(OPENING)
+
+        tour = cls(page.gui, page.session, open_on, page.controls.usual_speed)
+        page.is_touring = lambda: tour.beat > 0
+        with page.tabs["about"]:
+            page.gui.add_html("<i class='lab-replay'></i>")
+            replay = page.gui.add_button(tr("Replay the "
+                                            "introduction"), hint=tr("the introduction to this page, in four "
+                                                                         "steps"))
+        replay.on_click(lambda _: tour.hear("play"))
+        return tour
+
+    @property
+    def messages(self) -> Mapping[str, Callable[[Any], None]]:
+        return {"story": self.hear}
+
     def hear(self, said: Any) -> None:
         """The browser asks for the story, or the visitor wants to leave it."""
         if said == "play":
@@ -51,11 +78,11 @@ class OpeningTour:
         elif said == "skip" and self.beat:
             self._end()
 
-    def follow(self, playable: bool) -> None:
-        """Go on with it, now and then; anything else on the stage ends it. Nothing is ``playable`` over a lesson."""
+    def refresh(self, view: PageView) -> None:
+        """Go on with it; anything else on the stage ends it, and a lesson."""
         session, report = self._session, self._session.report
         pinned, restarts = session.pinned.scene if session.pinned else None, session.moves[1]
-        if (session.scene, pinned) != (OPENING.scene, OPENING.pinned) or not playable:
+        if (session.scene, pinned) != (OPENING.scene, OPENING.pinned) or not view.alone:
             if self._opened and restarts == self._restarts:  # it was changed, and not another one chosen
                 session.open_end()
             self._opened = False
@@ -77,7 +104,7 @@ class OpeningTour:
             self._end()
         self._show()
 
-    def said(self, frame: Frame | None) -> Headline:
+    def headline(self, frame: Frame | None) -> Headline:
         """What the present beat says of the runs; nothing where none is told."""
         if not self.beat or frame is None or frame[0].scene != OPENING.scene:
             return Headline()

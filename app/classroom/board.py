@@ -12,13 +12,13 @@ from dataclasses import dataclass
 from typing import Any
 
 from app.access.log_limit import log_failure
+from app.classroom.class_answers import ClassAnswers
 from app.language.translation import lazy
-from app.lessons.answer_check import Right, right
+from app.lessons.answer_check import Right, right_answer
 from app.lessons.claims import ClaimError
 from app.lessons.lesson import TEXT, Lesson, Step
 from app.lessons.lesson_runs import RunCache, RunFailed
 from app.lessons.student_progress import Progress
-from app.page.features.board.class_answers import ClassAnswers
 
 COUNTED, SHOWN, REVEALED = range(3)  # what is shown of a question
 NEXT, BACK = "next", "back"
@@ -164,7 +164,8 @@ class Board:
         """What is right in a step, so that it is there when it is asked for; what has failed once more."""
         run = self._rights.get(step.key)
         if run is None or (run.done() and run.exception()):
-            run = self._rights[step.key] = self._thread.submit(right, self.lesson, step, self.numbers, self._outcomes)
+            run = self._rights[step.key] = self._thread.submit(right_answer, self.lesson, step, self.numbers,
+                                                               self._outcomes)
             run.add_done_callback(lambda _: self._changed())
 
     def _changed(self) -> None:

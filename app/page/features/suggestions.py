@@ -4,21 +4,24 @@ makes buttons of them and says which was pressed."""
 
 import json
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import asdict, dataclass, replace
 from html import escape
+from typing import Any
 
 import viser
 
 from app.language.message_translation import translate_message
 from app.language.translation import lazy, tr
+from app.page.feature import Feature, PageView
 from app.page.headline import in_common, periods_of
-from app.page.visit.history import until
+from app.page.page_context import PageContext
+from app.page.visit.history import series_until
 from app.page.visit.session import Session
-from app.problems.suggestion import Answer, NotNow, Ran, Suggestion, asked
+from app.problems.suggestion import Answer, NotNow, Ran, Suggestion, changed_state
 from app.problems.views import VIEWS
 from app.state import State
-from app.words import METHODS, number
+from app.words import METHODS, format_number
 from solvers.engine.engine_messages import FrameReport
 from solvers.scene.remedies import COUPLED, FILTER, FROZEN, REMEDIES
 from solvers.scene.scene import AUTO, Scene
@@ -55,7 +58,7 @@ def what_now(state: State, report: FrameReport, seek: Callable[[float], bool], s
             show(replace(state, scene=replace(scene, periods=None, t_end=back), speed=None, stops=True))
 
     other = next(name for name in OTHERS if name in scene.choices("method") and name != scene.method)
-    hint = tr("back to t = {time} s, paused", time=number(back))
+    hint = tr("back to t = {time} s, paused", time=format_number(back))
     return [(Card("back", "back", tr("See the moment it broke"), hint), look),
             _changed("cure", "filter", state, show, *_cure(scene)),
             _changed("other", "halve", state, show, tr("Take {method} instead", method=METHODS[other].name),
@@ -66,7 +69,7 @@ def _changed(key: str, icon: str, state: State, show: Callable[[State], None], t
              changes: dict[str, object]) -> tuple[Card, Callable[[], None]]:
     """A button that starts the scene again with changes, where it can be that."""
     try:
-        wanted = asked(state, changes, pinned=False)
+        wanted = changed_state(state, changes, pinned=False)
     except NotNow as reason:
         return Card(key, icon, title, translate_message(str(reason)), off=True), lambda: None
     return Card(key, icon, title, hint, off=not changes), lambda: show(wanted)
@@ -87,18 +90,30 @@ TRY, COMPARING, ANSWER, LOST = lazy("Try one"), lazy("Comparing …"), lazy("The
 WHOLE = 1e-9  # by which rounding may keep a run from its last period
 
 
-class Suggestions:
+class Suggestions(Feature):
     """One visitor's sparks; ``show`` puts a state on the stage, ``seek`` looks back to a time in s if that is kept."""
 
     def __init__(self, gui: viser.GuiApi, session: Session, state: Callable[[], State], show: Callable[[State], None],
-                 seek: Callable[[float], bool]):
+                 seek: Callable[[float], bool], is_touring: Callable[[], bool]):
         self._session, self._state, self._show, self._seek = session, state, show, seek
+        self._is_touring = is_touring
         self._html = gui.add_html("")
         self._done: set[str] = set()
         # A spark, what was on the stage, and what it put there.
         self._asked: tuple[Suggestion, State, State] | None = None
         self._answers: dict[str, Answer] = {}  # by quantity
         self._ways: dict[str, Callable[[], None]] = {}  # out of a run that is lost
+
+    @classmethod
+    def build(cls, page: PageContext) -> "Suggestions":
+        with page.tabs["explore"]:
+            page.gui.add_html("<div class='lab-sparks-here'></div>")  # on a phone
+        return cls(page.gui, page.session, lambda: page.controls.state, page.controls.show, page.history.back_to,
+                   lambda: page.is_touring())
+
+    @property
+    def messages(self) -> Mapping[str, Callable[[Any], None]]:
+        return {"spark": self.press}
 
     def press(self, key: object) -> None:
         """The visitor has pressed a button."""
@@ -119,10 +134,10 @@ class Suggestions:
         self._show(state)
         self._asked = spark, base, state  # from now on: while it was put there, something else was
 
-    def refresh(self, offered: bool) -> None:
-        """Show what there is to be pressed or read now; nothing where sparks are not ``offered``."""
+    def refresh(self, view: PageView) -> None:
+        """Show what there is to be pressed or read now; nothing beside a lesson or the tour."""
         content = ""
-        if offered and self._session.report is not None:
+        if view.alone and not self._is_touring() and self._session.report is not None:
             label, answer, cards = self._now()
             said = json.dumps({"label": tr(label), "answer": answer, "cards": [asdict(card) for card in cards]},
                               ensure_ascii=False)
@@ -195,7 +210,8 @@ class Suggestions:
         series = [history.series for history in histories]
         if min(map(periods_of, series, scenes)) < spark.periods - WHOLE:
             return None
-        series = [until(one, spark.periods * its.period * (1 + WHOLE)) for one, its in zip(series, scenes, strict=True)]
+        series = [series_until(one, spark.periods * its.period * (1 + WHOLE)) for one,
+                  its in zip(series, scenes, strict=True)]
         ratio = math.nan if pinned is None or state.pinned is None else \
             in_common(series[0], series[1], f"error_{state.quantity}", (scene, state.pinned))
         return Ran(state, series[0], series[1] if pinned else {}, ratio, report.not_valid)

@@ -1,0 +1,108 @@
+"""Sharing: what is on the stage as a link, in the browser's address, to copy or to show as a QR code."""
+
+import threading
+from collections.abc import Callable, Mapping
+from html import escape
+from urllib.parse import quote, urlsplit
+
+import segno
+import viser
+
+from app import state
+from app.language.message_translation import translate_message
+from app.language.translation import lazy, tr
+from app.page.feature import Feature
+from app.page.page_context import PageContext
+from app.page.panels.page_header import BESIDE
+
+LESSON = "lesson="
+SAFE = ";=,.+-_:"  # may stand in a link's fragment as they are
+LAST = 1e9  # in the order of what stands in the panel, whatever is made anew above
+MOST_QR = 1200  # characters that a phone still reads off a projector
+HERE = ("localhost", "127.0.0.1", "::1")
+OF_NO_USE = lazy("Only this computer can open this address, no phone can: serve with --host 0.0.0.0 for a class.")
+
+
+def state_link(shown: state.State, lesson: str) -> str:
+    """The fragment of the address of what is seen, and of the lesson that is open."""
+    return ";".join(filter(None, [f"{LESSON}{quote(lesson)}" if lesson else "",
+                                  quote(state.write_state(shown), safe=SAFE)]))
+
+
+def parse_link(text: str) -> tuple[str, str]:
+    """The lesson that a link opens, and the state that it puts on the stage; each may be missing."""
+    if not text.startswith(LESSON):
+        return "", text
+    lesson, _, rest = text.removeprefix(LESSON).partition(";")
+    return lesson, rest
+
+
+class PageLink:
+    """Follows links that the browser is given, and has it keep what is seen."""
+
+    def __init__(self, page: PageContext):
+        self._page, self._keeping = page, threading.Lock()
+
+    def listen(self) -> None:
+        """Follows the address that the page was opened with, and those to come."""
+        lesson = self._page.lesson
+        self._page.store.listen(self._follow, lesson.restore if lesson else lambda name, answers: None)
+
+    def keep(self) -> None:
+        """Has the browser keep what is seen in its address, and the answers to a lesson."""
+        with self._keeping:  # else a refresh could put what was before in the place of what is
+            lesson = self._page.lesson
+            name, answers = (lesson.name, lesson.answers) if lesson else ("", "")
+            self._page.store.keep(state_link(self._page.controls.state, name), name, answers)
+
+    def _follow(self, link: str) -> None:
+        """Shows the state in an address; what it cannot mean is refused in words."""
+        page = self._page
+        name, text = parse_link(link)
+        with page.store.keep_after():
+            if name and page.lesson:
+                page.lesson.open(name)
+            try:
+                if text:
+                    page.controls.show(state.parse_state(text))
+            except state.StateError as error:
+                page.session.refuse(tr("The link cannot be followed: {reason}", reason=translate_message(str(error))))
+
+
+class Sharing(Feature):
+    """Two buttons among a visitor's controls. The browser itself copies: its address is the link."""
+
+    def __init__(self, page: PageContext):
+        self._page, gui = page, page.gui
+        with page.tabs["explore"], gui.add_folder(None, order=LAST):
+            gui.add_html("<i class='lab-beside lab-copy'></i>")
+            gui.add_button(tr("Copy link"), icon=viser.Icon.LINK, hint=tr(
+                "the address of just this scene, view and pinned run: it opens for everyone who can reach this server"))
+            gui.add_html(BESIDE)
+            code = gui.add_button(tr("QR code"), icon=viser.Icon.QRCODE,
+                                  hint=tr("the same, to be read off this screen by a phone"))
+        code.on_click(lambda _: self.show_code())
+
+    @classmethod
+    def build(cls, page: PageContext) -> "Sharing":
+        return cls(page)
+
+    @property
+    def shortcuts(self) -> Mapping[str, Callable[[], None]]:
+        return {"code": self.show_code}
+
+    def show_code(self) -> None:
+        """Show what is seen as a code, as large as the window, and as words."""
+        gui, here, seen = self._page.gui, self._page.store.here, self._page.controls.state
+        address = f"{here}#{state_link(seen, '')}"
+        with gui.add_modal(tr("This scene")) as modal:
+            if urlsplit(here).hostname in HERE:
+                gui.add_html(f"<div class='lab-code'><p><b>{tr(OF_NO_USE)}</b></p></div>")
+            if here and len(address) <= MOST_QR:
+                picture = segno.make(address, error="l").svg_inline(border=2, omitsize=True)
+                gui.add_html(f"<div class='lab-code'>{picture}</div>")
+            command = f"<code>mpm-lab run --scene '{escape(state.write_state(seen))}'</code>"
+            gui.add_html(f"<div class='lab-code'><p>{escape(address)}</p>"
+                               f"<p>{tr('Without a page: {command}', command=command)}</p></div>")
+            close = gui.add_button(tr("Close"))
+        close.on_click(lambda _: modal.close())

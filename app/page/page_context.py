@@ -1,0 +1,117 @@
+"""What one visitor's page consists of beside its features, and what these may use of it."""
+
+from collections.abc import Callable
+from typing import Protocol
+
+import viser
+
+from app.classroom.class_context import Classroom, LecturerContext
+from app.frame.colour_scale import ColourScale
+from app.language.translation import tr
+from app.page.canvas import Canvas
+from app.page.controls import Controls
+from app.page.live_run import LiveRun
+from app.page.panels.browser_store import BrowserStore
+from app.page.panels.history_controls import HistoryControls
+from app.page.panels.page_header import PresentationMode
+from app.page.stage_view import StageView
+from app.page.visit.engine_links import PageLinks
+from app.page.visit.frame_buffer import FrameBuffer
+from app.page.visit.particle_trace import Trace
+from app.page.visit.session import Session
+from app.page.visit.status_message import Notice
+from app.state import State
+from solvers.engine.engine_messages import FrameReport
+from solvers.engine.shared_frames import FrameArrays
+
+
+class OpenLesson(Protocol):
+    """The lesson that a visitor has open: links say its name, the browser keeps its answers; both "" if there is none.
+    ``turn`` shows a step by its number, of the core ``only`` or of all."""
+
+    @property
+    def name(self) -> str: ...
+
+    @property
+    def answers(self) -> str: ...
+
+    def open(self, name: str) -> None: ...
+
+    def restore(self, name: str, text: str) -> None: ...
+
+    def turn(self, only: bool, step: int) -> None: ...
+
+
+class PageContext:
+    """The visitor's run (``session``), ``stage``, ``controls`` and ``tabs`` (explore, lessons, cost, about), and
+    everything else that features share; one sets ``lesson``, another ``is_touring``. ``clear_stage`` ends whatever
+    replaces the run on the stage, ``keep`` has the browser keep what is seen."""
+
+    clear_stage: Callable[[], None]
+    keep: Callable[[], None]
+
+    def __init__(self, client: viser.ClientHandle, links: PageLinks, classroom: Classroom,
+                 lecturer: LecturerContext | None, opening: State,
+                 on_frame: Callable[[FrameReport], None], notice: Callable[[], Notice | None]):
+        self.client, self.gui, self.links = client, client.gui, links
+        self.classroom, self.lecturer = classroom, lecturer
+        self.lesson: OpenLesson | None = None
+        self.is_touring: Callable[[], bool] = lambda: False
+        self._conditions: dict[str, bool] = {}  # for computing frames
+        self.recent, self.scale = FrameBuffer(), ColourScale()
+        self.trace = Trace(self.recent)
+        self.store = BrowserStore(self.gui)
+        self.presenter = PresentationMode(self.gui)
+        self.canvas = Canvas(client, self.scale, self.trace, opening.scene.problem)
+        self.stage, self._on_frame = StageView(client, self.canvas), on_frame
+        self.session = Session(links, opening.scene, self._take_frame, opening.speed, opening.stops)
+        self.history = HistoryControls(self.session, self.recent, self.trace, self.stage.draw)
+        self.controls = Controls(self.gui, self.session, self.scale, self.stage.draw, self.history, self.store)
+        self.run = LiveRun(self.session, self.recent, self.trace, notice)
+        group = self.gui.add_tab_group()
+        self.tabs = {name: group.add_tab(title, icon) for name, title, icon in (
+            ("explore", tr("Explore"), viser.Icon.ADJUSTMENTS_HORIZONTAL),
+            ("lessons", tr("Lessons"), viser.Icon.SCHOOL), ("cost", tr("Cost"), viser.Icon.HOURGLASS),
+            ("about", tr("About"), viser.Icon.INFO_CIRCLE))}
+
+    @property
+    def shortcuts(self) -> dict[str, Callable[[], None]]:
+        """What keys of the keyboard do without any feature, by the names that ``js/keys.js`` sends."""
+        controls = self.controls
+        return {"judge": controls.stage.next_judge, "magnify": controls.stage.next_factor,
+                "method": controls.next_method, "present": self.presenter.begin}
+
+    @property
+    def lesson_name(self) -> str:
+        """Name of the open lesson, or ""."""
+        return self.lesson.name if self.lesson else ""
+
+    def attend(self, **conditions: bool) -> None:
+        """Computes frames only while the browser shows the page (``watched``) and takes what is sent to it
+        (``keeps_up``), and the stage is ``uncovered``; a condition that is not given stays as it is."""
+        self._conditions |= conditions
+        self.session.attend(all(self._conditions.values()))
+
+    def close(self) -> None:
+        """The visitor has gone."""
+        self.session.close()
+        self.links.close()
+
+    def _take_frame(self, report: FrameReport, arrays: FrameArrays) -> None:
+        """Keeps a new frame of the run, and draws it."""
+        self.links.frames.add()
+        if report.fresh:
+            self.scale.forget()
+        self.recent.add(report, arrays)
+        self.trace.follow(report, arrays)
+        self.stage.draw()
+        self._on_frame(report)
+
+    def refresh(self, idle_seconds: float) -> None:
+        """Shows what the session has come to by itself; pauses a run that nobody has touched for so long."""
+        if self.session.playing and not self.presenter.on and self.session.untouched > idle_seconds:
+            self.session.rest()
+        self.presenter.name(self.session.scene)
+        self.controls.refresh()
+        if shown := self.recent.shown:
+            self.controls.hear(*shown)

@@ -1,0 +1,97 @@
+"""What one visitor sees of the run or of what replaces it: the stage, the headline above it, the numbers below it."""
+
+import threading
+from collections.abc import Callable
+
+import viser
+
+from app.frame.headline import Headline
+from app.page.canvas import Canvas
+from app.page.display_source import Choice, Source
+from app.page.headline import HeadlinePanel
+from app.page.panels.browser_store import LETTERS, BrowserStore, LayoutMetrics, Window
+from app.page.panels.page_header import set_up
+from app.page.readout_panel import Measurements, Numbers
+from app.viewer.widgets import is_number_between
+
+
+class StageView:
+    """Draws the first of its sources that is on. The head of the page is made at once, the numbers by :meth:`build`."""
+
+    def __init__(self, client: viser.ClientHandle, canvas: Canvas):
+        self._client, self._canvas = client, canvas
+        self._notice, self._headline = client.gui.add_html(""), HeadlinePanel(client.gui)
+        self._numbers = Measurements(client)
+        self._drawing = threading.Lock()
+        self._sources: tuple[Source, ...] = ()
+        self._choice: Callable[[], Choice] | None = None
+
+    def build(self, store: BrowserStore, seek: Callable[[float], None]) -> None:
+        """Makes the numbers; ``seek`` is called with a time in s at which the visitor points in the plot over time."""
+        self._seek = seek
+        self._numbers.build(self._client.gui)
+        Window(store, self._fit, self._shade)
+        store.heard |= {"seek": self._seek_part, "read": self._point}
+
+    def begin(self, choice: Callable[[], Choice], sources: tuple[Source, ...]) -> None:
+        """Draws from now on."""
+        self._sources, self._choice = sources, choice
+        self.draw()
+
+    def stop(self) -> None:
+        """Draws nothing from now on; returns when what is being drawn is complete."""
+        with self._drawing:
+            self._choice = None
+
+    @property
+    def source(self) -> Source:
+        """What is on the stage now."""
+        return next(source for source in self._sources if source.on)
+
+    def draw(self) -> None:
+        """Draws the stage."""
+        with self._drawing:
+            if self._choice is not None and (sight := self.source.sight(choice := self._choice())) is not None:
+                self._canvas.draw(sight, choice)
+
+    def read(self, choice: Choice) -> Numbers | None:
+        """Numbers of what is drawn; None if nothing has changed."""
+        return self.source.numbers(choice, self._canvas.picture, self._canvas.probe.text)
+
+    def refresh(self, choice: Choice, numbers: Numbers | None, in_lesson: bool, headline: Headline) -> None:
+        """Shows the numbers, the notice, and the ``headline`` or, if that is empty, the source's own."""
+        source, picture = self.source, self._canvas.picture
+        if numbers:
+            self._numbers.reading = in_lesson or numbers.scene is None
+            self._numbers.show(numbers, choice.quantity, choice.latest)
+        notice = None
+        for each in self._sources:  # a file that is on its way has news before it is on the stage
+            if (notice := each.notice()) or each.on:
+                break
+        self._notice.content = "" if notice is None else notice.html
+        if picture is not None:
+            self._headline.say(headline or source.sentence(choice, picture), source.at_once)
+        self._canvas.camera.settle()
+
+    def _fit(self, size: LayoutMetrics) -> None:
+        """The window has another size."""
+        self._numbers.timeline.height = max(20, round(size.plot_height))
+        if self._canvas.lettering.fit(size.width, size.height, size.left, size.letters / LETTERS):
+            self.draw()
+
+    def _shade(self, dark: bool) -> None:
+        """The window is to be dark, or light."""
+        set_up(self._client.gui, dark)
+        self._canvas.shade(dark)
+        self._numbers.timeline.shade(dark)
+        self.draw()
+
+    def _point(self, said: object) -> None:
+        """The visitor reads the curves over time at a part of their axis, or no longer."""
+        self._numbers.timeline.point(float(said) if is_number_between(said, 0, 1) else None)  # type: ignore[arg-type]
+
+    def _seek_part(self, said: object) -> None:
+        """The visitor has pointed at a part of the time axis."""
+        if is_number_between(said, 0, 1) and self.source.at_once is False:
+            assert isinstance(said, float | int)
+            self._seek(self._numbers.timeline.time_at(said))

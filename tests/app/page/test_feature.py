@@ -1,0 +1,70 @@
+"""A feature is a class and one line in a list: the page builds it, hears for it, refreshes it and closes it."""
+
+import json
+
+from app.page.feature import Feature
+from app.page.features import all_features
+from app.page.features.opening_tour import OPENING
+from tests.app.page.test_story import frame
+from tests.support.doors import lab
+from tests.support.processes import until
+from tests.support.raw import Raw
+
+
+class Counter(Feature):
+    """Counts what the page has called."""
+
+    def __init__(self, page):
+        self.page, self.calls = page, []
+        with page.tabs["explore"]:
+            page.gui.add_button("Count")
+
+    @classmethod
+    def build(cls, page):
+        cls.last = cls(page)
+        return cls.last
+
+    @property
+    def messages(self):
+        return {"count": lambda said: self.calls.append(f"heard {said}")}
+
+    @property
+    def shortcuts(self):
+        return {"count on": lambda: self.calls.append("key")}
+
+    def follow(self, report):
+        self.calls.append(f"frame of {report.scene.problem}")
+
+    def refresh(self, view):
+        self.calls.append(f"alone {view.alone}")
+
+    def leave_stage(self):
+        self.calls.append("left")
+
+    def close(self):
+        self.calls.append("closed")
+
+
+class Missing(Feature):
+    """Some pages do not have it."""
+
+    @classmethod
+    def build(cls, page):
+        return None
+
+
+def test_a_feature_is_one_line(monkeypatch):
+    monkeypatch.setattr(all_features, "FEATURES", (Missing, *all_features.FEATURES, Counter))
+    with lab() as (_, address):
+        with Raw(address) as visitor:
+            assert visitor.find("Count")
+            calls = Counter.last.calls
+            Counter.last.page.session.on_frame(*frame(OPENING.scene, 0.0))
+            until(lambda: {"frame of bar", "alone True"} <= set(calls), "frames and refreshes")
+            store = visitor.find("kept by the browser")
+            visitor.set(store, json.dumps({"count": 3}))
+            visitor.set(store, json.dumps({"act": "count on"}))
+            until(lambda: {"heard 3", "key"} <= set(calls), "what the browser says")
+            Counter.last.page.clear_stage()
+            assert "left" in calls and "closed" not in calls
+        until(lambda: "closed" in calls, "the end")
