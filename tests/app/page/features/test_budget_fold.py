@@ -147,7 +147,7 @@ def test_it_is_asked_for_by_a_button_and_follows_the_quantity():
     stage.fold.press(True)
     stage.fold.press("anything")
     assert stage.state.scene == HATS
-    assert "begins again" in stage.look() and not stage.gui.by_label["Find out"].visible
+    assert "starts again" in stage.look() and not stage.gui.by_label["Find out"].visible
     history = past(HATS, made())
     for quantity, field in (("x", "x"), ("v", "v"), ("a", "F"), ("sigma", "F")):
         assert f"share of the error of {field} over the run" in stage.look(history, quantity=quantity)
