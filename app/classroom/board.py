@@ -22,7 +22,7 @@ from app.lessons.student_progress import Progress
 
 COUNTED, SHOWN, REVEALED = range(3)  # what is shown of a question
 NEXT, BACK = "next", "back"
-FAILED = lazy("What came out could not be worked out.")
+FAILED = lazy("The result could not be computed.")
 
 
 @dataclass(frozen=True)

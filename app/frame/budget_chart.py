@@ -12,8 +12,8 @@ from solvers.scene.scene import Scene
 from solvers.solver import budget
 
 QUESTION = lazy("Who made this error?")
-CAPTION = lazy("The line is the error, RMS over particles; each colour is the part of it that one cause has made, "
-                "below zero where it makes it smaller.")
+CAPTION = lazy("The line is the error, RMS over particles; each colour is the part from one cause, below zero if the "
+                "cause reduces the error.")
 #: What each cause is, in few words.
 MEANINGS = {"crossings": lazy("counted in the wrong cell"), "coarse_grid": lazy("cells too wide for the motion"),
             "body_force": lazy("taken at nodes, not at particles"),

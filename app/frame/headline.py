@@ -20,7 +20,7 @@ UNSTABLE, LAST = lazy("the run went unstable and has stopped at t = {time} s"), 
 LOST = lazy("the run is lost from t = {since} s on")
 #: Of when a headline is: what it begins with.
 SO_FAR, NOW, PAUSED, BACK = lazy("so far "), lazy("now "), lazy("at t = {time} s "), lazy("{ago} periods back ")
-LESS, MORE = lazy("finds {share} of it"), lazy("says {factor} times as much")
+LESS, MORE = lazy("finds {share} of it"), lazy("estimates {factor} times as much")
 ALL_OF_IT = 1.005  # index up to which an estimate finds what there is
 
 ENDS = (".", "?", "!")  # of a sentence
@@ -102,7 +102,7 @@ def error_words(scene: Scene, quantity: str, estimator: str | None, no_estimate:
     return ErrorWords(told, {"by": estimator or "", "off": tr("wrong")}, size,
                       tr("{true} of {size} at most", size=with_unit(size, words.unit), **PLACES), why,
                       tr("no error of the {noun} has been measured", noun=noun),
-                      tr("exactly nothing happens, as it should"),
+                      tr("nothing happens, as expected"),
                       tr("the true error of the {noun} is {true}, round-off", noun=noun, **PLACES),
                       -1.0 if scene.swings else max(ROUND_OFF * size, rounding(scene, quantity, scene.steps)))
 

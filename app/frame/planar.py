@@ -34,7 +34,7 @@ class PlanarStage(Stage[PlaneScene]):
 
     MIRRORS: ClassVar[Mirrors] = QUARTERS
     OUTLINED: ClassVar[Mirrors] = QUARTERS[::2]
-    DOMAINS_HINT = lazy("outline what each particle stands for: a box for GIMP, a parallelogram for CPDI; up to 5,000 "
+    DOMAINS_HINT = lazy("outline the domain of each particle: a box for GIMP, a parallelogram for CPDI; up to 5,000 "
                          "particles")
     MOST_MARKED, HALVES = 24, lazy("Halves")
 

@@ -116,7 +116,7 @@ def why_invalid(asked: Question, answer: Any) -> str:
         if answer[0] > answer[1]:
             return tr("The first number must not be above the second.")
         return "" if answer[0] > 0 else \
-            tr("Please give two numbers above 0: a bet is scored by factors, and 0 is infinitely far.")
+            tr("Please give two numbers above 0: bets are scored by factors, so 0 is not possible.")
     assert asked.kind in (NUMBER, DRAG)
     return "" if _is_real(answer) else tr("Please give a number.")
 

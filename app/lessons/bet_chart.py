@@ -10,11 +10,11 @@ from app.lessons.bets import OWN, YOURS, Bet, Bettor
 
 MOST = 4  # factors of ten to either side; a line that goes on is cut there
 YOUR_BETS, ROUND = lazy("Your bets"), lazy("Your round {number}")  # judges are called as they are
-TOLD = lazy("{held} of {made} hold the truth, mean score {score}")
-SOME = lazy("{held} of {made} hold the truth, {left} not bet on, mean score {score}")
+TOLD = lazy("{held} of {made} contain the truth, mean score {score}")
+SOME = lazy("{held} of {made} contain the truth, {left} without a bet, mean score {score}")
 NONE = lazy("does not bet on these")
 SCORED = lazy("{told}; score {score}")  # of one bet, beside what came out
-SAID = lazy("Bets in their order, as multiples of the truth, the line in the middle. {share} of 100 were to hold it.")
+SAID = lazy("Bets in order, as multiples of the true value (middle line). {share} of 100 should contain it.")
 TRUTH, LESS, MORE = lazy("truth"), "÷ {factor}", "× {factor}"
 
 

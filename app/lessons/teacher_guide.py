@@ -20,9 +20,9 @@ PAGE = Path(__file__).parent / "guide.html"
 
 def guide_markdown(lesson: Lesson, outcomes: RunCache, core: bool = False) -> str:
     """The guide as Markdown, or that to the ``core`` alone. Runs what the right answers need."""
-    length = tr("*Teacher's guide to the core, which takes {minutes} minutes, without a talk.*",
+    length = tr("*Teacher's guide to the core, which takes {minutes} minutes, without discussion.*",
                 minutes=lesson.core_minutes) if core else \
-        tr("*Teacher's guide. {length}, without a talk.*", length=minutes_text(lesson))
+        tr("*Teacher's guide. {length}, without discussion.*", length=minutes_text(lesson))
     parts = [f"# {lesson.title}", length, tr("Afterwards students can"),
              "\n".join(f"* {goal}" for goal in lesson.goals)]
     if lesson.prerequisites:
@@ -40,7 +40,7 @@ def guide_markdown(lesson: Lesson, outcomes: RunCache, core: bool = False) -> st
     for one in split_rounds(lesson.walk(core)):
         takes = round_minutes(one, lesson)
         begins = tr("*This round takes {minutes} min.*", minutes=takes) if one[0].core else \
-            tr("*Deeper: the core does without this round, which takes {minutes} min.*", minutes=takes)
+            tr("*Deeper: this round is not part of the core and takes {minutes} min.*", minutes=takes)
         for step in one:
             stage = tr("On the stage: `{scene}`", scene=step.stage) if step.stage else ""
             parts += [f"## {numbers[step.key]}. {tr(TITLES[step.kind])}: {step.title}",

@@ -38,7 +38,7 @@ MAKERS = 2  # pages that are made at once; each takes some 30 ms of a processor
 MOST_ENGINES = 4  # each holds its own copy of Taichi and of every kernel; more gain little
 
 FULL = lazy("Every place on this server is taken. This page tries again by itself; nothing needs to be done.")
-OVER = lazy("The lab has been closed. Once it is open again, this page comes back by itself.")
+OVER = lazy("The lab is closed. This page reloads when it opens again.")
 FAILED = lazy("The page could not be made. Reload it, or see the terminal for the reason.")
 AGAIN = "<i class='lab-again'></i>"  # has the page loaded anew after a while
 

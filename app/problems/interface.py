@@ -102,7 +102,7 @@ class ProblemView:
     details: Mapping[str, str]
     motion: Motion | None = None
     formula: tuple[str, str, str] | None = None
-    modulus_hint: str = lazy("Young's modulus: what is stiffer vibrates faster")
+    modulus_hint: str = lazy("Young's modulus: a stiffer body vibrates faster")
     material: Mapping[str, LinearSlider] = field(default_factory=dict)
     estimators: tuple[str, ...] = ()
     sparks: Callable[[State], tuple[Suggestion, ...]] = lambda _: ()

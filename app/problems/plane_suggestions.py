@@ -30,17 +30,17 @@ def _ask_transport(state: State) -> Offer:
 
 def _says(ran: Ran) -> Answer:
     if "transport" in ran.not_valid:
-        return tr("Transport says: {reason}.", reason=translate_message(ran.not_valid["transport"])), \
-            tr("It does not hold here, and says so.")
+        return tr("Transport: {reason}.", reason=translate_message(ran.not_valid["transport"])), \
+            tr("It is not valid here and reports this.")
     index, companion = ran.index("transport"), ran.index("companion")
     if index != index:
-        return tr("Transport does not estimate the {noun}.", noun=ran.noun), tr("It says so in place of a number.")
-    said = tr("Transport says {times} times what the error is.", times=format_ratio(index)) if index >= 1 else \
-        tr("Transport says {share} of what the error is.", share=per_cent(index))
+        return tr("Transport does not estimate the {noun}.", noun=ran.noun), tr("It reports this instead of a number.")
+    said = tr("Transport estimates {times} times the true error.", times=format_ratio(index)) if index >= 1 else \
+        tr("Transport estimates {share} of the true error.", share=per_cent(index))
     if companion == companion:
-        return said, tr("Companion says {times} times. Which of them would you believe without the truth?",
+        return said, tr("Companion estimates {times} times. Which one would you trust without the true error?",
                         times=format_ratio(companion))
-    return said, tr("Which of them would you believe without the truth?")
+    return said, tr("Which one would you trust without the true error?")
 
 
 TRANSPORT = Suggestion("transport", "judge", lazy("Ask transport, too"), _ask_transport, _says, 0.5)
@@ -51,14 +51,14 @@ def _widening(fewest: int) -> Suggestion:
     def offer(state: State) -> Offer:
         if state.scene.cells < 2 * fewest:
             raise NotNow(tr("{fewest} cells are the fewest here", fewest=fewest))
-        return Offer(tr("Double the cells' width"), tr("the textbook: 4 times as wrong"),
+        return Offer(tr("Double the cells' width"), tr("theory: 4 times the error"),
                      changed_state(state, {"cells": state.scene.cells // 2}))
 
     return Suggestion("widen", "halve", lazy("Double the cells' width"), offer, _widened, 0.2)
 
 
 def _widened(ran: Ran) -> Answer:
-    return tr("It errs {factor} times as much; second order says 4.", factor=format_factor(ran.ratio)), \
+    return tr("Its error is {factor} times as large; theory: 4 times.", factor=format_factor(ran.ratio)), \
         tr("It takes {factor} of the particle steps: fewer particles, and fewer steps.",
            factor=format_factor(work_ratio(ran)))
 
@@ -72,8 +72,8 @@ def _staircase(state: State) -> Offer:
 
 
 def _stepped(ran: Ran) -> Answer:
-    return tr("It errs {factor} times as much.", factor=format_factor(ran.ratio)), \
-        tr("Only where particles begin differs: see the rims.")
+    return tr("Its error is {factor} times as large.", factor=format_factor(ran.ratio)), \
+        tr("Only the particles' initial positions differ: see the rims.")
 
 
 STAIRCASE = Suggestion("staircase", "stairs", lazy("Rims like a staircase"), _staircase, _stepped, 0.2)
@@ -87,7 +87,7 @@ def _untile(state: State) -> Offer:
 
 
 def _untiled(ran: Ran) -> Answer:
-    said = tr("It errs {factor} times as much.", factor=format_factor(ran.ratio))
+    said = tr("Its error is {factor} times as large.", factor=format_factor(ran.ratio))
     if ran.state.scene.method == "ugimp":
         return said, tr("Boxes that keep their size leave gaps where the material stretches. Would smaller cells help?")
     return said, tr("Parallelograms follow the material and leave no gap.")

@@ -95,10 +95,10 @@ def work_ratio(ran: Ran) -> float:
 
 def error_ratio_text(ran: Ran) -> Answer:
     """What has become of the error with cells half as wide."""
-    by, hint = ran.ratio, tr("In the first period. Second order: 0.25, at {work} times the particle steps.",
+    by, hint = ran.ratio, tr("Largest error in the first period. Theory: 0.25 times, for {work} times the work.",
                              work=format_number(work_ratio(ran)))
     if not math.isfinite(by):
-        return tr("Nobody knows: there is no true error to compare."), hint
+        return tr("Unknown: there is no true error to compare."), hint
     if by >= 1 + SAME:
         return tr("It rose to {factor} times as much. Why?", factor=format_factor(by)), hint
     if QUARTER[0] <= by <= QUARTER[1]:
@@ -112,7 +112,8 @@ def suggest_halving_cells(most: int) -> Suggestion:
         cells = 2 * state.scene.cells
         if cells > most:
             raise NotNow(tr("{most} cells are the most here", most=most))
-        return Offer(tr("Halve the cells"), tr("the textbook says: a quarter"), changed_state(state, {"cells": cells}))
+        return Offer(tr("Halve the cells"), tr("theory: error falls to a "
+                                               "quarter"), changed_state(state, {"cells": cells}))
 
     return Suggestion("halve", "halve", lazy("Halve the cells"), offer, error_ratio_text)
 
@@ -131,7 +132,7 @@ def suggest_breaking(hint: str, changes: Mapping[str, Any], periods: float) -> S
     def answer(ran: Ran) -> Answer:
         index = ran.index("companion")
         said = format_ratio(index) if math.isfinite(index) else ""
-        knows = tr("Companion says {index} times what the error is.", index=said) if said else ""
-        return tr("It has held for {periods:g} periods. Go on?", periods=periods), knows
+        knows = tr("Companion estimates {index} times the true error.", index=said) if said else ""
+        return tr("It was stable for {periods:g} periods. Continue?", periods=periods), knows
 
     return Suggestion("break", "break", title, offer, answer, periods, breaks=True)

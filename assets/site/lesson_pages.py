@@ -36,7 +36,7 @@ from app.page.features.sharing import state_link
 FOLDER = "lessons/"
 CLASSES = "lessons/classes/"
 LAB = f"http://127.0.0.1:{Serve.port}/"
-DEEPER = "<small class='deeper'>Deeper: the core does without this round.</small>"
+DEEPER = "<small class='deeper'>Deeper: this round is not part of the core.</small>"
 BUTTON = "Press **On the stage**"
 #: How an answer is given; a choice shows its options.
 GIVEN = {NUMBER: "A number{unit}.", INTERVAL: "Two numbers{unit} that hold it between them.",

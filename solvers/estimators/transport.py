@@ -8,8 +8,8 @@ def why_not_trusted(error: float, begun: bool, size: float) -> str | None:
     """Why not to trust it, or None. ``error`` is the largest estimated error of a at the nodes, in m/s^2, ``size`` that
     of the motion's own acceleration; a run that has not ``begun`` has none."""
     if begun and error < NOTHING * size:
-        return "not valid here: the terms that transport carries vanish for this mapping, so that it reads zero"
+        return "not valid here: the terms of transport vanish for this mapping, so that its estimate is zero"
     if begun and not error < MOST * size:  # true for NaN too
         return (f"not valid here: transport's error of the acceleration is more than {MOST:g} times the acceleration "
-                "itself; it feeds on itself and has outgrown the motion")
+                "itself; it amplifies itself")
     return None

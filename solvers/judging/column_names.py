@@ -222,5 +222,5 @@ def _quantity_key(name: str) -> str:
 
 def check_cell_count(path: str, value: float | None) -> int | None:
     if value is not None and not float(value).is_integer():
-        raise FileError(path, f"says that it has {value} cells; give a whole number")
+        raise FileError(path, f"states {value} cells; give a whole number")
     return None if value is None else int(value)

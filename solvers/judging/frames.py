@@ -86,12 +86,12 @@ def row_times(raw: RawTable, given: float | None) -> np.ndarray:
     said += [("the file itself", raw.time)] if raw.time is not None else []
     said += [("--time", given)] if given is not None else []
     if not said:
-        raise FileError(raw.file, "says no time; give a column t, or # t = ... in a .csv, t in a .npz, TimeValue in "
+        raise FileError(raw.file, "has no time; give a column t, or # t = ... in a .csv, t in a .npz, TimeValue in "
                                   "VTK's formats, or the flag --time with one time for each file")
     first = np.broadcast_to(np.asarray(said[0][1], float), (n,))
     for name, value in said[1:]:
         if not np.all(np.abs(first - np.asarray(value)) <= 1e-9 * np.maximum(np.abs(first), 1e-300)):
-            raise FileError(raw.file, f"has times that do not match: {said[0][0]} says {first[0]:g} s and {name} says "
+            raise FileError(raw.file, f"has times that do not match: {said[0][0]} has {first[0]:g} s and {name} has "
                                       f"{float(np.ravel(value)[0]):g} s; give one of the two")
     if not np.isfinite(first).all() or (first < 0).any():
         bad = first[~(np.isfinite(first) & (first >= 0))][0]

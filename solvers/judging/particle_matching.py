@@ -76,7 +76,7 @@ def _suggest_problems(misfit: ParticleMismatch, raw: RawTable, asked: Scene,
                        if name != asked.problem and len(problem.reference.axes) == count_directions(raw))
     if raw.said is None:
         return ParticleMismatch(misfit.file, misfit.reason, misfit.allowed, others)
-    return ParticleMismatch(misfit.file, f"says that it is of the {asked.problem}, and {misfit.reason}", HINT, others)
+    return ParticleMismatch(misfit.file, f"is a file of the {asked.problem}, and {misfit.reason}", HINT, others)
 
 
 def _usual(problem: str, cells: int) -> Iterator[Scene]:
@@ -105,8 +105,8 @@ def match_grids(files: Sequence[RawTable], scene: Scene, cells: Sequence[int], t
     for k, raw in enumerate(files):
         asked = (cells or [scene.cells])[k if len(cells) > 1 else 0]
         if raw.cells not in (None, asked) and asked != type(scene)().cells:
-            raise FileError(raw.file, f"says that it has {raw.cells} cells, and --cells says {asked}; give what was "
-                                      "run, or nothing of it")
+            raise FileError(raw.file, f"states {raw.cells} cells, but --cells is {asked}; give the value of the run, "
+                                      "or leave it out")
         count = asked if raw.cells is None else raw.cells
         try:
             own = replace(scene, cells=count)
@@ -128,7 +128,7 @@ def _match_frames(raw: RawTable, scene: Scene, reference: ProblemReference,
         raise FileError(raw.file, f"has no positions ({describe_columns('x', D)} or position); its columns are "
                                   f"{', '.join(quote(name, 20) for name in raw.names[:12])}")
     if "id" not in columns and "X" not in columns:
-        raise FileError(raw.file, "says of no particle which it is: give id, from 0 in the order of `mpm-lab problem`, "
+        raise FileError(raw.file, "does not identify its particles: give id, from 0 in the order of `mpm-lab problem`, "
                                   f"or the material position ({describe_columns('X', D)})")
     times = row_times(raw, given)
     check_length(raw.file, scene, float(times.max()))
@@ -155,7 +155,7 @@ def _match_frames(raw: RawTable, scene: Scene, reference: ProblemReference,
             if (far := float(np.sqrt(np.mean(off)))) > SURE * scene.spacing:
                 raise ParticleMismatch(
                     frame.file,
-                    f"has particles at t = 0 that are not where those of the {scene.problem} begin, by {far:.3g} m",
+                    f"has particles at t = 0 that are {far:.3g} m off the initial positions of the {scene.problem}",
                     "give ids in the order of `mpm-lab problem`, the right --cells and --ppc, or material positions")
         found.append(frame)
     return found, notes

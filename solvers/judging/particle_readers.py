@@ -171,7 +171,7 @@ def _comment_number(path: str, said: dict[str, str], *names: str) -> float | Non
     """What a comment says of the time or the cells; None where it says nothing."""
     text = next((said[name] for name in names if name in said), None)
     if text is not None and not number_parsing.is_number(text):
-        raise FileError(path, f"says {names[0]} = {quote(text)}; give a number")
+        raise FileError(path, f"has {names[0]} = {quote(text)}; give a number")
     return None if text is None else number_parsing.parse_float(text)
 
 

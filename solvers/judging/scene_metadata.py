@@ -32,7 +32,7 @@ def parse_scene_line(file: str, text: object, cells: int | None) -> SceneMetadat
                          step)
     own = scene_of_metadata(file, said)
     if "cells" in said.inputs and cells is not None and cells != own.cells:
-        raise FileError(file, f"says that it has {cells} cells, and {own.cells} in its scene; {HINT}")
+        raise FileError(file, f"states {cells} cells, but {own.cells} in its scene; {HINT}")
     return said
 
 
@@ -55,7 +55,7 @@ def resolve_scene(files: list[RawTable], asked: Scene) -> tuple[Scene, list[str]
         if raw.said is None:
             continue
         if raw.said.problem != asked.problem:
-            raise ParticleMismatch(raw.file, f"says that it is of the {raw.said.problem}", HINT, (raw.said.problem,))
+            raise ParticleMismatch(raw.file, f"is a file of the {raw.said.problem}", HINT, (raw.said.problem,))
         own, taken = scene_of_metadata(raw.file, raw.said), dict[str, Any]()
         names = [f.name for f in fields(own) if f.name not in NOT_OF_THE_PROBLEM]
         for name in names:
@@ -63,19 +63,18 @@ def resolve_scene(files: list[RawTable], asked: Scene) -> tuple[Scene, list[str]
             if name == "cells" or value == now:
                 continue
             if name in by or now != getattr(default, name):
-                says = f"{by[name]} says" if name in by else f"--{field_flag(name)} says"
-                raise FileError(raw.file,
-                                f"says {field_label(name)} {_plain_value(value)}, and {says} {_plain_value(now)}; give "
-                                          "what was run, or nothing of it")
+                says = f"{by[name]} has" if name in by else f"--{field_flag(name)} is"
+                raise FileError(raw.file, f"has {field_label(name)} {_plain_value(value)}, but {says} "
+                                          f"{_plain_value(now)}; give the value of the run, or leave it out")
             taken[name] = value
         by |= dict.fromkeys(names, raw.file)
         if taken:
             try:
                 settled_scene = replace(settled_scene, **taken)
             except SceneError as error:
-                raise FileError(raw.file, f"says a scene that cannot be with the rest: {error}; {HINT}") from None
+                raise FileError(raw.file, f"has a scene that contradicts the other settings: {error}; {HINT}") from None
             told = ", ".join(f"{field_label(name)} {_plain_value(value)}" for name, value in taken.items())
-            notes.append(f"judged with what {quote(raw.file)} says of its scene: {told}")
+            notes.append(f"judged with the scene of {quote(raw.file)}: {told}")
     return settled_scene, notes
 
 

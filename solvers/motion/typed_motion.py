@@ -113,8 +113,8 @@ class LineMotionInputs(NamedTuple):
     def check(self, u: np.ndarray, F: np.ndarray) -> None:
         """Refuse displacements (P, 1) and deformation gradients (P, 1, 1) that do not go on from end to end."""
         if np.abs(u[-1] - u[0]).max() > MOTION_TOLERANCE * self.SIDE or np.abs(F[-1] - F[0]).max() > SLOPE_TOLERANCE:
-            raise FormulaError("does not go on from X = 1 to X = 0: the bar is one period of an endless one, and u and "
-                               "du/dX must be the same there")
+            raise FormulaError("is not periodic: the bar is one period of an infinite bar, so u and du/dX must be "
+                               "equal at X = 0 and X = 1")
         if np.abs(u).max() > MOST_MOVE:
             raise FormulaError(f"moves particles by more than {MOST_MOVE} m; give a smaller one")
 

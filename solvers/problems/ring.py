@@ -65,7 +65,7 @@ class RingScene(CircularScene):
     # 15 % worse for CPDI, whose parallelograms tile and leave nothing to correct.
     NOT_LINEARITY_PRESERVING = ("is not offered for the ring: at the free surface it breaks action and reaction and "
                                 "the run blows up, and away from it CPDI gains nothing; leave it off")
-    MENDS = "the others mend"
+    MENDS = "the others correct"
 
     def displacement_at(self, X: Any, Y: Any, t: Any) -> tuple[Any, Any]:
         R = sqrt(X * X + Y * Y)

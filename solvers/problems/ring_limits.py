@@ -27,7 +27,7 @@ LIMITS = (
     # Companion: both solves must follow the same motion. At this limit the index of the stress is 1.05 (CPDI, 48 cells,
     # one period), 5.7 at 0.3.
     Limit("companion", "amplitude", most=0.25, why="at an amplitude above {most:g} the ring's motion is so unstable "
-          "that a second solve of it leaves the first for reasons of its own"),
+          "that a second solution departs from the first for other reasons"),
     # Recovered: the fits need a polar lattice with enough particles, and a motion that is not unstable. x, v and sigma
     # are good in 8 of 10 rings of .2 to .22, 4 for a; nothing at 0.25. In the second half of a period the ring is
     # compressed; until then both are good beyond.
@@ -41,8 +41,8 @@ LIMITS = (
     THREE_ACROSS,
     # Two-grid: Richardson's argument needs an error that falls like h^2. The filter only takes noise away.
     Limit("two-grid", "remedies", allowed=(FILTER,), why=REMEDIES_REASON),
-    Limit("two-grid", "layout", allowed=("polar",), impossible=True, why="the staircase of the cartesian layout is "
-          "another one on each grid, so their errors are not comparable"),
+    Limit("two-grid", "layout", allowed=("polar",), impossible=True, why="the staircase of the cartesian layout "
+          "differs between the two grids, so their errors are not comparable"),
     # Only CPDI's domains tile the lattice on all grids. What the boxes of cpGIMP leave open is less, the more particles
     # there are: x .9 to 1.0 on 12 of 12 rings on which that is less than the error of the cells, on 7 of 50 others.
     Limit("two-grid", "method", allowed=("cpdi", "cpgimp"), why=GAPS_REASON),
@@ -56,8 +56,8 @@ LIMITS = (
     # Two rows of cells lie below zero.
     Limit("two-grid", "amplitude", below=lambda scene: scene.OUTER - 2 * scene.SIDE / (scene.cells // 2),
           why="so large a motion would leave the grid of the second run; give more cells or a smaller amplitude"),
-    Limit("two-grid", "ppc", least=2, why="one particle per cell is so coarse a rule of quadrature that its error, of "
-          "a cell's length, drowns what the two grids have in common; give two or more"),
+    Limit("two-grid", "ppc", least=2, why="one particle per cell is too coarse a quadrature: its error, of a cell's "
+          "length, hides the common part of the two grids; give two or more"),
     # Once the ring has been compressed, x may be .4 to .7.
     Limit("two-grid", "end_time", most=0.6, of="period", above=("amplitude", 0.2), why="at an amplitude above "
           "{above:g} the compressed ring is so unstable that the two runs part; end within {most:g} periods or take a "
@@ -89,10 +89,10 @@ def warnings(scene: Any) -> list[str]:
     amplitude, rate, life = scene.amplitude, growth(scene), expected_life(scene)
     beyond = amplitude > KNOWN
     wrinkles = f"; above {WRINKLING} its surface wrinkles as well" * (amplitude > WRINKLING)
-    return [f"amplitude {amplitude:g}: from {RESONANCE} on the ring's own motion is unstable by parametric "
-            f"resonance, which nothing cures; an error in the mode n = 2 grows {rate:.2f}-fold a period"
+    return [f"amplitude {amplitude:g}: above {RESONANCE} the ring's own motion is unstable (parametric resonance), and "
+            f"no remedy helps; an error in the mode n = 2 grows {rate:.2f}-fold a period"
             f"{' or faster' * beyond}, from {FIRST_ERROR:.1%} of the amplitude after the first to a tenth after "
-            f"{'at most' if beyond else 'about'} {life:.2g}, from less of it later{wrinkles}"]
+            f"{'at most' if beyond else 'about'} {life:.2g}, a smaller error reaches it later{wrinkles}"]
 
 
 def other_advice(scene: Any) -> str:
@@ -101,7 +101,7 @@ def other_advice(scene: Any) -> str:
         return (f"from A = {RESONANCE} on the ring's own motion is unstable (parametric resonance) and no remedy "
                 "helps: choose a smaller amplitude or fewer periods")
     if scene.method == "mpm" and not scene.frozen:
-        return f"hat functions hold only with the remedy {FROZEN}; or choose CPDI"
+        return f"hat functions need the remedy {FROZEN}; or choose CPDI"
     if scene.method != "cpdi" and not scene.remedies:
-        return f"call for the remedies {FILTER},{COUPLED}, or choose CPDI"
+        return f"use the remedies {FILTER},{COUPLED}, or choose CPDI"
     return "choose more particles per cell, a smaller amplitude or fewer periods"

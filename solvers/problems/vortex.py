@@ -75,7 +75,7 @@ class VortexScene(CircularScene):
     FEWEST_CELLS, DEFAULT_PERIODS, SAMPLES_A_PERIOD = 12, 0.5, 100
     NOT_LINEARITY_PRESERVING = ("is not offered for the vortex: at a free surface it breaks action and reaction; leave "
                                 "it off")
-    MENDS = "the filter mends"
+    MENDS = "the filter corrects"
 
     def displacement_at(self, X: Any, Y: Any, t: Any) -> tuple[Any, Any]:
         angle = self.amplitude * sin(self.angular_frequency * t) * swirl_profile(sqrt(X * X + Y * Y))
@@ -108,12 +108,12 @@ class VortexScene(CircularScene):
 
 VORTEX = PlanarProblem(VortexScene, ViewSettings(
     cells=(12, 96, 2), ppc=(1, 3), amplitude=(0.01, MOST_AMPLITUDE), modulus=(100.0, 10_000.0),
-    amplitude_hint="angle in radians by which the middle circle turns against the rims, which rest; the largest shear "
-                   "is seven times as much",
+    amplitude_hint="angle in radians by which the middle circle turns while the rims stay fixed; the largest shear is "
+                   "seven times as large",
     prices={"transport": 0.07, "recovered": 0.24, "companion": 0.04}, speed=(0.01, 0.1, 2.0),
     estimators=("companion", "transport"),  # transport alone would show only an estimate that fails
     details={"layout": "where particles begin: Cartesian rims are staircases", "body_force": "which force acts"},
-    modulus_hint="Young's modulus: the body force sees to it that the motion stays the same, the errors do not",
+    modulus_hint="Young's modulus: the body force keeps the motion the same, but the errors change",
     poisson_hint="resistance to a change of volume: not in the exact motion, which has none, but in the errors and, "
                  "with the speed of waves, in the time step",
-    sparks=("widen", "staircase", "break"), breaking=("hat functions bear no shear", {"method": "mpm"}, 0.4)))
+    sparks=("widen", "staircase", "break"), breaking=("hat functions fail in shear", {"method": "mpm"}, 0.4)))

@@ -61,17 +61,17 @@ LIMITS = (
     # As the way of a wave over an element, a cell wide at the inner rim. From 0.8 on its method may be unstable, which
     # the run shows.
     Limit("recovered", "courant_number", most=lambda scene: 0.9 / (scene.INNER * crossing_rate(scene)), why="recovered "
-          "has an equation of motion of its own, which such steps would make unstable in a material sheared so much; "
-          "give a cfl of {most:.2g} or less"))
+          "has its own equation of motion, which is unstable with such steps in such a shear; give a cfl of {most:.2g} "
+          "or less"))
 
 
 def other_advice(scene: Any) -> str:
     """What else to do about a run that went bad, as an imperative."""
     if scene.method == "mpm":
-        return "hat functions do not hold such a shear: choose CPDI"
+        return "hat functions fail in such a shear: choose CPDI"
     if scene.method != "cpdi":
         more = f"give {ENOUGH} or more particles per cell and direction, " * (scene.ppc < ENOUGH)
-        filtered = f"call for the remedy {FILTER}, " * (not scene.remedies)
+        filtered = f"use the remedy {FILTER}, " * (not scene.remedies)
         return f"{more}{filtered}{'or ' * bool(more or filtered)}choose CPDI" \
             + ", or the polar layout" * (scene.layout == "cartesian")
     return "choose more cells, more particles per cell or a smaller amplitude"

@@ -1,4 +1,4 @@
-"""A scene's error budget, and what happens when one of its causes is taken away: foretold, and run again."""
+"""A scene's error budget, and what happens when one of its causes is taken away: predicted, and run again."""
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
@@ -81,8 +81,8 @@ def _run_on_demand(on_demand: OnDemand, plain: Result, cause: str, show: Progres
     status, reason, broken_at = solver.status(None)
     if solver.sound and solver.step < steps[-1]:
         status, broken_at = LOST, solver.time
-        reason = (f"the run is lost from t = {solver.time:.4g} s on: what a particle stands for has turned inside out "
-                  "or left the grid")
+        reason = (f"the run is lost from t = {solver.time:.4g} s on: the domain of a particle has turned inside out or "
+                  "left the grid")
     return replace(plain, series={"time": time, **series}, status=status, reason=reason, broken_at=broken_at)
 
 

@@ -44,12 +44,12 @@ def parse_line(file: str, text: str) -> tuple[str, dict[str, Any]]:
         values = json.loads(text[:MAX_LINE + 1])
         schema, problem, given = values["schema"], values["problem"], dict(values["inputs"])
     except (ValueError, TypeError, KeyError, RecursionError):
-        raise FileError(file, f"says a scene that cannot be read; {HINT}") from None
+        raise FileError(file, f"has a scene that cannot be read; {HINT}") from None
     if schema != SCHEMA:
-        raise FileError(file, f"says its scene in the words of another version ({quote(schema, MAX_WORD)}), and "
-                              f"{SCHEMA} can be read; {HINT}")
+        raise FileError(file, f"has a scene of another format version ({quote(schema, MAX_WORD)}), and {SCHEMA} "
+                              f"is needed; {HINT}")
     if not isinstance(problem, str) or problem not in PROBLEMS:
-        raise FileError(file, f"says that it is of a problem that is none here; {HINT}")
+        raise FileError(file, f"names an unknown problem; {HINT}")
     return problem, given
 
 
@@ -62,9 +62,9 @@ def scene_from_inputs(file: str, problem: str, given: dict[str, Any]) -> Scene:
             raise TypeError
         return PROBLEMS[problem].scene(**values)
     except SceneError as error:
-        raise FileError(file, f"says a scene that cannot be: {error}; {HINT}") from None
+        raise FileError(file, f"has an invalid scene: {error}; {HINT}") from None
     except (TypeError, ValueError, OverflowError):
-        raise FileError(file, f"says a scene whose inputs are none of the {problem}'s; {HINT}") from None
+        raise FileError(file, f"has a scene with inputs that the {problem} does not accept; {HINT}") from None
 
 
 def _is_plain(value: object) -> bool:

@@ -152,7 +152,7 @@ EFFECTS: dict[str, Effect] = {effect.name: effect for effect in (
     Effect("acceleration", "acceleration error", "keep each particle's acceleration, to compare and to estimate it",
            needs=("truth", "estimate")),
     Effect("soundness", "contradictions", "look for contradictions in the motion itself that show a run to be lost"),
-    Effect("margin", "step margin", "compare the time step with the bound of what the present configuration bears"),
+    Effect("margin", "step margin", "compare the time step with the stability bound of the present configuration"),
 )}
 #: Effects that only some problems have: a scene's ``OWN_EFFECTS`` names them.
 OWN: dict[str, Effect] = {effect.name: effect for effect in (

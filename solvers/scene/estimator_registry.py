@@ -18,9 +18,9 @@ from solvers.scene.validation import SceneError
 
 EXPLANATIONS = Path(__file__).parents[1] / "estimators" / "explanations"
 #: Transport's defects are those of weights that follow the particles.
-MOVING_WEIGHTS = Limit("transport", "frozen", allowed=(False,), why="transport follows the errors of weights that are "
-                       "computed anew each step, and with frozen-weights reads 2 to 20,000 times the error; leave that "
-                       "remedy out, or take recovered or companion")
+MOVING_WEIGHTS = Limit("transport", "frozen", allowed=(False,), why="transport assumes weights that are computed anew "
+                       "each step, and with frozen-weights estimates 2 to 20,000 times the error; leave that remedy "
+                       "out, or take recovered or companion")
 #: Why an estimator is known not to hold, in sentences that several problems say.
 PROCESSOR_REASON = ("{name} works on the particles in every step, which is not built for a GPU; take companion, which "
                     "the processor solves beside them, or --arch cpu")
@@ -71,14 +71,14 @@ class Estimator:
 ESTIMATORS: dict[str, Estimator] = {estimator.name: estimator for estimator in (
     Estimator("transport", "the paper's: sends the error of the gradient mapping through the method's own equations",
               colour="#cf5a00", symbol="o"),  # judges nothing: its size is often off by several times
-    Estimator("recovered", "makes the particles' own motion smooth and holds it against the equation of motion",
+    Estimator("recovered", "smooths the particles' motion and compares it with the equation of motion",
               colour="#6b2a00", dashes=(7, 3), symbol="s", judges=True),
-    Estimator("companion", "a hidden solve of the same problem, of higher order, that the particles are measured "
-              "against", colour="#c97d00", dashes=(3, 3), symbol="^", beside_gpu=True, judges=True),
+    Estimator("companion", "a hidden solution of the same problem, of higher order, compared with the "
+              "particles", colour="#c97d00", dashes=(3, 3), symbol="^", beside_gpu=True, judges=True),
     Estimator("two-grid", "the same run on cells twice as wide beside it, and Richardson's extrapolation",
               colour="#b0156b", dashes=(9, 3, 2, 3), symbol="D", judges=True,
-              refusals={"vortex": "is not built for the vortex, where companion tells more for less: it solves for one "
-                        "radius, two-grid runs a second ring"}),
+              refusals={"vortex": "is not available for the vortex: companion is cheaper and more accurate there, "
+                        "because it solves along one radius, while two-grid runs a second ring"}),
 )}
 
 

@@ -23,18 +23,18 @@ PIECES = "pieces"
 
 REMEDIES: dict[str, Remedy] = {remedy.name: remedy for remedy in (
     Remedy(FILTER, "filtered", "null-space filter",
-           "takes out of the particles' velocity, at a rate, what the grid cannot see and so never corrects"),
+           "gradually removes the part of the particles' velocity that is invisible to the grid and never corrected"),
     Remedy(COUPLED, "coupled", "displacement-coupled F",
-           "draws the deformation gradient, at a rate, towards that of the particles' own displacements, so that the "
-           "two cannot part"),
+           "gradually draws the deformation gradient towards the gradient of the particles' displacements, so that "
+           "both stay consistent"),
     Remedy(CENTRED, "centred", "zero drift",
-           "takes the mean velocity out after every step: linearity preservation makes forces that do not quite "
-           "cancel, and the whole body wanders off"),
+           "removes the mean velocity after every step: with linearity preservation forces do not quite cancel, and "
+           "the whole body drifts"),
     Remedy(FROZEN, "frozen", "frozen weights",
-           "computes the weights once, where the material was at rest (total Lagrangian): no particle ever crosses a "
-           "cell; cheaper too, but numerical fracture is impossible"),
+           "computes the weights once, in the undeformed body (total Lagrangian): no particle ever crosses a cell; "
+           "also cheaper, but numerical fracture is impossible"),
     Remedy(PIECES, "pieces", "forces of pieces",
-           "cuts the material into pieces without gaps, a particle each, with corners half way between neighbours; a "
-           "piece that lies in two cells pulls at the nodes of both, so that nobody is counted in the wrong cell"),
+           "cuts the material into pieces without gaps, one for each particle, with corners halfway between "
+           "neighbours; a piece in two cells acts on the nodes of both, so that nothing is counted in the wrong cell"),
 )}
 SWITCHES = {remedy.switch: name for name, remedy in REMEDIES.items()}

@@ -294,11 +294,11 @@ class Scene(SceneDefaults, ABC):
                     require_number(name, getattr(self, name), 0, math.inf, allowed)
         name, unit = ("cfl", 1.0) if self.dt is None else ("dt", self.spacing / self.wave_speed)
         if self.courant_number > MOST_CFL:
-            raise SceneError(name, getattr(self, name), "is far beyond any stable step; "
-                             f"give a number above 0 and up to {MOST_CFL * unit:.3g} (cfl {MOST_CFL:g})")
+            raise SceneError(name, getattr(self, name), "is far above any stable step; give a number above 0 and up to "
+                             f"{MOST_CFL * unit:.3g} (cfl {MOST_CFL:g})")
         if self.courant_number < LEAST_CFL:
-            raise SceneError(name, getattr(self, name), "is so short a step that rounding would swallow it; "
-                             f"give {LEAST_CFL * unit:.3g} (cfl {LEAST_CFL:g}) or more")
+            raise SceneError(name, getattr(self, name), "is too short a step for the floating-point precision; give "
+                             f"{LEAST_CFL * unit:.3g} (cfl {LEAST_CFL:g}) or more")
         if self.end_time / self.time_step > MOST_STEPS:
             name = "t_end" if self.t_end is not None else "periods"
             raise SceneError(name, getattr(self, name) or self.DEFAULT_PERIODS,

@@ -130,13 +130,13 @@ def step_warnings(scene: Any) -> list[str]:
     """Sentences about what a scene's own step will surprise with."""
     bound, dt = scene_step_bound(scene), scene.time_step
     if dt > bound.longest:
-        return [f"time step {dt:.3g} s (cfl {scene.courant_number:.2g}): above the {bound.longest:.3g} s that this "
-                "motion bears by linear theory; expect the run to go unstable (--dt auto takes "
-                f"{SAFE * bound.longest:.3g} s)"]
+        return [f"time step {dt:.3g} s (cfl {scene.courant_number:.2g}): above the stability bound of "
+                f"{bound.longest:.3g} s along this motion (linear theory); the run will probably become unstable (--dt "
+                f"auto takes {SAFE * bound.longest:.3g} s)"]
     if isinstance(scene.dt, str) and not bound.certain:
-        return ["dt auto: with hat functions forces jump where particles cross cells, and nodes that are nearly empty "
-                "for a moment bear hardly any step, so none is safe here for certain; choose another method, or "
-                "--remedies frozen-weights"]
+        return ["dt auto: with hat functions forces jump when particles cross cells, and nodes that are nearly empty "
+                "for a moment are stable only for tiny steps, so no step is certainly safe here; choose another "
+                "method, or --remedies frozen-weights"]
     return []
 
 

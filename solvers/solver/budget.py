@@ -8,7 +8,7 @@ from solvers.scene.error_causes import CAUSES, FIELDS
 from solvers.solver.error_norms import IGNORE_OVERFLOW, finite
 
 #: The causes' errors, in sizes of the error itself, up to which shares say who made it. Of 600 random runs, three
-#: causes taken away from each (``tests.budget``), up to 3 the budget foretold what was left of x, v and F to 0.15 of
+#: causes taken away from each (``tests.budget``), up to 3 the budget predicted what was left of x, v and F to 0.15 of
 #: the error before in 97 % of the cases, from 3 to 10 in 94 %, and beyond in 50 %, where it missed by many times
 #: the error (``assets/budget.md``). 3 is on the safe side: shares of parts that cancel are hard to read, too.
 MOST_CANCELLED = 3.0
@@ -56,16 +56,16 @@ def cancellation(series: Mapping[str, np.ndarray], field: str) -> float:
 def why_not_valid(series: Mapping[str, np.ndarray]) -> str | None:
     """Why shares say nothing of this run, as a sentence, or None."""
     if np.sqrt(np.mean(series["budget/error_x"] ** 2)) <= ROUND_OFF:
-        return "not valid here: the error is no more than round-off, and nobody's"
+        return "not valid here: the error is only round-off and has no cause"
     worst = {field: cancellation(series, field) for field in FIELDS}
     field = max(worst, key=lambda name: worst[name] if np.isfinite(worst[name]) else np.inf)
     if worst[field] <= MOST_CANCELLED:
         return None
     if not np.isfinite(worst[field]):
-        return "not valid here: the run has left numbers too large to be divided between causes"
+        return "not valid here: the numbers of the run are too large for shares"
     times = f"{worst[field]:,.0f}" if worst[field] >= 10 else f"{worst[field]:.2g}"
-    return (f"not valid here: the causes have made errors of {field} {times} times as large as the error "
-            f"itself, which cancel; shares mean something up to {MOST_CANCELLED:g} times")
+    return (f"not valid here: the causes have errors of {field} that cancel and are {times} times as large as the "
+            f"total; shares are valid up to {MOST_CANCELLED:g} times")
 
 
 def summary(series: Mapping[str, np.ndarray], reference: str) -> dict:

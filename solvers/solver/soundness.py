@@ -36,8 +36,8 @@ class Contradiction:
 CONTRADICTIONS: dict[str, Contradiction] = {rule.name: rule for rule in (
     # D <= 2 rms(e_x) and what F adds, beside what few particles do (``scene.lattice_gap``): derived, not fitted.
     Contradiction("neighbour_gap", 0.2,
-                  "neighbouring particles no longer stand where their deformation says (off by {size} of the "
-                  "amplitude); do not trust positions or stress"),
+                  "neighbouring particles are not where their deformation implies (off by {size} of the amplitude); do "
+                  "not trust positions or stress"),
     # The forces sum to zero: a strict lower bound of the error.
     Contradiction("mean_drift", 0.1,
                   "the body as a whole has moved by {size} of the amplitude though no net force acts; its shape may "
@@ -46,11 +46,10 @@ CONTRADICTIONS: dict[str, Contradiction] = {rule.name: rule for rule in (
     Contradiction("out_of_shape", 0.1, "the ring is no longer round (by {size} of the amplitude)"),
     # Seen on fine grids, where neighbours are too close to be apart by much; sound runs reach 0.3.
     Contradiction("displacement_mismatch", 0.4,
-                  "displacements no longer add up to what the deformation says (off by {size} of the amplitude)"),
+                  "displacements and deformation contradict each other (off by {size} of the amplitude)"),
     # A lower bound of the error, but for that of the balance, a hundredth or less.
     Contradiction("balance_gap", LOST_FROM,
-                  "the particles do not stand where the balance of momentum brings them (off by {size} of the "
-                  "amplitude)"),
+                  "the particles are not where the balance of momentum requires (off by {size} of the amplitude)"),
 )}
 
 
@@ -83,9 +82,9 @@ def findings(scene: Scene, series: Mapping[str, np.ndarray]) -> dict[str, Findin
     for quantity, most in scene.loss_limits.items():
         noun, unit = NOUNS[quantity], scene.size_of(quantity)
         rules[f"error_{quantity}"] = (series[f"error_{quantity}"], most, unit,
-                                      f"the {noun} is not what it should be (its true error is {{size}} of it)")
+                                      f"the {noun} is wrong (its true error is {{size}} of it)")
         for name in judges:
-            sentence = f"the {noun} is not what it should be ({name} puts its error at {{size}} of it)"
+            sentence = f"the {noun} is wrong ({name} estimates its error as {{size}} of it)"
             rules[f"{name}/{quantity}"] = (series[f"{name}/estimate_{quantity}"], most, unit, sentence)
     return {name: found for name, (values, most, unit, sentence) in rules.items()
             if (found := _first_exceedance(series, values, most, unit, sentence))}

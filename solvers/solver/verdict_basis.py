@@ -17,7 +17,7 @@ from solvers.solver.samples import QUANTITIES
 from solvers.solver.soundness import NOUNS, balance_gap
 
 LARGE_ERROR = 1.0  # an error, as RMS over particles, over the quantity's own RMS over particles and a period
-POSITIONS_HOLD = "positions hold, but "
+POSITIONS_HOLD = "positions are ok, but "
 LONG_SAMPLE_INTERVAL = 0.2  # periods from one sample to the next, beyond which errors come and go unseen
 
 
@@ -65,7 +65,7 @@ def merge(before: Mapping[str, LargeRelativeError],
 def warning(found: Mapping[str, LargeRelativeError]) -> str | None:
     """What a verdict that is ok for the positions says of the others; None where there is nothing to say."""
     parts = [f"the {NOUNS[quantity]} is off by up to {one.size:.2g} times its own size, from t = {one.since:.4g} s on"
-             + f" ({one.by} says so)" * (one.by != "truth") for quantity, one in found.items()]
+             + f" (according to {one.by})" * (one.by != "truth") for quantity, one in found.items()]
     return f"{POSITIONS_HOLD}{'; '.join(parts)}" if parts else None
 
 
@@ -83,19 +83,19 @@ def checked_by(scene: Scene, not_valid: Collection[str], balance: bool) -> dict[
 def unchecked(scene: Scene, held: Mapping[str, list[str]]) -> str | None:
     """What of :func:`checked_by` is missing, in one sentence; None where each quantity was held against something."""
     if not held["x"]:
-        return ("nothing was checked but that numbers stay finite and no particle turns inside out: switch on the "
+        return ("only two checks were made: numbers stay finite, and no particle turns inside out; switch on the "
                 "effect soundness or truth, or the estimator companion")
     parts = []
     if held["x"] == ["contradictions"]:
-        parts.append("positions were held against each other alone, not against the balance of momentum, whose motion "
-                     "could not be followed to the end")
+        parts.append("positions were compared only with each other, not with the reduced model, which could not be "
+                     "computed to the end")
     alone = [NOUNS[q] for q in ("v", "sigma", "a") if not held[q] and (q != "a" or scene.has("acceleration"))]
     if alone:
-        parts.append(f"{' and '.join(', '.join(alone).rsplit(', ', 1))} were held against nothing: the effect truth or "
-                     "the estimator companion would")
+        parts.append(f"{' and '.join(', '.join(alone).rsplit(', ', 1))} were not checked: switch on the effect truth "
+                     "or the estimator companion")
     apart = scene.sample_interval * scene.time_step / scene.period
     if apart > LONG_SAMPLE_INTERVAL and scene.sample_interval > 1:
-        parts.append(f"what happened between two samples, {apart:.2g} periods apart, was not looked at: give a smaller "
+        parts.append(f"nothing was checked between two samples, {apart:.2g} periods apart: give a smaller "
                      "--sample-every")
     return "; ".join(parts) or None
 

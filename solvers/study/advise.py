@@ -254,10 +254,10 @@ def _runner_up(others: list[Family], best: Candidate, goal: Goal, met: bool) -> 
     (other, *_), others_meet = _ranking(others, goal)
     name = _method_name(other.scene)
     if met and not others_meet:
-        return other, (f"{name} does not get there: its error is {other.error:.2g} at {other.cells} cells and falls no "
-                       "further within the budget")
+        return other, (f"{name} does not meet the tolerance: its error is {other.error:.2g} at {other.cells} cells and "
+                       "falls no further within the budget")
     if not met:
-        return other, f"{name} comes down to {other.error:.2g} only"
+        return other, f"{name} only falls to {other.error:.2g}"
     size = f"{other.cells} cells with {other.scene.ppc} particles per cell, cfl {other.scene.cfl:g}"
     return other, f"{name} needs {size}: {other.seconds / best.seconds:.2g} times the time"
 

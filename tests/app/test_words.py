@@ -66,8 +66,8 @@ def test_sentences_name_what_stands_beside_the_widgets():
     assert words.on_page("give --velocity grid") == "give grid velocity"
     assert words.on_page("ugimp needs 98 cells, cfl 0.5; mpm-lab run bar --method mpm; cpgimp-v, or bspline") == \
         "uGIMP needs 98 cells, CFL 0.5; mpm-lab run bar --method mpm; cpGIMP (V), or B-spline"
-    assert words.on_page("call for the remedies null-space-filter,coupled-deformation, or choose CPDI") == \
-        "call for the remedies \"null-space filter\" and \"displacement-coupled F\", or choose CPDI"
+    assert words.on_page("use the remedies null-space-filter,coupled-deformation, or choose CPDI") == \
+        "use the remedies \"null-space filter\" and \"displacement-coupled F\", or choose CPDI"
     with pytest.raises(SceneError) as refusal:
         BarScene(remedies=("frozen-weights", "zero-drift"))
     assert words.on_page(str(refusal.value)).startswith("remedies \"frozen weights\", \"zero drift\": ")

@@ -140,7 +140,7 @@ def test_arrays_are_judged_as_files_are(tmp_path):
 
 
 @pytest.mark.parametrize("given, options, sentence", [
-    ({"x": [0.1, 0.2]}, {}, "arrays 1: says of no particle which it is"),
+    ({"x": [0.1, 0.2]}, {}, "arrays 1: does not identify its particles"),
     ({"x": [[1.0], [1.0, 2.0]]}, {}, "arrays 1: are no arrays"),
     ("nothing.csv", {}, "nothing.csv: cannot be read"),
     ([], {}, "files none: give one or several"),

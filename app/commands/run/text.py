@@ -44,7 +44,7 @@ def run_table(result: dict) -> str:
 def budget_table(budget: dict) -> str:
     """Each cause's share of the error, and whose error it is; or why shares say nothing."""
     rows = [(cause, *(format_value(budget[field][name], ".3f") for field in FIELDS)) for name, cause in CAUSES.items()]
-    whose = "the error" if budget["reference"] == "exact" else f"what the {budget['reference']} says the error is"
+    whose = "the error" if budget["reference"] == "exact" else f"what the {budget['reference']} has the error is"
     text = _columns([("share of the error of", *FIELDS), *rows])
     return f"{text}\n{budget['not_valid'] or f'shares of {whose} over the run, adding up to 1'}"
 

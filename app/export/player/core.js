@@ -35,7 +35,7 @@ function coreChoice() {
     keep();
     document.querySelector("#lesson progress").max = walked().length + 1;
   });
-  const hint = tr("The core stands by itself and takes {minutes} minutes; you can go deeper at its end.", {minutes: LESSON.core_minutes});
+  const hint = tr("The core is self-contained and takes {minutes} minutes; you can go deeper at its end.", {minutes: LESSON.core_minutes});
   return [line, element("p", hint, {className: "hint"})];
 }
 

@@ -12,9 +12,9 @@ const tell = (name, ...values) => values.some((value) => call("LMSSetValue", `cm
 const isDone = (status) => status === "completed" || status === "passed";
 
 if (!api) {
-  said.textContent = tr("Opened outside of a course: no system is told what you do.");
+  said.textContent = tr("Opened outside a course: your answers are not reported.");
 } else if (call("LMSInitialize", "") !== "true") {
-  said.textContent = tr("The course's system did not let this lesson begin, so it is told nothing of what you do; open the lesson again from the course.");
+  said.textContent = tr("The course's system did not start this lesson and gets no answers; open the lesson again from the course.");
 } else {
   enterCourse();
 }
@@ -27,12 +27,12 @@ function enterCourse() {
   course.best = course.finished ? Number(heard("core.score.raw")) || 0 : 0;
   keeper = {
     name: [...heard("core.student_name").trim()].slice(0, LESSON.longest_name).join(""),
-    hint: tr("It gives you numbers of your own. Answers, times and a score go to your course's system."),
+    hint: tr("It gives you your own numbers. Answers, times and a score go to your course's system."),
     handed: tr("Your course's system has your answers, times and score. Hand in saves the answers as a file as well."),
-    forget: tr("Forget your answers and begin anew? Your course keeps what it has been told of them."),
+    forget: tr("Delete your answers and start again? Your course keeps the results that it already has."),
     read: remembered, write: report, answered: reportAnswer,
   };
-  if (!course.open) said.textContent = tr("Opened to look at again: nothing of what you do now is kept.");
+  if (!course.open) said.textContent = tr("Opened for review: new answers are not saved.");
   else if (!course.finished) tell("core.lesson_status", "incomplete");
   window.addEventListener("pagehide", leaveCourse);
   window.addEventListener("pageshow", (event) => event.persisted && location.reload());  // that visit has been ended
@@ -43,7 +43,7 @@ function remembered() {
   const text = heard("suspend_data");
   if (!text) return null;
   const found = resumed(text, Number(heard("core.lesson_location")));
-  if (!found) said.textContent = tr("This lesson has been changed since your last visit, and begins anew.");
+  if (!found) said.textContent = tr("This lesson has changed since your last visit and starts again.");
   else if (!Object.keys(found.answers).length && keeper.name) found.name = keeper.name;
   return found;
 }
@@ -56,8 +56,8 @@ function report(progress) {
   tell("core.session_time", timespan((performance.now() - course.began) / 1000));
   const titles = short.map((step) => tr('"{name}"', {name: own(step.title)})).join(", ");
   said.textContent = !taken || call("LMSCommit", "") !== "true"
-    ? tr("Your course's system did not keep what you have done last; Hand in, at the end, saves it as a file.")
-    : short.length ? tr("Your course's system has room for {most} characters, and does not keep all that you wrote at {titles}; Hand in, at the end, saves it.",
+    ? tr("Your course's system did not save your last answers; Hand in, at the end, saves them as a file.")
+    : short.length ? tr("Your course's system saves only {most} characters, so your text at {titles} is cut; Hand in, at the end, saves all of it.",
       {most: CHARACTERS, titles}) : "";
 }
 

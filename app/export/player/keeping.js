@@ -3,7 +3,7 @@
 const keptAs = () => `mpm-lab ${DATA.lesson.name}`;
 let keeper = {
   name: "",  // of the student, where it is known
-  hint: tr("It gives you numbers of your own, and stands in the file that you hand in. It is sent to nobody."),
+  hint: tr("It gives you your own numbers, and the file that you hand in contains it. It is not sent to anybody."),
   handed: tr("Hand in saves a file with your answers and times, and your name if you have given one. Nothing is sent to anybody."),
   forget: tr("Forget all answers in this browser?"),
   read: () => JSON.parse(localStorage.getItem(keptAs())),

@@ -73,7 +73,7 @@ function introduction() {
   const parts = [element("p", takes()), goals];
   if (LESSON.needs.length) parts.push(element("p", tr("Do before: {lessons}.", {lessons: LESSON.needs.join("; ")})));
   if (LESSON.language !== document.documentElement.lang) parts.unshift(element("p", tr("This lesson is in English."), {className: "elsewhere"}));
-  if (LESSON.elsewhere.length) parts.push(element("p", tr("This file shows recorded runs. What the text says of {controls} needs the live page.",
+  if (LESSON.elsewhere.length) parts.push(element("p", tr("This file shows recorded runs. Instructions about {controls} need the live page.",
     {controls: LESSON.elsewhere.join(", ")}), {className: "elsewhere"}));
   return [...parts, text, field(tr("Your name"), name), element("p", keeper.hint, {className: "hint"}), ...coreChoice(), moves(false, true)];
 }

@@ -67,7 +67,7 @@ function trouble(question, answer) {
   if (question.kind === "interval") {
     if (!Array.isArray(answer) || answer.length !== 2 || !answer.every(real)) return tr("Please give two numbers, the least and the most.");
     if (answer[0] > answer[1]) return tr("The first number must not be above the second.");
-    return answer[0] > 0 ? "" : tr("Please give two numbers above 0: a bet is scored by factors, and 0 is infinitely far.");
+    return answer[0] > 0 ? "" : tr("Please give two numbers above 0: bets are scored by factors, so 0 is not possible.");
   }
   return real(answer) ? "" : tr("Please give a number.");
 }

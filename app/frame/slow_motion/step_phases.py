@@ -117,7 +117,7 @@ def _moved(_: Scene, a: StepBreakdown) -> list[str]:
     lines = [f"v = {format_change(before.velocity[0], after.velocity[0], 'm/s')}",
              f"x = {format_change(before.position[0], after.position[0], 'm')}"]
     if np.abs(a.left_over).max() > 1e-9 * np.abs(after.velocity[0]).max():  # far above round-off
-        lines.append(tr("of this v, the remedies have added {amount}", amount=format_amount(a.left_over, "m/s")))
+        lines.append(tr("the remedies changed v by {amount}", amount=format_amount(a.left_over, "m/s")))
     return lines
 
 

@@ -61,7 +61,9 @@ class OpeningTour(Feature):
         page.is_touring = lambda: tour.beat > 0
         with page.tabs["about"]:
             page.gui.add_html("<i class='lab-replay'></i>")
-            replay = page.gui.add_button(tr("Replay the story"), hint=tr("what the page opens on, in four beats"))
+            replay = page.gui.add_button(tr("Replay the "
+                                            "introduction"), hint=tr("the introduction to this page, in four "
+                                                                         "steps"))
         replay.on_click(lambda _: tour.hear("play"))
         return tour
 
@@ -128,11 +130,11 @@ def _beat(beat: int, report: FrameReport, arrays: FrameArrays, pinned: PinnedRun
     error = arrays.error[:, SIGMA].astype(float)
     wrong, crossed = math.sqrt(np.mean(error**2)) / size, arrays.steps_since_crossing >= 0
     if beat == 1:
-        return (tr("We know the exact stress of every point of this bar: the blue line."),
-                [tr("The bar swings by {amplitude}. What is computed are dots: will they stay on the line?",
+        return (tr("The blue line is the exact stress at every point of this bar."),
+                [tr("The bar swings by {amplitude}. The dots are computed: will they stay on the line?",
                     amplitude=with_unit(scene.amplitude, "m"))], {})
     if beat == 2 and not crossed.any():
-        return (tr("{by}, the oldest way: does the stress stay on the line?"),
+        return (tr("{by}, the oldest method: does the stress stay on the line?"),
                 [tr("No particle has changed its cell yet. Watch for the magenta dots.")],
                 {"by": str(METHODS[scene.method])})
     if beat == 2:
@@ -151,9 +153,9 @@ def _beat(beat: int, report: FrameReport, arrays: FrameArrays, pinned: PinnedRun
     if beat == 3:
         estimate = arrays.estimate.get("recovered", np.full_like(arrays.error, np.nan))[:, SIGMA].astype(float)
         index = math.sqrt(np.mean(estimate**2)) / (wrong * size) if wrong else math.nan
-        return (tr("{by} that does not know the line finds {wrong} of that error."),
-                [tr("It is called recovered, and smooths the particles' own motion. Upper lane: what it says; lower "
-                    "lane: the truth.")], {"by": tr("An estimator"), "wrong": per_cent(index)})
+        return (tr("{by} without the exact solution finds {wrong} of that error."),
+                [tr("The estimator recovered smooths the particles' motion. Upper lane: its estimate; lower lane: the "
+                    "true error.")], {"by": tr("An estimator"), "wrong": per_cent(index)})
     if pinned is None or pinned.last is None:
         return tr("The same bar with B-splines is being prepared."), [], {}
     other = pinned.last[1]

@@ -77,7 +77,7 @@ def _changed(key: str, icon: str, state: State, show: Callable[[State], None], t
 def _cure(scene: Scene) -> tuple[str, str, dict[str, object]]:
     """A step that the motion bears, or the remedies that are not on yet."""
     if scene.time_step > scene.step_bound:
-        return tr("Take a step that holds"), tr("Auto step: what the motion bears"), {"dt": AUTO, "cfl": None}
+        return tr("Take a stable step"), tr("Auto step: longest stable step"), {"dt": AUTO, "cfl": None}
     names = TWO if all(name in scene.REMEDIES for name in TWO) else ONE
     missing = tuple(name for name in names if name not in scene.remedies)
     hint = ", ".join(tr(SHORT.get(name, REMEDIES[name].label)) for name in names)

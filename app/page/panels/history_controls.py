@@ -41,7 +41,7 @@ class HistoryControls:
         self._number = gui.add_text(tr("Trace particle"), "", hint=tr(
             "its number, or click it on the stage: its error, its estimates and its crossings are plotted over time; "
             "empty for none"))
-        self._end = gui.add_button(tr("Trace no more"), visible=False, color="gray",
+        self._end = gui.add_button(tr("Stop tracing"), visible=False, color="gray",
                                    hint=tr("take its mark and its plot away"))
         show.on_update(lambda _: setattr(self, "latest", show.value == shown[True]))
         self._number.on_update(self._typed)
@@ -141,8 +141,8 @@ class DrawingOptions:
             compare = gui.add_dropdown(
                 tr("Compare"), (tr(SIDE_BY_SIDE), tr(DIFFERENCE)),
                 initial_value=tr(DIFFERENCE if self.difference else SIDE_BY_SIDE),
-                hint=tr("estimate − truth is drawn as the size of what the estimate misses, direction and all; its "
-                        "norm over that of the truth is the distance"))
+                hint=tr("the colours show the size of the vector estimate − truth; its norm divided by the norm of the "
+                        "truth is the distance"))
         with part("colours"):
             kind = gui.add_dropdown(tr("Colours"), (tr(LINEAR), tr(LOGARITHMIC)),
                                     hint=tr("of estimate and truth alike"),

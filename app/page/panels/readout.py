@@ -30,21 +30,21 @@ from solvers.study.coverage import track_record
 HINTS = {
     lazy("time"): lazy("simulated time since the start, and in periods of the exact vibration"),
     lazy("steps"): lazy("time steps taken, and how long each is"),
-    lazy("step"): lazy("the time step over the longest that the present configuration bears by linear theory; above "
-                         "1 it breaks"),
+    lazy("step"): lazy("the time step divided by the stability bound of the present configuration (linear theory); "
+                         "above 1 the run breaks"),
     lazy("solver"): lazy("how fast the kernels run, waiting not counted, and on what"),
     lazy("speed"): lazy("periods of the vibration in a second of yours: reached, of those asked for"),
     lazy("shown"): lazy("an earlier frame, of those that the slider Look back goes through"),
-    lazy("kinetic energy"): lazy("of all particles, ± twice the error that the estimator on the stage says it has"),
-    lazy("mean stress"): lazy("over the body at rest, ± twice the error that the estimator on the stage says it has"),
-    lazy("verdict"): lazy("a run is ok if its positions are; this is as wrong as it is large"),
-    lazy("unseen"): lazy("what the verdict does not rest on"),
+    lazy("kinetic energy"): lazy("of all particles, ± twice the error by the estimator on the stage"),
+    lazy("mean stress"): lazy("over the undeformed body, ± twice the error by the estimator on the stage"),
+    lazy("verdict"): lazy("a run is ok if its positions are ok; this quantity has a relative error near 1"),
+    lazy("unseen"): lazy("what the verdict does not check"),
     lazy("region"): lazy("mean and worst error of the particles in a rectangle that you drag on the stage"),
 }
 #: And of a column, or of several lines.
 NORM = lazy("root of the mean square over the particles, now")
 INDEX = lazy("error index: estimated over true, summed over the run so far; 1 is perfect")
-DISTANCE = lazy("what the estimate misses, direction and all, over the true error; 0 is perfect")
+DISTANCE = lazy("norm of estimate − truth over the norm of the truth; 0 is perfect")
 WORST = lazy("where the root mean square of the error is largest, by the estimate on the stage and in truth")
 
 

@@ -42,7 +42,7 @@ class RunWidgets:
         """Make the widgets, for the session's present scene."""
         session, scene, view = self._session, self._session.scene, VIEWS[self._session.scene.problem]
         default = type(scene)()
-        gui.add_html(f"<h2 class='lab-h2'>{tr('Change the run')}<small>{tr('answers at once')}</small></h2>")
+        gui.add_html(f"<h2 class='lab-h2'>{tr('Change the run')}<small>{tr('takes effect at once')}</small></h2>")
         with part("method"):
             self._method(gui)
         with part("cells"):
@@ -125,7 +125,7 @@ class RunWidgets:
 
         add_anchor(gui, "lab-auto")
         self._auto = gui.add_checkbox(tr("Auto step"), scene.dt == AUTO, hint=tr(
-            "take {safe:g} of the longest step that the motion ahead bears by linear theory; the slider shows it",
+            "take {safe:g} of the longest stable step along the motion, by linear theory; the slider shows it",
             safe=SAFE))
         self._shown_step = scene.courant_number
         self._step_size = SizeControl(gui, self._bound,

@@ -91,7 +91,7 @@ class Session:
                 return
             if scene.problem != self.scene.problem and self.pinned:
                 self.unpin()
-                self._news = monotonic(), tr("The pinned run has gone: the two are compared on one problem only.")
+                self._news = monotonic(), tr("Unpinned: only runs of the same problem can be compared.")
             self._start(scene, speed, ends)
             self._ask(restarts=self._pace.restarts + 1)  # also where it is the scene that there is
 
@@ -239,11 +239,11 @@ class Session:
             return Notice("wait", tr("The simulation process ended unexpectedly; it is being restarted and the scene "
                                      "begins again."))
         if self.refused:
-            return Notice("refused", tr("{refusal}. The scene before it runs on.", refusal=self.refused[1]),
+            return Notice("refused", tr("{refusal}. The previous scene continues.", refusal=self.refused[1]),
                           bool(self.refused[0]))
         if self._rests and not self.playing:
-            return Notice("wait", tr("The run rests, because nobody has asked anything of it for a while. Press Play "
-                                     "to go on."))
+            return Notice("wait", tr("The run is paused because this page was idle for a while. Press Play to "
+                                     "continue."))
         waited = monotonic() - self._asked_at
         if waiting and waited > SLOW_ANSWER and not (self.report and self.compiling):
             return Notice("wait", tr(PREPARING if waited <= SAID_AFTER else STILL_PREPARING, seconds=f"{waited:.0f}"))
@@ -260,8 +260,8 @@ class Session:
             self._crowded_at = monotonic()
         if monotonic() > self._crowded_at + TO_BE_READ:
             return None
-        return Notice("wait", tr("{runs} runs share this computer, which cannot move all of them as fast as they are "
-                                 "asked to: they take turns, and each is as right as ever.", runs=others + 1))
+        return Notice("wait", tr("{runs} runs share this computer and are slower than requested. Their results do not "
+                                 "change.", runs=others + 1))
 
     def on_frame(self, report: FrameReport, arrays: FrameArrays) -> None:
         """From the engine's reader thread, as the two below."""

@@ -34,7 +34,7 @@ def doubt_notice(history: History, valid: tuple[str, ...]) -> Notice | None:
     for estimator in valid:
         index = series[f"{estimator}/index_x"][-1]
         if index > BROKEN:
-            return Notice("refused", tr("The estimate {estimator} has broken down: it is {index} times the true error "
-                                        "of x. Do not trust it here.", estimator=estimator, index=format_ratio(index)))
+            return Notice("refused", tr("The estimate {estimator} has failed: it is {index} times the true error of x. "
+                                        "Do not trust it here.", estimator=estimator, index=format_ratio(index)))
     warnings = scene.warnings()
     return Notice("refused", f"{on_page(warnings[0])}.") if warnings else None

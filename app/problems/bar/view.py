@@ -27,7 +27,7 @@ def _cross(state: State) -> Offer:
     if state.scene.method == "mpm":  # they do: what would smoother functions do at the same crossings?
         return Offer(tr("Smooth the crossing"), tr("uGIMP: particles as intervals"),
                      changed_state(state, {"method": "ugimp"}))
-    return Offer(tr("Let particles cross"), tr("hat functions, the oldest way"),
+    return Offer(tr("Let particles cross"), tr("hat functions, the oldest method"),
                  changed_state(state, {"method": "mpm"}, quantity="sigma"))
 
 
@@ -35,16 +35,18 @@ def _crossed(ran: Ran) -> Answer:
     own, other = (series["crossings"][-1] if len(series.get("crossings", ())) else math.nan
                   for series in (ran.series, ran.pinned))
     if ran.ratio >= 1:
-        return tr("The {noun} errs {factor} times as much.", noun=ran.noun, factor=format_factor(ran.ratio)), \
+        return tr("The error of the {noun} is {factor} times as "
+                  "large.", noun=ran.noun, factor=format_factor(ran.ratio)), \
             tr("{own:,.0f} crossings, {other:,.0f} in the pinned run. It is the functions, not the crossing.", own=own,
                other=other)
-    return tr("The {noun} errs {factor} times as much as before.", noun=ran.noun, factor=format_factor(ran.ratio)), \
+    return tr("The error of the {noun} is {factor} times the previous "
+              "one.", noun=ran.noun, factor=format_factor(ran.ratio)), \
         tr("{own:,.0f} crossings, {other:,.0f} in the pinned run.", own=own, other=other)
 
 
 VIBRATING = (suggestion.suggest_halving_cells(MOST_CELLS),
              Suggestion("cross", "cross", lazy("Let particles cross"), _cross, _crossed),
-             suggest_breaking(lazy("A = 100 mm: who notices first?"),
+             suggest_breaking(lazy("A = 100 mm: which method fails first?"),
                               {"method": "mpm", "amplitude": BREAKING, "displacement": ""}, 1.5))
 
 
@@ -63,10 +65,10 @@ def _wrong(ran: Ran) -> Answer:
     values = ran.series.get("error_sigma", ())
     wrong = float(sum(values) / len(values)) / ran.state.scene.size_of("sigma") if len(values) else math.nan
     if wrong < PASSED:
-        return tr("Nothing happens, as it should."), \
-            tr("The stress is wrong by round-off: the patch test is passed.")
-    return tr("The stress is {share} wrong, of a bar that only moves on.", share=per_cent(wrong)), \
-        tr("Nothing should happen: every other cell has a particle more, and these functions feel it.")
+        return tr("Nothing happens, as expected."), \
+            tr("The stress is exact up to round-off: the patch test passes.")
+    return tr("The stress is {share} wrong, although the bar only moves at constant speed.", share=per_cent(wrong)), \
+        tr("Nothing should happen, but every other cell has one more particle, which matters here.")
 
 
 PATCH_TEST = (_misfit(lazy("Particles that do not fit"), lazy("2.5 a cell, hat functions"), "mpm"),

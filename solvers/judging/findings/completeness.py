@@ -36,8 +36,8 @@ class BodyShare:
 
     def to_finding(self, count: int) -> Finding:
         return compare(NAME, abs(1 - self.share), 1 - self.least, UNIT,
-                       f"the {count:,} particles stand for {100 * self.share:.3g} % of the body ({self.how}): the "
-                       "norms are over these alone", self.how)
+                        f"the {count:,} particles cover {100 * self.share:.3g} % of the body ({self.how}): the norms "
+                        "are over these alone", self.how)
 
 
 def check(scene: Scene, frame: Frame) -> Finding:

@@ -76,8 +76,8 @@ def _candidates(scene: Scene, tracks: Tracks, sigma: np.ndarray, law: np.ndarray
         inside, moved = interpolate_before(tracks.time, law, late)
         whole = time_fits.rms(sigma - law) / max(time_fits.rms((sigma - law)[inside]), 1e-300)
         yield ((sigma[inside] - moved) * whole,
-               f"it fits the F of {abs(late):.3g} s {when} better (a step is {step:.3g} s), so that the "
-               "stress is of another moment than F")
+               f"it fits the F of {abs(late):.3g} s {when} better (a step is {step:.3g} s), so stress and F belong to "
+               "different moments")
     if tracks.material_position.shape[1] > 1:
         yield sigma - _stress_of_law(scene, tracks, np.swapaxes(tracks.own["F"], -1, -2)), "it fits the transpose of F"
     if (np.linalg.det(tracks.own["F"]) != 0).all():

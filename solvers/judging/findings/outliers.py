@@ -136,9 +136,9 @@ def outliers_finding(quantity: str, found: Outliers | None) -> Finding:
     X = ", ".join(f"{c:.4g}" for c in most.frame.material_position[most.which[worst]])
     count, whose = len(most.which), {"x": "position", "v": "velocity", "sigma": "stress (or F)"}[quantity]
     return Finding(NAMES[quantity], OFF, found.largest, found.limit, UNITS[quantity],
-                   f"the {whose} of {count:,} particle{'s' * (count != 1)} is not as the neighbours', by up to "
-                   f"{most.far[worst]:.3g} {UNITS[quantity]} at t = {most.frame.time:.4g} s: that of particle "
-                   f"{int(most.frame.number[most.which[worst]])} at X = {X} the most")
+                   f"the {whose} of {count:,} particle{'s' * (count != 1)} differs from the neighbours by up to "
+                   f"{most.far[worst]:.3g} {UNITS[quantity]} at t = {most.frame.time:.4g} s, most at particle "
+                   f"{int(most.frame.number[most.which[worst]])} at X = {X}")
 
 
 def check_masses(frame: Frame) -> Finding:
@@ -152,8 +152,8 @@ def check_masses(frame: Frame) -> Finding:
         return Finding(MASSES, HOLDS, float(far.max()) / usual, limit / usual, OF_MASS)
     worst = which[np.argmax(far[which])]
     return Finding(MASSES, OFF, float(far[worst]) / usual, limit / usual, OF_MASS,
-                   f"the mass of {len(which):,} particle{'s' * (len(which) != 1)} is not as the neighbours': that of "
-                   f"particle {int(frame.number[worst])}, {frame.mass[worst]:.4g} kg, the most")
+                   f"the mass of {len(which):,} particle{'s' * (len(which) != 1)} differs from the neighbours, most "
+                   f"that of particle {int(frame.number[worst])} ({frame.mass[worst]:.4g} kg)")
 
 
 def check_outliers(motion: Motion, key: str) -> Finding:
@@ -185,7 +185,7 @@ def check_outliers(motion: Motion, key: str) -> Finding:
     if not count:
         return Finding(name, HOLDS, far_off, max(limit, far_off), UNITS[key])
     return Finding(name, SUSPICIOUS, far_off, limit, UNITS[key],
-                   f"the {WORDS[key]} of {count:,} particle{'s' * (count != 1)} is not as the neighbours', "
+                   f"the {WORDS[key]} of {count:,} particle{'s' * (count != 1)} differs from the neighbours "
                    f"by up to {far_off:.3g} {UNITS[key]} at t = {motion.times[moment]:.4g} s", **motion.at(moment, p))
 
 

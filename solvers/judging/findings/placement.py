@@ -31,7 +31,7 @@ PLACES, SPEEDS = "x at t = 0", "v at t = 0"
 FROM_START = 0.05  # of a cell: a particle that is given X to fewer figures is nearer
 OTHER_SPEED = 0.05  # of the velocity; that of half a step before the start, with which leapfrog begins, is nearer
 POWERS = 7.0  # powers of ten that one unit may be of another
-NONE = "no moment at t = 0 in the files"
+NONE = "no data at t = 0 in the files"
 
 
 def check_positions(evidence: Evidence) -> Finding:
@@ -47,8 +47,8 @@ def check_positions(evidence: Evidence) -> Finding:
     left, words = min((left() / rms(error), words) for words, left in readings)
     told = words if left < FITS else "they are others, or X or ids are"
     return Finding(PLACES, OFF, size, tolerance, "m",
-                   f"at t = 0 the particles are not where those of the {evidence.scene.problem} begin, by {size:.3g} "
-                   f"m: {told}")
+                   f"at t = 0 the particles are {size:.3g} m off the initial positions of the "
+                   f"{evidence.scene.problem}: {told}")
 
 
 def check_velocities(evidence: Evidence) -> Finding:
@@ -69,8 +69,8 @@ def check_velocities(evidence: Evidence) -> Finding:
     fits = rms(frame.velocity - factor * right) <= FITS * rms(error)
     told = f"it is {factor:.4g} times that, as of another amplitude or unit" if fits else "it is another motion"
     return Finding(SPEEDS, OFF, off, tolerance, "of v",
-                   f"at t = 0 the velocity is not that with which the {evidence.scene.problem} begins, by {off:.2g} of "
-                   f"it: {told}")
+                   f"at t = 0 the velocity differs from the initial velocity of the {evidence.scene.problem} by "
+                   f"{off:.2g} of it: {told}")
 
 
 def _start_frame(evidence: Evidence, quantity: str) -> tuple[Frame, np.ndarray] | None:
@@ -95,7 +95,7 @@ def _readings_of_start(scene: Scene, frame: Frame, error: np.ndarray) -> Iterato
         middle = np.broadcast_to(0.5 * (right.min(axis=0) + right.max(axis=0)), right.shape)
         far, who = NeighbourSearch(right).nearest(within(x, middle), 1)
         if len(np.unique(who)) == len(x):
-            yield ("each is where another one begins: ids, or the order of the rows, are permuted",
+            yield ("each is at the initial position of another one: ids or rows are permuted",
                    lambda: float(np.sqrt(np.mean(np.minimum(far, rms(error)) ** 2))))
 
 
@@ -112,13 +112,13 @@ def check_order(evidence: Evidence) -> Finding:
     jumps = 0.0 if near is None else float(np.median(departures(near, error["x"]))) / max(size, 1e-300)
     if size > FAR * apart and jumps > UNLIKE:
         return Finding(ORDER, OFF, jumps, UNLIKE, UNIT,
-                       f"at t = {frame.time:.4g} s the error of x jumps from particle to particle by as much as it is: "
-                       "they may be numbered, or given X, in another order")
+                       f"at t = {frame.time:.4g} s the error of x jumps between neighbouring particles by its own "
+                       "size: their ids or X may be in another order")
     nearer = apart / max(off, 1e-300) if size > apart else 0.0  # where all are where they belong so are the nearest
     return Finding(ORDER, HOLDS, nearer, 1 / OTHERS, NEARER) if nearer < 1 / OTHERS else Finding(
         ORDER, OFF, nearer, 1 / OTHERS, NEARER,
-        f"at t = {frame.time:.4g} s most particles are where others should be, to {off:.2g} m: they are numbered, or "
-        "given X, in another order")
+        f"at t = {frame.time:.4g} s most particles are where others should be, within {off:.2g} m: their ids or X are "
+        "in another order")
 
 
 def check_mean_error(evidence: Evidence) -> Finding:
@@ -139,8 +139,8 @@ def check_mean_error(evidence: Evidence) -> Finding:
     least = ROUNDED * float(rounding) + NOTHING * evidence.scene.spacing
     place = ", ".join(f"{c:.2g}" for c in means[k])
     return compare(DRIFT, float(aside[k]) / size, ASIDE + least / size, UNIT,
-                   f"at t = {evidence.frames[k].time:.4g} s the particles are {place} m aside on average, and nothing "
-                   "moves the middle of a symmetrical body: they drift, or a force or mass is not symmetric")
+                    f"at t = {evidence.frames[k].time:.4g} s the particles are {place} m off on average, but the "
+                    "centre of a symmetric body cannot move: they drift, or a force or mass is not symmetric")
 
 
 def _forbidden_mean(evidence: Evidence, X: np.ndarray) -> Callable[[np.ndarray], np.ndarray] | None:

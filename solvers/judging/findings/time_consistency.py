@@ -13,7 +13,7 @@ from solvers.judging.findings.time_fits import fit_parts, jackknife_error, rms, 
 
 FEWEST_TIMES = 5
 SURE, SMOOTHED = 6.0, 3.0  # times that uncertainty; times what smoothing can make of the error of v
-UNSURE = "less hides in the errors, or between the few times"
+UNSURE = "smaller shifts are below the errors, or between the few times"
 VELOCITY, STRESS, CLOCK = ("moment of the velocities before that of the positions",
                            "moment of F or the stress before that of the positions", "times against the motion")
 STEPS = "steps"
@@ -98,12 +98,12 @@ def check_clock(evidence: Evidence) -> Finding:
         return unknown(CLOCK, TOO_LARGE if size > 0 else "nothing moves by which a clock could be told")
     if abs(slow) <= tolerance:
         return Finding(CLOCK, HOLDS, abs(slow), tolerance, "of the time",
-                       "one that is less off hides in the error of x, or in the waves of the grid")
+                       "smaller differences are below the error of x, or the waves of the grid")
     pace = "slower" if slow > 0 else "faster"
     return Finding(CLOCK, OFF, abs(slow), tolerance, "of the time",
-                   f"the motion is {100 * abs(slow):.2g} % {pace} than its times say: with {1 - slow:.4f} times each "
-                   f"the error of x would be {rms(rest) / rms(x):.2g} of what it is; the times are others, or what "
-                   "sets the pace")
+                   f"the motion is {100 * abs(slow):.2g} % {pace} than its times imply: with all times multiplied by "
+                   f"{1 - slow:.4f}, the error of x would be {rms(rest) / rms(x):.2g} of its value; the times are "
+                   "wrong, or the input that sets the speed")
 
 
 def _smoothing_lag(part: float, error: np.ndarray, slope: np.ndarray) -> float:

@@ -21,8 +21,8 @@ QUIET, QUIET_HATS = {"bspline": 1.0}, 0.25
 #: without, outweighs the error; x .9 to 1.1 on 8 of 9 bars below, on 3 of 20 beyond.
 MOST_COUPLED = 0.02
 
-FEW_PARTICLES = ("with {scene.ppc} per cell, particles that move {value:.2g} cells leave an error that is another one "
-                 "on each grid; give 3 or more")
+FEW_PARTICLES = ("with {scene.ppc} per cell, particles that move {value:.2g} cells cause an error that differs between "
+                 "the two grids; give 3 or more")
 CROSSING = "with hat functions the error of particles that cross cells does not fall with the cell size"
 NOT_FOLLOWING = ("the domains do not follow the material, which leaves an error that does not fall with the cell size; "
                  "switch linearity preservation on")
@@ -51,19 +51,19 @@ LIMITS = (
       for name in ("transport", "two-grid")),
     # Transport: its defects are those of weights that follow the particles; of B-splines they are next to nothing.
     # Measured with B-splines at 40 and 160 cells: indices .000-.006 for A = 2.5e-4, .005-.46 for .025, .08-.75 for .05.
-    Limit("transport", "swings", allowed=(True,), why="transport reads zero in a patch test that is passed, and "
-          "thousands of times the error of x in one that is failed; take companion"),
+    Limit("transport", "swings", allowed=(True,), why="transport estimates zero if a patch test passes, and thousands "
+          "of times the error of x if it fails; take companion"),
     MOVING_WEIGHTS,
     Limit("transport", "remedies", allowed=(FILTER, COUPLED, CENTRED), why="the terms that transport carries are those "
           "of a particle's own weights, and forces of pieces have other ones; take recovered or companion"),
-    Limit("transport", "method", allowed=("mpm", "ugimp", "cpgimp"), why="the terms that transport carries all but "
-          "vanish for B-splines, so that it reads next to zero; take recovered or companion"),
+    Limit("transport", "method", allowed=("mpm", "ugimp", "cpgimp"), why="the terms of transport nearly vanish for "
+          "B-splines, so that its estimate is almost zero; take recovered or companion"),
     # Recovered: its tables repeat from cell to cell, and it fits what is smooth.
     Limit("recovered", "swings", allowed=(True,), why="recovered fits a smooth motion to whole numbers of particles "
           "per cell, and with these a patch test has no error but round-off; take companion"),
     # Two-grid: Richardson's argument needs an error that falls like h^2 on both grids.
-    Limit("two-grid", "swings", allowed=(True,), why="the error of a patch test is round-off, or what cells of unequal "
-          "count leave, and neither falls with the cell size; take companion"),
+    Limit("two-grid", "swings", allowed=(True,), why="the error of a patch test comes from round-off or from unequal "
+          "numbers of particles in the cells and does not fall with the cell size; take companion"),
     Limit("two-grid", "remedies", allowed=noise_only_remedies, why=REMEDIES_REASON),
     # A wave needs 16 cells; the second run has 8. With 12 the index of x is 1.2 and its distance 1.4. The second tone
     # has half the wavelength. Measured for far motion: index of x .42 with 40 cells, 1.06 with 80.
@@ -78,8 +78,8 @@ LIMITS = (
     # The noise stays in what the nodes do not see and grows with every period; after 16 of them the distance of x is
     # .64 with 80 cells and .79 with 160.
     Limit("two-grid", "end_time", most=6, of="period", where={is_noisy: True},
-          why="particles that cross cells leave noise, another one on each grid, which grows with every period; end "
-          "within {most} or take a smaller amplitude"),
+          why="particles that cross cells cause noise that differs between the two grids and grows with every period; "
+          "end within {most} or take a smaller amplitude"),
     Limit("two-grid", relative_motion, most=MOST_MOTION, where={"body_force": "node"}, why="the force at the nodes is "
           "off by the displacement, an error that both grids share and none shows"),
     # With hats no particle may reach the next cell, and the error of quadrature grows with the motion as soon as

@@ -28,8 +28,8 @@ STRETCHES = (0.1, 10.0)
 LEAST_STRAIN = 1e-6  # below it round-off is no longer small beside the stress
 MOST_VELOCITY = 1000.0  # m/s
 COUNT_TOLERANCE = 1e-6  # of a particle, by which their number may miss a whole one: 2.3333333 is 7/3
-NOTHING_TO_SEARCH = ("a patch test has nothing to search for or to map: its error is round-off, or does not fall with "
-                     "the cells; compare methods with mpm-lab sweep bar --motion patch")
+NOTHING_TO_SEARCH = ("a search makes no sense for a patch test: its error is round-off, or does not fall with the "
+                     "cells; compare methods with mpm-lab sweep bar --motion patch")
 EDGE_TOLERANCE = 1e-10  # cells
 MOST_EDGE_STEPS = 10_000  # that are looked ahead
 FAILED_FROM = 0.1  # of the stress: an error beyond which a patch test counts as failed
@@ -70,8 +70,8 @@ def check_numbers(stretch: float, velocity: float) -> None:
     if not least <= stretch <= most:
         raise SceneError("stretch", stretch, allowed)
     if abs(stretch - 1) < LEAST_STRAIN:
-        raise SceneError("stretch", stretch, "leaves the bar without stress, so that nothing could go "
-                         f"wrong; {allowed}")
+        raise SceneError("stretch", stretch, "leaves the bar without stress, so that the test could not fail; "
+                         f"{allowed}")
     require_number("initial_velocity", velocity, -math.inf, math.inf,
                    allowed := f"give a number from {-MOST_VELOCITY:g} to {MOST_VELOCITY:g}")
     if abs(velocity) > MOST_VELOCITY:

@@ -201,17 +201,17 @@ class BarScene(TypedMotionScene, Scene):
     def warnings(self) -> list[str]:
         sentences = super().warnings()
         if "two-grid" in self.active_estimators and limits.is_noisy(self):
-            sentences.append("two-grid says nothing of a here: particles that cross cells fill it with noise, which "
-                             "each of the two grids has in other places")
+            sentences.append("two-grid does not estimate a here: particles that cross cells add noise to it, in "
+                             "different places on the two grids")
         if "budget" in self.effects and not self.has("budget"):
-            sentences.append("error budget: there is none without the effect truth and an exact solution, or without "
-                             "the estimator companion; switch one of the two on")
+            sentences.append("error budget: it needs the effect truth and an exact solution, or the estimator "
+                             "companion; switch one of the two on")
         if self.take_away != NOTHING and not self.has("budget"):
             sentences.append(f"take away {self.take_away}: nothing is taken away without the effect budget")
         if self.is_patch and (step := patch_test.first_edge_step(self, self.initial_velocity)):
-            sentences.append(f"after {step} steps particles stand on cell boundaries to the last digit, where rounding "
-                             "says in which cell they are: hat functions show that even with whole particles per cell; "
-                             f"another velocity moves them off, such as {0.9717 * self.initial_velocity:.4g} m/s")
+            sentences.append(f"after {step} steps particles are exactly on cell boundaries, and rounding decides in "
+                             "which cell they are: with hat functions this causes errors even with whole particles "
+                             f"per cell; another velocity avoids it, such as {0.9717 * self.initial_velocity:.4g} m/s")
         return sentences
 
     def critical_time_step(self) -> StepBound:
@@ -259,8 +259,8 @@ class BarScene(TypedMotionScene, Scene):
         """Frozen weights have nothing to correct: they see the material at rest, where it fills the grid evenly."""
         others = [name for name in self.remedies if name != FROZEN]
         if others:
-            raise SceneError("remedies", " ".join(self.remedies), f"frozen-weights stands alone: {others[0]} mends "
-                             "what comes of particles that move through the grid; leave one of the two out")
+            raise SceneError("remedies", " ".join(self.remedies), f"frozen-weights cannot be combined: {others[0]} "
+                             "corrects errors of particles that move through the grid; leave one of the two out")
         for name, value, plain in (("linearity_preserving", self.linearity_preserving, False),
                                    ("body_force", self.body_force == "node", False),
                                    ("velocity", self.velocity == "corners", False)):

@@ -81,8 +81,8 @@ class BarSolver(Solver):
 
     def _advice(self) -> str:
         if self.scene.is_patch and self.scene.time_step <= self.scene.step_bound:  # whatever else it has: it is this
-            return ("cells that hold unequal numbers of particles pull at their nodes unequally: give a whole number "
-                    "of particles per cell, ugimp or cpgimp, or linearity preservation")
+            return ("cells with unequal numbers of particles have unequal forces: give a whole number of particles per "
+                    "cell, ugimp or cpgimp, or linearity preservation")
         return super()._advice()
 
     def _other_advice(self) -> str:
@@ -90,11 +90,11 @@ class BarSolver(Solver):
         scene = self.scene
         whole = scene.method == "mpm" and not scene.frozen and PIECES not in scene.remedies
         if whole and (scene.ppc == 2 or scene.amplitude >= HATS_LIMIT):
-            return f"call for the remedy {FROZEN} or {PIECES}, or take another method"
+            return f"use the remedy {FROZEN} or {PIECES}, or take another method"
         if scene.linearity_preserving and CENTRED not in scene.remedies:
-            return f"call for the remedy {CENTRED}, or for {FROZEN} without linearity preservation"
+            return f"use the remedy {CENTRED}, or {FROZEN} without linearity preservation"
         if not scene.remedies:
-            return f"call for the remedies {FILTER},{COUPLED}, best with linearity preservation, or for {FROZEN}"
+            return f"use the remedies {FILTER},{COUPLED}, best with linearity preservation, or {FROZEN}"
         return "choose a smaller amplitude or fewer periods"
 
 

@@ -63,23 +63,23 @@ class BoxScene(PlanarScene):
         # Two-grid: Richardson's argument needs an error that falls like h^2. Measured on 70 squares: x .93 to 1.1
         # within these limits, .66 to .88 where particles move a part of a cell.
         Limit("two-grid", "remedies", allowed=(FILTER,), why=REMEDIES_REASON),
-        Limit("two-grid", "method", allowed=("cpdi", "cpgimp", "ugimp"), why="hats leave an error of quadrature that "
-              "depends on where in its cell a particle stands, and does not fall with the cell size; take CPDI"),
-        Limit("two-grid", "ppc", least=2, why="one particle per cell is so coarse a rule of quadrature that its error "
-              "depends on where in its cell it stands; give two or more"),
+        Limit("two-grid", "method", allowed=("cpdi", "cpgimp", "ugimp"), why="hats have a quadrature error that "
+              "depends on the position of a particle in its cell and does not fall with the cell size; take CPDI"),
+        Limit("two-grid", "ppc", least=2, why="one particle per cell is too coarse a quadrature: its error depends on "
+              "the position in the cell; give two or more"),
         Limit("two-grid", "cells", least=12, impossible=True, why=HALF_REASON),
         Limit("two-grid", "cells", least=28, why=HALF_REASON),
         Limit("two-grid", "motion_amplitude", most=STILL, of="spacing", where={"method": "ugimp"}, why="boxes that do "
               "not follow the material leave an error that does not fall with the cell size; take CPDI"),
         Limit("two-grid", lambda scene: STILL < scene.motion_amplitude / scene.spacing < FAR, allowed=(False,),
-              why=f"particles that move between {STILL:g} and {FAR:g} cells stand in another part of their cells on "
-              "each of the two grids, which their errors depend on; take another amplitude or number of cells"))
+              why=f"particles that move between {STILL:g} and {FAR:g} cells are in different parts of their cells on "
+              "the two grids, so the errors are not comparable; take another amplitude or number of cells"))
     REMEDIES = (FILTER, COUPLED, FROZEN)
     FEWEST_CELLS = 8
     DEFAULT_PERIODS = 1.0
     SAMPLES_A_PERIOD = 50
     NOT_LINEARITY_PRESERVING = "is not offered here; leave it off"
-    MENDS = "the others mend"
+    MENDS = "the others correct"
     MOST_AMPLITUDE = math.inf
 
     @staticmethod
@@ -113,9 +113,9 @@ class BoxScene(PlanarScene):
     def warnings(self) -> list[str]:
         if self.law == NEO_HOOKEAN or self.least_stiffness > 0:
             return super().warnings()
-        return [*super().warnings(), f"law {self.law}: not elliptic all along the exact motion, where waves of some "
-                f"direction have a stiffness of {self.least_stiffness:.2g} mu; the shorter they are, the faster they "
-                "grow: choose a smaller amplitude, or neo-hookean"]
+        return [*super().warnings(), f"law {self.law}: not elliptic along the whole exact motion: waves in some "
+                f"direction have a stiffness of {self.least_stiffness:.2g} mu, and shorter waves grow faster; choose a "
+                "smaller amplitude, or neo-hookean"]
 
     @functools.cached_property
     def least_stiffness(self) -> float:

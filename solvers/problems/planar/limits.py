@@ -3,8 +3,7 @@
 from solvers.scene.estimator_limits import Limit
 
 POLAR = Limit("recovered", "layout", allowed=("polar",), impossible=True, why="recovered fits the particles along the "
-              "lines of a polar lattice, and could not see the error that a staircase for a boundary makes; take the "
-              "polar layout")
+              "lines of a polar lattice and cannot detect the error of a staircase boundary; take the polar layout")
 #: Particles across the ring, for a parabola; with two, x is 2 to 15 times the error.
 THREE_ACROSS = Limit(
     "recovered", lambda scene: scene.polar_counts(scene.cells, scene.ppc)[1], least=3, impossible=True,

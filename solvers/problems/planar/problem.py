@@ -33,7 +33,7 @@ class ViewSettings(NamedTuple):
     speed: tuple[float, float, float] = (0.01, 0.2, 10.0)
     estimators: tuple[str, ...] = ("companion",)
     details: Mapping[str, str] = MappingProxyType({"body_force": "whether the force acts"})
-    modulus_hint: str = "Young's modulus: what is stiffer vibrates faster"
+    modulus_hint: str = "Young's modulus: a stiffer body vibrates faster"
     poisson_hint: str = "resistance to a change of volume"
     sparks: tuple[str, ...] = ("halve", "tile", "break")
     breaking: tuple[str, Mapping[str, Any], float] = ("hat functions", MappingProxyType({"method": "mpm"}), 1.0)

@@ -110,7 +110,7 @@ class PlanarScene(Scene):
     def other_advice(self) -> str:
         """What else to do about a run that went bad, as an imperative."""
         if self.method == "mpm":
-            return "hat functions do not hold such a motion: choose CPDI"
+            return "hat functions fail in such a motion: choose CPDI"
         return "choose more particles per cell, a smaller amplitude or fewer periods"
 
     @property
@@ -180,14 +180,14 @@ class PlanarScene(Scene):
     def warnings(self) -> list[str]:
         sentences = super().warnings()
         if "recovered" in self.active_estimators and self.is_uneven:
-            sentences.append("recovered says nothing of sigma and a here: its fits would follow the unevenness of "
-                             "particles that are one per cell or move with their own velocity")
+            sentences.append("recovered does not estimate sigma and a here: with one particle per cell or the particle "
+                             "velocity, its fits follow the uneven spacing")
         elif "recovered" in self.active_estimators and self.is_coarse:
-            sentences.append("recovered says nothing of a here: on so few cells its fits are as wide as the ring, and "
+            sentences.append("recovered does not estimate a here: on so few cells its fits are as wide as the ring and "
                              "lose a third of it or more")
         if "two-grid" in self.active_estimators:
-            sentences.append("two-grid says nothing of a in the plane: its error is noise of a cell's length, which "
-                             "each of the two grids has in other places")
+            sentences.append("two-grid does not estimate a in the plane: its error is noise of a cell's length, in "
+                             "different places on the two grids")
         return sentences
 
     def _check_combinations(self) -> None:
@@ -197,21 +197,20 @@ class PlanarScene(Scene):
         if self.linearity_preserving:
             raise SceneError("linearity_preserving", True, self.NOT_LINEARITY_PRESERVING)
         if self.frozen and len(self.remedies) > 1:
-            raise SceneError("remedies", " ".join(self.remedies), f"frozen-weights stands alone: {self.MENDS} what "
-                             "comes of particles that move through the grid; leave one of the two out")
+            raise SceneError("remedies", " ".join(self.remedies), f"frozen-weights cannot be combined: {self.MENDS} "
+                             "errors of particles that move through the grid; leave one of the two out")
         self._check_remedies()
         if self.plan == "serial" and self.threads > 1:
             raise SceneError("threads", self.threads,
                              "the serial plan runs on one; give 1, or the plan parallel or auto")
         if self.for_gpu and self.plan != "auto":
-            raise SceneError("plan", self.plan, "is for processors, and a GPU has a plan of its own; give auto, or "
-                             "--arch cpu")
+            raise SceneError("plan", self.plan, "is for CPUs, and a GPU has its own plan; give auto, or --arch cpu")
 
     def _check_remedies(self) -> None:
         """Refuse a remedy that does harm to the method; without one that does, there is nothing to refuse."""
         if COUPLED in self.remedies and self.method == "cpdi":
-            raise SceneError("remedies", " ".join(self.remedies), "coupled-deformation makes CPDI worse, whose domains "
-                             "follow the deformation; give null-space-filter or frozen-weights")
+            raise SceneError("remedies", " ".join(self.remedies), "coupled-deformation makes CPDI worse, because its "
+                             "domains follow the deformation; give null-space-filter or frozen-weights")
 
     def _check_numbers(self) -> None:
         super()._check_numbers()

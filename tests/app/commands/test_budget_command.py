@@ -37,7 +37,7 @@ def test_a_table_has_both_runs_and_claims_no_sum_where_shares_say_nothing(capfd)
     assert all(name in said for name in CAUSES.values()) and "without coarse grid" in said and "run again" in said
     assert main(["budget", *QUICK, "--motion", "patch"]) == 0
     said = capfd.readouterr().out
-    assert "no more than round-off" in said and "adding up to 1" not in said
+    assert "only round-off" in said and "adding up to 1" not in said
 
 
 def test_rows_and_their_summary_have_the_shares():

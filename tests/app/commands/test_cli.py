@@ -100,7 +100,7 @@ def test_an_unstable_run_exits_3_and_still_prints_its_json(line, capfd):
 def test_a_large_amplitude_is_a_warning_and_quiet_is_quiet(capfd):
     assert main([*WIDE, "--amplitude", "0.2", "--effects", "none"]) == 0
     said = capfd.readouterr().err
-    assert said.startswith("mpm-lab: warning: amplitude 0.2: from 0.115 on") and said.count("\n") == 1
+    assert said.startswith("mpm-lab: warning: amplitude 0.2: above 0.115") and said.count("\n") == 1
     assert main([*WIDE, "--amplitude", "0.2", "--effects", "none", "--quiet"]) == 0
     assert capfd.readouterr().err == ""
 

@@ -82,8 +82,8 @@ def test_of_any_scene_warnings_and_estimators_that_do_not_hold_are_heard(problem
 @pytest.mark.parametrize("advice", [
     "take shorter steps (--dt auto takes 0.001 s, this run took 0.2 s); and give two or more particles per cell: one "
     "loses runs with short steps too", "choose a smaller amplitude or fewer periods",
-    "give 3 or more particles per cell and direction, call for the remedy null-space-filter, or choose CPDI, or the "
-    "polar layout", "call for the remedies null-space-filter,coupled-deformation, or choose CPDI"])
+    "give 3 or more particles per cell and direction, use the remedy null-space-filter, or choose CPDI, or the "
+    "polar layout", "use the remedies null-space-filter,coupled-deformation, or choose CPDI"])
 def test_why_a_run_is_lost_is_heard_with_all_its_parts(rule, advice):
     found = f"{rule.sentence.format(size='0.21')}, most at particle 5 (X = 0.1250, 0.3000); {advice}"
     with use_language("de"):
@@ -100,8 +100,8 @@ def test_what_stands_in_a_sentence_is_heard_too_and_names_stay():
             "The file of the ring.csv has no names in its first line; begin with a line such as id,x,vx") == \
             "Die Datei of the ring.csv hat keine Namen in ihrer ersten Zeile; fang mit einer Zeile wie id,x,vx an"
         assert translate_message(
-            "velocity, stress and acceleration were held against nothing: the effect truth or the estimator "
-            "companion would"
+            "velocity, stress and acceleration were not checked: switch on the effect truth or the estimator "
+            "companion"
         ).startswith("Geschwindigkeit, Spannung und Beschleunigung wurden")
 
 

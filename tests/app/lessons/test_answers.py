@@ -48,7 +48,7 @@ def test_a_prediction_of_a_control_is_a_slider(gui, dragged):
     step = replace(dragged[1], kind=PREDICT)
     widgets = AnswerWidgets(gui, step, {}, 0.01, False, lambda: state.parse_state("bar").scene)
     assert widgets.value == pytest.approx(0.01, rel=0.02)
-    assert "You say Amplitude A = <b>10 mm</b>" in widgets._said.content
+    assert "Your value: Amplitude A = <b>10 mm</b>" in widgets._said.content
 
 
 def test_only_an_option_that_there_is_can_be_chosen(gui):

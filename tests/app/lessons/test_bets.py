@@ -101,8 +101,8 @@ def test_bets_are_drawn_as_multiples_of_the_truth():
     assert picture.reach == 1 and [text for _, text in picture.ticks] == ["÷ 10", "truth", "× 10"]
     assert own.lines[0] == (0, 100, True)
     assert own.lines[1][:2] == pytest.approx((50 + 50 * np.log10(2), 50 + 50 * np.log10(3)))
-    assert own.told == "1 of 2 hold the truth, mean score 2.59" and (own.name, own.own) == ("Your bets", True)
-    assert gci.told == "1 of 1 hold the truth, 1 not bet on, mean score 0.00" and gci.lines[1] is None
+    assert own.told == "1 of 2 contain the truth, mean score 2.59" and (own.name, own.own) == ("Your bets", True)
+    assert gci.told == "1 of 1 contain the truth, 1 without a bet, mean score 0.00" and gci.lines[1] is None
     assert draw_bets([Bettor(YOURS, (Bet(1e-12, 1e12, 1),))]).bettors[0].lines == ((0, 100, True),)
     assert draw_bets([Bettor("transport", (None,))]).bettors[0].told == "does not bet on these"
 

@@ -190,7 +190,7 @@ def test_the_guide_says_what_is_deeper_or_leaves_it_out(monkeypatch, capsys):
     title = found.deeper[0].title
     assert main(["lesson", "guide", "6", "--quiet"]) == 0
     text = capsys.readouterr().out
-    assert title in text and text.count("*Deeper: the core does without this round, which takes") == 2
+    assert title in text and text.count("*Deeper: this round is not part of the core and takes") == 2
     assert duration.minutes_text(found) in text and text.count("*This round takes") == 3
     assert main(["lesson", "guide", "6", "--quiet", "--core"]) == 0
     text = capsys.readouterr().out

@@ -168,7 +168,7 @@ def test_answers_that_no_question_can_have_are_left_out():
 @pytest.mark.parametrize("key, answer, said", [
     ("what-happens", None, "choose one"), ("what-happens", True, "choose one"), ("and", None, "give a number"),
     ("and", float("nan"), "give a number"), ("bet", [2.0, 1.0], "must not be above"),
-    ("bet", [None, 1.0], "two numbers"), ("bet", [0.0, 1.0], "give two numbers above 0: a bet is scored by factors"),
+    ("bet", [None, 1.0], "two numbers"), ("bet", [0.0, 1.0], "give two numbers above 0: bets are scored by factors"),
     ("say", " ", "write one to 500")])
 def test_what_is_no_answer_is_told(key, answer, said):
     lesson = parse_lesson(SAVED, "01-test")

@@ -21,17 +21,17 @@ from tests.support.paths import LESSONS
 RIGHT: dict[str, dict[str, float]] = {
     "01-one-step": {
         "where-does-the-mass-of-particle-10-go": 1, "the-mass-of-a-node": 125, "how-far-and-how-fast": 0.878,
-        "a-particle-that-is-drawn-out": 0.16, "the-error-at-the-end": 4.74},
+        "a-particle-in-tension": 0.16, "the-error-at-the-end": 4.74},
     "02-what-is-an-error": {
         "the-norm-at-the-end": 36.9, "the-error-of-the-velocity": 1.51, "the-distance-of-transport": 0.289,
-        "what-the-companion-says": 121},
+        "the-estimate-of-companion": 121},
     "03-order": {
-        "a-ratio-of-two-norms": 17.1, "the-floor": 81, "always-shorter-steps": 0.785, "what-was-gained": 0.785},
+        "a-ratio-of-two-norms": 17.1, "the-floor": 81, "shorter-and-shorter-steps": 0.785, "what-was-gained": 0.785},
     "04-grid-crossing": {
         "the-stress-of-the-hat-functions": 0.0602, "where-does-the-trouble-begin": 3.125,
         "leave-it-where-the-first-particle-crosses": 0.003125, "how-much-of-the-stress-is-wrong": 19.5},
     "05-who-is-to-blame": {
-        "the-share-of-crossings": 96.9, "what-came": 71.2, "who-made-the-error-of-v": 87.2,
+        "the-share-of-crossings": 96.9, "the-result": 71.2, "what-caused-the-error-of-v": 87.2,
         "the-error-on-160-cells": 354, "the-error-on-160-cells-force-at-the-particles": 3.28,
         "your-own-amplitude": 55.5},
     "06-ring": {"the-acceleration-of-cpdi": 66.1, "what-crossings-did-to-the-hats": 1.640},
@@ -40,52 +40,52 @@ RIGHT: dict[str, dict[str, float]] = {
         "bet-2-hat-functions": 1372, "bet-3-a-ring": 356},
     "08-how-it-breaks": {"how-long-was-it-accurate": 5.85},
     "09-four-judges": {
-        "which-judge-still-speaks-and-is-far-off": 0.722, "the-judge-who-says-zero": 1, "how-many-times-too-large": 33},
+        "which-estimate-is-valid-but-far-off": 0.722, "the-estimate-zero": 1, "how-many-times-too-large": 33},
     "10-how-sure-are-you": {
         "bet-1-a-gentle-bar": 4.456e-8, "bet-2-b-splines": 1.285e-6, "bet-3-force-at-the-nodes": 1.767e-4,
-        "bet-4-a-quiet-ring": 8.122e-7, "what-came-of-bet-3": 1.767e-4, "bet-5-a-strong-ring": 3.008e-5,
-        "bet-6-a-bar-that-goes-far": 9.061e-5, "bet-7-a-coarse-bar": 1.580e-5, "bet-8-a-ring-with-hats": 9.638e-4,
-        "what-came-of-bet-8": 9.638e-4, "how-many-times-the-error-has-the-coarser-grid": 0.965}}
+        "bet-4-a-quiet-ring": 8.122e-7, "the-result-of-bet-3": 1.767e-4, "bet-5-a-strong-ring": 3.008e-5,
+        "bet-6-a-large-amplitude": 9.061e-5, "bet-7-a-coarse-bar": 1.580e-5, "bet-8-a-ring-with-hats": 9.638e-4,
+        "the-result-of-bet-8": 9.638e-4, "the-error-on-the-coarser-grid": 0.965}}
 #: And the right options, kept by hand: in words, for their numbers change with the order in which they stand.
 CHOSEN: dict[str, dict[str, str]] = {
     "01-one-step": {
-        "which-velocity-comes-back": "The one that it had before", "the-two-slopes": "0",
-        "who-should-move-the-particle": "Grid velocity, by far"},
+        "which-velocity-comes-back": "The same as before", "the-two-slopes": "0",
+        "which-velocity-should-move-the-particle": "Grid velocity, by far"},
     "02-what-is-an-error": {
-        "how-wrong-is-the-place-of-a-particle": "0.1 % to 2 % of A", "three-errors-three-units": "Velocity v",
-        "can-a-run-know-its-own-error": "Its index is between 0.95 and 1.05", "no-exact-solution": "Within 5 %"},
+        "how-wrong-is-the-position-of-a-particle": "0.1 % to 2 % of A", "three-errors-three-units": "Velocity v",
+        "can-a-run-estimate-its-own-error": "Its index is between 0.95 and 1.05", "no-exact-solution": "Within 5 %"},
     "03-order": {
         "twice-as-many-cells": "It falls to a quarter", "the-stress": "Near 1",
-        "what-does-the-field-of-stress-look-like": "It goes in steps: nearly the same within a cell",
-        "always-more-cells": "About 1.3 %"},
+        "what-does-the-stress-field-look-like": "It has steps: nearly the same value within a cell",
+        "more-and-more-cells": "About 1.3 %"},
     "04-grid-crossing": {
         "a-gentle-test": "It falls to about a quarter each time: second order",
         "how-many-particles-crossed-a-cell-boundary": "None", "the-same-test-a-larger-amplitude": "It grows",
-        "a-bar-that-should-do-nothing": "Nothing: it stays 20 Pa, exact to the last digits"},
+        "a-bar-that-should-do-nothing": "Nothing: it stays 20 Pa, exact to round-off"},
     "05-who-is-to-blame": {
-        "hat-functions-who-made-the-error-of-x": "Crossings",
-        "two-accounts-one-trial": "0.1 mm or less, as the page's account says",
-        "ugimp-one-run-two-questions": "The coarse grid made most in x, crossings in v",
+        "hat-functions-what-caused-the-error-of-x": "Crossings",
+        "two-budgets-one-test": "0.1 mm or less, as the page's budget predicts",
+        "ugimp-one-run-two-questions": "The coarse grid causes most in x, crossings in v",
         "a-suspect-at-the-scene": "The body force",
         "the-force-moves-the-crossings-stay": "It falls to about a sixteenth"},
     "06-ring": {
-        "ugimp-on-a-finer-grid": "No smaller", "which-method-would-you-have-bought": "uGIMP on 24, CPDI on 48",
-        "the-acceleration-at-48-cells": "It doubles", "a-judge-at-the-rim": "It grows beyond 5",
-        "where-does-transport-see-its-errors": "At the two rims",
+        "ugimp-on-a-finer-grid": "No smaller", "which-method-would-you-choose": "uGIMP on 24, CPDI on 48",
+        "the-acceleration-at-48-cells": "It doubles", "an-estimator-at-the-rim": "It grows beyond 5",
+        "where-does-transport-estimate-large-errors": "At the two rims",
         "two-suspects-kept-apart": "cpGIMP to about a quarter, uGIMP to about a half"},
     "07-what-accuracy-costs": {
         "a-step-ten-times-longer": "It stays nearly the same", "which-error": "The grid",
         "the-cheapest-run": "To about a quarter"},
     "08-how-it-breaks": {
         "a-time-step-above-its-bound": "The second run breaks within the first period",
-        "what-was-the-verdict": "unstable", "one-particle-per-cell": "No, it breaks all the same",
-        "after-how-many-periods": "The first", "what-does-the-grid-not-see": "+, −, −, +",
+        "what-was-the-verdict": "unstable", "one-particle-per-cell": "No, it still breaks",
+        "after-how-many-periods": "The first", "what-is-invisible-to-the-grid": "+, −, −, +",
         "what-did-the-filter-alone-do": "It breaks too", "a-ring-that-does-not-stay-round": "Neither"},
     "09-four-judges": {
-        "who-falls-silent": "two-grid and recovered", "better-than-saying-zero": "No, it is farther from the truth",
+        "which-estimators-are-not-valid": "two-grid and recovered", "better-than-zero": "No, it is farther off",
         "a-free-rim": "It grows with the number of cells", "a-bar-that-is-left-alone": "lost",
-        "who-saw-it": "recovered and companion"},
-    "10-how-sure-are-you": {"the-judges-bet": "Bet 3, the force at the nodes"}}
+        "which-estimators-are-valid": "recovered and companion"},
+    "10-how-sure-are-you": {"the-estimators-bet": "Bet 3, the force at the nodes"}}
 #: Lessons that run what tests of the Cost tab, of budgets, of each estimator and of bets run, up to half a minute each.
 LONG = ("05", "07", "08", "09", "10")
 

@@ -17,7 +17,7 @@ CLAIMS = {
                        (r"v: .* missed by ([\d.]+) %", 0, 15), (r"index ([\d.]+) to", 0.9, 1.1),
                        (r" to ([\d.]+)\n", 0.9, 1.1)],
     "judged": [(r"order of x: ([\d.]+)", 1.9, 2.1),
-               (r"does not hold +times against the motion: .* with ([\d.]+) times", 0.94, 0.96)],
+               (r"does not hold +times against the motion: .* multiplied by ([\d.]+)", 0.94, 0.96)],
 }
 PLAYERS = {"crossing": 1, "crossing_share": 0, "judged": 1}
 PICTURES = {"crossing": 1, "crossing_share": 1, "judged": 1}

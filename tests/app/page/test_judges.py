@@ -26,7 +26,7 @@ from tests.support.processes import wait_until
 from tests.support.raw_client import RawClient
 
 BAR = BarScene(cells=12, ppc=2, estimators=("companion",))
-NAMED = "positions hold, but the velocity is off by up to 18 times its own size, from t = 0.5 s on"
+NAMED = "positions are ok, but the velocity is off by up to 18 times its own size, from t = 0.5 s on"
 
 
 def test_an_index_has_a_place_on_the_gauge():

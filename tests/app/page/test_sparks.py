@@ -75,7 +75,7 @@ class Stage:
         return self.html.content
 
 
-@pytest.mark.parametrize(("key", "quantity", "says"), [("halve", "x", "It fell to {}"), ("cross", "sigma", "errs {} ")])
+@pytest.mark.parametrize(("key", "quantity", "says"), [("halve", "x", "It fell to {}"), ("cross", "sigma", "is {} ")])
 def test_an_answer_is_the_ratio_of_the_runs_own_errors(key, quantity, says):
     """Once both have gone on for a period, and not before; after that it stays as it is."""
     stage = Stage(replace(first_scene("bar"), cells=20, ppc=2))
@@ -138,7 +138,7 @@ def test_an_answer_of_a_patch_test_is_how_wrong_its_stress_is():
         stage.sparks.press(key)
         stage.session.history = history = ran(stage.session.scene, 0.5)
         wrong = history.series["error_sigma"].mean() / stage.session.scene.size_of("sigma")
-        said = f"The stress is {per_cent(wrong)} wrong" if wrong > 0.1 else "Nothing happens, as it should."
+        said = f"The stress is {per_cent(wrong)} wrong" if wrong > 0.1 else "Nothing happens, as expected."
         assert said in stage.look() and (key == "misfit-mpm") == (wrong > 0.1)
         stage.state = State(scene)
         stage.session.scene, stage.session.report = scene, report_of(scene)

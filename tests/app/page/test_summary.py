@@ -46,7 +46,7 @@ def test_how_wrong_comes_first_then_whether_it_is_known_then_where():
     """Of a run that plays both are of all its time so far: the mean error over the amplitude, and the index."""
     assert said() == ("So far the displacement is 10 % wrong; transport finds 44 % of it. 2.5 mm of 25 mm at most. "
                       "Worst at X = 0.30–0.35 m. No particle crossed a cell boundary in the last 0.05 s.")
-    assert "; transport says 1.30 times as much. " in said(series=SERIES | {"transport/index_x": [1.0, 1.3]})
+    assert "; transport estimates 1.30 times as much. " in said(series=SERIES | {"transport/index_x": [1.0, 1.3]})
     assert "; transport finds 100 % of it. " in said(series=SERIES | {"transport/index_x": [1.0, 1.004]})
 
 

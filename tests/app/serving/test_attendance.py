@@ -122,7 +122,7 @@ def test_a_run_that_nobody_touches_rests(pool):
     wait_until(lambda: one.report is not None and one.untouched < 60, "a frame", PATIENCE)
     one.rest()
     wait_until(lambda: not one.report.playing, "at rest", PATIENCE)
-    assert one.notice().sentence.startswith("The run rests") and one.notice().sentence.endswith("Press Play to go on.")
+    assert one.notice().sentence.startswith("The run is paused") and one.notice().sentence.endswith("to continue.")
     one.play(True)
     wait_until(lambda: one.report.playing, "going on", PATIENCE)
     assert one.notice() is None or "rests" not in one.notice().sentence

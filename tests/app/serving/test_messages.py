@@ -142,7 +142,7 @@ def test_a_text_may_be_long_only_where_it_says_so(here, visitor):
 def test_what_is_off_takes_nothing(here, visitor):
     """A browser shows it grey, or not at all."""
     one, _ = here
-    back, hidden = visitor.find("Look back"), visitor.find("Trace no more")
+    back, hidden = visitor.find("Look back"), visitor.find("Stop tracing")
     clicked = page_of(one)[hidden].update_timestamp
     visitor.set(back, -1)
     visitor.set(hidden, True)

@@ -90,7 +90,7 @@ def test_search_is_refused_in_words_cancelled_and_left(own_page, server):
     until(lambda: dots(page) > 2 and page.locator(".lab-dot.lab-judged").count() > 1, "what the search has run so far")
     assert "Your stage is paused" in page.locator("#lab-cost header").inner_text()
     tolerance.fill("1e-4")
-    shown(page, "What it was to find has changed.")
+    shown(page, "The goal of the search has changed.")
     shown(page, "The search was cancelled")
     until(lambda: "paused" not in readout(page), "the stage going on")
     move_the_line(page)

@@ -178,7 +178,7 @@ def test_what_the_system_has_no_room_for_is_told(system, begin):
         write(frame, LONG, LONG.lower())
         frame.get_by_role("button", name="Next →").click()
     said = frame.locator("#course")
-    assert "has room for 4096 characters" in said.inner_text() and '"Third words"' in said.inner_text()
+    assert "saves only 4096 characters" in said.inner_text() and '"Third words"' in said.inner_text()
     frame, record = again(system, FILES[1])
     assert len(record["suspend_data"]) <= 4096 and record["core.lesson_status"] == "completed"
     # Two of three last wordings of 500 letters have room, which take 8 characters for 3 letters.
@@ -192,7 +192,7 @@ def test_a_system_that_keeps_nothing_is_told_to_the_student(system, begin):
     for what in ("commit", "suspend_data"):
         system.evaluate("what => { system.refuses = what; }", what)
         frame.get_by_role("button", name="Next →").click()
-        assert "did not keep what you have done last" in said.inner_text()
+        assert "did not save your last answers" in said.inner_text()
         system.evaluate("system.refuses = ''")
         frame.get_by_role("button", name="← Back").click()
         assert said.inner_text() == ""
@@ -210,7 +210,7 @@ def test_another_lesson_begins_anew_and_says_so(system, begin):
 def test_looking_again_changes_nothing(system, begin):
     frame = begin(FILES[1], core__lesson_mode="review", core__lesson_status="completed")
     courses.walked(frame)
-    assert "nothing of what you do now is kept" in frame.locator("#course").inner_text()
+    assert "new answers are not saved" in frame.locator("#course").inner_text()
     courses.closed(system)
     assert not [call for call in system.evaluate("system.log") if call[0] == "LMSSetValue"]
     assert system.evaluate("system.state") == "ended"
@@ -232,7 +232,7 @@ def test_the_system_is_found_above_frames_of_others(system, levels, found):
     for _ in range(levels):
         inner = inner.frame_locator("iframe")
     inner.locator("#where").wait_for()
-    assert ("outside of a course" not in inner.locator("#course").inner_text()) is found
+    assert ("outside a course" not in inner.locator("#course").inner_text()) is found
     assert system.evaluate("system.state") == ("open" if found else "new")
     system.evaluate(courses.CLOSE)
     until(lambda: not inner.locator("#where").count(), "the lesson closed")
@@ -253,7 +253,7 @@ def test_without_a_system_it_plays_and_says_so(chromium, packed, tmp_path):
     context = chromium.new_context(offline=True)
     page = context.new_page()
     page.goto((tmp_path / FILES[1]).as_uri())
-    assert page.locator("#course").inner_text() == "Opened outside of a course: no system is told what you do."
+    assert page.locator("#course").inner_text() == "Opened outside a course: your answers are not reported."
     courses.walked(page)
     page.reload()
     assert page.locator("#where").inner_text() == "The end"

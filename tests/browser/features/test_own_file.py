@@ -64,7 +64,7 @@ def test_a_file_that_cannot_be_judged_is_said_and_nothing_is_lost(page):
     """Dropped on the stage; then one that can, which the run's own Play takes away again."""
     until(lambda: steps(page) > 20, "a run under way")
     page.evaluate(DROP, ["wrong.csv", "id,x\n0,0.5\n"])
-    until(lambda: "The file wrong.csv says no time; give a column t" in notice(page), "why not", PATIENCE)
+    until(lambda: "The file wrong.csv has no time; give a column t" in notice(page), "why not", PATIENCE)
     before = steps(page)
     until(lambda: steps(page) > before, "the run goes on")
     page.evaluate(DROP, ["right.csv", "id,x,t\n0,0.503125,0.1\n1,0.51,0.1\n"])

@@ -28,7 +28,7 @@ def a_click_traces_a_particle(page):
     until(lambda: len(plotted(page)) == 5 and min(plotted(page))[0] > 3, "its plot")
     first = page.evaluate("Math.min(...Object.values(window.__viserTestpoints.uplots).map(u => u.chart.data[0][0]))")
     assert first < 0.3  # the past is there too
-    page.get_by_role("button", name="Trace no more").click()
+    page.get_by_role("button", name="Stop tracing").click()
     until(lambda: traced(page) == ("", 4), "nothing traced")
     field(page).fill("17")
     page.get_by_text("particle 17, X = 0.1094 m").wait_for()

@@ -59,7 +59,7 @@ def test_three_sparks_by_keyboard_alone(server, chromium):
 
         for button, seen, words in (
                 ("Halve the cells", "The answer", "It rose to"),
-                ("Next: Smooth the crossing", "errs", "crossings"),  # which hat functions do already: uGIMP instead
+                ("Next: Smooth the crossing", "error", "crossings"),  # which hat functions do already: uGIMP instead
                 ("Next: Break it", "What now?", "What now?")):
             tab_to(page, button)
             page.keyboard.press("Enter")
@@ -81,14 +81,14 @@ def test_the_story_is_told_once_and_again_when_asked(server, chromium):
     """To who has not seen it and follows no link; by a button in About, or by its address."""
     with visit(chromium, server[0], "#") as page:
         until(lambda: "exact stress" in summary(page), "the first beat", LONG)
-        page.get_by_role("button", name="Skip the story").click()
+        page.get_by_role("button", name="Skip the introduction").click()
         until(lambda: "Try one" in sparks(page), "the sparks")
         page.evaluate("history.replaceState(null, '', location.pathname + location.search)")
         page.reload()
         until(lambda: "Try one" in sparks(page), "the same scene, and no story", LONG)
         assert not page.locator("body.lab-story-told").count()
         page.get_by_role("tab", name="About").click()
-        page.get_by_role("button", name="Replay the story").click()
+        page.get_by_role("button", name="Replay the introduction").click()
         # Its first beat is over in seconds, which a busy browser may not see.
         until(page.locator("body.lab-story-told").count, "the story again", LONG)
 

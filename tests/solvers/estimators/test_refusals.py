@@ -21,7 +21,7 @@ QUIET_VORTEX = replace(VORTEX, cells=24, amplitude=0.25, cfl=0.2, t_end=1.0, **R
 TRANSPORT, COMPANION = {"estimators": ("transport",)}, {"estimators": ("companion",)}
 #: Of an estimator's scene what is changed, and a word of the reason.
 RULES = [
-    *((replace(scene, **TRANSPORT), {"remedies": ("frozen-weights",)}, "transport follows")
+    *((replace(scene, **TRANSPORT), {"remedies": ("frozen-weights",)}, "transport assumes")
       for scene in (BAR, RING, QUIET_VORTEX)),
     (replace(BAR, **TRANSPORT), {"method": "bspline"}, ""), (replace(RING, **COMPANION), {"amplitude": 0.35}, ""),
     *((SMALL_BAR, changes, word) for changes, word in (
@@ -31,7 +31,7 @@ RULES = [
         ({"method": "mpm", "amplitude": 0.025}, "hat functions"),
         ({"linearity_preserving": False, "amplitude": 0.025}, "linearity preservation"),
         ({"periods": 6.0}, "radians behind"), ({"body_force": "two-tone", "periods": 0.8}, "radians behind"),
-        ({"cells": 80, "amplitude": 0.025, "periods": 7.0}, "leave noise"),
+        ({"cells": 80, "amplitude": 0.025, "periods": 7.0}, "cause noise"),
         ({"ppc": 2, "amplitude": 0.01}, "with 2 per cell"), ({"ppc": 1, "amplitude": 0.004}, "with 1 per cell"),
         ({"remedies": ("pieces",), "linearity_preserving": False}, "leave pieces out"))),
     (replace(BAR, amplitude=1e-3, **TWO_GRID), {"remedies": ("null-space-filter", "coupled-deformation")},
@@ -75,18 +75,18 @@ def test_what_no_rule_refuses():
                   replace(RING, method="cpgimp", ppc=3, cells=24, **TWO_GRID)):
         assert not scene.not_valid, scene
     slow = replace(VORTEX, cells=23, amplitude=0.1, frequency=0.7, **RECOVERED)
-    assert not slow.not_valid and "nothing of a here" in slow.warnings()[0]
+    assert not slow.not_valid and "not estimate a here" in slow.warnings()[0]
     assert not replace(VORTEX, cells=24, amplitude=0.1, **RECOVERED).warnings()
     noisy = replace(RING, cells=36, ppc=1, cfl=0.2, periods=2.0, **RECOVERED)
     assert not noisy.not_valid and "sigma" in noisy.warnings()[0]
     crossing = replace(SMALL_BAR, modulus=1000.0, amplitude=2.5e-2, dt=2.5e-5, t_end=0.25, periods=None)
-    assert all("says nothing of a" in scene.warnings()[0] for scene in (crossing, FINE_RING))
+    assert all("does not estimate a" in scene.warnings()[0] for scene in (crossing, FINE_RING))
     assert not SMALL_BAR.warnings()
 
 
 def test_two_grid_is_refused_to_the_vortex_in_words():
     """In one sentence that says why, and what there is; the ring is not refused it."""
-    with pytest.raises(SceneError, match=r"estimator two-grid: is not built for the vortex.*; give one of") as refused:
+    with pytest.raises(SceneError, match=r"two-grid: is not available for the vortex.*; give one of") as refused:
         replace(VORTEX, estimators=("two-grid",))
     assert "companion" in refused.value.sentence and refused.value.field == "estimators"
     estimator_registry.require_offered(("two-grid",), "ring", RingScene.choices("estimators"))

@@ -24,18 +24,18 @@ from tests.support.altered import ALL, ALTERATIONS, as_files, files, record, sce
 SAID = {
     "nothing": None, "nothing; stress too": None, "nothing; stress too, single precision": None,
     "nothing; stress too, seven figures": None, "v half a step late": "the velocities are of a moment",
-    "F a step late": "F or the stress is of a moment", "stress a step late beside F": "the stress is of another moment",
+    "F a step late": "F or the stress is of a moment", "stress a step late beside F": "belong to different moments",
     "x shuffled": "in another order", "two particles swapped": 2, "two neighbours swapped": 2,
-    "E 1.01 times": "faster than its times say", "E 1.01 times, its stress too": "it fits E = ",
+    "E 1.01 times": "faster than its times imply", "E 1.01 times, its stress too": "it fits E = ",
     "Poisson's ratio 0.25, its stress too": "it fits Poisson's ratio 0.25",
     "one mass doubled": "a force or mass is not symmetric",
-    "one mass doubled, masses in the file": "the mass of 1 particle is not as", "one particle stuck": 1,
-    "one particle with v = 0": "the velocity of 1 particle is not as",
-    "one particle with F = 1": "the stress (or F) of 1 particle is not as",
-    "x drifts by 1e-3 of the motion": "aside on average", "x drifts by 1e-2 of the motion": "aside on average",
-    "a tenth missing, with ids": "particles stand for", "every second missing, without ids": "of the body (",
+    "one mass doubled, masses in the file": "the mass of 1 particle differs from", "one particle stuck": 1,
+    "one particle with v = 0": "the velocity of 1 particle differs from",
+    "one particle with F = 1": "the stress (or F) of 1 particle differs from",
+    "x drifts by 1e-3 of the motion": "off on average", "x drifts by 1e-2 of the motion": "off on average",
+    "a tenth missing, with ids": "particles cover", "every second missing, without ids": "of the body (",
     "half missing by chance, without ids": "of the body (", "F transposed": "F seems to be transposed",
-    "times 1 % too long": "slower than its times say",
+    "times 1 % too long": "slower than its times imply",
     "x and y of positions exchanged": "x and y of the positions seem to be exchanged",
     "x and y of everything exchanged": "x and y of everything seem to be exchanged"}
 #: What cannot be told there: the errors of the method are larger, or F is symmetric.
@@ -101,7 +101,7 @@ def test_the_list_says_what_was_compared_whatever_came_of_it(tmp_path):
         text = (tmp_path / "out" / form).read_text()
         assert all(name.replace("'", "&#x27;") in text or name in text or name.replace("'", "’") in text
                    for name in checks), form
-        assert "stand for 50 % of the body" in text
+        assert "cover 50 % of the body" in text
 
 
 def exact_files(scene, parts) -> dict[str, np.ndarray]:
@@ -260,14 +260,14 @@ def at_the_start(problem):
 @pytest.mark.parametrize("key, change, words", [
     ("x", lambda a: a["x"], None), ("x", lambda a: a["x"] - a["X"], "x seems to be the displacement"),
     ("x", lambda a: a["x"][np.random.default_rng(0).permutation(len(a["x"]))], "are permuted"),
-    ("x", lambda a: 1000 * a["x"], "are not where those of the"),
+    ("x", lambda a: 1000 * a["x"], "off the initial positions of the"),
     ("v", lambda a: 1.2 * a["v"], "it is 1.2 times that")])
 def test_what_is_wrong_shows_at_the_start_which_is_no_pass(problem, key, change, words):
     scene, arrays = at_the_start(problem)
     found = judgement(scene, arrays | {key: change(arrays)})
     told = [check.says for check in found.checks if check.verdict == OFF]
     assert any(words in one for one in told) if words else not told
-    if problem == "ring" and words == "are not where those of the":  # the others' bodies are periodic, or
+    if problem == "ring" and words == "off the initial positions of the":  # the others' bodies are periodic, or
         assert any("another unit" in one or "in mm" in one for one in told)
     error = summarise_norms(found.grid.times, found.norms)
     assert all(error[q]["max"] is None for q in ("x", "v", "sigma"))  # whatever it is, nothing was computed

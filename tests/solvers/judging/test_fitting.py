@@ -58,21 +58,21 @@ def refused(capsys):
 
 @pytest.mark.parametrize("problem, file", [("bar", "ring"), ("bar", "vortex"), ("ring", "vortex"), ("vortex", "bar")])
 def test_a_file_of_ours_on_another_problem_names_its_own(problem, file, own, refused):
-    says = f"says that it is of the {file}; it fits `mpm-lab judge {file}`"
+    says = f"is a file of the {file}; it fits `mpm-lab judge {file}`"
     assert says in refused(problem, own / f"{file}.npz")
 
 
 def test_what_is_asked_for_and_what_the_file_says_must_not_contradict(own, refused):
     assert judged("bar", own / "bar.npz", "--amplitude", "0.01") == 0
     said = refused("bar", own / "bar.npz", "--amplitude", "0.02")
-    assert "says amplitude 0.01, and --amplitude says 0.02; give what was run" in said
+    assert "has amplitude 0.01, but --amplitude is 0.02; give the value of the run" in said
 
 
 def test_files_of_several_scenes_are_not_one_run(own, tmp_path):
     frames = frames_of("bar", amplitude=0.02)
-    (tmp_path / "b.npz").write_bytes(particle_writers.npz_bytes(frames,
-                                                                replace(scene_of("bar", amplitude=0.02), cells=12)))
-    with pytest.raises(FileError, match=r"says amplitude 0\.02, and .*bar\.npz says 0\.01"):
+    scene = replace(scene_of("bar", amplitude=0.02), cells=12)
+    (tmp_path / "b.npz").write_bytes(particle_writers.npz_bytes(frames, scene))
+    with pytest.raises(FileError, match=r"has amplitude 0\.02, but .*bar\.npz has 0\.01"):
         judge(PROBLEMS["bar"].scene(), [str(own / "bar.npz"), str(tmp_path / "b.npz")])
 
 
@@ -130,12 +130,12 @@ def test_some_particles_of_a_grid_are_enough(tmp_path):
         frame = frames_of("bar")[1]
         arrays = {"t": frame.time, "id": frame.number[few], "x": frame.position[few]}
         [grid] = judge(scene_of("bar"), arrays).to_dict()["grids"]
-        assert grid["error"]["x"]["max"] < 1e-15 and "particles stand for" in " ".join(grid["notes"])
+        assert grid["error"]["x"]["max"] < 1e-15 and "particles cover" in " ".join(grid["notes"])
 
 
 def test_ids_in_another_order_do_not_begin_where_ours_do(tmp_path):
     frame = frames_of("ring")[0]
-    with pytest.raises(ParticleMismatch, match="at t = 0 that are not where those of the ring begin, by"):
+    with pytest.raises(ParticleMismatch, match="m off the initial positions of the ring"):
         judge(scene_of("ring"), {"t": 0.0, "id": frame.number[::-1], "x": frame.position})
 
 
@@ -143,17 +143,17 @@ def test_a_file_that_lies_about_its_problem_is_not_believed(tmp_path, refused):
     """A bar's particles that say they are a ring's, to whomever asks."""
     (tmp_path / "liar.npz").write_bytes(particle_writers.npz_bytes(frames_of("bar"), scene_of("ring")))
     said = refused("ring", tmp_path / "liar.npz")
-    assert "says that it is of the ring, and has x in one direction, and the ring has two; it fits" in said
+    assert "is a file of the ring, and has x in one direction, and the ring has two; it fits" in said
     assert "`mpm-lab judge bar`" in said
     said = refused("bar", tmp_path / "liar.npz")
-    assert "says that it is of the ring, and its particles are not; take the line called scene out" in said
+    assert "is a file of the ring, and its particles are not; take the line called scene out" in said
 
 
 def test_a_file_that_lies_about_its_cells_is_refused(tmp_path):
     frames = frames_of("bar")
     np.savez(tmp_path / "a.npz", t=frames[1].time, x=frames[1].position, id=frames[1].number, cells=40,
              scene=np.array(scene_line(scene_of("bar"))))
-    with pytest.raises(FileError, match="says that it has 40 cells, and 12 in its scene"):
+    with pytest.raises(FileError, match="states 40 cells, but 12 in its scene"):
         read_file(str(tmp_path / "a.npz"))
 
 
@@ -162,19 +162,19 @@ def said(**changed) -> str:
 
 
 @pytest.mark.parametrize("text, why", [
-    (said(problem="dam"), "says that it is of a problem that is none here"),
-    (said(problem=["bar"]), "says that it is of a problem that is none here"),
-    (said(schema="mpm-lab/particles/2"), "in the words of another version (mpm-lab/particles/2)"),
-    (said(inputs={"amplitude": 1e9}), "says a scene that cannot be: amplitude 1000000000:"),
-    (said(inputs={"amplitude": "much"}), "says a scene"), (said(inputs={"cells": True}), "says a scene"),
-    (said(inputs={"amplitude": float("nan")}), "says a scene that cannot be: amplitude nan"),
-    (said(inputs={"cells": 10**9}), "says a scene that cannot be: cells"),
-    (said(inputs={"amplitude": [1]}), "says a scene whose inputs are none of the bar's"),
-    (said(inputs={"__class__": 1}), "says a scene whose inputs are none of the bar's"),
-    (said(inputs={"body_force": "x" * 100}), "says a scene whose inputs are none of the bar's"),
-    (said(inputs=[1, 2]), "says a scene that cannot be read"), (said()[:-1], "says a scene that cannot be read"),
-    (said(inputs={"a": "x" * MAX_LINE}), "says a scene that cannot be read"),
-    ('{"schema":"mpm-lab/particles/1","problem":' + "[" * 3000, "says a scene that cannot be read")])
+    (said(problem="dam"), "names an unknown problem"),
+    (said(problem=["bar"]), "names an unknown problem"),
+    (said(schema="mpm-lab/particles/2"), "of another format version (mpm-lab/particles/2)"),
+    (said(inputs={"amplitude": 1e9}), "has an invalid scene: amplitude 1000000000:"),
+    (said(inputs={"amplitude": "much"}), "invalid scene"), (said(inputs={"cells": True}), "invalid scene"),
+    (said(inputs={"amplitude": float("nan")}), "has an invalid scene: amplitude nan"),
+    (said(inputs={"cells": 10**9}), "has an invalid scene: cells"),
+    (said(inputs={"amplitude": [1]}), "has a scene with inputs that the bar does not accept"),
+    (said(inputs={"__class__": 1}), "has a scene with inputs that the bar does not accept"),
+    (said(inputs={"body_force": "x" * 100}), "has a scene with inputs that the bar does not accept"),
+    (said(inputs=[1, 2]), "has a scene that cannot be read"), (said()[:-1], "has a scene that cannot be read"),
+    (said(inputs={"a": "x" * MAX_LINE}), "has a scene that cannot be read"),
+    ('{"schema":"mpm-lab/particles/1","problem":' + "[" * 3000, "has a scene that cannot be read")])
 def test_a_scene_that_is_none_is_refused_in_one_sentence(text, why, tmp_path):
     frame = frames_of("bar")[1]
     np.savez(tmp_path / "a.npz", t=frame.time, x=frame.position, id=frame.number, scene=np.array(text))
@@ -202,7 +202,7 @@ def test_a_file_of_ours_is_judged_with_the_scene_that_it_says(tmp_path):
             raw: RawTable = read_file(str(tmp_path / f"a.{kind}"))
             [grid] = judge(PROBLEMS[scene.problem].scene(), raw).grids
             own = grid.scene
-            assert "judged with what" in " ".join(grid.notes())
+            assert "judged with the scene" in " ".join(grid.notes())
             assert (own.ppc, own.amplitude, own.body_force) == (scene.ppc, scene.amplitude, scene.body_force)
             assert own.particles == scene.particles
 
@@ -210,6 +210,6 @@ def test_a_file_of_ours_is_judged_with_the_scene_that_it_says(tmp_path):
 def test_a_flag_that_contradicts_the_cells_of_a_file_is_refused(tmp_path):
     """Also where the file says nothing but its cells; a flag at its default contradicts nothing."""
     file = {"X": (np.arange(40) + 0.5) / 40, "x": (np.arange(40) + 0.5) / 40, "t": 0.0, "cells": 10}
-    with pytest.raises(FileError, match="says that it has 10 cells, and --cells says 20; give what was run"):
+    with pytest.raises(FileError, match="states 10 cells, but --cells is 20; give the value of the run"):
         judge(BarScene(cells=20), file, cells=[20])
     assert judge(BarScene(), file).grids[0].scene.cells == judge(BarScene(cells=10), file).grids[0].scene.cells == 10

@@ -239,11 +239,11 @@ def csv_file(folder: Path, columns, name="bad.csv") -> str:
 IDS, SHIFT = table()["id"], 0.3
 SPOILT = {
     "no positions": ({"x": None}, "has no positions (x or position); its columns are t, id"),
-    "no identity": ({"id": None, "X": None}, "says of no particle which it is: give id"),
+    "no identity": ({"id": None, "X": None}, "does not identify its particles: give id"),
     "ids from 1": ({"X": None, "id": IDS + 1}, "has ids from 1 to 48, and 12 cells with 4 particles each way have 0 "
                                                "to 47"),
     "half ids": ({"X": None, "id": IDS + 0.5}, "has ids that are no whole numbers"),
-    "no time": ({"t": None}, "says no time; give a column t"),
+    "no time": ({"t": None}, "has no time; give a column t"),
     "negative time": ({"t": 0 * IDS - 1.0}, "has the time -1; give seconds from 0 on"),
     "a position that is none": ({"x": np.where(IDS == 5, np.nan, table()["x"])},
                                 "has 1 rows whose x is no number, first particle 5"),
@@ -273,8 +273,8 @@ CONTENTS = {
     "more.csv": (b"id,x\n1,2,3\n", "has 2 names and 3 numbers in a line"),
     "same.csv": (b"id,x,x\n1,2,3\n", "has two columns called x"),
     "other.csv": (b"mass,colour\n1,2\n", "holds no particles that are known by name, but mass, colour"),
-    "cells.csv": (b"# cells = many\nid,x,t\n1,2,3\n", "says cells = many; give a number"),
-    "halfcells.csv": (b"# cells = 1.5\nid,x,t\n1,2,3\n", "says that it has 1.5 cells"),
+    "cells.csv": (b"# cells = many\nid,x,t\n1,2,3\n", "has cells = many; give a number"),
+    "halfcells.csv": (b"# cells = 1.5\nid,x,t\n1,2,3\n", "states 1.5 cells"),
     "grid.csv": (b"# cells = 2\nid,x,t\n1,2,3\n", "belongs to a grid of 2 cells, which cannot be"),
     "latin.csv": (b"id,x\xff\n1,2\n", "is no text"),
     "no.npz": (b"nothing", "is no .npz of plain numbers"),
@@ -313,7 +313,7 @@ def test_arrays_that_do_not_fit_are_named(arrays, said, tmp_path):
 
 
 @pytest.mark.parametrize("flags, said", [
-    (["--time", "9"], "its column t says 0.3 s and --time says 9 s"), (["FILE"], "has the time 0.3 s, which")])
+    (["--time", "9"], "its column t has 0.3 s and --time has 9 s"), (["FILE"], "has the time 0.3 s, which")])
 def test_times_that_contradict_are_one_line(flags, said, tmp_path, capsys):
     file = csv_file(tmp_path, table(t=np.full(len(IDS), 0.3)))
     flags = [file if flag == "FILE" else flag for flag in flags]

@@ -120,7 +120,7 @@ def test_what_cannot_be_followed_is_not_held_against_a_run(simulate, monkeypatch
     scene = VortexScene(cells=20, ppc=2, amplitude=0.25, cfl=0.2, frequency=0.3, estimators=(), effects=BLIND)
     verdict = simulate(scene).verdict
     assert verdict["checked"]["x"] == ["contradictions"]
-    assert "could not be followed" in verdict["not_checked"]
+    assert "could not be computed" in verdict["not_checked"]
 
 
 def test_a_run_that_does_not_look_works_nothing_out(simulate, monkeypatch):

@@ -15,11 +15,11 @@ from app.lessons.markdown_html import to_html
 from app.page.features.board import chart
 
 IN_ONE = 8  # scores, in one column
-NOBODY, WORKING = lazy("Nobody is here yet."), lazy("What came out is being worked out …")
+NOBODY, WORKING = lazy("Nobody is here yet."), lazy("The result is being computed …")
 HOW, HELD, RIGHT = lazy("How the class did"), lazy("{right} of {of} held"), lazy("{right} of {of} right")
 PREDICTIONS = lazy("{right} of {of} predictions were right: {share} %")
 OBSERVATIONS = lazy("{right} of {of} observations were right: {share} %")
-INTERVALS = lazy("{right} of {of} intervals hold what came out: {share} %, where {level} % was said")
+INTERVALS = lazy("{right} of {of} intervals contain the result: {share} % ({level} % expected)")
 
 
 @dataclass(frozen=True)
@@ -142,7 +142,7 @@ def _outcome(place: Place, step: Step, answers: list, came: Right | str | None) 
         return tr(came or WORKING)
     count = chart.right_among(step.asked, answers, came)
     if step.asked.kind == INTERVAL:
-        told = tr("{right} of {of} hold what came out, where {level} % was said: {told}.", right=count,
+        told = tr("{right} of {of} contain the result ({level} % expected): {told}.", right=count,
                   of=len(answers), level=f"{100 * step.asked.level:g}", told=escape(came.told))
     elif step.asked.kind != CHOICE:
         told = trn("{count} of {of} was right: {told}.", "{count} of {of} were right: {told}.", count, of=len(answers),
@@ -150,7 +150,7 @@ def _outcome(place: Place, step: Step, answers: list, came: Right | str | None) 
     elif came.options:  # the bars say which
         told = trn("{count} of {of} was right.", "{count} of {of} were right.", count, of=len(answers))
     else:
-        told = tr("Nothing of this came out.")
+        told = tr("There is no result for this step.")
     return f"<b>{told}</b>"
 
 

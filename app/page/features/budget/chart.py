@@ -23,7 +23,7 @@ TICKS = (1, 2, 5)
 MOST = 160  # times of a chart: further ones are left out
 WHOLE = 1e-9  # by which rounding may take a run beyond its last period
 WIDTH, HEIGHT = 600, 200  # of a chart, in units of its own
-PHRASES = {"before": lazy("before"), "predicted": lazy("foretold"), "again": lazy("run again")}
+PHRASES = {"before": lazy("before"), "predicted": lazy("predicted"), "again": lazy("run again")}
 
 
 @dataclass(frozen=True)

@@ -1,5 +1,5 @@
 """Who made this error? A fold with the chart of the error budget, and a cause to take away and run again without: the
-first run stays pinned beside the second, with what the budget has foretold and what has come. Runs of the bar carry
+first run stays pinned beside the second, with what the budget has predicted and what has come. Runs of the bar carry
 their budget with them; in the plane it is found beside the stage, when it is asked for."""
 
 import math
@@ -33,7 +33,7 @@ OFFER = lazy("Which part of the error have crossings made, and which the coarse 
               "step? Computed beside the run, from t = 0 on.")
 ON_DEMAND = lazy("Which part of the error have crossings made, and which the coarse grid and the time step? Found "
                   "beside your stage, from t = 0 to the end of the scene.")
-WAITING = lazy("The run begins again, with the errors of each cause beside it.")
+WAITING = lazy("The run starts again, with the errors of each cause.")
 PINNED, THIS = (lazy("pinned"), lazy("pinned: {run}")), (lazy("this run"), lazy("this run: {run}"))
 _NAMES = {"x": lazy("displacement x"), "v": lazy("velocity v"), "F": lazy("deformation F")}
 
@@ -59,7 +59,7 @@ class BudgetFold(Feature):
             self._offer = gui.add_html(_offer(OFFER))
             self._find = gui.add_button(tr("Find out"),
                                         hint=tr("with the causes' errors beside the run, from t = 0 on"))
-            self._cancel = gui.add_button(tr("Cancel"), hint=tr("leave it at what has been found"))
+            self._cancel = gui.add_button(tr("Cancel"), hint=tr("keep the current result"))
             self._field = gui.add_dropdown(
                 tr("Divide the error of"), tuple(map(tr, _NAMES.values())),
                 hint=tr("it follows the quantity on the stage, as far as that has a budget"))
@@ -206,7 +206,7 @@ def _going(found: BudgetProgress) -> str:
     """How far a job is, or what has become of it; "" where there is nothing to say."""
     if found.running:
         return f"<p class='lab-budget-offer' role='status'>" \
-               f"{tr('Being found beside your stage: {share}', share=format_percent(found.part))}</p>"
+               f"{tr('Being computed in the background: {share}', share=format_percent(found.part))}</p>"
     said = tr("It was cancelled") if found.cancelled else found.trouble
     return f"<p class='lab-budget-offer' role='alert'>{escape(as_sentence(said.removesuffix('.')))}</p>" if said else ""
 

@@ -207,7 +207,7 @@ def _guides(inside: Axes, dimensions: int) -> str:
 def _keys(dots: Sequence[NumberedRun], best: Sequence[NumberedRun], dimensions: int) -> str:
     """What looks differ by, where no run can be: fast and exact."""
     judges = list(dict.fromkeys(run.estimator for run in dots if run.error is None and not run.broken))
-    keys = [tr("hollow: as {judges} estimates", judges=functools.reduce(
+    keys = [tr("hollow: estimated by {judges}", judges=functools.reduce(
         lambda before, last: tr("{before} or {last}", before=before, last=last), judges))] if judges else []
     keys += [tr("grey: no run is better for less")] * (len(best) > 1)
     keys.append(tr("dashed: a quarter of the error for {times} times the time", times=2 ** (dimensions + 1)))
@@ -268,7 +268,7 @@ def answer_headline(like: Sequence[NumberedRun], scene: Scene, tolerance: float,
         if live is None:
             asked = tr("What does accuracy cost on the {problem}?", problem=tr(PROBLEMS[scene.problem].scene.TITLE))
             return tr("Nothing measured yet."), f"{asked}<br>{button}"
-        untimed = tr("The run on the stage errs by {share} of {whole}, but its time was taken beside pictures and "
+        untimed = tr("The run on the stage has an error of {share} of {whole}, but its time includes pictures and "
                      "estimates.", share=format_percent(live.size), whole=of)
         return tr("Nothing timed yet."), f"{untimed}<br>{button}"
     if trouble:
@@ -277,8 +277,8 @@ def answer_headline(like: Sequence[NumberedRun], scene: Scene, tolerance: float,
     if best is None:
         near = min(known, key=lambda run: run.size)
         return (tr("No run so far comes below <b>{share} of {whole}</b>.", share=format_percent(tolerance), whole=of),
-                tr("The closest errs by {error}: {run}, {seconds}. <b>Find the cheapest run</b> looks for a better "
-                   "one.", error=_error(near), run=escape(run_name(near)), seconds=format_seconds(near.seconds)))
+                tr("The closest has an error of {error}: {run}, {seconds}. <b>Find the cheapest run</b> looks for a "
+                   "better one.", error=_error(near), run=escape(run_name(near)), seconds=format_seconds(near.seconds)))
     answer = PROVISIONAL if provisional else FINAL
     worse = dict.fromkeys(str(METHODS.get(curve[0].method, curve[0].method)) for curve in sweep_curves(like)
                           if len(curve) > 1 and curve[-1].size > WORSE * curve[0].size)
@@ -306,5 +306,5 @@ def tolerance_line(like: Sequence[NumberedRun], scene: Scene, tolerance: float, 
 def _error(run: NumberedRun) -> str:
     """How wrong a run is, and whose word that is, where it is not the true error."""
     share = format_percent(run.size)
-    return share if run.error is not None else tr("{share}, as {estimator} estimates", share=share,
+    return share if run.error is not None else tr("{share}, estimated by {estimator}", share=share,
                                                   estimator=escape(run.estimator))

@@ -22,20 +22,20 @@ LONGEST_BUDGET = 60.0
 TOGETHER = "\N{NO-BREAK SPACE}"  # between a number and its unit: they stand in sentences
 LEAST_PLAIN, MOST_PLAIN = -5, 3  # powers of ten of a percentage that are written out
 MOST_LINES = 40  # of the table: it is made anew with every run
-NOTHING_TO_FIND = lazy("There is nothing to find in a patch test: its error is round-off, or does not fall with the "
+NOTHING_TO_FIND = lazy("A search makes no sense for a patch test: its error is round-off, or does not fall with the "
                         "cells. Compare methods and particles per cell instead.")
 ENDS = {LOST: lazy("lost"), UNSTABLE: lazy("unstable"), FAILED: lazy("failed")}  # of runs that have no error
 #: What is said of a job, of a sweep and of a search.
 STARTING = {SWEEP: lazy("Sweep: starting."), SEARCH: lazy("Search: starting.")}
 ON_THE_WAY = {SWEEP: lazy("Sweep: {done} of {total} runs."), SEARCH: lazy("Search: {done} of at least {total} runs.")}
 DONE = {SWEEP: lazy("Sweep: {done} runs."),
-        SEARCH: lazy("Search: {done} runs. It ends when none that has not been made promises to be cheaper.")}
+        SEARCH: lazy("Search: {done} runs. It ends when no remaining run promises to be cheaper.")}
 CANCELLED = {SWEEP: lazy("The sweep was cancelled."), SEARCH: lazy("The search was cancelled.")}
 ENDED = {SWEEP: lazy("The sweep ended: {trouble}."), SEARCH: lazy("The search ended: {trouble}.")}
-PAUSED = {SWEEP: lazy("The stage is paused while your sweep takes times, and goes on by itself. Play lets it go on "
-                       "now."),
-          SEARCH: lazy("The stage is paused while your search takes times, and goes on by itself. Play lets it go on "
-                        "now.")}
+PAUSED = {SWEEP: lazy("The stage is paused while your sweep measures times, and continues afterwards. Press Play to "
+                       "continue now."),
+          SEARCH: lazy("The stage is paused while your search measures times, and continues afterwards. Press Play to "
+                        "continue now.")}
 BOUNDED = lazy("{name} '{typed}': give a number above 0 and up to {most:g}.")
 POSITIVE = lazy("{name} '{typed}': give a number above 0, such as 1e-3.")
 
@@ -84,7 +84,7 @@ def run_sentence(run: NumberedRun) -> str:
     if run.error is not None:
         parts.append(tr("true error of x {share} of {whole}", share=format_percent(run.error), whole=of))
     if run.estimate is not None:
-        parts.append(tr("{share} of {whole} as {estimator} estimates", share=format_percent(run.estimate), whole=of,
+        parts.append(tr("{share} of {whole}, estimated by {estimator}", share=format_percent(run.estimate), whole=of,
                         estimator=run.estimator))
     time = format_seconds(run.seconds)
     return "; ".join([*parts, tr("{time} alone", time=time) if run.alone else tr("{time} on the stage", time=time)])
@@ -199,9 +199,9 @@ def job_text(status: CostStatus) -> str:
 
 def timing_note(paused: bool, playing: bool, others: bool) -> str:
     """What the stages do to the times while a job runs: the visitor's own and those of ``others``."""
-    own = tr("Your stage is paused meanwhile, so that it does not disturb the times.") if paused else \
-        tr("Your stage runs beside it: times come out longer. Pause makes them true.") if playing else ""
-    theirs = tr("Other visitors use this server at the same time: times may come out longer.") if others else ""
+    own = tr("Your stage is paused meanwhile, so that the times are accurate.") if paused else \
+        tr("Your stage is running: times are too long. Press Pause for accurate ones.") if playing else ""
+    theirs = tr("Other visitors use this server too: measured times may be longer.") if others else ""
     return f"{own} {theirs}".strip()
 
 
@@ -217,5 +217,5 @@ def advice_text(advice: dict) -> str:
              seconds=format_seconds(advice["seconds"]))
     runner_up = tr("Runner-up: {why}.", why=on_page(advice["why"])) if advice["why"] else ""
     taken = tr("Take {run}.", run=run) if advice["met"] else \
-        tr("Nothing within reach meets that. The closest is {run}.", run=run)
+        tr("No run within the limits meets this. The closest is {run}.", run=run)
     return f"{taken} {runner_up} {tr('{n} runs were tried.', n=advice['looks'])}"

@@ -121,7 +121,7 @@ class CostTab(Feature):
         if self.jobs.status.running:
             self._asked = asked
             self.jobs.cancel()
-            self._say(tr("What it was to find has changed."))
+            self._say(tr("The goal of the search has changed."))
         else:
             self._asked = None
             self.jobs.forget()
@@ -152,7 +152,7 @@ class CostTab(Feature):
         self._bar = gui.add_progress_bar(0.0, visible=False, animated=True)
         self._sentence = gui.add_html("")
         self._cancel = gui.add_button(tr("Cancel"), icon=viser.Icon.X, color="gray", visible=False,
-                                      hint=tr("end the sweep or search; what it has found so far stays"))
+                                      hint=tr("end the sweep or search; its results so far are kept"))
         self._cancel.on_click(lambda _: self.jobs.cancel())
         self._take = gui.add_button(tr("Load this scene"), icon=viser.Icon.PLAYER_PLAY, visible=False,
                                     hint=tr("put the run that was found on the stage"))
@@ -197,7 +197,7 @@ class CostTab(Feature):
         if status.running:
             more = escape(f"{cost_texts.job_count_text(status)} {stage}")
         elif status.advice:
-            end = tr("The search has ended. That a run which it has not made is clearly cheaper is not expected, but "
+            end = tr("The search has ended. A clearly cheaper run is unlikely, but "
                      "possible.") if status.advice["met"] else tr("The search has ended.")
             more = f"{more} {escape(end)}"
         self._line.content = (f"<template class='lab-cost-says'><h2>{says}</h2><p>{more}</p></template>"

@@ -75,7 +75,7 @@ class AnswerWidgets:
             told = tr("The stage has no {name}: put the run there first.", name=name)
         else:
             value = in_unit(there, self._asked.unit)
-            told = tr("You say {name} = <b>{value}</b>", name=name, value=value) if self._slider else \
+            told = tr("Your value: {name} = <b>{value}</b>", name=name, value=value) if self._slider else \
                 tr("The stage has {name} = <b>{value}</b>", name=name, value=value)
         self._said.content = f"<div class='lab-lesson lab-there'>{told}</div>"
 

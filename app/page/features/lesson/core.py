@@ -19,7 +19,7 @@ PACED = lazy("The board shows what the class has answered, without names; nothin
 BESIDE_MAIN = "<i class='lab-beside lab-main'></i>"
 LINK = "<i class='lab-link'></i>"  # the button that is less than others
 FIRST_PREDICT = lazy("You predict first: Next opens when your answer is recorded.")
-WAITS = lazy("The next step is not open yet. Your lecturer opens it for all; you need not do anything.")
+WAITS = lazy("The next step is not open yet. Please wait until your lecturer opens it.")
 
 
 def optional_step_mark() -> str:
@@ -38,7 +38,7 @@ def duration_text(lesson: Lesson) -> str:
 def core_checkbox(gui: viser.GuiApi, lesson: Lesson, chosen: bool) -> viser.GuiCheckboxHandle:
     """A box to take the core alone."""
     return gui.add_checkbox(tr(ONLY), chosen, hint=tr(
-        "the core stands by itself and takes {minutes} minutes; you can go deeper at its end",
+        "the core is self-contained and takes {minutes} minutes; you can go deeper at its end",
         minutes=lesson.core_minutes))
 
 

@@ -164,7 +164,7 @@ def _own(lesson: Lesson, words: str) -> str:
     return f"<div{lang_attribute(lesson)}>{words}</div>" if lang_attribute(lesson) else words
 
 
-WAITED_FOR = lazy("Bets are being laid beside the truth …")
+WAITED_FOR = lazy("Bets are being compared with the results …")
 ROW, OWN_ROW = 7, 12  # pixels from a line to the next: of a judge, of the visitor
 
 

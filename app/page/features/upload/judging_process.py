@@ -104,7 +104,7 @@ class ProblemQuestion:
             hint = tr("judge the file as a run of this problem")
             self._buttons = {name: gui.add_button(tr("It is the {problem}", problem=tr(kind.scene.TITLE)), hint=hint)
                              for name, kind in PROBLEMS.items()}
-            neither = gui.add_button(tr(NEITHER), hint=tr("leave the file aside"))
+            neither = gui.add_button(tr(NEITHER), hint=tr("do not judge the file"))
         for problem, button in self._buttons.items():
             button.on_click(lambda _, problem=problem: on_choice(problem))  # type: ignore[misc]
         neither.on_click(lambda _: on_choice(None))

@@ -37,9 +37,9 @@ FRAME_SECONDS = (0.12, 0.6)  # that a frame is seen, at least and at most
 LAST = 0.9e9  # in the order of what stands in the panel
 BACK, BACK_HINT = lazy("Back to our run"), lazy("go back to what was on the stage before")
 BUSY, ONE = lazy("A file is still on its way; wait until it is here."), lazy("Give one file at a time.")
-WHAT = lazy("Drop a file of particles anywhere on this page, or choose it ({kinds}; at most {most:g} MB): of the "
-             "problem and the settings above, run with any code, or a run of ours, which says its scene. It is judged, "
-             "and shown on the stage. <code>mpm-lab problem</code> writes all that a code needs.")
+WHAT = lazy("Drop a file of particles anywhere on this page, or choose it ({kinds}; at most {most:g} MB): from any "
+             "code, for the problem and settings above, or from mpm-lab, with its scene. The page judges it and shows "
+             "it on the stage. <code>mpm-lab problem</code> writes all that a code needs.")
 
 
 class UploadPanel(Feature):
@@ -190,7 +190,7 @@ class UploadPanel(Feature):
     def _ask(self, name: str, reason: str, problems: tuple[str, ...]) -> None:
         """A file that is not of the problem on the stage: it waits for an answer."""
         said = question_sentence(name, reason, problems)
-        self._news = monotonic(), Notice("refused", tr("{question} Say it at the top of Explore.", question=said))
+        self._news = monotonic(), Notice("refused", tr("{question} Select it at the top of Explore.", question=said))
         self._question.ask(said, problems)
         self._say(said)
 

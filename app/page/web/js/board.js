@@ -16,11 +16,11 @@
   const scroll = by => section.querySelector(".lab-slide [tabindex]")?.scrollBy({top: by * 0.3 * innerHeight});
   const nothing = () => {};  // of keys that mean something on the page below
   const keys = new Map([
-    ["ArrowRight", [tr("→  Page ↓  Space"), tr("the one next thing, as its button says"), next]],
+    ["ArrowRight", [tr("→  Page ↓  Space"), tr("the next action (the main button)"), next]],
     ["PageDown", ["", "", next]], [" ", ["", "", next]],
-    ["ArrowLeft", [tr("←  Page ↑"), tr("look back; nothing is closed by it"), back]],
+    ["ArrowLeft", [tr("←  Page ↑"), tr("look back; all steps stay open"), back]],
     ["PageUp", ["", "", back]],
-    ["ArrowDown", ["↓  ↑", tr("what is longer than the window"), () => scroll(1)]],
+    ["ArrowDown", ["↓  ↑", tr("scroll long texts"), () => scroll(1)]],
     ["ArrowUp", ["", "", () => scroll(-1)]],
     ["v", ["V", tr("the stage, and back to the board"), turn]],
     ["?", ["?", tr("this list"), null]],
@@ -33,7 +33,7 @@
     section.setAttribute("aria-label", tr("the board"));
     section.innerHTML = "<div class='lab-slide'></div><p class='lab-silent' role='alert' hidden></p>"
       + "<nav></nav>";
-    section.querySelector(".lab-silent").textContent = tr("The lab does not answer. Once it does, the board goes on.");
+    section.querySelector(".lab-silent").textContent = tr("The lab does not respond. The board continues when it does.");
     const nav = section.querySelector("nav");
     nav.setAttribute("aria-label", tr("what the board shows"));
     for (const [name, label, act] of [["back", tr("← Look back"), back], ["save", tr("Save"), save], ["stage", "", turn], ["next", "", next]]) {

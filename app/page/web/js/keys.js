@@ -23,7 +23,7 @@
     ["1", ["1  2  3", tr("the questions above the stage"), () => spark(0)]],
     ["2", ["", "", () => spark(1)]],
     ["3", ["", "", () => spark(2)]],
-    ["e", ["E", tr("the next judge on the stage"), () => tell("judge")]],
+    ["e", ["E", tr("the next estimator on the stage"), () => tell("judge")]],
     ["m", ["M", tr("magnify the error in the plot"), () => tell("magnify")]],
     ["l", ["L", tr("lessons"), () => dispatchEvent(new CustomEvent("lab-tab", {detail: "Lessons"}))]],
     ["?", ["?", tr("this list"), () => list()]],

@@ -32,7 +32,7 @@
       bar.id = "lab-beats";
       const steps = bar.appendChild(document.createElement("span")), skip = bar.appendChild(document.createElement("button"));
       steps.className = "lab-steps";
-      skip.textContent = tr("Skip the story");
+      skip.textContent = tr("Skip the introduction");
       skip.addEventListener("click", () => tell("skip"));
       row.after(bar);
     }

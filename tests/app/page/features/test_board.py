@@ -62,7 +62,7 @@ def shown(board):
 def revealed(board):
     """Press for what came out, and wait until it is there."""
     press(board, NEXT)
-    wait_until(lambda: "being worked out" not in shown(board), "what came out")
+    wait_until(lambda: "being computed" not in shown(board), "what came out")
     return shown(board)
 
 
@@ -182,7 +182,7 @@ def test_the_end_says_how_well_the_class_has_known(board):
         press(board, NEXT)
     wait_until(lambda: len(question_scores(board)) == 3, "what came out")
     assert calibration(question_scores(board)) == ["4 of 6 predictions were right: 67 %",
-                                                   "2 of 3 intervals hold what came out: 67 %, where 80 % was said"]
+                                                   "2 of 3 intervals contain the result: 67 % (80 % expected)"]
     assert "2 of 3 held" in shown(board) and shown(board).count("2 of 3 right") == 2
     kept = json.loads(answers_json(board))
     assert kept.keys() == {"schema", "lesson", "fingerprint", "numbers", "questions"}
@@ -207,9 +207,9 @@ def test_what_cannot_be_worked_out_is_said_and_ends_nothing():
     outcomes = Waiting()
     board = Board(catalogue.load_lesson("04-grid-crossing"), outcomes)
     press(board, NEXT, NEXT, NEXT)
-    assert "being worked out" in shown(board)
+    assert "being computed" in shown(board)
     outcomes.go.set()
-    wait_until(lambda: "could not be worked out" in shown(board), "the sentence")
+    wait_until(lambda: "could not be computed" in shown(board), "the sentence")
     press(board, NEXT)
     assert board.opened == 2
     board.close()

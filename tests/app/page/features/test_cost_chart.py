@@ -89,8 +89,8 @@ def test_every_run_is_a_button_where_its_error_and_time_are():
     assert found[1][1] < found[2][1] < found[3][1] and found[1][2] < found[2][2] < found[3][2]
     assert all(0 < left < 100 and 0 <= top < 100 for _, left, top, _ in found.values())
     assert found[4][0] == {"lab-dot", "lab-broken"} and found[4][2] == 0 and "too long" in found[4][3]
-    assert found[5][0] == {"lab-dot", "lab-judged"} and "as companion estimates" in found[5][3]
-    assert drawing.count("class='lab-curve'") == 2 and "hollow: as companion estimates" in drawing
+    assert found[5][0] == {"lab-dot", "lab-judged"} and "estimated by companion" in found[5][3]
+    assert drawing.count("class='lab-curve'") == 2 and "hollow: estimated by companion" in drawing
     assert [words for _,
             words in curve_names(runs)] == ["uGIMP"] and [run.method for run in best_without_curve(runs)] == ["bspline"]
     rows = [(fake_row("ugimp", cells, cfl), SWEEP) for cfl in (0.1, 0.5) for cells in (10, 20)]
@@ -149,7 +149,7 @@ def test_headline_is_the_answer_and_says_whose_word_it_is():
         "uGIMP on 40 cells." and still == more
     assert answer_headline(runs, SCENE, 1e-9, "", 16)[0].startswith("No run so far comes below")
     guessed = numbered((judged(size=0.02), SEARCH))
-    assert "as companion estimates" in answer_headline(guessed, SCENE, 0.03, "", 16)[1]
+    assert "estimated by companion" in answer_headline(guessed, SCENE, 0.03, "", 16)[1]
     assert answer_headline(runs, SCENE, float("nan"), "give a <number>", 16)[1] == "give a &lt;number&gt;"
     assert answer_headline([], SCENE, 1e-3, "", 16)[0] == "Nothing measured yet."
     says, more = answer_headline(numbered((fake_row(), LIVE)), SCENE, 1e-3, "", 16)

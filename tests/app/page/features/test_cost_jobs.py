@@ -115,7 +115,7 @@ def test_a_sweep_and_a_search_in_processes_of_their_own(jobs):
     taken = cheapest_run(found, 1e-2)
     assert taken.row["asked"] == advice["task"]["inputs"] and taken.scene.has("truth")
     assert taken.seconds == advice["seconds"] and taken.size == advice["error"] / SCENE.amplitude
-    assert cost_texts.advice_text({**advice, "met": False, "error": None}).startswith("Nothing within reach")
+    assert cost_texts.advice_text({**advice, "met": False, "error": None}).startswith("No run within the limits")
     assert other.status.known == other.status.done == searcher.status.done and other.status.task is None
     assert other.status.advice == advice and [run.row for run in other.runs.all()] == [run.row for run in found]
     assert f"{other.status.known} of them had been made by earlier searches" in cost_texts.job_text(other.status)
@@ -299,7 +299,7 @@ def test_tab_says_what_disturbs_the_times_and_gives_way_to_it(tab):
     tab.stage.others_playing = True
     assert "Other visitors" in said() and ways
     tab.stage.play(True)
-    assert "<p>Your stage runs" in said() and tab.notice() is None
+    assert "<p>Your stage is running" in said() and tab.notice() is None
     tab.jobs.status = CostStatus("sweep")
     assert "Your stage" not in said() and "Other visitors" not in said() and "paused" not in said()
 
@@ -345,4 +345,4 @@ def test_search_ends_when_what_was_asked_changes(tab, pools):
     wait_until(lambda: not tab.jobs.status.running, "the end of the search")
     tab.refresh()
     assert cost_texts.job_text(tab.jobs.status) == "The search was cancelled."
-    assert "What it was to find has changed." in tab.widgets.said
+    assert "The goal of the search has changed." in tab.widgets.said

@@ -17,11 +17,11 @@ def test_a_picture_has_a_line_for_each_bet_and_says_it_in_words():
     """A bet that holds crosses the middle, where the truth is; one that was not made has no line."""
     html = bets_html([Bettor(YOURS, (Bet(1, 100, 10), Bet(20, 40, 10))), Bettor("two-grid", (None, Bet(9, 11, 10)))])
     assert re.findall(r"aria-label='([^']*)'", html) == [
-        "Your bets: 1 of 2 hold the truth, mean score 2.66",
-        "two-grid: 1 of 1 hold the truth, 1 not bet on, mean score 0.09"]
+        "Your bets: 1 of 2 contain the truth, mean score 2.66",
+        "two-grid: 1 of 1 contain the truth, 1 without a bet, mean score 0.09"]
     assert re.findall(r"class='lab-(held|missed)' x1='([^%]*)%' x2='([^%]*)%'", html) == [
         ("held", "0.00", "100.00"), ("missed", "65.05", "80.10"), ("held", "47.71", "52.07")]
-    assert "÷ 10" in html and "× 10" in html and "80 of 100 were to hold it" in html
+    assert "÷ 10" in html and "× 10" in html and "80 of 100 should contain it" in html
     assert bets_html([]) == ""
     assert bets_html("could not be <b>") == "<p class='lab-bets-later'>could not be &lt;b&gt;</p>"
 

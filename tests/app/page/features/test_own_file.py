@@ -114,7 +114,7 @@ def test_a_file_of_another_problem_is_asked_about_and_one_that_says_its_scene_is
     assert loaded_notice(run, PROBLEMS["ring"].scene(cells=12, amplitude=0.02)) == "The file ours.npz is on the stage."
     answers, _ = shown_of(process, liar, bar, tmp_path)
     assert answers["asks"]["problems"] == ["bar"]
-    assert "says that it is of the ring, and has" in answers["asks"]["reason"]
+    assert "is a file of the ring, and has" in answers["asks"]["reason"]
     answers, _ = shown_of(process, liar, bar, tmp_path, chosen=True)
     assert max(answers["frames"]["norms"]["x"]) < 1e-12
 
