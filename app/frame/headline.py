@@ -101,8 +101,7 @@ def error_words(scene: Scene, quantity: str, estimator: str | None, no_estimate:
         told = tr("the {noun} is {wrong} {off}; {by} {found}", noun=noun, **PLACES)
     return ErrorWords(told, {"by": estimator or "", "off": tr("wrong")}, size,
                       tr("{true} of {size} at most", size=with_unit(size, words.unit), **PLACES), why,
-                      tr("no error of the {noun} has been measured", noun=noun),
-                      tr("nothing happens, as expected"),
+                      tr("no error of the {noun} has been measured", noun=noun), tr("nothing happens, as expected"),
                       tr("the true error of the {noun} is {true}, round-off", noun=noun, **PLACES),
                       -1.0 if scene.swings else max(ROUND_OFF * size, rounding(scene, quantity, scene.steps)))
 

@@ -145,8 +145,7 @@ EFFECTS: dict[str, Effect] = {effect.name: effect for effect in (
     Effect("energy", "energy", "follow kinetic and strain energy and the work of the body force", numbers=(
                Number("initial", lambda series: _energy(series)[0], "J"),
                Number("final", lambda series: _energy(series)[-1], "J"),
-               Number("drift", _energy_drift, PER_CENT, bounds=(0.05, 0.5))),
-           text=Line("energy drift", "{drift}"),
+               Number("drift", _energy_drift, PER_CENT, bounds=(0.05, 0.5))), text=Line("energy drift", "{drift}"),
            readout=Line("energy", "out of balance by {drift}",
                         "kinetic and strain energy less the work of the body force, over the largest energy")),
     Effect("acceleration", "acceleration error", "keep each particle's acceleration, to compare and to estimate it",

@@ -49,8 +49,7 @@ class SlowMotion(Feature):
         self._drawn: tuple[int, float, Bounds] | None = None  # phase, how far it is, and in which room
 
         mark = page.gui.add_html("<i class='lab-at-slow'></i>")
-        self._button = page.gui.add_button(tr(SLOW),
-                                           hint=tr("pause, and walk through one time step phase by phase"))
+        self._button = page.gui.add_button(tr(SLOW), hint=tr("pause, and walk through one time step phase by phase"))
         self._button.on_click(lambda _: self.leave_stage() if self.on else self.forward())
         page.controls.extend("slow-motion", lambda: self._build_fold(page.gui), mark, self._button)
 

@@ -103,8 +103,7 @@ class Plots:
         set_series(
             self._plots[1],
             finite_series(second * time, *(np.minimum(values, INDEX_RANGE[1]) for values in grey_index),
-                          np.ones(len(time)), *indices),
-        )
+                          np.ones(len(time)), *indices), )
         self._show_crossings(history, series, grey_rate, second)
 
     def show_trace(self, traced: TracedParticle, valid: tuple[str, ...], quantity: str, latest: bool,

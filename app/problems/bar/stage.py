@@ -99,8 +99,7 @@ class BarStage(Stage[BarScene]):
         """A bracket above the estimate's lane and one below the truth's, as far as names leave room for it."""
         places, segments = self._places, [np.empty((0, 2, 3), np.float32)]
         room, wanted = places.room, places.room.gutter > 0 and places.seat == RunSlot.ALONE
-        for found, name, lane, up in zip(worst, HALVES, (places.estimate, places.truth), (1, -1),
-                                         strict=True):
+        for found, name, lane, up in zip(worst, HALVES, (places.estimate, places.truth), (1, -1), strict=True):
             at = self._across(arrays)[found.particles] if found and wanted else np.empty(0)
             at = at[(at >= 0) & (at <= 1)]
             at = at[np.abs(at - np.median(at)) < NEAR] if len(at) else at  # not what is at the other end, or lost

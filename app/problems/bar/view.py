@@ -109,8 +109,7 @@ MOTION = Motion(
     {"stretch": (lazy("Stretch F"), 0.8, 1.2, 0.01,
                  lazy("length of the bar over that at rest; at 1 it has no stress")),
      "initial_velocity": (lazy("Velocity v, m/s"), 0.0, 2.0, 0.05,
-                          lazy("at which the whole bar moves through the grid"))},
-    speed=1.0, quantity="sigma")
+                          lazy("at which the whole bar moves through the grid"))}, speed=1.0, quantity="sigma")
 
 
 def draw(*places: Any) -> None:

@@ -147,8 +147,7 @@ def scenes_to_time(runs: Sequence[NumberedRun]) -> list[Task]:
 def search_job(scene: Scene, tolerance: float, budget: float) -> SearchJob:
     """The job of finding the cheapest run of this problem with an error of x of ``tolerance`` times A at most."""
     return SearchJob(task_of(visitor_runs.without_search_options(scene)).to_dict(), scene.candidates(),
-                     PARTICLES_PER_CELL,
-                     COURANT_NUMBERS, "x", tolerance * scene.size_of("x"), budget)
+                     PARTICLES_PER_CELL, COURANT_NUMBERS, "x", tolerance * scene.size_of("x"), budget)
 
 
 @dataclass(frozen=True)

@@ -171,14 +171,11 @@ def _errors(run: UploadedRun, k: int, quantity: str) -> str:
         largest = float(values.max()) if len(values) and np.isfinite(values).all() else None
         rows.append(
             row_html(
-                "",
-                name_with_sample(name),
+                "", name_with_sample(name),
                 *(
                     NOTHING if value is None else with_unit(value, words.unit, 2)
                     for value in (_now(norms, k, quantity), largest)
-                ),
-                index,
-            )
+                ), index, )
         )
     return table_html("".join(rows), "lab-numbers lab-estimates")
 

@@ -238,8 +238,7 @@ def along_fit(body: ti.template(), into: ti.template(), pick: ti.template()):
         line = first_in_group(group, body.particles // K)
         for j in range(K):
             store_sums(body.recovered_particles, particle_at(body, into, line * K + j), K, row_sums(
-                body, ALONG_FIT, j, pick, body.recovered_particles, particle_at(body, FIELD, line * K), K, 1, 0,
-                False))
+                body, ALONG_FIT, j, pick, body.recovered_particles, particle_at(body, FIELD, line * K), K, 1, 0, False))
 
 
 @ti.func
