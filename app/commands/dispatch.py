@@ -19,7 +19,7 @@ from app.commands.flags import BadInput
 from app.commands.help import PROGRAM, VERBOSE, PrintCapture, commands_overview, help_paragraphs, wrap_help
 from app.commands.output import NotWritten, print_message, put_text, showing_places
 from solvers.scene.extensions import ExtensionError
-from solvers.scene.validation import SceneError, field_flag
+from solvers.scene.validation import SceneError, field_flag, field_key, key_field
 from solvers.untrusted.quoting import one_line, quote, suggest_word
 
 FAILED, BAD_INPUT, BROKEN_PIPE = 1, 2, 141
@@ -106,6 +106,8 @@ def _next_words(name: tuple[str, ...]) -> list[str]:
 def _read_flags(kind: type, program: str, arguments: list[str]) -> Any:
     """The command with its flags filled in; None after its help was shown."""
     read: Any = tyro.cli  # the type of what it returns depends on its flags
+    names = {f.name for f in fields(kind)}
+    arguments = [_translate_synonym(word, names) for word in arguments]
     complaints, shown = io.StringIO(), PrintCapture()
     try:
         with contextlib.redirect_stderr(complaints), contextlib.redirect_stdout(shown):
@@ -123,6 +125,15 @@ def _read_flags(kind: type, program: str, arguments: list[str]) -> Any:
     if unknown:
         raise _unexpected(unknown[0], kind, program)
     return command
+
+
+def _translate_synonym(word: str, names: set[str]) -> str:
+    """A flag such as ``--estimators`` by the name that it has in a command."""
+    flag, separator, value = word.partition("=")
+    name = flag.removeprefix("--")
+    if not word.startswith("--") or name in names or field_key(key_field(name)) not in names:
+        return word
+    return f"--{field_flag(key_field(name))}{separator}{value}"
 
 
 def _unexpected(word: str, kind: type, program: str) -> BadInput:

@@ -9,6 +9,9 @@ import numpy as np
 from solvers.untrusted import number_parsing, quoting
 
 KEYS = {"estimators": "estimator"}  # where a field's name and its key in the JSON object differ
+#: Other words for a field, which flags and links may use.
+SYNONYMS = {"estimator": "estimators", "estimate": "estimators", "effect": "effects", "diagnostic": "effects",
+            "diagnostics": "effects", "remedy": "remedies", "stabilisation": "remedies", "stabilisations": "remedies"}
 
 
 class SceneError(ValueError):
@@ -27,8 +30,8 @@ def field_key(field: str) -> str:
 
 
 def key_field(key: str) -> str:
-    """The field that a key stands for: :func:`field_key` undone."""
-    return next((field for field, other in KEYS.items() if other == key), key)
+    """The field that a key of the JSON object, or one of its synonyms, stands for."""
+    return SYNONYMS.get(key, key)
 
 
 def field_flag(field: str) -> str:

@@ -121,6 +121,14 @@ def test_a_failing_picture_does_not_lose_the_json(tmp_path, monkeypatch, capsys)
     assert json.loads((tmp_path / "a.json").read_text())["status"] == "ok"
 
 
+@pytest.mark.parametrize(("flag", "key", "names"), [
+    (["--estimators", "companion"], "estimator", ["companion"]), (["--estimate=transport"], "estimator", ["transport"]),
+    (["--effect", "truth"], "effects", ["truth"]), (["--remedy", "zero-drift"], "remedies", ["zero-drift"])])
+def test_other_words_for_a_flag(flag, key, names, capsys):
+    assert main([*QUICK, *flag, "--json", "-"]) == 0
+    assert json.loads(capsys.readouterr().out)["scene"][key] == names
+
+
 def test_a_failed_write_leaves_the_old_file(tmp_path, monkeypatch):
     path = tmp_path / "a.json"
     path.write_text("old")

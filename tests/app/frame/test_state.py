@@ -69,7 +69,7 @@ def test_defaults_are_left_out():
     ("bra", "did you mean bar?"), ("bar;method=ugipm", "did you mean ugimp?"), ("bar;error-of=sigm", "mean sigma?"),
     ("bar;spede=1", "did you mean speed?"), ("bar;zzz", "means nothing here; give"),
     ("bar;cells=20;cells=40", "cells is given twice"), ("bar;t_end=1;t-end=1", "t-end is given twice"),
-    ("bar;estimator=none;estimators=none", "estimators is given twice"),
+    ("bar;estimate=none;estimators=none", "estimators is given twice"),
     ("bar;speed=1;speed=1", "speed is given twice"),
     ("bar;cells=" + "9" * 1900, "999…999"), ("bar;trace=٣", "0 or more"), ("bar;speed=nan", "above 0"),
     ("bar;\x1b[31mred=1", r"'\x1b[31mred=1' means nothing"), ("bar;%1b%5b31m", r"'\x1b[31m' means nothing"),
