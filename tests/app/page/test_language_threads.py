@@ -81,7 +81,7 @@ def test_a_file_is_refused_on_the_web_servers_own_thread(visitors):
 class Pool(page_server.SilentPool):
     """Keeps who listens, and has a job's words: a test says from another thread what a process would."""
 
-    give_way = close = lambda self: None
+    lower_priority = close = lambda self: None
 
     def submit(self, question, hear, patience):
         self.future, self.tell = Future(), hear
