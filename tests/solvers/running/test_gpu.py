@@ -293,7 +293,7 @@ def test_other_estimators_are_refused_in_words():
 
 @pytest.mark.parametrize("make, field, words", [
     (lambda: BarScene(arch="cuda"), "arch", "runs on the processor"),
-    (lambda: RingScene(arch="vulkan", plan="parallel"), "plan", "for processors"),
+    (lambda: RingScene(arch="vulkan", plan="parallel"), "plan", "is for CPUs"),
     (lambda: VortexScene(arch="gpu", plan="serial"), "plan", "give auto"),
     (lambda: RingScene(arch="gpu", cells=9000, ppc=3), "ppc", f"{MOST_ON_GPU:,}"),
     (lambda: RingScene(cells=1600), "ppc", "1,000,000")])
