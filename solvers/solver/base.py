@@ -108,7 +108,7 @@ class Solver(ABC):
     def break_down(self, particle: int) -> tuple[np.ndarray, StepBreakdown]:
         """Take one ordinary step around a particle (its number); return its rows of samples and what it did there."""
         self._stepping.fetch()
-        before = self.STEP_BREAKDOWN.carried(self.scene, self._arrays)
+        before = self.STEP_BREAKDOWN.particle_state(self.scene, self._arrays)
         rows = self.advance(1)
         self._stepping.fetch()
         return rows, self.STEP_BREAKDOWN.breakdown(self.scene, self._arrays, particle, self.step, before)
