@@ -93,7 +93,7 @@ def test_a_map_of_stability_has_the_treatments_that_a_problem_offers():
     (RingScene, {"remedies": ("zero-drift",)}, "is not known"),
     (RingScene, {"remedies": ("frozen-weights", "null-space-filter")}, "cannot be combined"),
     (VortexScene, {"remedies": ("frozen-weights", "null-space-filter")}, "cannot be combined"),
-    (BarScene, {"remedies": ("frozen-weights", "pieces")}, "cannot be combined: pieces mends"),
+    (BarScene, {"remedies": ("frozen-weights", "pieces")}, "cannot be combined: pieces corrects"),
     (RingScene, {"remedies": ("pieces",)}, "is not known")])
 def test_what_does_not_go_together_is_refused(kind, inputs, word):
     with pytest.raises(SceneError) as caught:
