@@ -1,4 +1,4 @@
-"""The story of the opening in four beats with the runs' own numbers, and the pause at its end."""
+"""The opening tour in four steps with the runs' own numbers, and the pause at its end."""
 
 import math
 from collections.abc import Callable
@@ -21,11 +21,11 @@ from solvers.engine.engine_messages import FrameReport
 from solvers.engine.shared_frames import FrameArrays
 from solvers.solver import samples
 
-HALF_WAY = 0.125  # periods, of the first beat
-BEAT = 10.0  # seconds of each of the last two
+HALF_WAY = 0.125  # periods at the end of the first step
+BEAT = 10.0  # seconds of each of the last two steps
 LAST = 4
 SIGMA = samples.QUANTITIES.index("sigma")
-WIDE = 1.0 + 1e-6  # cells from a particle that has crossed, within which an error is told as its
+WIDE = 1.0 + 1e-6  # cells from a particle that has crossed within which errors are attributed to it
 
 #: What a visitor sees first who has followed no link: hat functions beside B-splines, slowly, for the quarter of a
 #: period in which the first particles change their cell and the stress is wrong there; then it stops. At larger
@@ -46,7 +46,7 @@ class OpeningTour(Feature):
         self._mark = gui.add_html("")
         self.messages = {"story": self.hear}
         self._opened, self._restarts = True, 0  # the opening is on the stage, before its quarter, begun so many times
-        self.beat = 0  # 1 to LAST while the story is told
+        self.beat = 0  # 1 to LAST during the tour
         self._since = 0.0
 
     @classmethod
@@ -68,7 +68,7 @@ class OpeningTour(Feature):
         return tour
 
     def hear(self, said: Any) -> None:
-        """The browser asks for the story, or the visitor wants to leave it."""
+        """Starts or ends the tour at the browser's request."""
         if said == "play":
             self._open_on()
             self._opened, self.beat = True, 1
@@ -76,7 +76,7 @@ class OpeningTour(Feature):
             self._end()
 
     def refresh(self, view: PageView) -> None:
-        """Go on with it; anything else on the stage ends it, and a lesson."""
+        """Advances the tour; it ends if a lesson opens or anything else is on the stage."""
         session, report = self._session, self._session.report
         pinned, restarts = session.pinned.scene if session.pinned else None, session.moves[1]
         if (session.scene, pinned) != (OPENING.scene, OPENING.pinned) or not view.alone:
@@ -102,7 +102,7 @@ class OpeningTour(Feature):
         self._show()
 
     def headline(self, frame: Frame | None) -> Headline:
-        """What the present beat says of the runs; nothing where none is told."""
+        """Returns the headline of the present step; an empty one outside the tour."""
         if not self.beat or frame is None or frame[0].scene != OPENING.scene:
             return Headline()
         headline, facts, places = _beat(self.beat, *frame, self._session.pinned)
@@ -125,7 +125,7 @@ class OpeningTour(Feature):
 
 def _beat(beat: int, report: FrameReport, arrays: FrameArrays, pinned: PinnedRun | None,
           ) -> tuple[str, list[str], dict[str, str]]:
-    """A beat's headline, its facts, and what is in the headline's places."""
+    """Returns a step's headline, its facts, and the values of the headline's placeholders."""
     scene, size = report.scene, report.scene.size_of("sigma")
     error = arrays.error[:, SIGMA].astype(float)
     wrong, crossed = math.sqrt(np.mean(error**2)) / size, arrays.steps_since_crossing >= 0

@@ -1,6 +1,6 @@
-"""Who made this error? A fold with the chart of the error budget, and a cause to take away and run again without: the
-first run stays pinned beside the second, with what the budget has predicted and what has come. Runs of the bar carry
-their budget with them; in the plane it is found beside the stage, when it is asked for."""
+"""The folder *Who made this error?*: chart of the error budget, and a rerun without one cause, beside which the first
+run stays pinned, with the predicted and the actual error. Runs of the bar record their budget; that of plane problems
+is computed in the background on request."""
 
 import math
 from collections.abc import Callable
@@ -28,7 +28,7 @@ from solvers.scene.scene import Scene
 from solvers.scene.validation import SceneError
 
 EFFECT = "budget"
-REDRAWN = 0.9  # seconds between two charts of a run that plays
+REDRAWN = 0.9  # seconds between two redraws for a playing run
 OFFER = lazy("Which part of the error have crossings made, and which the coarse grid, the body force and the time "
               "step? Computed beside the run, from t = 0 on.")
 ON_DEMAND = lazy("Which part of the error have crossings made, and which the coarse grid and the time step? Found "
@@ -39,13 +39,13 @@ _NAMES = {"x": lazy("displacement x"), "v": lazy("velocity v"), "F": lazy("defor
 
 
 def cause_button() -> str:
-    """A button below the judges' cards: it opens the fold (``js/budget.js``)."""
+    """Returns the button below the judges' cards that opens the folder (``js/budget.js``)."""
     return (f"<button type='button' class='lab-who'><b>{tr(QUESTION)}</b> "
             f"<span>{tr('crossings, grid, body force or time step')}</span></button>")
 
 
 class BudgetFold(Feature):
-    """Widgets of one visitor. ``state`` is what is seen, ``show`` puts another state on the stage."""
+    """Widgets of one visitor; ``state`` returns the state shown, ``show`` puts another one on the stage."""
 
     def __init__(self, gui: viser.GuiApi, session: Session, state: Callable[[], State], show: Callable[[State], None],
                  clock: Callable[[], float] = monotonic):
@@ -86,12 +86,12 @@ class BudgetFold(Feature):
         self.jobs.close()
 
     def press(self, said: object) -> None:
-        """The visitor has asked who made the error."""
+        """Handles the click on *Who made this error?*."""
         if said is True:
             self.find_out()
 
     def find_out(self) -> None:
-        """Divide the error of the run, and of one that is pinned beside it."""
+        """Starts the error budget of the run, and of a pinned run beside it."""
         state = self._state()
         if EFFECT not in state.scene.OWN_EFFECTS:
             if self.jobs.status.scene != state.scene or self.jobs.status.series is None:
@@ -101,7 +101,7 @@ class BudgetFold(Feature):
                                pinned=None if state.pinned is None else _with_budget(state.pinned)))
 
     def refresh(self, view: PageView) -> None:
-        """Shows the budget of a run; in a lesson only if that has asked for it."""
+        """Shows the budget of the run; in a lesson only on request."""
         if (numbers := view.numbers) is None:
             return
         choice = view.choice
@@ -131,7 +131,7 @@ class BudgetFold(Feature):
         self._draw(runs, self._cause_between(runs) if own else found.cause, on, numbers.now.playing)
 
     def _found(self, scene: Scene | None) -> BudgetProgress:
-        """What the jobs have of a scene. One for another scene is of no use any more."""
+        """Returns the progress of the jobs for a scene; cancels a job for another scene."""
         status = self.jobs.status
         if status.scene == scene:
             return status
@@ -139,7 +139,7 @@ class BudgetFold(Feature):
         return BudgetProgress()
 
     def _draw(self, runs: list[BudgetData], cause: str, on: bool, playing: bool) -> None:
-        """The chart of the runs, and what has become of the error of the first without a ``cause``."""
+        """Draws the chart of the runs, and the outcome of removing a ``cause`` from the first."""
         field, now = next(field for field, name in _NAMES.items() if tr(name) == self._field.value), self._clock()
         if not runs:
             self._drawn_at = -math.inf
@@ -156,14 +156,14 @@ class BudgetFold(Feature):
 
     @staticmethod
     def _cause_between(runs: list[BudgetData]) -> str:
-        """What the second of two runs has less than the first, where that is all the difference between them."""
+        """Returns the cause removed in the second of two runs that are otherwise equal, else ``NOTHING``."""
         if len(runs) < 2:
             return NOTHING
         before, again = (run.scene for run in runs)
         return taken_away(again) if before == _without(NOTHING, again) else NOTHING
 
     def _runs(self, numbers: Numbers, scene: Scene, latest: bool) -> list[BudgetData]:
-        """A pinned run with a budget, and the one on the stage, if that has one yet."""
+        """Returns the pinned run, if it has a budget, and the one on the stage, if it has one yet."""
         past, pinned = numbers.past, numbers.pinned
         if past is None or past.scene != scene or not has_budget(past.series) or not has_budget(past.latest):
             return []
@@ -194,7 +194,7 @@ class BudgetFold(Feature):
 
 
 def _runs_found(found: BudgetProgress) -> list[BudgetData]:
-    """The run whose budget a job has found, and the one without a cause."""
+    """Returns the run whose budget a job has computed, and the one without a cause."""
     if found.scene is None or found.series is None:
         return []
     runs = {"": found.series} if found.again is None else {
@@ -203,7 +203,7 @@ def _runs_found(found: BudgetProgress) -> list[BudgetData]:
 
 
 def _going(found: BudgetProgress) -> str:
-    """How far a job is, or what has become of it; "" where there is nothing to say."""
+    """Returns the progress or the failure of a job as html; "" if there is neither."""
     if found.running:
         return f"<p class='lab-budget-offer' role='status'>" \
                f"{tr('Being computed in the background: {share}', share=format_percent(found.part))}</p>"
@@ -216,7 +216,7 @@ def _with_budget(scene: Scene) -> Scene:
 
 
 def _without(cause: str, scene: Scene) -> Scene:
-    """The scene with this cause taken away."""
+    """Returns the scene with this cause removed."""
     change: dict[str, Any] = {"take_away": cause}
     return replace(scene, **change) if taken_away(scene) != cause else scene
 
@@ -232,4 +232,4 @@ def _offer(text: str) -> str:
 
 def _see(visible: bool, *widgets: Any) -> None:
     for widget in widgets:
-        widget.visible = visible  # of what is so already, viser sends nothing
+        widget.visible = visible  # viser sends nothing if the value is unchanged
