@@ -1,7 +1,6 @@
-"""The offline player below a cell: the page that ``mpm-lab export`` writes, in a frame that carries all of it.
+"""The offline player below a notebook cell: the page of ``mpm-lab export``, complete in a frame.
 
-Nothing is served and nothing is fetched, so it plays wherever a notebook shows HTML, and in one that is sent around.
-"""
+It needs no server and no network, so it plays wherever a notebook shows HTML, and in one that is sent around."""
 
 from __future__ import annotations
 
@@ -21,8 +20,8 @@ from solvers.scene.validation import SceneError, require_choice, require_whole
 
 HEIGHT = 640  # pixels: readout, stage and time of a bar without scrolling, where the cell is 800 wide
 LEAST_HEIGHT, MOST_HEIGHT = 200, 4000
-#: What the page in the frame may do: run its own scripts and save a file. It is of no origin, so it reads nothing of
-#: the notebook's.
+#: Permissions of the page in the frame: its own scripts and downloads. It has no origin, so it cannot read
+#: the notebook.
 SANDBOX = "allow-scripts allow-downloads"
 
 
@@ -35,7 +34,7 @@ class Player:
     height: int = HEIGHT
 
     def save(self, path: str | os.PathLike[str]) -> None:
-        """Write the page, as ``mpm-lab export`` does: it plays from disk, without a network."""
+        """Writes the page, as ``mpm-lab export`` does: it plays from disk, without a network."""
         Path(path).write_text(self.page, encoding="utf-8")
 
     def __repr__(self) -> str:

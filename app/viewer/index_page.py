@@ -1,4 +1,4 @@
-"""The html that a browser loads first: the viewer's, with our title and icon, and a plain ground until there is a
+"""The html that a browser loads first: the viewer's, with our title and icon, and a plain ground before there is a
 stage.
 
 Everything else of the page comes over the websocket; until then the viewer would show its own panel. The viewer's own
