@@ -39,8 +39,7 @@ FAINT = {"line": Shades("#e2e5eb", "#2c313a"), "line2": Shades("#c5cad4", "#4a51
          "cell": Shades("#cfd4dd", "#3a404b")}
 PALETTE = GROUNDS | TEXTS | LINES | FAINT
 #: Areas of the causes of error, by the names of ``solvers.scene.error_causes``: crossings darker than their line, so
-#: that any
-#: two of these, and the ground, are apart for every common colour blindness as well (20 or more in CIE L*a*b*).
+#: that any two of these, and the background, differ by 20 or more in CIE L*a*b*, also with common colour blindness.
 CAUSES = {"crossings": Shades("#a8005f", "#ff80c4"), "coarse_grid": Shades("#2f86e0", "#2a7bd6"),
           "body_force": Shades("#5fd3a2", "#57dd9b"), "time_step": Shades("#8f96a3", "#515866")}
 

@@ -217,8 +217,7 @@ def _key(field: str) -> str:
     return field.replace("_", "-")
 
 
-#: Words of the view, in the order of writing, with the state's field of each and the parser of its
-#: value.
+#: Words of the view, in the order of writing, with the state's field of each and the parser of its value.
 VIEW: dict[str, tuple[str, Callable[[str, str], Any]]] = {
     "error-of": ("quantity", _one_of({key: key for key in QUANTITIES})),
     "on-stage": ("estimator", lambda _, text: text), "difference": ("difference", _yes_or_no),

@@ -63,16 +63,14 @@ MAGNIFICATIONS = (1, 10, 100, 1000)  # of a field's deviation in its plot
 #: Norms of single problems.
 EXTRA_NORMS = {"sigma_log": Quantity("stress", "σ, E ln F", "Pa"),
                "a_nodes": Quantity("acceleration", lazy("a at nodes"), "m/s²")}
-#: Fields of a scene without influence on a run, or treated together, as those of the time step.
+#: Fields left out of texts on a run, or described together, as those of the time step.
 UNSAID = ("problem", "dt", "cfl", "t_end", "periods", "effects", "arch", "threads", "sample_every")
 #: Symbols of a scene's sizes.
 SYMBOLS = {"amplitude": "A", "modulus": "E", "density": "ρ", "stretch": "F", "initial_velocity": "v", "frequency": "B"}
 #: Fields of most and of some problems.
 OF_MOST = ("amplitude", "modulus", "density", "t_end", "periods", "body_force")
 OF_SOME = ("motion", "stretch", "initial_velocity")
-#: What a scene's fields may be, in words that are put into the visitor's language by :func:`choice_labels`, in the
-#: order in
-#: which they are offered.
+#: Labels of fields' choices, translated by :func:`choice_labels`, in the order in which they are offered.
 CHOICES = {"method": {code: method.full or method.name for code, method in METHODS.items()},
            "body_force": {"material": lazy("at the particles"), "node": lazy("at the nodes"), "none": lazy("none"),
                           "two-tone": lazy("two-tone: no exact solution known")},
@@ -135,9 +133,8 @@ def particles_per_cell(problem: str, ppc: float) -> str:
 
 
 def on_page(sentence: str) -> str:
-    """Translates a sentence of the solvers, and replaces flags, methods and remedies in it by the labels of the
-    widgets. The translation is looked up by the original sentence, so it comes first; translations contain flags
-    too."""
+    """Translates a sentence of the solvers, and replaces flags, methods and remedies in it by the widgets' labels. It
+    translates first, as translations are looked up by the original sentence and contain flags too."""
     sentence = translate_message(sentence)
     for typed, shown in ((tr("--dt auto takes"), tr("the box \"Auto step\" takes")),
                          ("--velocity grid", tr("grid velocity")),

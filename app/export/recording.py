@@ -102,7 +102,7 @@ def _recorded(wanted: RecordingRequest) -> dict[str, Any]:
     regular, pictures = (samples.read_rows(np.concatenate(some), scene, _count(shots), margin_unit(scene))
                          for some in (rows, own))
     tracks += _norms(scene, regular, pictures)
-    if scene.has("budget"):  # of each field the error, RMS over particles, and the part that each cause has made
+    if scene.has("budget"):  # by field: the error, RMS over particles, and each cause's contribution
         tracks += [Track(f"budget.{field}", SIGNED, np.stack([pictures[f"budget/error_{field}"], *(
             pictures[f"budget/part_{field}_{cause}"] for cause in CAUSES)], axis=1)) for field in FIELDS]
     not_valid = solver.not_valid()
@@ -137,7 +137,7 @@ def _tracks(wanted: RecordingRequest, scene: Scene, kept: np.ndarray, marked: np
     instants, stage = [_first(shot) for shot in shots], VIEWS[scene.problem].stage
     rest = _flat(instants[0].material_position[kept])
     position = np.stack([_flat(shot.position[kept]) for shot in instants])
-    farthest = FARTHEST if scene.swings else np.inf  # the player brings back what moves on and on
+    farthest = FARTHEST if scene.swings else np.inf  # the player follows steady motion
     with np.errstate(invalid="ignore"):
         position = np.fmax(np.fmin(position, farthest), -farthest)
     tracks = [Track("rest", NUMBER, rest.reshape(1, -1)), Track("position", PLACE, position)]
@@ -201,8 +201,8 @@ def _crossings(scene: Scene, shots: list[Snapshot], kept: np.ndarray, marked: np
 def _norms(scene: Scene, regular: Mapping[str, np.ndarray], pictures: Mapping[str, np.ndarray]) -> list[Track]:
     """Returns error norms (pictures, 4) at each picture, and index and distance of each estimator up to then."""
     times = pictures["time"]
-    ends = np.searchsorted(regular["time"], times + 0.5 * scene.time_step)  # how many samples there were
-    alone = np.abs(regular["time"][ends - 1] - times) > 0.5 * scene.time_step  # none was taken with the picture
+    ends = np.searchsorted(regular["time"], times + 0.5 * scene.time_step)  # numbers of samples so far
+    alone = np.abs(regular["time"][ends - 1] - times) > 0.5 * scene.time_step  # no sample at the picture's time
     tracks = [Track("time", NUMBER, times.reshape(-1, 1)),
               Track("crossed", NUMBER, pictures["crossings"].reshape(-1, 1)),
               Track("margin", NUMBER, pictures["margin"].reshape(-1, 1)),

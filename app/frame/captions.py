@@ -1,5 +1,4 @@
-"""Titles, captions and reasons for missing numbers, shared by the page, exported files and pictures; and what the two
-halves of the stage show of a frame."""
+"""Titles, captions and reasons for missing numbers, for the page, exported files and pictures; views of frames."""
 
 from collections.abc import Collection, Mapping
 from dataclasses import dataclass

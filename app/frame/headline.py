@@ -68,10 +68,10 @@ class Headline:
 @dataclass(frozen=True)
 class ErrorWords:
     """Templates about the error of a quantity. ``told`` has {wrong}, the true error (or else the estimate) over the
-    ``size`` of the quantity, and {found}, how the estimate compares (:func:`over_or_underestimates`); ``names`` are its
-    other placeholders. ``of`` has {true} and the size; ``why`` is the reason for a missing number. ``unmeasured`` is
-    for missing numbers; ``still`` and ``trace`` for a true error of at most ``least``: a scene at rest up to
-    round-off."""
+    quantity's ``size``, and {found}, the comparison with the estimate (:func:`over_or_underestimates`); ``names`` are
+    its other placeholders. ``of`` has {true} and the size; ``why`` is the reason for a missing number. ``unmeasured``
+    is for missing numbers; ``still`` and ``trace`` for a true error of at most ``least``, round-off of a scene at
+    rest."""
 
     told: str
     names: Mapping[str, str]

@@ -19,8 +19,8 @@ Colour = tuple[int, int, int]
 
 @dataclass(frozen=True)
 class Palette:
-    """Colours: background; plotted particles and lines beside labels; axes; grid lines in a plot and behind a body;
-    cell edges; crossings; particles without a known error; exact curve; outlines of domains."""
+    """Colours: background; plotted particles and lines beside labels; axes; grid lines; cell edges; crossings;
+    particles without a known error; exact curve; outlines of domains."""
 
     ground: Colour
     dot: Colour

@@ -57,8 +57,7 @@ def mark_answer(lesson: Lesson, step: Step, answer: Any, numbers: Numbers, outco
 
 
 def right_answer(lesson: Lesson, step: Step, numbers: Numbers, outcomes: RunCache) -> Right:
-    """Returns the right answer to a step's question, other than free text; runs scenes and raises as
-    :func:`mark_answer`."""
+    """Returns the right answer to a question other than free text; runs scenes, and raises as :func:`mark_answer`."""
     asked = step.asked
     texts = answer_expressions(asked, numbers)
     scope = outcomes.scope(lesson, step, numbers, texts)

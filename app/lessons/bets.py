@@ -3,12 +3,12 @@
 An interval from a to b that should contain the truth t with probability 1 - alpha has the interval score (R. L.
 Winkler, "A decision-theoretic approach to interval estimation", J. Am. Stat. Assoc. 67 (1972) 187; T. Gneiting and A.
 E. Raftery, "Strictly proper scoring rules, prediction, and estimation", J. Am. Stat. Assoc. 102 (2007) 359): its width,
-plus 2/alpha times the distance by which it misses. Less is better. The score is proper: its expected value is least for
-one's own quantiles alpha/2 and 1 - alpha/2.
+plus 2/alpha times the distance by which it misses. Less is better; the expected score is least for one's own quantiles
+alpha/2 and 1 - alpha/2.
 
-Here it is computed from log10 a, log10 b and log10 t. Errors span decades: in metres one bad run would decide
-everything, and relative to the truth the score is not proper, since the same miss costs more if the truth is small,
-which rewards low bets. The logarithm is monotonic, so that quantiles stay quantiles and the score stays proper."""
+Here it is computed from log10 a, log10 b and log10 t, since errors span decades: in metres one bad run would decide
+everything, and relative to the truth low bets would be rewarded. The logarithm is monotonic, so the score stays
+proper."""
 
 from __future__ import annotations
 

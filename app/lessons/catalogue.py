@@ -85,8 +85,8 @@ def _in_its_words(original: Lesson, folder: Path) -> Lesson:
 
 
 def translate_lesson(original: Lesson, path: Path, language: str) -> Lesson:
-    """Returns the ``original`` with the words of a file. It keeps name, steps' keys and fingerprint, so that answers
-    given in one language are marked in any. Raises :class:`LessonError` if the file is invalid, or differs in more than
+    """Returns the ``original`` with the words of a file, but its own name, steps' keys and fingerprint, so that answers
+    given in one language are marked in any. Raises :class:`LessonError` if the file is invalid or differs in more than
     words."""
     own = read_lesson(path)
     for line, what in _differences(original, own):

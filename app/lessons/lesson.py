@@ -90,8 +90,7 @@ class Claim:
 @dataclass(frozen=True)
 class Step:
     """Step of a lesson. ``key`` identifies it in a handed-in file, ``text`` is Markdown, ``notes`` are the teacher's,
-    ``stage`` is a template of the state that its button shows, ``bets`` are the bettors compared. Only steps of the
-    ``core`` are not optional."""
+    ``stage`` is a template of its button's state, ``bets`` are the bettors compared. It is optional if not ``core``."""
 
     kind: str
     title: str
@@ -116,9 +115,8 @@ class Step:
 @dataclass(frozen=True)
 class Lesson:
     """Lesson with the page's ``controls`` that it needs, ``variants`` of its numbers, of which a student gets one, and
-    a ``fingerprint`` to verify that a handed-in file belongs to it. ``minutes`` are those of all steps,
-    ``core_minutes`` those of the core, from :mod:`app.lessons.duration`. ``language`` is that of its words; nothing
-    else depends on it."""
+    a ``fingerprint`` to verify that a handed-in file belongs to it. ``minutes`` are for all steps, ``core_minutes`` for
+    the core (:mod:`app.lessons.duration`). Only words depend on its ``language``."""
 
     name: str
     title: str

@@ -14,8 +14,7 @@ from app.language.translation import lazy
 from solvers.untrusted.quoting import one_line, quote
 
 KINDS = {".svg": "image/svg+xml", ".png": "image/png"}
-#: Instructions to the reader, by verb. The name is in bold, its value as code, and the name
-#: comes first.
+#: Instructions to the reader, by verb. The name is in bold, its value as code, and the name comes first.
 SENTENCES = {"Press": lazy("Press {name}"), "Set": lazy("Set {name} to {value}"),
              "Choose": lazy("Choose {name} {value}")}
 #: Fields of the scene by their widgets' labels.

@@ -18,7 +18,7 @@ from solvers.running.result import Result
 from solvers.scene.scene import Scene
 from solvers.scene.validation import SceneError, require_choice, require_whole
 
-HEIGHT = 640  # pixels: readout, stage and time of a bar without scrolling, where the cell is 800 wide
+HEIGHT = 640  # pixels: a bar's readout, stage and timeline without scrolling, in a cell 800 wide
 LEAST_HEIGHT, MOST_HEIGHT = 200, 4000
 #: Permissions of the page in the frame: its own scripts and downloads. It has no origin, so it cannot read
 #: the notebook.

@@ -57,7 +57,7 @@ def _row(kind: str, cells: list[str]) -> str:
 
 def result_picture(result: Result) -> "Figure":
     """Returns the figure that ``mpm-lab run --plot`` writes."""
-    import matplotlib  # here: a table does not wait for it
+    import matplotlib  # here: a table does not need it
     with matplotlib.rc_context():  # this import would set them for the user's whole process
         from app.pictures.run import run_figure
         from app.renderers.picture_style import SETTINGS

@@ -40,7 +40,7 @@ class Controls:
         self._extensions: dict[str, Callable[[], Any]] = {}
         self._offered: tuple[str, ...] = ()  # the controls that a lesson shows; all if empty
         self._answers = Answers(gui)
-        self._turn = threading.RLock()  # widgets must not be removed while others are made or changed among them
+        self._turn = threading.RLock()  # widgets must not be removed while others are built or changed
         self._bound, self._lasting = (SceneWidgets(gui, session, self._answers, self._turn) for _ in range(2))
         problem_mark = gui.add_html("<i class='lab-at-problem'></i>")
         self.problem = gui.add_dropdown(tr("Problem"), tuple(tr(problem.scene.TITLE) for problem in PROBLEMS.values()),

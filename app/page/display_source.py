@@ -48,9 +48,9 @@ class FrameView:
 @dataclass(frozen=True)
 class Display:
     """Everything to draw: a picture, and a run ``beside`` it, or its name before its first frame. The colour scale
-    follows the ``sizes`` of errors and reaches at least ``least``; it is reset when ``of`` changes and kept for a frame
-    that is looked ``back`` on. The ``remarks`` are written into the picture. The stage is ``hidden`` if something else
-    is drawn in its rectangle."""
+    follows the ``sizes`` of errors and reaches at least ``least``; it is reset when ``of`` changes and kept when
+    looking ``back``. The picture is annotated by ``remarks``. The stage is ``hidden`` if something else is drawn in its
+    rectangle."""
 
     picture: FrameView
     sizes: Sizes

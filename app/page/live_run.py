@@ -42,7 +42,7 @@ class LiveRun:
             return None
         pinned = self._session.pinned
         if pinned and pinned.scene.problem != scene.problem:
-            pinned = None  # it goes with the next frame
+            pinned = None  # removed with the next frame
         said = difference_text(scene, pinned.scene) if pinned else ""
         name = tr("this run: {run}", run=said) if said else tr("this run") if pinned else ""
         picture = self._picture(report, arrays, view_of_frame(report, arrays, *asked), name)

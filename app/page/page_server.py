@@ -173,7 +173,7 @@ def serve(host: str, port: int, max_sessions: int, warm_up: bool = True, code: s
     pool, server = EnginePool(OPENING.scene, _engine_count(), 1 / frames), None
     classroom = Classroom(lesson, teacher, core=core)
     shared = Board(catalogue.load_lesson(lesson), classroom.outcomes, core) if board else None
-    signal.signal(signal.SIGTERM, signal.default_int_handler)  # it ends as by Ctrl-C
+    signal.signal(signal.SIGTERM, signal.default_int_handler)  # exits as by Ctrl-C
     log = logging.StreamHandler()
     log.addFilter(RateLimitFilter())
     logging.getLogger().addHandler(log)
@@ -184,7 +184,7 @@ def serve(host: str, port: int, max_sessions: int, warm_up: bool = True, code: s
         lessons = catalogue.load_lessons()  # in idle time: the first visitor needs them
         if warm_up:
             pool.prewarm(usual_scenes(lessons, lesson))
-        while True:  # the system may give Ctrl-C to any thread, and does not wake this one for it then
+        while True:  # the system may deliver Ctrl-C to another thread, without waking this one
             sleep(HEARS_WITHIN)
     finally:
         with exit_within(ENDS_WITHIN):
@@ -262,7 +262,7 @@ def _announce(address: str, link: str, codes: Mapping[str, str]) -> None:
         link_of_class = f"{link}#code={quote(code)}"
         print(f"the class code is {code}; {link_of_class} brings it along", file=sys.stderr, flush=True)
         if sys.stderr.isatty():
-            import segno  # for a QR code of block characters, to be put on the board
+            import segno  # for a QR code of block characters on the board
 
             out = io.StringIO()
             segno.make(link_of_class, error="l", micro=False).terminal(out, compact=True)

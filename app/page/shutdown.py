@@ -7,8 +7,8 @@ from contextlib import contextmanager
 
 from solvers.workers.worker_process import exit_after
 
-TIDY = 0.2  # seconds in which Python tidies up when all is done
-INTERRUPTED = 130  # what a shell expects of a process that was ended by Ctrl-C
+TIDY = 0.2  # seconds for Python's own cleanup
+INTERRUPTED = 130  # exit status of a process that was ended by Ctrl-C
 
 
 @contextmanager

@@ -21,7 +21,7 @@ from solvers.running.result import Result
 from solvers.scene.error_causes import CAUSES, FIELDS
 
 if TYPE_CHECKING:
-    from solvers.running.budget import BudgetResult  # which has Taichi, for which a picture need not wait
+    from solvers.running.budget import BudgetResult  # needs Taichi, which a picture need not import
 
 WIDTH, HEIGHT, MORE = 12.5, 4.4, 2.6  # inches; the last for the bars of a removed cause
 BARS = {"before": "as it was", "predicted": "predicted by the budget", "again": "run again without it"}

@@ -139,8 +139,7 @@ FIGURES: dict[str, Callable[[Judgement], Figure | None]] = {
 
 
 def places_figure(checked: MotionCheck) -> Figure | None:
-    """Returns the particles at the first contradiction, else at the end: displacements along a line, or positions in
-    the first two directions. None without neighbours."""
+    """Returns displacements (1D) or positions at the first contradiction, else at the end; None without neighbours."""
     motion = checked.motion.representative_part
     if motion.near is None:
         return None

@@ -1,5 +1,4 @@
-"""View of a body between two radii: a quarter of a ring and its mirror images, or a whole ring with material lines of
-the exact solution; beside it the field over the radius."""
+"""View of a body between two radii: a quarter of a ring and its mirror images, or a ring with exact material lines."""
 
 from collections.abc import Iterator
 from functools import partial

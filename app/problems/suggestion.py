@@ -32,9 +32,9 @@ class Offer:
 
 @dataclass(frozen=True)
 class Ran:
-    """Result of a ``state``: its ``series`` and those of the pinned run, over the requested periods, and the error
-    ``ratio`` of the quantity on the stage, the run's mean over the pinned one's; ``not_valid`` has reasons by
-    estimator."""
+    """Result of a ``state``: its ``series`` and those of the pinned run, over the requested periods, the error
+    ``ratio`` of the quantity on the stage, the run's mean over the pinned one's, and reasons by estimator in
+    ``not_valid``."""
 
     state: State
     series: Mapping[str, np.ndarray]

@@ -1,5 +1,4 @@
-"""Style of all pictures: the page's font, ink, no box, few lines, sizes with units on the axes. Importing it changes
-matplotlib's settings for the whole process."""
+"""Style of all pictures: the page's font, few lines, sizes with units. Importing it changes matplotlib's settings."""
 
 import io
 from collections.abc import Sequence

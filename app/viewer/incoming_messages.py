@@ -20,13 +20,13 @@ from app.viewer.connection import send_away
 MOST_BYTES = 32_000  # of a message; usual ones have some hundred
 LONGEST_NAME = 1000  # letters of a file's name
 NEAR = 1e-6  # between a camera and what it looks at
-FAR = 1e6  # no camera, and no place of the canvas, is further out
+FAR = 1e6  # limit of cameras and positions
 LARGEST_CANVAS = 32_768  # pixels
 STEEP = 1e-6  # least component of a click's ray normal to the stage; a parallel one never meets it
 # A browser sends at most 20 values of a widget and 50 camera messages per second, and bursts after a pause.
 MESSAGES, A_SECOND, PATIENCE = 200, 100, 4.0  # burst, rate; seconds for which more are tolerated
-BYTES_AS_ONE, REFUSED_AS = 1000, 3  # what large and refused messages count as
-PART_AS = 4  # and a part of a file that is taken
+BYTES_AS_ONE, REFUSED_AS = 1000, 3  # weights of large and refused messages
+PART_AS = 4  # and of an accepted part of a file
 PARTS, PARTS_A_SECOND = 64, 25  # of files per network: a burst of 32 MB, a rate of 13 MB/s
 TOO_MUCH = "too many messages"
 

@@ -161,8 +161,7 @@ class SendBuffer(AsyncMessageBuffer):
 
     async def _window_loop(self, client_id: int, backlog_last_id: int,
                            backlog_done_message: Message | None) -> AsyncGenerator[Sequence[Message], None]:
-        """Yields the messages to send together. ``backlog_done_message`` comes once, after the messages older than the
-        connection, up to number ``backlog_last_id``."""
+        """Yields messages to send together; ``backlog_done_message`` once, after number ``backlog_last_id``."""
         marker, last = backlog_done_message, -1
         self.generator_cursors[client_id] = last
         try:

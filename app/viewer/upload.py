@@ -21,8 +21,8 @@ from app.access.network_limits import DiskQuota
 from app.language.translation import lazy, tr
 
 START, PART = "FileTransferStartUpload", "FileTransferPart"
-PART_BYTES = 512 * 1024  # as the viewer's page cuts a file
-LARGEST = 32_000_000  # bytes of a file; TOO_LARGE says it
+PART_BYTES = 512 * 1024  # of each part from the viewer's page
+LARGEST = 32_000_000  # bytes of a file; also in TOO_LARGE
 LARGEST_PART = PART_BYTES + 1000  # bytes of a message with a part
 ROOM = DiskQuota(128_000_000, 256_000_000)  # bytes on the disk for the files of one network, and of all visitors
 STUCK = 30.0  # seconds without a part after which another file may replace an unfinished one

@@ -54,7 +54,7 @@ def mend_callbacks() -> None:
 
     viewers: Any = _threadpool_exceptions
     viewers.traceback = SimpleNamespace(print_exception=print_exception)
-    viewers.print = lambda *_, **__: None  # in front of it
+    viewers.print = lambda *_, **__: None  # printed before the traceback
 
 
 def of_loop(loop: asyncio.AbstractEventLoop, context: dict[str, Any]) -> None:

@@ -27,9 +27,9 @@ LAST = 4
 SIGMA = samples.QUANTITIES.index("sigma")
 WIDE = 1.0 + 1e-6  # cells from a particle that has crossed within which errors are attributed to it
 
-#: What a visitor sees first who has followed no link: hat functions beside B-splines, slowly, for the quarter of a
+#: First state without a link: hat functions beside B-splines, slowly, for the quarter of a
 #: period in which the first particles change their cell and the stress is wrong there; then it stops. At larger
-#: amplitudes, where all cross again and again, those that crossed err no more than the others.
+#: amplitudes, where all cross repeatedly, those that crossed err no more than the others.
 OPENING = state.parse_state(
     "bar;method=mpm;amplitude=0.0034;periods=0.25;estimators=recovered,transport;error-of=sigma;"
     "speed=0.0125;stops;"
@@ -45,13 +45,13 @@ class OpeningTour(Feature):
         self._session, self._open_on, self._hurry, self._clock = session, open_on, hurry, clock
         self._mark = gui.add_html("")
         self.messages = {"story": self.hear}
-        self._opened, self._restarts = True, 0  # the opening is on the stage, before its quarter, begun so many times
+        self._opened, self._restarts = True, 0  # whether the opening is on the stage before its end; number of restarts
         self.beat = 0  # 1 to LAST during the tour
         self._since = 0.0
 
     @classmethod
     def build(cls, page: PageContext) -> "OpeningTour":
-        def open_on() -> None:  # without new widgets if nothing has been changed: they would take long
+        def open_on() -> None:  # without slow rebuilding of widgets if nothing has changed
             if page.controls.state == OPENING and page.session.playing and not page.session.refused:
                 page.session.reset()
             else:
@@ -80,14 +80,14 @@ class OpeningTour(Feature):
         session, report = self._session, self._session.report
         pinned, restarts = session.pinned.scene if session.pinned else None, session.moves[1]
         if (session.scene, pinned) != (OPENING.scene, OPENING.pinned) or not view.alone:
-            if self._opened and restarts == self._restarts:  # it was changed, and not another one chosen
+            if self._opened and restarts == self._restarts:  # changed, not replaced
                 session.open_end()
             self._opened = False
             self._end()
         if report is None or report.scene != OPENING.scene:
             return
         self._restarts, periods = restarts, report.time / report.scene.period
-        # A pinned run that is compiled late begins both anew, and they would stand at t = 0 if the first were paused.
+        # A pinned run that is compiled late restarts both; they would stay at t = 0 if the first were paused.
         if self._opened and session.ended and ((other := session.pinned) is None or other.shortfall() or (
                 other.last is not None and other.last[0].step >= other.scene.steps)):
             self._opened = False

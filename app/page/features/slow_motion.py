@@ -24,15 +24,15 @@ from solvers.solver.step_breakdown import StepBreakdown
 
 NO_BREAK = "\N{NO-BREAK SPACE}"
 TICK = 0.06  # seconds between two pictures
-SECONDS = (1.0, 10.0, 3.0)  # that a phase takes: least, most, at first
-MOVING = 0.7  # share of them in which things move; then they rest, to be read
+SECONDS = (1.0, 10.0, 3.0)  # of a phase: least, most, initial
+MOVING = 0.7  # share of them with motion, before a rest for reading
 LAST = len(PHASES) - 1
 SLOW, NOT_SLOW = lazy("Slow motion"), lazy("Normal speed")
 
 
 class SlowMotion(Feature):
-    """Slow-motion mode of one visitor: while ``on`` the run pauses, while ``showing`` a step replaces the ordinary
-    stage. It ends when something else advances the run."""
+    """Mode of one visitor: while ``on`` the run pauses, while ``showing`` a step is on the stage. Other motion ends
+    it."""
 
     def __init__(self, page: PageContext):
         self._client, self._canvas, self._session, self._on_view = (
@@ -105,7 +105,7 @@ class SlowMotion(Feature):
                     self._phase, self._s = 0, 0.0
                 if before is None:
                     self._on_view()
-            elif report.fresh and not report.playing:  # another scene, or from the start
+            elif report.fresh and not report.playing:  # another scene, or a restart
                 self._take()
             else:
                 self._leave()
@@ -193,7 +193,7 @@ class SlowMotion(Feature):
         if now != self._drawn:
             if self._drawn is None or self._phase != self._drawn[0]:
                 self._text.content = _table(scene, step, self._phase)
-                phase = PHASES[self._phase]  # what happens in it, for above the stage
+                phase = PHASES[self._phase]  # for the text above the stage
                 self.sentence = Headline.of(tr("{n} of {all}: {title}.", n=self._phase + 1, all=len(PHASES),
                                            title=tr(phase.title)), phase.words(scene))
             along = min(1.0, self._s / MOVING)

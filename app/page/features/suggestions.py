@@ -1,6 +1,5 @@
 """Suggestions under the headline: three experiments per problem, an answer from the runs' own numbers, and ways on from
-a lost run: to the moment it broke, with remedies, or by another method. The page's script (``sparks.js``) draws the
-buttons and reports clicks."""
+a lost run: to the moment it broke, with remedies, or by another method. ``sparks.js`` draws the buttons."""
 
 import json
 import math
@@ -86,7 +85,7 @@ def _cure(scene: Scene) -> tuple[str, str, dict[str, object]]:
 
 
 TRY, COMPARING, ANSWER, LOST = lazy("Try one"), lazy("Comparing …"), lazy("The answer"), lazy("What now?")
-WHOLE = 1e-9  # by which rounding may keep a run from its last period
+WHOLE = 1e-9  # relative rounding of a run's end time
 
 
 class Suggestions(Feature):
@@ -102,7 +101,7 @@ class Suggestions(Feature):
         # The suggestion, the state before it, and the state it has put on the stage.
         self._asked: tuple[Suggestion, State, State] | None = None
         self._answers: dict[str, Answer] = {}  # by quantity
-        self._ways: dict[str, Callable[[], None]] = {}  # out of a run that is lost
+        self._ways: dict[str, Callable[[], None]] = {}  # ways on from a lost run
 
     @classmethod
     def build(cls, page: PageContext) -> "Suggestions":

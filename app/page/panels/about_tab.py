@@ -20,7 +20,7 @@ def add_about(gui: viser.GuiApi) -> None:
     for estimator in ESTIMATORS.values():
         with gui.add_folder(tr("The estimator {title}", title=estimator.title), expand_by_default=False):
             gui.add_html(f"<div class='lab-about lab-explanation'>{estimator.explanation_in(current_language())}</div>")
-    own = "" if current_language() == ENGLISH else f" lang='{current_language()}'"  # what it stands in may be English
+    own = "" if current_language() == ENGLISH else f" lang='{current_language()}'"  # the parent may be English
     rules, remedies = "", ""
     for rule in CONTRADICTIONS.values():
         size = tr("more than {most:g}", most=rule.most)

@@ -46,8 +46,7 @@ class BrowserStore:
 
     @contextmanager
     def keep_after(self) -> Iterator[None]:
-        """Context manager: stores nothing until a change of several parts is complete, so that reloads find it
-        whole."""
+        """Context manager: stores nothing until a change of several parts is complete, so that reloads find it all."""
         self._changing = True
         try:
             yield

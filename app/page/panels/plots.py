@@ -34,7 +34,7 @@ _FROM_ZERO: uplot.Scale = {"range": {"min": {"soft": 0, "mode": 1, "pad": 0},
 _RATIOS: uplot.Scale = {"distr": 3, "range": list(INDEX_RANGE)}
 _RATIO_MARKS: uplot.Axis = {"splits": (0.1, 1, 10), "values": ("0.1", "1", "10")}
 EMPTY = np.array([0.0, 1.0])  # what an empty plot holds
-#: Units of time, with the shortest time in s that is counted in them: an axis shows three digits after the point.
+#: Units of time, with the shortest time in s for each: an axis shows three decimals.
 _TIMES = (("s", 1.0, 1e-2), ("ms", 1e-3, 1e-5), ("µs", 1e-6, 0.0))
 _GRID: uplot.Axis_Grid = {"stroke": "#e6e9ee", "width": 1}
 _TICKS: uplot.Axis_Ticks = {"stroke": "#c6ccd4", "width": 1, "size": 4}

@@ -73,8 +73,8 @@ class Readout:
 def live_readout(session: Session, history: History, report: FrameReport, quantity: str, drawn: str | None,
                  probed: str | None, worst: WorstRegions, ago: float = 0.0) -> Readout:
     """Returns the numbers of a run and of its ``quantity`` (a key), with the estimator ``drawn`` on the stage, for a
-    frame ``ago`` periods before the newest. The ``history`` belongs to the frame's run; the session may have begun
-    another one."""
+    frame ``ago`` periods before the newest. The ``history`` is that of the frame's run, perhaps not the session's
+    present one."""
     series = series_until(history.series, report.time)
     return Readout(_estimates(session, report, series, quantity, drawn),
                    _worst(worst, drawn, quantity) + _run(session, history, report, series, drawn, probed, ago),
@@ -94,7 +94,7 @@ def estimator_cards(report: FrameReport, series: dict[str, np.ndarray], quantity
             judges[name] = {"says": says[:1].upper() + says[1:]}
         else:
             at = gauge_position(last_value(series, f"{name}/index_{quantity}"))
-            counts = track_record.accurate_runs(report.scene, name, quantity)  # None where nobody counted
+            counts = track_record.accurate_runs(report.scene, name, quantity)  # None if not counted
             judges[name] = {"index": _ratio(series, f"{name}/index_{quantity}"), "at": at,
                             "trust": "" if counts is None else tr(
                                 "right within 10\N{NO-BREAK SPACE}% in {n} of {all} runs like this",

@@ -1,6 +1,6 @@
-"""What the stage shows: quantity, estimator and magnification. These three widgets are built once, before the tabs, and
-laid onto the stage (``css/10-shell.css``). And the estimators' cards: each has a switch, a line sample, its idea, its
-error index and its price."""
+"""What the stage shows: quantity, estimator and magnification. These widgets are built once, before the tabs, and laid
+onto the stage (``css/10-shell.css``). And the estimators' cards, with switch, line sample, idea, error index and
+price."""
 
 from collections.abc import Callable
 from html import escape

@@ -20,7 +20,7 @@ from app.words import QUANTITIES, in_periods, with_unit
 from solvers.scene.estimator_registry import ESTIMATORS
 from solvers.scene.scene import Scene
 
-ENDS = (1, 1.5, 2, 3, 4, 5, 6, 8)  # times a power of ten: where an axis may end
+ENDS = (1, 1.5, 2, 3, 4, 5, 6, 8)  # times a power of ten: possible ends of an axis
 HEADROOM = 1.04  # over the largest error
 BINS = 120  # intervals of the strip of crossings
 SHADES = 9  # of the strip

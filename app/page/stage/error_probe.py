@@ -84,7 +84,7 @@ class FlatCamera:
         camera = self._client.camera
         with self._client.atomic():
             camera.near, camera.far, camera.fov = 0.05 * distance, 20 * distance, FIELD_OF_VIEW
-            camera.min_orbit_distance, camera.max_orbit_distance = 1e-6, 1e6  # each must stay within the other
+            camera.min_orbit_distance, camera.max_orbit_distance = 1e-6, 1e6  # each is limited by the other
             camera.min_orbit_distance, camera.max_orbit_distance = 0.999 * distance, 1.001 * distance
             camera.up_direction = (0.0, 1.0, 0.0)
             camera.position, camera.look_at = (x, y, distance), (x, y, 0.0)

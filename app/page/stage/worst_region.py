@@ -91,7 +91,7 @@ class WorstRegions:
             size = (region.estimated if estimated else region.true) if region else None
             return Worst(region.particles, with_unit(size, unit, 2)) if region and size and size > least else None
 
-        alike = False  # whether the estimate is as large as the truth, as far as one can see
+        alike = False  # whether the estimate looks as large as the truth
         if view.estimated is not None and view.true is not None:
             known = np.isfinite(view.estimated) & np.isfinite(view.true)
             index = float(np.linalg.norm(view.estimated[known]) / np.linalg.norm(view.true[known]))

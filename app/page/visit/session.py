@@ -50,8 +50,8 @@ class Session:
                  speed: float | None = None, ends: bool = False):
         self._lock = threading.RLock()
         self._on_frame = on_frame
-        #: The field that was asked for last and cannot be ("" for none), and why in a sentence without its full stop;
-        #: None once anything else has been asked for.
+        #: The field of the last refused request ("" for none), and the reason without a full stop;
+        #: None after another request.
         self.refused: tuple[str, str] | None = None
         self._trouble: str | None = None
         self._engine_lost = False

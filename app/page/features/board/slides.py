@@ -147,7 +147,7 @@ def _outcome(place: Place, step: Step, answers: list, came: Right | str | None) 
     elif step.asked.kind != CHOICE:
         told = trn("{count} of {of} was right: {told}.", "{count} of {of} were right: {told}.", count, of=len(answers),
                    told=escape(came.told))
-    elif came.options:  # the bars say which
+    elif came.options:  # the bars show which
         told = trn("{count} of {of} was right.", "{count} of {of} were right.", count, of=len(answers))
     else:
         told = tr("There is no result for this step.")

@@ -18,7 +18,7 @@ from solvers.scene.error_causes import CAUSES, NOTHING
 from solvers.scene.scene import Scene
 from solvers.solver import budget
 
-ENDS = (1, 1.5, 2, 3, 4, 5, 6, 8)  # times a power of ten: where an axis may end
+ENDS = (1, 1.5, 2, 3, 4, 5, 6, 8)  # times a power of ten: possible ends of an axis
 TICKS = (1, 2, 5)
 MOST = 160  # points of a curve: more are thinned out
 WHOLE = 1e-9  # relative rounding of a run's end time

@@ -120,12 +120,12 @@ class BudgetFold(Feature):
         _see(bool(runs), self._chart)
         _see(bool(runs) and not found.running, self._cause, self._again)
         _see(own and taken_away(scene) != NOTHING, self._back)
-        # Why there is no chart yet, or cannot be one.
+        # The reason why there is no chart.
         reason = next((text for text in scene.warnings() if text.startswith("error budget")), "") if own and on else ""
         why = f"<p class='lab-budget-offer'>{escape(as_sentence(translate_message(reason).partition(': ')[2]))}</p>" \
             if reason else ""
         self._offer.content = why or _offer(WAITING if on else OFFER) if own else _going(found) or _offer(ON_DEMAND)
-        if choice.quantity != self._followed:  # its field is divided
+        if choice.quantity != self._followed:  # show the budget of its field
             self._followed, self._drawn_at = choice.quantity, -math.inf
             self._field.value = tr(_NAMES[field_of(choice.quantity)])  # type: ignore[misc]
         self._draw(runs, self._cause_between(runs) if own else found.cause, on, numbers.now.playing)
@@ -148,7 +148,7 @@ class BudgetFold(Feature):
         elif not playing or now >= self._drawn_at + REDRAWN:
             self._drawn_at = now
             self._chart.content = budget_chart(runs, field)
-            most = largest_share(runs[-1].series, field)  # who has made most of the error
+            most = largest_share(runs[-1].series, field)  # the largest cause
             self._mark.content = anchor_html("lab-budget", words=tr("not valid here") if most is None else
                                              f"{tr(CAUSES[most[0]])} {format_percent(most[1])}")
             self._outcome.content = "" if cause == NOTHING or len(runs) < 2 else \

@@ -22,14 +22,14 @@ from app.words import METHODS, method_name
 from solvers.problems import PROBLEMS
 from solvers.scene.scene import Scene
 
-#: Marks of radius about 5 around (0, 0); the circle is a path too, so that all are drawn alike.
+#: Markers of radius about 5 around (0, 0), all as paths.
 SHAPES = {"o": "M-5 0a5 5 0 1 0 10 0a5 5 0 1 0 -10 0z", "s": "M-4.5 -4.5h9v9h-9z", "^": "M0 -5.8L5.4 4.2H-5.4z",
           "D": "M0 -6L5.8 0L0 6L-5.8 0z", "v": "M0 5.8L5.4 -4.2H-5.4z"}
 CROSS = "M-4.5 -4.5L4.5 4.5M4.5 -4.5L-4.5 4.5"
 ROOM = 0.12  # margin around the values in decades
 LEAST = 1.0  # decades that an axis has at least
 MINOR = (2, 5)  # times a power of ten: minor ticks, hidden in a narrow chart
-MOST_BELOW = 2  # decades below all errors to which the line of a tolerance may draw the axis
+MOST_BELOW = 2  # decades below all errors to which a tolerance may extend the axis
 ORDER = 2  # order of the methods in the cell size
 
 
@@ -121,7 +121,7 @@ def draw_runs(runs: Sequence[NumberedRun], like: Sequence[NumberedRun], scene: S
     under = _path(best, inside, "class='lab-front'")
     lines = "".join([_grid(inside), _guides(inside, scene.DIMENSIONS) if inside.times else "", under, *drawn])
     texts = [_beside(run, inside, "lab-name", words, _colour(run)) for run, words in curve_names(like)]
-    texts += [  # the name of a method whose runs are a cloud: at the right, as high as the most accurate of them
+    texts += [  # names of methods without curves: at the right, at the height of the most accurate run
         f"<span class='lab-name lab-at-edge' style='left:100%;top:{inside.place(run)[1]}%;{_colour(run)}' "
         f"aria-hidden='true'><svg viewBox='-8 -8 16 16'><path d='{SHAPES[METHOD_MARKS[run.method]]}'/></svg>"
         f"{escape(method_name(run.method))}</span>" for run in best_without_curve(like)]

@@ -122,7 +122,7 @@ REPEATS = 2
 
 def small_sweep(scene: Scene) -> list[Task]:
     """Returns tasks for a scene on four grids with each of its methods; invalid combinations are left out."""
-    if scene.velocity == "corners":  # goes with one method only
+    if scene.velocity == "corners":  # valid with one method only
         scene = replace(scene, velocity="grid")
     effects = tuple(dict.fromkeys((*scene.effects, "truth", "estimate")))
     tasks = []
@@ -170,7 +170,7 @@ class Jobs(Background[CostStatus]):
         super().__init__(CostStatus(), slots)
         self.runs, self._kept = runs, kept
         self._ready = WarmWorker(f"{self.WORK}:search")
-        self._quiet, self._about = True, ""  # whether nothing disturbs the job that runs; what the search is about
+        self._quiet, self._about = True, ""  # whether the job runs undisturbed; subject of the search
 
     def prepare(self, job: SearchJob, quiet: bool) -> None:
         """Prepares a process for a search that the visitor may start."""

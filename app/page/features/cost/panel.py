@@ -26,10 +26,9 @@ from solvers.study.parameter_grid import Task
 from solvers.untrusted import number_parsing
 
 FILE_NAME = "mpm-lab-runs.csv"
-TOLERANCE, BUDGET = "1e-3", "10"  # in the boxes at first: a part of A, and seconds of the longest run
+TOLERANCE, BUDGET = "1e-3", "10"  # initial values: a fraction of A, and seconds of the longest run
 STREAM_SECONDS = 0.5  # between two updates of the chart while a job runs
-#: Put before the text field through which a click on a run arrives, and before the one that the line writes into: a
-#: script finds them (``js/cost.js``).
+#: Marks of the text fields that receive a click on a run and the line's tolerance (``js/cost.js``).
 PICKED, WANTED = "<i class='lab-picked'></i>", "<i class='lab-wanted'></i>"
 
 
@@ -43,14 +42,14 @@ class CostTab(Feature):
         self.messages = {"cost": self.open}
         self._live, self._quiet = LiveRows(), QuietStage(session)
         self._refreshing = Lock()
-        self._of: tuple | None = None  # the runs and the scene that the chart was last asked for,
-        self._chartable: tuple | None = None  # what it depends on of those,
-        self._charted: tuple | None = None  # and of what it has been drawn
+        self._of: tuple | None = None  # the runs and the scene at the last refresh,
+        self._chartable: tuple | None = None  # what the chart depends on of those,
+        self._charted: tuple | None = None  # and the same when it was drawn
         self._told: tuple | None = None
         self._axes: dict[str, Axes] = {}  # by problem that has runs
         self._inside: Axes | None = None  # those of the chart that is drawn
-        self._next = 0.0  # when there is a new picture, while a job runs
-        self._asked: tuple | None = None  # what the last search was asked
+        self._next = 0.0  # time of the next chart while a job runs
+        self._asked: tuple | None = None  # input of the last search
         self._remark = ""
         self._remarked_on: tuple | None = None
         self._build(client.gui)
@@ -81,11 +80,11 @@ class CostTab(Feature):
     def refresh(self, view: PageView | None = None) -> None:
         """Refreshes the tab; called periodically, and when the line of the tolerance has been moved."""
         with self._refreshing:
-            status = self.jobs.status  # once: a job that begins meanwhile must not give way to a stage yet to be paused
+            status = self.jobs.status  # read once: a job may start before its stage is paused
             self._quiet.follow(status.running)
             self._drop_what_is_old()
             scene, stage = self._session.scene, self._stage_word(status)
-            if self._of != (self.runs.version, scene):  # seldom, and of many runs it takes a millisecond
+            if self._of != (self.runs.version, scene):  # rarely: for many runs it takes a millisecond
                 self._of = self.runs.version, scene
                 self._chartable = (self.runs.version, advice_key(scene),
                                    visitor_runs.run_of_scene(self.runs.all(), scene))

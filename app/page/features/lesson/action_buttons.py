@@ -41,9 +41,9 @@ class AllowedControls(Protocol):
         """Triggers the playback button of this name."""
 
 
-STAGE = lazy("On the stage")  # pressed it puts the step's run there; chosen, an estimator
+STAGE = lazy("On the stage")  # as a button it shows the step's run; as a choice, an estimator
 LOOKS, PRESSED = (lazy("Error of"), STAGE), (lazy("Play"), lazy("Pause"), lazy("Reset"), lazy("Step"))
-ASKED = QUESTION  # pressed it opens the error budget, by the page's script (``js/budget.js``)
+ASKED = QUESTION  # opens the error budget (``js/budget.js``)
 NAMES = (*FIELDS, *LOOKS, *PRESSED, ASKED)
 
 

@@ -36,7 +36,7 @@ class AnswerWidgets:
             gui.add_html(page.choices_html(options, answer, fixed, step.key, lang))
         elif asked.kind == lesson.DRAG:
             self._said = gui.add_html("")
-            if step.kind == lesson.PREDICT:  # of a run that has not been yet
+            if step.kind == lesson.PREDICT:  # about a run to come
                 self._build_slider(gui, answer, fixed)
             self.refresh()
         elif asked.kind == lesson.INTERVAL:

@@ -46,7 +46,7 @@ class Player(Feature):
         if classroom.seat:
             classroom.seat.listen(with_language(self._step_opened))
         self._widgets = self._gui.add_folder(None, order=FIRST)
-        self._below = self._gui.add_folder(None)  # the controls' own: only one thread may put into a place at a time
+        self._below = self._gui.add_folder(None)  # for the controls: only one thread may fill a container at a time
         self._build()
 
     @classmethod
@@ -116,7 +116,7 @@ class Player(Feature):
                 return
             at = self._lesson.beside(self._progress.step, by, self._progress.core)
             self._progress.step = min(at, self._paced.opened) if self._paced else at
-        self._on_change()  # first: a step that is seen is one to come back to
+        self._on_change()  # first, so that a visible step is stored
         self._rebuild()
 
     def _rebuild(self) -> None:
@@ -177,7 +177,7 @@ class Player(Feature):
 
     def _build_step(self, lesson: Lesson, step: Step) -> None:
         text = self._gui.add_html(self._explained(lesson, step))
-        if step.kind != PREDICT:  # when it is run, so that marks are there when it is explained
+        if step.kind != PREDICT:  # early, so that marks are ready at the explanation
             self._mark_all(lesson, step, text)
         if (ahead := bets_ahead(lesson, step)) is not None:
             self._marker.lay(lesson, ahead, self._progress,
@@ -206,7 +206,7 @@ class Player(Feature):
             if why := why_invalid(step.asked, answer := widgets.value):
                 return self._show(said, lambda: f"<div class='lab-lesson lab-recorded' role='alert'>{why}</div>")
             with self._lock:
-                if step.kind != PREDICT or step.key not in self._progress.answers:  # on another page of his meanwhile
+                if step.kind != PREDICT or step.key not in self._progress.answers:  # not meanwhile on another page
                     self._progress.answer(step.key, answer, monotonic() - self._shown_at)
                     if self._paced:
                         self._paced.answered(step, answer)

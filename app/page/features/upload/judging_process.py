@@ -36,9 +36,8 @@ ASKED, NEITHER = lazy("Which problem is your file of?"), lazy("None of these")
 
 
 class Judging:
-    """A file being judged. ``on_message`` receives the messages of the process (``solvers.judging.file_view``) on
-    another thread, and a refusal if the process dies; nothing after :meth:`cancel`. A ``chosen`` scene overrides the
-    file's."""
+    """File being judged. ``on_message`` receives the messages of the process (``solvers.judging.file_view``) on another
+    thread, and a refusal if the process dies, but none after :meth:`cancel`. A ``chosen`` scene overrides its own."""
 
     def __init__(self, name: str, file: Path, scene: Scene, on_message: Callable[["Judging", dict], None],
                  slots: Slots = SLOTS, chosen: bool = False):

@@ -136,7 +136,7 @@ class UploadPanel(Feature):
 
     def close(self) -> None:
         """Ends upload and judging when the visitor leaves."""
-        self._upload.close()  # first, and without the lock, for which a file that comes just now may wait
+        self._upload.close()  # first, and without the lock, for which an arriving file may wait
         with self._lock:
             self._let_go()
         self._upload.clear()

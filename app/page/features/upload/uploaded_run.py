@@ -27,7 +27,7 @@ from solvers.solver.rounding import rounding
 from solvers.solver.samples import QUANTITIES as KEYS
 from solvers.study.parameter_grid import Task
 
-JUDGE = "companion"  # which estimates the errors of a file
+JUDGE = "companion"  # the estimator of a file's errors
 COMING = lazy("the companion is being solved")
 NO_ACCELERATION = lazy("a file is not judged by its acceleration")
 
