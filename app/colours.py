@@ -1,9 +1,8 @@
 """Colours of the page and of all pictures, light and dark: data are coloured, the interface is ink and one accent.
 
-Blue is the truth, warm colours are estimates, magenta is crossings: Okabe and Ito's blue and orange (the orange a
-little darker, so that estimators differ in lightness too), which are distinguishable with all common forms of colour
-blindness. The lightness of the map of sizes rises evenly, so that equal steps of error look equal, also in print. The
-page has the same palette as variables (``css/00-tokens.css``)."""
+Blue is the truth, warm colours are estimates, magenta is crossings: Okabe and Ito's blue and (darkened) orange, which
+remain distinguishable with common colour blindness. The lightness of the map of sizes rises evenly, so that equal steps
+of error look equal, also in print. The page has the same palette as variables (``css/00-tokens.css``)."""
 
 from collections import defaultdict
 from functools import lru_cache

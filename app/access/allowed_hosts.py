@@ -1,9 +1,8 @@
-"""Allowed host names of requests, and allowed origins.
+"""Allowed host names and origins of requests.
 
 A browser sends the requested name (``Host``) and, for a websocket, the origin of the page (``Origin``). A page of
-another site has another origin; one whose own name resolves to this machine (DNS rebinding) requests a foreign host. A
-browser without ``Origin`` sends how its pages relate to the lab (``Sec-Fetch-Site``): another site may only link to the
-lab's page."""
+another site has another origin; with DNS rebinding it requests a foreign host. A browser without ``Origin`` sends the
+relation of its page to the lab (``Sec-Fetch-Site``): another site may only link to the lab's page."""
 
 import ipaddress
 import re

@@ -1,8 +1,7 @@
 """The class code: it gives a cookie that admits to the lab; the teacher's code also opens the notes, the board's code
 the board. A cookie belongs to one browser: it has a random, signed key that does not reveal who that is.
 
-A right code always works. Wrong ones are counted, by network and in all, only to answer with a waiting time. Codes are
-safe because there are too many to guess."""
+A right code always works. Wrong ones are counted, by network and in all, only to answer with a waiting time."""
 
 import hashlib
 import hmac

@@ -102,8 +102,7 @@ class PendingConnections(Generic[Who]):
     """Places for so many connections ``of_one`` network and ``of_all`` that have sent nothing yet.
 
     A newcomer is never refused: beyond the limit it replaces the one that has been silent for longest, of the same
-    network or, if all places are taken, of the network with most. A legitimate client sends something at once and frees
-    its place."""
+    network or, if all places are taken, of the network with most. Legitimate clients soon send something."""
 
     def __init__(self, of_one: int, of_all: int):
         self._of_one, self._of_all = of_one, of_all

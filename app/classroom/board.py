@@ -1,8 +1,7 @@
 """State of the board, kept by the server and shown on all boards: the step that is open, and what is shown of it.
 
-The lecturer presses one button for the next thing. For a step with a question these are: the number of answers, then
-the answers, then the result. A press names the ``turn`` of the board that it is meant for: of two simultaneous ones, or
-a late one, only one counts."""
+One button leads to the next thing: for a question the number of answers, the answers, the result. A press names the
+``turn`` of the board that it is meant for: of two simultaneous ones, or a late one, only one counts."""
 
 import threading
 from collections.abc import Callable

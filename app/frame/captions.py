@@ -60,7 +60,7 @@ class FieldWords:
 
 @language_cache(64)  # called with every frame
 def make_captions(quantity: str, estimator: str | None, difference: bool, no_estimate: str, no_truth: str) -> Captions:
-    """Returns the captions of the errors of a quantity (x, v, sigma or a) by an estimator, or None; ``no_estimate`` and
+    """Returns the captions of a quantity's errors (x, v, sigma or a) by an estimator, or None; ``no_estimate`` and
     ``no_truth`` are the reasons if either is missing, else ""."""
     by = tr("by {estimator}", estimator=estimator) if estimator else "", tr(EXACT_SOLUTION)
     titles = tr(ESTIMATE[difference]), tr(TRUTH)

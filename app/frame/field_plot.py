@@ -54,9 +54,8 @@ class Axis:
 class PlotSettings:
     """Settings of a field plot: its axis from ``start`` to ``end`` in metres, labelled ``ends``.
 
-    ``exact(scene, quantity, X, t)`` returns the exact values at particles with reference positions X, of which
-    ``component`` is plotted; ``where(scene, X, t)`` their exact positions along the axis, or is None if the axis is X
-    itself."""
+    ``exact(scene, quantity, X, t)`` returns exact values at reference positions X, of which ``component`` is plotted;
+    ``where(scene, X, t)`` their positions along the axis, None if that is X itself."""
 
     start: float
     end: float
@@ -245,8 +244,7 @@ def plot_labels(places: Places, ends: tuple[str, str], words: FieldWords, magnif
 
 
 def magnify_deviation(scene: Scene, field: np.ndarray, magnified: int) -> np.ndarray:
-    """Returns values (P,) with deviations of a ``field`` (P, 2) ``magnified``, if the exact one is known. For a motion
-    without oscillation deviations alone, as the rest is uniform."""
+    """Returns values (P,) with ``magnified`` deviations of a ``field`` (P, 2); without oscillation only deviations."""
     if not scene.solution_known or (scene.swings and magnified == 1):
         return field[:, 0]
     with np.errstate(over="ignore", invalid="ignore"):

@@ -1,5 +1,4 @@
-"""Headline and facts about a run, as templates: the page fills in the numbers of a frame, the script of an exported
-file those of a picture.
+"""Headline and facts about a run, as templates for the numbers of a frame or of an exported file's picture.
 
 The relative error comes first, then how much of it the estimate finds, then the quantity's size. All numbers are of one
 moment or of the run so far, as the headline says."""

@@ -212,8 +212,7 @@ class Stage(ABC, Generic[AnyScene]):
 
     @staticmethod
     def exact_lines(scene: AnyScene, t: float, count: int) -> np.ndarray:
-        """Returns the first ``count`` of the ``LINES`` of material in the exact solution: points (count, n, 2) in m at
-        time t in s. Each is the one before, rotated by a fraction of a turn."""
+        """Returns the first ``count`` material ``LINES`` of the exact solution, (count, n, 2) in m, at t in s."""
         return np.empty((0, 0, 2))
 
     @abstractmethod

@@ -1,9 +1,8 @@
-"""The current language, translation of the code's texts, and the language that a browser requests: that in its address,
-else the first of its accepted ones that exists.
+"""Translation of the code's English texts by ``CODE.po`` in this folder, and choice of the language: that in the page's
+address, else the first that the browser accepts.
 
-Texts in the code are English; ``CODE.po`` in this folder translates them. Work for a visitor runs in the visitor's
-language (:func:`use_language`), which :func:`tr` uses. New threads begin with English; work passed to one is wrapped by
-:func:`with_language`."""
+Work for a visitor runs in the visitor's language (:func:`use_language`), which :func:`tr` uses. New threads begin with
+English; work passed to one is wrapped by :func:`with_language`."""
 
 import functools
 import gettext

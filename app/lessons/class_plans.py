@@ -1,8 +1,8 @@
 """Class plans for teachers, in ``lessons/classes/``: which cores to take when, and what to say.
 
-A file begins with a head as a lesson's does: its ``title``, and the ``minutes`` of a session. A table with the columns
-``from``, ``minutes`` and ``what`` is a session's timetable; a row that links a lesson gives its core the time that it
-takes, and up to ``TALK`` minutes more. Blocks of ``run`` and ``claims`` are those of lessons."""
+A file begins with a head: its ``title``, and the ``minutes`` of a session. A table with the columns ``from``,
+``minutes`` and ``what`` is a timetable; a row that links a lesson has the time of its core, and up to ``TALK`` minutes
+more."""
 
 import functools
 import re

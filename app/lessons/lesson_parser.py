@@ -1,8 +1,8 @@
 """Parser of a lesson's Markdown file. Errors give the line and what is expected.
 
-The file begins with a head in TOML between two lines ``+++``. Each heading ``## Predict: ...``, ``## Run: ...``, ``##
-Observe: ...`` or ``## Explain: ...`` begins a step; fenced blocks in it, named after their first line, are the scenes
-of a ``run``, the ``question``, the ``claims`` and the ``teacher``'s notes. ``lessons/README.md`` explains it."""
+The file begins with a head in TOML between two lines ``+++``. Each heading with ``Predict:``, ``Run:``, ``Observe:`` or
+``Explain:`` begins a step; fenced blocks in it, named after their first line, are the scenes of a ``run``, the
+``question``, the ``claims`` and the ``teacher``'s notes. ``lessons/README.md`` explains it."""
 
 import functools
 import hashlib

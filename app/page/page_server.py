@@ -157,14 +157,13 @@ class Visitors:
 def serve(host: str, port: int, max_sessions: int, warm_up: bool = True, code: str = "",
           names: tuple[str, ...] = (), frames: float = 1 / FRAME_SECONDS, lesson: str = "",
           teacher: bool = False, core: bool = False, board: bool = False) -> None:
-    """Serves the page until interrupted; with ``warm_up`` usual scenes are compiled in the background. Each visitor
-    gets up to ``frames`` frames per second.
+    """Serves the page until interrupted; raises :class:`ServeError` if host and port cannot be bound.
 
-    Visitors need the class ``code``; without one it is generated if the server can be reached from other machines.
-    ``names`` are host names of proxies. The ``lesson``, if any, is opened for everyone. With ``teacher`` its notes are
-    shown: if the server can be reached, to those with the teacher's code. With ``core`` lessons begin with their core
-    alone. A ``board`` shows the class's answers to those with its own code; visitors are told apart by cookies, which
-    need a class code. Raises :class:`ServeError` if host and port cannot be bound."""
+    With ``warm_up`` usual scenes are compiled in the background. Each visitor gets up to ``frames`` frames per second,
+    and needs the class ``code``; without one it is generated if other machines can connect. ``names`` are host names of
+    proxies. The ``lesson``, if any, is opened for everyone. With ``teacher`` its notes are shown, on a public server to
+    those with the teacher's code. With ``core`` lessons begin with their core alone. A ``board`` shows the class's
+    answers to those with its own code; it tells visitors apart by the cookies of a class code."""
     addresses = Addresses(host, names)
     code = code or (generate_code() if board or not addresses.private else "")
     codes = {CLASS: code, TEACHER: generate_code() if teacher and code else "", BOARD: generate_code() if board else ""}

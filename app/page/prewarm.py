@@ -1,8 +1,7 @@
 """Usual scenes, the likeliest first, which are compiled before visitors request them.
 
-A visitor begins with the opening, goes on to a problem's first scene, and clicks. Scenes one click away in each problem
-come first, then those of the lessons, then those two clicks or a folder away. Two changes at once that no lesson makes
-are too many, and are compiled on request."""
+After the opening and each problem's first scene come scenes one click away, those of the lessons, and those two clicks
+or a folder away. Two changes at once that no lesson makes are too many, and are compiled on request."""
 
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import suppress

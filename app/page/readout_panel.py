@@ -20,8 +20,8 @@ PLOT_HEIGHT = 110  # pixels, of a plot in the fold
 
 @dataclass(frozen=True)
 class Numbers:
-    """Readings of a run: its ``readout``, and its ``past`` as plots with a line for each of the ``estimators``, of
-    which the ``valid`` ones have values.
+    """Readings of a run: its ``readout``, and plots of its ``past`` for the ``estimators``, of which some are
+    ``valid``.
 
     ``drawn`` is the estimator on the stage, ``now`` the present state; ``no_index`` is the reason for no error index. A
     ``pinned`` run and a ``traced`` particle are plotted too. The ``scene`` is for programs that read the page."""

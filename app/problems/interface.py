@@ -74,11 +74,11 @@ class ProblemView:
 
     ``stage`` draws its frames, ``slow`` one step in slow motion. ``draw(figure, space, particles, result)`` draws a
     run's error in space into the axes ``space`` and the final particles into ``particles``; it imports the slow
-    matplotlib when called. ``regions`` divides the material by positions at rest (P, D), which ``division`` describes:
-    "the bar into 20 lengths". ``picture`` is the height of a run's picture in inches, and its lower row over the upper
-    one. ``speed`` is initial, in periods per second. ``details`` are fields of the scene among the "Method details",
-    with hints. ``motion`` is set if the scene has several motions, ``material`` are fields of the material beside the
-    modulus; ``formula`` is a text field, with a label and a hint.
+    matplotlib when called. ``regions`` divides the material by positions at rest (P, D), as in ``division``: "the bar
+    into 20 lengths". ``picture`` is the height of a run's picture in inches, and its lower row over the upper one.
+    ``speed`` is initial, in periods per second. ``details`` are fields among the "Method details", ``material`` those
+    beside the modulus, ``formula`` is a text field with label and hint; ``motion`` is None if the scene has one motion
+    only.
 
     ``estimators`` are the initial ones if not the scene's own, the first of them drawn. ``sparks`` returns the
     suggestions for a state (:mod:`app.problems.suggestion`). ``prices`` are the estimators' shares of the run time in

@@ -1,8 +1,7 @@
 """The outgoing queue of a websocket: any thread adds messages, one event loop sends them.
 
 Viewer 1.1 wakes the loop twice per frame, adds a timer, and sets an ``asyncio.Event`` from another thread, which is not
-thread-safe: occasionally a message, such as a frame, is lost in an exception. Here a frame needs one call to the
-loop."""
+thread-safe: occasionally a message is lost in an exception. Here a frame needs one call to the loop."""
 
 import asyncio
 import threading

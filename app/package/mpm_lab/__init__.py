@@ -1,10 +1,9 @@
 """The package mpm-lab under a unique name.
 
-Its four top-level folders, ``app``, ``solvers``, ``lessons`` and ``assets``, have common names. In a checkout they are
-where they are; the wheel puts them into ``packages`` beside this file, to avoid collisions. The command runs in a
-process of its own, in which all four names are the lab's: see :func:`main`. Importing this module imports its
-``solvers``, in place of any other of that name, and leaves all other names alone, but for ``app`` where something is
-shown::
+Its four top-level folders, ``app``, ``solvers``, ``lessons`` and ``assets``, have common names. The wheel puts them
+into ``packages`` beside this file, to avoid collisions. The command runs in a process of its own, in which all four
+names are the lab's: see :func:`main`. Importing this module imports its ``solvers``, in place of any other of that
+name, and no other name but ``app``, when something is shown::
 
     from mpm_lab import BarScene, run, show
 """

@@ -1,8 +1,7 @@
 """The plots over time of the left panel: a traced particle, error norms, error indices and grid crossings.
 
-The truth and every estimator have a line each, the truth's broad and beneath. A chart that is given other series loses
-its range, and one that is removed may still be sent data; so each set of estimators has plots of its own, built when
-first used and hidden while another set runs."""
+A chart that is given other series loses its range, and one that is removed may still be sent data. So each set of
+estimators has plots of its own, built on first use and hidden while another set runs."""
 
 from collections.abc import Sequence
 from html import escape

@@ -1,10 +1,10 @@
 """Pointing at the stage: a dragged rectangle reads the errors of the particles in it (an empty one ends that), a click
 on a particle traces it with a ring. And the camera that shows exactly a rectangle of the plane z = 0.
 
-The viewer has no orthographic camera; a distant one with a small field of view is as good. Visitors cannot turn, move
-or enlarge the picture: overlaid text would stay behind. The page shapes the canvas like the rectangle (``stage.js``),
-so the camera's position depends on that alone, not on the window. The viewer skips values that it believes unchanged,
-so a fit is repeated while the canvas settles, each time slightly changed."""
+The viewer has no orthographic camera, so it is a distant one with a small field of view. Visitors cannot move it:
+overlaid text would stay behind. The page shapes the canvas like the rectangle (``stage.js``), so the camera depends on
+that alone. The viewer skips values that it believes unchanged, so repeated fits while the canvas settles differ
+slightly."""
 
 import math
 import threading

@@ -1,8 +1,7 @@
 """Links of one page to the engines, and the limits of what a visitor may request; sliders stay within them.
 
-Steps per second need no limit: an engine gives every session turns of the same length, and a run that cannot keep up
-with its clock falls behind (``solvers.engine.session_stepper``). Memory grows with particles; that of stored frames has
-a limit of its own (``app.page.visit.frame_buffer``)."""
+Steps per second need no limit: an engine gives every session equal turns, and a run that cannot keep up falls behind
+(``solvers.engine.session_stepper``). Memory grows with particles; stored frames have a limit of their own."""
 
 import threading
 from time import monotonic

@@ -1,5 +1,5 @@
-"""Error against time, one dot per run: the chart that replaces the stage while the Cost tab is open, and above it the
-answer as a headline and the line of the tolerance.
+"""Chart of error against time, one dot per run, in place of the stage while the Cost tab is open; and the answer above
+it.
 
 Positions are percentages of the chart's box, so that the browser fits it to any window without scaling text: lines are
 SVG, dots are buttons and labels are text (``css/60-cost.css``). ``data-run`` identifies what is clicked; a script

@@ -1,6 +1,5 @@
-"""Sweeps and searches of one visitor in the background, at most one at a time; the visitor's stage pauses meanwhile, so
-as not to disturb the times. All visitors share a cache of measured points and a worker process that has compiled its
-kernels.
+"""Sweeps and searches of one visitor in the background, one at a time; the visitor's stage pauses meanwhile for
+accurate times. All visitors share a cache of measured points and a worker process that has compiled its kernels.
 
 Errors and outcomes are reproducible, so they are cached as long as the server runs. Times are cached for an hour, those
 measured under load separately, because a search must compare like with like."""
