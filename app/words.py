@@ -247,7 +247,7 @@ def power_of_ten(largest: float) -> int:
 
 
 def power_text(power: int) -> str:
-    """ "10⁻⁴ " for -4, nothing for 0."""
+    """Formats a power of ten: 10⁻⁴ and a space for -4, "" for 0."""
     return "" if power == 0 else "10" + "".join(SUPERSCRIPTS[sign] for sign in str(power)) + " "
 
 

@@ -52,7 +52,7 @@ class Plan:
 
 
 def make_plan(state: State, axes: Sequence[SliderAxis], quantities: Sequence[str]) -> Plan:
-    """The plan for a state; one that says no end is recorded for one period."""
+    """Returns the plan of a state; a scene without an end is recorded for one period."""
     state = replace(state, scene=with_end_time(state.scene))
     return Plan(state, tuple(axes), tuple(quantities), tuple(slider_grid.scene_texts(state.scene, axes)))
 

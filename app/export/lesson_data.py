@@ -174,7 +174,7 @@ WRITTEN = (1980, 1, 1, 0, 0, 0)  # fixed time in the archive, so that equal less
 
 def package_lessons(lessons: Sequence[Lesson], processes: int, on_progress: Progress,
                     counts: Mapping[str, int] = COUNTS, core: bool = False) -> bytes:
-    """Returns the archive of lessons, each opened, scored and completed by itself, from the ``core`` on if asked."""
+    """Returns the archive of lessons, each opened, scored and completed separately, at first as ``core`` if set."""
     pages = {}
     for number, lesson in enumerate(lessons):
         def so_far(part: float, what: str, number: int = number) -> None:

@@ -39,7 +39,7 @@ class Layer:
 
 
 def stack_layers(series: Mapping[str, np.ndarray], field: str) -> list[Layer]:
-    """Stacks the parts of a field's error, without traces; ``series`` of a run with the effect ``budget``."""
+    """Returns the stacked contributions to a field's error; ``series`` of a run with the effect ``budget``."""
     largest = float(np.max(np.abs(error_rms(series, field)), initial=0.0))
     up = down = np.zeros(len(series["time"]))
     layers = []

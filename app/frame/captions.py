@@ -161,7 +161,7 @@ def why_no_index(scene: Scene, valid: Collection[str], quantity: str) -> str:
 
 @dataclass(frozen=True)
 class Half:
-    """One lane of the bar or half of a body in the plane: ``sizes`` (P,) of errors, or the reason in ``silence``."""
+    """Lane of the bar or half of a plane body: ``sizes`` (P,) of errors, or the reason for none in ``silence``."""
 
     title: str
     by: str

@@ -88,7 +88,7 @@ def frame_headline(report: FrameReport | None, arrays: FrameArrays | None, view:
 
 def compare_with_pinned(live: dict[str, np.ndarray], pinned: dict[str, np.ndarray], quantity: str,
                         scenes: tuple[Scene, Scene], ) -> str:
-    """Says which of the live and the pinned run errs more, as means over common periods; "" if not known."""
+    """Returns whether the live or the pinned run errs more, by means over common periods, as text; "" if unknown."""
     larger = in_common(live, pinned, f"error_{quantity}", scenes)
     if not math.isfinite(larger) or larger <= 0:
         return ""

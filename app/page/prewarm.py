@@ -20,7 +20,7 @@ from solvers.scene.validation import SceneError
 
 
 def usual_scenes(lessons: Mapping[str, Lesson], opened: str = "") -> list[Scene]:
-    """Returns scenes of every problem and of the ``lessons``; those of the one ``opened`` for all come early."""
+    """Returns scenes of every problem and of the ``lessons``, early those of the one ``opened`` for everyone."""
     firsts = [first_scene(problem) for problem in PROBLEMS]
     taught = {name: list(_stages(lesson)) for name, lesson in lessons.items()}
 

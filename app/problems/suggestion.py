@@ -73,7 +73,7 @@ class Suggestion:
 
 
 def changed_state(state: State, changes: Mapping[str, Any], pinned: bool = True, **view: Any) -> State:
-    """Returns the state with a changed scene from t = 0 on, the run before pinned beside it if wanted."""
+    """Returns the state with a changed scene from t = 0 on, with the run before pinned if ``pinned``."""
     before = replace(state.scene, periods=None, t_end=None)
     try:
         after = replace(before, **changes)

@@ -142,7 +142,7 @@ def _frame(axes: Axes, scene: Scene, stage: type[PlanarStage], reach: float, lin
 
 
 def _draw_cells(axes: Axes, scene: Scene, reach: float, least: float, start: float) -> str:
-    """Draws lines between cells above y = ``least``, ``reach`` m wide; returns what an axis's label says of them."""
+    """Draws cell lines above y = ``least``, out to ``reach`` m; returns their description for an axis label."""
     if scene.cells > panel_style.MOST_CELL_LINES:
         return ""
     lines = np.arange(-scene.cells, scene.cells + 1) * scene.spacing + start

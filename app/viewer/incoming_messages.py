@@ -130,7 +130,7 @@ class IncomingLimiter:
     """Replaces a websocket's ``recv``, and passes on only valid messages to the viewer.
 
     ``who`` is the IP address, ``find`` returns a widget by its id, ``parts`` limits parts of files of its network, and
-    ``keep_away`` is called with the address of a client that no browser would be."""
+    ``keep_away`` is called with the address of a misbehaving client."""
 
     def __init__(self, connection: Any, who: str, refusals: Refusals, parts: TokenBucket, find: Callable[[str], Any],
                  keep_away: Callable[[str], None]):

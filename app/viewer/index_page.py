@@ -30,7 +30,7 @@ _NOTHING = "default-src 'none'; frame-ancestors 'none'; base-uri 'none'; form-ac
 
 
 def has_page(path: str) -> bool:
-    """Whether this path of a request, without its query, is one of the page."""
+    """Whether a request's path, without its query, is one of the page."""
     return path in PATHS
 
 
@@ -135,7 +135,7 @@ class _Page:
 
 
 def unpacked_script(html: str) -> str | None:
-    """Returns the script that the viewer's html unpacks and runs; None where it is not packed as in viser 1.1."""
+    """Returns the script that the viewer's html unpacks and runs; None if it is not packed as in viser 1.1."""
     found = _PACKED.search(html)
     if found is None:
         return None

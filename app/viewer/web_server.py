@@ -233,7 +233,7 @@ class AccessControl:
         return None
 
     def _keep_away(self, who: str) -> None:
-        """Makes an address wait that has sent what no browser would."""
+        """Makes a misbehaving address wait."""
         self._away[who] = monotonic() + AWAY
         handshakes = self._handshakes.of(network_of(who))
         handshakes.pay(min(MISDEED, max(0.0, handshakes.left)))

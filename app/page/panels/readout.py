@@ -1,4 +1,4 @@
-"""All numbers of a run: each estimator beside the truth, the worst regions, the run itself, and hints."""
+"""Readout of a run: each estimator beside the truth, the worst regions, the run itself, and tooltips."""
 
 import html
 import json
@@ -161,7 +161,7 @@ def _goals(report: FrameReport, drawn: str | None) -> Iterator[tuple[str, str]]:
 
 
 def _found(name: str, line: Line, series: dict[str, np.ndarray]) -> str:
-    """Returns what an effect has found so far as html, numbers with bounds after their lights; "" if unknown."""
+    """Returns an effect's numbers so far as html, bounded ones after their lights; "" if unknown."""
     numbers, values = ALL[name].numbers, ALL[name].values(series) if len(series.get("time", ())) else {}
     if all(value is None for value in values.values()):
         return ""

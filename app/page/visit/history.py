@@ -59,7 +59,7 @@ class DownsampledSeries:
 
 
 class RunSeries:
-    """One run's series twice, for the plots: from its start on, and over its last periods, finer where it is long."""
+    """Two copies of a run's series, for plots: of its whole time, and of its last periods, finer for long runs."""
 
     scene: Scene
 

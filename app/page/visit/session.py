@@ -23,7 +23,7 @@ from solvers.scene.validation import SceneError
 from solvers.solver.samples import QUANTITIES
 from solvers.solver.soundness import OK
 
-TO_BE_READ = 8.0  # seconds that news are shown
+TO_BE_READ = 8.0  # seconds that an event is shown
 SLOW_ANSWER = 0.4  # seconds without a frame after which the page shows that it is preparing
 SAID_AFTER = 2.0  # seconds after which it shows for how long
 PREPARING = lazy("Preparing this scene: a combination of method, estimators and effects is compiled the first time it "

@@ -102,7 +102,7 @@ def stage_of(board: Board, at: int) -> str:
 
 
 def answers_json(board: Board) -> str:
-    """Returns all answers without names as JSON, by question and sorted, with what came out if revealed."""
+    """Returns all answers without names as JSON, by question and sorted, with the result if revealed."""
     questions = []
     for at, step in enumerate(board.lesson.steps, 1):
         if step.question is None:

@@ -93,7 +93,7 @@ class Axes:
         return self.times or UNTIMED
 
     def place(self, run: NumberedRun) -> tuple[float, float]:
-        """Returns a run's place from left and top in %; a broken run is at the top, an untimed one at the left."""
+        """Returns a run's position from left and top in %; a broken run is at the top, an untimed one at the left."""
         return (_percent(self.across.part(run.seconds)) if run.alone else 0.0,
                 0.0 if run.broken else _percent(1 - self.up.part(run.size)))
 
@@ -290,7 +290,7 @@ def answer_headline(like: Sequence[NumberedRun], scene: Scene, tolerance: float,
 
 
 def tolerance_line(like: Sequence[NumberedRun], scene: Scene, tolerance: float, inside: Axes | None) -> str:
-    """Returns the line of the accuracy wanted, as a mark that the script reads."""
+    """Returns the line of the tolerance, as a mark for the script."""
     if inside is None or not math.isfinite(tolerance):
         return "<i class='lab-cost-line'></i>"
     best, text = cheapest_run(like, tolerance), format_percent(tolerance)

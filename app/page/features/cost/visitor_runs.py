@@ -61,7 +61,7 @@ class NumberedRun:
 
     @property
     def seconds(self) -> float:
-        """The seconds of the bare run timed alone, or of everything on the stage; NaN if not known."""
+        """Seconds of the run timed alone, or of everything on the stage; NaN if unknown."""
         seconds = self.row.get("seconds") or {}
         return seconds.get("min") or seconds.get("full") or math.nan
 
@@ -150,7 +150,7 @@ class LiveRows:
 
 
 def live_row(report: FrameReport, history: History) -> dict:
-    """Returns a row as in ``solvers.study.row`` up to the scene's end, with the seconds of all that was computed."""
+    """Returns a row as in ``solvers.study.row`` up to the scene's end, with the seconds of all computations."""
     scene, series = report.scene, history.series
     status = report.status
     if report.since is None or report.since > scene.end_time:
@@ -192,7 +192,7 @@ def advice_key(scene: Scene) -> dict:
 
 
 def comparable_runs(runs: Sequence[NumberedRun], scene: Scene) -> list[NumberedRun]:
-    """Returns the runs that compute what the scene computes, by whatever method and remedies."""
+    """Returns the runs of the same motion as the scene's, by any method and remedies."""
     asked = advice_key(replace(scene, remedies=()))
     return [run for run in runs if run.row["problem"] == scene.problem
             and advice_key(replace(run.scene, remedies=())) == asked]

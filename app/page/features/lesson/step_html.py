@@ -117,7 +117,7 @@ def compared_html(lesson: Lesson, steps: Sequence[Step], answers: Mapping[str, A
 
 
 def taken_html(lesson: Lesson, step: Step, answer: Answer, numbers: Numbers, comment: str, right: bool | None) -> str:
-    """Returns an answer that was taken and a comment on it, which ``js/lesson_aloud.js`` reads out."""
+    """Returns a recorded answer and a comment on it, which ``js/lesson_aloud.js`` reads aloud."""
     said, own = fill_numbers(format_answer(step.asked, answer.last),
                              numbers), lang_attribute(lesson) if step.asked.kind == CHOICE else ""
     kind, sign, word = SIGNS[right]
