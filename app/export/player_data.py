@@ -90,8 +90,8 @@ def _colours() -> dict[str, Any]:
 def missing_value_texts(scene: Scene, not_valid: Mapping[str, str], silent: Mapping[str, Collection[str]],
                         difference: bool) -> dict[str, Any]:
     """Returns texts by quantity: why a row of the readout has no number, words of the field plot, and by estimator (""
-    for none) the captions of both halves, side by side and, if wanted, as ``difference``, and the headline's templates.
-    ``silent`` are the estimators without a value, by quantity."""
+    for none) both halves' captions (also as ``difference`` if set) and headline templates; ``silent`` ones have no
+    value."""
     component = VIEWS[scene.problem].stage.PLOT.component
     return {key: {"rows": captions.why_no_numbers(scene, not_valid, key, silent[key]),
                   "field": vars(captions.field_words(scene, component, key)),

@@ -30,8 +30,8 @@ _MADE = {"crossings": lazy("crossings made {share} of the error of {symbol}{whos
 
 @dataclass(frozen=True)
 class Layer:
-    """Contribution of one ``cause`` to an error over time, in the error's unit: between the two rows of ``above`` (2,
-    T) where it increases the error, of ``below`` (2, T) where it reduces it."""
+    """A ``cause``'s part of an error over time: increases between the rows of ``above``, decreases of ``below``, (2,
+    T)."""
 
     cause: str
     above: np.ndarray

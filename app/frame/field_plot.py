@@ -32,8 +32,8 @@ BEYOND = 0.01  # share of the axis by which dots may be outside it
 
 
 class Axis:
-    """Value axis from -``top`` to ``top``, a round number; contains all values, and shrinks slowly. Runs may share
-    one."""
+    """Value axis from -``top`` to ``top``, a round number; contains all values, and shrinks slowly. Runs can share
+    it."""
 
     def __init__(self) -> None:
         self._peak, self.top = 0.0, 1.0

@@ -142,8 +142,7 @@ class Stage(ABC, Generic[AnyScene]):
 
     def draw(self, scene: AnyScene, arrays: FrameArrays, estimated: np.ndarray | None, true: np.ndarray | None,
              t: float, speed: float, foreign: bool = False) -> None:
-        """Draws a frame at t in s with sizes (P,) of errors or None, in one unit, and ``speed`` in simulated s per
-        s."""
+        """Draws a frame at t in s with sizes (P,) of errors or None, in one unit, and ``speed`` in simulated s/s."""
         room = self.sheet.room
         if room is not self._room and room != self._room:
             self._lay_out()

@@ -86,8 +86,7 @@ def _in_its_words(original: Lesson, folder: Path) -> Lesson:
 
 def translate_lesson(original: Lesson, path: Path, language: str) -> Lesson:
     """Returns the ``original`` with the words of a file, but its own name, steps' keys and fingerprint, so that answers
-    given in one language are marked in any. Raises :class:`LessonError` if the file is invalid or differs in more than
-    words."""
+    are marked in any language. Raises :class:`LessonError` if the file is invalid or differs in more than words."""
     own = read_lesson(path)
     for line, what in _differences(original, own):
         raise LessonError(line, f"{what} differ from {original.name}.md; give the same there, for a translation has "

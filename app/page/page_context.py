@@ -43,9 +43,9 @@ class OpenLesson(Protocol):
 
 
 class PageContext:
-    """The visitor's run (``session``), ``stage``, ``controls`` and ``tabs`` (explore, lessons, cost, about), and
-    everything else that features share; one sets ``lesson``, another ``is_touring``. ``clear_stage`` ends whatever
-    replaces the run on the stage, ``keep`` has the browser store the state."""
+    """Everything that features share: the visitor's run (``session``), ``stage``, ``controls``, ``tabs`` and more;
+    features set ``lesson`` and ``is_touring``. ``clear_stage`` ends what replaces the run, ``keep`` stores the
+    state."""
 
     clear_stage: Callable[[], None]
     keep: Callable[[], None]

@@ -1,6 +1,6 @@
-"""Parts of studies' pictures: frames, styles of series, unstable points, legends; and two pictures: coverage, the
-shares of runs with accurate estimates, with 95 % intervals, by how far particles move; and the stability map, lifetime
-over amplitude and time step, a panel per method and treatment."""
+"""Parts of studies' pictures; and two of them: coverage, the shares of runs with accurate estimates, with 95 %
+intervals, by how far particles move; and the stability map, lifetime over amplitude and time step, by method and
+treatment."""
 
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from typing import Any

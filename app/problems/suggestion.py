@@ -33,7 +33,7 @@ class Offer:
 @dataclass(frozen=True)
 class Ran:
     """Result of a ``state``: its ``series`` and those of the pinned run, over the requested periods, the error
-    ``ratio`` of the quantity on the stage, the run's mean over the pinned one's, and reasons by estimator in
+    ``ratio`` of the quantity on the stage, the run's mean over the pinned one's, and reasons for estimators
     ``not_valid``."""
 
     state: State

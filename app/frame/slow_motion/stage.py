@@ -185,8 +185,8 @@ class SlowStage(ABC):
     def _free_side(self, spot: np.ndarray, away: float, text: str, taken: np.ndarray,
                    written: list[tuple[np.ndarray, np.ndarray]]) -> int:
         """Returns the index in ``SIDES`` for a node's numbers: never over the selected particle, away from arrows,
-        which extend by ``taken`` to each side, and off labels already ``written`` (middles and half sizes), to which it
-        adds this one."""
+        which extend by ``taken`` to each side, and off labels ``written`` so far (middles and half sizes; adds this
+        one)."""
         half = 0.5 * self._room.extent(text, NUMBERS)
         middles = spot + np.array([side for _, side in SIDES]) * (away + half)
         front = np.all(np.abs(self._spots[0] - middles) < half + 0.5 * SIZES[2], axis=1)

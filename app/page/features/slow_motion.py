@@ -31,8 +31,7 @@ SLOW, NOT_SLOW = lazy("Slow motion"), lazy("Normal speed")
 
 
 class SlowMotion(Feature):
-    """Mode of one visitor: while ``on`` the run pauses, while ``showing`` a step is on the stage. Other motion ends
-    it."""
+    """Mode of one visitor: while ``on`` the run pauses, while ``showing`` a step is on the stage."""
 
     def __init__(self, page: PageContext):
         self._client, self._canvas, self._session, self._on_view = (

@@ -73,8 +73,7 @@ class Readout:
 def live_readout(session: Session, history: History, report: FrameReport, quantity: str, drawn: str | None,
                  probed: str | None, worst: WorstRegions, ago: float = 0.0) -> Readout:
     """Returns the numbers of a run and of its ``quantity`` (a key), with the estimator ``drawn`` on the stage, for a
-    frame ``ago`` periods before the newest. The ``history`` is that of the frame's run, perhaps not the session's
-    present one."""
+    frame ``ago`` periods before the newest. The ``history`` is that of the frame's run, not of a later one."""
     series = series_until(history.series, report.time)
     return Readout(_estimates(session, report, series, quantity, drawn),
                    _worst(worst, drawn, quantity) + _run(session, history, report, series, drawn, probed, ago),

@@ -1,6 +1,5 @@
 """What the stage shows: quantity, estimator and magnification. These widgets are built once, before the tabs, and laid
-onto the stage (``css/10-shell.css``). And the estimators' cards, with switch, line sample, idea, error index and
-price."""
+onto the stage (``css/10-shell.css``). And the estimators' cards, with switch, line, idea, error index and price."""
 
 from collections.abc import Callable
 from html import escape

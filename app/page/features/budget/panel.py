@@ -1,6 +1,5 @@
-"""The folder *Who made this error?*: chart of the error budget, and a rerun without one cause, beside which the first
-run stays pinned, with the predicted and the actual error. Runs of the bar record their budget; that of plane problems
-is computed in the background on request."""
+"""The folder *Who made this error?*: chart of the error budget, and a rerun without one cause beside the pinned first
+run. Runs of the bar record their budget; that of plane problems is computed in the background on request."""
 
 import math
 from collections.abc import Callable
