@@ -1,4 +1,4 @@
-"""What a person sees and types: command line, page and pictures. Imports solvers; never the reverse."""
+"""The user interfaces: command line, page and pictures. Imports solvers; never the reverse."""
 
 import solvers  # noqa: F401 - before numpy, for which it says how many threads there are
 

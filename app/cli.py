@@ -1,4 +1,4 @@
-"""The entry of the command line ``mpm-lab``, light enough that Ctrl-C is one line even while the rest loads."""
+"""Entry point of the command line ``mpm-lab``, light enough that Ctrl-C is one line even while the rest loads."""
 
 import os
 import sys
@@ -7,13 +7,13 @@ BAD_INPUT, INTERRUPTED = 2, 130
 
 
 def main(arguments: list[str] | None = None) -> int:
-    """Run the command line (default: what the process was given) and return its exit status."""
+    """Runs the command line (by default the process's arguments) and returns its exit status."""
     _fill_closed_streams()
     try:
         from solvers.scene.extensions import ExtensionError
         try:
             from app.commands.dispatch import dispatch
-        except ExtensionError as error:  # problems from outside are asked for before there are commands
+        except ExtensionError as error:  # extensions are loaded before the commands
             print(f"mpm-lab: {error}", file=sys.stderr, flush=True)
             return BAD_INPUT
         return dispatch(sys.argv[1:] if arguments is None else list(arguments))
@@ -23,7 +23,7 @@ def main(arguments: list[str] | None = None) -> int:
 
 
 def _fill_closed_streams() -> None:
-    """Opens the standard streams that are closed (``>&-``), whose numbers the next opened file would take."""
+    """Opens closed standard streams (``>&-``) on the null device, as the next opened file would take their numbers."""
     while (number := os.open(os.devnull, os.O_RDWR)) <= 2:
         os.set_inheritable(number, True)  # the processes that this one starts need it too
     os.close(number)
@@ -31,4 +31,4 @@ def _fill_closed_streams() -> None:
         if getattr(sys, name) is None:
             stream = open(descriptor, "w", closefd=False)
             setattr(sys, name, stream)
-            setattr(sys, f"__{name}__", stream)  # libraries take another one for that of a graphical shell
+            setattr(sys, f"__{name}__", stream)  # libraries regard a different one as that of a graphical shell

@@ -1,10 +1,10 @@
-"""By what one knows the page, exported files and pictures: a mark, and Inter. Both are here, nothing is fetched."""
+"""Visual identity of the page, exported files and pictures: a logo, and the font Inter. Both are local files."""
 
 from base64 import b64encode
 from pathlib import Path
 from urllib.parse import quote
 
-#: Two lanes and a question, as svg.
+#: The logo, two lanes and a question mark, as svg.
 MARK = (Path(__file__).parent / "page" / "web" / "mark.svg").read_text(encoding="utf-8")
 ICON = f"data:image/svg+xml,{quote(MARK)}"  # the same in a browser's tab
 FONTS = Path(__file__).parent / "fonts"
@@ -13,7 +13,7 @@ _RANGES = {"latin": "U+0000-00FF,U+0131,U+0152-0153,U+02BB-02DC,U+2000-206F,U+20
 
 
 def font_faces_css() -> str:
-    """The type as part of a style."""
+    """Returns the font as CSS."""
     return "".join(
         f"@font-face {{ font-family: 'Lab Inter'; font-weight: 100 900; font-display: block; unicode-range: {ranges}; "
         f"src: url(data:font/woff2;base64,{b64encode((FONTS / f'inter-{part}.woff2').read_bytes()).decode()}) "

@@ -1,10 +1,10 @@
-"""State: what is on the stage, as a text that fits into a link, a lesson or a command: scene, view and pinned run.
+"""State of the stage as a text that fits into a link, a lesson or a command: scene, view and pinned run.
 
     bar;method=mpm;cells=80;estimators=recovered,transport;error-of=sigma;pinned;method=bspline;cells=80
 
-The problem comes first, then what differs from its defaults, named as the command line's flags are; words of the view
-are among them. What follows the word ``pinned`` is the pinned run, of the same problem. Words stand apart by ``;``,
-``&``, spaces or new lines. As a grammar:
+The problem comes first, then the fields that differ from its defaults, named as the command line's flags are, and words
+of the view. The word ``pinned`` precedes the fields of the pinned run, of the same problem. Words are separated by
+``;``, ``&``, spaces or new lines. The grammar:
 
     state  = problem {word} ["pinned" {field}]
     word   = field | view
@@ -26,13 +26,13 @@ from solvers.scene.scene import LISTS, Scene
 from solvers.scene.validation import SceneError, key_field
 from solvers.untrusted import number_parsing, quoting
 
-LONGEST = 2000  # characters that anybody needs
+LONGEST = 2000  # characters
 PINNED = "pinned"
 YES, NO = ("yes", "true", "on", "1", ""), ("no", "false", "off", "0")
 
 
 class StateError(ValueError):
-    """A text that is no state: one sentence that names the word, says what is wrong and what is allowed."""
+    """Raised for an invalid state; the message names the word, what is wrong and what is allowed."""
 
     def __init__(self, sentence: str):
         super().__init__(quoting.one_line(sentence))
@@ -40,12 +40,11 @@ class StateError(ValueError):
 
 @dataclass(frozen=True)
 class State:
-    """What a visitor sees: the scene, and of the view what does not stand at its default.
+    """What a visitor sees: the scene, and the settings of the view.
 
-    ``quantity`` is the key of the one whose error is shown, ``estimator`` the one on the stage where it is not the
-    first; ``speed`` is in periods a second, None for the problem's own; ``traced`` is a particle's number;
-    a run that ``stops`` pauses at its end.
-    """
+    ``quantity`` is the key of the quantity whose error is shown, ``estimator`` the one on the stage if it is not the
+    first; ``speed`` is in periods per second, None for the problem's own; ``traced`` is a particle's number; a run that
+    ``stops`` pauses at its end."""
 
     scene: Scene
     quantity: str = next(iter(QUANTITIES))
@@ -61,7 +60,7 @@ class State:
 
 
 def write_state(state: State) -> str:
-    """The text of a state, as short as it can be."""
+    """Returns the shortest text of a state."""
     view = [_word(key, getattr(state, field)) for key, (field, _) in VIEW.items()
             if getattr(state, field) != getattr(State(state.scene), field)]
     pinned = [] if state.pinned is None else [PINNED, *_scene_words(state.pinned)]
@@ -69,7 +68,7 @@ def write_state(state: State) -> str:
 
 
 def parse_state(text: str) -> State:
-    """The state of a text; :class:`StateError` where it is none."""
+    """Parses a state; raises :class:`StateError` if it is invalid."""
     if len(text) > LONGEST:
         raise StateError(f"a scene of {len(text):,} characters is too long; at most {LONGEST:,} are allowed")
     problem, *rest = _words(text) or [""]
@@ -90,7 +89,7 @@ def parse_state(text: str) -> State:
 
 
 def looks_like_state(text: str) -> bool:
-    """Whether a text is meant as a state: it begins with a problem."""
+    """Whether a text begins with a problem's name, as states do."""
     return len(text) <= LONGEST and next(iter(_words(text)), "") in PROBLEMS
 
 
@@ -98,9 +97,9 @@ def _words(text: str) -> list[str]:
     return [word for word in re.split(r"[;&\s]+", unquote(text)) if word]
 
 
-@lru_cache(maxsize=256)  # a page asks for its own again and again
+@lru_cache(maxsize=256)  # a page needs its own repeatedly
 def _scene_words(scene: Scene) -> tuple[str, ...]:
-    """What of a scene differs from its problem's defaults."""
+    """Returns the words for fields that differ from their problem's defaults."""
     default = type(scene)()
     return tuple(_word(_key(f.name), getattr(scene, f.name)) for f in fields(scene)
                  if f.name != "problem" and getattr(scene, f.name) != getattr(default, f.name))
@@ -128,7 +127,7 @@ def _scene(problem: str, words: list[str], of_pinned: bool = False) -> Scene:
 
 
 def _unknown(problem: str, word: str, name: str, known: list[str], of_pinned: bool) -> str:
-    """Why a word is none of a scene."""
+    """Returns why a word is not a field of the scene."""
     if name in ("problem", *PROBLEMS):
         return f"{_quoted(word)}: the problem stands once, as the first word" + \
             f"; the pinned run is of the {problem} too" * of_pinned
@@ -146,7 +145,7 @@ def _twice(key: str) -> StateError:
 
 
 def _value(kind: type[Scene], f: Any, key: str, text: str) -> Any:
-    """What a word says of a field: names, yes or no, a number where it is one; the scene knows what is allowed."""
+    """Parses a field's value: names, yes or no, or a number; the scene validates it."""
     if f.name in LISTS:
         names = tuple(name for name in text.split(",") if name)
         return () if names == ("none",) else kind.choices(f.name) if names == ("all",) else names
@@ -156,7 +155,7 @@ def _value(kind: type[Scene], f: Any, key: str, text: str) -> Any:
 
 
 def _take(word: str, view: dict[str, Any]) -> bool:
-    """Whether a word is one of the view's, which is then put there."""
+    """Stores a word of the view in ``view``; returns False if it is not one."""
     key, _, text = word.partition("=")
     if key not in VIEW:
         return False
@@ -168,7 +167,7 @@ def _take(word: str, view: dict[str, Any]) -> bool:
 
 
 def _number(text: str) -> Any:
-    """A whole number or a float where the text is one, else the text, of which the scene knows what to say."""
+    """Returns an integer or a float if the text is one, else the text, which the scene will reject."""
     return number_parsing.parse_number(text) if number_parsing.is_number(text) else text
 
 
@@ -214,12 +213,11 @@ def _quoted(text: str) -> str:
 
 
 def _key(field: str) -> str:
-    """How a field is called in a text: ``linearity-preserving``."""
+    """Returns a field's name in a text: ``linearity-preserving``."""
     return field.replace("_", "-")
 
 
-#: The words of the view, in the order in which they are written: the field of a state that each sets, and how its
-#: text is read.
+#: Words of the view, in the order of writing, with the state's field of each and the parser of its value.
 VIEW: dict[str, tuple[str, Callable[[str, str], Any]]] = {
     "error-of": ("quantity", _one_of({key: key for key in QUANTITIES})),
     "on-stage": ("estimator", lambda _, text: text), "difference": ("difference", _yes_or_no),

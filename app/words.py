@@ -1,4 +1,4 @@
-"""Words: names, units, symbols and number formats, once for the command line, the page and every picture."""
+"""Names, units, symbols and number formats, common to the command line, the page and all pictures."""
 
 import functools
 import math
@@ -17,15 +17,15 @@ from solvers.untrusted import number_parsing
 
 NOTHING = "–"
 PREFIXES = {-4: "p", -3: "n", -2: "µ", -1: "m", 0: "", 1: "k", 2: "M", 3: "G"}  # by powers of a thousand
-PLAIN_RATIOS = (0.095, 1000.0)  # between them a ratio has two decimals
-PLAIN_PERCENT, WHOLE_PERCENT = (1e-3, 1e6), 9.95  # and a share; from the last on without decimals
-PLAIN_POWERS = (-1, 2)  # of ten, that are not taken out of numbers
+PLAIN_RATIOS = (0.095, 1000.0)  # range of ratios with two decimals
+PLAIN_PERCENT, WHOLE_PERCENT = (1e-3, 1e6), 9.95  # range of plain percentages; from the last on without decimals
+PLAIN_POWERS = (-1, 2)  # range of powers of ten that are not factored out
 SUPERSCRIPTS = dict(zip("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹", strict=True))
 
 
 @dataclass(frozen=True)
 class Method:
-    """How a method is called: in short, and where there is room to say what it is."""
+    """Name of a method, short and in full."""
 
     name: str
     full: str = ""
@@ -41,7 +41,7 @@ METHODS = {"mpm": Method("MPM", lazy("MPM (hat functions)")), "ugimp": Method("u
 
 @dataclass(frozen=True)
 class Quantity:
-    """What an error is of: what it is called, its symbol and its unit."""
+    """Quantity whose error is shown: its name, symbol and unit."""
 
     name: str
     symbol: str
@@ -49,30 +49,28 @@ class Quantity:
 
     @property
     def noun(self) -> str:
-        """What it is called, in the language that is spoken."""
+        """Its name in the current language."""
         return tr(self.name)
 
     def __str__(self) -> str:
         return f"{self.noun} {tr(self.symbol)}"
 
 
-#: By their keys in samples and results, in the order of the error columns.
+#: By key in samples and results, in the order of the error columns.
 QUANTITIES = {"x": Quantity(lazy("displacement"), "x", "m"), "v": Quantity(lazy("velocity"), "v", "m/s"),
               "sigma": Quantity(lazy("stress"), "σ", "Pa"), "a": Quantity(lazy("acceleration"), "a", "m/s²")}
-MAGNIFICATIONS = (1, 10, 100, 1000)  # of what a field misses, in its plot
-#: Norms that one problem has.
+MAGNIFICATIONS = (1, 10, 100, 1000)  # of a field's deviation in its plot
+#: Norms of single problems.
 EXTRA_NORMS = {"sigma_log": Quantity("stress", "σ, E ln F", "Pa"),
                "a_nodes": Quantity("acceleration", lazy("a at nodes"), "m/s²")}
-#: Fields of a scene that say nothing of the run itself, or only together: the time step's.
+#: Fields left out of texts on a run, or described together, as those of the time step.
 UNSAID = ("problem", "dt", "cfl", "t_end", "periods", "effects", "arch", "threads", "sample_every")
-#: Sizes of a scene, by their symbols.
+#: Symbols of a scene's sizes.
 SYMBOLS = {"amplitude": "A", "modulus": "E", "density": "ρ", "stretch": "F", "initial_velocity": "v", "frequency": "B"}
-#: Fields that some problems have, beside what moves them all.
+#: Fields of most and of some problems.
 OF_MOST = ("amplitude", "modulus", "density", "t_end", "periods", "body_force")
 OF_SOME = ("motion", "stretch", "initial_velocity")
-#: What a scene's fields may be, in words that are put into the visitor's language by :func:`choice_labels`, in the
-#: order in
-#: which they are offered.
+#: Labels of fields' choices, translated by :func:`choice_labels`, in the order in which they are offered.
 CHOICES = {"method": {code: method.full or method.name for code, method in METHODS.items()},
            "body_force": {"material": lazy("at the particles"), "node": lazy("at the nodes"), "none": lazy("none"),
                           "two-tone": lazy("two-tone: no exact solution known")},
@@ -85,24 +83,24 @@ CHOICES = {"method": {code: method.full or method.name for code, method in METHO
 
 
 def choice_labels(kind: type[Scene], field: str) -> dict[str, str]:
-    """What a field of a kind of scene may be, in words; what has none keeps its own."""
+    """Returns the translated labels of a field's choices, by value; a value without a label is its own."""
     allowed, words = kind.choices(field), CHOICES.get(field, {})
     return {code: tr(words[code]) for code in words if code in allowed} | {c: c for c in allowed if c not in words}
 
 
 def unit_of(kind: type[Scene], field: str) -> str:
-    """The unit of a field of a kind of scene, "" where it has none: an amplitude may be a length or an angle."""
+    """Returns the unit of a scene class's field, or "": an amplitude may be a length or an angle."""
     return kind.__dataclass_fields__[field].metadata.get("unit", "")
 
 
 def method_name(method: str) -> str:
-    """A method in short; one that nobody has named keeps its own word."""
+    """Returns the short name of a method; an unknown one is its own name."""
     return METHODS[method].name if method in METHODS else method
 
 
 def motion_text(scene: Scene) -> str:
-    """What moves the material, in few words: "A = 25 mm"; of a patch test its stretch and velocity."""
-    motion = scene.to_dict().get("motion")  # of a problem that has several
+    """Describes what moves the material: "A = 25 mm"; for a patch test its stretch and velocity."""
+    motion = scene.to_dict().get("motion")  # if the problem has several
     names = choice_labels(type(scene), "motion") if motion else {}
     unusual = [names[motion]] if motion and motion != type(scene)().to_dict()["motion"] else []
     return ", ".join([*unusual, _moved_by(scene)]) or tr(scene.title)
@@ -115,7 +113,7 @@ def _moved_by(scene: Scene) -> str:
 
 
 def in_a_line(scene: Scene) -> str:
-    """A run in a line: what every run says of itself, and what else is not as usual."""
+    """Describes a run in a line: the main settings, and others that differ from the defaults."""
     said = ("method", "cells", "ppc", "amplitude", "estimators", *(name for name in OF_SOME if hasattr(scene, name)))
     more = difference_text(scene, type(scene)(**{name: getattr(scene, name) for name in said}))
     title, cells = tr(scene.title), tr("{count} cells", count=scene.cells)
@@ -124,22 +122,19 @@ def in_a_line(scene: Scene) -> str:
 
 
 def per_cell(problem: str, ppc: float) -> str:
-    """Particles per cell, which are counted along each direction: 4, 2 × 2, 2.5."""
+    """Formats particles per cell, which are counted along each direction: 4, 2 × 2, 2.5."""
     return " × ".join([str(ppc)] * PROBLEMS[problem].scene.DIMENSIONS)
 
 
 def particles_per_cell(problem: str, ppc: float) -> str:
-    """The same in words: 1 particle per cell, 2 × 2 particles per cell."""
+    """Formats particles per cell as text: 1 particle per cell, 2 × 2 particles per cell."""
     said = per_cell(problem, ppc)
     return trn("{said} particle per cell", "{said} particles per cell", 1 if said == "1" else 2, said=said)
 
 
 def on_page(sentence: str) -> str:
-    """A sentence of the solvers in the visitor's language, and with the words that stand beside the widgets where it
-    names flags, methods and remedies as one types them.
-
-    What is to be said is found by the sentence as it was made: so its language comes first, and translations name
-    flags as well."""
+    """Translates a sentence of the solvers, and replaces flags, methods and remedies in it by the widgets' labels. It
+    translates first, as translations are looked up by the original sentence and contain flags too."""
     sentence = translate_message(sentence)
     for typed, shown in ((tr("--dt auto takes"), tr("the box \"Auto step\" takes")),
                          ("--velocity grid", tr("grid velocity")),
@@ -157,14 +152,14 @@ def on_page(sentence: str) -> str:
     return re.sub(rf"(?<!--method )\b({methods})\b(?!-lab)", lambda found: METHODS[found[0]].name, sentence)
 
 
-@language_cache(64)  # asked for with every frame
+@language_cache(64)  # called with every frame
 def difference_text(scene: Scene, other: Scene) -> str:
-    """What a scene is where another of its problem is not: "uGIMP, 40 cells, A = 25 mm"; "" where both are one run."""
+    """Describes how a scene differs from another of its problem: "uGIMP, 40 cells, A = 25 mm"; "" if they are equal."""
     return ", ".join(mine for mine, theirs in zip(_said(scene), _said(other), strict=True) if mine != theirs)
 
 
 def _said(scene: Scene) -> list[str]:
-    """Each thing that a visitor sets about a run, in few words."""
+    """Returns a short text for each setting of a run."""
     step = tr("CFL number {number:g}", number=DEFAULT_CFL if scene.cfl is None else scene.cfl)
     if scene.dt is not None:
         step = tr("auto step") if scene.dt == AUTO else tr("step {size}", size=with_unit(float(scene.dt), "s"))
@@ -196,7 +191,7 @@ def _and(several: str, last: str) -> str:
 
 
 def command_line(scene: Scene) -> str:
-    """The command that runs the scene, with what differs from the defaults."""
+    """Returns the command that runs the scene, with what differs from the defaults."""
     words = [f"mpm-lab run {scene.problem} --method {scene.method} --cells {scene.cells} --ppc {scene.ppc}",
              f"--dt {AUTO}" if scene.dt == AUTO else f"--cfl {scene.courant_number:g}"]
     kind = type(scene)
@@ -212,19 +207,19 @@ def command_line(scene: Scene) -> str:
 
 
 def short_reason(silence: str) -> str:
-    """Why an estimator says nothing, for where there is little room and the readout has the reason."""
+    """Shortens the reason why there is no estimate, for where the readout has it in full."""
     not_valid = tr("not valid here")  # as the sentence says it
     name, found, _ = silence.partition(f": {not_valid}")
     return tr("{name} is not valid here", name=name) if found else silence
 
 
 def format_number(value: float) -> str:
-    """Short and exact to three digits: 0, 0.025, 1.5e-05."""
+    """Formats a number to three digits: 0, 0.025, 1.5e-05."""
     return f"{value:.3g}"
 
 
 def format_ratio(value: float) -> str:
-    """An estimate over what it is an estimate of: 0.36, 1.02, 6 × 10⁴."""
+    """Formats the ratio of an estimate to the truth: 0.36, 1.02, 6 × 10⁴."""
     if PLAIN_RATIOS[0] < value < PLAIN_RATIOS[1]:
         return f"{value:.2f}"
     digits, _, power = f"{value:.1g}".partition("e")
@@ -232,13 +227,12 @@ def format_ratio(value: float) -> str:
 
 
 def format_factor(value: float) -> str:
-    """How many times something is something else, to three digits: 0.386, 2.6, 13.7; beyond, as a
-    :func:`format_ratio`."""
+    """Formats a factor to three digits: 0.386, 2.6, 13.7; beyond, as :func:`format_ratio`."""
     return f"{value:.3g}" if PLAIN_RATIOS[0] < value < PLAIN_RATIOS[1] else format_ratio(value)
 
 
 def per_cent(share: float) -> str:
-    """A share to two digits: 0.29 %, 6.4 %, 53 %, 2,300 %; beyond, as a :func:`format_ratio`."""
+    """Formats a share to two digits: 0.29 %, 6.4 %, 53 %, 2,300 %; beyond, as :func:`format_ratio`."""
     percent = 100 * share
     if WHOLE_PERCENT <= percent < PLAIN_PERCENT[1]:
         return f"{percent:,.0f} %"
@@ -247,18 +241,18 @@ def per_cent(share: float) -> str:
 
 
 def power_of_ten(largest: float) -> int:
-    """The power of ten to take out of numbers up to ``largest``, so that few digits say enough."""
+    """Returns the power of ten to factor out of numbers up to ``largest``, so that few digits suffice."""
     power = math.floor(math.log10(largest)) if 0 < largest < math.inf else 0
     return 0 if PLAIN_POWERS[0] <= power <= PLAIN_POWERS[1] else power
 
 
 def power_text(power: int) -> str:
-    """ "10⁻⁴ " for -4, nothing for 0."""
+    """Formats a power of ten: 10⁻⁴ and a space for -4, "" for 0."""
     return "" if power == 0 else "10" + "".join(SUPERSCRIPTS[sign] for sign in str(power)) + " "
 
 
 def with_unit(value: float, unit: str, digits: int = 3) -> str:
-    """A size with its unit and a prefix that keeps it short: 2.1 mm, 340 kPa; none for 0 and what is not finite."""
+    """Formats a size with its unit and a prefix: 2.1 mm, 340 kPa; without one for 0 and non-finite values."""
     if not math.isfinite(value) or value == 0:
         return f"{value:g} {unit}"
     power = math.floor(math.log10(float(f"{abs(value):.{digits - 1}e}"))) // 3
@@ -268,12 +262,12 @@ def with_unit(value: float, unit: str, digits: int = 3) -> str:
 
 
 def in_periods(count: float) -> str:
-    """So many periods, to three digits."""
+    """Formats a number of periods, to three digits."""
     return trn("{count:g} period", "{count:g} periods", float(f"{count:.3g}"))
 
 
 def size_in(text: str, unit: str) -> float:
-    """Reads a size in words, "2.1 mm", "2.1e-3" or "0,0021" in m; ValueError if it is no number above 0."""
+    """Parses a size, "2.1 mm", "2.1e-3" or "0,0021" in m; raises ValueError if it is no number above 0."""
     prefixes = {prefix: power for power, prefix in PREFIXES.items()} if unit else {"": 0}
     found = re.fullmatch(rf"([+0-9.,eE-]+?)\s*(?:({'|'.join(prefixes)})({re.escape(unit)}))?", text.strip())
     if not found:

@@ -1,1 +1,1 @@
-"""Who may come in: addresses, the class code, and the log of what was refused."""
+"""Access control: allowed hosts, the class code, limits per network, and the log of refusals."""

@@ -1,10 +1,8 @@
-"""Under which names the lab may be asked for, and from pages of which sites.
+"""Allowed host names and origins of requests.
 
-A browser tells a server which name it asked for (``Host``) and, for a websocket, whose page asks (``Origin``). A page
-of another site has another origin; one that has its own name lead to this machine (DNS rebinding) asks for a foreign
-host. A browser that says no ``Origin`` says how its pages stand to the lab (``Sec-Fetch-Site``): those of another site
-may lead to the lab's page, and no more.
-"""
+A browser sends the requested name (``Host``) and, for a websocket, the origin of the page (``Origin``). A page of
+another site has another origin; with DNS rebinding it requests a foreign host. A browser without ``Origin`` sends the
+relation of its page to the lab (``Sec-Fetch-Site``): another site may only link to the lab's page."""
 
 import ipaddress
 import re
@@ -12,7 +10,7 @@ from dataclasses import dataclass
 from typing import NamedTuple, Protocol
 
 _NAME = r"(\[[0-9a-f:.]+\]|[a-z0-9_-]+(?:\.[a-z0-9_-]+)*\.?)(?::([0-9]{1,5}))?"
-_PORTS = {"http": "80", "https": "443"}  # that a browser leaves out
+_PORTS = {"http": "80", "https": "443"}  # default ports, which browsers leave out
 
 NO_HOST = "The request does not say which host it is for."
 FOREIGN_HOST = ("This lab answers on its own machine only, as localhost or 127.0.0.1. "
@@ -21,36 +19,36 @@ FOREIGN_PAGE = "A page of another site may not use this lab."
 
 
 class Headers(Protocol):
-    """Of a request."""
+    """The headers of a request."""
 
     def get_all(self, key: str) -> list[str]: ...
 
 
 class Address(NamedTuple):
-    """A host, and the port as far as it is given."""
+    """Host, and port if given."""
 
     host: str
     port: str | None
 
     def meets(self, other: "Address", scheme: str) -> bool:
-        """Whether both are the same place, with the port that goes without saying."""
+        """Whether both addresses are equal, with the scheme's default port."""
         return (self.host, self.port or _PORTS[scheme]) == (other.host, other.port or _PORTS[scheme])
 
 
 def is_name(text: str) -> bool:
-    """Whether this can be the name of a host, with a port or without."""
+    """Whether a text is a valid host name, with or without a port."""
     return _address(text) is not None
 
 
 def is_loopback(host: str) -> bool:
-    """Whether only this machine itself can mean this host."""
+    """Whether a host is only this machine itself."""
     host = host.strip("[]").rstrip(".").lower()
     local = host == "localhost" or host.endswith(".localhost")
     return local or (is_ip(host) and ipaddress.ip_address(host).is_loopback)
 
 
 def is_ip(text: str) -> bool:
-    """Whether this is an IP address in digits."""
+    """Whether a text is an IP address in digits."""
     try:
         ipaddress.ip_address(text)
     except ValueError:
@@ -60,18 +58,18 @@ def is_ip(text: str) -> bool:
 
 @dataclass(frozen=True)
 class Addresses:
-    """The ``host`` that the lab listens on, and the public ``names`` it has beside: those of a proxy before it."""
+    """The ``host`` that the lab listens on, and its further public ``names``, such as those of a proxy."""
 
     host: str
     names: tuple[str, ...] = ()
 
     @property
     def private(self) -> bool:
-        """Whether nobody but this machine's own users is meant to come in."""
+        """Whether only users of this machine can connect."""
         return is_loopback(self.host) and not self.names
 
     def refusal(self, headers: Headers, opens_socket: bool = False) -> str | None:
-        """Why a request with these headers, for a websocket or a page, is refused; None where it is not."""
+        """Returns why a request with these headers, for a websocket or a page, is refused; None if it is not."""
         hosts, origins = headers.get_all("Host"), headers.get_all("Origin")
         host = _address(hosts[0]) if len(hosts) == 1 else None
         if host is None:
@@ -90,20 +88,20 @@ class Addresses:
         return page is not None and (page.meets(host, scheme) or self._is_own(page))
 
     def _is_own(self, address: Address) -> bool:
-        """Whether it has a public name of the lab; one given without a port holds for every port."""
+        """Whether an address has a public name of the lab; a name without a port matches every port."""
         own = map(_address, self.names)
         return any(name and name.host == address.host and name.port in (None, address.port) for name in own)
 
 
 def has_stray_whitespace(head: bytes) -> bool:
-    """Whether a host or an origin has white space or letters that no name has, which no browser sends."""
+    """Whether a host or origin contains white space or characters invalid in names, which no browser sends."""
     lines = (line.partition(b":") for line in head.split(b"\r\n"))
     return any(name.lower() in (b"host", b"origin") and re.fullmatch(rb" ?[\x21-\x7e]*", value) is None
                for name, _, value in lines)
 
 
 def _asked_by_another(headers: Headers, opens_socket: bool) -> bool:
-    """Whether a browser says that a page of another site asks, and not just that one leads here."""
+    """Whether a page of another site sends the request, other than by a link."""
     asked = {value.strip().lower() for value in headers.get_all("Sec-Fetch-Site")}
     if not asked or asked <= {"same-origin", "none"}:
         return False

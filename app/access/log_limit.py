@@ -1,4 +1,4 @@
-"""The log of failures and refusals: one line each, and few lines however many there are."""
+"""The log of failures and refusals: one line each, with a rate limit."""
 
 import logging
 import threading
@@ -13,7 +13,7 @@ _log = logging.getLogger(__name__)
 
 
 def place_of(error: BaseException) -> str:
-    """Returns the type of an error and where it came up, without anything that a stranger may have written."""
+    """Returns the type of an error and where it was raised, without any text that a client may have sent."""
     steps = traceback.extract_tb(error.__traceback__)
     ours = [step for step in steps if "site-packages" not in step.filename] or steps
     where = f" in {Path(ours[-1].filename).name}, line {ours[-1].lineno}" if ours else ""
@@ -21,13 +21,13 @@ def place_of(error: BaseException) -> str:
 
 
 def log_failure(what: str, error: BaseException) -> None:
-    """Log that ``what`` failed; all of it is there for who asks for debugging."""
+    """Logs in one line that ``what`` failed, and the traceback at debug level."""
     _log.error("%s: %s", what, place_of(error))
     _log.debug("%s", what, exc_info=error)
 
 
 class RateLimitFilter(logging.Filter):
-    """Lets so many records a minute through, and says of how many there were more."""
+    """Log filter that passes so many records a minute, and adds how many it has dropped."""
 
     def __init__(self, lines: int = LINES_A_MINUTE, seconds: float = MINUTE):
         super().__init__()
@@ -45,14 +45,14 @@ class RateLimitFilter(logging.Filter):
 
 
 class Refusals:
-    """Counts refusals. Any thread may call. What a client has sent never goes into a line."""
+    """Thread-safe log of refusals. Data sent by clients is never logged."""
 
     def __init__(self, lines: int = REFUSALS_A_MINUTE, seconds: float = MINUTE):
         self._lines, self._seconds, self._lock = lines, seconds, threading.Lock()
         self._written, self._more = 0, Counter[str]()
 
     def note(self, sentence: str, who: str = "") -> None:
-        """Log that this was refused, now or, after many, as a number when the minute ends."""
+        """Logs a refusal at once or, after many, as a count at the end of the minute."""
         with self._lock:
             if not self._written:
                 timer = threading.Timer(self._seconds, self._minute_ends)

@@ -1,4 +1,4 @@
-"""Limits by network, because a stranger may have many addresses: messages, bytes on disk, silent connections."""
+"""Limits per network, as one client may have many addresses: messages, bytes on disk, silent connections."""
 
 import ipaddress
 import threading
@@ -7,13 +7,13 @@ from collections.abc import Callable
 from time import monotonic
 from typing import Generic, TypeVar
 
-SHARED = {4: 24, 6: 64}  # bits that the addresses of one house or one hoster have in common
+SHARED = {4: 24, 6: 64}  # bits common to the addresses of one household or hoster
 REMEMBERED = 1000  # networks
 Who = TypeVar("Who")
 
 
 class TokenBucket:
-    """Tokens, ``most`` at first and at most, that come back ``a_second``."""
+    """Token bucket of at most ``most`` tokens, full at first, refilled at ``a_second`` tokens per second."""
 
     def __init__(self, most: float, a_second: float, clock: Callable[[], float] = monotonic):
         self.most, self._a_second, self._clock = most, a_second, clock
@@ -21,23 +21,23 @@ class TokenBucket:
 
     @property
     def left(self) -> float:
-        """Tokens that are there; below zero they are owed."""
+        """Tokens left; below zero they are owed."""
         now = self._clock()
         self._left = min(self.most, self._left + (now - self._at) * self._a_second)
         self._at = now
         return self._left
 
     def pay(self, tokens: float = 1.0) -> None:
-        """Take so many, there or not."""
+        """Takes so many tokens, even if fewer are left."""
         self._left = self.left - tokens
 
     def wait(self, tokens: float = 1.0) -> float:
-        """Seconds until there are so many, without taking them."""
+        """Returns the seconds until so many tokens are there, without taking them."""
         return max(0.0, (tokens - self.left) / self._a_second)
 
 
 def network_of(who: str) -> str:
-    """Returns the network of an IP address; a loopback address, and text that is no address, stay as they are."""
+    """Returns the network of an IP address; loopback addresses, and text that is no address, are returned unchanged."""
     try:
         address = ipaddress.ip_address(who.partition("%")[0])
     except ValueError:
@@ -49,7 +49,7 @@ def network_of(who: str) -> str:
 
 
 class TokenBuckets:
-    """A bucket for each network. Of those that have not been met for longest none is kept: it would be full again."""
+    """Token bucket per network; those unused for longest are dropped, as they would be full again."""
 
     def __init__(self, make: Callable[[], TokenBucket], remembered: int = REMEMBERED):
         self._make, self._remembered = make, remembered
@@ -59,7 +59,7 @@ class TokenBuckets:
         return len(self._of)
 
     def of(self, network: str) -> TokenBucket:
-        """The bucket of a network, which is the latest now."""
+        """Returns the bucket of a network, and marks it as the last used."""
         bucket = self._of.pop(network, None) or self._make()
         self._of[network] = bucket
         while len(self._of) > self._remembered:
@@ -68,7 +68,7 @@ class TokenBuckets:
 
 
 class DiskQuota:
-    """Bytes on disk, limited ``of_one`` network and ``of_all``. Any thread may call."""
+    """Thread-safe quota of bytes on disk, ``of_one`` network and ``of_all``."""
 
     def __init__(self, of_one: int, of_all: int):
         self._of_one, self._of_all = of_one, of_all
@@ -76,12 +76,12 @@ class DiskQuota:
 
     @property
     def taken(self) -> int:
-        """Bytes that are taken, of all."""
+        """Bytes in use, of all networks."""
         with self._lock:
             return self._taken.total()
 
     def take(self, who: str, count: int) -> bool:
-        """Take so many bytes for an IP address, if there are so many."""
+        """Reserves bytes for an IP address; returns False if the quota would be exceeded."""
         network = network_of(who)
         with self._lock:
             if self._taken[network] + count > self._of_one or self._taken.total() + count > self._of_all:
@@ -90,7 +90,7 @@ class DiskQuota:
             return True
 
     def give_back(self, who: str, count: int) -> None:
-        """The same bytes of the same address."""
+        """Releases bytes of an address."""
         network = network_of(who)
         with self._lock:
             self._taken[network] -= count
@@ -99,23 +99,21 @@ class DiskQuota:
 
 
 class PendingConnections(Generic[Who]):
-    """Places for so many ``of_one`` network and ``of_all`` that have come and said nothing yet.
+    """Places for so many connections ``of_one`` network and ``of_all`` that have sent nothing yet.
 
-    None is refused to a newcomer: one too many takes the place of the one who has been silent for longest, of the same
-    network, or, where all places are taken, of that which has most. Who means to come in says so within a moment, and
-    is out again.
-    """
+    A newcomer is never refused: beyond the limit it replaces the one that has been silent for longest, of the same
+    network or, if all places are taken, of the network with most. Legitimate clients soon send something."""
 
     def __init__(self, of_one: int, of_all: int):
         self._of_one, self._of_all = of_one, of_all
         self._network: dict[Who, str] = {}
-        self._waiting: dict[str, dict[Who, None]] = {}  # by network, in the order in which they came
+        self._waiting: dict[str, dict[Who, None]] = {}  # by network, in order of arrival
 
     def __len__(self) -> int:
         return len(self._network)
 
     def enter(self, who: Who, network: str) -> Who | None:
-        """Take a place. Who has to go for that, if anybody has; it has left already."""
+        """Takes a place; returns the connection that has to be closed for it, already removed, or None."""
         gone = None
         if len(self._waiting.get(network, ())) >= self._of_one:
             gone = next(iter(self._waiting[network]))
@@ -129,7 +127,7 @@ class PendingConnections(Generic[Who]):
         return gone
 
     def leave(self, who: Who) -> None:
-        """Give the place back; a second time does nothing."""
+        """Frees the place; a second call does nothing."""
         network = self._network.pop(who, None)
         if network is not None:
             del self._waiting[network][who]

@@ -1,1 +1,1 @@
-"""A class that takes a lesson together: its board, its answers, and what its pages share."""
+"""A class that takes a lesson together: its board, its answers, and the data that its pages share."""

@@ -1,9 +1,7 @@
-"""The board's state, which the server has and all boards show: how far the lesson is open, what is shown of a step.
+"""State of the board, kept by the server and shown on all boards: the step that is open, and what is shown of it.
 
-A lecturer presses for the one next thing. Of a step with a question these are: only how many have answered, then what
-they have said, then what came out. A press says which ``turn`` of the board it was meant for: of two at once, or one
-that comes late, one counts.
-"""
+One button leads to the next thing: for a question the number of answers, the answers, the result. A press names the
+``turn`` of the board that it is meant for: of two simultaneous ones, or a late one, only one counts."""
 
 import threading
 from collections.abc import Callable
@@ -20,14 +18,14 @@ from app.lessons.lesson import TEXT, Lesson, Step
 from app.lessons.lesson_runs import RunCache, RunFailed
 from app.lessons.student_progress import Progress
 
-COUNTED, SHOWN, REVEALED = range(3)  # what is shown of a question
+COUNTED, SHOWN, REVEALED = range(3)  # stages of a question
 NEXT, BACK = "next", "back"
 FAILED = lazy("The result could not be computed.")
 
 
 @dataclass(frozen=True)
 class Place:
-    """What a board shows: a step (0 is the beginning), what of it, and whether it is ``now`` or looked back at."""
+    """View of a board: a step (0 is the beginning), its stage, and whether it is ``now`` or looked back at."""
 
     turn: int
     at: int
@@ -40,7 +38,7 @@ class Place:
 
 
 class Board:
-    """The board of a class in one ``lesson``, or its ``core``, with the first set of numbers. Any thread may call."""
+    """Board of a class in one ``lesson``, or its ``core``, with the first set of numbers. Thread-safe."""
 
     def __init__(self, lesson: Lesson, outcomes: RunCache, core: bool = False):
         self.core = core and bool(lesson.deeper)
@@ -49,7 +47,7 @@ class Board:
         self.tally = ClassAnswers(self._changed)
         self._lock = threading.RLock()
         self._turn = self._at = self._opened = 0
-        self._stages: dict[int, int] = {}  # of steps with a question
+        self._stages: dict[int, int] = {}  # by number of a step with a question
         self._rights: dict[str, Future[Right]] = {}
         self._thread = ThreadPoolExecutor(1, "board")
         self._watchers: list[Callable[[], None]] = []
@@ -62,39 +60,39 @@ class Board:
 
     @property
     def opened(self) -> int:
-        """The last step that is open to all."""
+        """The number of the last step open to all."""
         with self._lock:
             return self._opened
 
     @property
     def end(self) -> int:
-        """The place after the last step."""
+        """The number after the last step."""
         return len(self.lesson.steps) + 1
 
     @property
     def total(self) -> int:
-        """How many steps the class takes."""
+        """Number of steps that the class takes."""
         return len(self._taken)
 
     def number(self, at: int) -> int:
-        """Which of the steps that the class takes is at a place, or was the last before it."""
+        """Returns how many of the class's steps are at or before a place."""
         return sum(taken <= at for taken in self._taken)
 
     def after(self, at: int) -> int:
-        """The place that follows."""
+        """Returns the place that follows."""
         return self.lesson.beside(at, 1, self.core)
 
     def step(self, at: int) -> Step | None:
-        """The step at a place."""
+        """Returns the step at a place, or None."""
         return self.lesson.steps[at - 1] if 0 < at < self.end else None
 
     def stage(self, at: int) -> int:
-        """What is shown of the question of the step at a place."""
+        """Returns the stage of the question at a place."""
         with self._lock:
             return self._stages.get(at, COUNTED)
 
     def press(self, what: str, turn: int) -> None:
-        """Do the next thing, or look back, if the board is still as it was when that was pressed."""
+        """Goes on or back, unless the board has changed since the press."""
         with self._lock:
             before = self.place
             if turn != before.turn:
@@ -112,7 +110,7 @@ class Board:
             seat.open()
 
     def came_out(self, step: Step) -> Right | str | None:
-        """Returns what is right in a step's question, a sentence if that fails, None while it is worked out."""
+        """Returns the right answer to a step's question, a sentence if that fails, None while it is computed."""
         run = self._rights.get(step.key)
         if run is None or not run.done():
             return None
@@ -122,7 +120,7 @@ class Board:
             return FAILED
 
     def watch(self, on_change: Callable[[], None]) -> None:
-        """Have ``on_change`` called, on any thread, when something that a board shows is another."""
+        """Calls ``on_change``, on any thread, whenever the board changes."""
         with self._lock:
             self._watchers.append(on_change)
 
@@ -131,23 +129,23 @@ class Board:
             self._watchers.remove(on_change)
 
     def seat(self, key: str) -> "BoardSeat":
-        """A page of the visitor with this key."""
+        """Returns a new seat for a page of the visitor with this key."""
         seat = BoardSeat(self, key)
         with self._lock:
             self._seats.append(seat)
         return seat
 
     def give_up(self, seat: "BoardSeat") -> None:
-        """Its page has gone."""
+        """Removes the seat of a closed page."""
         with self._lock:
             self._seats.remove(seat)
 
     def close(self) -> None:
-        """Nothing is worked out any more."""
+        """Stops all computations."""
         self._thread.shutdown(wait=False, cancel_futures=True)
 
     def _go_on(self) -> None:
-        """The one next thing."""
+        """Goes to the next stage or step."""
         step, stage = self.step(self._at), self._stages.get(self._at, COUNTED)
         if self._at < self._opened:
             self._at = self.after(self._at)
@@ -161,7 +159,7 @@ class Board:
                 self._work_out(step)
 
     def _work_out(self, step: Step) -> None:
-        """What is right in a step, so that it is there when it is asked for; what has failed once more."""
+        """Starts computing the right answer of a step; repeats a failed attempt."""
         run = self._rights.get(step.key)
         if run is None or (run.done() and run.exception()):
             run = self._rights[step.key] = self._thread.submit(right_answer, self.lesson, step, self.numbers,
@@ -176,7 +174,7 @@ class Board:
 
 
 class BoardSeat:
-    """A page of the visitor with this ``key``; steps are counted as in :class:`Progress`."""
+    """Seat of a page of the visitor with this ``key``; steps are counted as in :class:`Progress`."""
 
     def __init__(self, board: Board, key: str):
         self._board, self._key, self._gone = board, key, False
@@ -185,26 +183,26 @@ class BoardSeat:
 
     @property
     def lesson(self) -> str:
-        """The name of the lesson that is paced; in others a visitor goes on as he likes."""
+        """The name of the paced lesson; other lessons are not paced."""
         return self._board.lesson.name
 
     @property
     def opened(self) -> int:
-        """The last step that is open."""
+        """The number of the last step that is open."""
         return self._board.opened
 
     def progress(self) -> Progress:
-        """What this visitor has answered so far, and where he was: the class has it, and not the browser."""
+        """Returns the visitor's answers and step, which the server stores instead of the browser."""
         lesson = self._board.lesson
         return Progress(lesson.name, lesson.fingerprint, step=min(self._entry.step, self.opened),
                         answers=self._entry.answers, core=self._board.core)
 
     def listen(self, on_open: Callable[[], None]) -> None:
-        """Have ``on_open`` called, on another thread, when a further step is open."""
+        """Calls ``on_open``, on another thread, when a further step is open."""
         self._on_open = on_open
 
     def open(self) -> None:
-        """A further step is open. One page that fails must not keep it from the others."""
+        """Notifies the page that a further step is open; an error in one page does not affect others."""
         try:
             if not self._gone:
                 self._on_open()
@@ -224,5 +222,5 @@ class BoardSeat:
 
 
 def has_chart(step: Step) -> bool:
-    """Whether what is answered to a step is shown; of free texts it is only said how many there are."""
+    """Whether the answers to a step are shown; free texts are only counted."""
     return step.question is not None and step.question.kind != TEXT

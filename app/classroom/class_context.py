@@ -1,4 +1,4 @@
-"""What the pages of a class share, and what the lecturer's has: the board, and the link and code to join by."""
+"""Data shared by the pages of a class, and the lecturer's: the board, and the link and code to join."""
 
 from dataclasses import dataclass, field, replace
 from urllib.parse import quote, urlsplit
@@ -10,13 +10,13 @@ from app.lessons.lesson import Lesson
 from app.lessons.lesson_runs import RunCache
 from app.lessons.student_progress import Progress
 
-POLITE = 10  # more than the engines: marks can wait, stages cannot
+POLITE = 10  # nice value above the engines': marks can wait, stages cannot
 OF_NO_USE = lazy("Only this computer can open this address: serve with --host 0.0.0.0 for a class.")
 
 
 @dataclass(frozen=True)
 class JoinInfo:
-    """By which a class comes in: its ``link`` without the code, the ``code``, a ``warning`` where nobody else can."""
+    """How a class joins: ``link`` without the code, the ``code``, and a ``warning`` if others cannot connect."""
 
     link: str
     code: str
@@ -24,19 +24,19 @@ class JoinInfo:
 
     @property
     def whole(self) -> str:
-        """The link that brings the code along."""
+        """The link with the code."""
         return f"{self.link}#code={quote(self.code)}"
 
 
 @dataclass(frozen=True)
 class LecturerContext:
-    """What a lecturer's page has: the ``board`` and the ``door`` by which a class comes in."""
+    """Data of a lecturer's page: the ``board``, and the ``door``, the link and code for the class."""
 
     board: Board
     door: JoinInfo
 
     def seen_from(self, here: str) -> JoinInfo:
-        """The door for a class, where the lecturer's browser has found the lab under this address."""
+        """Returns link and code for a class, given the address at which the lecturer's browser opened the lab."""
         known = self.door.link
         link = here if here and not is_loopback(urlsplit(here).hostname or "") else known
         return replace(self.door, link=link, warning=tr(OF_NO_USE) * is_loopback(urlsplit(link).hostname or ""))
@@ -44,8 +44,8 @@ class LecturerContext:
 
 @dataclass(frozen=True)
 class Classroom:
-    """What the visitors of a server share: the ``lesson`` opened, teacher's notes, outcomes, whether lessons begin with
-    the core; and of each visitor a ``seat``, where a board paces the lesson."""
+    """Data shared by the visitors of a server: the ``lesson`` opened, whether teacher's notes are shown, results of
+    runs, whether lessons begin with the ``core``; and a visitor's ``seat`` if a board paces the lesson."""
 
     lesson: str = ""
     teacher: bool = False
@@ -54,7 +54,7 @@ class Classroom:
     seat: BoardSeat | None = None
 
     def begun(self, lesson: Lesson) -> Progress:
-        """How somebody begins a lesson, or goes on with the one that is paced."""
+        """Returns the initial progress of a lesson, or the present one if the board paces it."""
         if self.seat and self.seat.lesson == lesson.name:
             return self.seat.progress()
         return Progress(lesson.name, lesson.fingerprint, core=self.core and bool(lesson.deeper))

@@ -31,7 +31,7 @@ DEFAULT_COMMAND = ("serve",)
 
 @functools.cache
 def commands() -> dict[tuple[str, ...], type]:
-    """Every command by its words, in the order of the help."""
+    """Returns all commands by their words, in the order of the help."""
     scenes = {name: problem.scene for name, problem in PROBLEMS.items()}
     found: dict[tuple[str, ...], type] = {("serve",): Serve}
     found |= {("run", name): of_problem(Run, scene) for name, scene in scenes.items()}

@@ -1,4 +1,4 @@
-"""``mpm-lab --completion SHELL``: the script by which a shell completes commands, flags, their words and files."""
+"""``mpm-lab --completion SHELL``: the script that completes commands, flags, their words and files in a shell."""
 
 import contextlib
 import io
@@ -15,21 +15,21 @@ from app.commands.flags import BadInput
 from app.commands.help import PROGRAM
 
 SHELLS = ("bash", "zsh", "fish")
-FILES = ("PATH", "FILE ...")  # what flags are called that take files
-#: In tyro's script for bash: where it knows nothing, files, as bash does without it.
+FILES = ("PATH", "FILE ...")  # metavars of flags that take files
+#: Changes to tyro's script for bash: falls back to files, as bash does without it.
 BASH = {"complete -F": "complete -o default -F",
         'COMPREPLY=("${matches[@]}")': 'COMPREPLY=(); [ -z "$completions" ] || COMPREPLY=("${matches[@]}")'}
 
 
 def completion_script(shell: str) -> str:
-    """The script for a shell, made from the commands' own flags."""
+    """Returns the script for a shell, made from the commands' own flags."""
     if shell not in SHELLS:
         raise BadInput("completion", shell, f"give one of {', '.join(SHELLS)}")
     tree: dict[str, Any] = {}
     for (first, *rest), kind in commands().items():
         if not rest:
             tree[first] = _typed(kind)
-        elif not rest[0].startswith("-"):  # --scene TEXT, which nothing completes
+        elif not rest[0].startswith("-"):  # --scene TEXT has no completion
             tree.setdefault(first, {})[rest[0]] = _typed(kind)
     read: Any = tyro.cli  # the type of what it returns depends on the commands
     printed = io.StringIO()
@@ -40,12 +40,12 @@ def completion_script(shell: str) -> str:
 
 
 def _choice(kinds: dict[str, Any]) -> Any:
-    """One of these commands, as tyro has it."""
+    """Returns the type of a choice between commands for tyro."""
     return reduce(operator.or_, [Annotated[kind, tyro.conf.subcommand(name)] for name, kind in kinds.items()])
 
 
 def _typed(kind: Any) -> type:
-    """A command whose flags say what they take: those that the command line reads let anything through."""
+    """Returns a command with specific flag types, as those for reading accept anything."""
     hints = get_type_hints(kind, include_extras=True)
     typed = {f.name: hint for f in fields(kind) if (hint := _completed(hints[f.name])) is not None}
     known = {"__annotations__": typed, "__doc__": kind.__doc__, **dict.fromkeys(typed)}
@@ -53,7 +53,7 @@ def _typed(kind: Any) -> type:
 
 
 def _completed(hint: Any) -> Any:
-    """The type of a flag that takes files or one of some words; None of any other."""
+    """Returns the type of a flag that takes files or one of some words; None for any other."""
     marks = getattr(hint, "__metadata__", ())
     spec = next((mark for mark in marks if isinstance(mark, tyro.constructors.PrimitiveConstructorSpec)), None)
     if spec is None:

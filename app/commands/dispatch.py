@@ -1,8 +1,7 @@
-"""From words to a command: finds the command, reads its flags, and turns every mistake into one line.
+"""Dispatcher: finds the command, parses its flags, and reports every error in one line.
 
-Exit status: 0 ok, 1 could not run or write, 2 bad input, 3 an unstable or lost run, 130 stopped by Ctrl-C, 141 nobody
-reads what is printed.
-"""
+Exit status: 0 ok, 1 could not run or write, 2 bad input, 3 an unstable or lost run, 130 stopped by Ctrl-C, 141 the
+output's reader has gone."""
 
 import contextlib
 import io
@@ -23,13 +22,13 @@ from solvers.scene.validation import SceneError, field_flag, field_key, key_fiel
 from solvers.untrusted.quoting import one_line, quote, suggest_word
 
 FAILED, BAD_INPUT, BROKEN_PIPE = 1, 2, 141
-LONGEST_COMPLAINT = 200  # letters of what the reader of flags says
+LONGEST_COMPLAINT = 200  # letters of an error of the parser
 
 
 def dispatch(arguments: list[str]) -> int:
     """Runs the command line and returns its exit status. Only Ctrl-C is raised, with ``-X dev`` any error."""
     if isinstance(sys.stdout, io.TextIOWrapper):
-        sys.stdout.reconfigure(errors="replace")  # a terminal that has no ² must not cost the result
+        sys.stdout.reconfigure(errors="replace")  # a terminal without ² must not lose the result
     with showing_places(VERBOSE in arguments):
         return _status([word for word in arguments if word != VERBOSE])
 
@@ -37,14 +36,14 @@ def dispatch(arguments: list[str]) -> int:
 def _status(arguments: list[str]) -> int:
     try:
         status = _main(arguments)
-        put_text("")  # here, where a reader that has gone is still ours to handle
+        put_text("")  # here, where a broken pipe is still handled
         return status
     except (BadInput, ExtensionError, SceneError) as error:
         print_message(BadInput(field_flag(error.field), error.value, error.sentence) if isinstance(error, SceneError)
                       else error)
         return BAD_INPUT
     except BrokenPipeError:
-        os.dup2(os.open(os.devnull, os.O_WRONLY), 1)  # or Python complains again when it ends
+        os.dup2(os.open(os.devnull, os.O_WRONLY), 1)  # otherwise Python reports it again at exit
         return BROKEN_PIPE
     except NotWritten as error:
         print_message(error)
@@ -78,7 +77,7 @@ def _main(arguments: list[str]) -> int:
 
 
 def _find_command(arguments: list[str]) -> tuple[tuple[str, ...], list[str]]:
-    """The command's name and what follows it. A name that is only the beginning of one asks for help."""
+    """Returns the command's name and the rest. The beginning of a name shows help."""
     if not arguments or (arguments[0].startswith("-") and arguments[0] not in ("-h", "--help")):
         return DEFAULT_COMMAND, arguments
     name: tuple[str, ...] = ()
@@ -99,12 +98,12 @@ def _give(name: tuple[str, ...]) -> str:
 
 
 def _next_words(name: tuple[str, ...]) -> list[str]:
-    """The words that may follow the beginning of a command's name."""
+    """Returns the words that may follow the beginning of a command's name."""
     return list(dict.fromkeys(known[len(name)] for known in commands() if known[:len(name)] == name))
 
 
 def _read_flags(kind: type, program: str, arguments: list[str]) -> Any:
-    """The command with its flags filled in; None after its help was shown."""
+    """Returns the command with its flags; None after showing help."""
     read: Any = tyro.cli  # the type of what it returns depends on its flags
     names = {f.name for f in fields(kind)}
     arguments = [_translate_synonym(word, names) for word in arguments]
@@ -117,7 +116,7 @@ def _read_flags(kind: type, program: str, arguments: list[str]) -> Any:
         if not end.code:
             put_text(wrap_help(shown.getvalue(), kind))
             return None
-        # tyro's boxed complaint as one sentence: the first line between the borders.
+        # tyro's boxed error as one sentence: the first line within the box.
         lines = [line.strip(" │|╭╮╰╯─-") for line in complaints.getvalue().splitlines()]
         says = [line for line in lines if line and not line.startswith(("Missing", "Parsing", "For full"))]
         raise BadInput("", program, quote(says[0], LONGEST_COMPLAINT) if says else

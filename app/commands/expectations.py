@@ -1,4 +1,4 @@
-"""What ``--expect`` asks of a report, in the language of the lessons' claims."""
+"""Claims of ``--expect`` about a report, in the language of the lessons' claims."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
@@ -12,13 +12,13 @@ from solvers.untrusted.quoting import quote
 
 @dataclass(frozen=True)
 class Expectations:
-    """The paths of a report, and what the report itself is called, which no claim has to say."""
+    """Paths of a report, and the name of the report, which claims may omit."""
 
     name: str
     vocabulary: Vocabulary
 
     def check(self, claims: Sequence[str]) -> None:
-        """Refuse a claim that cannot be decided."""
+        """Rejects claims that cannot be decided; raises :class:`BadInput`."""
         for claim in claims:
             try:
                 check_claim(claim, {self.name: None}, self.name, self.vocabulary)
@@ -33,7 +33,7 @@ class Expectations:
             try:
                 decided = decide(claim, scope)
                 holds, found = decided.holds, ", ".join(dict.fromkeys(decided.found.split(", ")))  # order: of all grids
-            except ClaimError as error:  # one that has no value here does not hold
+            except ClaimError as error:  # one without a value does not hold
                 holds, found = False, str(error)
             print_message(f"expected {quote(claim)}: {'holds' if holds else 'DOES NOT HOLD'} ({found})")
             missed |= not holds

@@ -1,9 +1,7 @@
-"""Flags that let anything through, so that whoever knows the allowed range can word the error.
+"""Flags that accept anything, so that errors come from the code that knows the valid range.
 
-A number that does not parse stays text: ``Scene`` then says what is wrong and what is allowed, in one line,
-as it does for a number out of range. That is why these flags take any count of words (none, or too many, is
-wrong in the same way) and why no range is repeated here.
-"""
+A number that does not parse stays text: ``Scene`` then reports what is wrong and what is allowed, in one line, as for a
+number out of range. Therefore these flags take any number of words, and no range is repeated here."""
 
 import os
 from collections.abc import Callable, Iterable, Sequence
@@ -19,7 +17,7 @@ MOST_FILES = 10_000
 
 
 class BadInput(Exception):
-    """Something typed that no command can use. ``flag`` is without its dashes, "" for what is not a flag."""
+    """Raised for unusable input. ``flag`` is without its dashes, "" for an argument that is not a flag."""
 
     def __init__(self, flag: str, value: object, sentence: str):
         self.flag, self.value, self.sentence = flag, value, sentence
@@ -27,19 +25,19 @@ class BadInput(Exception):
 
 
 def _lenient(metavar: str, parse: Callable[[list[str]], Any]) -> Any:
-    """A tyro constructor that takes any words and never fails."""
+    """Returns a tyro constructor that takes any words and never fails."""
     return tyro.constructors.PrimitiveConstructorSpec(
         nargs="*", metavar=metavar, instance_from_str=parse, is_instance=lambda value: True,
         str_from_instance=lambda value: list(map(str, value)) if isinstance(value, tuple) else [quoting.quote(value)])
 
 
 def parse_number(words: list[str]) -> Any:
-    """A whole number or a float where the words are one, else the words."""
+    """Returns an integer or a float if the words are one, else the words."""
     return _read(number_parsing.parse_number, words)
 
 
 def parse_float(words: list[str]) -> Any:
-    """A float where the words are one, else the words."""
+    """Returns a float if the words are one, else the words."""
     return _read(number_parsing.parse_float, words)
 
 
@@ -52,27 +50,27 @@ def _read(reader: Callable[[str], float], words: list[str]) -> Any:
 
 
 def _words(words: list[str]) -> tuple[str, ...]:
-    """Words separated by commas, spaces or both."""
+    """Splits words at commas, spaces or both."""
     return tuple(word for group in words for word in group.replace(",", " ").split())
 
 
 def one_of(choices: Iterable[str]) -> Any:
-    """For a flag that is one of the choices: ``Annotated[Any, one_of(...)]``."""
+    """Returns the type of a flag with one of the choices: ``Annotated[Any, one_of(...)]``."""
     return _lenient("{" + ",".join(choices) + "}", " ".join)
 
 
 def several_of(choices: Iterable[str]) -> Any:
-    """For a flag that is several of the choices, separated by commas or spaces."""
+    """Returns the type of a flag with several of the choices, separated by commas or spaces."""
     return _lenient("{" + ",".join(choices) + "} ...", _words)
 
 
 def choices_of(choices: Iterable[str], default: str, text: str) -> Any:
-    """The type of such a flag with its help, where "default" stands for none given."""
+    """Returns the type of a flag with several of the choices and its help, where "default" stands for none given."""
     return Annotated[Any, several_of(choices), default_hint(default), tyro.conf.arg(help=text)]
 
 
 def default_hint(text: str) -> Any:
-    """What the help says about the default of a flag that has none of its own."""
+    """Returns the help about the default of a flag without a default value."""
     return tyro.conf.arg(help_behavior_hint=f"(default: {text})")
 
 
@@ -84,14 +82,14 @@ FilesFlag = Annotated[Any, _lenient("FILE ...", tuple)]
 PathFlag = Annotated[Any, _lenient("PATH", " ".join)]
 #: A flag without a value.
 Switch = Annotated[bool, tyro.conf.FlagCreatePairsOff]
-#: What a report is to bear out, each with a flag of its own.
+#: Claims about a report, each with a flag of its own.
 ClaimsFlag = Annotated[tuple[str, ...], tyro.conf.UseAppendAction, tyro.conf.arg(
     metavar="CLAIM", help_behavior_hint="(default: nothing; may be given several times)")]
 ProcessesFlag = Annotated[NumberFlag, default_hint("one on each processor")]
 
 
 def side_by_side(processes: Any) -> int:
-    """How many processes are to work side by side, of what was typed; unless anything was, one on each processor."""
+    """Returns the number of parallel processes: the one given, or one per processor."""
     if processes is None:
         return default_processes()
     require_whole("processes", processes, 1, MOST_PROCESSES)
@@ -99,7 +97,7 @@ def side_by_side(processes: Any) -> int:
 
 
 def times_of(words: tuple[str, ...], flag: str) -> list[float]:
-    """Times in seconds, as they were typed."""
+    """Parses times in seconds."""
     times = []
     for word in words:
         time = parse_float([word])
@@ -122,7 +120,7 @@ def times_for(files: Sequence[str], words: tuple[str, ...]) -> list[float]:
     for file in files:
         try:
             os.stat(file)
-        except (OSError, ValueError) as error:  # a character that no name can have is the latter
+        except (OSError, ValueError) as error:  # ValueError: a character invalid in names
             why = getattr(error, "strerror", None) or str(error)
             raise BadInput("", file, f"cannot be read: {why.lower()}; give a file that exists and may be "
                                      "read") from None

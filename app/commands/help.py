@@ -18,7 +18,7 @@ EVERYWHERE = f"With any command {VERBOSE} shows where in the code something fail
 
 
 class PrintCapture(io.StringIO):
-    """Takes what is printed as if it were the standard output, colours included where they are wanted there."""
+    """Captures printed text as if on standard output, with colours if wanted there."""
 
     encoding = sys.stdout.encoding
 
@@ -31,7 +31,7 @@ class PrintCapture(io.StringIO):
 
 
 def help_paragraphs(kind: type) -> list[str]:
-    """The help of a command, a line each: what it does, more of it, and its exit statuses."""
+    """Returns the help of a command, a line each: summary, details, and exit statuses."""
     first, _, rest = (inspect.getdoc(kind) or "").partition("\n\n")
     more, found, statuses = rest.partition("Exit status:")
     return [" ".join(part.split()) for part in (first, *more.split("\n\n"), found + statuses) if part.strip()]
@@ -40,7 +40,7 @@ def help_paragraphs(kind: type) -> list[str]:
 def wrap_help(shown: str, kind: type) -> str:
     """Returns the help that tyro has ``shown`` with wrapped paragraphs, the example, and what every command has."""
     usage, _, rest = shown.partition("\n")
-    if len(usage) > _width():  # as several lines, none of which parts a flag from its value
+    if len(usage) > _width():  # wrapped without separating flags from their values
         together = re.sub(r"\[[^]]*\]", lambda flag: flag[0].replace(" ", "\0"), usage)
         usage = textwrap.fill(together, _width(), subsequent_indent=" " * 4, break_long_words=False,
                               break_on_hyphens=False).replace("\0", " ")
@@ -51,7 +51,7 @@ def wrap_help(shown: str, kind: type) -> str:
 
 
 def commands_overview(name: tuple[str, ...]) -> str:
-    """The help above the commands whose names begin so: their names and what they do."""
+    """Returns the help for commands whose names begin so: their names and summaries."""
     program = " ".join((PROGRAM, *name))
     rows = {" ".join((PROGRAM, *known)): (inspect.getdoc(kind) or "").partition("\n")[0]
             for known, kind in commands().items() if known[:len(name)] == name}

@@ -1,4 +1,4 @@
-"""``mpm-lab lesson list|check|guide|grade``: lessons without a page."""
+"""``mpm-lab lesson list|check|guide|grade``: commands for lessons, without the page."""
 
 import os
 from collections.abc import Callable, Iterable, Sequence, Sized
@@ -22,7 +22,7 @@ if TYPE_CHECKING:
 
 Read = TypeVar("Read")
 OK, FAILED, BAD_INPUT = 0, 1, 2
-MOST_CHARACTERS = 1_000_000  # of a file; an honest one has some thousand
+MOST_CHARACTERS = 1_000_000  # of a file; usual ones have some thousand
 CHECKS_SCHEMA = "mpm-lab/lesson-check/1"
 
 
@@ -177,7 +177,7 @@ class LessonGrade:
             for done, (file, found) in enumerate(read):
                 show(done / len(read))
                 rows.append(grading.grade_file(file, found, lessons[found.lesson], outcomes, self.core))
-        put_text(grading.grades_csv(rows), target, "utf-8-sig")  # by which a spreadsheet knows the characters
+        put_text(grading.grades_csv(rows), target, "utf-8-sig")  # so that spreadsheets recognise the encoding
         for sentence in () if self.quiet else grading.interval_coverage(rows):
             print_message(sentence)
         return OK if len(read) == len(self.files) else FAILED
@@ -206,17 +206,17 @@ class LessonScripts:
 
 
 def _answers(file: str) -> "tuple[str, Progress] | None":
-    """What a file says; None where it cannot be read, which is told."""
+    """Reads a file of answers; returns None, with a message, if that fails."""
     from app.lessons import catalogue, student_progress
     try:
-        if os.path.exists(file) and not os.path.isfile(file):  # a pipe would be waited for
+        if os.path.exists(file) and not os.path.isfile(file):  # a pipe would block
             raise student_progress.NotAnswers("is not a file; give files that the page has saved")
         with open(file, encoding="utf-8") as opened:
             text = opened.read(MOST_CHARACTERS + 1)
         if len(text) > MOST_CHARACTERS:
             raise student_progress.NotAnswers(f"is too long; give a file of at most {MOST_CHARACTERS:,} characters")
         return file_name(file), student_progress.parse_progress(text, catalogue.load_lessons().get)
-    except (OSError, ValueError) as error:  # also progress.NotAnswers, and what is no UTF-8
+    except (OSError, ValueError) as error:  # also NotAnswers, and invalid UTF-8
         said = error.strerror.lower() if isinstance(error, OSError) and error.strerror else \
             "is no text" if isinstance(error, UnicodeDecodeError) else str(error)
         print_message(flags.BadInput("", file_name(file), said))
@@ -233,12 +233,12 @@ def _read(names: tuple[str, ...], find: Callable[[str], Iterable[Lesson]],
     from app.lessons import catalogue
     lessons, mistakes = list[Lesson](), dict[str, str]()
     called = dict.fromkeys(lesson_called(name, also) for name in names) if names else catalogue.lesson_names()
-    _read_each(called, lambda name: lessons.extend(find(name)), mistakes)  # a lesson stays without its translation
+    _read_each(called, lambda name: lessons.extend(find(name)), mistakes)  # keeps it without its translation
     return lessons, mistakes
 
 
 def _read_each(names: Iterable[str], read: Callable[[str], Read], mistakes: dict[str, str]) -> list[Read]:
-    """What can be read of files of these names; the ``mistakes`` of the others are told and kept."""
+    """Reads files of these names; the ``mistakes`` of invalid ones are printed and recorded."""
     found = []
     for name in names:
         try:
@@ -250,7 +250,7 @@ def _read_each(names: Iterable[str], read: Callable[[str], Read], mistakes: dict
 
 
 def lesson_called(name: str, also: Sequence[str] = ()) -> str:
-    """The full name of a lesson; raises :class:`BadInput` where there is none, with what could be given ``also``."""
+    """Returns the full name of a lesson; raises :class:`BadInput` with the valid names and ``also`` others."""
     from app.lessons import catalogue
     try:
         return catalogue.resolve_name(name)

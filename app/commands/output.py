@@ -1,4 +1,4 @@
-"""Where results and messages go: checked and atomic files, the standard output, one line on standard error."""
+"""Output of results and messages: checked and atomic files, standard output, one line on standard error."""
 
 import contextlib
 import json
@@ -19,11 +19,11 @@ from solvers.untrusted import quoting
 LONGEST_LINE = 1000  # letters; refusals have less
 STDOUT = "standard output"
 REPORT = Path(__file__).parent / "report.html"
-_places = False  # whether a failure that is told comes with its traceback
+_places = False  # whether reported failures have tracebacks
 
 
 class NotWritten(Exception):
-    """A result that is there and could not be written; ``where`` is a flag with its value, or the standard output."""
+    """Raised if a result could not be written; ``where`` is a flag with its value, or the standard output."""
 
     def __init__(self, where: str, error: OSError):
         why = (error.strerror or str(error)).lower()
@@ -32,7 +32,7 @@ class NotWritten(Exception):
 
 @contextlib.contextmanager
 def showing_places(wanted: bool) -> Iterator[None]:
-    """Meanwhile every failure that is told, and every line of log about one, has its traceback, if ``wanted``."""
+    """Context manager: adds tracebacks to reported and logged failures, if ``wanted``."""
     global _places
     _places, before = wanted, _places
     log = logging.getLogger("app")
@@ -49,23 +49,23 @@ def showing_places(wanted: bool) -> Iterator[None]:
 def print_message(message: object) -> None:
     """Prints one line without control characters on standard error, with ``--verbose`` after the traceback."""
     places = traceback.format_exc().splitlines() if _places and sys.exc_info()[1] else []
-    with contextlib.suppress(OSError):  # where nobody can be told anything, the exit status still says it
+    with contextlib.suppress(OSError):  # if standard error fails, the exit status remains
         for line in places:
             print("".join(letter if letter.isprintable() else "?" for letter in line), file=sys.stderr)
         print(f"mpm-lab: {quoting.one_line(message, LONGEST_LINE)}", file=sys.stderr, flush=True)
 
 
 def json_text(values: dict, lines: bool = False) -> str:
-    """One JSON object, on one line or on many; NaN and infinity, which JSON has not, are an error."""
+    """Returns one JSON object, on one line or on many; NaN and infinity, which JSON lacks, are an error."""
     return json.dumps(values, allow_nan=False, indent=2 if lines else None) + "\n"
 
 
 class Target:
-    """A file to be written later, tried now. It appears whole or not at all: written beside, then renamed."""
+    """File to be written later, checked now. It appears complete or not at all: written beside, then renamed."""
 
     def __init__(self, flag: str, text: str, may_be_stdout: bool = False, ending: str = ""):
         self.flag, self.text, self.is_stdout = flag, text, may_be_stdout and text == "-"
-        # where it really lies, so that a link stays one; a device has no better name than its own
+        # resolved, so that a link stays one; devices keep their names
         self.path = "" if self.is_stdout or "\0" in text else text if _is_device(text) else os.path.realpath(text)
         self._beside = Path(os.path.dirname(self.path), f".mpm-lab-{flag}-{os.getpid()}.part")
         if not text.strip():
@@ -74,13 +74,13 @@ class Target:
             raise BadInput(flag, text, f"give a file that ends in {ending}")
         try:
             self._try()
-        except (OSError, ValueError) as error:  # a character that no name can have is the latter
+        except (OSError, ValueError) as error:  # ValueError: a character invalid in names
             why = getattr(error, "strerror", None) or str(error)
             raise BadInput(flag, text, f"cannot be written: {why.lower()}; "
                            "give a file in a directory that exists and may be written to") from None
 
     def write(self, content: bytes) -> None:
-        """Write the content, replacing what was there; raises :class:`NotWritten`."""
+        """Writes the content, replacing what was there; raises :class:`NotWritten`."""
         with report_write_errors(STDOUT if self.is_stdout else f"--{self.flag} {quoting.quote(self.text)}"):
             self._write(content)
 
@@ -103,7 +103,7 @@ class Target:
         if self.is_stdout or _is_device(self.path):
             return
         with contextlib.suppress(FileNotFoundError):
-            os.stat(self.path)  # a name that no file can have fails here and not after the run
+            os.stat(self.path)  # an invalid name fails here and not after the run
         if os.path.isdir(self.path) or self.text.endswith(os.sep):
             raise IsADirectoryError("is a directory")
         self._beside.write_bytes(b"")
@@ -111,17 +111,17 @@ class Target:
 
 
 def json_target(text: str | None) -> Target | None:
-    """Where ``--json`` goes, tried now; None if it was not given."""
+    """Returns the target of ``--json``, checked now; None if it was not given."""
     return None if text is None else Target("json", text, may_be_stdout=True)
 
 
 def put_result(values: dict, target: Target | None, text: Callable[[dict], str]) -> None:
-    """A result as JSON where a file was asked for, else as ``text`` makes it, on standard output."""
+    """Writes a result as JSON if a file was requested, else as ``text`` on standard output."""
     put_text(json_text(values, lines=not target.is_stdout) if target else text(values) + "\n", target)
 
 
 def put_text(text: str, target: Target | None = None, encoding: str = "utf-8") -> None:
-    """A text to a file where one was asked for, else to standard output."""
+    """Writes a text to a file if one was requested, else to standard output."""
     if target:
         target.write(text.encode(encoding))
     else:
@@ -131,7 +131,7 @@ def put_text(text: str, target: Target | None = None, encoding: str = "utf-8") -
 
 @contextlib.contextmanager
 def report_write_errors(where: str) -> Iterator[None]:
-    """Meanwhile what cannot be written is told as such; a reader that has gone is no such thing."""
+    """Context manager: reports write errors by :class:`NotWritten`, except a broken pipe."""
     try:
         yield
     except BrokenPipeError:
@@ -141,12 +141,12 @@ def report_write_errors(where: str) -> Iterator[None]:
 
 
 def _is_device(path: str) -> bool:
-    """A pipe, a terminal or the like, which must be written to and not replaced."""
+    """Whether a path is a pipe, a terminal or the like, which must be written to and not replaced."""
     return os.path.exists(path) and not os.path.isfile(path) and not os.path.isdir(path)
 
 
 class Folder:
-    """The directory after ``--out``, made and tried now: new or empty, so that nothing of anybody's is overwritten."""
+    """Directory of ``--out``, created and checked now: new or empty, so that nothing is overwritten."""
 
     def __init__(self, text: str | None):
         self.text = (text or "").strip()
@@ -156,16 +156,16 @@ class Folder:
         try:
             os.makedirs(self.text, exist_ok=True)
             there = os.listdir(self.text)
-        except (OSError, ValueError) as error:  # a character that no name can have is the latter
+        except (OSError, ValueError) as error:  # ValueError: a character invalid in names
             why = (getattr(error, "strerror", None) or str(error)).lower()
             raise BadInput("out", self.text, f"cannot be a directory: {why}; give one that exists or can be made and "
                                              "may be written to") from None
         if there:
             raise BadInput("out", self.text, "is not empty; give an empty or a new directory")
-        Target("out", str(self.path / "try"))  # says now what would fail later
+        Target("out", str(self.path / "try"))  # fails now instead of later
 
     def put(self, name: str, content: bytes) -> None:
-        """Write a file into the directory, whole or not at all."""
+        """Writes a file into the directory, completely or not at all."""
         Target("out", str(self.path / name)).write(content)
 
 
@@ -187,9 +187,9 @@ def draw_pictures(figures: Mapping[str, Callable[[Any], Any]], values: Any, put:
 
 
 def as_html(text: str, folder: Path) -> str:
-    """A report in Markdown as one page of HTML, its pictures, which lie in the folder, in it."""
+    """Returns a Markdown report as one html page with its pictures, which are in the folder."""
     title = escape(text.partition("\n")[0].lstrip("# "))
-    body = to_html(text, folder)  # whose tables scroll by themselves where they are wider than a phone
+    body = to_html(text, folder)  # tables wider than the screen scroll
     body = body.replace("<table>", '<div class="wide" tabindex="0"><table>').replace("</table>", "</table></div>")
     return render_template(REPORT, title=title, body=body)
 

@@ -1,4 +1,4 @@
-"""While solvers work: a clean standard output, Ctrl-C, and a progress bar with the time left."""
+"""Console during long computations: a clean standard output, Ctrl-C, and a progress bar with the time left."""
 
 import contextlib
 import ctypes
@@ -11,19 +11,19 @@ import warnings
 from collections.abc import Callable, Iterator, Mapping
 
 BAR_WIDTH = 30  # of the progress bar in characters
-BAR_TEXT = 24  # of what is being done; the whole line fits a terminal of 80
-PATIENCE = 1.0  # seconds before a bar is worth showing
-MEASURED = 2.0  # seconds of work after which the rest is reckoned from it
+BAR_TEXT = 24  # of the text beside it; the line fits a terminal of 80
+PATIENCE = 1.0  # seconds before a bar is shown
+MEASURED = 2.0  # seconds of work after which the rest is estimated from it
 
 
 class Remaining:
-    """The time left, by the pace since the first part was done, so that compiling does not count."""
+    """Estimate of the time left, from the pace since the first part was done, so that compilation does not count."""
 
     def __init__(self) -> None:
         self._first: tuple[float, float] | None = None  # part done, and when
 
     def text(self, part: float, now: float) -> str:
-        """In words, when that much is done; "" until enough was measured."""
+        """Returns the time left as text, from the part done; "" until enough was measured."""
         if self._first is None:
             self._first = part, now
         done, took = part - self._first[0], now - self._first[1]
@@ -32,7 +32,7 @@ class Remaining:
 
 @contextlib.contextmanager
 def stdout_to_stderr() -> Iterator[None]:
-    """Meanwhile, what native code or Taichi prints to standard output goes to standard error."""
+    """Context manager: redirects what native code or Taichi prints to standard output to standard error."""
     sys.stdout.flush()
     saved = os.dup(1)
     os.dup2(2, 1)
@@ -41,18 +41,17 @@ def stdout_to_stderr() -> Iterator[None]:
     finally:
         sys.stdout.flush()
         with contextlib.suppress(OSError, AttributeError, TypeError):
-            ctypes.CDLL(None).fflush(None)  # native text still in C's own buffer would come out later
+            ctypes.CDLL(None).fflush(None)  # text in C's buffer would be printed later
         os.dup2(saved, 1)
         os.close(saved)
 
 
 @contextlib.contextmanager
 def noted_interrupts() -> Iterator[Callable[[], None]]:
-    """Ctrl-C as usual, and noted: call what this yields now and then to raise one that native code swallowed.
+    """Context manager: records Ctrl-C and yields a function that raises one that native code swallowed.
 
-    An exception raised while Taichi compiles can get lost in its callbacks, or come out as another; one that is raised
-    while it imports makes it complain of a broken installation, so that waits.
-    """
+    An exception raised while Taichi compiles can get lost in its callbacks, or be replaced; during Taichi's import it
+    would be reported as a broken installation, so it waits."""
     noted = False
 
     def note(number: int, frame: object) -> None:
@@ -65,14 +64,14 @@ def noted_interrupts() -> Iterator[Callable[[], None]]:
         if noted:
             raise KeyboardInterrupt
 
-    if threading.current_thread() is not threading.main_thread():  # others get no signals
+    if threading.current_thread() is not threading.main_thread():  # other threads get no signals
         yield check
         return
     before = signal.signal(signal.SIGINT, note)
     try:
         yield check
     except Exception:
-        check()  # native code may make another error of it
+        check()  # native code may have replaced the exception
         raise
     finally:
         signal.signal(signal.SIGINT, before)
@@ -80,10 +79,9 @@ def noted_interrupts() -> Iterator[Callable[[], None]]:
 
 @contextlib.contextmanager
 def show_progress(quiet: bool) -> Iterator[Callable[..., None]]:
-    """While solvers work: a clean standard output, Ctrl-C noted, and, unless ``quiet``, a progress bar on a terminal.
+    """Context manager: keeps standard output clean, records Ctrl-C, and shows a progress bar unless ``quiet``.
 
-    Yields what is to be called now and then with the part done, 0 to 1, and, if one likes, what is being done.
-    """
+    Yields a function to call now and then with the part done, 0 to 1, and optionally a text."""
     begun, drawn, remaining = time.monotonic(), False, Remaining()
     shown = not quiet and sys.stderr.isatty() and not is_dumb(os.environ)
 
@@ -116,5 +114,5 @@ def wants_colour(environment: Mapping[str, str], is_terminal: bool) -> bool:
 
 
 def is_dumb(environment: Mapping[str, str]) -> bool:
-    """Whether the terminal can neither colour nor take back what it has shown."""
+    """Whether the terminal supports neither colours nor overwriting of lines."""
     return environment.get("TERM") in (None, "", "dumb")

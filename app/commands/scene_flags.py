@@ -1,4 +1,4 @@
-"""The flags that say what a scene is, made from the scene's own fields: help, unit, default and choices live there."""
+"""Flags of a scene, generated from the scene's own fields with their help, units, defaults and choices."""
 
 from dataclasses import Field, dataclass, field, fields, make_dataclass
 from typing import Annotated, Any, ClassVar
@@ -9,23 +9,23 @@ from app.commands.flags import BadInput, NumberFlag, RealFlag, TextFlag, one_of,
 from solvers.scene.scene import Scene
 from solvers.scene.validation import field_key, key_field
 
-#: Words that stand for no names, or all.
+#: Words for no names, or all.
 SPECIAL = {"estimators": ("none",), "effects": ("all", "none"), "remedies": ("none",)}
 
 
 @dataclass(frozen=True, kw_only=True)
 class SceneFlags:
-    """The flags of a problem's scene: every field that ``SCENE`` has too is an input of it, which it checks."""
+    """Flags of a problem's scene: fields that ``SCENE`` has too are its inputs, which it validates."""
 
     SCENE: ClassVar[type[Scene]]
-    LEFT_OUT: ClassVar[frozenset[str]] = frozenset()  # fields of a scene that are no flags here
+    LEFT_OUT: ClassVar[frozenset[str]] = frozenset()  # fields of a scene without a flag
 
     def scene(self, **instead: Any) -> Scene:
-        """The scene that the flags describe, with some inputs replaced; the scene itself checks it."""
+        """Returns the scene from the flags, with some inputs replaced; the scene validates them."""
         return self.SCENE(**{key_field(key): value for key, value in {**self.inputs(), **instead}.items()})
 
     def inputs(self) -> dict[str, Any]:
-        """What was given for each input of a scene, by the name of its flag."""
+        """Returns the values of the scene's inputs, by the name of their flags."""
         values = {key: getattr(self, key) for f in fields(self.SCENE) if hasattr(self, key := field_key(f.name))}
         for name, words in SPECIAL.items():
             if (key := field_key(name)) in values:
@@ -35,7 +35,7 @@ class SceneFlags:
 
 
 def of_problem(command: type[SceneFlags], scene: type[Scene], **kinds: Any) -> type:
-    """A command for one problem: the flags of its scene, then the command's own; ``kinds`` replace types of flags."""
+    """Returns a command for one problem: its scene's flags, then its own; ``kinds`` replace types of flags."""
     flags = [(field_key(f.name), describe_flag(scene, f, kinds.get(f.name)),
               field(default=("none",) if f.default == () else f.default))
              for f in fields(scene) if f.name != "problem" and f.name not in command.LEFT_OUT]
@@ -44,7 +44,7 @@ def of_problem(command: type[SceneFlags], scene: type[Scene], **kinds: Any) -> t
 
 
 def with_flags(command: type, scene: type[Scene], **kinds: Any) -> type:
-    """Makes a command for one problem: its flags that the scene has are the scene's; ``kinds`` replaces types."""
+    """Returns a command for one problem, whose flags of scene's fields are the scene's; ``kinds`` replace types."""
     own = {f.name: f.default for f in fields(command)}
     flags = [(f.name, kinds[f.name], field(default=own[f.name])) if f.name in kinds
              else (f.name, describe_flag(scene, f), field(default=f.default)) for f in fields(scene) if f.name in own]
@@ -52,7 +52,7 @@ def with_flags(command: type, scene: type[Scene], **kinds: Any) -> type:
 
 
 def describe_flag(scene: type[Scene], f: Field, kind: Any = None) -> Any:
-    """The type of a field's flag, with its help and, where its default is None or stands for many, what that means."""
+    """Returns the type of a field's flag with its help, and the meaning of a default None or of several values."""
     text, separator, rest = f.metadata["help"].partition(";")
     unit = f", {f.metadata['unit']}" if f.metadata["unit"] else ""
     hint = f"(default: {f.metadata['hint'].format(scene=scene)})" if f.metadata["hint"] and kind is None else None
@@ -81,7 +81,7 @@ def _made(command: type[Any], scene: type[Scene], bases: tuple[type, ...]) -> ty
 
 
 def _expand(flag: str, words: tuple[str, ...], special: dict[str, tuple[str, ...]]) -> tuple[str, ...]:
-    """Words with the special ones, which must stand alone, replaced by what they mean."""
+    """Returns words with special ones, which must stand alone, replaced by their meanings."""
     if not words:
         raise BadInput(flag, "", "give one or several names (--help lists them)")
     alone = next((word for word in words if word in special), None)

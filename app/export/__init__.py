@@ -1,1 +1,1 @@
-"""A lesson or a scene as one file that plays from disk: recordings, a player and what a lesson says."""
+"""Export of a lesson or scene as one file that plays offline: recordings, a player, and the lesson's texts."""

@@ -1,4 +1,4 @@
-"""What a file puts on its stage: a state, the runs around it, and how finely they are recorded to stay small."""
+"""Plan of the stage in an exported file: a state, the runs around it, and how finely they are recorded."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
@@ -16,15 +16,15 @@ from solvers.scene.scene import Scene
 
 LABELS = {field: name for name, field in slider_grid.CONTROLS.items()}
 BUDGET = 8_000_000  # bytes of all recordings before they are compressed, about what they take in the file afterwards
-LEAST, STRIDE = 40, 40  # particles of a run that are kept, at least, and by how many it is tried
-MOST = {1: 200, 2: 1040}  # by dimensions: more along a bar cannot be told apart
-#: Pictures of a period, at least one period's and at most so many, by the problem's dimensions.
+LEAST, STRIDE = 40, 40  # least particles kept of a run, and step of the search
+MOST = {1: 200, 2: 1040}  # by dimensions: more along a bar are indistinguishable
+#: Pictures per period (at least one period's), and at most in all, by the problem's dimensions.
 PICTURES = {1: (48, 240), 2: (30, 120)}
 
 
 @dataclass(frozen=True)
 class Plan:
-    """A state for the stage, the ``axes`` around it and the ``texts`` of all runs (``lattice.scenes``)."""
+    """State for the stage, the ``axes`` around it and the ``texts`` of all runs (``slider_grid.scene_texts``)."""
 
     state: State
     axes: tuple[SliderAxis, ...]
@@ -41,7 +41,7 @@ class Plan:
 
     @property
     def pictures(self) -> int:
-        """How many pictures each of its runs has: the first and so many intervals."""
+        """Number of pictures of each run: the first and one per interval."""
         scene = self.scene
         a_period, most = PICTURES[scene.DIMENSIONS]
         return 1 + round(min(max(scene.end_time / scene.period, 1.0) * a_period, most))
@@ -52,13 +52,13 @@ class Plan:
 
 
 def make_plan(state: State, axes: Sequence[SliderAxis], quantities: Sequence[str]) -> Plan:
-    """The plan for a state; one that says no end is recorded for one period."""
+    """Returns the plan of a state; a scene without an end is recorded for one period."""
     state = replace(state, scene=with_end_time(state.scene))
     return Plan(state, tuple(axes), tuple(quantities), tuple(slider_grid.scene_texts(state.scene, axes)))
 
 
 def with_end_time(scene: Scene, like: Scene | None = None) -> Scene:
-    """A scene that ends after one period, or sooner if its problem does, where it says nothing else, or as another."""
+    """Returns a scene with an end: its own, that of another one, or one period (less if the problem's default is)."""
     if scene.t_end is not None or scene.periods is not None:
         return scene
     if like is not None:
@@ -67,10 +67,10 @@ def with_end_time(scene: Scene, like: Scene | None = None) -> Scene:
 
 
 def recordings_needed(plans: Sequence[Plan]) -> dict[tuple[int, str], RecordingRequest]:
-    """What is to be recorded, by the number of the plan and the text of the run."""
+    """Returns the recordings to make, by the number of the plan and the text of the run."""
     counts = [(plan, min(parse_state(text).scene.particles, MOST[plan.scene.DIMENSIONS]))
               for plan in plans for text in plan.runs]
-    # The tracks of as many particles are kept as the budget has room for, when smaller runs need less.
+    # The most particles for which all recordings fit into the budget; smaller runs need less.
     most = next((most for most in range(max(MOST.values()), LEAST, -STRIDE)
                  if sum(_bytes(plan, min(count, most)) for plan, count in counts) <= BUDGET), LEAST)
     return {(number, text): RecordingRequest(text, plan.pictures, min(most, MOST[plan.scene.DIMENSIONS]),
@@ -80,7 +80,7 @@ def recordings_needed(plans: Sequence[Plan]) -> dict[tuple[int, str], RecordingR
 
 
 def _bytes(plan: Plan, particles: int) -> int:
-    """What a recording of so many particles takes before it is compressed."""
+    """Returns the uncompressed size of a recording in bytes."""
     scene, quantities = plan.scene, len(plan.quantities)
     norms = 4 * (3 + 4 * (1 + 3 * len(scene.estimators)))
     each = scene.DIMENSIONS + len(scene.estimators) * (1 + plan.state.difference)
@@ -90,7 +90,7 @@ def _bytes(plan: Plan, particles: int) -> int:
 
 
 def plan_to_json(plan: Plan, numbers: Mapping[str, int]) -> dict[str, Any]:
-    """The plan as the player reads it; ``numbers`` are those of the recorded runs, by their texts."""
+    """Returns the plan for the player; ``numbers`` are those of the recorded runs, by their texts."""
     state, scene = plan.state, plan.scene
     return {"axes": [{"field": axis.field, "label": tr(LABELS[axis.field]), "start": axis.start, "values": axis.values,
                       "says": [format_axis_value(type(scene), axis.field,
@@ -107,7 +107,7 @@ def plan_to_json(plan: Plan, numbers: Mapping[str, int]) -> dict[str, Any]:
 
 
 def format_axis_value(kind: type[Scene], field: str, value: Any) -> str:
-    """A value of an axis of a kind of scene in words."""
+    """Formats a value on an axis of a class of scenes."""
     if field == "method":
         return str(METHODS[value])
     unit = unit_of(kind, field)

@@ -1,4 +1,4 @@
-"""The file: one html page with style, script, data and recordings in it, which asks no network for anything."""
+"""The exported file: one html page with style, script, data and recordings, which needs no network."""
 
 import json
 from collections.abc import Callable, Mapping, Sequence
@@ -19,11 +19,11 @@ from app.problems.views import VIEWS
 from app.templates import render_template
 
 PLAYER = Path(__file__).parent / "player"
-#: In their order: what one file says at once, those after it use.
+#: In order of dependencies.
 SCRIPTS = ("words", "tracks", "frame", "colours", "field", "bar", "plane", "stage", "readout", "budget", "controls",
            "sha256", "keeping", "progress", "core", "answers", "bets", "lesson", "main")
 IN_A_COURSE = (*SCRIPTS[:-1], "scorm", "suspended", "course", "main")
-USUAL = ("x", "v", "sigma")  # quantities whose errors are recorded; accelerations only where they are asked for
+USUAL = ("x", "v", "sigma")  # quantities whose errors are recorded; accelerations only on request
 
 Progress = Callable[[float, str], None]
 
@@ -40,7 +40,7 @@ def scene_page(text: str, processes: int, on_progress: Progress, counts: Mapping
 
 
 def recorded_page(shown: state.State) -> str:
-    """The page of a state and of no runs around it, recorded by this process itself."""
+    """Returns the page of a state without further runs, recorded in this process."""
     one = make_plan(shown, (), recorded_quantities(shown))
     recorded = _each_once([one], lambda once: [record_scene(wanted) for wanted in once])
     return assemble_page(_titled(one), [one], recorded, None)
@@ -52,19 +52,19 @@ def _titled(one: Plan) -> str:
 
 
 def recorded_quantities(shown: state.State) -> tuple[str, ...]:
-    """Whose errors are recorded."""
+    """Returns the quantities whose errors are recorded."""
     return (*USUAL, *(key for key in (shown.quantity,) if key not in USUAL))
 
 
 def record_plans(plans: Sequence[Plan], processes: int, on_progress: Progress) -> dict[tuple[int, str], dict[str, Any]]:
-    """Recordings by the number of their plan and their text, made side by side."""
+    """Makes the recordings in parallel; returns them by the number of their plan and their text."""
     return _each_once(plans, lambda once: record_scenes(
         once, processes, lambda done: on_progress(done / len(once), f"run {done} of {len(once)}")))
 
 
 def _each_once(plans: Sequence[Plan], make: Callable[[list[RecordingRequest]], list[dict[str, Any]]]) -> dict[
         tuple[int, str], dict[str, Any]]:
-    """The same by whoever makes them; what several plans want alike is run once."""
+    """Makes each distinct recording once with ``make``; returns them by plan and text."""
     wanted = export_plan.recordings_needed(plans)
     once = list(dict.fromkeys(wanted.values()))
     found = dict(zip(once, make(once), strict=True))
@@ -73,12 +73,12 @@ def _each_once(plans: Sequence[Plan], make: Callable[[list[RecordingRequest]], l
 
 def assemble_page(heading: str, plans: Sequence[Plan], recorded: Mapping[tuple[int, str], dict[str, Any]],
                   lesson: Mapping[str, Any] | None, scripts: Sequence[str] = SCRIPTS) -> str:
-    """The page, of a lesson where one is given, with so many of the player's scripts."""
+    """Returns the page from plans and recordings, of a ``lesson`` if given, with these player scripts."""
     runs = list({id(run): run for run in recorded.values()}.values())
     places = {id(run): number for number, run in enumerate(runs)}
     stages = [plan_to_json(one, {text: places[id(recorded[k, text])] for text in one.runs}) for k,
               one in enumerate(plans)]
-    texts = list({_json(run["texts"]): run["texts"] for run in runs}.values())  # most runs say the same
+    texts = list({_json(run["texts"]): run["texts"] for run in runs}.values())  # equal for most runs
     data = {"words": load_catalogue(current_language()).of_files("app/export/player/"),
             **vocabulary({one.scene.problem for one in plans}), "stages": stages, "lesson": lesson, "texts": texts,
             "runs": [{"head": run["head"], "tracks": run["tracks"], "texts": texts.index(run["texts"])}
@@ -101,5 +101,5 @@ def _file(name: str) -> str:
 
 
 def _json(values: Mapping[str, Any]) -> str:
-    """JSON that no html in it can end."""
+    """Returns JSON without ``<``, which could end an html script."""
     return json.dumps(values, ensure_ascii=False, separators=(",", ":")).replace("<", "\\u003c")

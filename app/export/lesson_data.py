@@ -1,4 +1,4 @@
-"""A lesson as data for the player, and lessons as a SCORM 1.2 package: an archive with a page for each."""
+"""Lessons as data for the player, and as a SCORM 1.2 package: an archive with a page for each."""
 
 import hashlib
 import io
@@ -26,20 +26,19 @@ from app.lessons.lesson_runs import RunCache, RunFailed
 from app.lessons.markdown_html import to_html
 from app.words import QUANTITIES, SYMBOLS
 
-#: How many values of each field a stage of a lesson has beside those that its text names.
+#: Number of values of each field beside those named in a lesson's text.
 COUNTS = {"cells": 3, "amplitude": 3, "method": 3}
-DENSE = (0.5, 0.7, 0.9, 1.2, 1.4, 1.5, 1.55, 1.6, 1.8, 2.0, 2.5, 3.0)  # times the own, where one looks for a place
+DENSE = (0.5, 0.7, 0.9, 1.2, 1.4, 1.5, 1.55, 1.6, 1.8, 2.0, 2.5, 3.0)  # times the scene's value, for a search
 MOST_RUNS = 12  # of a stage's lattice
-#: Controls that no recording has, and how the file names them.
+#: Controls that recordings lack, with their names in the file.
 ELSEWHERE = {"slow-motion": lazy("slow motion"), "look-back": lazy("look back"), "trace": lazy("trace"),
              "effects": lazy("effects"), "details": lazy("details"), "pin": lazy("pin")}
 
 
 def lesson_page(lesson: Lesson, processes: int, on_progress: Progress, counts: Mapping[str, int] = COUNTS,
                  core: bool = False, scripts: Sequence[str] = SCRIPTS) -> str:
-    """The page of a lesson, with so many values of each field on its sliders; it begins with the ``core`` alone where
-    that is asked for, and has these ``scripts`` of the player."""
-    plans = {  # what each step with a stage puts there, by the step's key and the number of the variant
+    """Returns the page of a lesson with so many values of each field on sliders; with ``core``, it begins with that."""
+    plans = {  # by the key of a step with a stage and the number of the variant
         (step.key, number): _plan(lesson, step, fill_numbers(step.stage, numbers), fill_numbers(step.text, numbers),
                                   counts)
         for step in lesson.steps if step.stage for number, numbers in enumerate(lesson.variants)}
@@ -52,7 +51,7 @@ def lesson_page(lesson: Lesson, processes: int, on_progress: Progress, counts: M
 
 
 def _plan(lesson: Lesson, step: Step, stage: str, text: str, counts: Mapping[str, int]) -> Plan:
-    """A step's state with what its text has one set, and, where there is room, with more of what the lesson offers."""
+    """Returns the plan of a step: its state, axes for its instructions and, if runs are left, for more controls."""
     shown = state.parse_state(stage)
     kept = recorded_quantities(shown)
     with use_language(lesson.language):
@@ -60,7 +59,7 @@ def _plan(lesson: Lesson, step: Step, stage: str, text: str, counts: Mapping[str
         scene = make_plan(shown, (), kept).scene
         axes = slider_grid.axes_named_in(scene, text)
     asks = [other.question for other in lesson.steps[lesson.steps.index(step) + 1:][:1]]
-    sought = asks[0].control if asks and asks[0] and asks[0].kind == DRAG else ""  # what one is to find on the stage
+    sought = asks[0].control if asks and asks[0] and asks[0].kind == DRAG else ""  # the value to find on the stage
     if sought and sought not in {axis.field for axis in axes}:
         own = getattr(scene, sought) if sought != "cfl" else scene.courant_number
         values = [type(own)(float(f"{factor * own:.3g}")) for factor in DENSE]
@@ -75,8 +74,8 @@ def _plan(lesson: Lesson, step: Step, stage: str, text: str, counts: Mapping[str
 
 def question_rules(lesson: Lesson, processes: int,
                    on_progress: Callable[[float, str], None]) -> dict[str, list[dict[str, Any] | None]]:
-    """What is right in each question with the numbers of each variant; None where it could not be found out."""
-    found = []  # the scenes of all runs that questions are about
+    """Returns the right answer to each question for each variant of the numbers; None if that fails."""
+    found = []  # the scenes of all runs in questions
     for step in lesson.questions.values():
         for numbers in lesson.variants:
             for expression in answer_check.answer_expressions(step.asked, numbers):
@@ -105,12 +104,12 @@ def _rule(lesson: Lesson, step: Step, numbers: Numbers, outcomes: RunCache) -> d
 
 def _data(lesson: Lesson, right: Mapping[str, list[Any]], stages: Mapping[tuple[str, int], int],
           bets: Mapping[str, list[Any]], core: bool) -> dict[str, Any]:
-    """Returns the lesson as the player reads it; what differs between variants is a list with an entry for each."""
+    """Returns the lesson's data for the player; what differs between variants is a list with an entry for each."""
     def each(text: str) -> list[str]:
         return _alike([to_html(fill_numbers(text, numbers), catalogue.FOLDER) for numbers in lesson.variants])
 
     known = catalogue.load_lessons()
-    # The variant of a name is drawn as in ``app.lessons.lesson``: by Unicode's rules of case, and of where texts split.
+    # A name's variant is drawn as in ``app.lessons.lesson``: with Unicode case folding and white space.
     letters = [chr(code) for code in range(sys.maxunicode + 1) if not 0xD800 <= code < 0xE000]
     steps = [{"kind": step.kind, "key": step.key, "core": step.core, "html": each(step.text),
               "title": _alike([fill_numbers(step.title, numbers) for numbers in lesson.variants]),
@@ -150,7 +149,7 @@ def _question(lesson: Lesson, asked: Question | None, right: list[Any]) -> dict[
 
 
 def bet_words() -> dict[str, Any]:
-    """The words and limits of the picture of bets, as ``app.lessons.bet_chart`` has them."""
+    """Returns texts and limits of the chart of bets, from ``app.lessons.bet_chart``."""
     return {"yours": YOURS, "by_round": BY_ROUND, "your_bets": tr(bet_chart.YOUR_BETS), "round": tr(bet_chart.ROUND),
             "told": tr(bet_chart.TOLD), "some": tr(bet_chart.SOME), "none": tr(bet_chart.NONE),
             "scored": tr(bet_chart.SCORED), "said": tr(bet_chart.SAID), "truth": tr(bet_chart.TRUTH),
@@ -158,7 +157,7 @@ def bet_words() -> dict[str, Any]:
 
 
 def bets_by_step(lesson: Lesson, processes: int) -> dict[str, list[dict[str, dict[str, Any]]]]:
-    """By the key of each step that shows judges, for each variant, their bets by judge and question."""
+    """Returns judges' bets by the key of each step that shows them, for each variant, by judge and question."""
     steps = [step for step in lesson.steps if set(step.bets) - {*OWN}]
     with closing(RunCache(processes)) as outcomes:
         return {step.key: [{judge: {other.key: judge_ends(lesson, other, judge, numbers, outcomes)
@@ -169,13 +168,13 @@ def bets_by_step(lesson: Lesson, processes: int) -> dict[str, list[dict[str, dic
 
 SPACES = {"xmlns": "http://www.imsproject.org/xsd/imscp_rootv1p1p2",
           "xmlns:adlcp": "http://www.adlnet.org/xsd/adlcp_rootv1p2"}
-LONGEST_TITLE = 200  # letters of a title that every system takes
-WRITTEN = (1980, 1, 1, 0, 0, 0)  # the archive's clock: the same lessons, the same bytes
+LONGEST_TITLE = 200  # letters of a title that every system accepts
+WRITTEN = (1980, 1, 1, 0, 0, 0)  # fixed time in the archive, so that equal lessons have equal bytes
 
 
 def package_lessons(lessons: Sequence[Lesson], processes: int, on_progress: Progress,
                     counts: Mapping[str, int] = COUNTS, core: bool = False) -> bytes:
-    """Returns the archive of lessons, each opened, scored and completed by itself, from the ``core`` on if asked."""
+    """Returns the archive of lessons, each opened, scored and completed separately, at first as ``core`` if set."""
     pages = {}
     for number, lesson in enumerate(lessons):
         def so_far(part: float, what: str, number: int = number) -> None:
@@ -213,7 +212,7 @@ def _key(lesson: Lesson) -> str:
 
 
 def _title(lesson: Lesson) -> str:
-    """Its title, without letters that XML cannot have."""
+    """Returns the title without characters that are invalid in XML."""
     return "".join(letter for letter in lesson.title if letter.isprintable())[:LONGEST_TITLE]
 
 

@@ -1,4 +1,4 @@
-"""What the player shares with the live page, as data: number formats, scales, colours, names and texts."""
+"""Data that the player shares with the live page: number formats, scales, colours, names and texts."""
 
 import base64
 from collections.abc import Collection, Iterable, Mapping
@@ -18,13 +18,13 @@ from solvers.scene import error_causes
 from solvers.scene.estimator_registry import ESTIMATORS
 from solvers.scene.scene import Scene
 
-#: In which stages are laid out: of a window, and of one as narrow as a phone's. The player enlarges all that is in it.
+#: Bounds in which stages are laid out: for a window, and for a phone. The player scales them.
 ROOMS = {"wide": Bounds(720.0, high=0.58, gutter=0.18), "narrow": Bounds(336.0, high=0.84)}
-LATER = "…"  # what a run or a frame says
+LATER = "…"  # placeholder for a text of a run or frame
 
 
 def vocabulary(problems: Iterable[str]) -> dict[str, Any]:
-    """All of it as a JSON object, with the stages of some problems."""
+    """Returns all of it as a JSON object, with the stages of some problems."""
     formats = {"prefixes": words.PREFIXES, "superscripts": words.SUPERSCRIPTS, "ratios": words.PLAIN_RATIOS,
                "percents": (*words.PLAIN_PERCENT, words.WHOLE_PERCENT), "powers": words.PLAIN_POWERS,
                "nothing": words.NOTHING}
@@ -54,10 +54,9 @@ def vocabulary(problems: Iterable[str]) -> dict[str, Any]:
 
 
 def stage_data(stage: type[Stage]) -> dict[str, Any]:
-    """Returns what every frame of a stage has in common: mirror images, plot axis, and places and labels by room.
+    """Returns the data common to all frames of a stage: mirror images, plot axis, and layout and labels by bounds.
 
-    A label's text is ``LATER`` where it comes with a run or a frame, and "" where it is not written.
-    """
+    A label's text is ``LATER`` if it comes with a run or a frame, and "" if it is not shown."""
     return {"mirrors": stage.MIRRORS, "outlined": stage.OUTLINED, "lines": stage.LINES,
             "plot": {"start": stage.PLOT.start, "end": stage.PLOT.end, "along": stage.PLOT.where is not None},
             "alike": tr(captions.ALIKE).format(tr(stage.HALVES)),
@@ -65,7 +64,7 @@ def stage_data(stage: type[Stage]) -> dict[str, Any]:
 
 
 def _laid_out(stage: type[Stage], room: Bounds) -> dict[str, Any]:
-    """A stage in a room."""
+    """Returns the layout of a stage in bounds."""
     places = stage.places(room, RunSlot.ALONE)
     top = layout.colour_bar_box(room, room.high)
     halves = tr(captions.ESTIMATE[0]), tr(captions.TRUTH)
@@ -79,7 +78,7 @@ def _laid_out(stage: type[Stage], room: Bounds) -> dict[str, Any]:
 
 
 def _colours() -> dict[str, Any]:
-    """The map as bytes, and the colours that have a meaning."""
+    """Returns the colour map as bytes, and the named colours."""
     marks = {name: f"rgb{colour}" for name, colour in vars(LIGHT).items()}
     tones = {"plain": "ink2", "bold": "ink", "faint": "ink3", "estimate": "estimate-ink", "truth": "truth-ink",
              "crossing": "cross"}
@@ -90,9 +89,9 @@ def _colours() -> dict[str, Any]:
 
 def missing_value_texts(scene: Scene, not_valid: Mapping[str, str], silent: Mapping[str, Collection[str]],
                         difference: bool) -> dict[str, Any]:
-    """By quantity: why a row of the readout has no number, words of the field plot, and by
-    estimator ("" for none) the captions of both halves, side by side and, if wanted, as ``difference``, and what is
-    said of the errors. ``silent`` are the estimators by quantity that have no number of it."""
+    """Returns texts by quantity: why a row of the readout has no number, words of the field plot, and by estimator (""
+    for none) both halves' captions (also as ``difference`` if set) and headline templates; ``silent`` ones have no
+    value."""
     component = VIEWS[scene.problem].stage.PLOT.component
     return {key: {"rows": captions.why_no_numbers(scene, not_valid, key, silent[key]),
                   "field": vars(captions.field_words(scene, component, key)),
@@ -101,7 +100,7 @@ def missing_value_texts(scene: Scene, not_valid: Mapping[str, str], silent: Mapp
 
 
 def stage_notes(scene: Scene, every: int) -> dict[str, str]:
-    """What stands at the stage, on which one particle in ``every`` is marked where it crosses."""
+    """Returns the notes at the stage, on which one particle in ``every`` has marks for crossings."""
     stage = VIEWS[scene.problem].stage
     return {"note": stage.note(scene), "marks": captions.marks_note(stage.MARKED, every)}
 

@@ -1,15 +1,14 @@
-"""Numbers of a recording as few bytes: each track becomes whole numbers of 8 or 16 bits, then differences, then zlib.
+"""Compact encoding of a recording's numbers: each track is quantised to 8 or 16 bits, then differenced, then zlib.
 
-A track has one row for each picture of a recording. How it is written is its ``kind``:
+A track has one row per picture. Its ``kind`` is its encoding:
 
-* ``size``: 8 bits, from 0 to the row's largest, 254; 255 is no number. Off by at most 1/508 of the row's largest.
-* ``signed``: 8 bits, -127 to 127 for the row's largest size; -128 is no number. Off by at most 1/254 of it.
-* ``place``: 16 bits, -32767 to 32767 for the largest size in the whole track; -32768 is no number.
-* ``number``: 32 bits of a float, as it is; one of a run gone bad that is too large for them is infinite.
+* ``size``: 8 bits, from 0 to the row's largest, 254; 255 is NaN. The error is at most 1/508 of the row's largest.
+* ``signed``: 8 bits, -127 to 127 for the row's largest size; -128 is NaN. The error is at most 1/254 of it.
+* ``place``: 16 bits, -32767 to 32767 for the largest size in the whole track; -32768 is NaN.
+* ``number``: float32, unchanged; values beyond its range are infinite.
 
-Rows of whole numbers are written as what each differs from the one before it, modulo 256 or 65536, which is little
-where things move slowly; 16 bits as all low bytes, then all high ones.
-"""
+Rows of integers are stored as differences from the row before, modulo 256 or 65536, which are small for slow motions;
+16 bits as all low bytes, then all high ones."""
 
 import zlib
 from dataclasses import dataclass
@@ -17,7 +16,7 @@ from dataclasses import dataclass
 import numpy as np
 
 SIZE, SIGNED, PLACE, NUMBER = "size", "signed", "place", "number"
-MOST = 1e30  # of a size: floats of 32 bits hold it
+MOST = 1e30  # largest size, within the range of float32
 TOPS = {SIZE: 254, SIGNED: 127, PLACE: 32767}
 NONE = {SIZE: 255, SIGNED: -128, PLACE: -32768}
 BYTES = {SIZE: 1, SIGNED: 1, PLACE: 2}
@@ -26,7 +25,7 @@ CODES = {kind: {"top": top, "none": NONE[kind], "bytes": BYTES[kind]} for kind, 
 
 @dataclass(frozen=True)
 class Track:
-    """One thing that a recording follows: ``values`` (pictures or what else has rows, width), written as ``kind``."""
+    """One quantity of a recording: ``values`` (rows, width), usually a row per picture, encoded as ``kind``."""
 
     name: str
     kind: str
@@ -34,17 +33,17 @@ class Track:
 
     @property
     def header(self) -> dict[str, str | int]:
-        """What the player must know to read it."""
+        """The metadata that the player needs to read it."""
         return {"name": self.name, "kind": self.kind, "rows": len(self.values), "width": self.values.shape[1]}
 
 
 def pack_tracks(tracks: list[Track]) -> bytes:
-    """All tracks, one after the other, compressed."""
+    """Returns all tracks, concatenated and compressed."""
     return zlib.compress(b"".join(map(_bytes, tracks)), 9)
 
 
 def _bytes(track: Track) -> bytes:
-    """A track's scales (float32, one a row; for ``place`` one) and codes."""
+    """Returns a track's scales (float32, one per row; for ``place`` one) and codes."""
     values = np.asarray(track.values, float)
     with np.errstate(invalid="ignore", over="ignore", under="ignore"):
         if track.kind == NUMBER:
@@ -53,7 +52,7 @@ def _bytes(track: Track) -> bytes:
         sizes = np.nan_to_num(np.abs(values))
         scales = (sizes.max(initial=0.0) if track.kind == PLACE else sizes.max(axis=1, initial=0.0)).astype("<f4")
         over = np.where(scales > 0, scales, 1.0).reshape(-1, 1)
-        top = TOPS[track.kind]  # a scale of so few bits that it is below its largest value must not lead beyond
+        top = TOPS[track.kind]  # rounding of the scale to float32 must not exceed it
         codes = np.clip(np.rint(top * values / over), -top, top)
         codes = np.where(np.isfinite(values), codes, NONE[track.kind])
     whole: np.ndarray = codes.astype(np.int32)

@@ -1,4 +1,4 @@
-"""A run as a recording: the particles, their errors and all norms at so many instants, as tracks."""
+"""A run as a recording: particles, errors and all norms at several instants, as tracks."""
 
 import base64
 import itertools
@@ -34,31 +34,30 @@ from solvers.solver.soundness import earliest_finding, findings
 from solvers.solver.verdict_basis import LargeRelativeError, large_errors, merge
 from solvers.workers.worker_pool import WorkerPool, one_of_each_first
 
-CURVE_POINTS = 41  # at which the exact field is kept
-FARTHEST = 2.0  # metres: particles of a run gone bad are shown there at most
+CURVE_POINTS = 41  # of the exact field
+FARTHEST = 2.0  # metres: clip for particles of a broken run
 
 
 @dataclass(frozen=True)
 class RecordingRequest:
-    """What is recorded of a scene: ``pictures`` of at most ``particles``, with errors of the ``quantities`` (keys)."""
+    """Request for ``pictures`` of a scene with at most ``particles`` and errors of the ``quantities`` (keys)."""
 
     scene: str  # as a state's text
     pictures: int
     particles: int
     quantities: tuple[str, ...]
-    difference: bool = False  # whether how far the estimates are from the truth is kept for each particle
-    domains: bool = False  # whether what each particle stands for is kept, of a problem whose stage can outline it
-    language: str = ENGLISH  # in which it says what it says
+    difference: bool = False  # whether estimate minus truth is recorded for each particle
+    domains: bool = False  # whether particles' domains are recorded, if the stage can outline them
+    language: str = ENGLISH  # of its texts
 
 
 def record_scenes(wanted: Sequence[RecordingRequest], processes: int,
                   on_progress: Callable[[int], None]) -> list[dict[str, Any]]:
-    """Returns a recording for each wanted one, made side by side in processes; ``on_progress`` gets the number done.
+    """Returns a recording for each request, made in parallel processes; ``on_progress`` receives the number done.
 
-    Raises :class:`~solvers.workers.worker_process.ProcessDied` where one cannot be made.
-    """
+    Raises :class:`~solvers.workers.worker_process.ProcessDied` if one cannot be made."""
     with closing(WorkerPool(f"{__name__}:work", processes)) as pool:
-        # One of each kind of run first: processes begin with different ones, and each compiles its own.
+        # One of each kind of run first, so that processes compile different kernels.
         asked = {one: pool.submit(asdict(one), kind=_compiled(one)) for one in one_of_each_first(wanted, _compiled)}
         for done, recording in enumerate(as_completed(asked.values()), 1):
             recording.result()
@@ -67,19 +66,19 @@ def record_scenes(wanted: Sequence[RecordingRequest], processes: int,
 
 
 def _compiled(wanted: RecordingRequest) -> tuple:
-    """What has to be compiled for it."""
+    """Returns the key of the kernels that it needs."""
     return kernel_key(state.parse_state(wanted.scene).scene)
 
 
 def work(question: Mapping[str, Any], answer: Callable[[dict], None]) -> None:
-    """In a process of its own: record one scene."""
+    """Records one scene in a worker process."""
     values = dict(question)
     values["quantities"] = tuple(values["quantities"])
     answer(record_scene(RecordingRequest(**values)))
 
 
 def record_scene(wanted: RecordingRequest) -> dict[str, Any]:
-    """The recording as a JSON object: ``head`` says what is there, ``tracks`` how to read ``data``, in base64."""
+    """Returns the recording as a JSON object: ``head`` describes it, ``tracks`` the layout of ``data``, in base64."""
     with use_language(wanted.language):
         return _recorded(wanted)
 
@@ -92,7 +91,7 @@ def _recorded(wanted: RecordingRequest) -> dict[str, Any]:
     for step in np.unique(np.rint(np.linspace(0, scene.steps, wanted.pictures)).astype(int)):
         while solver.step < step and solver.sound:
             rows.append(solver.advance(min(int(step) - solver.step, solver.longest_advance)))
-        own.append(solver.measure())  # the picture's own norms; also a look for a run gone bad
+        own.append(solver.measure())  # the picture's norms; also checks the run
         shot = solver.snapshot(wanted.difference)
         shots.append({key: replace(shot, plotted=solver.plotted(key)) for key in wanted.quantities})
         if not solver.sound:
@@ -103,7 +102,7 @@ def _recorded(wanted: RecordingRequest) -> dict[str, Any]:
     regular, pictures = (samples.read_rows(np.concatenate(some), scene, _count(shots), margin_unit(scene))
                          for some in (rows, own))
     tracks += _norms(scene, regular, pictures)
-    if scene.has("budget"):  # of each field the error, RMS over particles, and the part that each cause has made
+    if scene.has("budget"):  # by field: the error, RMS over particles, and each cause's contribution
         tracks += [Track(f"budget.{field}", SIGNED, np.stack([pictures[f"budget/error_{field}"], *(
             pictures[f"budget/part_{field}_{cause}"] for cause in CAUSES)], axis=1)) for field in FIELDS]
     not_valid = solver.not_valid()
@@ -117,7 +116,7 @@ def _recorded(wanted: RecordingRequest) -> dict[str, Any]:
 
 
 def _first(shot: Mapping[str, Snapshot]) -> Snapshot:
-    """One of the views of an instant, which differ in the plotted field alone."""
+    """Returns one of the views of an instant, which differ only in the plotted field."""
     return next(iter(shot.values()))
 
 
@@ -134,11 +133,11 @@ def _shown(dimensions: int, count: int, most: int) -> np.ndarray:
 
 def _tracks(wanted: RecordingRequest, scene: Scene, kept: np.ndarray, marked: np.ndarray,
             shots: list[dict[str, Snapshot]]) -> list[Track]:
-    """Returns tracks of the kept particles: places, errors, estimates, exact curves and lines, crossings."""
+    """Returns tracks of the kept particles: positions, errors, estimates, exact curves and lines, crossings."""
     instants, stage = [_first(shot) for shot in shots], VIEWS[scene.problem].stage
     rest = _flat(instants[0].material_position[kept])
     position = np.stack([_flat(shot.position[kept]) for shot in instants])
-    farthest = FARTHEST if scene.swings else np.inf  # the player brings back what moves on and on
+    farthest = FARTHEST if scene.swings else np.inf  # the player follows steady motion
     with np.errstate(invalid="ignore"):
         position = np.fmax(np.fmin(position, farthest), -farthest)
     tracks = [Track("rest", NUMBER, rest.reshape(1, -1)), Track("position", PLACE, position)]
@@ -154,14 +153,13 @@ def _tracks(wanted: RecordingRequest, scene: Scene, kept: np.ndarray, marked: np
 
 
 def _flat(points: np.ndarray) -> np.ndarray:
-    """(n,) or (n, D) as one row: x of all, then y of all."""
+    """Returns (n,) or (n, D) as one row: x of all, then y of all."""
     return points.T.ravel()
 
 
 def _quantity(wanted: RecordingRequest, scene: Scene, key: str, shots: list[Snapshot], kept: np.ndarray) -> list[Track]:
-    """Of one quantity: the field's deviation from the exact one, or the field itself where that is unknown, with its
-    sign; sizes of the true and estimated errors, the true ones only where they are not those of the deviation; and the
-    exact field on a curve."""
+    """Returns the tracks of one quantity: the field's signed deviation from the exact one, or the field if that is
+    unknown; sizes of the true (if not equal to the deviation) and estimated errors; and the exact field on a curve."""
     column, known = samples.QUANTITIES.index(key), scene.solution_known
     fields = np.stack([shot.plotted[kept, int(known)] for shot in shots if shot.plotted is not None])
     tracks = [Track(f"deviation.{key}", SIGNED, fields)]
@@ -203,20 +201,20 @@ def _crossings(scene: Scene, shots: list[Snapshot], kept: np.ndarray, marked: np
 def _norms(scene: Scene, regular: Mapping[str, np.ndarray], pictures: Mapping[str, np.ndarray]) -> list[Track]:
     """Returns error norms (pictures, 4) at each picture, and index and distance of each estimator up to then."""
     times = pictures["time"]
-    ends = np.searchsorted(regular["time"], times + 0.5 * scene.time_step)  # how many samples there were
-    alone = np.abs(regular["time"][ends - 1] - times) > 0.5 * scene.time_step  # none was taken with the picture
+    ends = np.searchsorted(regular["time"], times + 0.5 * scene.time_step)  # numbers of samples so far
+    alone = np.abs(regular["time"][ends - 1] - times) > 0.5 * scene.time_step  # no sample at the picture's time
     tracks = [Track("time", NUMBER, times.reshape(-1, 1)),
               Track("crossed", NUMBER, pictures["crossings"].reshape(-1, 1)),
               Track("margin", NUMBER, pictures["margin"].reshape(-1, 1)),
               Track("norm.true", NUMBER, _columns(pictures, "error_{}"))]
 
     def so_far(accumulate: np.ufunc, start: float, name: str, of: Callable[[np.ndarray], np.ndarray]) -> np.ndarray:
-        """Of a series, or of what is ``of`` it, all samples up to each picture taken together."""
+        """Accumulates all samples of a series, or of a function ``of`` it, up to each picture."""
         together = np.append(start, accumulate.accumulate(of(regular[name])))[ends]
         return accumulate(together, np.where(alone, of(pictures[name]), start))
 
     def ratios(norm: str, key: str) -> np.ndarray:
-        """The error index (:func:`solvers.solver.error_norms.error_index`) of all samples up to each picture."""
+        """Returns the error index (:func:`solvers.solver.error_norms.error_index`) of samples up to each picture."""
         true = f"error_{key}"
         total, true_total = (so_far(np.add, 0.0, name, np.asarray) for name in (norm, true))
         worst = so_far(np.maximum, -np.inf, true, lambda values: np.where(np.isnan(values), np.inf, values))
@@ -239,7 +237,7 @@ def _columns(series: Mapping[str, np.ndarray], name: str) -> np.ndarray:
 
 def _head(wanted: RecordingRequest, scene: Scene, solver: Solver, not_valid: dict[str, str], shown: int,
           shots: list[dict[str, Snapshot]], *series: Mapping[str, np.ndarray]) -> dict[str, Any]:
-    """What the player must know of a run beside its numbers."""
+    """Returns the metadata of a run for the player."""
     found = [finding for one in series if (finding := earliest_finding(findings(scene, one), not_valid))]
     large: dict[str, LargeRelativeError] = {}
     for one in series:

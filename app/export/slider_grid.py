@@ -1,4 +1,4 @@
-"""Which runs go into a file: a lattice around a scene, so that sliders stay alive where nothing is run."""
+"""The runs of a file: a grid of scenes around one, so that sliders work without a solver."""
 
 import itertools
 import math
@@ -16,21 +16,21 @@ from app.words import METHODS as NAMES
 from solvers.scene.scene import Scene
 from solvers.scene.validation import SceneError
 
-#: Times the scene's own: tried in this order until there are enough that the problem can be.
+#: Factors on the scene's value, tried in this order until enough are valid.
 CELLS = (1.0, 0.5, 2.0, 4.0, 0.25, 1.5, 3.0)
 AMPLITUDES = (1.0, 0.1, 2.0, 4.0, 0.5, 0.25)
-RING_CELLS = (1.0, 0.5, 1.5, 0.75, 1.25, 2.0)  # in two dimensions twice as many cells are four times the particles
-METHODS = ("cpdi", "ugimp", "mpm", "bspline", "cpgimp")  # in the order in which they are worth seeing
-FULL = {"cells": 5, "amplitude": 4, "method": 3}  # how many of each: sixty runs
-#: How a lesson's text names a control, and the field that it is.
+RING_CELLS = (1.0, 0.5, 1.5, 0.75, 1.25, 2.0)  # in 2D doubling the cells quadruples the particles
+METHODS = ("cpdi", "ugimp", "mpm", "bspline", "cpgimp")  # in order of interest
+FULL = {"cells": 5, "amplitude": 4, "method": 3}  # numbers of values: sixty runs
+#: Names of controls in a lesson's text, with their fields.
 CONTROLS = {name: field for name, field in FIELDS.items() if field != "body_force"}
-MOST_WORK = 1.5e8  # particle-steps of a run that is recorded only so that a slider goes further
-LONGEST_RUN = 2e9  # and of one that is asked for: a minute or two
+MOST_WORK = 1.5e8  # particle-steps of an additional run on a slider
+LONGEST_RUN = 2e9  # particle-steps of a requested run: a minute or two
 
 
 @dataclass(frozen=True)
 class SliderAxis:
-    """One slider: a field of the scene and its values, of which number ``start`` is the scene's own."""
+    """Slider: a field of the scene and its values, of which that with the index ``start`` is the scene's own."""
 
     field: str
     values: tuple[Any, ...]
@@ -38,7 +38,7 @@ class SliderAxis:
 
 
 def within_reach(scene: Scene) -> str | None:
-    """Why a run takes too long to record; None where it does not."""
+    """Returns why a run takes too long to record, or None."""
     if (work := scene.particles * scene.steps) <= LONGEST_RUN:
         return None
     return f"would take {work:.2g} particle-steps, too long to record; give fewer cells, periods or a larger cfl, " \
@@ -46,13 +46,13 @@ def within_reach(scene: Scene) -> str | None:
 
 
 def axes_around(scene: Scene, counts: Mapping[str, int]) -> list[SliderAxis]:
-    """Axes through a scene with so many values of each field; none of a field that can be nothing else."""
+    """Returns axes through a scene with so many values of each field, without those of a single value."""
     axes = [axis_through(scene, field, _candidates(scene, field), most) for field, most in counts.items()]
     return [axis for axis in axes if len(axis.values) > 1]
 
 
 def axis_through(scene: Scene, field: str, candidates: Sequence[Any], most: int) -> SliderAxis:
-    """An axis of the scene's own value and the first candidates that the problem can be, in their order of size."""
+    """Returns an axis of the scene's own value and the first valid candidates, sorted."""
     own = getattr(scene, field) if field != "cfl" else scene.courant_number
     values = [own]
     for value in candidates:
@@ -65,7 +65,7 @@ def axis_through(scene: Scene, field: str, candidates: Sequence[Any], most: int)
 
 
 def axes_named_in(scene: Scene, text: str) -> list[SliderAxis]:
-    """Finds the axes of what a lesson's text has one set or choose, such as "Set **Cells** to `80`"."""
+    """Returns the axes for instructions in a lesson's text, such as "Set **Cells** to `80`"."""
     found: dict[str, list[Any]] = {}
     called = {tr(name): field for name, field in CONTROLS.items()}
     between = "|".join(re.escape(tr(SENTENCES[verb]).partition("{name}")[2].partition("{value}")[0])
@@ -79,12 +79,12 @@ def axes_named_in(scene: Scene, text: str) -> list[SliderAxis]:
 
 
 def count_runs(axes: Sequence[SliderAxis]) -> int:
-    """How many runs a lattice has."""
+    """Returns the number of runs in a grid."""
     return math.prod(len(axis.values) for axis in axes)
 
 
 def scene_texts(scene: Scene, axes: Sequence[SliderAxis]) -> Iterator[str]:
-    """The states' texts of all runs of a lattice, the last axis fastest; or, after a ``!``, why there is none."""
+    """Yields the states' texts of all runs of a grid, the last axis fastest; or ``!`` and the reason if invalid."""
     for values in itertools.product(*(axis.values for axis in axes)):
         changes = dict(zip((axis.field for axis in axes), values, strict=True))
         try:
@@ -94,7 +94,7 @@ def scene_texts(scene: Scene, axes: Sequence[SliderAxis]) -> Iterator[str]:
 
 
 def _changed(scene: Scene, changes: Mapping[str, Any]) -> Scene:
-    """Another scene; a Courant number stands instead of a step."""
+    """Returns a changed scene; a Courant number replaces the step."""
     step: dict[str, Any] = {"dt": None} if "cfl" in changes else {}
     return replace(scene, **changes, **step)
 
@@ -110,12 +110,12 @@ def _candidates(scene: Scene, field: str) -> Sequence[Any]:
 
 
 def count_particle_steps(scene: Scene) -> float:
-    """Particle-steps of a run: some tens of millions take a second."""
+    """Returns the particle-steps of a run: some tens of millions take a second."""
     return float(scene.particles) * scene.steps
 
 
 def _value(scene: Scene, field: str, text: str) -> Any:
-    """What a text between backquotes means for a field; None where it means nothing."""
+    """Returns the value of a field in a text between backquotes, or None."""
     if field == "method":
         plain = text.lower()
         return next((code for code, method in NAMES.items()

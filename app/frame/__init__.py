@@ -1,1 +1,1 @@
-"""What is seen of a run, as data: marks, scale, halves and words. Problems fill it, renderers draw it."""
+"""The drawing of a frame as data: marks, scale, halves and texts. Problems produce it, renderers draw it."""

@@ -14,14 +14,14 @@ from solvers.solver import budget
 QUESTION = lazy("Who made this error?")
 CAPTION = lazy("The line is the error, RMS over particles; each colour is the part from one cause, below zero if the "
                 "cause reduces the error.")
-#: What each cause is, in few words.
+#: Short explanation of each cause.
 MEANINGS = {"crossings": lazy("counted in the wrong cell"), "coarse_grid": lazy("cells too wide for the motion"),
             "body_force": lazy("taken at nodes, not at particles"),
             "time_step": lazy("steps that are not short enough")}
 UNITS = {"x": "m", "v": "m/s", "F": ""}
-SEEN = 2e-3  # of the largest error: a cause that never makes more is not drawn
-EARLY = 0.05  # periods, before which a share says nothing yet
-#: Who has made how much of an error: a fact for the sentence above the stage.
+SEEN = 2e-3  # of the largest error: a cause that never contributes more is not drawn
+EARLY = 0.05  # periods before which shares are meaningless
+#: The largest cause of an error: a fact for the headline.
 _MADE = {"crossings": lazy("crossings made {share} of the error of {symbol}{whose}"),
          "coarse_grid": lazy("the coarse grid made {share} of the error of {symbol}{whose}"),
          "body_force": lazy("the body force made {share} of the error of {symbol}{whose}"),
@@ -30,8 +30,8 @@ _MADE = {"crossings": lazy("crossings made {share} of the error of {symbol}{whos
 
 @dataclass(frozen=True)
 class Layer:
-    """What one ``cause`` has made of an error over time: between the two rows of ``above`` (2, T) where it makes the
-    error larger, of ``below`` (2, T) where it makes it smaller; in the error's unit."""
+    """A ``cause``'s part of an error over time: increases between the rows of ``above``, decreases of ``below``, (2,
+    T)."""
 
     cause: str
     above: np.ndarray
@@ -39,7 +39,7 @@ class Layer:
 
 
 def stack_layers(series: Mapping[str, np.ndarray], field: str) -> list[Layer]:
-    """Stacks the parts of a field's error, without traces; ``series`` of a run with the effect ``budget``."""
+    """Returns the stacked contributions to a field's error; ``series`` of a run with the effect ``budget``."""
     largest = float(np.max(np.abs(error_rms(series, field)), initial=0.0))
     up = down = np.zeros(len(series["time"]))
     layers = []
@@ -53,27 +53,27 @@ def stack_layers(series: Mapping[str, np.ndarray], field: str) -> list[Layer]:
 
 
 def error_rms(series: Mapping[str, np.ndarray], field: str) -> np.ndarray:
-    """The error of a field, RMS over particles, 0 where a run gone bad has none."""
+    """Returns the error of a field (T,), RMS over particles; 0 where it is not finite."""
     return np.nan_to_num(series[f"budget/error_{field}"], posinf=0.0, neginf=0.0)
 
 
 def has_budget(series: Mapping[str, np.ndarray]) -> bool:
-    """Whether series hold a budget, of two times at least."""
+    """Whether series contain a budget with at least two times."""
     return len(series.get("budget/error_x", ())) > 1
 
 
 def field_of(quantity: str) -> str:
-    """The field whose budget goes with a quantity on the stage: stress and acceleration come of F."""
+    """Returns the field whose budget belongs to a quantity: F for stress and acceleration."""
     return quantity if quantity in FIELDS else FIELDS[-1]
 
 
 def format_percent(share: float | None) -> str:
-    """A share in whole per cent: 97 %, −4 %."""
+    """Formats a share in whole per cent: 97 %, −4 %."""
     return "–" if share is None else f"{round(100 * share) + 0:d} %".replace("-", "−")
 
 
 def largest_share(series: Mapping[str, np.ndarray], field: str) -> tuple[str, float] | None:
-    """The cause that has made most of the error so far and its share, as far as shares mean something by now."""
+    """Returns the largest cause of an error so far and its share; None without valid shares."""
     if not has_budget(series) or budget.why_not_valid(series):
         return None
     known = {cause: share for cause, share in budget.shares(series, field).items() if share is not None}
@@ -81,7 +81,7 @@ def largest_share(series: Mapping[str, np.ndarray], field: str) -> tuple[str, fl
 
 
 def largest_cause_fact(scene: Scene, series: Mapping[str, np.ndarray], quantity: str) -> str:
-    """Says which cause made most of the error of a quantity so far; "" where it has no budget."""
+    """Returns a sentence on the largest cause of a quantity's error so far; "" without a budget."""
     if not scene.has("budget") or quantity not in FIELDS or not has_budget(series) \
             or series["time"][-1] < EARLY * scene.period or (found := largest_share(series, quantity)) is None:
         return ""
@@ -90,5 +90,5 @@ def largest_cause_fact(scene: Scene, series: Mapping[str, np.ndarray], quantity:
 
 
 def error_source_note(scene: Scene) -> str:
-    """What is said behind a share where the error is not the true one."""
+    """Returns the note after a share if the error is the companion's estimate."""
     return "" if scene.has("truth") else tr(", as companion sees it")

@@ -1,5 +1,4 @@
-"""Titles, captions and reasons for missing numbers that the page, exported files and pictures share; and what the two
-halves of the stage show of a frame."""
+"""Titles, captions and reasons for missing numbers, for the page, exported files and pictures; views of frames."""
 
 from collections.abc import Collection, Mapping
 from dataclasses import dataclass
@@ -19,12 +18,12 @@ SIDE_BY_SIDE, DIFFERENCE = lazy("estimate | truth"), lazy("estimate − truth | 
 ESTIMATE, TRUTH = (lazy("Estimate"), lazy("Estimate − truth")), lazy("Truth")  # the halves' names
 EXACT_SOLUTION = lazy("exact solution")
 PARTICLES, CURVE = lazy("particles"), lazy("exact curve")  # keys of the field plot
-#: What a look at two equal halves says: of a run, and of one that is lost.
+#: Hints about two equal halves: for a run, and for a lost one.
 ALIKE = lazy("{} alike? Then the estimate is right.")
 ALIKE_LOST = lazy("{} alike: the estimate is right, the run is not.")
-#: What of a vector a plot may be of.
+#: Components of a vector that a plot may show.
 COMPONENTS = {"radial": lazy("radial {noun}"), "angular": lazy("angular {noun}")}
-#: These say what they say in the visitor's language by ``tr``, where they are said.
+#: Translated by ``tr`` where they are used.
 UNKNOWN = lazy("true error unknown here: no exact solution is built in")
 TRUTH_OFF = lazy("true error not computed: its effect is off")
 ESTIMATE_OFF = lazy("not estimated: the effect \"estimate\" is off")
@@ -34,13 +33,13 @@ NOT_COUNTED = lazy("not counted: the effect \"grid crossings\" is off")
 NOT_COMPARED = lazy("not compared when this frame was made")
 NO_INDEX = lazy("empty: no exact solution is built in")
 NOTHING_TO_SHOW = "nothing to show: every error is zero, or was not computed"
-EMPTY_HALVES = ("not estimated", "truth not computed")  # where there is little room, the estimate's and the truth's
+EMPTY_HALVES = ("not estimated", "truth not computed")  # short reasons, for the estimate's half and the truth's
 TRUE, ESTIMATED = lazy("true"), lazy("estimated")  # rows beside those of estimators
 
 
 @dataclass(frozen=True)
 class Captions:
-    """Titles and sources of the two halves, why either is empty ("" where it is not), and what colours measure."""
+    """Titles and sources of the two halves, why either is empty ("" if not), and what the colours measure."""
 
     titles: tuple[str, str]
     by: tuple[str, str]
@@ -50,7 +49,7 @@ class Captions:
 
 @dataclass(frozen=True)
 class FieldWords:
-    """What a plot of a field is called, with a remark on what it shows, if any is needed."""
+    """Name of a field plot, with a remark on what it shows, if needed."""
 
     name: str
     remark: str = ""
@@ -59,10 +58,10 @@ class FieldWords:
         return f"{self.name}: {self.remark}" if self.remark else self.name
 
 
-@language_cache(64)  # it is asked for with every frame
+@language_cache(64)  # called with every frame
 def make_captions(quantity: str, estimator: str | None, difference: bool, no_estimate: str, no_truth: str) -> Captions:
-    """Returns the captions of the errors of a quantity (x, v, sigma or a) by an estimator, or None; ``no_estimate`` and
-    ``no_truth`` say why either is not known, "" where it is."""
+    """Returns the captions of a quantity's errors (x, v, sigma or a) by an estimator, or None; ``no_estimate`` and
+    ``no_truth`` are the reasons if either is missing, else ""."""
     by = tr("by {estimator}", estimator=estimator) if estimator else "", tr(EXACT_SOLUTION)
     titles = tr(ESTIMATE[difference]), tr(TRUTH)
     if difference:
@@ -73,7 +72,7 @@ def make_captions(quantity: str, estimator: str | None, difference: bool, no_est
 
 
 def field_words(scene: Scene, component: str, quantity: str) -> FieldWords:
-    """What a plot of a ``component`` of a quantity's field shows."""
+    """Returns name and remark of the plot of a ``component`` of a quantity's field."""
     noun = QUANTITIES[quantity].noun
     name = tr(COMPONENTS[component], noun=noun) if component else noun
     name = name[:1].upper() + name[1:]
@@ -85,7 +84,7 @@ def field_words(scene: Scene, component: str, quantity: str) -> FieldWords:
 
 
 def add_unknown_count(remark: str, unknown: int | str) -> str:
-    """The remark, with how many particles have no number, unless it says itself that none has."""
+    """Appends the number of particles without a number to a remark, unless all have none."""
     if not unknown or remark == tr(OFF):
         return remark
     if not remark:
@@ -94,12 +93,12 @@ def add_unknown_count(remark: str, unknown: int | str) -> str:
 
 
 def marks_note(marked: str, every: int) -> str:
-    """What marks of particles mean, of which one in ``every`` is marked."""
+    """Returns the legend of crossing marks, which one in ``every`` particles has."""
     return tr("{marked} (1 in {every})", marked=tr(marked), every=every) if every > 1 else tr(marked)
 
 
 def why_no_truth(scene: Scene, quantity: str) -> str:
-    """Why a scene has no true error of a quantity; "" where it has."""
+    """Returns why a scene has no true error of a quantity, or ""."""
     if not scene.solution_known:
         return tr(UNKNOWN)
     if not scene.has("truth"):
@@ -108,7 +107,7 @@ def why_no_truth(scene: Scene, quantity: str) -> str:
 
 
 def why_no_estimate(scene: Scene, not_valid: Mapping[str, str], estimator: str | None, quantity: str) -> str:
-    """Why an estimator says nothing of a quantity; "" where it should."""
+    """Returns why an estimator has no estimate of a quantity, or ""."""
     if estimator is None:
         return tr(NONE_CHOSEN)
     if "estimate" not in scene.effects:
@@ -121,28 +120,28 @@ def why_no_estimate(scene: Scene, not_valid: Mapping[str, str], estimator: str |
 
 
 def why_no_field(scene: Scene, quantity: str) -> str:
-    """Why nobody knows the particles' own values of a quantity; "" where they are known."""
+    """Returns why the particles' values of a quantity are not known, or ""."""
     return tr(OFF) if quantity == "a" and not scene.has("acceleration") else ""
 
 
 def not_estimated(quantity: str) -> str:
-    """What is said of an estimator that has no number of a quantity, after its name."""
+    """Returns the text, after an estimator's name, that it does not estimate a quantity."""
     return tr("does not estimate the {quantity}", quantity=QUANTITIES[quantity])
 
 
 def why_no_numbers(scene: Scene, not_valid: Mapping[str, str], quantity: str,
                    silent: Collection[str]) -> dict[str, str]:
-    """For the truth and each estimator asked for, why there is no number of a quantity; "" where there is.
+    """Returns for the truth and each estimator requested why it has no number of a quantity, or "".
 
     Parameters
     ----------
     scene
     not_valid
-        Sentences of the estimators that do not hold (``Result.not_valid``).
+        Reasons of the estimators that are not valid (``Result.not_valid``).
     quantity
         Key of x, v, sigma or a.
     silent
-        Estimators that have said nothing of it so far.
+        Estimators without a finite value of it so far.
     """
     found = {TRUE: why_no_truth(scene, quantity)}
     for name in scene.estimators:
@@ -152,7 +151,7 @@ def why_no_numbers(scene: Scene, not_valid: Mapping[str, str], quantity: str,
 
 
 def why_no_index(scene: Scene, valid: Collection[str], quantity: str) -> str:
-    """Why the plot of the error index is empty, with the estimators that are ``valid``; "" where it is not."""
+    """Returns why the plot of the error index is empty, given the ``valid`` estimators, or ""."""
     if not scene.solution_known:
         return tr(NO_INDEX)
     if why_no_truth(scene, quantity):
@@ -162,7 +161,7 @@ def why_no_index(scene: Scene, valid: Collection[str], quantity: str) -> str:
 
 @dataclass(frozen=True)
 class Half:
-    """One lane of the bar or half of a body in the plane: ``sizes`` (P,) of errors, or the reason in ``silence``."""
+    """Lane of the bar or half of a plane body: ``sizes`` (P,) of errors, or the reason for none in ``silence``."""
 
     title: str
     by: str
@@ -172,7 +171,7 @@ class Half:
 
 @dataclass(frozen=True)
 class View:
-    """Both halves and what the scale measures; and the estimated and true sizes (P,) for whoever reads off numbers."""
+    """Both halves, what the scale measures, and the estimated and true sizes (P,) for numbers."""
 
     left: Half
     right: Half
@@ -198,12 +197,12 @@ def view_of_frame(report: FrameReport, arrays: FrameArrays, quantity: str, estim
 
 def view_of_sizes(quantity: str, estimator: str | None, estimated: np.ndarray | None, true: np.ndarray | None,
                   no_estimate: str, no_truth: str, difference: bool, apart: np.ndarray | None) -> View:
-    """The view of sizes of errors.
+    """Returns the view of sizes of errors.
 
     Parameters
     ----------
     quantity, estimator, no_estimate, no_truth, difference
-        As of :func:`make_captions`.
+        As for :func:`make_captions`.
     estimated, true, apart : (P,) array or None, in the unit of the quantity
         Sizes of both errors, and of estimate minus truth.
     """

@@ -1,4 +1,4 @@
-"""The colour scale that estimate and truth share: from sizes of errors to colours, and its numbers."""
+"""The colour scale shared by estimate and truth: maps sizes of errors to colours, and has numbered ticks."""
 
 import math
 from collections.abc import Callable, Hashable, Iterable
@@ -15,15 +15,15 @@ from app.words import PREFIXES, format_number, with_unit
 TOPS = {1.0: 4, 1.2: 4, 1.5: 3, 2.0: 4, 2.5: 5, 3.0: 3, 4.0: 4, 5.0: 5, 6.0: 3, 8.0: 4}
 MOST_TICKS = max(*TOPS.values()) + 1
 DECADES = 3  # that a logarithmic scale shows below its top
-CALM_SECONDS = 1.0  # for which the top stays, once it has grown ...
-HIDDEN = 3.0  # ... unless errors are so many times as large: they would all look alike
+CALM_SECONDS = 1.0  # for which the top stays after growing ...
+HIDDEN = 3.0  # ... unless errors are so many times as large, and would all have one colour
 ZERO = lazy("0, exact")
-REMEMBERED = 64  # runs whose largest error is known when they are shown again
+REMEMBERED = 64  # runs whose largest error is cached
 SMALLEST = 1e-300
-#: Where nothing should happen, of a quantity's size: the colours' top at least, for coloured round-off would say that
-#: something does, and what the axis of a plot shows at least.
+#: For a scene at rest, as shares of a quantity's size: the least top of the colours, so that round-off
+#: is not coloured, and the least range of a plot's axis.
 LEAST_TOP, LEAST_REACH = 1e-3, 0.1
-BEYOND = 10  # times the largest true error, from which on an estimate no longer sets a scale: it would hide both
+BEYOND = 10  # times the largest true error: larger estimates do not extend the scale, which would hide both
 
 
 class ColourScale:
@@ -36,15 +36,15 @@ class ColourScale:
         self.logarithmic = False
         self.held = False
         self.top, self._parts = 1.0, TOPS[1.0]
-        self.exceeded = False  # whether something is beyond the top, and so looks smaller than it is
+        self.exceeded = False  # whether an error is above the top
 
     def forget(self) -> None:
-        """Another quantity or another run: begin anew, unless held."""
+        """Restarts the scale for another quantity or run, unless held."""
         self._begun = self._begun and self.held
 
     def follow(self, estimated: np.ndarray | None, true: np.ndarray | None, run: Hashable = None,
                beside: tuple[np.ndarray | None, np.ndarray | None] = (None, None), least: float = 0.0) -> None:
-        """Adjusts the top, unless held, to the errors of a ``run`` and one ``beside`` it, to ``least`` at least."""
+        """Adjusts the top, unless held, to the errors of a ``run`` and one ``beside`` it, and to at least ``least``."""
         truth, estimate = (max(largest_finite(true), largest_finite(beside[1])),
                            max(largest_finite(estimated), largest_finite(beside[0])))
         top = max(truth, min(estimate, BEYOND * truth)) if truth > 0 else estimate
@@ -58,7 +58,7 @@ class ColourScale:
         self.exceeded = max(truth, estimate) > self.top
 
     def _hold(self, size: float) -> None:
-        """Make the top no less than a size, if it is time to."""
+        """Raises the top to at least a size, if due."""
         now = self._clock()
         if size <= SMALLEST or (self._begun and size <= self.top):
             return
@@ -69,18 +69,18 @@ class ColourScale:
         self._begun, self._next = True, now + CALM_SECONDS
 
     def colours(self, sizes: np.ndarray) -> np.ndarray:
-        """(P, 3) colours of (P,) sizes; what is not a number counts as beyond the top. Who has such sizes has
-        numpy not warn, once for all that is drawn of them: that takes as long as the colours do."""
+        """Returns colours (P, 3) for sizes (P,); NaN counts as above the top. Callers silence numpy's warnings about
+        such sizes, once for everything drawn: that takes as long as the colours do."""
         share = 1 + np.log10(sizes / self.top) / DECADES if self.logarithmic else sizes / self.top
-        row = np.fmax(np.fmin(255 * share, 255), 0)  # fmin takes the other one where one is not a number
+        row = np.fmax(np.fmin(255 * share, 255), 0)  # fmin ignores NaN
         return self._table.take(row.astype(np.uint8), axis=0)
 
     def gradient(self, steps: int) -> np.ndarray:
-        """(steps, 3) colours from the scale's bottom to its top, for the colour bar."""
+        """Returns colours (steps, 3) from the bottom of the scale to its top, for the colour bar."""
         return self._table[np.linspace(0, 255, steps).astype(np.int32)]
 
     def ticks(self, unit: str) -> list[tuple[float, str]]:
-        """Returns places 0 to 1 along the scale and the numbers there, with the unit at the last or at each."""
+        """Returns positions 0 to 1 along the scale and the numbers there, with the unit at the last or at each."""
         if self.logarithmic:
             ticks = [(k / DECADES, with_unit(self.top * 10.0 ** (k - DECADES), unit)) for k in range(DECADES + 1)]
         else:
@@ -94,12 +94,12 @@ class ColourScale:
 
 
 def any_finite(sizes: np.ndarray) -> bool:
-    """Whether any of some sizes, none of which is negative, is a finite number."""
-    return bool(np.fmin.reduce(sizes, initial=np.inf) < np.inf)  # fmin takes the other one where one is none
+    """Whether any of the sizes, none of which is negative, is finite."""
+    return bool(np.fmin.reduce(sizes, initial=np.inf) < np.inf)  # fmin ignores NaN
 
 
 def largest_finite(sizes: np.ndarray | None) -> float:
-    """The largest of what is finite; 0 for nothing."""
+    """Returns the largest finite size, or 0."""
     if sizes is None:
         return 0.0
     top = float(np.maximum.reduce(sizes, initial=0.0))
@@ -107,6 +107,6 @@ def largest_finite(sizes: np.ndarray | None) -> float:
 
 
 def round_up(value: float, steps: Iterable[float]) -> tuple[float, float]:
-    """The next of ``steps`` times a power of ten, and that step: a scale that moves in few, round steps, from 1 on."""
+    """Returns the next of ``steps``, from 1 on, times a power of ten, and that step, for scales with round ends."""
     power = 10.0 ** math.floor(math.log10(value))
     return next(((step * power, step) for step in steps if value <= step * power), (10 * power, 1.0))

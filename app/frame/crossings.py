@@ -1,8 +1,7 @@
-"""Which crossings of cell boundaries are shown and counted: those of one window before now.
+"""The time window of cell crossings that are shown and counted.
 
-It is a part of a period, for what a particle does goes with the motion; but what is on the screen for less than
-``LEAST_SECONDS`` is not seen. Dots, the sentence about them and the rate over time have this window in common.
-"""
+It is a fraction of a period, as crossings depend on the motion, but at least ``LEAST_SECONDS`` on the screen. Dots,
+headline and the rate over time share it."""
 
 import numpy as np
 
@@ -13,15 +12,15 @@ LEAST_SECONDS = 0.4  # on the screen
 
 
 def crossing_window(scene: Scene, speed: float) -> float:
-    """Simulated seconds for which a crossing is shown, where so many go by in one of the visitor's."""
+    """Returns the simulated seconds for which a crossing is shown, at a ``speed`` in simulated seconds per second."""
     return max(WINDOW * scene.period, LEAST_SECONDS * speed)
 
 
 def is_recent(steps_since: np.ndarray, scene: Scene, speed: float) -> np.ndarray:
-    """Which particles' last crossings (P,), this many steps ago (P,), -1 for never, are in the window."""
+    """Returns whether particles' last crossings, this many steps ago (P,), -1 for never, are in the window, (P,)."""
     return (steps_since >= 0) & (steps_since <= crossing_window(scene, speed) / scene.time_step)
 
 
 def crossing_ages(steps_since: np.ndarray, scene: Scene, speed: float) -> np.ndarray:
-    """How much of the window has gone by (n,) since crossings this many steps ago (n,): 0 to 1 for recent ones."""
+    """Returns the ages (n,) of crossings this many steps ago (n,), as fractions of the window."""
     return steps_since * np.float32(scene.time_step / crossing_window(scene, speed))

@@ -1,4 +1,4 @@
-"""The field plot: the quantity whose error is shown, of the particles and exact, and what particles miss as stems."""
+"""The field plot: the particles' values of a quantity, the exact curve, and the differences as stems."""
 
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
@@ -15,36 +15,35 @@ from app.words import QUANTITIES, with_unit
 from solvers.scene.scene import Scene
 
 CURVE_POINTS = 121
-INSTANTS = 32  # of a period at which the exact field is looked at, for the axis to hold all of it from the first on
-STEPS = (1, 1.5, 2, 3, 4, 5, 6, 8)  # times a power of ten: what an axis may end at
-ROOM = 1.1  # an axis goes on so far beyond its last number, and values with it
-FADE = 0.985  # per frame: how slowly the axis follows when values shrink
-SLACK = 0.4  # of its height that values must fall below before it does
-MOST_STEMS = 2000  # particles whose errors are drawn as lengths: more would be a grey mass
-#: Pixels across: of a particle, of one of many, of one that crossed a cell boundary, and of the ground around that.
+INSTANTS = 32  # per period, at which the exact field is evaluated to set the range of the axis
+STEPS = (1, 1.5, 2, 3, 4, 5, 6, 8)  # times a power of ten: possible ends of an axis
+ROOM = 1.1  # length of the axis over its last number
+FADE = 0.985  # decay of the peak per frame when values shrink
+SLACK = 0.4  # share of the axis below which it shrinks
+MOST_STEMS = 2000  # particles with stems: more would be a grey area
+#: Diameters in pixels: of a particle, of one of many, of one that crossed a cell boundary, and of its halo.
 DOT, MANY_DOTS, CROSSED, HALO = 3.4, 2.8, 6.5, 9.5
-MOST_LARGE, CROWDED = 30, 0.66  # as many that crossed are so large; more, this much smaller, do not hide the rest
+MOST_LARGE, CROWDED = 30, 0.66  # most crossings drawn at full size; if more, all are smaller by this factor
 CURVE_WIDTH = 6.0
 MANY = 300
 BELOW = np.array([0, 0, 0.002], np.float32)
 NO_STEMS = Lines("field/stems", np.empty((0, 2, 3), np.float32), np.empty((0, 2, 3), np.uint8), 2.5)
-BEYOND = 0.01  # of the axis along the plot that dots may be beyond its ends
+BEYOND = 0.01  # share of the axis by which dots may be outside it
 
 
 class Axis:
-    """The axis of a plot whose values come and go: it ends at round numbers, holds all that is there and moves calmly.
-
-    It goes from -``top`` to ``top``; what is within ``ROOM`` times that is on it. Two runs side by side share one."""
+    """Value axis from -``top`` to ``top``, a round number; contains all values, and shrinks slowly. Runs can share
+    it."""
 
     def __init__(self) -> None:
         self._peak, self.top = 0.0, 1.0
 
     def forget(self) -> None:
-        """Begin anew with the next frame."""
+        """Restarts with the next frame."""
         self._peak = 0.0
 
     def follow(self, largest: float, least: float) -> None:
-        """Take in the ``largest`` size of a frame's values; never show less than up to ``least``."""
+        """Adjusts the axis to the ``largest`` size of a frame's values, and to at least ``least``."""
         begun, need = self._peak > 0, max(largest, least)
         self._peak = max(need, FADE * self._peak)
         if self._peak > SMALLEST and (not begun or need > ROOM * self.top or self._peak < SLACK * self.top):
@@ -53,11 +52,10 @@ class Axis:
 
 @dataclass(frozen=True)
 class PlotSettings:
-    """What a plot is of: a quantity along an axis from ``start`` to ``end`` in metres, in words ``ends``.
+    """Settings of a field plot: its axis from ``start`` to ``end`` in metres, labelled ``ends``.
 
-    ``exact(scene, quantity, X, t)`` is what the particles that were at X should have, and ``component`` what of it;
-    ``where(scene, X, t)`` is where along the axis those should be, and nothing where the axis is of X itself.
-    """
+    ``exact(scene, quantity, X, t)`` returns exact values at reference positions X, of which ``component`` is plotted;
+    ``where(scene, X, t)`` their positions along the axis, None if that is X itself."""
 
     start: float
     end: float
@@ -68,41 +66,41 @@ class PlotSettings:
 
 
 class FieldPlot:
-    """Particles as dots around the exact curve, with stems in the colour of their errors; crossed ones stand out."""
+    """Particles as dots around the exact curve, with stems in the colour of their errors; crossings are highlighted."""
 
     def __init__(self, plotted: PlotSettings, beside: "FieldPlot | None" = None):
         self._plotted = plotted
         self.axis: Axis = beside.axis if beside else Axis()
         self._drawn: tuple[Scene, str, int, Places] | None = None
-        self._said: tuple[int, float] | None = None  # of what is drawn: numbers that are none, and the axis's end
+        self._said: tuple[int, float] | None = None  # as drawn: count of NaN values, and end of the axis
         self._time = 0.0
         self._dots = np.empty((0, 3), np.float32)
 
     @property
     def outdated(self) -> bool:
-        """Whether another plot has moved the axis since this one was drawn."""
+        """Whether another plot has changed the axis since this one was drawn."""
         return self._said is not None and self._said[1] != self.axis.top
 
     def draw(self, places: Places, scene: Scene, quantity: str, magnified: int, at: np.ndarray, field: np.ndarray,
              t: float, crossed: np.ndarray, shades: np.ndarray) -> Iterator[Mark]:
-        """The marks of a field.
+        """Yields the marks of a field.
 
         Parameters
         ----------
         places
-            Where the plot stands.
+            Layout of the plot.
         scene
         quantity
             Key of x, v, sigma or a.
         magnified
-            How many times deviations are drawn.
+            Factor of drawn deviations.
         at : (P,) array, m
-            Where the particles are along the axis.
+            Positions of the particles along the axis.
         field : (P, 2) array, in the unit of the quantity
             Values, and their deviations from the exact ones.
         t : float, s
         crossed : (P,) array of bool
-            Which have just crossed a cell boundary.
+            Whether particles have just crossed a cell boundary.
         shades : (P, 3) array
             Colours of the particles' errors.
         """
@@ -131,12 +129,12 @@ class FieldPlot:
         yield Dots("field/crossed", over, self._ink[2], crowd * CROSSED * pixel)
 
     def places(self, particles: slice, count: int) -> np.ndarray:
-        """Where the dots of ``count`` particles are, (count, 3); away while none are drawn."""
+        """Returns the points of the dots of ``count`` particles, (count, 3); out of view if none are drawn."""
         dots = self._dots[particles]
         return dots if len(dots) == count else np.full((count, 3), AWAY, np.float32)
 
     def _begin(self, places: Places, scene: Scene, quantity: str) -> None:
-        """Another scene or quantity: how far the exact field reaches."""
+        """Prepares another scene or quantity: determines the range of the exact field."""
         self._at: np.ndarray | None = None
         plotted, box, self._least = self._plotted, places.field, 0.5 * DOT * places.room.pixel
         self._box, self._per_metre = box, (box.right - box.left) / (plotted.end - plotted.start)
@@ -151,7 +149,7 @@ class FieldPlot:
             self._reach = max(largest_finite(np.abs(plotted.exact(scene, quantity, self._line, t))) for t in times)
 
     def _axes(self, places: Places, scene: Scene, quantity: str, magnified: int, unknown: int) -> Iterator[Mark]:
-        """The axes with what is written at them."""
+        """Yields the axes with their labels."""
         box, colours = self._box, places.room.palette
         self._ink = [np.array(colour, np.uint8) for colour in (colours.dot, colours.ground, colours.crossing)]
         end = ROOM * box.half
@@ -165,7 +163,7 @@ class FieldPlot:
                                scene.solution_known)
 
     def _curve(self, places: Places, scene: Scene, quantity: str, t: float) -> Iterator[Mark]:
-        """What is exact, where it is known."""
+        """Yields the exact curve, if it is known."""
         curve = self._level[:0]
         if scene.solution_known:
             curve = self._level
@@ -179,7 +177,7 @@ class FieldPlot:
         yield Lines("field/exact", curve, places.room.palette.exact, CURVE_WIDTH)
 
     def _stems(self, scene: Scene, field: np.ndarray, magnified: int, shades: np.ndarray) -> Lines:
-        """From where a particle should be to where it is, as far as its dot does not hide that."""
+        """Returns stems from exact values to the particles', where they are longer than a dot."""
         dots = self._dots
         if not scene.solution_known or len(dots) > MOST_STEMS:
             return NO_STEMS
@@ -194,9 +192,9 @@ class FieldPlot:
         return Lines("field/stems", segments, np.repeat(shades[drawn, None], 2, axis=1), 2.5)
 
     def _points(self, at: np.ndarray, values: np.ndarray, known: np.ndarray) -> np.ndarray:
-        """Returns points (n, 3) of the stage for values at places (n,) along the axis; unknown ones are away."""
+        """Returns points (n, 3) of the stage for values at positions (n,) along the axis; unknown ones are AWAY."""
         box, out = self._box, np.empty((len(values), 3), np.float32)
-        if at is not self._at:  # in the plane it stays
+        if at is not self._at:  # constant in the plane
             self._at, self._across = at, self._along(at)
             self._there = np.abs(self._across - 0.5 * (box.left + box.right)) <= (0.5 + BEYOND) * (box.right - box.left)
         out[:, 0], out[:, 2] = self._across, 0.012
@@ -212,11 +210,10 @@ class FieldPlot:
 
 def plot_labels(places: Places, ends: tuple[str, str], words: FieldWords, magnified: int, number: str,
                 exact: bool) -> Iterator[Label]:
-    """What is written at a plot, the same labels whatever there is: the ``number`` at the end of its axis, what is at
-    its ``ends``, its name, with keys of particles and of the ``exact`` curve where there is one, by how much deviations
-    are ``magnified``, and a remark."""
+    """Yields the labels of a plot, always the same ones: the ``number`` at the end of its axis, ``ends`` at those of
+    the other, its name, with keys of particles and the ``exact`` curve, the factor ``magnified``, and a remark."""
     box, room = places.field, places.room
-    beside = box.left > 0 or room.gutter > 0  # else there is room for the upper number alone, within the plot
+    beside = box.left > 0 or room.gutter > 0  # otherwise only the upper number fits, within the plot
     left = box.at is not None and box.at[0] < 0 and not box.keys  # the name stands beside the zero
     crowded = left and 1.2 * room.extent(words.name)[0] + room.extent(" 0")[0] > room.gutter
     for key, text, y in (("low", f"−{number.partition(' ')[0]}", -box.half), ("zero", "" if crowded else "0", 0.0)):
@@ -233,7 +230,7 @@ def plot_labels(places: Places, ends: tuple[str, str], words: FieldWords, magnif
     larger = tr("error × {magnified}", magnified=magnified) if box.magnified and exact else ""
     yield Label("field/magnified", larger, x, y, anchor, "caption")
     x, y, anchor = box.remark
-    named = words.name if box.at is None and places.seat == RunSlot.ALONE else ""  # beside another the scale says it
+    named = words.name if box.at is None and places.seat == RunSlot.ALONE else ""  # beside another run the scale has it
     yield Label("field/remark", ": ".join(filter(None, (named, words.remark))), x, y, anchor, "caption")
     x, y = box.at or (0.0, 0.0)
     role: Role = "gutter" if x < 0 else "title"
@@ -247,8 +244,7 @@ def plot_labels(places: Places, ends: tuple[str, str], words: FieldWords, magnif
 
 
 def magnify_deviation(scene: Scene, field: np.ndarray, magnified: int) -> np.ndarray:
-    """Values (P,) as they are drawn: exact plus ``magnified`` times the deviation of a ``field`` (P, 2), where the
-    exact one is known. Of a motion without swings deviations alone: the rest is the same everywhere."""
+    """Returns values (P,) with ``magnified`` deviations of a ``field`` (P, 2); without oscillation only deviations."""
     if not scene.solution_known or (scene.swings and magnified == 1):
         return field[:, 0]
     with np.errstate(over="ignore", invalid="ignore"):

@@ -1,9 +1,7 @@
-"""What is said of a run: a headline and further facts, made of words with places in braces for numbers, which the page
-fills with those of a frame and the script of an exported file with those of a picture.
+"""Headline and facts about a run, as templates for the numbers of a frame or of an exported file's picture.
 
-How wrong comes first, in parts of a quantity's size; then whether an estimate knows it; then of which size that is. All
-of it is either of one moment or of the run so far, and says which.
-"""
+The relative error comes first, then how much of it the estimate finds, then the quantity's size. All numbers are of one
+moment or of the run so far, as the headline says."""
 
 import math
 import re
@@ -15,34 +13,34 @@ from app.words import QUANTITIES, format_ratio, per_cent, short_reason, with_uni
 from solvers.scene.scene import Scene
 from solvers.solver.rounding import rounding
 
-ROUND_OFF = 1e-9  # of a quantity's size, and far above what a patch test that is passed has
+ROUND_OFF = 1e-9  # of a quantity's size; far above the error of a patch test that is passed
 UNSTABLE, LAST = lazy("the run went unstable and has stopped at t = {time} s"), lazy("this is its last picture")
 LOST = lazy("the run is lost from t = {since} s on")
-#: Of when a headline is: what it begins with.
+#: First words of a headline: the time it is about.
 SO_FAR, NOW, PAUSED, BACK = lazy("so far "), lazy("now "), lazy("at t = {time} s "), lazy("{ago} periods back ")
 LESS, MORE = lazy("finds {share} of it"), lazy("estimates {factor} times as much")
-ALL_OF_IT = 1.005  # index up to which an estimate finds what there is
+ALL_OF_IT = 1.005  # index up to which an estimate does not exceed the error
 
 ENDS = (".", "?", "!")  # of a sentence
 
 Span = tuple[str, str]  # a kind, "" or one of KINDS, and a text
-#: What a text in a place is, by the place's name: for the eye only, the words say it too.
+#: Style of a placeholder's text by its name; redundant to the words.
 KINDS = {"wrong": "number", "off": "truth", "by": "estimate", "share": "figure", "factor": "figure", "lost": "bad"}
-#: Places that are filled later, with the numbers of a moment.
+#: Placeholders that are filled later, with numbers.
 PLACES = {name: f"{{{name}}}" for name in ("wrong", "off", "by", "found", "true")}
 
 
 @dataclass(frozen=True)
 class Headline:
-    """A headline in spans, and facts in words, each of which makes a sentence."""
+    """Headline in spans, and facts, each of which becomes a sentence."""
 
     headline: tuple[Span, ...] = ()
     facts: tuple[str, ...] = ()
-    moment: Hashable = None  # what it is of: another one is worth being read aloud
+    moment: Hashable = None  # identifies the situation: a new one is read aloud
 
     @classmethod
     def of(cls, headline: str, *facts: str, **places: str) -> "Headline":
-        """With texts in the headline's places, and without facts that are empty."""
+        """Returns a headline with texts in its placeholders; empty facts are dropped."""
         return cls(tuple(to_spans(headline, places)), tuple(filter(None, facts)))
 
     def __bool__(self) -> bool:
@@ -68,12 +66,11 @@ class Headline:
 
 @dataclass(frozen=True)
 class ErrorWords:
-    """How wrong a quantity is: ``told`` with {wrong}, the true error over the ``size`` that a quantity has, or where
-    nobody knows it the estimate, and with {found}, what the estimate says of the true error
-    (:func:`over_or_underestimates`); ``names`` are the other places of its. ``of`` has {true} and, in words, the size;
-    ``why`` is a fact of what is missing. ``unmeasured`` is said as long as there are no numbers; ``still`` and
-    ``trace`` as long as the true error is at most ``least``: then a motion without swings is what it should be but for
-    round-off."""
+    """Templates about the error of a quantity. ``told`` has {wrong}, the true error (or else the estimate) over the
+    quantity's ``size``, and {found}, the comparison with the estimate (:func:`over_or_underestimates`); ``names`` are
+    its other placeholders. ``of`` has {true} and the size; ``why`` is the reason for a missing number. ``unmeasured``
+    is for missing numbers; ``still`` and ``trace`` for a true error of at most ``least``, round-off of a scene at
+    rest."""
 
     told: str
     names: Mapping[str, str]
@@ -87,7 +84,7 @@ class ErrorWords:
 
 
 def error_words(scene: Scene, quantity: str, estimator: str | None, no_estimate: str, no_truth: str) -> ErrorWords:
-    """What is said of the errors of a quantity; arguments as of :func:`app.frame.captions.make_captions`."""
+    """Returns the templates for a quantity's errors; arguments as for :func:`app.frame.captions.make_captions`."""
     words, size = QUANTITIES[quantity], scene.size_of(quantity)
     noun = words.noun
     why = no_truth
@@ -108,19 +105,18 @@ def error_words(scene: Scene, quantity: str, estimator: str | None, no_estimate:
 
 def format_errors(words: ErrorWords, unit: str, true: float, estimate: float, index: float,
                   before: str = "") -> Headline:
-    """The words with numbers in their places.
+    """Fills the templates with numbers.
 
     Parameters
     ----------
     words
         From :func:`error_words`.
     unit
-        That of the norms.
+        Of the norms.
     true, estimate, index
-        Both errors' RMS norms of one moment, or their means over a time, and the second over the first; NaN is what
-        nobody knows.
+        Both RMS norms, of one moment or as means over time, and their ratio; NaN if unknown.
     before
-        Of which moment or time: what the headline begins with, where there is anything to say.
+        First words of the headline: the moment or time span.
     """
     if true <= words.least:
         return Headline.of(before + words.still, words.trace.format(true=_size(true, unit) if true else tr("zero")))
@@ -136,7 +132,7 @@ def format_errors(words: ErrorWords, unit: str, true: float, estimate: float, in
 
 
 def over_or_underestimates(index: float) -> str:
-    """What an estimate says of a true error so many times smaller."""
+    """Returns the template that compares an estimate with the true error, for an error index."""
     return tr(MORE if index >= ALL_OF_IT else LESS)
 
 
@@ -149,12 +145,12 @@ def _capital(text: str) -> str:
 
 
 def fill_template(text: str, **numbers: str) -> str:
-    """The text with numbers in the places of their names."""
+    """Returns a text with its placeholders replaced."""
     return "".join(piece for _, piece in to_spans(text, numbers))
 
 
 def to_spans(text: str, places: Mapping[str, str]) -> list[Span]:
-    """The text in spans, with what is in the places of their names; a place of another name stays as it is."""
-    pieces = re.split(r"\{(\w+)\}", text)  # every second one is the name of a place
+    """Splits a text into spans and replaces placeholders; those not in ``places`` stay."""
+    pieces = re.split(r"\{(\w+)\}", text)  # every second piece is a placeholder's name
     return [(KINDS.get(piece, ""), places[piece]) if k % 2 and piece in places
             else ("", f"{{{piece}}}" if k % 2 else piece) for k, piece in enumerate(pieces) if piece]

@@ -1,4 +1,4 @@
-"""Where things stand on a stage in the room that there is, as all problems share it, and the bar of colours."""
+"""Layout of a stage within its bounds, common to all problems, and the colour bar."""
 
 from collections.abc import Iterator
 from dataclasses import dataclass
@@ -13,27 +13,26 @@ from app.words import QUANTITIES
 
 Rectangle = tuple[float, float, float, float]  # x0, x1, y0, y1
 HALVES: tuple[Tone, Tone] = ("estimate", "truth")
-EDGE = 0.015  # of what is drawn beside x = 0 and 1
-#: In pixels: of the bar of colours, from it to its numbers and from these to what is below, and above it.
+EDGE = 0.015  # drawn beyond x = 0 and 1
+#: In pixels: height of the colour bar, distance to its numbers, from these to the rest, and space above it.
 BAR, TICK, TICK_LINE, ABOVE = 12.0, 5.0, 17.0, 4.0
-POINTS = 256  # of the bar of colours
+POINTS = 256  # of the colour bar
 
 
 class RunSlot(Enum):
-    """Where a run is drawn: alone, or as the first or second of two."""
+    """Slot of a run on the stage: alone, or the first or second of two."""
 
     ALONE, FIRST, SECOND = range(3)
 
 
-Spot = tuple[float, float, Anchor]  # where a text is, and how it is anchored
+Spot = tuple[float, float, Anchor]  # position and anchor of a text
 
 
 @dataclass(frozen=True)
 class Box:
-    """Where a plot stands: from x = ``left`` to ``right``, its zero at ``middle`` and the ends of its axis ``half``
-    above and below. What is at the axis's ends is written ``below`` it; how many times errors are ``magnified``, and
-    a ``remark``, at spots; its name begins at a point ``at``, with a key of what is drawn if there is room for
-    ``keys``. None is what has no room."""
+    """Box of a plot: from x = ``left`` to ``right``, its zero at ``middle`` and the ends of its axis ``half`` above and
+    below. Labels of the axis are ``below`` it; the factor ``magnified`` and a ``remark`` are at spots; its name begins
+    at a point ``at``, followed by a legend if ``keys`` fit. None if something does not fit."""
 
     left: float
     right: float
@@ -48,7 +47,7 @@ class Box:
 
 @dataclass(frozen=True)
 class Places:
-    """Where a run's things stand: in a ``rectangle`` of a settled ``room``, with the plot of the field in a box."""
+    """Layout of a run: its ``rectangle`` in a settled ``room``, and the box of the field plot."""
 
     room: Bounds
     seat: RunSlot
@@ -58,7 +57,7 @@ class Places:
 
 @dataclass(frozen=True)
 class ColourBarBox:
-    """The bar of colours: ``high`` around ``middle``, numbers below ``numbers``, its title, all else below ``end``."""
+    """Box of the colour bar: ``high`` around ``middle``, ``numbers`` and titles; everything else is below ``end``."""
 
     middle: float
     high: float
@@ -69,12 +68,12 @@ class ColourBarBox:
 
 
 def drawing_rectangle(high: float) -> Rectangle:
-    """Of all that is drawn on a stage so high."""
+    """Returns the rectangle of everything drawn on a stage of this height."""
     return -EDGE, 1 + EDGE, 0.0, high
 
 
 def colour_bar_box(room: Bounds, high: float) -> ColourBarBox:
-    """The top of a stage so high: the title beside the bar, or above it where there is no gutter."""
+    """Returns the box of the colour bar at the top of a stage; its title is above it if there is no gutter."""
     pixel = room.pixel
     first = high - ABOVE * pixel - (0.0 if room.gutter else 1.2 * room.line)
     middle, numbers = first - 0.5 * BAR * pixel, first - (BAR + TICK) * pixel
@@ -85,14 +84,14 @@ def colour_bar_box(room: Bounds, high: float) -> ColourBarBox:
 
 
 class ColourBar:
-    """Draws the scale on a sheet of its own, in square points: they alone show a colour as it is."""
+    """Draws the scale on a surface of its own, as square points, which alone show colours unchanged."""
 
     def __init__(self, sheet: Surface, scale: ColourScale):
         self.sheet, self._scale = sheet, scale
         self._drawn: tuple[Bounds, float, str, float, bool, bool] | None = None
 
     def draw(self, quantity: str, high: float) -> None:
-        """Show the scale as it is now, with the key of the quantity whose error it measures, on a stage so ``high``."""
+        """Draws the scale, with the key of the quantity whose error it measures, on a stage of height ``high``."""
         scale, room = self._scale, self.sheet.room
         now = (room, high, quantity, scale.top, scale.logarithmic, scale.exceeded)
         if now == self._drawn:
@@ -108,7 +107,7 @@ class ColourBar:
 
 
 def bar_labels(place: ColourBarBox, gutter: bool, quantity: str, ticks: list[tuple[float, str]]) -> Iterator[Label]:
-    """What the bar measures, beside it in a ``gutter`` or above it, and its numbers."""
+    """Yields the titles of the bar, beside it in a ``gutter`` or above it, and its numbers."""
     for name, text, (x, y, anchor) in (("title", tr("Error of"), place.title),
                                        ("quantity", str(QUANTITIES[quantity]), place.quantity)):
         yield Label(name, text, x, y, anchor, "gutter" if gutter else "caption", bold=True)

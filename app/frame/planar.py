@@ -1,4 +1,4 @@
-"""What the stages of plane problems share: a body on its cells, its domains, and the field plot beside it."""
+"""Stages of plane problems: a body on its cells, the particles' domains, and the field plot beside it."""
 
 from abc import abstractmethod
 from collections.abc import Iterator
@@ -15,14 +15,14 @@ from solvers.engine.shared_frames import FrameArrays
 from solvers.problems.planar.layout import half_edges, particle_layout
 from solvers.problems.planar.scene import PlanarScene
 
-FARTHEST = 2.0  # metres from the middle, out of view: where particles of a run gone bad are drawn at most
-MOST_DOMAINS = 5000  # particles whose domains are drawn: more would be a grey mass
-#: The shape of a particle, and its size over that at rest: so large that those of a body tile it.
+FARTHEST = 2.0  # metres from the middle, out of view: clip for particles of a broken run
+MOST_DOMAINS = 5000  # particles with domains drawn: more would be a grey area
+#: Shape of a particle, and its size over that at rest, so that the particles tile the body.
 FILLED: dict[str, tuple[Literal["circle", "square"], float]] = {"polar": ("circle", 1.5), "cartesian": ("square", 1.06),
                                                               "box": ("square", 1.06)}
-CROSSED, HALO = 5.5, 8.0  # pixels across: a particle that crossed a cell boundary, and around it
+CROSSED, HALO = 5.5, 8.0  # diameters in pixels of a particle that crossed a cell boundary, and of its halo
 BELOW = np.array([0, 0, 0.002], np.float32)
-ROOMY = 130.0  # radius in pixels of a body on which these are as large
+ROOMY = 130.0  # radius in pixels of a body from which these have full size
 PlaneScene = TypeVar("PlaneScene", bound=PlanarScene)
 Mirrors = tuple[tuple[int, int], ...]
 QUARTERS: Mirrors = ((1, 1), (1, -1), (-1, 1), (-1, -1))  # the first two are the truth's half
@@ -30,7 +30,7 @@ WHOLE: Mirrors = ((1, 1),)
 
 
 class PlanarStage(Stage[PlaneScene]):
-    """Makes marks of a plane problem: estimate left, truth right; a quarter is drawn with its mirror images."""
+    """Stage of a plane problem: estimate left, truth right; a quarter is drawn with its mirror images."""
 
     MIRRORS: ClassVar[Mirrors] = QUARTERS
     OUTLINED: ClassVar[Mirrors] = QUARTERS[::2]
@@ -41,17 +41,17 @@ class PlanarStage(Stage[PlaneScene]):
     @staticmethod
     @abstractmethod
     def outermost(scene: Any) -> float:
-        """How far from the middle a particle should come, in metres."""
+        """Returns how far from the middle particles get, in m."""
 
     @staticmethod
     def domain_edges(scene: Any, F: np.ndarray) -> np.ndarray:
-        """Half the edge vectors (P, 2, 2) in metres of the particles' domains for deformation gradients F (P, 2, 2)."""
+        """Returns half the edge vectors (P, 2, 2) of particles' domains, m, for deformation gradients F (P, 2, 2)."""
         return half_edges(scene, F, particle_layout(scene).edges)
 
     places, labels = staticmethod(planar_places), staticmethod(planar_labels)
 
     def region(self, low: tuple[float, float], high: tuple[float, float], arrays: FrameArrays) -> np.ndarray:
-        """Which particles (P,) lie, or have a mirror image, in the rectangle from ``low`` to ``high`` of the stage."""
+        """Returns which particles (P,), or their images, lie in the rectangle from ``low`` to ``high`` of the stage."""
         images = self._images(arrays.position, self.MIRRORS).reshape(len(self.MIRRORS), -1, 3)[:, :, :2]
         return np.any(np.all((images >= low) & (images <= high), axis=2), axis=0)
 
@@ -94,7 +94,7 @@ class PlanarStage(Stage[PlaneScene]):
 
     @staticmethod
     def stretched(scene: Any) -> float:
-        """How much wider than at rest a particle's domain becomes, about."""
+        """Returns about how much wider than at rest a particle's domain becomes."""
         return 1.0
 
     def _along(self, arrays: FrameArrays) -> np.ndarray:
@@ -111,7 +111,7 @@ class PlanarStage(Stage[PlaneScene]):
         yield self._domains(scene, arrays, x)
 
     def _worst(self, worst: tuple[Worst | None, Worst | None], arrays: FrameArrays) -> Iterator[Mark]:
-        """A line from the worst place of each half to words beside it."""
+        """Yields a line from the worst region of each half to a label beside it."""
         places, segments = self._places, [np.empty((0, 2, 3), np.float32)]
         room, (x, y), wanted = places.room, places.middle, places.seat == RunSlot.ALONE and places.room.gutter > 0
         for found, name, sign in zip(worst, ("estimate", "truth"), (-1, 1), strict=True):
@@ -131,7 +131,7 @@ class PlanarStage(Stage[PlaneScene]):
         yield Lines("worst", np.concatenate(segments), room.palette.dot, 1.5)
 
     def _halves(self, x: np.ndarray, estimated: np.ndarray, true: np.ndarray) -> Iterator[Mark]:
-        """The particles at ``x`` (P, 2) in metres, in the colours (P, 3) of the two errors."""
+        """Yields the particles at ``x`` (P, 2) in m, in the colours (P, 3) of the two errors."""
         if self.MIRRORS == WHOLE:
             colours = np.where(x[:, :1] < 0, estimated, true)
             yield Dots("particles", self._images(x, self.MIRRORS), colours, self._width, self._shape)
@@ -140,7 +140,7 @@ class PlanarStage(Stage[PlaneScene]):
             yield Dots(half, self._images(x, mirrors), np.tile(shades, (2, 1)), self._width, self._shape)
 
     def _domains(self, scene: PlaneScene, arrays: FrameArrays, x: np.ndarray) -> Lines:
-        """Outlines of what each particle stands for: a box for GIMP, a parallelogram for CPDI."""
+        """Returns outlines of the particles' domains: boxes for GIMP, parallelograms for CPDI."""
         outlines = np.empty((0, 2, 3), np.float32)
         if self.domains and self._edges is not None and len(x) == len(self._edges):
             F = arrays.deformation_gradient.reshape(-1, 2, 2)
@@ -151,14 +151,12 @@ class PlanarStage(Stage[PlaneScene]):
         return Lines("domains", outlines, self._places.room.palette.outline, 1.2)
 
     def _place(self, x: np.ndarray, depth: float = 0.0) -> np.ndarray:
-        """Positions in metres (n, 2) as points of the stage (n, 3)."""
+        """Returns points (n, 3) of the stage for positions (n, 2) in m."""
         return in_plane(self._middle[0] + self._per_metre * x[:, 0], self._middle[1] + self._per_metre * x[:, 1], depth)
 
     def _images(self, x: np.ndarray, mirrors: Mirrors, depth: float = 0.0) -> np.ndarray:
-        """The mirror images of positions (n, 2) one after the other, as points of the stage (len(mirrors) n, 3).
-
-        Made with every frame, so written in place: a coordinate is placed once for each side, not for each image.
-        """
+        """Returns the mirror images of positions (n, 2) one after the other, as points of the stage (len(mirrors) n,
+        3). Called with every frame, so written in place, once per side instead of per image."""
         out = np.empty((len(mirrors), len(x), 3), np.float32)
         out[:, :, 2] = depth
         for axis in range(2):
@@ -170,5 +168,5 @@ class PlanarStage(Stage[PlaneScene]):
 
 
 def in_view(x: np.ndarray) -> np.ndarray:
-    """Positions (n, 2) in metres; what is not a number becomes FARTHEST."""
+    """Returns positions (n, 2) in m clipped to ±FARTHEST; NaN becomes FARTHEST."""
     return np.fmax(np.fmin(x, FARTHEST), -FARTHEST)

@@ -1,4 +1,4 @@
-"""Layout of a plane problem: the body on the left, the plot of the field on the right; a pinned run beside it."""
+"""Layout of a plane problem: the body on the left, the field plot on the right; a pinned run beside it."""
 
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
@@ -10,18 +10,18 @@ from app.frame.stage import StageLabels
 from app.language.translation import tr
 from app.words import short_reason
 
-AROUND = 1.05  # of the outermost the body should come, that its cells are drawn to
-WIDEST = {RunSlot.ALONE: 0.5, RunSlot.FIRST: 0.31, RunSlot.SECOND: 0.31}  # of the cells that are drawn
-FIELD = 0.28  # the least width of the plot
-LEAST = 0.3  # width of the cells that are drawn, with words beside them
-#: In pixels: between the body and what is beside it, the words there, the numbers of the plot, the room above it for
-#: its name, and the width of that with how many times the error is drawn.
+AROUND = 1.05  # extent of the cells drawn over that of the body
+WIDEST = {RunSlot.ALONE: 0.5, RunSlot.FIRST: 0.31, RunSlot.SECOND: 0.31}  # greatest width of the cells
+FIELD = 0.28  # least width of the plot
+LEAST = 0.3  # least width of the cells with labels beside them
+#: In pixels: gap beside the body, labels there, numbers of the plot, space above it for
+#: its name, and width of the name with the factor of the error.
 GAP, NAMES, NUMBERS, HEADING, NAME = 12.0, 112.0, 62.0, 42.0, 236.0
 
 
 @dataclass(frozen=True)
 class PlanarPlaces(Places):
-    """The middle of the body, the ``radius`` of its outermost material, and the ``end`` above which is the scale."""
+    """Layout of a plane problem: ``middle`` and ``radius`` of the body, and the ``end`` below the colour bar."""
 
     middle: tuple[float, float]
     radius: float
@@ -29,12 +29,12 @@ class PlanarPlaces(Places):
 
 
 def planar_places(room: Bounds, seat: RunSlot) -> PlanarPlaces:
-    """Those in a settled room."""
+    """Returns the layout in a settled room."""
     pixel, line, end, alone = room.pixel, room.line, colour_bar_box(room, room.high).end, seat == RunSlot.ALONE
-    if 1 - FIELD - (NUMBERS + NAMES) * pixel < LEAST:  # letters as large as a projector needs: names stand above
+    if 1 - FIELD - (NUMBERS + NAMES) * pixel < LEAST:  # large letters for a projector: names are above
         room = replace(room, gutter=0.0)
     beside = NUMBERS * pixel + (NAMES * pixel if alone and room.gutter else 0.0)
-    above = 0.0 if alone and room.gutter else 1.3 * line  # words above the body,
+    above = 0.0 if alone and room.gutter else 1.3 * line  # labels above the body,
     under = 0.0 if room.gutter else 1.3 * line  # and below it
     free = end - above - under - 4 * pixel
     wide = min(free, WIDEST[seat], 1 - FIELD - beside)
@@ -57,14 +57,14 @@ def planar_places(room: Bounds, seat: RunSlot) -> PlanarPlaces:
 
 
 def planar_labels(words: StageLabels, places: PlanarPlaces) -> Iterator[Label]:
-    """All that is written but for the scale's and the plot's numbers, and remarks."""
+    """Yields all labels except the scale's and the plot's numbers, and remarks."""
     if places.seat != RunSlot.ALONE:
         return _of_pair(words, places)
     return _beside(words, places) if places.room.gutter else _above(words, places)
 
 
 def _beside(words: StageLabels, places: PlanarPlaces) -> Iterator[Label]:
-    """The estimate's names in the gutter; the truth's, and what else there is to say, right of the body."""
+    """Yields the estimate's names in the gutter, and the truth's and the rest right of the body."""
     room, (x, y), left = places.room, places.middle, -places.room.gutter
     right = x + AROUND * places.radius + GAP * room.pixel
     width = room.letters(NAMES * room.pixel)
@@ -82,7 +82,7 @@ def _beside(words: StageLabels, places: PlanarPlaces) -> Iterator[Label]:
 
 
 def _above(words: StageLabels, places: PlanarPlaces) -> Iterator[Label]:
-    """All names above the body: there is no room beside it."""
+    """Yields all names above the body, if there is no space beside it."""
     room, (x, y), reach = places.room, places.middle, AROUND * places.radius
     up = y + reach + 2 * room.pixel
     for name, title, at, anchor in _sides(words.titles, x, reach, True):
@@ -99,7 +99,7 @@ def _above(words: StageLabels, places: PlanarPlaces) -> Iterator[Label]:
 
 
 def _of_pair(words: StageLabels, places: PlanarPlaces) -> Iterator[Label]:
-    """Which run it is, above the body; the halves are named in the corners that a round body leaves free."""
+    """Yields the run's name above the body; the halves' names are in the corners around the round body."""
     room, (x, y), reach, first = places.room, places.middle, AROUND * places.radius, places.seat == RunSlot.FIRST
     for name, title, at, anchor in _sides((tr("estimate"), tr("truth")), x, reach, False):
         yield Label(f"{name}-title", title, at, y + reach, anchor, "title", 0.9, tone=name)
@@ -117,13 +117,13 @@ def _of_pair(words: StageLabels, places: PlanarPlaces) -> Iterator[Label]:
 
 
 def _sides(titles: tuple[str, str], x: float, reach: float, up: bool) -> Iterator[tuple[Tone, str, float, Anchor]]:
-    """Of the estimate and the truth: its name, title and the corner above the body where it stands, or inside it."""
+    """Returns name, title, position and anchor of estimate and truth, in the corners above the body or inside."""
     anchors: tuple[Anchor, Anchor] = ("bottom-left", "bottom-right") if up else ("top-left", "top-right")
     return zip(HALVES, titles, (x - reach, x + reach), anchors, strict=True)
 
 
 def _inside(words: StageLabels, places: PlanarPlaces) -> Iterator[Label]:
-    """Why a half is empty, in the hole of a ring."""
+    """Yields the reasons for empty halves, in the hole of a ring."""
     room, (x, y) = places.room, places.middle
     sides: tuple[Anchor, Anchor] = ("center-right", "center-left")
     for name, silence, anchor, apart in zip(HALVES, words.silences, sides, (-4, 4), strict=True):
@@ -132,7 +132,7 @@ def _inside(words: StageLabels, places: PlanarPlaces) -> Iterator[Label]:
 
 
 def _crossings(words: StageLabels, places: PlanarPlaces) -> Label:
-    """What the marks mean, once: in the gutter or below the body."""
+    """Returns the legend of crossing marks, in the gutter or below the body."""
     room, note = places.room, words.crossings if places.seat != RunSlot.SECOND else ""
     if room.gutter:
         return Label("crossings-note", note, -room.gutter, 2 * room.pixel, "bottom-left", "gutter",

@@ -1,8 +1,7 @@
-"""Marks: what is drawn on a stage, as data. A renderer draws them: the viewer, the offline player, a picture.
+"""Marks: the primitives drawn on a stage, as data. Renderers draw them: the viewer, the offline player, pictures.
 
-The stage is a plane in which x goes from 0 to 1 along the colour bar and y from 0 up, as high as there is room
-(:class:`Bounds`). What has a higher z lies on top.
-"""
+The stage is a plane with x from 0 to 1 along the colour bar and y from 0 to its height (:class:`Bounds`). Marks with a
+higher z are on top."""
 
 import textwrap
 from collections.abc import Iterable
@@ -20,9 +19,8 @@ Colour = tuple[int, int, int]
 
 @dataclass(frozen=True)
 class Palette:
-    """The ground; particles in a plot and lines beside words; axes; lines of cells through a plot and behind a body;
-    edges of cells; crossings; a particle whose error nobody knows; what is exact; outlines of domains on the map's
-    colours."""
+    """Colours: background; plotted particles and lines beside labels; axes; grid lines; cell edges; crossings;
+    particles without a known error; exact curve; outlines of domains."""
 
     ground: Colour
     dot: Colour
@@ -46,24 +44,24 @@ def _palette(ground: str) -> Palette:
 LIGHT, DARK = _palette("light"), _palette("dark")
 
 
-AWAY = -50.0  # where points that cannot be shown are, far outside the view
-LETTER_WIDTH = 6.0  # pixels, of an average letter of usual size
-LINE_HEIGHT = 16.0  # of a line of such letters, with what is around it
+AWAY = -50.0  # coordinate of points that cannot be shown, far outside the view
+LETTER_WIDTH = 6.0  # pixels of an average letter of usual size
+LINE_HEIGHT = 16.0  # pixels of a line of such letters, with its margins
 
 Anchor = Literal["top-left", "top-center", "top-right", "center-left", "center-center", "center-right", "bottom-left",
                  "bottom-center", "bottom-right"]
-#: What a label is: a name left of what it names, outside of the rectangle, a half's title or why it is empty, which run
-#: this is, what the marks mean, an axis's number or name, words at a step in slow motion, or words at a place of the
+#: Role of a label: a name in the gutter, left of the rectangle, a half's title or why it is empty, the name of the
+#: run, the legend of marks, an axis's number or name, text at a step in slow motion, or text at a point of the
 #: body, which every renderer writes.
 Role = Literal["gutter", "title", "silence", "name", "note", "number", "caption", "step", "place"]
-#: What a label belongs to, and so its colour.
+#: What a label belongs to, which sets its colour.
 Tone = Literal["plain", "faint", "estimate", "truth", "crossing"]
-Sign = Literal["", "dot", "line"]  # a key in the label's tone before its words: what they explain looks like that
+Sign = Literal["", "dot", "line"]  # legend key before the text, in the label's tone
 
 
 @dataclass(frozen=True)
 class Label:
-    """A text at (x, y) by its ``anchor``, ``width`` letters a line, ``size`` times as large, or with a ``sign``."""
+    """Text at (x, y) by its ``anchor``, wrapped at ``width`` letters, scaled by ``size``, with a ``sign`` before it."""
 
     name: str
     text: str
@@ -80,10 +78,8 @@ class Label:
 
 @dataclass(eq=False, slots=True)
 class Dots:
-    """Points (n, 3), ``size`` across and counted from an ``origin``, with colours (n, 3) or one for all (3,), 0 to 255.
-
-    They alone show a colour exactly as it is given. Who has made them writes to the arrays no more.
-    """
+    """Points (n, 3), ``size`` across, relative to an ``origin``, with colours (n, 3), or (3,) for all, from 0 to 255.
+    Only dots show colours unchanged. The arrays must not be modified afterwards."""
 
     name: str
     points: np.ndarray
@@ -98,7 +94,7 @@ class Dots:
 
 @dataclass(eq=False, slots=True)
 class Lines:
-    """Segments (n, 2, 3) in one colour or one for each end (n, 2, 3), of a thickness in pixels."""
+    """Segments (n, 2, 3) in one colour, or one per end (n, 2, 3), with a thickness in pixels."""
 
     name: str
     segments: np.ndarray
@@ -114,20 +110,20 @@ Mark = Label | Dots | Lines
 
 @dataclass(frozen=True)
 class Bounds:
-    """The box that a stage is drawn in.
+    """The bounds of a stage.
 
     Attributes
     ----------
     pixels
-        For a length of one: from x = 0 to 1 of the stage.
+        Per unit of length: from x = 0 to 1 of the stage.
     lettering
-        Letters are so many times as large as usual.
+        Factor on the usual size of letters.
     high
-        The box's height, in lengths of one: y goes from 0 to it.
+        Height: y goes from 0 to it.
     gutter
-        Room for names left of x = 0, in lengths of one; with none they stand above what they name.
+        Width left of x = 0 for names; if 0, they are above what they name.
     dark
-        Whether the ground is dark.
+        Whether the background is dark.
     """
 
     pixels: float
@@ -138,30 +134,30 @@ class Bounds:
 
     @property
     def palette(self) -> Palette:
-        """The colours that go with the ground."""
+        """The colours for this background."""
         return DARK if self.dark else LIGHT
 
     @property
     def pixel(self) -> float:
-        """A pixel's length on the stage, of a screen on which letters have their usual size."""
+        """Length of a pixel on the stage, of a screen on which letters have their usual size."""
         return self.lettering / self.pixels
 
     @property
     def line(self) -> float:
-        """The height that a line of words takes on the stage."""
+        """Height of a line of text on the stage."""
         return LINE_HEIGHT * self.pixel
 
     def settled(self) -> "Bounds":
-        """The room in steps that can just be seen: a stage laid out for it is not laid out anew for a hair."""
+        """Returns the bounds rounded to just visible steps, so that tiny changes cause no new layout."""
         return replace(self, pixels=max(8.0, 8 * round(self.pixels / 8)), high=round(self.high, 2),
                        gutter=round(self.gutter, 2))
 
     def letters(self, length: float, size: float = 1.0) -> int:
-        """How many letters of a size there is room for in a length of the stage."""
+        """Returns how many letters of a size fit into a length of the stage."""
         return max(1, int(length * self.pixels / (LETTER_WIDTH * size * self.lettering)))
 
     def fitting(self, texts: Iterable[str], width: float, height: float) -> tuple[str, int]:
-        """Returns the first text that fits into a box, and how many letters its lines have; "" where none does."""
+        """Returns the first text that fits into a box, and the letters per line; "" if none fits."""
         letters = self.letters(width)
         for text in texts:
             lines = wrap_text(text, letters).split("\n")
@@ -170,13 +166,13 @@ class Bounds:
         return "", letters
 
     def extent(self, text: str, size: float = 1.0) -> np.ndarray:
-        """Width and height (2,) that a text of this size takes on the stage, about."""
+        """Returns the approximate width and height (2,) of a text of this size on the stage."""
         scale, lines = size * self.lettering / self.pixels, text.split("\n")
         return scale * np.array([LETTER_WIDTH * max(map(len, lines)), LINE_HEIGHT * len(lines)])
 
 
 class Surface(Protocol):
-    """What marks are drawn on. One shown under the name of another takes its place; an empty one is not seen."""
+    """Something to draw marks on. A mark replaces one of the same name; an empty one is hidden."""
 
     visible: bool
 
@@ -186,35 +182,35 @@ class Surface(Protocol):
     def show(self, *marks: Mark) -> None: ...
 
     def child(self, name: str) -> "Surface":
-        """A sheet that is seen with this one."""
+        """Returns a surface that is visible only with this one."""
 
 
 def error_colours(scale: ColourScale, sizes: np.ndarray | None, count: int, unknown: Colour) -> np.ndarray:
-    """Colours (P, 3) of error sizes; plain grey where nothing is known."""
+    """Returns colours (P, 3) of error sizes; grey if none is known."""
     if sizes is None or not any_finite(sizes):
         return np.full((count, 3), unknown, np.uint8)
     return scale.colours(sizes)
 
 
 def fade_colours(ages: np.ndarray, palette: Palette) -> np.ndarray:
-    """Colours (n, 3) that fade from a crossing's to the ground's, for ages (n,) from 0 to 1."""
+    """Returns colours (n, 3) that fade from a crossing's to the background, for ages (n,) from 0 to 1."""
     ground, crossing = np.array(palette.ground, np.float32), np.array(palette.crossing, np.float32)
     return (crossing + (0.85 * ages)[:, None] * (ground - crossing)).astype(np.uint8)
 
 
 def in_plane(x: np.ndarray, y: np.ndarray | float, z: float = 0.0) -> np.ndarray:
-    """Points (n, 3) from coordinates (n,) or one for all; written in place, for it is done with every frame."""
+    """Returns points (n, 3) from coordinates (n,) or one for all; written in place, as it runs with every frame."""
     points = np.empty((len(x), 3), np.float32)
     points[:, 0], points[:, 1], points[:, 2] = x, y, z
     return points
 
 
 def join_points(starts: np.ndarray, ends: np.ndarray) -> np.ndarray:
-    """Line segments (n, 2, 3) between points (n, 3)."""
+    """Returns line segments (n, 2, 3) between points (n, 3)."""
     return np.stack([starts, ends], axis=1)
 
 
 @lru_cache(1000)
 def wrap_text(text: str, width: int) -> str:
-    """The text in lines of at most so many characters; as it is for 0."""
+    """Wraps a text at ``width`` characters; 0 leaves it as it is."""
     return "\n".join(textwrap.wrap(text, width)) if width else text

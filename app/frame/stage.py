@@ -1,4 +1,4 @@
-"""What the stages of all problems share: two halves, estimate and truth, each with a title or why it is empty."""
+"""Stages of all problems: two halves, estimate and truth, each with a title or the reason why it is empty."""
 
 from abc import ABC, abstractmethod
 from collections.abc import Iterator
@@ -19,13 +19,13 @@ from solvers.engine.shared_frames import FrameArrays
 from solvers.scene.scene import Scene
 
 AnyScene = TypeVar("AnyScene", bound=Scene)
-TOUCH = 0.03  # of the stage, within which a click means a particle: as much as a finger needs
+TOUCH = 0.03  # distance on the stage within which a click selects a particle: wide enough for a finger
 Names = tuple[str, str]  # of the estimate and of the truth
 
 
 @dataclass(frozen=True)
 class StageLabels:
-    """Words on a stage: titles, sources and silences of both halves, run, scale note, crossings, alike halves."""
+    """Labels on a stage: titles, sources and reasons of both halves, run, scale note, crossings, equal halves."""
 
     titles: Names = ("", "")
     by: Names = ("", "")
@@ -38,7 +38,7 @@ class StageLabels:
 
 @dataclass(frozen=True, eq=False)
 class Worst:
-    """Where the error is largest: which particles (P,) those are, and how large it is, in words."""
+    """Region with the largest error: its particles (P,), and the error's size as text."""
 
     particles: np.ndarray
     size: str
@@ -46,7 +46,7 @@ class Worst:
 
 @dataclass(frozen=True, eq=False)
 class Annotations:
-    """Occasional notes in a picture: where estimate and truth are worst, whether it is lost or well estimated."""
+    """Notes in a picture: the worst regions of estimate and truth, and whether the run is lost or well estimated."""
 
     worst: tuple[Worst | None, Worst | None] = (None, None)
     lost: bool = False
@@ -57,22 +57,21 @@ NOTHING = Annotations()
 
 
 class Stage(ABC, Generic[AnyScene]):
-    """Makes marks of a problem's frames and shows them on a sheet; both halves and the colour bar use one scale.
+    """Draws the marks of a problem's frames on a surface; both halves and the colour bar use one scale.
 
-    ``domains`` says whether the particles' domains are outlined, on a stage that can; ``plotted`` is the quantity whose
-    field the frames hold, if any, and ``magnified`` how many times its deviation from the exact one is drawn. A pinned
-    run has a stage of its own, ``beside`` the first, whose axis its field plot shares.
-    """
+    ``domains`` sets whether the particles' domains are outlined, if supported; ``plotted`` is the quantity whose field
+    the frames contain, if any, and ``magnified`` the factor of its deviation from the exact one. A pinned run has a
+    stage of its own, ``beside`` the first; their field plots share an axis."""
 
-    HIGH: ClassVar[tuple[float, float]] = (0.3, 0.9)  # the least and the most that the stage is
-    PLOT: ClassVar[PlotSettings]  # what the plot of the field is of
+    HIGH: ClassVar[tuple[float, float]] = (0.3, 0.9)  # least and greatest height of the stage
+    PLOT: ClassVar[PlotSettings]  # settings of the field plot
     MOST_MARKED: ClassVar[int]  # particles whose crossings are marked
-    LINES: ClassVar[int] = 0  # of material, drawn as the exact solution has them
-    MARKED: ClassVar[str] = lazy("crosses an edge")  # what is said of the marks
-    HALVES: ClassVar[str]  # what estimate and truth are drawn as
+    LINES: ClassVar[int] = 0  # material lines drawn by the exact solution
+    MARKED: ClassVar[str] = lazy("crosses an edge")  # legend of the marks
+    HALVES: ClassVar[str]  # name of the parts for estimate and truth
     MIRRORS: ClassVar[tuple[tuple[int, int], ...]] = ()  # signs of x and y in each image of a body in the plane
     OUTLINED: ClassVar[tuple[tuple[int, int], ...]] = ()  # images whose domains are drawn
-    DOMAINS_HINT: ClassVar[str] = ""  # what it is to outline domains, on a stage that can
+    DOMAINS_HINT: ClassVar[str] = ""  # tooltip for outlining domains, if supported
 
     def __init__(self, sheet: Surface, scale: ColourScale, beside: "Stage | None" = None):
         self.sheet, self._scale, self.domains = sheet, scale, False
@@ -83,13 +82,13 @@ class Stage(ABC, Generic[AnyScene]):
         self._seat = RunSlot.SECOND if beside else RunSlot.ALONE
         self._second: Stage[AnyScene] | None = None
         self._words, self._said = StageLabels(), (StageLabels(), None)
-        self._captioned: tuple | None = None  # of which words these are
+        self._captioned: tuple | None = None  # arguments of the present captions
         self._remarks: Annotations | None = None
         self._field: FieldPlot = FieldPlot(self.PLOT, beside._field if beside else None)
         self._lay_out()
 
     def _lay_out(self) -> None:
-        """Find places for everything in the room that there is now."""
+        """Computes the layout for the present bounds."""
         self._room = self.sheet.room
         room = self._room.settled()
         low, high = self.HIGH
@@ -97,7 +96,7 @@ class Stage(ABC, Generic[AnyScene]):
         self._drawn_scene, self._remarks = None, None
 
     def pair(self, wanted: bool) -> "Stage | None":
-        """Make room for a pinned run, or take it back; returns the stage of that run where it is wanted."""
+        """Makes space for a pinned run, or takes it back; returns the stage of that run if ``wanted``."""
         if wanted != (self._seat == RunSlot.FIRST):
             self._seat = RunSlot.FIRST if wanted else RunSlot.ALONE
             self._lay_out()
@@ -107,7 +106,7 @@ class Stage(ABC, Generic[AnyScene]):
 
     @property
     def rectangle(self) -> Rectangle:
-        """Of all that is drawn now, but for names in the gutter."""
+        """The rectangle of everything drawn, without names in the gutter."""
         room = self.sheet.room
         if room is not self._room and room != self._room:
             self._lay_out()
@@ -115,15 +114,15 @@ class Stage(ABC, Generic[AnyScene]):
 
     @property
     def outdated(self) -> bool:
-        """Whether it must be drawn again, for what was drawn beside it has moved the axis that they share."""
+        """Whether it must be redrawn, because the run beside it has changed their common axis."""
         return self._field.outdated
 
     def name(self, text: str) -> None:
-        """Say which run this is, where there are two."""
+        """Shows the run's name, if there are two."""
         self._say(run=text)
 
     def caption(self, estimate: Half, truth: Half) -> None:
-        """Title the halves, and say in an empty one why it is."""
+        """Shows the titles of the halves, and the reason in an empty one."""
         said = self._seat, estimate.title, estimate.by, estimate.silence, truth.title, truth.by, truth.silence
         if said == self._captioned:
             return
@@ -132,7 +131,7 @@ class Stage(ABC, Generic[AnyScene]):
                   silences=tuple(half.silence if alone else short_reason(half.silence) for half in (estimate, truth)))
 
     def remark(self, remarks: Annotations, arrays: FrameArrays) -> None:
-        """Write remarks into the frame; those that are there already stay as they are."""
+        """Shows annotations in the frame; unchanged ones stay."""
         if remarks is self._remarks:
             return
         self._remarks = remarks
@@ -143,8 +142,7 @@ class Stage(ABC, Generic[AnyScene]):
 
     def draw(self, scene: AnyScene, arrays: FrameArrays, estimated: np.ndarray | None, true: np.ndarray | None,
              t: float, speed: float, foreign: bool = False) -> None:
-        """Shows a frame at t in s: sizes (P,) of both errors or None, in one unit, at a ``speed`` in simulated s per s;
-        particles of a ``foreign`` file may be others at any time."""
+        """Draws a frame at t in s with sizes (P,) of errors or None, in one unit, and ``speed`` in simulated s/s."""
         room = self.sheet.room
         if room is not self._room and room != self._room:
             self._lay_out()
@@ -168,13 +166,13 @@ class Stage(ABC, Generic[AnyScene]):
             self.sheet.show(*marks)
 
     def _mark(self, particles: int) -> None:
-        """Choose the particles whose crossings are marked, and say so: with marks of more, nothing else is seen."""
+        """Selects the particles whose crossings are marked, few enough not to hide the rest, and shows the legend."""
         every = one_in(particles, self.MOST_MARKED)
         self._marked = np.arange(particles) % every == 0
         self._say(crossings=marks_note(self.MARKED, every))
 
     def _say(self, **changes: Any) -> None:
-        """Show the words that are others now, or elsewhere."""
+        """Updates labels whose text or position has changed."""
         if any(getattr(self._words, name) != value for name, value in changes.items()):
             self._words = replace(self._words, **changes)
         if (now := (self._words, self._places)) != self._said:
@@ -184,71 +182,70 @@ class Stage(ABC, Generic[AnyScene]):
     @staticmethod
     @abstractmethod
     def places(room: Bounds, seat: RunSlot) -> Any:
-        """Where everything is (:class:`~app.frame.layout.Places`, or more) in a settled room."""
+        """Returns the layout (:class:`~app.frame.layout.Places` or a subclass) in settled bounds."""
 
     @staticmethod
     @abstractmethod
     def labels(words: StageLabels, places: Any) -> Iterator[Label]:
-        """All that is written on the stage but for the scale's and the plot's numbers, and remarks."""
+        """Yields all labels except the scale's and the plot's numbers, and remarks."""
 
     @staticmethod
     def outermost(scene: AnyScene) -> float | None:
-        """How far from the middle a particle should come, in metres; of a problem in one dimension None."""
+        """Returns how far from the middle particles get, in m; None in one dimension."""
         return None
 
     @staticmethod
     def note(scene: AnyScene) -> str:
-        """How large things are, and what else the stage alone does not say."""
+        """Returns a note on the scale of the drawing and whatever else the stage does not show."""
         return ""
 
     @classmethod
     def tile(cls, scene: AnyScene) -> tuple[Literal["circle", "square"], float] | None:
-        """The shape of a particle of a body in the plane and its size in metres, so large that they tile the body."""
+        """Returns a particle's shape in a plane body and its size in m, so that particles tile the body."""
         return None
 
     @staticmethod
     def first_line(scene: AnyScene) -> float:
-        """Where a line between cells is, in metres from the middle."""
+        """Returns the position of a line between cells, in m from the middle."""
         return 0.0
 
     @staticmethod
     def exact_lines(scene: AnyScene, t: float, count: int) -> np.ndarray:
-        """The first ``count`` of the ``LINES`` of material that are drawn as the exact solution has them: points
-        (count, n, 2) in metres at the time t in s. Each is the one before, turned by a part of a full turn."""
+        """Returns the first ``count`` material ``LINES`` of the exact solution, (count, n, 2) in m, at t in s."""
         return np.empty((0, 0, 2))
 
     @abstractmethod
     def region(self, low: tuple[float, float], high: tuple[float, float], arrays: FrameArrays) -> np.ndarray:
-        """Which particles (P,) lie in the rectangle from ``low`` to ``high`` of the stage."""
+        """Returns which particles (P,) lie in the rectangle from ``low`` to ``high`` of the stage."""
 
     def nearest(self, point: tuple[float, float], arrays: FrameArrays) -> int | None:
-        """The number of the particle drawn nearest to a point of the stage; None in an empty place."""
+        """Returns the index of the particle drawn nearest to a point of the stage; None if none is near."""
         apart = np.linalg.norm(self.images(arrays, slice(None))[:, :, :2] - point, axis=2)
         image, particle = np.unravel_index(np.argmin(np.nan_to_num(apart, nan=np.inf)), apart.shape)
         return int(particle) if apart[image, particle] < TOUCH else None
 
     @abstractmethod
     def images(self, arrays: FrameArrays, particles: slice) -> np.ndarray:
-        """Everywhere that n particles are drawn: points of the stage (images, n, 3)."""
+        """Returns all points of the stage where n particles are drawn, (images, n, 3)."""
 
     @abstractmethod
     def _still(self, scene: AnyScene, particles: int, at_rest: np.ndarray | None) -> Iterator[Mark]:
-        """What stays while a scene runs. Particles of a foreign one were ``at_rest`` (P, D)."""
+        """Yields marks that stay while a scene runs. Particles of a foreign one began ``at_rest`` (P, D)."""
 
     @abstractmethod
     def _moving(self, scene: AnyScene, arrays: FrameArrays, estimated: np.ndarray, true: np.ndarray, t: float,
                 crossed: np.ndarray, age: np.ndarray) -> Iterator[Mark]:
-        """Yields what moves but the plot, with colours (P, 3) of both errors, crossed particles (P,) and ages (n,)."""
+        """Yields marks that move, with colours (P, 3) of both errors, crossed particles (P,) and their ages (n,)."""
 
     @abstractmethod
     def _along(self, arrays: FrameArrays) -> np.ndarray:
-        """Where the particles (P,) are along the axis of the field plot, in metres."""
+        """Returns the particles' positions (P,) along the axis of the field plot, in m."""
 
     @abstractmethod
     def _worst(self, worst: tuple[Worst | None, Worst | None], arrays: FrameArrays) -> Iterator[Mark]:
-        """Marks at the places where the estimate and the truth are worst, the same ones whatever is known."""
+        """Yields marks at the worst regions of estimate and truth, always the same number of marks."""
 
 
 def one_in(particles: int, most: int) -> int:
-    """Returns of how many particles one is marked where it crosses, so that at most ``most`` are."""
+    """Returns n such that marking every n-th particle marks at most ``most``."""
     return -(-particles // most)

@@ -1,7 +1,6 @@
-"""Sentences of the solvers, and of links that cannot be read, in the visitor's language. They are composed in English,
-often in another process, and come here as they are: which of the catalogue's templates a sentence is made of is found
-by its words, and what stands in the places of that template is looked for in the same way. Of several ways to
-understand it the one counts that understands the most letters."""
+"""Translation of finished English sentences from the solvers, often from another process, and of rejected links. The
+matching template of the catalogue is found by its words, and the texts in its placeholders are translated in the same
+way. If several templates match, the one with the most literal letters wins."""
 
 import functools
 import re
@@ -11,34 +10,34 @@ from typing import NamedTuple
 
 from app.language.translation import ENGLISH, current_language, language_cache, load_catalogue
 
-PLACES = ("solvers/", "app/state.py")  # where such sentences are made
-LONGEST = 1000  # characters of a sentence: none of ours is as long
-MOST_WAYS = 30  # to put a sentence into a template that are tried
-MOST_TEXTS = 500  # that are looked up for one sentence: one that quotes from outside may have any number
-DEEPEST = 20  # templates within each other
-JOINTS = ("; ", ": ", ", ", " (")  # between what a sentence is made of where no template says so
+PLACES = ("solvers/", "app/state.py")  # sources of such sentences
+LONGEST = 1000  # characters of a sentence
+MOST_WAYS = 30  # matches per template that are tried
+MOST_TEXTS = 500  # lookups per sentence: one with quoted input may need any number
+DEEPEST = 20  # nested templates
+JOINTS = ("; ", ": ", ", ", " (")  # separators of the parts of a sentence outside of templates
 PLACE, WORD = re.compile(r"\{(\w+)\}"), re.compile(r"[^\W\d_]{2,}")
 
 
 class TranslationMatch(NamedTuple):
-    """A text in another language, and how many of its letters were ``known``."""
+    """Translated text, and how many of its letters were ``known``."""
 
     known: int
     said: str
 
 
 class Template:
-    """A text with places, ``give {n} or more``, and its translation; ``strict`` places take known text or one word."""
+    """Text with places, ``give {n} or more``, and its translation; ``strict`` places match known text or one word."""
 
     def __init__(self, text: str, said: str, strict: bool = False):
         parts = PLACE.split(text)
         self.said, self.strict, self._names, self._literals = said, strict, parts[1::2], parts[::2]
         self.weight = sum(map(len, self._literals))
-        #: With one word of its own, or none, it has single words in its places, lest it takes whatever has that word.
+        #: A template with at most one word takes single words only, as it would otherwise match too much.
         self._short = not strict and sum(len(WORD.findall(literal)) for literal in self._literals) < 2
 
     def ways(self, sentence: str) -> Iterator[dict[str, str]]:
-        """What may stand in the places of a sentence that is made of it."""
+        """Yields the texts of the placeholders for each match of a sentence."""
         first, *between, last = self._literals
         if not sentence.startswith(first) or not sentence.endswith(last) or len(sentence) < self.weight:
             return
@@ -49,7 +48,7 @@ class Template:
 
 
 def _cut(text: str, literals: list[str]) -> Iterator[list[str]]:
-    """The text cut at literals that follow each other in it, wherever each is."""
+    """Yields the text split at literals that follow each other in it, at every possible position."""
     if not literals:
         yield [text]
         return
@@ -60,12 +59,12 @@ def _cut(text: str, literals: list[str]) -> Iterator[list[str]]:
 
 
 class Translator:
-    """Puts sentences into one language; ``words`` are the texts that it knows, with what they are there."""
+    """Translator into one language; ``words`` are the known texts with their translations."""
 
     def __init__(self, words: Mapping[str, str]):
         self._words = {text: said for text, said in words.items() if not PLACE.search(text)}
         self._templates = [Template(text, said) for text, said in words.items() if text not in self._words]
-        for text, said in words.items():  # some are pieces of others
+        for text, said in words.items():  # some are parts of others
             if text.startswith(" ") and text.endswith(" "):
                 self._templates.append(Template(f"{{a}}{text}{{b}}", f"{{a}}{said}{{b}}", strict=True))
             elif text.endswith(" "):
@@ -74,14 +73,14 @@ class Translator:
                 self._templates.append(Template(f"{{head}}{text}", f"{{head}}{said}"))
 
     def __call__(self, sentence: str) -> str:
-        """The sentence, or itself where nobody knows it."""
+        """Returns the translation, or the sentence itself if it is not known."""
         found = self._known(sentence, {}, 0)
         return found.said if found else sentence
 
     def _known(self, text: str, looked: dict[str, TranslationMatch | None], depth: int) -> TranslationMatch | None:
         """Translates a text that is known or made of known parts, else None; ``looked`` caches a sentence."""
         if text not in looked and len(looked) < MOST_TEXTS and depth < DEEPEST:
-            looked[text] = None  # of itself it is not made
+            looked[text] = None  # not part of itself
             looked[text] = max(self._ways(text, looked, depth + 1), default=None, key=lambda way: way.known)
         return looked.get(text)
 
@@ -101,7 +100,7 @@ class Translator:
                 before, after = text[:found.start()], text[found.end():]
                 head, tail = self._known(before, looked, depth), self._known(after, looked, depth)
                 if head is None and joint == ": ":
-                    # The name of an input with its value, or of an estimator, which will do before a colon.
+                    # The name of an input with its value, or of an estimator before a colon.
                     label = max((words for words in self._words if before.startswith(f"{words} ")),
                                 key=len, default=None)
                     if label is not None:
@@ -114,12 +113,12 @@ class Translator:
 
 @functools.lru_cache
 def translator_for(code: str) -> Translator:
-    """That of a language."""
+    """Returns the translator of a language."""
     return Translator(load_catalogue(code).of_files(PLACES))
 
 
 def translate_message(sentence: str) -> str:
-    """A sentence of the solvers in the language that is spoken; one that nobody knows stays English."""
+    """Translates a sentence of the solvers into the current language; an unknown one stays English."""
     return sentence if current_language() == ENGLISH or not sentence or len(sentence) > LONGEST else _heard(sentence)
 
 

@@ -1,10 +1,8 @@
-"""The language in which a visitor is spoken to, what the words of the code are in it, and which one a browser
-wants: that which its address names, else the first of its own that there is.
+"""Translation of the code's English texts by ``CODE.po`` in this folder, and choice of the language: that in the page's
+address, else the first that the browser accepts.
 
-English is what the code says; ``CODE.po`` beside this file says what that is in another language. Whoever does
-something for one visitor does it while his language is spoken (:func:`use_language`): then :func:`tr` finds his words.
-A thread begins with English: what is done on another one for a visitor is :func:`with_language` there.
-"""
+Work for a visitor runs in the visitor's language (:func:`use_language`), which :func:`tr` uses. New threads begin with
+English; work passed to one is wrapped by :func:`with_language`."""
 
 import functools
 import gettext
@@ -26,22 +24,22 @@ FOLDER = Path(__file__).parent
 
 
 class Language(NamedTuple):
-    """A language: what it calls itself, and the file of its words, which English has not."""
+    """Language: its own name, and the file of its translations, which English does not have."""
 
     name: str
     file: Path | None = None
 
 
-#: By their codes.
+#: By code.
 LANGUAGES = {ENGLISH: Language("English"), "de": Language("Deutsch", FOLDER / "de.po")}
 COOKIE = "mpm-lab-language"
-LONGEST = 1000  # characters of a wish that are read
+LONGEST = 1000  # characters of a request that are read
 
 _spoken: ContextVar[str] = ContextVar("language", default=ENGLISH)
 
 
 class Catalogue:
-    """What the words of the code are in one language; those that it does not have stay as they are."""
+    """Translations of the code's texts into one language; unknown ones stay as they are."""
 
     def __init__(self, file: polib.POFile):
         self._words = gettext.GNUTranslations(io.BytesIO(file.to_binary()))
@@ -54,26 +52,26 @@ class Catalogue:
         return self._words.ngettext(one, many, int(count) if count == int(count) else 2)  # 2.5 are several
 
     def of_files(self, places: str | tuple[str, ...]) -> dict[str, str]:
-        """The texts of files whose paths begin so, for those whose language is none of Python."""
+        """Returns the translations of texts in files whose paths begin so, such as scripts."""
         return {text: said for text, (said, files) in self._texts.items() if said
                 and any(file.startswith(places) for file in files)}
 
 
 @functools.lru_cache
 def load_catalogue(code: str) -> Catalogue:
-    """The words of a language; of English there are none, for the code has them."""
+    """Returns the catalogue of a language; that of English is empty."""
     file = LANGUAGES[code].file
     return Catalogue(polib.pofile(str(file)) if file else polib.POFile())
 
 
 def current_language() -> str:
-    """The code of the language that is spoken now."""
+    """Returns the code of the current language."""
     return _spoken.get()
 
 
 @contextmanager
 def use_language(code: str) -> Iterator[None]:
-    """Speak a language meanwhile."""
+    """Context manager: sets the current language."""
     before = _spoken.set(code)
     try:
         yield
@@ -82,11 +80,11 @@ def use_language(code: str) -> Iterator[None]:
 
 
 def with_language(work: Callable[P, T], code: str = "") -> Callable[P, T]:
-    """The same work, on whatever thread, in the language that is spoken now, or in that of a ``code``."""
+    """Wraps a function to run, on any thread, in the present language or in that of ``code``."""
     code = code or current_language()
 
     def spoken(*args: P.args, **options: P.kwargs) -> T:
-        before = _spoken.set(code)  # as in `speaking`, at half the price: it is done with every frame
+        before = _spoken.set(code)  # as in `use_language`, at half the cost, for every frame
         try:
             return work(*args, **options)
         finally:
@@ -96,13 +94,13 @@ def with_language(work: Callable[P, T], code: str = "") -> Callable[P, T]:
 
 
 def tr(text: str, **values: Any) -> str:
-    """A text of the code in the language that is spoken, with the ``values`` in its places: ``{name}``."""
+    """Translates a text of the code into the current language; ``values`` replace its placeholders ``{name}``."""
     said = text if current_language() == ENGLISH else load_catalogue(current_language()).one(text)
     return said.format(**values) if values else said
 
 
 def trn(one: str, many: str, count: float, **values: Any) -> str:
-    """Of two texts the one that goes with a count, which ``{count}`` is in both, in the language that is spoken."""
+    """Translates the text that fits a count, which replaces ``{count}`` in both, into the current language."""
     said = (
         (one if count == 1 else many)
         if current_language() == ENGLISH
@@ -112,12 +110,12 @@ def trn(one: str, many: str, count: float, **values: Any) -> str:
 
 
 def lazy(text: str) -> str:
-    """A text that is put into the visitor's language by :func:`tr` where it is said: one of a table, say."""
+    """Marks a text for translation by :func:`tr` where it is used, such as one of a table."""
     return text
 
 
 def language_cache(most: int) -> Callable[[Callable[..., T]], Callable[..., T]]:
-    """As :func:`functools.lru_cache`, of so many results, for what has words in it: each language has its own."""
+    """Decorator like :func:`functools.lru_cache`, with separate results for each language."""
     def keeping(work: Callable[..., T]) -> Callable[..., T]:
         @functools.lru_cache(most)
         def in_language(_: str, *args: Any, **options: Any) -> T:
@@ -129,13 +127,13 @@ def language_cache(most: int) -> Callable[[Callable[..., T]], Callable[..., T]]:
 
 
 def localised_path(path: Path) -> Path:
-    """A file of text in the language that is spoken: ``about.de.html`` beside ``about.html``, where there is one."""
+    """Returns the file in the current language, ``about.de.html`` beside ``about.html``, if there is one."""
     own = path.with_suffix(f".{current_language()}{path.suffix}")
     return own if current_language() != ENGLISH and own.is_file() else path
 
 
 def preferred_language(query: str, accepted: str) -> str:
-    """The language of a page: of the ``query`` of its address (``lang=de``), else of the header Accept-Language."""
+    """Returns a page's language, from the ``query`` of its address (``lang=de``), else the header Accept-Language."""
     asked = parse_qs(query[:LONGEST]).get("lang", [""])[-1].lower()
     if asked in LANGUAGES:
         return asked
@@ -143,7 +141,7 @@ def preferred_language(query: str, accepted: str) -> str:
 
 
 def _by_liking(accepted: str) -> list[str]:
-    """The languages of a header such as ``de-CH, en;q=0.7``, the most wanted first, without their countries."""
+    """Returns the languages of a header such as ``de-CH, en;q=0.7`` by preference, without their countries."""
     liked = []
     for place, part in enumerate(accepted[:LONGEST].split(",")):
         name, _, quality = part.strip().lower().partition(";q=")
@@ -157,12 +155,12 @@ def _by_liking(accepted: str) -> list[str]:
 
 
 def as_cookie(code: str) -> str:
-    """The header by which a browser tells its websocket, whose address is not the page's, what the page speaks."""
+    """Returns the header of a cookie with the page's language, for its websocket, which has another address."""
     return f"{COOKIE}={code}; Path=/; HttpOnly; SameSite=Strict"
 
 
 def of_cookie(cookies: list[str]) -> str:
-    """The language that the cookies of a request name."""
+    """Returns the language in the cookies of a request."""
     pairs = (pair.strip().partition("=") for line in cookies for pair in line.split(";"))
     named = next((value for name, _, value in pairs if name == COOKIE), ENGLISH)
     return named if named in LANGUAGES else ENGLISH

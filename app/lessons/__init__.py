@@ -1,1 +1,1 @@
-"""Lessons: a file each in ``lessons/``, read, checked, marked and shown."""
+"""Lessons: one file each in ``lessons/``; reading, checking and marking them."""

@@ -1,4 +1,4 @@
-"""Whether an answer is right: derived from the runs each time, never kept."""
+"""Marking of answers: whether one is right is computed from runs each time, never stored."""
 
 import functools
 from collections.abc import Mapping, Sequence
@@ -21,7 +21,7 @@ TOLD_AFTER = 3  # attempts, after which the right answer is shown
 
 @dataclass(frozen=True)
 class AnswerMark:
-    """The mark of an answer, or None in ``right``; ``expected`` is the right one in words, ``bet`` an interval."""
+    """Mark of an answer, or None in ``right``; ``expected`` is the right answer as text, ``bet`` an interval."""
 
     right: bool | None
     expected: str
@@ -29,13 +29,13 @@ class AnswerMark:
 
     @property
     def points(self) -> float:
-        """What the answer counts: 1 or 0, and an interval by its score, so that width costs (:attr:`Bet.points`)."""
+        """Points of the answer: 1 or 0; an interval's depend on its score, so that width costs (:attr:`Bet.points`)."""
         return self.bet.points if self.bet else float(bool(self.right))
 
 
 @dataclass(frozen=True)
 class Right:
-    """What is right, in words as it is ``told``: of a choice the ``options``, counted from 1, else the ``value``."""
+    """Right answer, as text in ``told``: for a choice the ``options``, counted from 1, else the ``value``."""
 
     told: str
     options: tuple[int, ...] = ()
@@ -43,10 +43,9 @@ class Right:
 
 
 def mark_answer(lesson: Lesson, step: Step, answer: Any, numbers: Numbers, outcomes: RunCache) -> AnswerMark:
-    """The mark of an answer that fits the step's question; runs what it needs.
+    """Returns the mark of a valid answer; runs scenes as needed.
 
-    Raises :class:`~app.lessons.lesson_runs.RunFailed` and :class:`~app.lessons.claims.ClaimError`.
-    """
+    Raises :class:`~app.lessons.lesson_runs.RunFailed` and :class:`~app.lessons.claims.ClaimError`."""
     if step.asked.kind == TEXT:
         return AnswerMark(None, "")
     found = right_answer(lesson, step, numbers, outcomes)
@@ -58,8 +57,7 @@ def mark_answer(lesson: Lesson, step: Step, answer: Any, numbers: Numbers, outco
 
 
 def right_answer(lesson: Lesson, step: Step, numbers: Numbers, outcomes: RunCache) -> Right:
-    """What is right in a step's question, which is no free text; runs what it needs, and raises as
-    :func:`mark_answer`."""
+    """Returns the right answer to a question other than free text; runs scenes, and raises as :func:`mark_answer`."""
     asked = step.asked
     texts = answer_expressions(asked, numbers)
     scope = outcomes.scope(lesson, step, numbers, texts)
@@ -79,19 +77,19 @@ def right_answer(lesson: Lesson, step: Step, numbers: Numbers, outcomes: RunCach
 
 
 def answer_expressions(asked: Question, numbers: Numbers) -> list[str]:
-    """The claims of a question's options, or what it expects, with these numbers."""
+    """Returns the claims of a question's options, or its expected value, with these numbers filled in."""
     return [fill_numbers(text, numbers) for text in (*asked.holds, asked.expected) if text]
 
 
 def in_unit(asked: Question, found: float | str) -> str:
-    """A value in words, with the question's unit; as the page writes it, with a prefix, where that has none."""
+    """Formats a value with the question's unit; with a prefix if the unit has none."""
     if asked.unit in BARE and not isinstance(found, str):
         return with_unit(found, asked.unit, DIGITS)
     return f"{format_value(found)} {asked.unit}".strip()
 
 
 def is_right(asked: Question, answer: Any, found: Right) -> bool:
-    """Whether an answer to a question is right, or an interval holds what came out."""
+    """Whether an answer is right, or an interval contains the result."""
     if asked.kind == CHOICE:
         return answer in found.options
     if isinstance(found.value, str):
@@ -103,7 +101,7 @@ def is_right(asked: Question, answer: Any, found: Right) -> bool:
 
 
 def why_invalid(asked: Question, answer: Any) -> str:
-    """Why something is no answer to a question, as a sentence; "" where it is one."""
+    """Returns why something is no valid answer to a question, as a sentence, or ""."""
     if asked.kind == TEXT:
         fits = isinstance(answer, str) and 0 < len(answer.strip()) <= LONGEST
         return "" if fits else tr("Please write one to {most} characters.", most=LONGEST)
@@ -122,7 +120,7 @@ def why_invalid(asked: Question, answer: Any) -> str:
 
 
 def format_answer(asked: Question, answer: Any) -> str:
-    """An answer in words; what a visitor wrote stays as it is and must be escaped."""
+    """Returns an answer as text; a visitor's own text must be escaped."""
     if asked.kind == CHOICE:
         return asked.options[answer - 1]
     if asked.kind == INTERVAL:
@@ -146,7 +144,7 @@ def bets_shown(lesson: Lesson, step: Step, given: Mapping[str, Sequence[float]],
                 for other in steps]
         bets = [None if pair is None else Bet(float(pair[0]), float(pair[1]), truth, other.asked.level)
                 for other, truth, pair in zip(steps, truths, ends, strict=True)]
-        if name == BY_ROUND:  # a student's bets apart by rounds, each of which ends where something is explained
+        if name == BY_ROUND:  # a student's bets by rounds, each of which ends with an explanation
             explained = [sum(other.kind == lesson_format.EXPLAIN for other in lesson.steps[:lesson.steps.index(step)])
                          for step in steps]
             for number, one in enumerate(sorted(set(explained)), 1):
@@ -158,7 +156,7 @@ def bets_shown(lesson: Lesson, step: Step, given: Mapping[str, Sequence[float]],
 
 
 def judge_ends(lesson: Lesson, step: Step, judge: str, numbers: Numbers, outcomes: RunCache) -> Ends | None:
-    """What a judge bets on what a step asks; None where it does not bet."""
+    """Returns a judge's bet on the answer to a step, or None."""
     found = PATH.fullmatch(step.asked.expected)
     assert found is not None  # has been checked
     run = lesson.runs[found["run"] or lesson.main_run(step)]

@@ -1,4 +1,4 @@
-"""Bets as a picture, as data: for each bettor a sentence and a line per bet, logarithmic around the truth."""
+"""The chart of bets as data: per bettor a sentence and a line per bet, on a logarithmic scale around the truth."""
 
 import math
 from collections.abc import Sequence
@@ -8,19 +8,19 @@ from app.language.translation import lazy, tr
 from app.lessons.answer_check import AnswerMark
 from app.lessons.bets import OWN, YOURS, Bet, Bettor
 
-MOST = 4  # factors of ten to either side; a line that goes on is cut there
-YOUR_BETS, ROUND = lazy("Your bets"), lazy("Your round {number}")  # judges are called as they are
+MOST = 4  # powers of ten to either side; longer lines are clipped
+YOUR_BETS, ROUND = lazy("Your bets"), lazy("Your round {number}")  # judges keep their names
 TOLD = lazy("{held} of {made} contain the truth, mean score {score}")
 SOME = lazy("{held} of {made} contain the truth, {left} without a bet, mean score {score}")
 NONE = lazy("does not bet on these")
-SCORED = lazy("{told}; score {score}")  # of one bet, beside what came out
+SCORED = lazy("{told}; score {score}")  # the result, and the score of one bet
 SAID = lazy("Bets in order, as multiples of the true value (middle line). {share} of 100 should contain it.")
 TRUTH, LESS, MORE = lazy("truth"), "÷ {factor}", "× {factor}"
 
 
 @dataclass(frozen=True)
 class BettorLines:
-    """A bettor's ``lines``: start and end of each bet in % of the width and whether it holds, None for no bet."""
+    """A bettor's ``lines``: start and end of each bet in % of the width and whether it held, None for no bet."""
 
     name: str
     told: str
@@ -30,7 +30,7 @@ class BettorLines:
 
 @dataclass(frozen=True)
 class BetChart:
-    """The picture: ``reach`` is how many factors of ten go to either side, ``said`` what it shows."""
+    """Chart of bets: ``reach`` is the powers of ten to either side, ``said`` the caption."""
 
     reach: int
     said: str
@@ -38,13 +38,13 @@ class BetChart:
 
     @property
     def ticks(self) -> list[tuple[float, str]]:
-        """Places in per cent and texts along the axis."""
+        """Positions in per cent and labels along the axis."""
         factor = f"{10**self.reach:,}"
         return [(0.0, LESS.format(factor=factor)), (50.0, tr(TRUTH)), (100.0, MORE.format(factor=factor))]
 
 
 def draw_bets(bettors: Sequence[Bettor]) -> BetChart:
-    """The picture of several, of the same questions."""
+    """Returns the chart of bettors with the same questions."""
     every = [bet for bettor in bettors for bet in bettor.made]
     farthest = max((abs(decades_above(end, bet)) for bet in every for end in (bet.low, bet.high)), default=0.0)
     reach = min(max(math.ceil(farthest), 1), MOST)
@@ -53,12 +53,12 @@ def draw_bets(bettors: Sequence[Bettor]) -> BetChart:
 
 
 def decades_above(end: float, bet: Bet) -> float:
-    """How many factors of ten an end is above the truth."""
+    """Returns the decimal logarithm of an end over the truth."""
     return math.log10(end) - math.log10(bet.truth)
 
 
 def format_score(mark: AnswerMark) -> str:
-    """What came out, and of a bet its score."""
+    """Returns the result, with the score of a bet."""
     return tr(SCORED, told=mark.expected, score=score_text(mark.bet.score)) if mark.bet else mark.expected
 
 

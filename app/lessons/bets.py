@@ -1,15 +1,14 @@
-"""Bets: intervals that are to hold what comes out, how they are scored, and those of a class and of judges.
+"""Bets: intervals that should contain a result, their scores, and those of a class and of judges.
 
-An interval from a to b, said to hold the truth t with the chance 1 - alpha, has the interval score (R. L. Winkler, "A
-decision-theoretic approach to interval estimation", J. Am. Stat. Assoc. 67 (1972) 187; T. Gneiting and A. E. Raftery,
-"Strictly proper scoring rules, prediction, and estimation", J. Am. Stat. Assoc. 102 (2007) 359): its width, and 2/alpha
-times the distance by which it misses. The less the better. It is proper: on the average nobody scores less than by
-giving his own quantiles alpha/2 and 1 - alpha/2.
+An interval from a to b that should contain the truth t with probability 1 - alpha has the interval score (R. L.
+Winkler, "A decision-theoretic approach to interval estimation", J. Am. Stat. Assoc. 67 (1972) 187; T. Gneiting and A.
+E. Raftery, "Strictly proper scoring rules, prediction, and estimation", J. Am. Stat. Assoc. 102 (2007) 359): its width,
+plus 2/alpha times the distance by which it misses. Less is better; the expected score is least for one's own quantiles
+alpha/2 and 1 - alpha/2.
 
-It is counted in factors of ten here, of log10 a, log10 b and log10 t. Errors span decades: in metres one bad run would
-decide everything; and a share of the truth is not proper, since it makes the same miss dearer where the truth is small,
-and pays for betting low. A logarithm keeps order, so that quantiles stay quantiles, and the score is proper as before.
-"""
+Here it is computed from log10 a, log10 b and log10 t, since errors span decades: in metres one bad run would decide
+everything, and relative to the truth low bets would be rewarded. The logarithm is monotonic, so the score stays
+proper."""
 
 from __future__ import annotations
 
@@ -22,23 +21,23 @@ from app.lessons.lesson import INTERVAL, Lesson, Step
 from solvers.study.coverage.track_record import JUDGES, LEVEL, Ends
 
 YOURS, BY_ROUND = "yours", "yours by round"
-OWN = (YOURS, BY_ROUND)  # whose answers are, and no judge's
+OWN = (YOURS, BY_ROUND)  # the student's own bets, not a judge's
 BETTORS = (YOURS, BY_ROUND, *JUDGES)
-WORTHLESS = 2.0  # a score from which on a bet counts nothing: a factor of 100 wide, or, at 0.8, off by one of 1.6
-#: What judges can bet on: a run's error at its end, "fine.error.x.final".
+WORTHLESS = 2.0  # score of a bet without points: a factor of 100 wide, or, at level 0.8, off by a factor of 1.6
+#: Path that judges can bet on: a run's final error, "fine.error.x.final".
 PATH = re.compile(r"(?:(?P<run>[a-z][a-z0-9_]*)\.)?error\.(?P<quantity>x|v|sigma)\.final")
 ABOUT_BETS = re.compile(r"\bbet\.")
 
 
 def interval_score(low: float, high: float, truth: float, level: float) -> float:
-    """The interval score of a bet at a level, all sizes above 0, in factors of ten: 0 is perfect."""
+    """Returns the interval score of a bet at a level, from sizes above 0, in powers of ten: 0 is perfect."""
     least, most, true = math.log10(low), math.log10(high), math.log10(truth)
     return most - least + 2 / (1 - level) * max(least - true, true - most, 0.0)
 
 
 @dataclass(frozen=True)
 class Bet:
-    """An interval, and what came out."""
+    """Interval, and the result."""
 
     low: float
     high: float
@@ -55,13 +54,13 @@ class Bet:
 
     @property
     def points(self) -> float:
-        """The share of a right answer that a bet counts: 1 for a score of 0, falling evenly to 0 at 2."""
+        """Points of a bet: 1 for a score of 0, falling linearly to 0 at 2."""
         return max(0.0, 1 - self.score / WORTHLESS)
 
 
 @dataclass(frozen=True)
 class Bettor:
-    """Somebody's bets, None where he does not bet; of a student perhaps those of one ``round``, counted from 1."""
+    """Bets of a student or judge, None for no bet; of a student perhaps those of one ``round``, counted from 1."""
 
     name: str
     bets: tuple[Bet | None, ...]
@@ -77,29 +76,29 @@ class Bettor:
 
     @property
     def score(self) -> float | None:
-        """The mean score; None of whoever has not bet."""
+        """The mean score; None without bets."""
         return sum(bet.score for bet in self.made) / len(self.made) if self.made else None
 
 
 def asked_before(lesson: Lesson, step: Step) -> list[Step]:
-    """The steps before this one that ask for bets."""
+    """Returns the steps before this one that ask for bets."""
     before = lesson.steps[:lesson.steps.index(step)]
     return [other for other in before if other.question and other.question.kind == INTERVAL]
 
 
 def claim_name(judge: str) -> str:
-    """A judge's name in a claim: "two_grid", "gci"."""
+    """Returns a judge's name in claims: "two_grid", "gci"."""
     return judge.replace("-", "_").lower()
 
 
 def about_bets(claim: str) -> bool:
-    """Whether a claim is about what judges bet."""
+    """Whether a claim is about judges' bets."""
     return ABOUT_BETS.search(claim) is not None
 
 
 def bets_by_judge(ends: Mapping[str, Mapping[str, Ends | None]],
                   errors: Mapping[str, Mapping[str, float | None]]) -> dict:
-    """Returns the judges' bets on a run by judge and quantity, as claims have them: low, high and score."""
+    """Returns the judges' bets on a run by judge and quantity, in the form of claims: low, high and score."""
     found: dict[str, dict[str, dict[str, float] | None]] = {claim_name(judge): {} for judge in JUDGES}
     for quantity, judged in ends.items():
         truth = errors[quantity]["final"]

@@ -1,4 +1,4 @@
-"""The lessons: a Markdown file each in ``lessons/``, perhaps with a translation beside it."""
+"""The lessons: one Markdown file each in ``lessons/``, with optional translations."""
 
 import threading
 from collections.abc import Iterator
@@ -19,17 +19,17 @@ _READING = threading.Lock()
 
 
 class UnknownLesson(LookupError):
-    """There is no lesson of that name; the message says which there are."""
+    """Raised for an unknown lesson; the message lists the known ones."""
 
 
 def lesson_names(folder: Path = FOLDER) -> list[str]:
-    """The names of the lessons, in their order: files are numbered."""
+    """Returns the names of the lessons in order: their files are numbered."""
     return sorted(path.stem for path in folder.glob("*.md")
                   if path.stem not in NO_LESSONS and Path(path.stem).suffix.removeprefix(".") not in LANGUAGES)
 
 
 def resolve_name(name: str, folder: Path = FOLDER) -> str:
-    """The full name of a lesson; its number or its name without the number do as well."""
+    """Returns the full name of a lesson from its name, its number or its name without the number."""
     known = lesson_names(folder)
     found = [full for full in known if name in (full, *full.split("-", 1))]
     found = found or [full for full in known if full.split("-", 1)[0].lstrip("0") == name]
@@ -39,12 +39,12 @@ def resolve_name(name: str, folder: Path = FOLDER) -> str:
 
 
 def load_lesson(name: str, folder: Path = FOLDER) -> Lesson:
-    """A lesson by its full name."""
+    """Reads a lesson by its full name, in the current language if it is translated."""
     return _in_its_words(read_lesson(folder / f"{name}.md"), folder)
 
 
 def in_every_language(name: str, folder: Path = FOLDER) -> Iterator[Lesson]:
-    """A lesson, and it again in each language that it has been put into."""
+    """Yields a lesson in each language that it has."""
     for code in LANGUAGES:
         if code == ENGLISH or (folder / f"{name}.{code}.md").is_file():
             with use_language(code):
@@ -53,23 +53,23 @@ def in_every_language(name: str, folder: Path = FOLDER) -> Iterator[Lesson]:
 
 
 def load_lessons(folder: Path = FOLDER) -> dict[str, Lesson]:
-    """Returns all lessons by name, as their files are now, without those that have a mistake."""
+    """Returns all lessons by name from the present files, without invalid ones."""
     paths = {name: folder / f"{name}.md" for name in lesson_names(folder)}
     files = tuple((name, path.stat().st_mtime_ns, localised_path(path).stat().st_mtime_ns) for name,
                   path in paths.items())
-    with _READING:  # a class that comes at once reads them once
+    with _READING:  # simultaneous visitors read them once
         return _read(folder, files)
 
 
 def next_lesson(lesson: Lesson, folder: Path = FOLDER) -> Lesson | None:
-    """The lesson that comes next, if there is one."""
+    """Returns the next lesson, or None."""
     every = list(load_lessons(folder).values())
     return next(iter(every[every.index(lesson) + 1:]), None) if lesson in every else None
 
 
 @language_cache(4)
 def _read(folder: Path, files: tuple[tuple[str, int, int], ...]) -> dict[str, Lesson]:
-    """The lessons of files that were last changed then."""
+    """Returns the lessons of files with these modification times."""
     found = {}
     for name, *_ in files:
         with suppress(LessonError):
@@ -79,17 +79,14 @@ def _read(folder: Path, files: tuple[tuple[str, int, int], ...]) -> dict[str, Le
 
 
 def _in_its_words(original: Lesson, folder: Path) -> Lesson:
-    """In the language that is spoken, if it has been put into that."""
+    """Returns the lesson in the current language, if it is translated."""
     path = localised_path(folder / f"{original.name}.md")
     return original if path.stem == original.name else translate_lesson(original, path, current_language())
 
 
 def translate_lesson(original: Lesson, path: Path, language: str) -> Lesson:
-    """The ``original`` in the words of a file. It keeps its name, its steps' keys and its fingerprint, so that what has
-    been answered in one language is marked in any.
-
-    Raises :class:`LessonError` where the file has a mistake, or differs in more than words.
-    """
+    """Returns the ``original`` with the words of a file, but its own name, steps' keys and fingerprint, so that answers
+    are marked in any language. Raises :class:`LessonError` if the file is invalid or differs in more than words."""
     own = read_lesson(path)
     for line, what in _differences(original, own):
         raise LessonError(line, f"{what} differ from {original.name}.md; give the same there, for a translation has "
@@ -99,7 +96,7 @@ def translate_lesson(original: Lesson, path: Path, language: str) -> Lesson:
 
 
 def _differences(original: Lesson, own: Lesson) -> Iterator[tuple[int, str]]:
-    """In which line of the translation what differs."""
+    """Yields the lines of the translation that differ in more than words, and what differs."""
     for name in ALIKE:
         if getattr(original, name) != getattr(own, name):
             yield 1, f"the {name} of the head"
@@ -115,6 +112,6 @@ def _differences(original: Lesson, own: Lesson) -> Iterator[tuple[int, str]]:
 
 
 def _fixed(step: Step) -> tuple[Any, Any, Any]:
-    """What of a step is no words."""
+    """Returns the parts of a step that are not words."""
     asked = step.question and replace(step.question, line=0, options=("",) * len(step.question.options))
     return ([replace(run, line=0) for run in step.runs], step.stage), asked, [claim.text for claim in step.claims]

@@ -1,15 +1,15 @@
 """Claims and expected values: expressions about the results of runs.
 
-    error.x.max < 1e-5                      of the step's first run
-    hat.index.recovered.x in 0.9..1.1       of the run called hat
+    error.x.max < 1e-5                      about the step's first run
+    hat.index.recovered.x in 0.9..1.1       about the run named hat
     budget.v.crossings > 0.8                share of a cause in the error of v, with the effect budget
-    hat.bet.gci.x.score > 2                 what a judge's bet on an error of hat at its end scored; its low and high
-    predicted.v.crossings < 0.1 * rms.v     what it predicts without the cause, and the error over the run as it is
-    order(grids.error.x.max) in 1.9..2.1    of a run on several grids
+    hat.bet.gci.x.score > 2                 score of a judge's bet on a final error of hat; also its low and high
+    predicted.v.crossings < 0.1 * rms.v     the budget's prediction without the cause, and the actual error
+    order(grids.error.x.max) in 1.9..2.1    for a run on several grids
     node.error.x.max / material.error.x.max > 10
     status == lost
 
-A path is that of the result's JSON object, with the estimator's name where there is a choice.
+A path is one in the result's JSON object, with the estimator's name if several are possible.
 """
 
 import ast
@@ -37,7 +37,7 @@ NORMS = ("final", "max", "mean")
 Vocabulary = Mapping[str, tuple[tuple[str, ...], ...]]
 _OPERATORS: dict[type, Callable[[Any, Any], Any]] = {
     ast.Add: operator.add, ast.Sub: operator.sub, ast.Mult: operator.mul, ast.Div: operator.truediv,
-    ast.Pow: lambda base, power: float(base) ** power}  # of whole numbers it might not end
+    ast.Pow: lambda base, power: float(base) ** power}  # integer powers could take forever
 _COMPARISONS: dict[str, Callable[[Any, Any], bool]] = {
     "<=": operator.le, ">=": operator.ge, "==": operator.eq, "!=": operator.ne, "<": operator.lt, ">": operator.gt}
 LONGEST = 1000  # letters of a claim
@@ -47,7 +47,7 @@ _RANGE = re.compile(r"(.+?)\s+in\s+(.+?)\.\.(.+)", re.DOTALL)
 
 @functools.cache
 def result_paths() -> Vocabulary:
-    """The paths of a result: what may stand after each word, level by level."""
+    """Returns the paths of a result: the possible words at each level after the first."""
     load_extensions()
     estimators = tuple(name.replace("-", "_") for name in ESTIMATORS)
     found = {effect.json_key: tuple(filter(None, [tuple(number.key for number in effect.numbers if number.key)]))
@@ -64,7 +64,7 @@ def result_paths() -> Vocabulary:
 
 
 class ClaimError(ValueError):
-    """An expression that means nothing, or that has no value here: why, and what was expected."""
+    """Raised for an expression that is invalid or has no value; the message gives the reason and what is expected."""
 
     def __init__(self, why: str):
         super().__init__(one_line(why))
@@ -72,7 +72,7 @@ class ClaimError(ValueError):
 
 @dataclass(frozen=True)
 class Outcome:
-    """What came of a run: a result's JSON object, or of several that differ in one field, in the runs' order."""
+    """Outcome of a run: the result's JSON object, or for runs that differ in one field theirs, in order."""
 
     results: Sequence[Mapping[str, Any]]
     varied: str = ""
@@ -80,7 +80,7 @@ class Outcome:
 
 @dataclass(frozen=True)
 class Scope:
-    """The outcomes by the names of their runs, the ``main`` run where none is named, and the paths of an outcome."""
+    """Outcomes by the names of their runs, the ``main`` run for paths without a name, and the paths of an outcome."""
 
     outcomes: Mapping[str, Outcome]
     main: str = ""
@@ -93,14 +93,14 @@ class Scope:
 
 @dataclass(frozen=True)
 class ClaimResult:
-    """Whether a claim holds, and what was found, in words."""
+    """Whether a claim holds, and the values found, as text."""
 
     holds: bool
     found: str
 
 
 def evaluate(text: str, scope: Scope) -> float | str:
-    """The value of an expression; :class:`ClaimError` where it has none."""
+    """Returns the value of an expression; raises :class:`ClaimError` if it has none."""
     found = _evaluate(_parsed(text), scope)
     if isinstance(found, list):
         raise ClaimError(f"{text} has {len(found)} values; take order(), first(), last(), min() or max() of them")
@@ -110,7 +110,7 @@ def evaluate(text: str, scope: Scope) -> float | str:
 
 
 def decide(claim: str, scope: Scope) -> ClaimResult:
-    """Whether a claim holds; of several runs, whether it holds of each."""
+    """Decides whether a claim holds; for several runs, whether it holds for each."""
     parts = _split(claim)
     found = _evaluate(_parsed(parts[0]), scope)
     each = found if isinstance(found, list) else [evaluate(parts[0], scope)]
@@ -119,7 +119,7 @@ def decide(claim: str, scope: Scope) -> ClaimResult:
 
 
 def _decided(claim: str, parts: tuple[str, ...], found: float | str, scope: Scope) -> ClaimResult:
-    """What comes of one value of what stands to the left."""
+    """Decides a claim for one value of its left side."""
     if parts[1] in _COMPARISONS:
         other = evaluate(parts[2], scope)
         if isinstance(found, str) != isinstance(other, str):
@@ -133,14 +133,14 @@ def _decided(claim: str, parts: tuple[str, ...], found: float | str, scope: Scop
 
 
 def check_claim(claim: str, runs: Mapping[str, Any], main: str, vocabulary: Vocabulary | None = None) -> None:
-    """Raise :class:`ClaimError` for a claim that no result can decide. ``runs`` are known by their names."""
+    """Raises :class:`ClaimError` for a claim that no result can decide. ``runs`` are by name."""
     parts = _split(claim)
     for part in (parts[0], *(part for part in parts[1:] if part not in _COMPARISONS)):
         check_expression(part, runs, main, vocabulary)
 
 
 def check_expression(text: str, runs: Mapping[str, Any], main: str, vocabulary: Vocabulary | None = None) -> None:
-    """Raise :class:`ClaimError` for an expression that has no value, whatever the results."""
+    """Raises :class:`ClaimError` for an expression that can have no value, whatever the results."""
     for node in ast.walk(_parsed(text)):
         if isinstance(node, ast.Call) and (not isinstance(node.func, ast.Name) or node.func.id not in FUNCTIONS
                                            or len(node.args) != 1 or node.keywords):
@@ -154,19 +154,19 @@ def check_expression(text: str, runs: Mapping[str, Any], main: str, vocabulary: 
 
 
 def runs_needed(text: str, runs: Mapping[str, Any], main: str) -> set[str]:
-    """The names of the runs that a claim or an expression is about."""
+    """Returns the names of the runs in a claim or an expression."""
     found = _split(text) if any(sign in text for sign in (" in ", "<", ">", "=")) else (text,)
     parts = [part for part in found if part not in _COMPARISONS]
     return {_run_of(path, runs, main, result_paths())[0] for part in parts for path in _paths(_parsed(part))}
 
 
 def format_value(found: float | str) -> str:
-    """A value as it goes into a sentence."""
+    """Formats a value for a sentence."""
     return found if isinstance(found, str) else f"{found:.4g}"
 
 
 def _split(claim: str) -> tuple[str, ...]:
-    """(left, operator, right) or (value, low, high)."""
+    """Splits a claim into (left, operator, right) or (value, low, high)."""
     for pattern in (_RANGE, _COMPARED) if len(claim) <= LONGEST else ():
         if found := pattern.fullmatch(claim.strip()):
             return tuple(part.strip() for part in found.groups())
@@ -190,7 +190,7 @@ def _parsed(text: str) -> ast.expr:
 
 
 def _paths(tree: ast.expr) -> list[tuple[str, ...]]:
-    """All paths in an expression, but neither words nor names of functions."""
+    """Returns all paths in an expression, without words and names of functions."""
     if isinstance(tree, (ast.Attribute, ast.Name)):
         path = _path(tree)
         return [] if len(path) == 1 and path[0] in WORDS else [path]
@@ -209,7 +209,7 @@ def _path(node: ast.expr) -> tuple[str, ...]:
 
 def _run_of(path: tuple[str, ...], runs: Mapping[str, Any], main: str,
             vocabulary: Vocabulary) -> tuple[str, tuple[str, ...]]:
-    """The run that a path is about and what it asks of its result."""
+    """Returns the run of a path, and the path within its result."""
     if path[0] in runs:
         return path[0], path[1:]
     if path[0] not in vocabulary:
@@ -265,13 +265,13 @@ def _call(node: ast.Call, scope: Scope) -> float:
         sizes = [float(result["scene"][varied[0].varied]) for result in varied[0].results]
         if min(values) <= 0:
             raise ClaimError("an order needs values above 0")
-        # The slope of the logarithms over those of h, or of the field that was varied.
+        # The slope of the logarithms over those of h, or of the varied field.
         return float(np.polyfit(np.log(sizes) * (-1 if varied[0].varied == "cells" else 1), np.log(values), 1)[0])
     return FUNCTIONS[name](values if isinstance(values, list) else [values])
 
 
 def _lookup(result: Mapping[str, Any], path: tuple[str, ...]) -> float | str:
-    """The part of a result that a path means."""
+    """Returns the part of a result at a path."""
     found: Any = result
     names = list(path)
     if path[0] in ("estimate", "index", "distance", "valid"):

@@ -1,9 +1,8 @@
-"""Pages for whoever holds a class, in ``lessons/classes/``: which cores, in which minutes, and what to say.
+"""Class plans for teachers, in ``lessons/classes/``: which cores to take when, and what to say.
 
-The file begins with a head as a lesson's does: its ``title``, and the ``minutes`` of a session. A table whose columns
-are ``from``, ``minutes`` and ``what`` is a session's timetable; a row that links a lesson gives its core the time that
-it takes, and up to ``TALK`` minutes more. Blocks of ``run`` and ``claims`` are those of lessons.
-"""
+A file begins with a head: its ``title``, and the ``minutes`` of a session. A table with the columns ``from``,
+``minutes`` and ``what`` is a timetable; a row that links a lesson has the time of its core, and up to ``TALK`` minutes
+more."""
 
 import functools
 import re
@@ -19,7 +18,7 @@ from app.lessons.lesson_parser import LessonSection, number_lines, parts_of, spl
 from app.lessons.lesson_runs import RunCache
 
 FOLDER = catalogue.FOLDER / "classes"
-TALK = 5  # minutes that a core's row may have beyond the core
+TALK = 5  # minutes that a row may have beyond its core
 ALLOWED = ("run", "claims")
 COLUMNS = ("from", "minutes", "what")
 LINK = re.compile(r"\]\(\.\./([\w-]+)\.md\)")
@@ -27,7 +26,7 @@ LINK = re.compile(r"\]\(\.\./([\w-]+)\.md\)")
 
 @dataclass(frozen=True)
 class TimetableRow:
-    """One row of a timetable: its line, from which minute on and how long, and the lesson that it links, or ""."""
+    """Row of a timetable: its line, start and length in minutes, and the lesson that it links, or ""."""
 
     line: int
     start: int
@@ -37,7 +36,7 @@ class TimetableRow:
 
 @dataclass(frozen=True)
 class ClassPage:
-    """A page for a class: its ``claims`` as a lesson, its timetables by heading, and the ``minutes`` of a session."""
+    """Class plan: its ``claims`` as a lesson, its timetables by heading, and the ``minutes`` of a session."""
 
     name: str
     minutes: int
@@ -46,17 +45,17 @@ class ClassPage:
 
 
 def class_page_names(folder: Path = FOLDER) -> list[str]:
-    """The names of the pages."""
+    """Returns the names of the plans."""
     return sorted(path.stem for path in folder.glob("*.md"))
 
 
 def load_class_page(name: str, folder: Path = FOLDER) -> ClassPage:
-    """A page by its name; :class:`LessonError` where its file has a mistake."""
+    """Reads a plan by its name; raises :class:`LessonError` if its file is invalid."""
     return lesson_parser.parse_file(folder / f"{name}.md", lambda text: parse_class_page(text, name))
 
 
 def parse_class_page(text: str, name: str) -> ClassPage:
-    """The page of a text."""
+    """Parses the text of a plan."""
     head, body, first = split_head(text)
     values = fenced_blocks.parse_toml(head, 2)
     at = functools.partial(fenced_blocks.line_of, text=head, line=2)
@@ -76,7 +75,7 @@ def parse_class_page(text: str, name: str) -> ClassPage:
 
 
 def check_class_page(found: ClassPage, lessons: Mapping[str, Lesson], outcomes: RunCache) -> Iterator[Check]:
-    """All claims of a page, and whether its timetables add up and give each core its time."""
+    """Yields checks of all claims of a plan, and of the times in its timetables."""
     yield from lesson_check.check_lesson(found.claims, outcomes)
     for session, rows in found.sessions.items():
         total = sum(row.minutes for row in rows)
@@ -91,7 +90,7 @@ def check_class_page(found: ClassPage, lessons: Mapping[str, Lesson], outcomes: 
 
 
 def _core(found: ClassPage, session: str, row: TimetableRow, lessons: Mapping[str, Lesson]) -> Check:
-    """Whether a row gives a core its time."""
+    """Checks whether a row gives a core its time."""
     lesson = lessons.get(row.lesson)
     if lesson is None:
         return Check(found.name, session, row.line, f"{row.lesson} is a lesson", False, "there is none")
@@ -101,7 +100,7 @@ def _core(found: ClassPage, session: str, row: TimetableRow, lessons: Mapping[st
 
 
 def _step(part: LessonSection) -> Step:
-    """What stands under a heading, as a step with its runs and claims."""
+    """Returns a section as a step with its runs and claims."""
     title = part.heading.removeprefix("## ").strip()
     step = Step(RUN, title, f"line-{part.line}", part.line, "\n".join(part.text).strip())
     for kind, text, line in part.blocks:
@@ -116,7 +115,7 @@ def _step(part: LessonSection) -> Step:
 
 
 def _timetable(part: LessonSection) -> tuple[TimetableRow, ...]:
-    """The rows of the timetable in a part, or none."""
+    """Returns the rows of the timetable in a section, or none."""
     rows, inside = [], False
     for line, text in number_lines(part):
         cells = [cell.strip() for cell in text.strip().strip("|").split("|")]

@@ -1,25 +1,21 @@
-"""How long a lesson takes, by one rule for all of them, in place of what its author would like.
-
-A step takes the sum of
+"""Estimated duration of lessons, by one rule for all. A step takes the sum of
 
 * **reading**: its title, text and options at 180 words a minute. Plain prose is read at some 240; this is denser, and
-  many read it in a language that is not their first. A word is what stands between spaces, in a table too; a piece of
-  code is one word, a formula within a line three, as it is spoken.
-* **looking**: 20 s for a formula on lines of its own, which is read term by term, and 30 s for a figure.
-* **answering**, beyond reading what is asked. A prediction is thought about: a minute for a choice or a control, two
-  for a number, which is reckoned on paper, and a minute and a half for an interval, whose ends are weighed. What has
-  been observed is only told: half a minute for a choice or a control, a minute for a number or an interval, which is
-  looked up, at times divided by another, typed and now and then mended. Words of one's own take two minutes.
-* **comparing**: 10 s for each answer that an explanation shows beside what came out.
-* **doing**: 10 s for each act that the text asks for, to find the widget and use it.
-* **watching**: what the stage plays, as its text says: its periods over its speed where it stops, and 10 s to look at
-  where it has stopped; once for each time that it is put there, and once more for each act that changes its scene. A
-  run that goes on for ever is watched for half a minute. A text that asks for more says so: ``Take **5 minutes**``.
+  often in a foreign language. A word is what stands between spaces, in a table too; a piece of code is one word, a
+  formula within a line three, as it is spoken.
+* **looking**: 20 s for a formula on lines of its own, 30 s for a figure.
+* **answering**, beyond reading the question. A prediction takes a minute for a choice or a control, two for a number,
+  which is computed on paper, and a minute and a half for an interval. An observation is only reported: half a minute
+  for a choice or a control, a minute for a number or an interval, which is looked up, perhaps divided, typed and
+  corrected. Free text takes two minutes.
+* **comparing**: 10 s for each answer that an explanation shows beside the result.
+* **doing**: 10 s for each instruction in the text, to find and use the widget.
+* **watching**: what the stage plays: its periods over its speed if it stops, and 10 s to look at the end; once for each
+  time that it is put there, and once more for each instruction that changes its scene. A run without end is watched for
+  half a minute. A text may ask for more: ``Take **5 minutes**``.
 * **turning the page**: 5 s.
 
-Compiling is not counted, nor talk in a class; what is on offer and not asked for is not either. The rule is reckoned
-and not measured on students.
-"""
+Compilation, discussion and optional actions are not counted. The rule is an estimate, not measured on students."""
 
 import re
 from collections.abc import Sequence
@@ -37,8 +33,8 @@ PREDICTING = {CHOICE: 60, DRAG: 60, NUMBER: 120, INTERVAL: 90, TEXT: 120}
 TELLING = {CHOICE: 30, DRAG: 30, NUMBER: 60, INTERVAL: 60, TEXT: 120}
 COMPARING_SECONDS, ACT_SECONDS, TURN_SECONDS = 10, 10, 5
 STOPPED_SECONDS = 10  # to look at where a run has stopped
-ENDLESS_SECONDS = 30  # that a run is watched which does not stop
-SPEED = 0.5  # periods a second, of a stage that gives none
+ENDLESS_SECONDS = 30  # to watch a run without end
+SPEED = 0.5  # default periods per second
 
 FIGURE = re.compile(r"!\[[^\]]*\]\([^)]*\)")
 FORMULA = re.compile(r"\$\$.+?\$\$", re.DOTALL)
@@ -46,32 +42,32 @@ INLINE, CODE = re.compile(r"\$[^$]+\$"), re.compile(r"`[^`]+`")
 WORD = re.compile(r"\S*\w\S*")
 ACT = re.compile(r"^\s*[-*] (Press|Set|Choose|Tick|Untick|Open) \*\*(.+?)\*\*", re.MULTILINE)
 TAKE = re.compile(r"\bTake \*\*(\d+) minutes?\*\*")
-#: What of the page changes the scene: a run that stops plays anew.
+#: Controls that change the scene, so that a run that stops plays again.
 CHANGES = ("Cells", "Particles / cell", "Amplitude A", "Modulus E", "CFL number", "Method", "Body force", "Reset")
 STAGE = "On the stage"
 
 
 def with_minutes(lesson: Lesson) -> Lesson:
-    """The lesson with its minutes: those of all steps, and of the core."""
+    """Returns the lesson with the minutes of all steps, and of the core."""
     opening = _reading(" ".join((lesson.intro, *lesson.goals))) + TURN_SECONDS
     return replace(lesson, minutes=_whole(opening + round_seconds(lesson.steps, lesson)),
                    core_minutes=_whole(opening + round_seconds(lesson.walk(core=True), lesson)))
 
 
 def minutes_text(lesson: Lesson) -> str:
-    """A lesson's minutes, as a list of lessons has them."""
+    """Returns a lesson's minutes as text, for a list of lessons."""
     if not lesson.deeper:
         return tr("{minutes} min", minutes=lesson.minutes)
     return tr("{core} min core, {minutes} min in all", core=lesson.core_minutes, minutes=lesson.minutes)
 
 
 def round_minutes(steps: Sequence[Step], lesson: Lesson) -> int:
-    """Whole minutes of whole rounds of a lesson, without its introduction."""
+    """Returns the whole minutes of complete rounds of a lesson, without its introduction."""
     return _whole(round_seconds(steps, lesson))
 
 
 def round_seconds(steps: Sequence[Step], lesson: Lesson) -> float:
-    """Seconds of whole rounds of a lesson, with its first numbers."""
+    """Returns the seconds of complete rounds of a lesson, with its first numbers."""
     compared = sum(step.question is not None for one in split_rounds(steps) if one[-1].kind == EXPLAIN for step in one)
     seconds = 0.0
     for step in steps:
@@ -87,14 +83,14 @@ def _whole(seconds: float) -> int:
 
 
 def _reading(text: str) -> float:
-    """Seconds of reading a text and looking at its formulas and figures."""
+    """Returns the seconds to read a text and look at its formulas and figures."""
     figures, formulas = len(FIGURE.findall(text)), len(FORMULA.findall(text))
     plain = CODE.sub(" x ", INLINE.sub(" x" * SPOKEN + " ", FORMULA.sub(" ", FIGURE.sub(" ", text))))
     return len(WORD.findall(plain)) * 60 / WORDS_A_MINUTE + figures * FIGURE_SECONDS + formulas * FORMULA_SECONDS
 
 
 def _running(step: Step, lesson: Lesson) -> float:
-    """Seconds of what the text asks to do, and of what is seen then."""
+    """Returns the seconds for the text's instructions, and to watch the results."""
     acts = ACT.findall(step.text)
     taken = 60 * sum(map(int, TAKE.findall(step.text)))
     put = any(name == STAGE for verb, name in acts if verb == "Press") or step.kind == RUN

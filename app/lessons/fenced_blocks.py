@@ -1,4 +1,4 @@
-"""The fenced blocks of a lesson's step: runs, a question, claims; each mistake with its line and what was expected."""
+"""The fenced blocks of a lesson's step: runs, question, claims; errors give the line and what is expected."""
 
 import re
 import sys
@@ -18,14 +18,14 @@ else:
 NAME = re.compile(r"[a-z][a-z0-9_]*")
 STAGE = "stage"
 DRAGGED = tuple(REACH)  # fields of a scene that a student may drag
-VARIED = (*DRAGGED, "dt")  # and those that may have several values in a run
+VARIED = (*DRAGGED, "dt")  # fields that may have several values in a run
 MOST_OPTIONS = 8
 MOST_RUNS = 8  # of one block that differ in a number
 _AT = re.compile(r" \(at (?:line (\d+), column \d+|end of document)\)$")
 
 
 def parse_toml(text: str, line: int) -> dict[str, Any]:
-    """The values of a TOML text that begins at ``line``."""
+    """Parses a TOML text that begins at ``line``."""
     try:
         return tomllib.loads(text)
     except (RecursionError, OverflowError):
@@ -41,13 +41,13 @@ def parse_toml(text: str, line: int) -> dict[str, Any]:
 
 
 def line_of(key: str, text: str, line: int) -> int:
-    """Where a key stands in a TOML text that begins at ``line``."""
+    """Returns the line of a key in a TOML text that begins at ``line``."""
     pattern = re.compile(rf"\s*\[*\s*[\"']?{re.escape(key)}[\"']?\s*[=\]]")
     return next((line + k for k, row in enumerate(text.splitlines()) if pattern.match(row)), line)
 
 
 def require(values: Mapping[str, Any], key: str, kind: type | tuple[type, ...], expected: str, line: int) -> Any:
-    """A value of a kind; an error that says what was ``expected`` otherwise."""
+    """Returns a value of a type; raises :class:`LessonError` with what is ``expected`` otherwise."""
     found = values.get(key)
     if not isinstance(found, kind) or isinstance(found, bool):
         said = f"{key} is missing" if key not in values else f"{key} = {str(found)[:60]}"
@@ -56,7 +56,7 @@ def require(values: Mapping[str, Any], key: str, kind: type | tuple[type, ...], 
 
 
 def require_texts(values: Mapping[str, Any], key: str, line: int) -> tuple[str, ...]:
-    """A list of texts, which may be missing."""
+    """Returns a list of texts, empty if the key is missing."""
     found = values.get(key, [])
     if not isinstance(found, list) or not all(isinstance(item, str) and item.strip() for item in found):
         raise LessonError(line, f"{key} = {str(found)[:60]}: give a list of texts, such as [\"one\", \"two\"]")
@@ -64,7 +64,7 @@ def require_texts(values: Mapping[str, Any], key: str, line: int) -> tuple[str, 
 
 
 def parse_runs(text: str, line: int, variants: tuple[Numbers, ...]) -> tuple[tuple[LessonRun, ...], str]:
-    """The runs of a block and what is put on the stage: a run by its name, a scene of its own, or the first run."""
+    """Returns the runs of a block and the stage's state: that of a named run, of a scene, or of the first run."""
     values, found = parse_toml(text, line), dict[str, LessonRun]()
     for name, scene in values.items():
         at = line_of(name, text, line)
@@ -84,7 +84,7 @@ def parse_runs(text: str, line: int, variants: tuple[Numbers, ...]) -> tuple[tup
 
 
 def _run(name: str, text: str, line: int, variants: tuple[Numbers, ...]) -> LessonRun:
-    """A run or, where one number of the scene is several with commas between, the runs that differ in it."""
+    """Returns a run, or the runs that differ in a number with several values."""
     words = text.split()
     several = [k for k, word in enumerate(words) if "," in word and word.partition("=")[0] in VARIED]
     if len(several) > 1:
@@ -112,7 +112,7 @@ def _check_state(text: str, line: int, variants: tuple[Numbers, ...]) -> None:
 
 
 def parse_question(text: str, line: int) -> Question:
-    """What is asked and which answer is right. What it says of runs is checked once they are all known."""
+    """Parses a question and its right answer. References to runs are checked later, when all are known."""
     values = parse_toml(text, line)
     kind = values.pop("kind", None)
     if kind not in QUESTIONS:
@@ -130,7 +130,7 @@ def parse_question(text: str, line: int) -> Question:
 
 
 def _consistent(asked: Question) -> Question:
-    """A choice says which option is right, in one of two ways."""
+    """Checks that a choice defines the right option in one of two ways."""
     if not 2 <= len(asked.options) <= MOST_OPTIONS:
         raise LessonError(asked.line, f"there are {len(asked.options)} options; give 2 to {MOST_OPTIONS}")
     if (asked.correct is None) == (not asked.holds):
@@ -145,7 +145,7 @@ def _consistent(asked: Question) -> Question:
 
 
 def parse_claims(text: str, line: int) -> tuple[Claim, ...]:
-    """The claims of a block, one a line; what follows a # is a remark."""
+    """Parses the claims of a block, one per line; text after # is a comment."""
     found = [Claim(row.partition("#")[0].strip(), line + k) for k, row in enumerate(text.splitlines())]
     if not any(claim.text for claim in found):
         raise LessonError(line, "no claim: give lines such as error.x.max < 1e-5")
@@ -153,7 +153,7 @@ def parse_claims(text: str, line: int) -> tuple[Claim, ...]:
 
 
 def parse_bettors(text: str, line: int) -> tuple[str, ...]:
-    """Whose bets a block lays side by side, one a line."""
+    """Parses the bettors that a block compares, one per line."""
     found = tuple(row.strip() for row in text.splitlines() if row.strip())
     if unknown := [name for name in found if name not in BETTORS]:
         raise LessonError(line, f"'{quoting.quote(unknown[0])}' does not bet; give {', '.join(BETTORS)}, one a line")
@@ -163,7 +163,7 @@ def parse_bettors(text: str, line: int) -> tuple[str, ...]:
 
 
 def _fitting(kind: Any, fits: Callable[[Any], bool], expected: str) -> Callable[[Mapping[str, Any], str, int], Any]:
-    """Reads a word, or a number as a float, that ``fits``; an error says what was ``expected``."""
+    """Returns a reader of a word, or of a number as float, that ``fits``; errors say what is ``expected``."""
     def read(values: Mapping[str, Any], key: str, line: int) -> Any:
         found = require(values, key, kind, expected, line)
         if not fits(found):

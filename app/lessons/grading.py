@@ -1,4 +1,4 @@
-"""Marks of handed-in files: one row a student, every mark derived anew from the runs."""
+"""Grades of handed-in files: one row per student; each mark is computed anew from runs."""
 
 import csv
 import io
@@ -13,12 +13,12 @@ from app.lessons.lesson_runs import RunCache, RunFailed
 from app.lessons.student_progress import Progress
 from solvers.untrusted import quoting
 
-BETS = ("intervals", "held", "mean score")  # columns of a table that has any
+BETS = ("intervals", "held", "mean score")  # columns of a table with bets
 
 
 @dataclass(frozen=True)
 class GradedFile:
-    """A student's file: answers in words and marks by the steps' keys, and the questions ``asked`` that count."""
+    """File of a student: answers as text and marks by the steps' keys, and the questions ``asked`` that count."""
 
     file: str
     progress: Progress
@@ -28,18 +28,18 @@ class GradedFile:
 
     @property
     def right(self) -> float:
-        """How many answers are right; an interval counts by its score, from 1 down to 0."""
+        """Number of right answers; an interval counts by its score, from 1 down to 0."""
         return sum(mark.points for _, mark in self.answers.values() if mark is not None)
 
     @property
     def bettor(self) -> Bettor:
-        """The student, by the intervals."""
+        """The student's intervals as a bettor."""
         marks = (mark for _, mark in self.answers.values() if mark is not None)
         return Bettor(YOURS, tuple(mark.bet for mark in marks if mark.bet))
 
     @property
     def marked(self) -> int:
-        """Questions that count and have a right answer, answered or not."""
+        """Number of questions that count and have a right answer, answered or not."""
         return sum(step.asked.kind != TEXT for step in self.asked.values())
 
     @property
@@ -48,7 +48,7 @@ class GradedFile:
 
 
 def grade_file(file: str, progress: Progress, lesson: Lesson, outcomes: RunCache, core: bool = False) -> GradedFile:
-    """Marks a file: a prediction as first made, an observation as last made; with ``core`` no deeper question."""
+    """Marks first answers to predictions, last ones to observations; with ``core`` only questions of the core."""
     numbers, asked = draw_numbers(lesson,
                                   progress.name), {step.key: step for step in lesson.walk(core) if step.question}
     return GradedFile(file, progress, lesson, asked, {
@@ -58,8 +58,7 @@ def grade_file(file: str, progress: Progress, lesson: Lesson, outcomes: RunCache
 def grades_csv(rows: Sequence[GradedFile]) -> str:
     """Returns the rows as CSV: for each question the answer and whether it is right, and an interval's score.
 
-    "right" counts right answers; an interval counts 1 - score/2 of one, but never less than nothing.
-    """
+    "right" counts right answers; an interval counts 1 - score/2, but at least 0."""
     questions = {(row.lesson.name, key): None for row in rows for key in row.asked}
     several = len({row.lesson.name for row in rows}) > 1
     bets = {(row.lesson.name, key) for row in rows for key, step in row.asked.items() if step.asked.kind == INTERVAL}
@@ -86,7 +85,7 @@ def grades_csv(rows: Sequence[GradedFile]) -> str:
 
 
 def interval_coverage(rows: Sequence[GradedFile]) -> list[str]:
-    """Says how many of a class's intervals hold, of how many that should, by question and by lesson."""
+    """Returns sentences on how many of a class's intervals contain the result, and should, by question and lesson."""
     found: dict[tuple[str, str], list[Bet]] = {}
     for row in rows:
         for key, (_, answer) in row.answers.items():
@@ -100,7 +99,7 @@ def interval_coverage(rows: Sequence[GradedFile]) -> list[str]:
 
 
 def _covered(what: str, bets: Sequence[Bet]) -> str:
-    """The share of bets that hold beside that which was said, which is the mean where levels differ."""
+    """Returns the share of bets that contain the result, and their mean level."""
     bettor, said = Bettor(YOURS, tuple(bets)), sum(bet.level for bet in bets) / len(bets)
     return f"{what}: {bettor.held} of {len(bets)} intervals hold what came out, {bettor.held / len(bets):.0%} where " \
            f"{said:.0%} was said; their mean score is {_score(bettor.score)}, and less is better"

@@ -1,4 +1,4 @@
-"""A lesson as it is read, and its variants: numbers drawn from a student's name, put where a text has ``{A}``."""
+"""Data of a lesson, and its variants: numbers drawn from a student's name, which replace ``{A}`` in texts."""
 
 import functools
 import hashlib
@@ -13,11 +13,11 @@ from solvers.untrusted import quoting
 PREDICT, RUN, OBSERVE, EXPLAIN = KINDS = ("predict", "run", "observe", "explain")
 NUMBER, CHOICE, DRAG, INTERVAL, TEXT = ("number", "choice", "drag", "interval", "text")
 
-#: Which blocks a step of a kind may have, and which it must have.
+#: Allowed and required blocks of a step, by kind.
 ALLOWED = {PREDICT: ("question", "claims", "teacher"), RUN: ("run", "claims", "teacher"),
            OBSERVE: ("question", "claims", "teacher"), EXPLAIN: ("claims", "teacher", "run", "bets")}
 NEEDED = {PREDICT: "question", RUN: "run", OBSERVE: "question"}
-#: The keys that a question of a kind has beside ``kind``: with True those that it must have.
+#: Keys of a question beside ``kind``, by kind; True for required ones.
 QUESTIONS: dict[str, dict[str, bool]] = {
     NUMBER: {"expected": True, "tolerance": False, "unit": False},
     CHOICE: {"options": True, "correct": False, "holds": False},
@@ -25,25 +25,25 @@ QUESTIONS: dict[str, dict[str, bool]] = {
     INTERVAL: {"expected": True, "unit": False, "level": False},
     TEXT: {}}
 
-#: Controls of the page that a lesson may leave visible, by the names that it gives them.
+#: Controls of the page that a lesson may show, by its names for them.
 CONTROLS = ("problem", "method", "cells", "ppc", "amplitude", "motion", "stretch", "modulus", "step", "speed", "pin",
             "slow-motion", "look-back", "quantity", "magnify", "estimators", "colours", "trace", "domains", "details",
             "effects")
 
-#: Ends and step of a slider that is dragged to a prediction; powers of ten where the field may be of any size.
+#: Ends and step of a slider for predictions; exponents of ten for ``POWERS``.
 REACH = {"cells": (8.0, 160.0, 1.0), "ppc": (1.0, 8.0, 1.0), "amplitude": (-4.0, -0.8, 0.01),
          "modulus": (0.0, 3.0, 0.01), "cfl": (-2.0, 0.5, 0.01)}
 POWERS = ("amplitude", "modulus", "cfl")
 NAMES = {"cells": lazy("Cells"), "ppc": lazy("Particles / cell"), "amplitude": lazy("Amplitude"),
          "modulus": lazy("Modulus"), "cfl": lazy("CFL number")}
-#: What the kinds of steps are called.
+#: Titles of the kinds of steps.
 TITLES = {PREDICT: lazy("Predict"), RUN: lazy("Run"), OBSERVE: lazy("Observe"), EXPLAIN: lazy("Explain")}
 PLACE = re.compile(r"\{([A-Za-z]\w*)\}")
 Numbers = Mapping[str, float | int | str]
 
 
 class LessonError(ValueError):
-    """A file that is no lesson: where, what is wrong and what was expected, in one sentence."""
+    """Raised for an invalid lesson; the message gives the line, what is wrong and what is expected."""
 
     def __init__(self, line: int, sentence: str, file: str = ""):
         self.line, self.sentence = line, quoting.one_line(sentence)
@@ -52,7 +52,7 @@ class LessonError(ValueError):
 
 @dataclass(frozen=True)
 class LessonRun:
-    """A scene by its name, or several that differ in one number: ``texts`` are templates of states."""
+    """Scene by its name, or several that differ in one number: ``texts`` are templates of states."""
 
     name: str
     texts: tuple[str, ...]
@@ -62,10 +62,10 @@ class LessonRun:
 
 @dataclass(frozen=True)
 class Question:
-    """What is asked. A number is right within ``tolerance`` of ``expected``, a part of it; of the ``options`` that one
-    is right whose claim in ``holds`` does, or the ``correct`` one, counted from 1. ``control`` is the field of the
-    scene that is dragged, ``unit`` that of the number. An interval is a bet that it holds what comes out, with the
-    chance ``level`` (``app.lessons.bets``). A text is not marked."""
+    """Question of a step. A number is right within the relative ``tolerance`` of ``expected``; of the ``options`` the
+    one is right whose claim in ``holds`` holds, or the ``correct`` one, counted from 1. ``control`` is the scene's
+    field to drag, ``unit`` that of the number. An interval is a bet that should contain the result with probability
+    ``level`` (``app.lessons.bets``). Free text is not marked."""
 
     kind: str
     line: int
@@ -81,7 +81,7 @@ class Question:
 
 @dataclass(frozen=True)
 class Claim:
-    """What must hold of the runs, for :mod:`app.lessons.claims`."""
+    """Claim about the runs, evaluated by :mod:`app.lessons.claims`."""
 
     text: str
     line: int
@@ -89,9 +89,8 @@ class Claim:
 
 @dataclass(frozen=True)
 class Step:
-    """One step. ``key`` names it in a handed-in file, ``text`` is Markdown, ``notes`` are the teacher's, ``stage`` is
-    what the button puts on the stage, as a template of a state, ``bets`` says whose bets are laid side by side. Who
-    takes only the ``core`` skips the others."""
+    """Step of a lesson. ``key`` identifies it in a handed-in file, ``text`` is Markdown, ``notes`` are the teacher's,
+    ``stage`` is a template of its button's state, ``bets`` are the bettors compared. It is optional if not ``core``."""
 
     kind: str
     title: str
@@ -115,10 +114,9 @@ class Step:
 
 @dataclass(frozen=True)
 class Lesson:
-    """A lesson. ``controls`` are those of the page that it needs, ``variants`` the sets of numbers of which a student
-    gets one, ``fingerprint`` tells whether a file handed in is of this very lesson. ``minutes`` are those of all steps,
-    ``core_minutes`` those of the core, as :mod:`app.lessons.duration` reckons them. ``language`` is that of its words,
-    with which nothing else of it changes."""
+    """Lesson with the page's ``controls`` that it needs, ``variants`` of its numbers, of which a student gets one, and
+    a ``fingerprint`` to verify that a handed-in file belongs to it. ``minutes`` are for all steps, ``core_minutes`` for
+    the core (:mod:`app.lessons.duration`). Only words depend on its ``language``."""
 
     name: str
     title: str
@@ -136,7 +134,7 @@ class Lesson:
 
     @property
     def file(self) -> str:
-        """What its file is called, without the ending."""
+        """The name of its file without the suffix."""
         return self.name if self.language == ENGLISH else f"{self.name}.{self.language}"
 
     @functools.cached_property
@@ -145,11 +143,11 @@ class Lesson:
 
     @property
     def deeper(self) -> tuple[Step, ...]:
-        """The steps that are not of the core; none where nothing is marked."""
+        """The optional steps, which are not of the core."""
         return tuple(step for step in self.steps if not step.core)
 
     def walk(self, core: bool) -> tuple[Step, ...]:
-        """The steps that somebody takes, all or only the ``core``."""
+        """Returns the steps to take, all or only the ``core``."""
         return tuple(step for step in self.steps if step.core or not core)
 
     def beside(self, at: int, by: int, core: bool) -> int:
@@ -164,14 +162,14 @@ class Lesson:
         return {run.name: run for step in self.steps for run in step.runs}
 
     def main_run(self, step: Step) -> str:
-        """Returns the run meant where none is named: of a prediction the next one, else the latest; "" if none."""
+        """Returns the run meant by paths without a name: for a prediction the next, else the latest; "" if none."""
         at = self.steps.index(step)
         steps = self.steps[at:] if step.kind == PREDICT else self.steps[at::-1]
         return next((other.runs[0].name for other in steps if other.runs), "")
 
 
 def draw_numbers(lesson: Lesson, name: str) -> Numbers:
-    """The numbers of whoever is called so; those without a name get the first."""
+    """Returns a student's numbers, drawn from the name; without one the first."""
     plain = " ".join(unicodedata.normalize("NFKC", name).casefold().split())
     if not plain:
         return lesson.variants[0]
@@ -180,5 +178,5 @@ def draw_numbers(lesson: Lesson, name: str) -> Numbers:
 
 
 def fill_numbers(text: str, numbers: Numbers) -> str:
-    """The text with the numbers in their places. Other braces, those of formulas, stay."""
+    """Replaces placeholders by numbers. Other braces, as in formulas, stay."""
     return PLACE.sub(lambda found: f"{numbers[found[1]]}" if found[1] in numbers else found[0], text)

@@ -1,4 +1,4 @@
-"""Running everything that a lesson claims, without a page."""
+"""Checks all claims of a lesson, without a page."""
 
 from collections.abc import Iterator
 from dataclasses import dataclass
@@ -11,7 +11,7 @@ from app.lessons.lesson_runs import RunCache, RunFailed
 
 @dataclass(frozen=True)
 class Check:
-    """One claim of a lesson, with the numbers of a variant: whether it holds, and what was found."""
+    """Checked claim of a lesson, for one variant of its numbers: whether it holds, and the values found."""
 
     lesson: str
     step: str
@@ -26,7 +26,7 @@ class Check:
 
 
 def check_lesson(lesson: Lesson, outcomes: RunCache, variants: int | None = None) -> Iterator[Check]:
-    """All claims of a lesson with the numbers of each variant, or of the first so many."""
+    """Yields checks of all claims of a lesson, for all variants of its numbers or the first so many."""
     for numbers in lesson.variants[:variants]:
         for step in lesson.steps:
             for claim in step.claims:

@@ -1,9 +1,8 @@
-"""From a Markdown file to a lesson. Every mistake in a file is told with its line and what was expected.
+"""Parser of a lesson's Markdown file. Errors give the line and what is expected.
 
-The file begins with a head in TOML between two lines ``+++``. Each heading ``## Predict: ...``, ``## Run: ...``,
-``## Observe: ...`` or ``## Explain: ...`` begins a step; fenced blocks in it, named after their first line, are the
-scenes of a ``run``, the ``question``, the ``claims`` and the ``teacher``'s notes. ``lessons/README.md`` explains it.
-"""
+The file begins with a head in TOML between two lines ``+++``. Each heading with ``Predict:``, ``Run:``, ``Observe:`` or
+``Explain:`` begins a step; fenced blocks in it, named after their first line, are the scenes of a ``run``, the
+``question``, the ``claims`` and the ``teacher``'s notes. ``lessons/README.md`` explains it."""
 
 import functools
 import hashlib
@@ -25,7 +24,7 @@ BLOCKS = ("run", "question", "claims", "teacher", "bets")
 
 @dataclass
 class LessonSection:
-    """What stands under a heading, or before the first: lines of Markdown, and blocks (kind, text, line)."""
+    """Section under a heading, or before the first: lines of Markdown, and blocks (kind, text, line)."""
 
     heading: str
     line: int
@@ -34,7 +33,7 @@ class LessonSection:
 
 
 def split_head(text: str) -> tuple[str, list[str], int]:
-    """The head, the lines after it, and the number of the first of those."""
+    """Returns the head, the lines after it, and the number of the first of those."""
     lines = text.splitlines()
     if not lines or lines[0].strip() != HEAD:
         raise LessonError(1, f"the file must begin with a head: a line {HEAD}, TOML such as title = \"...\", and a "
@@ -46,7 +45,7 @@ def split_head(text: str) -> tuple[str, list[str], int]:
 
 
 def parts_of(lines: list[str], first: int) -> list[LessonSection]:
-    """What stands before the first heading, and under each."""
+    """Splits lines into the sections before the first heading and under each."""
     parts, block, opened = [LessonSection("", first, [], [])], None, 0
     for number, line in enumerate(lines, first):
         fence = line.strip()
@@ -69,12 +68,12 @@ def parts_of(lines: list[str], first: int) -> list[LessonSection]:
 
 
 def notes_of(part: LessonSection) -> str:
-    """The teacher's notes in it, as Markdown."""
+    """Returns the teacher's notes in a section, as Markdown."""
     return "\n\n".join(text for kind, text, _ in part.blocks if kind == "teacher")
 
 
 def number_lines(part: LessonSection) -> Sequence[tuple[int, str]]:
-    """Lines of Markdown with their numbers in the file. Blocks between them are left out of the count on purpose."""
+    """Returns lines of Markdown with their numbers in the file, skipping those of blocks."""
     inside = [k for _, text, line in part.blocks for k in range(line - 1, line + len(text.splitlines()) + 1)]
     numbers = (k for k in range(part.line + bool(part.heading), 10**9) if k not in inside)
     return list(zip(numbers, part.text, strict=False))
@@ -83,17 +82,17 @@ def number_lines(part: LessonSection) -> Sequence[tuple[int, str]]:
 Found = TypeVar("Found")
 LARGEST = 1_000_000  # bytes of a lesson
 HEAD_KEYS = ("title", "goals", "controls", "prerequisites", "variants")
-FORMULA = re.compile(r"\$\$.*?(?:\$\$|$)|\$[^$]*\$|^.*\$\$\s*$")  # or what of one stands on a line
+FORMULA = re.compile(r"\$\$.*?(?:\$\$|$)|\$[^$]*\$|^.*\$\$\s*$")  # or a formula's part on one line
 HEADING = re.compile(r"##\s+(?P<kind>[^:(]+?)\s*(?P<core>\(core\))?\s*:\s*(?P<title>\S.*)")
 
 
 def read_lesson(path: Path) -> Lesson:
-    """The lesson of a file; :class:`LessonError` where it is none."""
+    """Reads the lesson of a file; raises :class:`LessonError` if it is invalid."""
     return parse_file(path, lambda text: parse_lesson(text, path.stem, path.parent))
 
 
 def parse_file(path: Path, parsed: Callable[[str], Found]) -> Found:
-    """What is ``parsed`` of a file's text; :class:`LessonError` with the file's name where nothing can be."""
+    """Applies ``parsed`` to a file's text; raises :class:`LessonError` with the file's name on errors."""
     try:
         if path.stat().st_size > LARGEST:
             raise LessonError(1, f"the file has more than {LARGEST:,} bytes; make it shorter")
@@ -109,7 +108,7 @@ def parse_file(path: Path, parsed: Callable[[str], Found]) -> Found:
 
 
 def parse_lesson(text: str, name: str, folder: Path | None = None) -> Lesson:
-    """The lesson of a text; pictures that it shows are looked for in ``folder``."""
+    """Parses a lesson; its pictures are looked up in ``folder``."""
     head, body, first = split_head(text)
     lesson = _lesson(head, name, hashlib.sha256(text.encode()).hexdigest()[:16])
     opening, *parts = parts_of(body, first)
@@ -191,7 +190,7 @@ def _step(part: LessonSection, lesson: Lesson) -> Step:
 
 
 def _kind(part: LessonSection) -> tuple[str, str, bool]:
-    """A step's kind and title, and whether its heading says (core)."""
+    """Returns a step's kind and title, and whether its heading has (core)."""
     found = HEADING.fullmatch(part.heading.strip())
     kind = found["kind"].strip().lower() if found else ""
     if not found or kind not in KINDS:
@@ -203,7 +202,7 @@ def _kind(part: LessonSection) -> tuple[str, str, bool]:
 
 
 def check_names(lesson: Lesson) -> None:
-    """No two steps or runs are called alike."""
+    """Raises :class:`LessonError` if two steps or runs have the same name."""
     keys: dict[str, int] = {}
     names: dict[str, int] = {}
     for step in lesson.steps:
@@ -219,7 +218,7 @@ def check_names(lesson: Lesson) -> None:
 
 
 def check_claims(lesson: Lesson) -> None:
-    """Every claim and expected value is about runs that there are and results that they have."""
+    """Checks that every claim and expected value is about existing runs and results."""
     for step in lesson.steps:
         main = lesson.main_run(step)
         checked: list[tuple[str, int, Callable[[str, Mapping[str, Any], str], None]]] = [
@@ -237,7 +236,7 @@ def check_claims(lesson: Lesson) -> None:
 
 
 def _check_bets(lesson: Lesson) -> None:
-    """Bets that are laid side by side are there, and judges can bet on what is asked."""
+    """Checks that bets to compare exist, and that judges can bet on them."""
     for step in lesson.steps:
         asked = bets.asked_before(lesson, step) if step.bets else []
         if step.bets and not asked:
@@ -250,7 +249,7 @@ def _check_bets(lesson: Lesson) -> None:
 
 
 def _check_text(part: LessonSection, lesson: Lesson, folder: Path | None) -> None:
-    """Formulas, pictures and places for numbers are all right."""
+    """Checks formulas, pictures and placeholders."""
     known = set(lesson.variants[0])
     for number, line in number_lines(part):
         plain = FORMULA.sub("", line)

@@ -1,4 +1,4 @@
-"""What comes of a lesson's runs: each scene run once, in processes of their own, and kept."""
+"""Results of a lesson's runs: each scene is run once, in a worker process, and cached."""
 
 import os
 import threading
@@ -16,15 +16,15 @@ from solvers.workers.worker_process import ProcessDied
 
 WORK = "app.lessons.lesson_runs:work"
 KEPT = 500  # results
-SEVERAL = 4  # scenes that wait: most are run in a tenth of the time that their kernels take to translate
+SEVERAL = 4  # waiting scenes per process: most run in a tenth of the time of compilation
 
 
 class RunFailed(Exception):
-    """A scene could not be run; the message says why."""
+    """Raised if a scene could not be run; the message gives the reason."""
 
 
 class RunCache:
-    """Runs scenes in so many ``processes``, which start when they are needed. Safe from any thread."""
+    """Thread-safe cache of runs, made in so many ``processes``, which start when needed."""
 
     def __init__(self, processes: int = 1, politeness: int = 0):
         self._pool, self._politeness = WorkerPool(WORK, processes, several=SEVERAL), politeness
@@ -35,11 +35,11 @@ class RunCache:
         self._pool.close()
 
     def result(self, text: str) -> dict[str, Any]:
-        """The result's JSON object of the scene of a state; waits for it."""
+        """Returns the result's JSON object for the scene of a state; waits for it."""
         return self._waited(text, False)
 
     def bets(self, text: str) -> dict[str, dict[str, Ends | None]]:
-        """What the judges bet on the errors at the end of such a scene: ends by quantity and judge; waits for it."""
+        """Returns the judges' bets on the final errors of a scene, by quantity and judge; waits for them."""
         return self._waited(text, True)
 
     def _waited(self, text: str, judged: bool) -> dict[str, Any]:
@@ -49,7 +49,7 @@ class RunCache:
             raise RunFailed(f"{_scene(text)} could not be run: the process {error}") from None
 
     def _run(self, text: str, judged: bool = False) -> Future[dict[str, Any]]:
-        """The run of the scene of a state, or the judges' bets on it; one that failed once more."""
+        """Returns the run of a state's scene, or the judges' bets on it; repeats a failed one."""
         scene = _scene(text)
         with self._lock:
             run = self._runs.get((scene, judged))
@@ -61,7 +61,7 @@ class RunCache:
             return run
 
     def scope(self, lesson: Lesson, step: Step, numbers: Numbers, texts: Iterable[str]) -> Scope:
-        """What the names in these expressions mean in a step: only the runs that they need are run."""
+        """Returns the scope of these expressions in a step; runs only what they need."""
         main, runs = lesson.main_run(step), lesson.runs
         texts = list(texts)
         asked = set().union(*(runs_needed(text, runs, main) for text in texts))
@@ -70,12 +70,12 @@ class RunCache:
                       for name, run in runs.items() if name in asked}, main)
 
     def _with_bets(self, text: str) -> dict[str, Any]:
-        """A result with the judges' bets on it, as claims have them."""
+        """Returns a result with the judges' bets on it, in the form of claims."""
         found = self.result(text)
         return {**found, "bet": bets_by_judge(self.bets(text), found["error"])}
 
     def prepare(self, texts: Iterable[str], on_progress: Callable[[int, int], None]) -> None:
-        """Run all of these scenes, as many at a time as there are processes; failures show when they are asked for."""
+        """Runs all of these scenes in parallel; failures are raised when a result is requested."""
         scenes = {text: state.parse_state(text).scene for text in texts}
         longest_first = sorted(scenes, key=lambda text: (-scenes[text].particles * scenes[text].steps, text))
         runs = dict.fromkeys(map(self._run, one_of_each_first(longest_first, _compiled)))
@@ -84,22 +84,22 @@ class RunCache:
 
 
 def _scene(text: str) -> str:
-    """What of a state's text says the scene."""
+    """Returns a state's text reduced to its scene."""
     return state.write_state(state.State(state.parse_state(text).scene))
 
 
 def _compiled(text: str) -> tuple:
-    """What has to be compiled for the scene of a state."""
+    """Returns the key of the kernels that a state's scene needs."""
     return kernel_key(state.parse_state(text).scene)
 
 
 def scene_texts(lesson: Lesson, numbers: Numbers) -> list[str]:
-    """The scenes of all runs of a lesson with these numbers."""
+    """Returns the scenes of all runs of a lesson with these numbers."""
     return [fill_numbers(text, numbers) for run in lesson.runs.values() for text in run.texts]
 
 
 def work(question: Mapping[str, Any], answer: Callable[[dict], None]) -> None:
-    """In a process of its own: run one scene, or ask the judges for their bets on it."""
+    """Runs one scene, or computes the judges' bets on it, in a worker process."""
     from solvers.running.run import run
     from solvers.study.coverage.track_record import bets
 

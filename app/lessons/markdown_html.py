@@ -1,4 +1,4 @@
-"""Markdown to html without a network: formulas as MathML, pictures inline, instructions in the language spoken."""
+"""Markdown to html without a network: formulas as MathML, inline pictures, instructions in the current language."""
 
 import base64
 import functools
@@ -14,18 +14,17 @@ from app.language.translation import lazy
 from solvers.untrusted.quoting import one_line, quote
 
 KINDS = {".svg": "image/svg+xml", ".png": "image/png"}
-#: What a text tells its reader to do, by what is done. What is named stands in bold, its value as code, and the name
-#: before its value.
+#: Instructions to the reader, by verb. The name is in bold, its value as code, and the name comes first.
 SENTENCES = {"Press": lazy("Press {name}"), "Set": lazy("Set {name} to {value}"),
              "Choose": lazy("Choose {name} {value}")}
-#: Widgets that say a field of the scene, by the words that stand beside them.
+#: Fields of the scene by their widgets' labels.
 FIELDS = {lazy("Cells"): "cells", lazy("Particles / cell"): "ppc", lazy("Amplitude A"): "amplitude",
           lazy("Modulus E"): "modulus", lazy("CFL number"): "cfl", lazy("Method"): "method",
           lazy("Body force"): "body_force"}
 
 
 class RenderError(ValueError):
-    """A formula or picture that cannot be shown. ``piece`` is what stands in the text."""
+    """Raised for a formula or picture that cannot be shown. ``piece`` is its source in the text."""
 
     def __init__(self, piece: str, why: str):
         self.piece = piece
@@ -33,7 +32,7 @@ class RenderError(ValueError):
 
 
 def to_html(markdown: str, folder: Path | None = None) -> str:
-    """Html of a text; html in it is shown as text. Pictures are looked for in ``folder``."""
+    """Converts Markdown to html; html in it is shown as text. Pictures are looked up in ``folder``."""
     return _parser(folder).render(markdown)
 
 
@@ -54,21 +53,21 @@ def _parser(folder: Path | None) -> MarkdownIt:
 
 
 def to_mathml(latex: str, display: bool) -> str:
-    """A formula as MathML, on lines of its own (``display``) or in one; :class:`RenderError` where it has none."""
+    """Converts a formula to MathML, as a block (``display``) or inline; raises :class:`RenderError` if it cannot."""
     latex = latex.strip()
     try:
         found = latex2mathml.converter.convert(latex, display="block" if display else "inline")
-    except Exception as error:  # the library raises what comes
+    except Exception as error:  # the library raises any exception
         raise RenderError(latex, f"the formula ${quote(latex)}$ cannot be shown ({type(error).__name__}); "
                                  "give plain LaTeX such as $\\frac{h}{2}$") from None
-    if unknown := re.search(r"\\\w+", found):  # a command that nobody knows would be shown as it is typed
+    if unknown := re.search(r"\\\w+", found):  # an unknown command would be shown as typed
         raise RenderError(latex, f"the formula ${quote(latex)}$ has {quote(unknown[0])}, which cannot be "
                                  "shown; give plain LaTeX such as $\\frac{h}{2}$")
     return found
 
 
 def _data(folder: Path | None, source: str) -> str:
-    """A picture as part of the html."""
+    """Returns a picture as a data URL."""
     path = None if folder is None else folder / source
     kind = KINDS.get(Path(source).suffix)
     if kind is None or path is None or not re.fullmatch(r"[\w./-]+", source) or ".." in source or not path.is_file():

@@ -1,8 +1,7 @@
-"""Rounds, from a prediction to its explanation, and the core of a lesson: the rounds that stand by themselves.
+"""Rounds, from a prediction to its explanation, and the core of a lesson: the rounds that are self-contained.
 
-The first step of a round of the core says so, ``## Predict (core): ...``; all others are deeper. Where no round is
-marked everything is core.
-"""
+The first step of a core round is marked, ``## Predict (core): ...``; all others are optional. If no round is marked,
+all are core."""
 
 from collections.abc import Sequence
 from dataclasses import replace
@@ -12,7 +11,7 @@ from app.lessons.lesson import EXPLAIN, Lesson, LessonError, Step, fill_numbers
 
 
 def split_rounds(steps: Sequence[Step]) -> list[tuple[Step, ...]]:
-    """The steps, round by round: a round ends with its explanation."""
+    """Splits steps into rounds, which end with an explanation."""
     found: list[tuple[Step, ...]] = [()]
     for step in steps:
         found[-1] += (step,)
@@ -22,7 +21,7 @@ def split_rounds(steps: Sequence[Step]) -> list[tuple[Step, ...]]:
 
 
 def mark_core_rounds(steps: Sequence[Step]) -> tuple[Step, ...]:
-    """Steps of which those with a mark are ``core``, as a lesson has them: whole rounds are."""
+    """Returns steps with ``core`` set for complete rounds instead of their first steps."""
     every = split_rounds(steps)
     for first, *others in every:
         if stray := next((step for step in others if step.core), None):
@@ -34,7 +33,7 @@ def mark_core_rounds(steps: Sequence[Step]) -> tuple[Step, ...]:
 
 
 def check_core(lesson: Lesson) -> None:
-    """What the core claims and asks is about runs of the core: :class:`LessonError` where it needs a deeper step."""
+    """Raises :class:`LessonError` if claims or questions of the core need a run of an optional step."""
     deeper = {run.name: step.line for step in lesson.deeper for run in step.runs}
     for step in lesson.walk(core=True):
         found = [(claim.text, claim.line) for claim in step.claims]

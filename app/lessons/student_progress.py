@@ -1,4 +1,4 @@
-"""What a student has done in a lesson, kept by the browser, handed in as a file: what has another form is refused."""
+"""A student's progress in a lesson, stored by the browser and handed in as a file; other formats are rejected."""
 
 import json
 import re
@@ -19,7 +19,7 @@ FORM = {"schema": str, "lesson": str, "fingerprint": str, "name": str, "step": i
 
 
 class NotAnswers(ValueError):
-    """A text that no lesson has written; the message says why."""
+    """Raised for a text that is no progress; the message gives the reason."""
 
     def __init__(self, sentence: str):
         super().__init__(quoting.one_line(sentence))
@@ -27,7 +27,7 @@ class NotAnswers(ValueError):
 
 @dataclass
 class Answer:
-    """What was answered ``first`` and ``last``, in how many attempts and how many seconds after the step was shown."""
+    """The ``first`` and ``last`` answer, the number of attempts, and the seconds since the step was shown."""
 
     first: Any
     last: Any
@@ -47,24 +47,24 @@ class Progress:
     core: bool = False
 
     def answer(self, key: str, given: Any, seconds: float) -> None:
-        """Record an answer; the first stays."""
+        """Records an answer; the first one stays."""
         before = self.answers.get(key)
         first, attempts = (before.first, before.attempts) if before else (given, 0)
         self.answers[key] = Answer(first, given, attempts + 1, round(seconds + (before.seconds if before else 0), 1))
 
     @property
     def file_name(self) -> str:
-        """Of the file that is handed in."""
+        """The name of the handed-in file."""
         called = re.sub(r"[^\w-]+", "-", self.name).strip("-") or "answers"
         return f"{self.lesson}-{called}.json"
 
     def text(self) -> str:
-        """As JSON, for the browser to keep or the student to hand in."""
+        """Returns the progress as JSON, for the browser to store or the student to hand in."""
         return json.dumps({"schema": SCHEMA, **asdict(self)}, ensure_ascii=False)
 
 
 def parse_progress(text: str, find: Callable[[str], Lesson | None]) -> Progress:
-    """Reads the progress in a text, for a lesson that ``find`` gives by name; raises :class:`NotAnswers`."""
+    """Parses a progress; ``find`` returns a lesson by name. Raises :class:`NotAnswers`."""
     try:
         values = parse_json(text)
     except ValueError:
@@ -87,7 +87,7 @@ def parse_progress(text: str, find: Callable[[str], Lesson | None]) -> Progress:
 
 
 def of_lesson(text: str, lesson: Lesson) -> Progress | None:
-    """Reads the progress in a text; None if it is none, or of another version of the lesson."""
+    """Parses a progress; returns None if it is invalid, or of another version of the lesson."""
     try:
         found = parse_progress(text, {lesson.name: lesson}.get)
     except NotAnswers:

@@ -1,4 +1,4 @@
-"""The teacher's guide to a lesson: its steps, notes and right answers, as Markdown or as a page to print."""
+"""The teacher's guide to a lesson: steps, notes and right answers, as Markdown or as a page to print."""
 
 from collections.abc import Callable, Iterator
 from pathlib import Path
@@ -19,7 +19,7 @@ PAGE = Path(__file__).parent / "guide.html"
 
 
 def guide_markdown(lesson: Lesson, outcomes: RunCache, core: bool = False) -> str:
-    """The guide as Markdown, or that to the ``core`` alone. Runs what the right answers need."""
+    """Returns the guide, or that to the ``core`` alone, as Markdown. Runs scenes for the right answers."""
     length = tr("*Teacher's guide to the core, which takes {minutes} minutes, without discussion.*",
                 minutes=lesson.core_minutes) if core else \
         tr("*Teacher's guide. {length}, without discussion.*", length=minutes_text(lesson))
@@ -50,7 +50,7 @@ def guide_markdown(lesson: Lesson, outcomes: RunCache, core: bool = False) -> st
 
 
 def guide_page(lesson: Lesson, outcomes: RunCache, core: bool = False) -> str:
-    """The guide as one html file, with its pictures in it."""
+    """Returns the guide as one html file with its pictures."""
     return render_template(PAGE, language=current_language(), title=lesson.title,
                            body=to_html(guide_markdown(lesson, outcomes, core), FOLDER))
 
@@ -81,7 +81,7 @@ def _answer(lesson: Lesson, step: Step, numbers: Numbers, outcomes: RunCache) ->
 
 
 def _quoted(notes: str) -> str:
-    """Notes set apart from what students see."""
+    """Returns notes as a block quote."""
     return "\n".join(f"> {line}" for line in [tr("**Teacher**"), "", *notes.splitlines()]) if notes.strip() else ""
 
 

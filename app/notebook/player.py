@@ -1,7 +1,6 @@
-"""The offline player below a cell: the page that ``mpm-lab export`` writes, in a frame that carries all of it.
+"""The offline player below a notebook cell: the page of ``mpm-lab export``, complete in a frame.
 
-Nothing is served and nothing is fetched, so it plays wherever a notebook shows HTML, and in one that is sent around.
-"""
+It needs no server and no network, so it plays wherever a notebook shows HTML, and in one that is sent around."""
 
 from __future__ import annotations
 
@@ -19,10 +18,10 @@ from solvers.running.result import Result
 from solvers.scene.scene import Scene
 from solvers.scene.validation import SceneError, require_choice, require_whole
 
-HEIGHT = 640  # pixels: readout, stage and time of a bar without scrolling, where the cell is 800 wide
+HEIGHT = 640  # pixels: a bar's readout, stage and timeline without scrolling, in a cell 800 wide
 LEAST_HEIGHT, MOST_HEIGHT = 200, 4000
-#: What the page in the frame may do: run its own scripts and save a file. It is of no origin, so it reads nothing of
-#: the notebook's.
+#: Permissions of the page in the frame: its own scripts and downloads. It has no origin, so it cannot read
+#: the notebook.
 SANDBOX = "allow-scripts allow-downloads"
 
 
@@ -35,7 +34,7 @@ class Player:
     height: int = HEIGHT
 
     def save(self, path: str | os.PathLike[str]) -> None:
-        """Write the page, as ``mpm-lab export`` does: it plays from disk, without a network."""
+        """Writes the page, as ``mpm-lab export`` does: it plays from disk, without a network."""
         Path(path).write_text(self.page, encoding="utf-8")
 
     def __repr__(self) -> str:
@@ -50,30 +49,29 @@ class Player:
 def show(what: Scene | Result, *, beside: Scene | Result | None = None, error_of: str = "x", sliders: bool = False,
          height: int = HEIGHT, processes: int = 2,
          on_progress: Callable[[float, str], None] = lambda part, doing: None) -> Player:
-    """Record a run and play it below the cell: particles by estimated and by true error, numbers, time to scrub.
+    """Records a run and plays it below the cell: particles by estimated and by true error, numbers, a timeline.
 
     Parameters
     ----------
     what
-        A scene, or the result of a run: its scene is run once more, for a result keeps the particles of its end, and a
-        recording needs them all the way. One that says no end is recorded for one period, or less where its problem's
-        own end comes sooner.
+        A scene, or a result, whose scene is run again, as a result has only the final particles. A scene without an end
+        is recorded for one period, or less if its problem's default is shorter.
     beside
         Another of the same problem, which plays beside it on the same scale.
     error_of
         The quantity whose error is coloured: "x", "v", "sigma" or "a".
     sliders
-        Whether other cells, amplitudes and methods are recorded around it as well: up to sixty runs, by so many
-        ``processes``, which know no estimator that only the notebook has registered. It takes half a minute or so.
+        Whether to record other cells, amplitudes and methods as well: up to sixty runs, by so many ``processes``,
+        without estimators that only the notebook has registered. It takes about half a minute.
     height
         Of the frame, in pixels.
     on_progress
-        Told the part done (0 to 1) and what is being done.
+        Called with the part done (0 to 1) and a description.
 
     Raises
     ------
     SceneError
-        For what is no scene or result, a quantity that there is not, two problems, and a run too long to record.
+        If ``what`` is no scene or result, the quantity is unknown, the problems differ, or a run is too long to record.
     """
     scene, other = _scene("show", what), None if beside is None else _scene("beside", beside)
     require_choice("error_of", error_of, tuple(QUANTITIES))

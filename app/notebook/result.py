@@ -1,4 +1,4 @@
-"""A result in a notebook: the table below a cell, and the picture, beside which the notebook's own keep their looks."""
+"""A result in a notebook: its table and its picture; the notebook's own plots keep their style."""
 
 from collections.abc import Iterator
 from html import escape
@@ -30,7 +30,7 @@ def result_table(result: Result) -> str:
 
 
 def _notes(result: Result) -> Iterator[str]:
-    """Why it is not ok, and what has no number for which reason."""
+    """Yields why it is not ok, and why estimators are not valid."""
     if result.reason:
         yield result.reason
     if result.status == OK and result.verdict["not_checked"]:
@@ -56,9 +56,9 @@ def _row(kind: str, cells: list[str]) -> str:
 
 
 def result_picture(result: Result) -> "Figure":
-    """The figure that ``mpm-lab run --plot`` writes."""
-    import matplotlib  # here: a table does not wait for it
-    with matplotlib.rc_context():  # what is imported here sets them for the whole process, which is the user's
+    """Returns the figure that ``mpm-lab run --plot`` writes."""
+    import matplotlib  # here: a table does not need it
+    with matplotlib.rc_context():  # this import would set them for the user's whole process
         from app.pictures.run import run_figure
         from app.renderers.picture_style import SETTINGS
         matplotlib.rcParams.update(SETTINGS)

@@ -1,1 +1,1 @@
-"""The page: what one sees live."""
+"""The live page."""

@@ -1,4 +1,4 @@
-"""The canvas: all that is drawn for one visitor, whatever it is of."""
+"""The canvas of one visitor: draws frames of whatever is on the stage."""
 
 from collections.abc import Hashable
 
@@ -18,12 +18,12 @@ from app.words import QUANTITIES
 
 
 class Canvas:
-    """A stage for each problem, of which one is visible, with the bar of colours, trace rings and the probe."""
+    """Drawing area with a stage for each problem, one of them visible, a colour bar, trace rings and the probe."""
 
     def __init__(self, client: viser.ClientHandle, scale: ColourScale, trace: Trace, problem: str):
         self._client, self._scale, self.lettering = client, scale, Lettering(client.gui)
-        self.picture: FrameView | None = None  # that is seen
-        self._coloured: Hashable = None  # what the scale of colours is of
+        self.picture: FrameView | None = None  # the frame drawn last
+        self._coloured: Hashable = None  # what the colour scale belongs to
         self._paint(False)
         self._colour_bar = ColourBar(self.sheet("/colours"), scale)
         self._stages = {problem: view.stage(self.sheet(f"/{problem}"), scale) for problem, view in VIEWS.items()}
@@ -33,7 +33,7 @@ class Canvas:
         self._rings = TraceRings(client, self.sheet("/trace"), trace)
 
     def draw(self, sight: Display, choice: Choice) -> None:
-        """Show what there is to be seen."""
+        """Draws a frame, and a second run beside it if there is one."""
         picture, beside, unit = sight.picture, sight.beside, QUANTITIES[choice.quantity].unit
         view, arrays, problem = picture.view, picture.arrays, picture.report.scene.problem
         self._colour(sight)
@@ -50,7 +50,7 @@ class Canvas:
             elif second:
                 second.name(beside or "")
             stage.remark(sight.remarks, arrays)
-            if picture.foreign:  # none of its particles is traced
+            if picture.foreign:  # its particles cannot be traced
                 self._rings.hide()
             else:
                 self._rings.look(stage, arrays)
@@ -58,13 +58,13 @@ class Canvas:
             rectangle = sight.hidden or stage.rectangle
             self.lettering.look(rectangle)
             self.lettering.send()
-            self._client.flush()  # else it waits a frame's time for more, and the next frame replaces this one
+            self._client.flush()  # otherwise viser buffers for a frame's time, and the next frame replaces this one
         self.camera.show(rectangle)
         self.probe.look(stage, arrays, view.estimated, view.true, unit)
         self.picture = picture
 
     def shade(self, dark: bool) -> None:
-        """Draw on a dark ground, or on a light one."""
+        """Switches to the dark or the light background."""
         self.lettering.dark = dark
         self._paint(dark)
 
@@ -73,11 +73,11 @@ class Canvas:
         self._client.scene.set_background_image(np.broadcast_to(ground, (2, 2, 3)).copy(), format="png")
 
     def sheet(self, at: str) -> ViewerSurface:
-        """One more to draw on, under a name of its own."""
+        """Returns a new drawing surface whose scene nodes are below the path ``at``."""
         return ViewerSurface(self._client, self.lettering, at)
 
     def _colour(self, sight: Display) -> None:
-        """Move the scale of colours; looking back keeps it, to compare frames by."""
+        """Updates the range of the colour scale; for an earlier frame it stays, so that frames can be compared."""
         if changed := sight.of != self._coloured:
             self._scale.forget()
             self._coloured = sight.of
@@ -87,14 +87,14 @@ class Canvas:
                                (beside.left.sizes, beside.right.sizes) if beside else (None, None), sight.least)
 
     def _show_stage(self, problem: str | None) -> None:
-        """Show one of them, or none."""
+        """Shows the stage of a problem and hides the others; hides all for None."""
         self._colour_bar.sheet.visible = problem is not None
         for name, stage in self._stages.items():
             stage.sheet.visible = name == problem
 
 
 def _draw(stage: Stage, picture: FrameView, choice: Choice) -> None:
-    """Draw a run on a stage."""
+    """Draws a frame on a problem's stage."""
     report, view = picture.report, picture.view
     stage.domains = choice.domains and not picture.foreign
     stage.plotted, stage.magnified = report.holds.plotted, choice.magnified

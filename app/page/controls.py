@@ -1,4 +1,4 @@
-"""The right panel: everything of a scene that a visitor sets. Callbacks only pass wishes on."""
+"""The right panel: widgets for everything in a scene that a visitor sets. Callbacks only forward requests."""
 
 import threading
 from collections.abc import Callable
@@ -31,16 +31,16 @@ ELSEWHERE = lazy("A lesson is open: its controls are in <b>Lessons</b>, below it
 
 
 class Controls:
-    """Widgets of one visitor, bound to the session; those outside the tabs at once, others by :meth:`build`."""
+    """Widgets of one visitor for the session; those outside the tabs are built at once, the others by :meth:`build`."""
 
     def __init__(self, gui: viser.GuiApi, session: Session, scale: ColourScale, on_view: Callable[[], None],
                  looking: HistoryControls, store: BrowserStore):
         self._gui, self._session, self._scale, self._on_view = gui, session, scale, on_view
         self._looking = looking
         self._extensions: dict[str, Callable[[], Any]] = {}
-        self._offered: tuple[str, ...] = ()  # the controls that a lesson leaves; without any all are
+        self._offered: tuple[str, ...] = ()  # the controls that a lesson shows; all if empty
         self._answers = Answers(gui)
-        self._turn = threading.RLock()  # widgets must not be removed while others are made or changed among them
+        self._turn = threading.RLock()  # widgets must not be removed while others are built or changed
         self._bound, self._lasting = (SceneWidgets(gui, session, self._answers, self._turn) for _ in range(2))
         problem_mark = gui.add_html("<i class='lab-at-problem'></i>")
         self.problem = gui.add_dropdown(tr("Problem"), tuple(tr(problem.scene.TITLE) for problem in PROBLEMS.values()),
@@ -56,12 +56,12 @@ class Controls:
         store.heard["entered"] = self._enter
 
     def extend(self, control: str, build: Callable[[], Any], *widgets: Any) -> None:
-        """Adds what ``build`` makes to a control in the tab, and ``widgets`` elsewhere that a lesson shows with it."""
+        """Adds what ``build`` creates to a control in the tab, and ``widgets`` elsewhere that lessons show too."""
         self._extensions[control] = build
         self._parts[control] = (*self._parts.get(control, ()), *widgets)
 
     def open_on(self, state: State) -> None:
-        """Begin with a state whose scene the session has, before there are widgets of its scene."""
+        """Shows a state whose scene the session already has, before the scene's widgets are built."""
         self.stage.show(state.quantity, state.estimator, state.magnified)
         self._session.show(plotted=state.quantity)
         if state.pinned is not None:
@@ -69,35 +69,35 @@ class Controls:
             self._transport.refresh()
 
     def build(self, tab: viser.GuiTabHandle) -> None:
-        """Make the widgets of the tab, within it."""
+        """Builds the widgets of the tab, within it."""
         self._home = tab
         self._place: viser.GuiTabHandle | viser.GuiFolderHandle = tab
         self._elsewhere = self._gui.add_html(f"<p class='lab-elsewhere'>{tr(ELSEWHERE)}</p>", visible=False)
         self._build()
 
     def hear(self, report: FrameReport, arrays: FrameArrays) -> None:
-        """A frame has come."""
+        """Handles a new frame."""
         with self._turn:
             self.stage.hear(report.scene, arrays)
 
     def usual_speed(self) -> None:
-        """Go on at the problem's own speed."""
+        """Resets the speed to the problem's default."""
         with self._turn:
             self._session.set_speed(VIEWS[self._session.scene.problem].speed)
             self._transport.show()
 
     def begin(self) -> None:
-        """Allows another problem to be chosen, now that the page is made, and follows one chosen meanwhile."""
+        """Enables the choice of another problem once the page is built, and applies one made in the meantime."""
         self.problem.on_update(lambda _: self._choose_problem())
         self._choose_problem()
 
     def choose_problem(self, problem: str) -> None:
-        """Put another problem on the stage, as it is at first."""
+        """Puts the first scene of another problem on the stage."""
         self.problem.value = tr(PROBLEMS[problem].scene.TITLE)  # type: ignore[misc]
         self._choose_problem()
 
     def load(self, scene: Scene) -> None:
-        """Put a scene on the stage, and all that it says into the widgets."""
+        """Puts a scene on the stage and its values into the widgets."""
         with self._turn:
             if scene.problem != self._session.scene.problem:
                 self._drawn.domains = False
@@ -117,7 +117,7 @@ class Controls:
                 self._rebuild()
 
     def show(self, state: State) -> None:
-        """Put all of a state on the stage and into the widgets."""
+        """Puts a state on the stage and into the widgets."""
         session = self._session
         with self._turn:
             self.stage.show(state.quantity, state.estimator, state.magnified)
@@ -134,7 +134,7 @@ class Controls:
         self._on_view()
 
     def change(self, field: str, said: str, meant: Callable[[Scene], object]) -> None:
-        """Set a field of the scene to what a lesson has ``said``, which may mean nothing in another scene."""
+        """Sets a field to the value that ``meant`` reads from a lesson's text ``said``; its ValueError is a refusal."""
         with self._turn:
             scene = self._session.scene
             try:
@@ -149,7 +149,7 @@ class Controls:
             self._rebuild()
 
     def look(self, quantity: str = "", estimator: str = "") -> None:
-        """Show the error of a quantity, or as an estimator that runs sees it."""
+        """Shows the error of a quantity, or the errors as estimated by an estimator that runs."""
         with self._turn:
             if quantity:
                 self.stage.measure(quantity)
@@ -159,11 +159,11 @@ class Controls:
                 self._session.refuse(tr("{estimator} does not run here; press On the stage first", estimator=estimator))
 
     def press(self, name: str) -> None:
-        """What the button of this name in the deck does."""
+        """Triggers the playback button of this name."""
         self._transport.acts[name]()
 
     def next_method(self) -> None:
-        """The next of the methods that the problem has, and that can be at the present settings."""
+        """Switches to the problem's next method that is valid with the present settings."""
         with self._turn:
             scene = self._session.scene
             methods = scene.choices("method")
@@ -175,14 +175,14 @@ class Controls:
 
     @property
     def choice(self) -> Choice:
-        """What is to be seen of a run."""
+        """The view options chosen by the visitor."""
         stage, drawn = self.stage, self._drawn
         return Choice(stage.quantity, stage.estimator, drawn.difference, drawn.domains, stage.magnified,
                       self._looking.latest)
 
     @property
     def state(self) -> State:
-        """What the visitor sees."""
+        """The state that the visitor sees."""
         session, stage, first = self._session, self.stage, next(iter(self._session.scene.estimators), None)
         speed, pinned = VIEWS[session.scene.problem].speed, session.pinned
         return State(session.scene, stage.quantity, stage.estimator if stage.estimator != first else None,
@@ -191,8 +191,8 @@ class Controls:
                      pinned.scene if pinned else None)
 
     def _rebuild(self) -> None:
-        """Make the widgets anew, for the session's present scene."""
-        self.problem.value = tr(self._session.scene.TITLE)  # type: ignore[misc]  # it is chosen: nothing follows from it
+        """Rebuilds the widgets for the session's present scene."""
+        self.problem.value = tr(self._session.scene.TITLE)  # type: ignore[misc]  # already chosen: this triggers nothing
         self._transport.show()
         self._bound.forget()
         self._widgets.remove()
@@ -200,13 +200,13 @@ class Controls:
             self._build()
 
     def _choose_problem(self) -> None:
-        """Another problem has other choices and reaches."""
+        """Loads the first scene of the problem chosen in the dropdown, if it is another one."""
         if self.problem.value != tr(self._session.scene.TITLE):
             kind = next(problem.scene for problem in PROBLEMS.values() if tr(problem.scene.TITLE) == self.problem.value)
             self.load(first_scene(kind.problem))
 
     def _build(self) -> None:
-        self._widgets = self._gui.add_folder(None)  # without a label it is only a way to remove all at once
+        self._widgets = self._gui.add_folder(None)  # without a label: only a container, to remove all at once
         self._folds: dict[str, viser.GuiHtmlHandle] = {}
         says = self._fold_words()
         view, scene = VIEWS[self._session.scene.problem], self._session.scene
@@ -241,7 +241,7 @@ class Controls:
                     self._bound.boxes("effects", ALL)
 
     def _enter(self, text: Any) -> None:
-        """The visitor is done with typing into the text that the browser calls so."""
+        """Applies the text field of this id, in which the visitor has finished typing."""
         for bound in (self._bound, self._lasting):
             bound.enter(str(text))
 
@@ -250,18 +250,18 @@ class Controls:
             build()
 
     def _part(self, control: str) -> viser.GuiFolderHandle:
-        """Room for a control, which a lesson may do without. Without a label nothing of it is seen."""
+        """Returns a folder without a label for a control that a lesson may hide."""
         return self._gui.add_folder(None, visible=not self._offered or control in self._offered)
 
     def _fold(self, name: str, label: str, *controls: str) -> viser.GuiFolderHandle:
-        """A folded part of the panel; with the few controls that a lesson leaves there is nothing to fold."""
+        """Returns a collapsible folder; without a label if a lesson shows only a few controls."""
         if self._offered:
             return self._gui.add_folder(None, visible=not {*controls}.isdisjoint(self._offered))
         self._folds[name] = add_anchor(self._gui, words=self._fold_words()[name])
         return self._gui.add_folder(label, expand_by_default=False)
 
     def _fold_words(self) -> dict[str, str]:
-        """What is set in each fold, for the right of its name."""
+        """Returns a summary of each collapsible folder's settings, shown to the right of its name."""
         scene, view = self._session.scene, VIEWS[self._session.scene.problem]
         values = scene.to_dict()
         motion = [choice_labels(type(scene), "motion")[values["motion"]]] if view.motion else []
@@ -271,12 +271,12 @@ class Controls:
                 "effects": tr("{n} of {all}", n=len(scene.effects), all=len(scene.choices("effects")))}
 
     def _move(self, changed: Scene, quantity: str | None, speed: float | None) -> None:
-        """Another motion has other controls."""
+        """Shows another motion, which has other controls."""
         self.show(State(changed, quantity or self.stage.quantity, magnified=self.stage.magnified, speed=speed,
                         logarithmic=self._scale.logarithmic))
 
     def refresh(self) -> None:
-        """Show what the session has come to by itself, and the words beside what is folded."""
+        """Updates the widgets from the session, and the summaries beside the folders."""
         with self._turn:
             self._looking.refresh()
             self._transport.refresh()

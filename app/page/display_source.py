@@ -1,4 +1,4 @@
-"""What may be on a visitor's stage, and gives what is drawn, read and said: one interface for all of it."""
+"""The interface of everything that can be on a visitor's stage: its picture, numbers, headline and notice."""
 
 from collections.abc import Hashable
 from dataclasses import dataclass
@@ -20,9 +20,9 @@ Sizes = tuple[np.ndarray | None, np.ndarray | None]  # of errors (P,), of what t
 
 @dataclass(frozen=True)
 class Choice:
-    """What a visitor has chosen to see: the key of a quantity, the estimator that is drawn, if any, and whether its
-    ``difference`` from the truth is; the particles' ``domains``; how many times the deviation in the plot of the field
-    is ``magnified``; and whether plots over time show the ``latest`` periods only."""
+    """View options of a visitor: key of the quantity, the estimator drawn (or None), whether its ``difference`` from
+    the truth and the particles' ``domains`` are drawn, the factor by which the deviation is ``magnified`` in the field
+    plot, and whether plots over time show the ``latest`` periods only."""
 
     quantity: str
     estimator: str | None
@@ -34,8 +34,8 @@ class Choice:
 
 @dataclass(frozen=True)
 class FrameView:
-    """A frame as it is drawn: the ``view`` of its errors, simulated seconds per second, ``name`` beside another run,
-    and whether its particles are ``foreign``: began anywhere and may be others at any time."""
+    """A frame to draw: the ``view`` of its errors, the speed in simulated seconds per second, the ``name`` shown beside
+    another run, and whether its particles are ``foreign``, without a fixed order or start."""
 
     report: FrameReport
     arrays: FrameArrays
@@ -47,12 +47,10 @@ class FrameView:
 
 @dataclass(frozen=True)
 class Display:
-    """All that is to be seen: a picture, and a run ``beside`` it, of which there may be no more than a name yet.
-
-    The colours follow the ``sizes`` of errors, and reach ``least`` at least; they begin anew where they are ``of``
-    something else than before, and stay as they are for a frame that is looked ``back`` on. The ``remarks`` are written
-    into the picture. The stage is ``hidden`` where something else is drawn in its place, in a rectangle.
-    """
+    """Everything to draw: a picture, and a run ``beside`` it, or its name before its first frame. The colour scale
+    follows the ``sizes`` of errors and reaches at least ``least``; it is reset when ``of`` changes and kept when
+    looking ``back``. The picture is annotated by ``remarks``. The stage is ``hidden`` if something else is drawn in its
+    rectangle."""
 
     picture: FrameView
     sizes: Sizes
@@ -65,24 +63,24 @@ class Display:
 
 
 class Source(Protocol):
-    """Something that may be on the stage: the visitor's run, a step in slow motion, or a file."""
+    """Something that can be on the stage: the visitor's run, a step in slow motion, or an uploaded file."""
 
     @property
     def on(self) -> bool:
-        """Whether it is what is to be seen."""
+        """Whether it is on the stage now."""
 
     @property
     def at_once(self) -> bool:
-        """Whether its sentence is the answer to a click."""
+        """Whether its headline answers a click and must appear without delay."""
 
     def sight(self, choice: Choice) -> Display | None:
-        """What to draw now; None as long as there is nothing."""
+        """Returns what to draw now; None before there is anything."""
 
     def numbers(self, choice: Choice, picture: FrameView | None, probed: str | None) -> Numbers | None:
-        """What to read beside the ``picture`` that is drawn, and what was ``probed`` in it; None for no change."""
+        """Returns the numbers for the ``picture`` drawn and the text of its probe; None if nothing has changed."""
 
     def sentence(self, choice: Choice, picture: FrameView) -> Headline:
-        """What is seen in the picture; nothing where that is of something else, and soon replaced."""
+        """Returns the picture's headline; an empty one if the picture shows something else, soon replaced."""
 
     def notice(self) -> Notice | None:
-        """What is to be read now of it, if anything."""
+        """Returns the message for the visitor, if there is one."""

@@ -18,7 +18,7 @@ from solvers.engine.engine_messages import FrameReport
 @dataclass(frozen=True)
 class PageView:
     """What a visitor sees at a refresh: the ``choice`` of view, the ``numbers`` beside the stage if they have changed,
-    whether a lesson is open, and whether the run has the stage and the visitor's attention for itself (``alone``)."""
+    whether a lesson is open, and whether nothing but the run is on the stage (``alone``)."""
 
     choice: Choice
     numbers: Numbers | None
@@ -27,33 +27,33 @@ class PageView:
 
 
 class Feature:
-    """A part of one visitor's page. The page calls these methods; each does nothing unless a feature has its own."""
+    """A part of one visitor's page. The page calls these methods; by default they do nothing."""
 
-    source: Source | None = None  # that it can put on the stage
+    source: Source | None = None  # what it can put on the stage
     messages: Mapping[str, Callable[[Any], None]] = {}  # acts on messages of the browser, by key; they may be anything
     shortcuts: Mapping[str, Callable[[], None]] = {}  # acts on keys, by the names that ``js/keys.js`` sends
 
     @classmethod
     def build(cls, page: PageContext) -> "Feature | None":
-        """Makes the feature with its widgets for a page; None where that page has none of it."""
+        """Builds the feature with its widgets; None if this page does not have the feature."""
         raise NotImplementedError(f"{cls.__name__} is no feature: it has no build(page)")
 
     def follow(self, report: FrameReport) -> None:
-        """Takes a new frame of the run, on the thread that reads frames."""
+        """Handles a new frame of the run, on the thread that reads frames."""
 
     def refresh(self, view: PageView) -> None:
         """Shows what has changed; called a few times a second while the browser shows the page."""
 
     def headline(self, frame: Frame | None) -> Headline:
-        """Sentence about the frame that replaces that of the run; an empty one replaces nothing."""
+        """Returns a headline for the frame that replaces the run's; an empty one replaces nothing."""
         return Headline()
 
     def notice(self) -> Notice | None:
-        """Message about the stage for when the session has none."""
+        """Returns a message about the stage, shown if the session has none."""
         return None
 
     def leave_stage(self) -> None:
-        """Something else takes the stage."""
+        """Stops showing on the stage, because something else takes it."""
 
     def close(self) -> None:
-        """The visitor has gone: threads and processes end."""
+        """Ends threads and processes when the visitor leaves."""

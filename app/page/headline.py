@@ -1,4 +1,4 @@
-"""What is seen now, in a headline and a few facts made from the numbers: for the eye, and what a screen reader gets."""
+"""The headline: the present state in one sentence and a few facts from the numbers, also for screen readers."""
 
 import json
 import math
@@ -24,19 +24,19 @@ from solvers.scene.scene import Scene
 from solvers.solver import soundness
 
 WAITING = lazy("Waiting for the first frame")
-SAY_SECONDS = 2.0  # between two sentences, which would else be replaced before they are read
-MOST_DIFFERING = 40  # characters, of what a pinned run is where the other is not
+SAY_SECONDS = 2.0  # least time between two sentences, so that they can be read
+MOST_DIFFERING = 40  # most characters of the difference to a pinned run
 
 
 class HeadlinePanel:
-    """Shows only new sentences, and not soon after the last; ``verdict.js`` reads them aloud."""
+    """Shows only new headlines, and not soon after the last; ``verdict.js`` reads them aloud."""
 
     def __init__(self, gui: viser.GuiApi, clock: Callable[[], float] = monotonic):
         self._html, self._clock = gui.add_html(""), clock
         self._last, self._next, self._aloud = Headline(), 0.0, 0
 
     def say(self, said: Headline, at_once: bool = False) -> None:
-        """Say something, if there is anything and it is time; ``at_once`` for the answer to a click."""
+        """Shows a headline if it is new and due; ``at_once`` for the answer to a click."""
         now, other = self._clock(), said.moment != self._last.moment
         if not said or str(said) == str(self._last) or (now < self._next and not at_once and not other):
             return
@@ -50,13 +50,11 @@ class HeadlinePanel:
 def frame_headline(report: FrameReport | None, arrays: FrameArrays | None, view: View | None, worst: WorstRegions,
                    series: dict[str, np.ndarray], quantity: str, drawn: str | None, ago: float = 0.0,
                    beside: str = "", speed: float = 0.0) -> Headline:
-    """What is said of a frame, the ``view`` of it, its worst regions and the run's sampled ``series``.
+    """Returns the headline of a frame from its ``view``, its worst regions and the run's sampled ``series``.
 
-    A run that plays is told as it has been so far, one that stands or is lost as it is now: of each, its error and its
-    estimate alike. ``quantity`` is a key, ``drawn`` the estimator on the stage, ``ago`` how many periods before now the
-    frame was, ``beside`` what is to be said of a pinned run (:func:`compare_with_pinned`), ``speed`` how many
-    simulated seconds go by in one of the visitor's.
-    """
+    Errors and estimates are means so far for a playing run, present values for one that is paused or lost. ``quantity``
+    is a key, ``drawn`` the estimator on the stage, ``ago`` the periods since the frame, ``beside`` the comparison with
+    a pinned run (:func:`compare_with_pinned`), ``speed`` the simulated seconds per second."""
     if report is None or arrays is None or view is None:
         return Headline.of(tr(WAITING))
     series, when = series_until(series, report.time), format_number(report.time)
@@ -79,7 +77,7 @@ def frame_headline(report: FrameReport | None, arrays: FrameArrays | None, view:
     who = largest_cause_fact(report.scene, series, quantity)
     facts = [*said.facts[:1], who, *said.facts[1:],
              tr("worst at {region}", region=region.name) if region else "", *_crossings(report, arrays, speed)]
-    if beside:  # in place of what it is compared with
+    if beside:  # replaces the reference value
         facts[:1] = [*said.facts[1:], beside]
     parts = said.headline
     if lost:
@@ -90,7 +88,7 @@ def frame_headline(report: FrameReport | None, arrays: FrameArrays | None, view:
 
 def compare_with_pinned(live: dict[str, np.ndarray], pinned: dict[str, np.ndarray], quantity: str,
                         scenes: tuple[Scene, Scene], ) -> str:
-    """Says which of the live and the pinned run errs more, as means over common periods; "" if not known."""
+    """Returns whether the live or the pinned run errs more, by means over common periods, as text; "" if unknown."""
     larger = in_common(live, pinned, f"error_{quantity}", scenes)
     if not math.isfinite(larger) or larger <= 0:
         return ""
@@ -113,19 +111,19 @@ def in_common(live: dict[str, np.ndarray], pinned: dict[str, np.ndarray], name: 
 
 
 def periods_of(series: dict[str, np.ndarray], scene: Scene) -> float:
-    """How long series are, in periods of their scene."""
+    """Returns the length of series in periods of their scene."""
     times = series.get("time", np.zeros(0))
     return float(times[-1]) / scene.period if len(times) else 0.0
 
 
 def _reason(report: FrameReport) -> list[str]:
-    """Why a run is lost, without when: the headline has that."""
+    """Returns the reason why a run is lost without the time, which the headline has."""
     reason = on_page(report.reason or "")
     return [reason.partition(": ")[2] or reason] if reason else []
 
 
 def _norm(sizes: np.ndarray | None) -> float:
-    """The root of the mean square of errors' sizes (P,)."""
+    """Returns the root mean square of errors' sizes (P,)."""
     with np.errstate(all="ignore"):  # a run gone bad holds anything
         return math.nan if sizes is None else float(np.sqrt(np.mean(sizes.astype(float) ** 2)))
 
@@ -137,7 +135,7 @@ def _mean(series: dict[str, np.ndarray], name: str) -> float:
 
 
 def _crossings(report: FrameReport, arrays: FrameArrays, speed: float) -> list[str]:
-    """How many particles have crossed a cell boundary within the window in which that is marked."""
+    """Returns how many particles crossed a cell boundary within the time for which crossings are marked."""
     if not report.scene.has("crossings"):
         return []
     count = int(np.count_nonzero(is_recent(arrays.steps_since_crossing, report.scene, speed)))

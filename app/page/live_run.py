@@ -1,4 +1,4 @@
-"""The visitor's run as what is on the stage: now or looked back on, alone or beside a pinned one."""
+"""The visitor's run as a source of the stage: now or in the past, alone or beside a pinned run."""
 
 from collections.abc import Callable
 
@@ -23,7 +23,7 @@ from solvers.solver.soundness import UNSTABLE
 
 
 class LiveRun:
-    """What is on the stage by default, a source; ``further`` gives a notice where the session has none."""
+    """The default source of the stage; ``further`` returns a notice for when the session has none."""
 
     on, at_once = True, False
 
@@ -32,7 +32,7 @@ class LiveRun:
         self._worst = WorstRegions()
 
     def sight(self, choice: Choice) -> Display | None:
-        """The frame that is looked at; None for one from before differences were asked for: the next is on its way."""
+        """Returns the frame on view; None for one without the difference requested, as the next one is coming."""
         if (last := self._recent.shown) is None:
             return None
         (report, arrays), back = last, self._recent.back > 0
@@ -42,13 +42,13 @@ class LiveRun:
             return None
         pinned = self._session.pinned
         if pinned and pinned.scene.problem != scene.problem:
-            pinned = None  # it goes with the next frame
+            pinned = None  # removed with the next frame
         said = difference_text(scene, pinned.scene) if pinned else ""
         name = tr("this run: {run}", run=said) if said else tr("this run") if pinned else ""
         picture = self._picture(report, arrays, view_of_frame(report, arrays, *asked), name)
-        if not report.playing:  # while it moves, words that change with each frame could not be read
+        if not report.playing:  # words that change with each frame could not be read
             self._worst.look(report, arrays, picture.view, choice.quantity)
-        beside: FrameView | str | None = None  # a pinned run, or before its first frame that there will be one
+        beside: FrameView | str | None = None  # a pinned run, or its name before its first frame
         if pinned:
             run, view = difference_text(pinned.scene, scene) or tr("the same so far"), pinned.view(*asked)
             beside = tr("pinned: {run}, being prepared", run=run) if view is None or pinned.last is None else \
@@ -58,7 +58,7 @@ class LiveRun:
                      beside, self._worst.remarks(scene))
 
     def numbers(self, choice: Choice, picture: FrameView | None, probed: str | None) -> Numbers | None:
-        """Those of the frame that is looked at, and plots of all that has come in."""
+        """Returns the numbers of the frame on view, with plots of everything received."""
         session, recent, quantity = self._session, self._recent, choice.quantity
         if picture is not None and not picture.foreign:
             self._worst.look(picture.report, picture.arrays, picture.view, quantity)
@@ -75,7 +75,7 @@ class LiveRun:
                        why_no_index(scene, valid, quantity), pinned, traced, scene)
 
     def sentence(self, choice: Choice, picture: FrameView) -> Headline:
-        """What is seen, and how a pinned run compares."""
+        """Returns the headline of the frame, with the comparison to a pinned run."""
         history, pinned, report = self._session.history, self._session.pinned, picture.report
         if picture.foreign or not history.scene == report.scene == self._worst.scene:
             return Headline()  # another run has begun just now
@@ -85,7 +85,7 @@ class LiveRun:
                               choice.estimator, self._recent.ago, beside, picture.speed)
 
     def notice(self) -> Notice | None:
-        """What the session has to say, or else something further."""
+        """Returns the session's notice, or else a further one."""
         return self._session.notice() or self._further()
 
     def _picture(self, report: FrameReport, arrays: FrameArrays, view: View, name: str) -> FrameView:

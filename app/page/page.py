@@ -1,4 +1,4 @@
-"""The page of one visitor: it passes frames on, refreshes what is read, and ends; its features do the rest."""
+"""The page of one visitor: forwards frames, refreshes numbers and texts, and closes; its features do the rest."""
 
 import secrets
 import threading
@@ -24,13 +24,13 @@ from app.viewer.viser_patches import run_in_language
 from solvers.engine.engine_messages import FrameReport
 
 REFRESH_SECONDS = 0.2  # for numbers, plots and notices; the stage follows every frame
-UNTOUCHED = 20 * 60.0  # seconds after which a run rests that nobody asks anything of; a presented one goes on
-PATIENCE = 2.0  # seconds in which a browser has to take what is sent, if anything is to be computed for it
-RESTING = 12  # times a refresh's work, for each stage that moves, until the next: frames come first
+UNTOUCHED = 20 * 60.0  # idle seconds after which a run pauses, unless it is presented
+PATIENCE = 2.0  # seconds of send delay after which nothing more is computed for a browser
+RESTING = 12  # pause until the next refresh, in times its work per running stage: frames come first
 
 
 class Page:
-    """One client's page. Frames draw on the engine's reader thread. The browser calls it by its ``token``."""
+    """Page of one client, which the browser identifies by ``token``. Frames are drawn on the engine's reader thread."""
 
     def __init__(self, client: viser.ClientHandle, links: PageLinks, classroom: Classroom,
                  lecturer: LecturerContext | None = None):
@@ -68,11 +68,11 @@ class Page:
         threading.Thread(target=with_language(self._refresh_loop), name="page-refresh", daemon=True).start()
 
     def attend(self, watched: bool) -> None:
-        """The browser shows the page, or no longer: then nothing is computed or sent for it."""
+        """Computes and sends frames only while the browser shows the page (``watched``)."""
         self._context.attend(watched=watched)
 
     def fall_silent(self) -> None:
-        """Nothing is drawn or said from now on."""
+        """Stops all drawing and messages."""
         self._closed.set()
         self._stands.set()
         self._context.stage.stop()
@@ -80,7 +80,7 @@ class Page:
             pass
 
     def close(self) -> None:
-        """The visitor has gone, or is to see something else."""
+        """Closes the features and the session when the visitor leaves or gets another page."""
         self.fall_silent()
         for feature in self._features:
             feature.close()
@@ -97,7 +97,7 @@ class Page:
             feature.follow(report)
 
     def _refresh_loop(self) -> None:
-        """Refresh now and then, and soon when the stage has come to a stand: what is said goes with what is seen."""
+        """Refreshes periodically, and soon after the stage stops, so that texts match the picture."""
         rest = 0.0
         while not self._closed.wait(REFRESH_SECONDS):
             self._stands.wait(rest)

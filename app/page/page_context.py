@@ -1,4 +1,4 @@
-"""What one visitor's page consists of beside its features, and what these may use of it."""
+"""The parts of one visitor's page that features use."""
 
 from collections.abc import Callable
 from typing import Protocol
@@ -26,8 +26,8 @@ from solvers.engine.shared_frames import FrameArrays
 
 
 class OpenLesson(Protocol):
-    """The lesson that a visitor has open: links say its name, the browser keeps its answers; both "" if there is none.
-    ``turn`` shows a step by its number, of the core ``only`` or of all."""
+    """The lesson that a visitor has open: its name for links and its answers for the browser to store, both "" if none
+    is open. ``turn`` shows a step by its number, of the core ``only`` or of all."""
 
     @property
     def name(self) -> str: ...
@@ -43,9 +43,9 @@ class OpenLesson(Protocol):
 
 
 class PageContext:
-    """The visitor's run (``session``), ``stage``, ``controls`` and ``tabs`` (explore, lessons, cost, about), and
-    everything else that features share; one sets ``lesson``, another ``is_touring``. ``clear_stage`` ends whatever
-    replaces the run on the stage, ``keep`` has the browser keep what is seen."""
+    """Everything that features share: the visitor's run (``session``), ``stage``, ``controls``, ``tabs`` and more;
+    features set ``lesson`` and ``is_touring``. ``clear_stage`` ends what replaces the run, ``keep`` stores the
+    state."""
 
     clear_stage: Callable[[], None]
     keep: Callable[[], None]
@@ -76,29 +76,29 @@ class PageContext:
 
     @property
     def shortcuts(self) -> dict[str, Callable[[], None]]:
-        """What keys of the keyboard do without any feature, by the names that ``js/keys.js`` sends."""
+        """Actions of keys independent of features, by the names that ``js/keys.js`` sends."""
         controls = self.controls
         return {"judge": controls.stage.next_judge, "magnify": controls.stage.next_factor,
                 "method": controls.next_method, "present": self.presenter.begin}
 
     @property
     def lesson_name(self) -> str:
-        """Name of the open lesson, or ""."""
+        """The name of the open lesson, or ""."""
         return self.lesson.name if self.lesson else ""
 
     def attend(self, **conditions: bool) -> None:
-        """Computes frames only while the browser shows the page (``watched``) and takes what is sent to it
-        (``keeps_up``), and the stage is ``uncovered``; a condition that is not given stays as it is."""
+        """Computes frames only while the browser shows the page (``watched``) and receives in time (``keeps_up``), and
+        the stage is ``uncovered``; a condition that is not given stays as it is."""
         self._conditions |= conditions
         self.session.attend(all(self._conditions.values()))
 
     def close(self) -> None:
-        """The visitor has gone."""
+        """Closes the session and its links when the visitor leaves."""
         self.session.close()
         self.links.close()
 
     def _take_frame(self, report: FrameReport, arrays: FrameArrays) -> None:
-        """Keeps a new frame of the run, and draws it."""
+        """Stores a new frame of the run, and draws it."""
         self.links.frames.add()
         if report.fresh:
             self.scale.forget()
@@ -108,7 +108,7 @@ class PageContext:
         self._on_frame(report)
 
     def refresh(self, idle_seconds: float) -> None:
-        """Shows what the session has come to by itself; pauses a run that nobody has touched for so long."""
+        """Updates the widgets from the session; pauses a run after ``idle_seconds`` without input."""
         if self.session.playing and not self.presenter.on and self.session.untouched > idle_seconds:
             self.session.rest()
         self.presenter.name(self.session.scene)

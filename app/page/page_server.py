@@ -32,28 +32,27 @@ from solvers.engine.engine_pool import EnginePool
 from solvers.workers.cpu_count import available_cpus
 
 EVERYWHERE, HERE = ("", "0.0.0.0"), "127.0.0.1"
-HEARS_WITHIN, TOLD_WITHIN = 0.2, 0.5  # seconds until it hears of its end, and has told all others at most
-CLOSED_WITHIN, ENDS_WITHIN = 0.3, 1.3  # seconds in which pages close, and after which it ends as it is
-MAKERS = 2  # pages that are made at once; each takes some 30 ms of a processor
+HEARS_WITHIN, TOLD_WITHIN = 0.2, 0.5  # seconds until it notices its end, and at most to notify visitors
+CLOSED_WITHIN, ENDS_WITHIN = 0.3, 1.3  # seconds in which pages close, and after which it exits in any case
+MAKERS = 2  # pages made in parallel; each takes some 30 ms of a processor
 MOST_ENGINES = 4  # each holds its own copy of Taichi and of every kernel; more gain little
 
 FULL = lazy("Every place on this server is taken. This page tries again by itself; nothing needs to be done.")
 OVER = lazy("The lab is closed. This page reloads when it opens again.")
 FAILED = lazy("The page could not be made. Reload it, or see the terminal for the reason.")
-AGAIN = "<i class='lab-again'></i>"  # has the page loaded anew after a while
+AGAIN = "<i class='lab-again'></i>"  # makes the browser reload the page after a while
 
 
 class ServeError(Exception):
-    """The page cannot be served; the message says why."""
+    """Raised if the page cannot be served; the message gives the reason."""
 
 
 class Visitors:
-    """Who is here: a page for each of at most ``places`` visitors, closed when its visitor leaves.
+    """Connected visitors: a page for each of at most ``places``, closed when its visitor leaves.
 
-    A client is known by its ``client_id``; ``make_page`` gets it and what opens lines to the engines. Whom the lab
-    ``expects`` needs no place to be free. The web server calls from many threads: a visitor may leave while the page is
-    being made, or even before :meth:`connect`.
-    """
+    A client is identified by its ``client_id``; ``make_page`` gets it and links to the engines. A client that the lab
+    ``expects`` needs no free place. Thread-safe: a visitor may leave while the page is being made, or even before
+    :meth:`connect`."""
 
     def __init__(self, pool: EnginePool, places: int, make_page: Callable[[Any, PageLinks], Any],
                  show: Callable[[Any, str], None], expects: Callable[[Any], bool] = lambda client: False):
@@ -61,12 +60,12 @@ class Visitors:
         self._expects = expects
         self._lock, self._frames = threading.Lock(), SessionCount()
         self._pages: dict[int, Any] = {}  # places taken; None while the page is being made
-        self._pageless: set[int] = set()  # here, but refused or with a page that failed
+        self._pageless: set[int] = set()  # connected, but refused or with a page that failed
         self._left: set[int] = set()  # gone before ``connect``, or while their page was being made
-        self._over = False  # goodbye has been said: pages that are still being made are for nobody
+        self._over = False  # shutting down: pages still being made are discarded
 
     def connect(self, client: Any) -> None:
-        """Take a visitor in, or say why not."""
+        """Admits a visitor, or shows why not."""
         visitor = client.client_id
         with self._lock:
             if visitor in self._left:
@@ -83,7 +82,7 @@ class Visitors:
             self._show(client, tr(OVER) if over else tr(FULL) + AGAIN)
 
     def disconnect(self, client: Any) -> None:
-        """Close the visitor's page, now or as soon as it is made."""
+        """Closes the visitor's page, now or as soon as it is made."""
         visitor = client.client_id
         with self._lock:
             if visitor in self._pageless:
@@ -97,7 +96,7 @@ class Visitors:
         page.close()
 
     def attend(self, token: str, watched: bool) -> bool:
-        """The browser with this token shows its page, or no longer. Whether there is such a page."""
+        """Passes on whether the browser with this token shows its page; returns whether there is such a page."""
         with self._lock:
             page = next((page for page in self._pages.values() if page and page.token == token), None)
         if page is not None:
@@ -116,11 +115,11 @@ class Visitors:
         return closing
 
     def all_told(self) -> bool:
-        """After the goodbye: whether no page is being made any more whose visitor is still to hear it."""
+        """Whether no page is still being made after :meth:`say_goodbye`."""
         return not self._pages
 
     def health(self) -> dict[str, Any]:
-        """How the server does: for whoever watches it."""
+        """Returns the state of the server for monitoring."""
         return {"ready": self._pool.wait_ready(0), "sessions": len(self._pages), "places": self._places,
                 "engines": len(self._pool.process_ids), "playing": self._pool.playing,
                 "frames_per_second": self._frames.a_second}
@@ -132,7 +131,7 @@ class Visitors:
         page.close()
 
     def _admit(self, client: Any) -> None:
-        """Make the page of a visitor who has a place; one that fails leaves nothing behind."""
+        """Makes the page of a visitor who has a place; releases everything if that fails."""
         visitor, links, page = client.client_id, PageLinks(self._pool, self._frames), None
         try:
             page = self._make_page(client, links)
@@ -158,16 +157,13 @@ class Visitors:
 def serve(host: str, port: int, max_sessions: int, warm_up: bool = True, code: str = "",
           names: tuple[str, ...] = (), frames: float = 1 / FRAME_SECONDS, lesson: str = "",
           teacher: bool = False, core: bool = False, board: bool = False) -> None:
-    """Serve the page until interrupted; with ``warm_up`` usual scenes are compiled beside it. Each visitor gets so many
-    ``frames`` a second, if they can be had.
+    """Serves the page until interrupted; raises :class:`ServeError` if host and port cannot be bound.
 
-    Visitors need the class ``code``; without one it is made up where others than this machine's users can come in.
-    ``names`` are those of proxies before the lab. Everyone is opened on the ``lesson``, if there is one. With
-    ``teacher`` its notes are shown: where others can come in, to those who know the teacher's own code. With ``core``
-    every lesson begins with its core alone. A ``board`` shows what the class says to the lesson to those who know its
-    own code; visitors are told apart by cookies, which a code gives, so that there always is a class code then. Raises
-    :class:`ServeError` when host and port cannot be had.
-    """
+    With ``warm_up`` usual scenes are compiled in the background. Each visitor gets up to ``frames`` frames per second,
+    and needs the class ``code``; without one it is generated if other machines can connect. ``names`` are host names of
+    proxies. The ``lesson``, if any, is opened for everyone. With ``teacher`` its notes are shown, on a public server to
+    those with the teacher's code. With ``core`` lessons begin with their core alone. A ``board`` shows the class's
+    answers to those with its own code; it tells visitors apart by the cookies of a class code."""
     addresses = Addresses(host, names)
     code = code or (generate_code() if board or not addresses.private else "")
     codes = {CLASS: code, TEACHER: generate_code() if teacher and code else "", BOARD: generate_code() if board else ""}
@@ -176,7 +172,7 @@ def serve(host: str, port: int, max_sessions: int, warm_up: bool = True, code: s
     pool, server = EnginePool(OPENING.scene, _engine_count(), 1 / frames), None
     classroom = Classroom(lesson, teacher, core=core)
     shared = Board(catalogue.load_lesson(lesson), classroom.outcomes, core) if board else None
-    signal.signal(signal.SIGTERM, signal.default_int_handler)  # it ends as by Ctrl-C
+    signal.signal(signal.SIGTERM, signal.default_int_handler)  # exits as by Ctrl-C
     log = logging.StreamHandler()
     log.addFilter(RateLimitFilter())
     logging.getLogger().addHandler(log)
@@ -184,14 +180,14 @@ def serve(host: str, port: int, max_sessions: int, warm_up: bool = True, code: s
         server = _start_server(host, port, pool, max_sessions, addresses, codes, classroom, shared)
         _announce(f"{HERE if host in EVERYWHERE else host}:{server.get_port()}",
                   f"http://{_outside(host)}:{server.get_port()}/", codes)
-        lessons = catalogue.load_lessons()  # while nothing else is to be done: the first visitor wants them
+        lessons = catalogue.load_lessons()  # in idle time: the first visitor needs them
         if warm_up:
             pool.prewarm(usual_scenes(lessons, lesson))
-        while True:  # the system may give Ctrl-C to any thread, and does not wake this one for it then
+        while True:  # the system may deliver Ctrl-C to another thread, without waking this one
             sleep(HEARS_WITHIN)
     finally:
         with exit_within(ENDS_WITHIN):
-            pool.request_stop()  # first: it takes them longest
+            pool.request_stop()  # first: engines take longest
             closing = [] if server is None else server.visitors.say_goodbye()
             closing.append(in_background(classroom.outcomes.close))
             if shared is not None:
@@ -219,11 +215,11 @@ def _start_server(host: str, port: int, pool: EnginePool, max_sessions: int, add
     patch_viser()
     pool.deliver_within(batch_messages)
     viser_patches.mend_callbacks()
-    # A frame may be drawn for a visitor who left a moment ago; that is nobody's fault.
+    # A frame may be drawn for a visitor who has just left; that is no error.
     warnings.filterwarnings("ignore", message="Queued a .* on a closed connection")
     code = codes[CLASS]
     doors = AccessControl(addresses, ClassCode(code, port, codes[TEACHER], codes[BOARD]) if code else None)
-    # The viewer would announce itself in a box of its own.
+    # The viewer would print its own banner.
     with contextlib.redirect_stdout(io.StringIO()), doors.guarding(Index(initial_html, ICON)):
         server = Lab(host=host, port=port, verbose=False)
     set_up(server.gui)
@@ -242,13 +238,13 @@ def _start_server(host: str, port: int, pool: EnginePool, max_sessions: int, add
             raise
 
     def expects(client: Any) -> bool:
-        """The lecturer's page has a place, however many are here."""
+        """Whether it is the lecturer's page, which always has a place."""
         return (doors.guest(client.client_id) or AccessIdentity(CLASS)).whose == BOARD
 
     visitors = Visitors(pool, max_sessions, make_page, _show, expects)
     doors.watch(server, visitors)
-    server.on_client_disconnect(visitors.disconnect)  # first: nobody who is let in may leave unnoticed
-    # On threads of their own: callbacks of those who are here need not wait for the pages of those who come.
+    server.on_client_disconnect(visitors.disconnect)  # first, so that no disconnect is missed
+    # On threads of their own, so that callbacks of present visitors do not wait for new pages.
     makers = ThreadPoolExecutor(MAKERS, "page")
 
     def connect(client: Any) -> None:
@@ -259,13 +255,13 @@ def _start_server(host: str, port: int, pool: EnginePool, max_sessions: int, add
 
 
 def _announce(address: str, link: str, codes: Mapping[str, str]) -> None:
-    """Say where the lab is for this machine and, by its ``link``, for others, and with which codes one comes in."""
+    """Prints the address for this machine, the ``link`` for others, and the codes."""
     print(f"mpm-lab is at http://{address} (Ctrl-C ends it)", file=sys.stderr, flush=True)
     if code := codes[CLASS]:
         link_of_class = f"{link}#code={quote(code)}"
         print(f"the class code is {code}; {link_of_class} brings it along", file=sys.stderr, flush=True)
         if sys.stderr.isatty():
-            import segno  # for a QR code of block characters, to be put on the board
+            import segno  # for a QR code of block characters on the board
 
             out = io.StringIO()
             segno.make(link_of_class, error="l", micro=False).terminal(out, compact=True)
@@ -279,29 +275,29 @@ def _announce(address: str, link: str, codes: Mapping[str, str]) -> None:
 
 
 def _show(client: Any, sentence: str) -> None:
-    """Nothing but a sentence: whatever had been put on the page goes."""
+    """Replaces the page's content by a sentence."""
     client.gui.reset()
     client.scene.reset()
     client.gui.add_html(f"<div class='lab-notice lab-refused lab-alone'>{sentence}</div>")
 
 
 def _outside(host: str) -> str:
-    """Under which address others find this machine, as far as can be known: of all its own the one that leads out."""
+    """Returns the address under which others reach this machine, if known: that of its outgoing route."""
     if host not in EVERYWHERE:
         return host
     with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as trial, contextlib.suppress(OSError):
-        trial.connect(("192.0.2.1", 9))  # nobody's (RFC 5737): nothing is sent, only a way out looked for
+        trial.connect(("192.0.2.1", 9))  # unassigned (RFC 5737): nothing is sent, only a route looked up
         return str(trial.getsockname()[0])
     return HERE
 
 
 def _engine_count() -> int:
-    """One engine fewer than the processors that this process may use, so that the page keeps one."""
+    """Returns the number of engines: one fewer than the processors available, so that the page keeps one."""
     return min(MOST_ENGINES, max(1, available_cpus() - 1))
 
 
 def _require_free(host: str, port: int) -> None:
-    """The web server would silently take the next port; a person who typed a number means it."""
+    """Raises :class:`ServeError` if the port is taken; the web server would silently use the next one."""
     try:
         with socket.socket() as trial:
             trial.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)

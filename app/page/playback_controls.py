@@ -1,4 +1,4 @@
-"""The controls of time below the stage, made once before the tabs: run, speed, pin, look back."""
+"""Playback controls below the stage, built once before the tabs: run, speed, pin, look back."""
 
 from collections.abc import Callable
 from typing import Any
@@ -18,7 +18,7 @@ PIN, UNPIN = lazy("Pin this run"), lazy("Unpin")
 
 
 class Transport:
-    """Widgets of one visitor. ``on_view`` is called when only the drawing changes."""
+    """Widgets of one visitor; ``on_view`` is called when only the drawing changes."""
 
     def __init__(self, gui: viser.GuiApi, session: Session, looking: HistoryControls, bound: SceneWidgets,
                  on_view: Callable[[], None]):
@@ -36,21 +36,21 @@ class Transport:
         self._pin.on_click(lambda _: self._turn())
         back_mark = gui.add_html("<i class='lab-at-back'></i>")
         self._back = looking.build_slider(gui)
-        # A mark that stayed where its widget has gone would mark what comes next.
+        # Removed with its widget, as it would otherwise mark the next one.
         self.parts: dict[str, tuple[Any, ...]] = {
             "pin": (pin_mark, self._pin), "look-back": (back_mark, self._back), "speed": (self._speed,)}
 
     def pin(self, scene: Scene | None = None) -> None:
-        """Keep the run on the stage, or one of a scene, beside what follows."""
+        """Pins the run on the stage, or one of a scene, for comparison with later ones."""
         self._session.pin(self._pinned_drawn, scene)
 
     def show(self) -> None:
-        """Show what belongs to the session's present scene."""
+        """Updates the widgets for the session's present scene."""
         self._speed.begin(self._pace, self._session.speed)
         self.refresh()
 
     def refresh(self) -> None:
-        """Show what the session has come to by itself."""
+        """Updates the widgets from the session."""
         self._pin.label = tr(PIN if self._session.pinned is None else UNPIN)
 
     @property
@@ -68,6 +68,6 @@ class Transport:
         self._on_view()
 
     def _pinned_drawn(self) -> None:
-        """The pinned run has a frame: while both play, it is drawn with the other's."""
+        """Handles a frame of the pinned run; while both play, it is drawn with the other's."""
         if not (self._session.report and self._session.report.playing):
             self._on_view()

@@ -1,10 +1,7 @@
-"""What visitors usually ask for, the likeliest first: compiled before they do.
+"""Usual scenes, the likeliest first, which are compiled before visitors request them.
 
-A visitor begins with the opening, goes on to a problem as it is at first, and clicks: what one click among the open
-controls makes of that comes first, in each problem; then what the lessons put on the stage, for there it is known; then
-what takes two clicks or an open folder. Two changes at once that no lesson makes are not usual: they are many, and
-compiled when asked for.
-"""
+After the opening and each problem's first scene come scenes one click away, those of the lessons, and those two clicks
+or a folder away. Two changes at once that no lesson makes are too many, and are compiled on request."""
 
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import suppress
@@ -23,7 +20,7 @@ from solvers.scene.validation import SceneError
 
 
 def usual_scenes(lessons: Mapping[str, Lesson], opened: str = "") -> list[Scene]:
-    """Returns scenes of every problem and of the ``lessons``; those of the one ``opened`` for all come early."""
+    """Returns scenes of every problem and of the ``lessons``, early those of the one ``opened`` for everyone."""
     firsts = [first_scene(problem) for problem in PROBLEMS]
     taught = {name: list(_stages(lesson)) for name, lesson in lessons.items()}
 
@@ -38,7 +35,7 @@ def usual_scenes(lessons: Mapping[str, Lesson], opened: str = "") -> list[Scene]
 
 
 def _clicks(first: Scene) -> Iterator[Scene]:
-    """One estimator more or fewer, another method or another motion; and who made the error of each method."""
+    """Yields scenes one click away: an estimator more or fewer, another method or motion, the budget of each method."""
     names = first.choices("estimators")
     for name in names:
         yield from _with(first, estimators=tuple(e for e in names if (e in first.estimators) != (e == name)))
@@ -52,13 +49,13 @@ def _clicks(first: Scene) -> Iterator[Scene]:
 
 
 def _divided(scene: Scene) -> Iterator[Scene]:
-    """The scene when the visitor has asked who made its error."""
+    """Yields the scene with the error budget."""
     if EFFECT in scene.OWN_EFFECTS and EFFECT not in scene.effects:
         yield from _with(scene, effects=(*scene.effects, EFFECT))
 
 
 def _stages(lesson: Lesson) -> Iterator[Scene]:
-    """What a lesson puts on the stage, pinned runs too: its variants differ in numbers, which compile nothing."""
+    """Yields the scenes of a lesson, also pinned ones; its variants differ in numbers only, which compile nothing."""
     for step in lesson.steps:
         if step.stage:
             shown = state.parse_state(fill_numbers(step.stage, lesson.variants[0]))
@@ -68,13 +65,13 @@ def _stages(lesson: Lesson) -> Iterator[Scene]:
 
 
 def _alone(first: Scene) -> Iterator[Scene]:
-    """No estimator, and each by itself."""
+    """Yields the scene without estimators, and with each alone."""
     for chosen in ((), *((name,) for name in first.choices("estimators"))):
         yield from _with(first, estimators=chosen)
 
 
 def _details(first: Scene) -> Iterator[Scene]:
-    """One choice in the folder of details and remedies."""
+    """Yields scenes with one choice in the folder of details and remedies."""
     for remedy in first.choices("remedies"):
         yield from _with(first, remedies=(remedy,))
     for field in ("velocity", "body_force"):
@@ -84,11 +81,11 @@ def _details(first: Scene) -> Iterator[Scene]:
 
 
 def _effects(first: Scene) -> Iterator[Scene]:
-    """One box of the folder of effects unticked: no lesson does that, so they come last."""
+    """Yields scenes with one effect switched off; last, since no lesson does that."""
     for effect in first.effects:
         yield from _with(first, effects=tuple(e for e in first.effects if e != effect))
 
 
 def _with(first: Scene, **changes: Any) -> Iterator[Scene]:
-    with suppress(SceneError):  # not everything goes together
+    with suppress(SceneError):  # invalid combinations are skipped
         yield replace(first, **changes)

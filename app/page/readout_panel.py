@@ -1,4 +1,4 @@
-"""What is to be read of a run: its error over time below the stage, and all further numbers and plots in a fold."""
+"""Readings of a run: its error over time below the stage, and all further numbers and plots in a folder."""
 
 import json
 from dataclasses import asdict, dataclass
@@ -20,12 +20,11 @@ PLOT_HEIGHT = 110  # pixels, of a plot in the fold
 
 @dataclass(frozen=True)
 class Numbers:
-    """What is to be read of a run: its ``readout`` and its ``past`` as plots, with a line for each of the
-    ``estimators``, drawn of those that are ``valid``.
+    """Readings of a run: its ``readout``, and plots of its ``past`` for the ``estimators``, of which some are
+    ``valid``.
 
-    ``drawn`` is the estimator on the stage, and the run is at ``now``; ``no_index`` says why there is no error index. A
-    ``pinned`` run is plotted too, and a ``traced`` particle. Whoever reads the page by a program is told the ``scene``.
-    """
+    ``drawn`` is the estimator on the stage, ``now`` the present state; ``no_index`` is the reason for no error index. A
+    ``pinned`` run and a ``traced`` particle are plotted too. The ``scene`` is for programs that read the page."""
 
     readout: Readout
     past: RunSeries | None
@@ -40,17 +39,17 @@ class Numbers:
 
 
 class Measurements:
-    """One visitor's. Call :meth:`show` a few times a second."""
+    """Readings of one visitor's run. Call :meth:`show` a few times a second."""
 
     def __init__(self, client: viser.ClientHandle):
         self._client, gui = client, client.gui
-        self._running = gui.add_html("")  # the scene, for whoever reads the page by a program
+        self._running = gui.add_html("")  # the scene, for programs that read the page
         self._described: Scene | None = None
         self.timeline = Timeline(gui)
-        self.reading = False  # whether the errors stay in view: a lesson has them read, a file is judged
+        self.reading = False  # whether the errors stay in view: in a lesson, or for a file
 
     def build(self, gui: viser.GuiApi) -> None:
-        """Makes the fold before the tabs; the style lays it below them (``css/33-numbers.css``)."""
+        """Builds the folder before the tabs; the style lays it below them (``css/33-numbers.css``)."""
         gui.add_html(f"<i class='lab-numbers' data-words='{escape(tr('time, energy, steps'))}'></i>")
         fold = gui.add_folder(tr("All numbers of this run"), expand_by_default=False)
         with fold:
@@ -60,7 +59,7 @@ class Measurements:
         self._foot = gui.add_html("")
 
     def show(self, numbers: Numbers, quantity: str, latest: bool) -> None:
-        """Show numbers, and plots of a quantity's errors or of their ``latest`` periods."""
+        """Shows numbers, and plots of a quantity's errors or of their ``latest`` periods."""
         past, traced, scene = numbers.past, numbers.traced, numbers.scene
         if scene is not None and scene != self._described:
             self._described = scene

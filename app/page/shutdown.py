@@ -1,4 +1,4 @@
-"""The end of the server: orderly if that is done soon, and in any case."""
+"""Shutdown of the server: orderly if that is quick, forced otherwise."""
 
 import signal
 import threading
@@ -7,13 +7,13 @@ from contextlib import contextmanager
 
 from solvers.workers.worker_process import exit_after
 
-TIDY = 0.2  # seconds in which Python tidies up when all is done
-INTERRUPTED = 130  # what a shell expects of a process that was ended by Ctrl-C
+TIDY = 0.2  # seconds for Python's own cleanup
+INTERRUPTED = 130  # exit status of a process that was ended by Ctrl-C
 
 
 @contextmanager
 def exit_within(seconds: float) -> Iterator[None]:
-    """The last that this process does: after so many seconds it ends in any case, and ignores Ctrl-C."""
+    """Context manager around the shutdown: the process exits after so many seconds in any case, and ignores Ctrl-C."""
     for kind in (signal.SIGINT, signal.SIGTERM):
         signal.signal(kind, signal.SIG_IGN)
     in_background(exit_after, seconds, INTERRUPTED)
@@ -22,7 +22,7 @@ def exit_within(seconds: float) -> Iterator[None]:
 
 
 def in_background(work: Callable, *what: object) -> threading.Thread:
-    """Do this on a thread that keeps nobody waiting."""
+    """Runs a function on a daemon thread, and returns the thread."""
     thread = threading.Thread(target=work, args=what, daemon=True)
     thread.start()
     return thread

@@ -1,4 +1,4 @@
-"""What one visitor sees of the run or of what replaces it: the stage, the headline above it, the numbers below it."""
+"""The view of the run or of what replaces it: the stage, the headline above it, the numbers below it."""
 
 import threading
 from collections.abc import Callable
@@ -16,7 +16,7 @@ from app.viewer.widgets import is_number_between
 
 
 class StageView:
-    """Draws the first of its sources that is on. The head of the page is made at once, the numbers by :meth:`build`."""
+    """Draws the first of its sources that is on. The page's head is built at once, the numbers by :meth:`build`."""
 
     def __init__(self, client: viser.ClientHandle, canvas: Canvas):
         self._client, self._canvas = client, canvas
@@ -27,25 +27,25 @@ class StageView:
         self._choice: Callable[[], Choice] | None = None
 
     def build(self, store: BrowserStore, seek: Callable[[float], None]) -> None:
-        """Makes the numbers; ``seek`` is called with a time in s at which the visitor points in the plot over time."""
+        """Builds the numbers; ``seek`` is called with the time in s that the visitor clicks in the plot over time."""
         self._seek = seek
         self._numbers.build(self._client.gui)
         Window(store, self._fit, self._shade)
         store.heard |= {"seek": self._seek_part, "read": self._point}
 
     def begin(self, choice: Callable[[], Choice], sources: tuple[Source, ...]) -> None:
-        """Draws from now on."""
+        """Starts drawing."""
         self._sources, self._choice = sources, choice
         self.draw()
 
     def stop(self) -> None:
-        """Draws nothing from now on; returns when what is being drawn is complete."""
+        """Stops drawing; returns when the present drawing is complete."""
         with self._drawing:
             self._choice = None
 
     @property
     def source(self) -> Source:
-        """What is on the stage now."""
+        """The source on the stage now."""
         return next(source for source in self._sources if source.on)
 
     def draw(self) -> None:
@@ -55,7 +55,7 @@ class StageView:
                 self._canvas.draw(sight, choice)
 
     def read(self, choice: Choice) -> Numbers | None:
-        """Numbers of what is drawn; None if nothing has changed."""
+        """Returns the numbers of what is drawn; None if nothing has changed."""
         return self.source.numbers(choice, self._canvas.picture, self._canvas.probe.text)
 
     def refresh(self, choice: Choice, numbers: Numbers | None, in_lesson: bool, headline: Headline) -> None:
@@ -65,7 +65,7 @@ class StageView:
             self._numbers.reading = in_lesson or numbers.scene is None
             self._numbers.show(numbers, choice.quantity, choice.latest)
         notice = None
-        for each in self._sources:  # a file that is on its way has news before it is on the stage
+        for each in self._sources:  # a file has notices before it is on the stage
             if (notice := each.notice()) or each.on:
                 break
         self._notice.content = "" if notice is None else notice.html
@@ -74,24 +74,24 @@ class StageView:
         self._canvas.camera.settle()
 
     def _fit(self, size: LayoutMetrics) -> None:
-        """The window has another size."""
+        """Handles another size of the window."""
         self._numbers.timeline.height = max(20, round(size.plot_height))
         if self._canvas.lettering.fit(size.width, size.height, size.left, size.letters / LETTERS):
             self.draw()
 
     def _shade(self, dark: bool) -> None:
-        """The window is to be dark, or light."""
+        """Switches to the dark or the light theme."""
         set_up(self._client.gui, dark)
         self._canvas.shade(dark)
         self._numbers.timeline.shade(dark)
         self.draw()
 
     def _point(self, said: object) -> None:
-        """The visitor reads the curves over time at a part of their axis, or no longer."""
+        """Handles the pointer's position on the time axis, a fraction, or its leaving."""
         self._numbers.timeline.point(float(said) if is_number_between(said, 0, 1) else None)  # type: ignore[arg-type]
 
     def _seek_part(self, said: object) -> None:
-        """The visitor has pointed at a part of the time axis."""
+        """Handles a click on the time axis."""
         if is_number_between(said, 0, 1) and self.source.at_once is False:
             assert isinstance(said, float | int)
             self._seek(self._numbers.timeline.time_at(said))

@@ -1,1 +1,1 @@
-"""Everything that is drawn to a file."""
+"""Pictures that are written to files."""

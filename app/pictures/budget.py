@@ -1,4 +1,4 @@
-"""The error budget over time: what each cause has made of the error, stacked, with the error itself on top."""
+"""The error budget over time: each cause's contribution, stacked, and the error as a line."""
 
 from __future__ import annotations
 
@@ -21,14 +21,14 @@ from solvers.running.result import Result
 from solvers.scene.error_causes import CAUSES, FIELDS
 
 if TYPE_CHECKING:
-    from solvers.running.budget import BudgetResult  # which has Taichi, for which a picture need not wait
+    from solvers.running.budget import BudgetResult  # needs Taichi, which a picture need not import
 
-WIDTH, HEIGHT, MORE = 12.5, 4.4, 2.6  # inches; the last for the bars of what was taken away
+WIDTH, HEIGHT, MORE = 12.5, 4.4, 2.6  # inches; the last for the bars of a removed cause
 BARS = {"before": "as it was", "predicted": "predicted by the budget", "again": "run again without it"}
 
 
 def budget_figure(found: BudgetResult) -> Figure:
-    """x, v and F over time; below, of a cause that was taken away, the errors before, as predicted and as they came."""
+    """Returns the budget of x, v and F over time; below, for a removed cause, errors before, predicted and actual."""
     taken = found.take_away()
     figure = make_figure(WIDTH, HEIGHT + (MORE if taken else 0), _title(found.result))
     places = figure.add_gridspec(2 if taken else 1, 3, height_ratios=(HEIGHT, MORE) if taken else (1,))
@@ -41,7 +41,7 @@ def budget_figure(found: BudgetResult) -> Figure:
 
 
 def draw_budget(panels: Sequence[Axes], series: Mapping[str, np.ndarray]) -> None:
-    """The stacked parts of the error of each field, one to a panel; ``series`` of a run with the effect budget."""
+    """Draws each field's error as stacked parts, one field per panel; ``series`` of a run with the effect budget."""
     for axes, field in zip(panels, FIELDS, strict=True):
         for layer in stack_layers(series, field):
             for edges in (layer.above, layer.below):
@@ -62,16 +62,16 @@ def draw_budget(panels: Sequence[Axes], series: Mapping[str, np.ndarray]) -> Non
 
 
 def name_causes(figure: Figure, where: Literal["upper", "lower"] = "upper") -> None:
-    """What the colours are, at the upper or the lower edge of a figure, and how a stacked picture is read."""
+    """Adds a legend of the causes' colours at the upper or lower edge of a figure, and a caption."""
     handles = [Patch(color=COLOURS[cause].light, label=name) for cause, name in CAUSES.items()]
     figure.legend(handles=handles, loc="outside upper right" if where == "upper" else "outside lower right",
                   ncols=len(handles))
-    words = textwrap.wrap(CAPTION, 150 if where == "upper" else 85)  # characters: there the colours stand beside them
+    words = textwrap.wrap(CAPTION, 150 if where == "upper" else 85)  # characters: the legend is beside them
     figure.supxlabel("\n".join(words), x=0.012, ha="left", fontsize=10, color=INK2)
 
 
 def _bars(axes: Axes, taken: dict, field: str, named: bool) -> None:
-    """The error before, as predicted without the cause, and as it came, in per cent of that before."""
+    """Draws the error before, as predicted without the cause, and actual, in per cent of that before."""
     before = taken["before"][field] or 1.0
     shares = [100 * (taken[key][field] or 0.0) / before for key in BARS]
     axes.barh(list(BARS.values())[::-1], shares[::-1], color=[INK, PINNED, INK3], height=0.6)

@@ -1,5 +1,5 @@
-"""The pictures of a judgement: norms over time, the error in space, and largest errors over the cell size; and that of
-``mpm-lab check``: the particles, how far each is from its neighbours, and those that were named."""
+"""Pictures of a judgement: norms over time, the error in space, and largest errors over the cell size; and of ``mpm-lab
+check``: the particles, their distances from their neighbours, and those with contradictions."""
 
 from collections.abc import Callable
 
@@ -25,7 +25,7 @@ MARKS = "os^Dv"
 
 
 def norms_figure(judged: Judgement) -> Figure:
-    """Each quantity's norm over time, a line for each grid; the companion's estimate is dashed."""
+    """Returns each quantity's norm over time, a line per grid; the companion's estimate is dashed."""
     figure = Figure(figsize=(10, 7.5), layout="constrained")
     for axes, q in zip(figure.subplots(len(JUDGED), 1, sharex=True), JUDGED, strict=True):
         for k, g in enumerate(judged.grids):
@@ -44,7 +44,7 @@ def norms_figure(judged: Judgement) -> Figure:
 
 
 def _says_nothing(axes: Axes) -> bool:
-    """Whether nothing that is drawn can stand on a logarithmic axis, which is then said."""
+    """Whether nothing drawn can be shown on a logarithmic axis; then writes a note."""
     if any(np.isfinite(line.get_ydata()).any() for line in axes.lines):
         return False
     axes.set_yticks([])
@@ -58,7 +58,7 @@ def _draw_norms(axes: Axes, g: GridJudgement, q: str, k: int, count: int) -> Non
     lines = [("truth", norm_series(g.true)[q], TRUTH, "-")] if g.true else []
     lines.append(("companion", norm_series(g.estimated)[q], ESTIMATE, "--"))
     for label, values, colour, style in lines:
-        moved = g.grid.times > 0  # the error of the start is rounding, far below all others
+        moved = g.grid.times > 0  # the initial error is round-off, far below all others
         values, times = positive_or_gap(values[moved]), g.grid.times[moved]
         if np.isfinite(values).any():
             axes.plot(times, values, color=colour, linestyle=style, marker=mark, markersize=5, alpha=shade,
@@ -66,7 +66,7 @@ def _draw_norms(axes: Axes, g: GridJudgement, q: str, k: int, count: int) -> Non
 
 
 def space_figure(judged: Judgement) -> Figure | None:
-    """The finest grid's particles at the time of their largest error of x: along the bar, or in the plane."""
+    """Returns the finest grid's particles at the time of their largest error of x: along the bar, or in the plane."""
     g = judged.grids[-1]
     worst = g.worst("x")
     if worst is None:
@@ -101,7 +101,7 @@ def space_figure(judged: Judgement) -> Figure | None:
 
 
 def order_figure(judged: Judgement) -> Figure | None:
-    """Largest errors of the particles and of our methods over h; None where there is nothing to compare."""
+    """Returns the largest errors of the particles and of our methods over h; None if there is nothing to compare."""
     ours = any(g.ours for g in judged.grids)
     if len(judged.grids) < 2 and not ours:
         return None
@@ -139,8 +139,7 @@ FIGURES: dict[str, Callable[[Judgement], Figure | None]] = {
 
 
 def places_figure(checked: MotionCheck) -> Figure | None:
-    """The particles at the moment of the first contradiction, else the last: displacements along a line, or places in
-    the first two directions. None where nobody has neighbours."""
+    """Returns displacements (1D) or positions at the first contradiction, else at the end; None without neighbours."""
     motion = checked.motion.representative_part
     if motion.near is None:
         return None

@@ -1,8 +1,7 @@
-"""One picture of a run: how wrong it is, how wrong the estimate says it is, and whether the two agree.
+"""The picture of a run: true error, estimated error, and their ratio.
 
-Estimate and truth keep the two colours of ``app.colours`` and share every scale. Estimators are told apart by
-line style. All drawing uses the object-oriented interface, so that threads and tests do not share state.
-"""
+Estimate and truth keep the two colours of ``app.colours`` and share every scale. Estimators differ in line style. All
+drawing uses the object-oriented interface, so that threads and tests do not share state."""
 
 import io
 import textwrap
@@ -26,20 +25,20 @@ from solvers.solver.error_norms import RunningIndex
 from solvers.solver.rounding import rounding
 
 DOTS_PER_INCH = 110
-WIDTH, MIN_SHARE = 12.5, 0.3  # inches, and what bodies beside each other need of the height of one at least
-MADE = 3.2  # inches, of what each cause of error has made
+WIDTH, MIN_SHARE = 12.5, 0.3  # inches; least height of bodies side by side over that of one
+MADE = 3.2  # inches, height of the error budget
 DRAWN = ("x", "v", "sigma")
 INDEX_STYLES = {"x": "-", "v": "--", "sigma": ":"}
-INDEX_COLOUR = "#333333"  # of one estimator; several have their shades, for the line styles tell quantities apart
-FEW_SAMPLES = 10  # fewer are marked one by one: a line through one point shows nothing
-HIGHEST_INDEX = 10.0  # a run that blows up must not squeeze the 1 out of sight
-MOST_DECADES = 8  # nor its errors everything that came before
+INDEX_COLOUR = "#333333"  # of a single estimator; several have their colours, as line styles denote quantities
+FEW_SAMPLES = 10  # fewer have markers: a line through one point is invisible
+HIGHEST_INDEX = 10.0  # keeps the 1 visible when a run blows up
+MOST_DECADES = 8  # keeps earlier errors visible then
 
 
 def run_figure(result: Result) -> Figure:
     view = VIEWS[result.scene.problem]
     height, lower = view.picture
-    if result.scene.DIMENSIONS > 1:  # each estimator has a picture of the body beside the others', the smaller the more
+    if result.scene.DIMENSIONS > 1:  # one picture of the body per estimator, side by side
         several = max(1, len(result.scene.active_estimators))
         upper, lower = height / (1 + lower), lower * (MIN_SHARE + (1 - MIN_SHARE) / several)
         height = upper * (1 + lower)
@@ -86,7 +85,7 @@ def _title(result: Result) -> str:
 
 
 def _draw_norm(axes: Axes, result: Result, quantity: str) -> None:
-    """The truth and each estimate of one quantity's error norm over time."""
+    """Draws the true and each estimated norm of one quantity's error over time."""
     lines = [("true", "truth", f"error_{quantity}", TRUTH, "-")]
     lines += [(name, f"estimate ({name})", f"{name}/estimate_{quantity}", colour, style)
               for name, colour, style in estimator_styles(result)]
@@ -111,14 +110,14 @@ def _draw_norm(axes: Axes, result: Result, quantity: str) -> None:
         axes.text(0.99, 0.04, f"not estimated by {', '.join(silent)}", transform=axes.transAxes, fontsize=9.5,
                   color=ESTIMATE_INK, ha="right")
     values = np.concatenate([values for _, values, _ in drawn])
-    low = float(np.nanpercentile(values, 2)) / 2  # the first steps, where errors begin at nothing, may leave it below
+    low = float(np.nanpercentile(values, 2)) / 2  # the first errors, which start at zero, may be below
     axes.set(yscale="log", ylim=(low, min(2 * float(np.nanmax(values)), low * 10.0**MOST_DECADES)))
     in_sizes(axes.yaxis, QUANTITIES[quantity].unit)
     name_ends(axes, drawn, apart=0.17)
 
 
 def _draw_index(axes: Axes, result: Result) -> None:
-    """The error index of the run so far (eq 35): summed estimate over summed truth."""
+    """Draws the error index of the run so far (eq 35): summed estimate over summed truth."""
     axes.set_title("Error index so far: sum of estimates / sum of true errors; 1 is perfect")
     axes.set_xlabel("time t")
     axes.axhline(1.0, color=TRUTH, linewidth=1.2)
@@ -156,7 +155,7 @@ def _draw_index(axes: Axes, result: Result) -> None:
 
 
 def _not_estimated(result: Result, quantity: str) -> list[str]:
-    """The active estimators that say nothing about a quantity."""
+    """Returns the active estimators that do not estimate a quantity."""
     return [name for name in result.scene.active_estimators
             if np.isnan(result.series[f"{name}/estimate_{quantity}"]).all()]
 
@@ -166,7 +165,7 @@ def _marker(values: np.ndarray) -> str | None:
 
 
 def _time_axis(axes: Axes, result: Result) -> None:
-    """The run's whole time, with room for the marks of the first and the last sample."""
+    """Sets the time axis to the whole run, with a margin for markers at its ends."""
     end = float(result.series["time"][-1]) or result.scene.time_step
     axes.set_xlim(-0.02 * end, 1.02 * end)
     in_sizes(axes.xaxis, "s", few=False)

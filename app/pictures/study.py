@@ -1,8 +1,7 @@
-"""The pictures of a study: what accuracy costs, how errors fall with h and dt, whether estimates can be believed.
+"""Pictures of a study: cost of accuracy, convergence in h and dt, and reliability of estimates.
 
-Each takes rows (see ``solvers.study.row``) and returns a figure, and says in words when there is nothing to show.
-Methods have the colours and marks of ``app.colours``; runs that went unstable are crosses, never left out.
-"""
+Each function takes rows (see ``solvers.study.row``) and returns a figure, with a note if there is nothing to show.
+Methods have the colours and markers of ``app.colours``; unstable runs are crosses, never left out."""
 
 import statistics
 from collections.abc import Callable, Sequence
@@ -26,9 +25,9 @@ NO_TRUTH = "no row has a true error"
 WIDTH = 13.5
 MOST_NAMED = 8
 MOST_ORDERS = 8
-MOST_OFF = 100.0  # times the true errors: farther estimates set no scale
+MOST_OFF = 100.0  # times the true errors: larger estimates do not extend the scale
 FRONT: Look = {"color": LINE2, "linewidth": 6, "zorder": 1, "solid_capstyle": "round", "solid_joinstyle": "round"}
-MOST_MISFIT = 0.15  # relative; beyond, the two parts do not describe the points
+MOST_MISFIT = 0.15  # relative; beyond, the sum of two errors does not fit the points
 SPACE = "space error rules: shorter steps gain little"
 TIME = "time error rules: shorter steps pay"
 NEITHER = "not a sum of space and time error"
@@ -36,7 +35,7 @@ BALANCE_LOOK: Look = {"marker": "*", "markersize": 15, "markeredgecolor": INK, "
 
 
 def error_time_figure(rows: Sequence[dict]) -> Figure:
-    """Error against seconds: lower left is better. The front is made of the rows that none beats in both."""
+    """Returns error against seconds, with the Pareto front; lower left is better."""
     title = "What accuracy costs: error against time"
     cells = sorted({row["scene"]["cells"] for row in completed_rows(rows)})
     shown = parts.known_quantities(rows, DRAWN)
@@ -61,7 +60,7 @@ def error_time_figure(rows: Sequence[dict]) -> Figure:
 
 
 def error_spacing_figure(rows: Sequence[dict]) -> Figure:
-    """Error against h, with the orders fitted and triangles to compare with."""
+    """Returns error against h, with the fitted orders and reference triangles."""
     title = "Convergence: error against cell size"
     shown = parts.known_quantities(rows, DRAWN)
     if not shown:
@@ -85,7 +84,7 @@ def error_spacing_figure(rows: Sequence[dict]) -> Figure:
 
 
 def estimate_truth_figure(rows: Sequence[dict]) -> Figure:
-    """Estimated against true error, a row of panels for each estimator; on the line they are equal."""
+    """Returns estimated against true error, a row of panels per estimator; on the line they are equal."""
     title = "Can the estimate be believed? Estimated against true error (largest RMS of each run)"
     rows = completed_rows(rows)
     shown = parts.known_quantities(rows)
@@ -106,7 +105,7 @@ def estimate_truth_figure(rows: Sequence[dict]) -> Figure:
 
 
 def cost_figure(rows: Sequence[dict]) -> Figure:
-    """Nanoseconds of a particle-step of each method, and the price of whatever came on top of it."""
+    """Returns nanoseconds per particle-step of each method, and the extra cost of estimators and effects."""
     title = "What a run costs"
     rows = [row for row in completed_rows(rows) if row["status"] == OK and row["rate"]]
     if not rows:
@@ -122,7 +121,7 @@ def cost_figure(rows: Sequence[dict]) -> Figure:
 
 
 def error_step_figure(rows: Sequence[dict]) -> Figure:
-    """Error against dt, one line for each method and h, with the dt at which time error and space error are equal."""
+    """Returns error against dt, a line per method and h, with the dt at which time and space error are equal."""
     title = "Time step: where the error of time and the error of space balance"
     lines = [entry for entry in parts.series_styles(rows,
                                                     "dt") if len({row["scene"]["dt"] for row in entry[0].rows}) > 1]
@@ -142,7 +141,7 @@ def error_step_figure(rows: Sequence[dict]) -> Figure:
 
 
 def _fits(axes: Axes, lines: Sequence[tuple[Series, dict]], quantity: str) -> None:
-    """Straight lines through the points of each series, with the orders in words where there is room for them."""
+    """Draws fitted straight lines through each series, with the orders as text if there is space."""
     handles = []
     for line, look in lines:
         fit = line.fit(quantity)
@@ -157,7 +156,7 @@ def _fits(axes: Axes, lines: Sequence[tuple[Series, dict]], quantity: str) -> No
 
 
 def _triangles(axes: Axes, points: Sequence[tuple[float, float | None]]) -> None:
-    """Slopes 1 and 2 in the corner of small h and large errors; the axis is stretched if points are there."""
+    """Draws slopes 1 and 2 in the corner of small h and large errors; extends the axis if points are there."""
     spacings = [h for h, _ in points]
     left, ratio = min(spacings), (max(spacings) / min(spacings)) ** 0.3
     right = left * ratio
@@ -212,7 +211,7 @@ def _agreement(axes: Axes, rows: Sequence[dict], estimator: str, quantity: str) 
         axes.set_axis_off()
         write_note(axes, "not estimated" if any(row["estimate"].get(estimator) for row in rows) else "not valid here")
         return
-    # One range for both axes: the true errors of stable runs, and estimates if they are not off by powers of ten.
+    # One range for both axes: the true errors of stable runs, and estimates within ``MOST_OFF`` of them.
     stood = [point for point in points if not point[3]] or points
     sizes = [point[0] for point in stood]
     least, most = min(sizes) / MOST_OFF, max(sizes) * MOST_OFF
@@ -265,7 +264,7 @@ def _steps(axes: Axes, rows: Sequence[dict]) -> None:
 
 def _extras(axes: Axes, prices: dict[str, list[tuple[str, float]]]) -> None:
     axes.set_title("On top of it, as a part of the bare run's time")
-    # Most of the prices; a run that was disturbed must not squeeze the others. What is outside is at the edge.
+    # The range of most prices, so that a disturbed run does not compress the others; outliers are at the edge.
     low, high = np.percentile([100 * part for points in prices.values() for _, part in points], (10, 90))
     high = max(1.6 * high, 10.0)
     low = min(1.6 * low, -0.08 * high)

@@ -1,6 +1,6 @@
-"""What the pictures of studies share: frames, how a series looks, unstable points, legends, words; and two of them: how
-often estimates are right, as shares of runs with their 95 % intervals, by how far particles move; and the stability
-map, life over amplitude and time step, a panel for each method and what it calls for."""
+"""Parts of studies' pictures; and two of them: coverage, the shares of runs with accurate estimates, with 95 %
+intervals, by how far particles move; and the stability map, lifetime over amplitude and time step, by method and
+treatment."""
 
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from typing import Any
@@ -28,8 +28,8 @@ LINE_STYLES = ("-", "--", ":", "-.")
 MOST_LEGEND_ENTRIES = 12
 LEGEND_WIDTH = 190  # letters
 MOST_TICKS = 8
-UNSTABLE_ROOM = 30.0  # times the largest error of a stable run: up to there an unstable one is drawn where it is
-TOP = 0.97  # of the axes: where an unstable run goes whose error is beyond that, or not a number
+UNSTABLE_ROOM = 30.0  # times the largest error of a stable run: larger errors of unstable runs are clipped
+TOP = 0.97  # position on the axes of unstable runs with a larger error or NaN
 UNSTABLE_LOOK: Look = {"marker": "x", "linestyle": "none", "markersize": 9, "markeredgewidth": 2.2}
 
 
@@ -46,12 +46,12 @@ def empty_figure(title: str, sentence: str) -> Figure:
 
 
 def known_quantities(rows: Sequence[dict], among: Iterable[str] = QUANTITIES) -> list[str]:
-    """The quantities of which some row knows an error."""
+    """Returns the quantities with a known error in any row."""
     return [q for q in among if any(error_of(row, q) for row in completed_rows(rows))]
 
 
 def series_styles(rows: Sequence[dict], along: str = "cells") -> list[tuple[Series, Look]]:
-    """Each series and how it is drawn: colour and mark say the method, line style and filling what else differs."""
+    """Returns each series and its style: colour and marker by method, line style and filling by other settings."""
     lines = group_series(rows, along)
     numbers = {variant: k for k, variant in enumerate(dict.fromkeys(line.variant for line in lines))}
     return [(line, {"color": METHOD_COLOURS[line.method], "marker": METHOD_MARKS[line.method], "markersize": 6,
@@ -61,7 +61,7 @@ def series_styles(rows: Sequence[dict], along: str = "cells") -> list[tuple[Seri
 
 def draw_errors(axes: Axes, lines: Sequence[tuple[Series, Look]], quantity: str, abscissa: Callable[[dict], float],
                 joined: bool = True) -> None:
-    """The errors of each series; crosses for runs that went unstable, at the top edge where the error is far out."""
+    """Draws the errors of each series; unstable runs are crosses, at the top edge if their error is too large."""
     stood: list[float] = []
     crosses = []
     for line, look in lines:
@@ -86,14 +86,14 @@ def draw_errors(axes: Axes, lines: Sequence[tuple[Series, Look]], quantity: str,
 
 
 def method_handles(rows: Iterable[dict]) -> list[Line2D]:
-    """The methods of the rows, as they stand in a legend."""
+    """Returns the legend entries of the rows' methods."""
     there = {row["scene"]["method"] for row in rows}
     return [Line2D([], [], color=METHOD_COLOURS[m], marker=METHOD_MARKS[m], linestyle="none", label=METHODS[m].name)
             for m in METHODS if m in there]
 
 
 def legend_below(figure: Figure, entries: Sequence[tuple[Series, Look]], extra: Sequence[Line2D] = ()) -> None:
-    """One legend for all panels, below them, where it hides nothing."""
+    """Adds one legend for all panels, below them."""
     shown, names = entries[:MOST_LEGEND_ENTRIES], {code: method.name for code, method in METHODS.items()}
     handles = [Line2D([], [], label=line.label(names), **look) for line, look in shown] + list(extra)
     if len(entries) > len(shown):
@@ -120,19 +120,19 @@ def set_log_axes(axes: Axes, unit: str = "s") -> None:
 
 
 def ticks_at(axes: Axes, values: Sequence[float], unit: str = "") -> None:
-    """The abscissae that there are as the only ticks, if they are few."""
+    """Sets the abscissae as the only ticks, if they are few."""
     if len(values) <= MOST_TICKS:
         axes.set_xticks(values, [with_unit(value, unit) if unit else f"{value:,.6g}" for value in values])
         axes.xaxis.set_minor_formatter(NullFormatter())
 
 
-PROMISED = 95.0  # per cent, by those who made the grid convergence index
+PROMISED = 95.0  # per cent, nominal for the grid convergence index
 SYMBOLS = ("o", "s", "^")  # one for each regime
-SPREAD = 0.22  # between those of one row
+SPREAD = 0.22  # distance of markers in one row
 
 
 def coverage_figure(counted: Sequence[Mapping]) -> Figure:
-    """Left, of how many runs the estimate of x is within the smallest factor; right, how many bars held the truth."""
+    """Returns, left, the shares of runs with an estimate of x within the smallest factor; right, of bars that held."""
     [one] = counted
     title = f"How often is it right? {one['runs']:,} runs of the {one['problem']}, drawn at random"
     figure, axes = frame(title, 1, 2, (13.5, 5.2))
@@ -160,7 +160,7 @@ def coverage_figure(counted: Sequence[Mapping]) -> Figure:
 
 
 def _rows(axes: Axes, names: Sequence[str], counts: Callable[[str, str], tuple[int, int]]) -> None:
-    """A row for each name, and in it a mark for each regime with its interval; none where there was no run."""
+    """Draws a row per name, in it a marker with its interval per regime with runs."""
     for row, name in enumerate(names):
         known = [key for key in ESTIMATORS if name.endswith(key)]
         colour = ESTIMATORS[known[0]].colour if known else INK3
@@ -182,7 +182,7 @@ SHORTEST = 0.1  # periods, at the dark end of the scale
 
 
 def stability_figure(rows: Sequence[dict]) -> Figure:
-    """Bright held long, dark broke soon; a tick marks what held to the end."""
+    """Returns the stability map: bright runs lasted long, dark ones broke soon; a tick marks those that completed."""
     shown = completed_rows(rows)
     if not shown:
         return empty_figure("Stability", "no run was possible")

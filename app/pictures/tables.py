@@ -1,4 +1,4 @@
-"""The picture of a table, from its JSON object: errors against h, and the index of each estimator against the cells."""
+"""The picture of a table, from its JSON object: errors against h, and each estimator's index against the cells."""
 
 from collections.abc import Iterable, Mapping
 from typing import Any
@@ -18,10 +18,10 @@ from solvers.study.tables.table_runs import rows_by_part
 
 PAPER: Look = dict(color=INK, marker="x", markersize=7, markeredgewidth=1.6, linestyle="none",
                    label="the paper's, printed")
-#: How the runs of a set-up are drawn, first and second.
+#: Styles of the first and second set-up.
 OURS: tuple[Look, ...] = (dict(color=TRUTH, linestyle="-", marker="o", markersize=5),
                           dict(color=TRUTH, linestyle="--", marker="o", markersize=5, markerfacecolor="white"))
-BAND = (0.8, 1.25)  # an index that may be trusted
+BAND = (0.8, 1.25)  # range of a reliable index
 LEAST_SPAN, MOST_SPAN = (0.3, 3.0), (0.003, 2000.0)  # of the axis of an index
 
 
@@ -36,7 +36,7 @@ def table_figure(table: dict) -> Figure:
 
 
 def _bar_errors(figure: SubFigure, table: dict) -> None:
-    """A row of panels for each case; both places of the force in one panel."""
+    """Draws a row of panels per case, with both variants of the force in each panel."""
     cases = _by("modulus", table["rows"])
     axes = figure.subplots(len(cases), 3, squeeze=False)
     for across, (modulus, rows) in zip(axes, cases.items(), strict=True):
@@ -50,7 +50,7 @@ def _bar_errors(figure: SubFigure, table: dict) -> None:
 
 
 def _ring_errors(figure: SubFigure, table: dict) -> None:
-    """A column of panels for each method; both set-ups in one panel."""
+    """Draws a column of panels per method, with both set-ups in each panel."""
     methods = _by("method", table["rows"])
     axes = figure.subplots(3, len(methods), squeeze=False, sharey="row")
     for panels, method in zip(axes.T, methods, strict=True):
@@ -82,7 +82,7 @@ def _indices(figure: SubFigure, table: dict) -> None:
         values = [value for panel in across for line in panel.get_lines() for value in line.get_ydata()]
         low = max(MOST_SPAN[0], min(LEAST_SPAN[0], min(values) / 1.4))
         high = min(MOST_SPAN[1], max(LEAST_SPAN[1], max(values) * 1.4))
-        bottom = low * (low / high) ** 0.08  # room for words
+        bottom = low * (low / high) ** 0.08  # space for text
         outer = next(panel for panel in across if panel.axison)
         outer.set(yscale="log", ylim=(bottom, high), ylabel=f"index of {name}")
         outer.tick_params(labelleft=True)
@@ -94,19 +94,19 @@ def _indices(figure: SubFigure, table: dict) -> None:
 
 
 def _has_index(row: dict, quantity: str) -> bool:
-    """Whether any estimator gives one, or the paper prints one."""
+    """Whether any estimator or the paper has an index."""
     ours = any(estimator["index"][quantity] for estimator in row["estimators"].values())
     return ours or bool(row["paper"].get(f"index_{quantity}"))
 
 
 def _by(name: str, rows: list[dict]) -> dict[Any, list[dict]]:
-    """The rows for each value of an input, in order."""
+    """Groups rows by the value of an input, in order."""
     values = dict.fromkeys(row["inputs"][name] for row in rows)
     return {value: [row for row in rows if row["inputs"][name] == value] for value in values}
 
 
 def _draw_errors(axes: Axes, series: dict[str, list[dict]], key: str) -> None:
-    """Errors against h on two logarithmic axes: ours, the paper's, and the slopes of first and second order."""
+    """Draws errors against h on logarithmic axes: ours, the paper's, and slopes of first and second order."""
     axes.set(xscale="log", yscale="log")
     for style, (label, rows) in zip(OURS, series.items(), strict=False):
         axes.plot(*_points((row["h"], row["ours"][key]) for row in rows), label=label, **style)
@@ -121,7 +121,7 @@ def _draw_errors(axes: Axes, series: dict[str, list[dict]], key: str) -> None:
 
 
 def _draw_slopes(axes: Axes, largest: float) -> None:
-    """Triangles of first and second order under the right end of the curves."""
+    """Draws triangles of first and second order under the right end of the curves."""
     points = np.concatenate([np.asarray(line.get_xydata()) for line in axes.get_lines()])
     heights = points[points[:, 0] > 0.45 * largest, 1]
     if not len(heights):
@@ -134,7 +134,7 @@ def _draw_slopes(axes: Axes, largest: float) -> None:
 
 
 def _draw_indices(panels: list[Axes], rows: list[dict], quantities: list[str]) -> None:
-    """Each quantity's index against the cells, on a logarithmic axis with the band that may be trusted."""
+    """Draws each quantity's index against the cells, on a logarithmic axis with the band of reliable values."""
     cells = [row["inputs"]["cells"] for row in rows]
     for axes, quantity in zip(panels, quantities, strict=True):
         if not any(_has_index(row, quantity) for row in rows):
@@ -159,7 +159,7 @@ def _draw_indices(panels: list[Axes], rows: list[dict], quantities: list[str]) -
 
 
 def _number(axes: Axes) -> None:
-    """Numbers on a logarithmic axis as people write them: 1, 2, 5 where it is short, else powers of ten."""
+    """Formats ticks of a logarithmic axis: 1, 2, 5 if it is short, else powers of ten."""
     low, high = axes.get_ylim()
     axes.yaxis.set_major_locator(LogLocator(subs=(1, 2, 5) if high / low < 60 else (1,)))
     axes.yaxis.set_major_formatter(lambda value, _: format_round(value))
@@ -167,7 +167,7 @@ def _number(axes: Axes) -> None:
 
 
 def _ticks(axes: Axes, labels: Mapping[float, str]) -> None:
-    """Ticks of the horizontal axis where there are rows and nowhere else; ``set_xticks`` moves its limits."""
+    """Sets the only ticks of the horizontal axis; ``set_xticks`` would change its limits."""
     axes.xaxis.set_major_locator(FixedLocator(list(labels)))
     axes.xaxis.set_minor_locator(NullLocator())
     axes.xaxis.set_major_formatter(FixedFormatter(list(labels.values())))
@@ -178,6 +178,6 @@ def _legend(figure: SubFigure, axes: Axes, columns: int = 7) -> None:
 
 
 def _points(points: Iterable[tuple[float, float | None]]) -> tuple[list[float], list[float]]:
-    """Abscissae and values, as far as there are any."""
+    """Returns abscissae and values of the points that have a value."""
     known = [(x, y) for x, y in points if y]
     return [x for x, _ in known], [y for _, y in known]

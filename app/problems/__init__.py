@@ -1,1 +1,1 @@
-"""How each problem is shown: one folder a problem, and the registry of them (:mod:`app.problems.views`)."""
+"""Views of the problems: stages, pictures and texts, and their registry (:mod:`app.problems.views`)."""

@@ -1,5 +1,4 @@
-"""How a body between two radii is shown: a quarter of a ring and its mirror images, or a whole ring with lines of
-material that were straight, as the exact solution has them; and beside it the field over the radius."""
+"""View of a body between two radii: a quarter of a ring and its mirror images, or a ring with exact material lines."""
 
 from collections.abc import Iterator
 from functools import partial
@@ -21,8 +20,8 @@ NO_BREAK = "\N{NO-BREAK SPACE}"
 
 
 class AnnulusRegions(NamedTuple):
-    """Of a quarter or a whole ring: its regions, so many ``angles`` from the x axis on and ``shells`` from the inside
-    out, and its picture, in which the outer radius is about so many ``points`` long and dark ``lines`` are exact."""
+    """Settings of a quarter or whole ring: its regions, in so many ``angles`` from the x axis and ``shells`` from the
+    inside, and its picture, in which the outer radius is about so many ``points`` long and dark ``lines`` are exact."""
 
     angles: int
     shells: tuple[str, ...]
@@ -47,7 +46,7 @@ LOOKS = {
 
 
 class AnnulusStage(PlanarStage[CircularScene]):
-    """Makes marks of frames of a quarter ring."""
+    """Stage of a quarter ring."""
 
     @staticmethod
     def outermost(scene: CircularScene) -> float:
@@ -64,7 +63,7 @@ class AnnulusStage(PlanarStage[CircularScene]):
 
 
 class WholeStage(AnnulusStage):
-    """Makes marks of frames of a whole ring. Its quarters are alike, so that half of it shows all."""
+    """Stage of a whole ring. Its quarters are alike, so half of it is enough for each of estimate and truth."""
 
     MIRRORS = OUTLINED = WHOLE
     LINES = SPOKES
@@ -73,7 +72,7 @@ class WholeStage(AnnulusStage):
     def note(scene: CircularScene) -> str:
         if not scene.solution_known:
             return f"h = {scene.spacing:.3g} m"
-        return tr("h = {h:.3g} m, blue: exact lines", h=scene.spacing)  # the plot below says how large it is
+        return tr("h = {h:.3g} m, blue: exact lines", h=scene.spacing)  # the plot shows its size
 
     @staticmethod
     def exact_lines(scene: CircularScene, t: float, count: int) -> np.ndarray:
@@ -91,7 +90,7 @@ class WholeStage(AnnulusStage):
 
 
 def body_of(kind: type[Any]) -> Body:
-    """How the body of a class of scenes is shown."""
+    """Returns the view of the body of a class of scenes."""
     whole = kind.ANGLE >= FULL
     look = LOOKS["whole" if whole else "quarter"]
     base: type[AnnulusStage] = WholeStage if whole else AnnulusStage
@@ -102,7 +101,7 @@ def body_of(kind: type[Any]) -> Body:
 
 
 def _swell(scene: CircularScene) -> float:
-    """How far the outer rim moves outwards, in m."""
+    """Returns how far the outer rim moves outwards, in m."""
     return scene.amplitude if scene.PLOTTED == "radial" else 0.0
 
 

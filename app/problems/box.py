@@ -1,4 +1,4 @@
-"""How a body that fills a square is shown: with its mirror images, and the field along a row of particles."""
+"""View of a body that fills a square: with its mirror images, and the field along a row of particles."""
 
 from collections.abc import Iterator
 from typing import Any
@@ -14,19 +14,19 @@ from solvers.problems.planar.box import BoxScene
 from solvers.problems.planar.layout import particle_layout
 
 REGIONS = 4  # a side
-HEIGHT = 0.3  # of the row of particles that is plotted, over that of the square
+HEIGHT = 0.3  # height of the plotted row of particles over that of the square
 NO_BREAK = "\N{NO-BREAK SPACE}"
 POINTS_PER_METRE = 240  # of the picture, roughly
 
 
 def plotted_row(scene: BoxScene) -> float:
-    """The height Y in m of the row of particles that is plotted."""
+    """Returns the height Y in m of the plotted row of particles."""
     across = scene.cells * scene.ppc
     return (int(HEIGHT * across) + 0.5) / across * scene.SIDE
 
 
 class BoxStage(PlanarStage[BoxScene]):
-    """Makes marks of frames of the square."""
+    """Stage of the square."""
 
     PLOT = PlotSettings(0.0, 1.0, ("X = 0", "1 m"), lambda scene, quantity, X, t: scene.exact_along(
         quantity, np.stack([X, np.full_like(X, plotted_row(scene))], axis=1), t))

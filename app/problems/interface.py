@@ -1,4 +1,4 @@
-"""What a problem tells the page and the pictures about itself."""
+"""The interface of a problem for the page and the pictures."""
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
@@ -17,11 +17,8 @@ from app.state import State
 
 @dataclass(frozen=True)
 class Reach:
-    """Ends of a problem's sliders: whole numbers (low, high, step), and (low, high) of those whose steps are factors.
-
-    The speed is in periods a second. Some reach beyond what a scene can be: the page then says why not, and that is
-    worth reading.
-    """
+    """Ranges of a problem's sliders: integers (low, high, step), and (low, high) of logarithmic ones. The speed is in
+    periods per second. Some ranges exceed what is valid; the page then shows the instructive reason."""
 
     cells: tuple[int, int, int]
     ppc: tuple[int, int]
@@ -30,19 +27,19 @@ class Reach:
     speed: tuple[float, float]
 
 
-#: (label, low, high, step, hint) of a slider whose steps are even.
+#: (label, low, high, step, hint) of a linear slider.
 LinearSlider = tuple[str, float, float, float, str]
 
 
 @dataclass(frozen=True)
 class Regions:
-    """``names`` of the regions, and for each of P particles the ``number`` of the one where it was at rest."""
+    """``names`` of the regions, and the ``number`` of the region in which each of P particles was at rest."""
 
     names: tuple[str, ...]
     number: np.ndarray
 
     def errors(self, sizes: np.ndarray) -> np.ndarray:
-        """The root of the mean square of sizes (P,) in each region; NaN where there is no particle."""
+        """Returns the root mean square of sizes (P,) in each region; NaN for empty regions."""
         with np.errstate(all="ignore"):  # a region may be empty, and a run gone bad holds anything
             squares = np.bincount(self.number, sizes.astype(float) ** 2, len(self.names))
             return np.sqrt(squares / np.bincount(self.number, minlength=len(self.names)))
@@ -50,9 +47,9 @@ class Regions:
 
 @dataclass(frozen=True)
 class Motion:
-    """How the page lets one choose what a problem does: ``hint`` of the choice, and ``change(scene, motion, usual)``,
-    the scene in which that happens, with the ``usual`` estimators where its own would say nothing. ``sliders`` are the
-    fields that only a motion without swings has; ``speed`` and ``quantity`` is what such a motion begins with."""
+    """The choice of a problem's motion: ``hint`` of the widget, and ``change(scene, motion, usual)``, which returns the
+    scene with that motion, and the ``usual`` estimators if its own have no estimate. ``sliders`` are the fields only of
+    a motion without oscillation; ``speed`` and ``quantity`` are the initial ones of such a motion."""
 
     hint: str
     change: Callable[[Any, str, tuple[str, ...]], Any]
@@ -62,7 +59,7 @@ class Motion:
 
 
 class Body(NamedTuple):
-    """How all plane problems of one kind of body are shown; what each is says :class:`ProblemView`."""
+    """View common to all plane problems of one kind of body; :class:`ProblemView` has the details."""
 
     stage: type[PlanarStage[Any]]
     draw: Callable[..., None]
@@ -73,21 +70,19 @@ class Body(NamedTuple):
 
 @dataclass(frozen=True)
 class ProblemView:
-    """How one problem is shown. Its words are put into the visitor's language where they are said.
+    """View of one problem. Its texts are translated where they are used.
 
-    ``stage`` makes marks of its frames, ``slow`` of one step in slow motion. ``draw(figure, space, particles, result)``
-    draws a run's error in space into the axes ``space`` and the particles at its end into the place ``particles``; it
-    imports matplotlib, which takes long, when it is called. ``regions`` divides the material by where particles were at
-    rest (P, D), and ``division`` says how in words: "the bar into 20 lengths". ``picture`` is the height of a run's
-    picture in inches, and that of its lower row over the upper one. ``speed`` is what the page begins with, in periods
-    a second. ``details`` are the fields of the scene among the "Method details", each with its hint. ``motion`` is
-    there where the scene has several motions, ``material`` are fields of the material beside the modulus;
-    ``formula`` is a field that is typed, with a label and a hint.
-    ``estimators`` are those that the page begins with, the first of them drawn, where they are not the scene's own.
-    ``sparks`` are the questions that go with a state (:mod:`app.problems.suggestion`).
-    ``prices`` are the shares of the running time that estimators take in the problem's usual scene, each alone on one
-    thread, as ``mpm-lab run`` says them (median of three).
-    """
+    ``stage`` draws its frames, ``slow`` one step in slow motion. ``draw(figure, space, particles, result)`` draws a
+    run's error in space into the axes ``space`` and the final particles into ``particles``; it imports the slow
+    matplotlib when called. ``regions`` divides the material by positions at rest (P, D), as in ``division``: "the bar
+    into 20 lengths". ``picture`` is the height of a run's picture in inches, and its lower row over the upper one.
+    ``speed`` is initial, in periods per second. ``details`` are fields among the "Method details", ``material`` those
+    beside the modulus, ``formula`` is a text field with label and hint; ``motion`` is None if the scene has one motion
+    only.
+
+    ``estimators`` are the initial ones if not the scene's own, the first of them drawn. ``sparks`` returns the
+    suggestions for a state (:mod:`app.problems.suggestion`). ``prices`` are the estimators' shares of the run time in
+    the usual scene, each alone on one thread, as ``mpm-lab run`` reports them (median of three)."""
 
     problem: str
     stage: type[Stage[Any]]
@@ -110,6 +105,6 @@ class ProblemView:
 
     @property
     def about(self) -> str:
-        """Html on what moves: ``about/PROBLEM.html``, if there is one."""
+        """Html on the motion: ``about/PROBLEM.html``, if there is one."""
         path = localised_path(Path(__file__).parent / "about" / f"{self.problem}.html")
         return path.read_text(encoding="utf-8") if path.exists() else ""

@@ -1,4 +1,4 @@
-"""How every plane problem is shown: what follows from its kind of body, and what its file says (``Showing``)."""
+"""View of plane problems, from their kind of body and the settings in their file (``ViewSettings``)."""
 
 from typing import Any
 
@@ -14,7 +14,7 @@ FORMULA = ("displacement", lazy("Displacement u_x, u_y"),
 
 
 def view_of(problem: PlanarProblem) -> ProblemView:
-    """The view of a problem."""
+    """Returns the view of a problem."""
     kind: type[Any] = problem.scene
     showing, fields = problem.showing, kind.__dataclass_fields__
     body = box.BODY if kind.layout == "box" else annulus.body_of(kind)

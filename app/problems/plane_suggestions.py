@@ -1,4 +1,4 @@
-"""The sparks of plane problems, by name; the file of each problem lists its own (``ViewSettings.sparks``)."""
+"""Suggestions of plane problems, by name; the file of each problem lists its own (``ViewSettings.sparks``)."""
 
 from dataclasses import replace
 
@@ -12,7 +12,7 @@ from solvers.problems.planar.problem import ViewSettings
 
 
 def suggestions_for(showing: ViewSettings) -> tuple[Suggestion, ...]:
-    """Those of a problem, which its sliders bound."""
+    """Returns a problem's suggestions, within the range of its sliders."""
     fewest, most, _ = showing.cells
     known = (suggestion.suggest_halving_cells(most), _widening(2 * fewest), suggest_breaking(*showing.breaking),
              TRANSPORT, STAIRCASE, TILE)
@@ -47,7 +47,7 @@ TRANSPORT = Suggestion("transport", "judge", lazy("Ask transport, too"), _ask_tr
 
 
 def _widening(fewest: int) -> Suggestion:
-    """Cells twice as wide, down to so many of them."""
+    """Suggests cells twice as wide, down to ``fewest`` cells."""
     def offer(state: State) -> Offer:
         if state.scene.cells < 2 * fewest:
             raise NotNow(tr("{fewest} cells are the fewest here", fewest=fewest))

@@ -1,4 +1,4 @@
-"""Sparks: questions that a problem puts to whoever looks at it. One click asks, and the runs' own numbers answer."""
+"""Suggestions: experiments that a problem offers. One click starts one, and the runs' own numbers answer."""
 
 import math
 from collections.abc import Callable, Mapping
@@ -13,17 +13,17 @@ from app.state import State
 from app.words import QUANTITIES, format_factor, format_number, format_ratio
 from solvers.scene.validation import SceneError
 
-QUARTER = (0.22, 0.28)  # what still goes as a quarter
-SAME = 0.005  # by which a ratio may miss 1 and go as 1.00
+QUARTER = (0.22, 0.28)  # range of ratios called a quarter
+SAME = 0.005  # distance from 1 within which a ratio is shown as 1.00
 
 
 class NotNow(Exception):
-    """Why a spark has nothing to ask of what is on the stage, in a few words."""
+    """Raised if a suggestion does not apply to the state; the message is a short reason."""
 
 
 @dataclass(frozen=True)
 class Offer:
-    """What a spark would do: its ``title``, a short ``hint``, and the ``state``, with the run to compare pinned."""
+    """Offer of a suggestion: ``title``, a short ``hint``, and the new ``state``, with the run to compare pinned."""
 
     title: str
     hint: str
@@ -32,9 +32,9 @@ class Offer:
 
 @dataclass(frozen=True)
 class Ran:
-    """What has come of a ``state``: its ``series`` and those of the pinned run, over the periods asked for, and the
-    error ``ratio`` of the quantity on the stage, the run's over the pinned one's, each as a mean over time;
-    ``not_valid`` has a sentence for each estimator that does not hold."""
+    """Result of a ``state``: its ``series`` and those of the pinned run, over the requested periods, the error
+    ``ratio`` of the quantity on the stage, the run's mean over the pinned one's, and reasons for estimators
+    ``not_valid``."""
 
     state: State
     series: Mapping[str, np.ndarray]
@@ -43,7 +43,7 @@ class Ran:
     not_valid: Mapping[str, str]
 
     def index(self, estimator: str) -> float:
-        """The error index of an estimator, of the quantity on the stage."""
+        """Returns the error index of an estimator for the quantity on the stage."""
         values = self.series.get(f"{estimator}/index_{self.state.quantity}", np.zeros(0))
         return float(values[-1]) if len(values) else math.nan
 
@@ -52,18 +52,16 @@ class Ran:
         return QUANTITIES[self.state.quantity].noun
 
 
-Answer = tuple[str, str]  # a sentence, and what there is to think about
+Answer = tuple[str, str]  # a sentence, and a second one to think about
 
 
 @dataclass(frozen=True)
 class Suggestion:
-    """A question, with a ``title`` for when it cannot be asked, which is put into the visitor's language where it is
-    said.
+    """Suggested experiment, with a translatable ``title`` for when it does not apply.
 
-    ``offer`` says what it does with a state, or raises :class:`NotNow`; ``answer`` is made once the runs have come to
-    ``periods``; a run that is lost goes without one where that is what was asked for (``breaks``). ``icon`` is the name
-    of a drawing (``sparks.js``).
-    """
+    ``offer`` returns what it does with a state, or raises :class:`NotNow`; ``answer`` is called once the runs have
+    reached ``periods``; a run that is lost has no answer if that was the purpose (``breaks``). ``icon`` is the name of
+    a drawing (``sparks.js``)."""
 
     key: str
     icon: str
@@ -75,7 +73,7 @@ class Suggestion:
 
 
 def changed_state(state: State, changes: Mapping[str, Any], pinned: bool = True, **view: Any) -> State:
-    """Returns the state with a changed scene from t = 0 on, the run before pinned beside it if wanted."""
+    """Returns the state with a changed scene from t = 0 on, with the run before pinned if ``pinned``."""
     before = replace(state.scene, periods=None, t_end=None)
     try:
         after = replace(before, **changes)
@@ -86,7 +84,7 @@ def changed_state(state: State, changes: Mapping[str, Any], pinned: bool = True,
 
 
 def work_ratio(ran: Ran) -> float:
-    """How many times the particle steps of the pinned run a period of the other takes."""
+    """Returns the particle steps per period over those of the pinned run."""
     def a_period(scene: Any) -> float:
         return scene.particles * scene.period / scene.time_step
 
@@ -94,7 +92,7 @@ def work_ratio(ran: Ran) -> float:
 
 
 def error_ratio_text(ran: Ran) -> Answer:
-    """What has become of the error with cells half as wide."""
+    """Returns the answer on the error with cells half as wide."""
     by, hint = ran.ratio, tr("Largest error in the first period. Theory: 0.25 times, for {work} times the work.",
                              work=format_number(work_ratio(ran)))
     if not math.isfinite(by):
@@ -107,7 +105,7 @@ def error_ratio_text(ran: Ran) -> Answer:
 
 
 def suggest_halving_cells(most: int) -> Suggestion:
-    """Cells half as wide, up to so many of them."""
+    """Suggests cells half as wide, up to ``most`` cells."""
     def offer(state: State) -> Offer:
         cells = 2 * state.scene.cells
         if cells > most:
@@ -119,7 +117,7 @@ def suggest_halving_cells(most: int) -> Suggestion:
 
 
 def suggest_breaking(hint: str, changes: Mapping[str, Any], periods: float) -> Suggestion:
-    """A run that will not last."""
+    """Suggests a run that will fail."""
     title = lazy("Break it")
 
     def offer(state: State) -> Offer:

@@ -1,4 +1,4 @@
-"""How each problem is shown: the one place of the app that knows them all. A new problem is one line here."""
+"""Registry of the views of all problems. A new problem is one line here."""
 
 from app.problems.bar.view import BAR
 from app.problems.interface import ProblemView

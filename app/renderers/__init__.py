@@ -1,1 +1,1 @@
-"""What draws marks: the viewer and pictures; the offline player has a script of its own."""
+"""Renderers of marks: the viewer and pictures; the offline player has a script of its own."""

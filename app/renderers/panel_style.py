@@ -1,4 +1,4 @@
-"""What the panels of a picture share: line styles, the common colour scale, robust sizes, words in place of data."""
+"""Common to the panels of a picture: line styles, colour scale, robust sizes, notes in place of data."""
 
 from collections.abc import Callable
 from typing import Any
@@ -18,15 +18,15 @@ from app.renderers.picture_style import in_sizes
 from solvers.running.result import Result
 from solvers.scene.estimator_registry import ESTIMATORS
 
-Look = dict[str, Any]  # how something is drawn: arguments of matplotlib's ``plot``
-DASH_SCALE = 0.4  # dashes are counted in pixels on the page, in widths of the line in a picture
-PAPER = Bounds(800.0, high=0.5)  # in which places of the body are said
-MOST_DOTS = 20_000  # more particles cannot be told apart in a picture
+Look = dict[str, Any]  # arguments of matplotlib's ``plot``
+DASH_SCALE = 0.4  # dashes are in pixels on the page, in line widths in a picture
+PAPER = Bounds(800.0, high=0.5)  # bounds for labels at points of the body
+MOST_DOTS = 20_000  # more particles are indistinguishable in a picture
 MOST_CELL_LINES = 400
-GROUND = {"facecolor": "white", "edgecolor": "none", "alpha": 0.8, "pad": 2}  # of words on what is drawn
-LEAST, MOST = 1e-100, 1e100  # of what axes are asked to show: they take powers and products of it
+GROUND = {"facecolor": "white", "edgecolor": "none", "alpha": 0.8, "pad": 2}  # behind text on a drawing
+LEAST, MOST = 1e-100, 1e100  # range of plotted values: axes compute powers and products of them
 NO_ERROR = 1.0  # end of the scale where every error is zero
-SCALE_OVER_TRUTH = 10  # an estimate that has lost its way must not blank the truth
+SCALE_OVER_TRUTH = 10  # limits the scale, so that a diverged estimate does not hide the truth
 
 
 def line_style(estimator: str) -> Any:
@@ -35,25 +35,25 @@ def line_style(estimator: str) -> Any:
 
 
 def estimator_styles(result: Result) -> list[tuple[str, str, Any]]:
-    """Each active estimator with its colour and line style."""
+    """Returns each active estimator with its colour and line style."""
     return [(name, ESTIMATORS[name].colour, line_style(name)) for name in result.scene.active_estimators]
 
 
 def when_text(result: Result) -> str:
-    """In words, when the particles are shown."""
+    """Returns the time at which the particles are shown, as text."""
     why = "" if result.mid_run is None else " (last peak of the motion)"
     return f"at t = {result.shown.time:.4g} s{why}"
 
 
 def subsample_indices(count: int) -> np.ndarray:
-    """Indices of the particles to draw: all, or some by chance, for every k-th may all lie at one place of a cell."""
+    """Returns the particles to draw: all, or a random choice, as every k-th may have the same position in a cell."""
     if count <= MOST_DOTS:
         return np.arange(count)
     return np.sort(np.random.default_rng(0).choice(count, MOST_DOTS, replace=False))
 
 
 def shared_scale(truth: np.ndarray | None, estimates: list[np.ndarray]) -> Normalize:
-    """One colour scale, from 0, for the sizes of the truth and of every estimate of it."""
+    """Returns one colour scale, from 0, for the sizes of the truth and of every estimate of it."""
     top = max((largest_finite(sizes) for sizes in estimates), default=0.0)
     if truth is not None and largest_finite(truth) > 0:
         top = min(max(top, largest_finite(truth)), SCALE_OVER_TRUTH * largest_finite(truth))
@@ -71,18 +71,18 @@ def colour_bar(figure: Figure, drawn: ScalarMappable, axes: Axes | list[Axes], l
 
 
 def positive_or_gap(values: np.ndarray) -> np.ndarray:
-    """What a logarithmic axis can show; the rest leaves a gap."""
+    """Returns values with NaN, a gap, for those that a logarithmic axis cannot show."""
     return np.where((values > LEAST) & (values < MOST), values, np.nan)
 
 
 def robust_size(values: np.ndarray) -> float:
-    """Size that all but a few runaway particles keep to."""
-    shown = np.abs(values[np.abs(values) < MOST])  # not what is not a number either
+    """Returns the 98th percentile of the absolute values, ignoring a few runaway particles."""
+    shown = np.abs(values[np.abs(values) < MOST])  # NaN is dropped too
     return float(np.percentile(shown, 98)) if len(shown) else 0.0
 
 
 def drawable_or_gap(values: np.ndarray) -> np.ndarray:
-    """What a linear axis can be asked to draw, on it or beside it; the rest leaves a gap."""
+    """Returns values with NaN, a gap, for those that a linear axis cannot handle."""
     return np.where(np.abs(values) < MOST, values, np.nan)
 
 
@@ -91,7 +91,7 @@ def write_note(axes: Axes, sentence: str) -> None:
 
 
 def write_places(axes: Axes, stage: type[Stage], in_axes: Callable[[Label], tuple[float, float]]) -> None:
-    """What a stage writes at places of the body; ``in_axes`` says where in the axes those are."""
+    """Writes a stage's labels at points of the body; ``in_axes`` returns their positions in the axes."""
     for label in stage.labels(StageLabels(), stage.places(PAPER, RunSlot.ALONE)):
         if label.role == "place":
             up, across = label.anchor.split("-")

@@ -1,7 +1,4 @@
-"""How every picture that is drawn to a file looks: the page's type, ink, no box, few lines, sizes in words on the axes.
-
-Whoever draws imports this, and drawing is so from then on: the settings are matplotlib's own, for the whole process.
-"""
+"""Style of all pictures: the page's font, few lines, sizes with units. Importing it changes matplotlib's settings."""
 
 import io
 from collections.abc import Sequence
@@ -21,10 +18,10 @@ from app.identity import FONTS
 from app.words import with_unit
 
 FAMILY = "Lab Inter"
-TRUTH_WIDTH, ESTIMATE_WIDTH = 2.6, 1.3  # points: the truth lies wide below, estimates on it
-FEW = 3  # lines of a grid, roughly
+TRUTH_WIDTH, ESTIMATE_WIDTH = 2.6, 1.3  # points: the truth is wide, estimates are drawn on top
+FEW = 3  # approximate number of grid lines
 
-for _name, _weight in (("Inter-Regular.otf", 400), ("Inter-SemiBold.otf", 700)):  # what bold is, here
+for _name, _weight in (("Inter-Regular.otf", 400), ("Inter-SemiBold.otf", 700)):  # the bold weight
     font_manager.fontManager.ttflist.append(
         font_manager.FontEntry(fname=str(FONTS / _name), name=FAMILY, weight=_weight))
 SETTINGS: Any = {
@@ -66,7 +63,7 @@ class SizeFormatter(Formatter):
 
 
 def in_sizes(axis: Axis, unit: str, few: bool = True) -> None:
-    """Sizes along an axis that has its scale and its limits, at ``few`` lines of a grid or as many as usual."""
+    """Formats an axis with set scale and limits for sizes, with ``few`` grid lines or as many as usual."""
     axis.set_major_formatter(SizeFormatter(unit))
     axis.set_minor_formatter(NullFormatter())
     if axis.get_scale() == "log":
@@ -78,16 +75,16 @@ def in_sizes(axis: Axis, unit: str, few: bool = True) -> None:
 
 
 def name_ends(axes: Axes, named: Sequence[tuple[str, np.ndarray, str]], apart: float = 0.14) -> None:
-    """The names of curves at their right ends, in place of a legend.
+    """Writes the names of curves at their right ends, in place of a legend.
 
     Parameters
     ----------
     axes
-        With its scales and limits.
+        With scales and limits set.
     named
-        Of each curve its name, its ordinates, and the colour of the words.
+        Name, ordinates and text colour of each curve.
     apart
-        How far two names must be from each other, as a part of the axes' height.
+        Least distance of two names, as a fraction of the axes' height.
     """
     to_share = axes.transScale + axes.transLimits
     ends: list[tuple[float, str, str]] = []
@@ -98,7 +95,7 @@ def name_ends(axes: Axes, named: Sequence[tuple[str, np.ndarray, str]], apart: f
             ends.append((float(np.clip(share, 0.0, 1.0)), name, colour))
     ends.sort()
     heights = np.array([share for share, _, _ in ends])
-    for _ in range(50):  # neighbours that are too near give way by half each
+    for _ in range(50):  # neighbours that are too close move by half each
         near = apart - np.diff(heights)
         push = np.where(near > 0, near / 2, 0.0)
         heights[1:] += push
@@ -110,7 +107,7 @@ def name_ends(axes: Axes, named: Sequence[tuple[str, np.ndarray, str]], apart: f
 
 
 class NotebookFigure(Figure):
-    """A figure that a notebook shows, which looks the same whatever the settings are when it is written."""
+    """Figure for notebooks, independent of the settings when it is written."""
 
     def savefig(self, *arguments: Any, **options: Any) -> None:
         with matplotlib.rc_context(SETTINGS):
@@ -123,7 +120,7 @@ class NotebookFigure(Figure):
 
 
 def make_figure(width: float, height: float, title: str) -> NotebookFigure:
-    """An empty figure of so many inches, with a headline at its upper left."""
+    """Returns an empty figure of a size in inches, with a title at its upper left."""
     figure = NotebookFigure(figsize=(width, height), layout=ConstrainedLayoutEngine(w_pad=0.1, h_pad=0.08))
     figure.suptitle(title, x=0.012, ha="left", fontsize=13, linespacing=1.4)
     return figure

@@ -1,4 +1,4 @@
-"""A plane problem's panels in a run's picture: particles by estimate and truth, and the profile of the error."""
+"""A plane problem's panels in a run's picture: particles with estimated and true errors, and the error profile."""
 
 from collections.abc import Callable, Iterable
 from typing import NamedTuple
@@ -18,12 +18,12 @@ from app.renderers.picture_style import ESTIMATE_WIDTH, TRUTH_WIDTH, in_sizes, n
 from solvers.running.result import Result
 from solvers.scene.scene import Scene
 
-UNKNOWN_COLOUR = "0.7"  # of particles whose error nobody has computed
+UNKNOWN_COLOUR = "0.7"  # of particles without a computed error
 MOST_BINS = 60  # of the profile over R; finer ones hold too few particles to average
 
 
 class Profile(NamedTuple):
-    """What a profile of the error is over: the ``coordinate`` (P,) of material positions (P, 2), and words."""
+    """Abscissa of an error profile: the ``coordinate`` (P,) of material positions (P, 2), and labels."""
 
     coordinate: Callable[[np.ndarray], np.ndarray]
     across: str
@@ -37,7 +37,7 @@ OVER_WIDTH = Profile(lambda X: X[:, 0], "the width", "X", "material coordinate X
 
 
 def draw_profile(axes: Axes, result: Result, stage: type[PlanarStage], over: Profile = OVER_RADIUS) -> None:
-    """Where between the ends of a coordinate the error is: each particle, and the RMS over a thin shell."""
+    """Draws the error along a coordinate: each particle, and the RMS over thin shells."""
     at, inner, outer = result.shown, stage.PLOT.start, stage.PLOT.end
     radius = over.coordinate(at.material_position)
     lines = [] if at.error is None else [("true", at.error[:, 0], TRUTH, "-")]
@@ -70,7 +70,7 @@ def draw_profile(axes: Axes, result: Result, stage: type[PlanarStage], over: Pro
 
 def _shells(result: Result, radius: np.ndarray, sizes: np.ndarray, inner: float,
             outer: float) -> tuple[np.ndarray, np.ndarray]:
-    """Mean radius and RMS of the sizes in thin shells, about a particle thick; empty shells are left out."""
+    """Returns mean radius and RMS of the sizes in thin shells, about a particle thick; empty shells are left out."""
     scene = result.scene
     thickness = outer - inner
     count = int(np.clip(round(thickness * scene.ppc / scene.spacing), 2, MOST_BINS))
@@ -87,11 +87,10 @@ def _shells(result: Result, radius: np.ndarray, sizes: np.ndarray, inner: float,
 
 def draw_halves(figure: Figure, place: SubplotSpec, result: Result, stage: type[PlanarStage], reach: float,
                 lines: Iterable[np.ndarray], told: str, per_metre: float) -> None:
-    """The particles out to ``reach`` metres, once an estimator, on one scale.
+    """Draws the particles out to ``reach`` metres, once per estimator, on one scale.
 
-    Of a body that its stage mirrors at x = 0 the estimate is the left image and the truth the right one; else each half
-    has its own particles. ``lines`` (n, 2) in metres are exact, ``told`` says which; a metre is ``per_metre`` points.
-    """
+    For a body mirrored at x = 0 the estimate is the left image and the truth the right one; else each half has its own
+    particles. ``lines`` (n, 2) in metres are exact, ``told`` is their name; a metre is ``per_metre`` points."""
     shown, mirrored = result.shown, (-1, 1) in stage.MIRRORS
     few = panel_style.subsample_indices(len(shown.position))
     few = few[np.isfinite(shown.position[few]).all(axis=1)]  # an unstable run leaves NaN
@@ -126,7 +125,7 @@ def draw_halves(figure: Figure, place: SubplotSpec, result: Result, stage: type[
 
 def _frame(axes: Axes, scene: Scene, stage: type[PlanarStage], reach: float, lines: Iterable[np.ndarray],
            told: str) -> None:
-    """Cell lines, what is exact and the line between the halves; equal scales, so that a circle is one."""
+    """Draws cell lines, exact lines and the line between the halves, with equal scales on both axes."""
     least, mirrored = (0.0, ", the estimate mirrored") if (-1, 1) in stage.MIRRORS else (-reach, "")
     cells = _draw_cells(axes, scene, reach, least, stage.first_line(scene))
     for line in lines:
@@ -143,7 +142,7 @@ def _frame(axes: Axes, scene: Scene, stage: type[PlanarStage], reach: float, lin
 
 
 def _draw_cells(axes: Axes, scene: Scene, reach: float, least: float, start: float) -> str:
-    """Draws lines between cells above y = ``least``, ``reach`` m wide; returns what an axis's label says of them."""
+    """Draws cell lines above y = ``least``, out to ``reach`` m; returns their description for an axis label."""
     if scene.cells > panel_style.MOST_CELL_LINES:
         return ""
     lines = np.arange(-scene.cells, scene.cells + 1) * scene.spacing + start

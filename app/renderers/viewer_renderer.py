@@ -1,4 +1,4 @@
-"""The viewer as a renderer: marks as points and lines of a client's scene, in the plane z = 0, and labels over them."""
+"""Renderer for the viewer: marks as points and lines of a client's scene, in the plane z = 0, with labels above."""
 
 import json
 from html import escape
@@ -12,29 +12,28 @@ from app.frame.layout import EDGE
 from app.frame.primitives import AWAY, Bounds, Dots, Label, Lines, Mark, wrap_text
 from app.viewer.widgets import put_arrays
 
-USUAL = (736.0, 358.0, 120.0)  # pixels of the free box and of the gutter left of it, until the browser says
+USUAL = (736.0, 358.0, 120.0)  # pixels of the free box and of the gutter left of it, until the browser sends them
 
 
 class Lettering:
-    """The labels of a client's sheets, and the box of the stage that they are in.
+    """The labels of a client's surfaces, and the box of the stage that they are in.
 
-    ``high`` is the height of what is drawn for a length of one, to which the page shapes the canvas. Nothing is sent
-    before :meth:`send`, and then only what has changed.
-    """
+    The page gives the canvas the aspect ratio of the stage's rectangle. Nothing is sent before :meth:`send`, and then
+    only changes."""
 
     def __init__(self, gui: viser.GuiApi):
         self._html = gui.add_html("")
         self._lock = RLock()
-        self._labels: dict[str, dict[str, Label]] = {}  # under the names of sheets
+        self._labels: dict[str, dict[str, Label]] = {}  # by names of surfaces
         self._hidden: set[str] = set()
         self._changed = True
         self._box, self._letters, self.dark = USUAL, 1.0, False
-        self._of: tuple | None = None  # box, letters and ground that the room was made of
+        self._of: tuple | None = None  # box, letters and theme of the present bounds
         self._rectangle = (-EDGE, 1 + EDGE, 0.0, 0.5)
 
     @property
     def room(self) -> Bounds:
-        """As much as the browser has free; asked for several times with every frame."""
+        """The bounds of the browser's free box; cached, as it is needed several times per frame."""
         now = self._box, self._letters, self.dark
         if now != self._of:
             (width, height, gutter), self._of = self._box, now
@@ -42,18 +41,18 @@ class Lettering:
         return self._room
 
     def fit(self, width: float, height: float, gutter: float, letters: float = 1.0) -> bool:
-        """Takes the pixels that the browser has for x from 0 to 1 and in the gutter; returns whether they are new."""
+        """Sets the browser's pixels for x from 0 to 1 and in the gutter; returns whether they have changed."""
         before = self._box, self._letters
         self._box, self._letters = (max(120.0, width), max(60.0, height), max(0.0, gutter)), max(0.5, letters)
         return before != (self._box, self._letters)
 
     def look(self, rectangle: tuple[float, float, float, float]) -> None:
-        """The stage is this much of the plane."""
+        """Sets the rectangle of the plane that is visible."""
         if rectangle != self._rectangle:
             self._rectangle, self._changed = rectangle, True
 
     def write(self, sheet: str, label: Label) -> None:
-        """Put a label on a sheet, or another in its place; without a text it goes."""
+        """Adds or replaces a label of a surface; one without text is removed."""
         with self._lock:
             labels = self._labels.setdefault(sheet, {})
             if labels.get(label.name) == label or not (label.text or label.name in labels):
@@ -64,7 +63,7 @@ class Lettering:
             self._changed = True
 
     def show(self, sheet: str, visible: bool) -> None:
-        """Whether the labels of a sheet, and of those that belong to it, are seen."""
+        """Shows or hides the labels of a surface, and of those below it."""
         with self._lock:
             if visible == (sheet in self._hidden):
                 (self._hidden.discard if visible else self._hidden.add)(sheet)
@@ -72,13 +71,13 @@ class Lettering:
 
     @property
     def written(self) -> list[tuple[str, Label]]:
-        """All labels that are seen, each with the name of its sheet."""
+        """All visible labels, each with the name of its surface."""
         return [(sheet, label) for sheet, labels in self._labels.items()
                 if not any(sheet == hidden or sheet.startswith(f"{hidden}/") for hidden in self._hidden)
                 for label in labels.values()]
 
     def send(self) -> None:
-        """Have the page show what is written now."""
+        """Sends the present labels to the page."""
         with self._lock:
             if not self._changed:
                 return
@@ -90,7 +89,7 @@ class Lettering:
         self._html.content = f"<i class='lab-stage' data-said='{escape(said)}'></i>"
 
     def _placed(self, sheet: str, label: Label, left: float, top: float, width: float, height: float) -> dict:
-        """A label as the page gets it, its place in parts of the stage's box."""
+        """Returns a label's data for the page, with its position relative to the stage's box."""
         said = {"name": f"{sheet}/{label.name}", "text": wrap_text(label.text, label.width), "role": label.role,
                 "x": round((label.x - left) / width, 4), "y": round((top - label.y) / height, 4),
                 "anchor": label.anchor}
@@ -100,12 +99,12 @@ class Lettering:
 
 
 class ViewerSurface:
-    """Draws marks under the name ``at`` of one client's scene; only what has changed is sent."""
+    """Draws marks below the path ``at`` of one client's scene; only changes are sent."""
 
     def __init__(self, client: viser.ClientHandle, lettering: Lettering, at: str):
         self._client, self._lettering, self._at = client, lettering, at
         self._root, self._visible = client.scene.add_frame(at, show_axes=False), True
-        self._drawn: dict[str, tuple[Any, Mark]] = {}  # with its handle what was last seen under each name
+        self._drawn: dict[str, tuple[Any, Mark]] = {}  # by name, the handle and the mark last drawn
 
     @property
     def visible(self) -> bool:
@@ -113,7 +112,7 @@ class ViewerSurface:
 
     @visible.setter
     def visible(self, visible: bool) -> None:
-        if visible != self._visible:  # said with every frame
+        if visible != self._visible:  # set with every frame
             self._root.visible = self._visible = visible
             self._lettering.show(self._at, visible)
 
@@ -155,13 +154,13 @@ class ViewerSurface:
                                          precision="float16" if mark.points.dtype == np.float16 else "float32")
 
     def _arrays(self, handle: Any, mark: Dots | Lines, before: Any) -> dict[str, np.ndarray]:
-        """What of a thing's arrays is to be sent; all else is set here."""
+        """Returns the arrays of a mark that have to be sent; sets all else."""
         arrays = {"points": mark.segments if isinstance(mark, Lines) else mark.points}
         if before is None or mark.colours is not before.colours:
             arrays["colors"] = np.asarray(mark.colours, np.uint8)
         if isinstance(mark, Dots):
             if before is None or mark.size != before.size:
-                handle.point_size = mark.size / 2  # the viewer counts from the middle
+                handle.point_size = mark.size / 2  # the viewer's size is the radius
             if before is None or mark.origin != before.origin:
                 handle.position = (*mark.origin, 0.0)
         return arrays

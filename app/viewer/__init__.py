@@ -1,1 +1,1 @@
-"""All that knows the viewer and its websockets from inside: nothing else imports their inner modules."""
+"""Everything that depends on internals of the viewer and its websockets; no other package imports these."""

@@ -1,8 +1,7 @@
-"""A browser's line from the moment it is there: before it has said what it wants, and before its websocket has spoken.
+"""A browser's connection from its start: before its request, and before the first message of its websocket.
 
-Nothing is made for a line that says nothing, and it holds no place that another network could want
-(:mod:`app.access.network_limits`).
-"""
+Nothing is allocated for a silent connection, and it holds no place that another network could need
+(:mod:`app.access.network_limits`)."""
 
 import asyncio
 from contextlib import suppress
@@ -17,19 +16,18 @@ from app.access.allowed_hosts import is_ip, is_loopback
 from app.access.network_limits import PendingConnections, network_of
 from app.viewer.send_queue import SendBuffer
 
-# Lines of one network and of all that have not asked for anything yet: a class may be behind one address, and browsers
-# open some lines that they may need. Websockets that have not spoken yet: each is that of a page that is just opened.
+# Connections of one network and of all without a request yet: a class may be behind one address, and browsers
+# open some in advance. Websockets without a message yet: each belongs to a page that is just being opened.
 LINES, SOCKETS = (64, 256), (64, 256)
-HEADS_WITHIN = 5.0  # seconds in which a line has to ask for something
-LONGEST_HEAD = 32_000  # bytes of what it asks; browsers send some hundred
-GOING = 1.0  # seconds that one who is sent away has to say goodbye
+HEADS_WITHIN = 5.0  # timeout of a connection without a request, in s
+LONGEST_HEAD = 32_000  # bytes of a request; browsers send some hundred
+GOING = 1.0  # timeout of the closing handshake in s
 BEAT = 1.0  # seconds between an answer to a ping and the next one
 
 
 class BrowserConnections:
-    """All lines of one server: those that have not asked for anything yet are ``new``, and those whose websocket has
-    not spoken ``silent``. A proxy on this machine opens a line when it has the whole of a request: where there is one,
-    those lines are of nobody's network yet."""
+    """All connections of one server: ``new`` ones have sent no request, those of ``silent`` websockets no message. A
+    proxy on this machine connects when it has a complete request; behind one, new connections have no network yet."""
 
     def __init__(self, trusts_proxy: bool):
         self.trusts_proxy = trusts_proxy
@@ -38,25 +36,25 @@ class BrowserConnections:
         self.there = WeakSet["BrowserConnection"]()
 
     def come(self, line: "BrowserConnection", remote: object) -> None:
-        """A line is there, from this address and port."""
+        """Registers a connection from this address and port."""
         who = str(remote[0]) if isinstance(remote, tuple) else "somewhere"
         self.there.add(line)
         if gone := self.new.enter(line, str(remote) if self.trusts_proxy and is_loopback(who) else network_of(who)):
             gone.transport.abort()
 
     def cut(self) -> None:
-        """All of them, whatever their other ends do."""
+        """Aborts all connections without a handshake."""
         for line in list(self.there):
             line.transport.abort()
 
 
 class BrowserConnection(ServerConnection):
-    """One browser's. ``head`` is its request as it has come, until that has been answered."""
+    """Connection of one browser. ``head`` holds the bytes of its request until that is answered."""
 
     def __init__(self, lines: BrowserConnections, *args: Any, **options: Any):
         super().__init__(*args, **options)
         self._lines, self.head = lines, b""
-        self.asked_at: float | None = None  # when it was asked for an answer that has not come yet
+        self.asked_at: float | None = None  # when the unanswered ping was sent
 
     def connection_made(self, transport: asyncio.BaseTransport) -> None:
         super().connection_made(transport)
@@ -71,7 +69,7 @@ class BrowserConnection(ServerConnection):
         super().data_received(data)
 
     def answered(self) -> None:
-        """It has asked, and gets an answer: its place is free."""
+        """Releases its place among the new connections: its request is answered."""
         self._lines.new.leave(self)
         self.head = b""
 
@@ -90,7 +88,7 @@ class BrowserConnection(ServerConnection):
 
 
 def address_of(connection: Any, trusts_proxy: bool) -> str:
-    """The IP address of whoever is at the other end, or that for which a proxy on this machine asks."""
+    """Returns the IP address of the other end, or of the client for which a proxy on this machine connects."""
     remote = connection.remote_address
     who = str(remote[0]) if isinstance(remote, tuple) else "somewhere"
     told = connection.request.headers.get_all("X-Real-IP") if trusts_proxy and is_loopback(who) else []
@@ -98,7 +96,7 @@ def address_of(connection: Any, trusts_proxy: bool) -> str:
 
 
 async def send_away(connection: Any, why: str) -> None:
-    """Close a websocket, also one whose other end does not listen."""
+    """Closes a websocket, also one whose other end does not respond."""
     with suppress(asyncio.TimeoutError):
         await asyncio.wait_for(connection.close(1008, why), GOING)
     connection.transport.abort()
@@ -106,7 +104,7 @@ async def send_away(connection: Any, why: str) -> None:
 
 
 def stands_still(client: Any) -> float:
-    """Seconds for which a visitor's browser has taken nothing of what is sent to it."""
+    """Returns the seconds for which a visitor's browser has received nothing that was sent to it."""
     buffer = cast(SendBuffer, client._websock_connection.get_message_buffer())
     line = client._viser_server._websock_server._live_connections.get(client.client_id)
     asked_at = line.asked_at if isinstance(line, BrowserConnection) else None

@@ -1,8 +1,6 @@
-"""Messages: what a browser may say over its websocket, field by field. All else is refused before the viewer sees it,
-and comes at a browser's pace.
+"""Validation of incoming messages, field by field, and their rate limit. Invalid ones do not reach the viewer.
 
-The viewer believes its clients: it would set any attribute of any widget to anything, and open a tunnel on request.
-"""
+The viewer trusts its clients: it would set any attribute of any widget to any value, and open a tunnel on request."""
 
 import asyncio
 import math
@@ -19,17 +17,17 @@ from app.access.network_limits import TokenBucket
 from app.viewer import upload, widgets
 from app.viewer.connection import send_away
 
-MOST_BYTES = 32_000  # of a message that is read at all; honest ones have some hundred
+MOST_BYTES = 32_000  # of a message; usual ones have some hundred
 LONGEST_NAME = 1000  # letters of a file's name
 NEAR = 1e-6  # between a camera and what it looks at
-FAR = 1e6  # no camera, and no place of the canvas, is further out
+FAR = 1e6  # limit of cameras and positions
 LARGEST_CANVAS = 32_768  # pixels
-STEEP = 1e-6  # part of a click's ray across the stage; one along the stage never meets it
-# A browser sends 20 values of a widget and 50 camera messages a second at most, and some in one go after a pause.
-MESSAGES, A_SECOND, PATIENCE = 200, 100, 4.0  # at once, in the long run; seconds for which more are put up with
-BYTES_AS_ONE, REFUSED_AS = 1000, 3  # what large and refused messages count as
-PART_AS = 4  # and a part of a file that is taken
-PARTS, PARTS_A_SECOND = 64, 25  # of files, of all of one network: one of 32 MB at once, 13 MB a second in the long run
+STEEP = 1e-6  # least component of a click's ray normal to the stage; a parallel one never meets it
+# A browser sends at most 20 values of a widget and 50 camera messages per second, and bursts after a pause.
+MESSAGES, A_SECOND, PATIENCE = 200, 100, 4.0  # burst, rate; seconds for which more are tolerated
+BYTES_AS_ONE, REFUSED_AS = 1000, 3  # weights of large and refused messages
+PART_AS = 4  # and of an accepted part of a file
+PARTS, PARTS_A_SECOND = 64, 25  # of files per network: a burst of 32 MB, a rate of 13 MB/s
 TOO_MUCH = "too many messages"
 
 Rule = Callable[[Any], bool]
@@ -57,14 +55,14 @@ def _or_none(rule: Rule) -> Rule:
 
 
 def _turn(value: Any) -> bool:
-    """A rotation, as four numbers whose squares add up to one."""
+    """Whether a value is a rotation as a unit quaternion."""
     return _numbers(4, 1.01)(value) and abs(math.hypot(*value) - 1) < 0.01
 
 
 _SPACE, _words = _numbers(3), _text(widgets.LONGEST_TEXT)
 #: Every kind of message that the page needs, with all of its fields.
 FIELDS: dict[str, dict[str, Rule]] = {
-    "GuiUpdateMessage": {  # of all that a widget has, a visitor changes the value only
+    "GuiUpdateMessage": {  # a visitor may change only the value of a widget
         "uuid": _words, "updates": lambda value: type(value) is dict and list(value) == ["value"]},
     "ViewerCameraMessage": {
         "wxyz": _turn, "position": _SPACE, "fov": _between(1e-3, math.pi), "near": _between(0, FAR),
@@ -87,7 +85,7 @@ FIELDS: dict[str, dict[str, Rule]] = {
 
 
 def why_refused(message: bytes | str, find: Callable[[str], Any], who: str = "") -> str | None:
-    """Returns why a message from an IP address is refused, or None; ``find`` gives a widget by its id."""
+    """Returns why a message from an IP address is refused, or None; ``find`` returns a widget by its id."""
     part_of_file = upload.kind_of(message)
     most = upload.LARGEST_PART if part_of_file == upload.PART else MOST_BYTES
     if not isinstance(message, bytes) or len(message) > most:
@@ -122,18 +120,17 @@ def why_refused(message: bytes | str, find: Callable[[str], Any], who: str = "")
 
 
 def _pointer(said: dict[str, Any]) -> bool:
-    """A click has a ray and a place, a rectangle two corners."""
+    """Whether a click has a ray and a position, or a rectangle two corners."""
     if said["event_type"] == "click":
         return said["ray_origin"] is not None and said["ray_direction"] is not None and len(said["screen_pos"]) == 1
     return len(said["screen_pos"]) == 2
 
 
 class IncomingLimiter:
-    """Takes the place of a websocket's ``recv``, and gives the viewer only what a browser may say.
+    """Replaces a websocket's ``recv``, and passes on only valid messages to the viewer.
 
-    ``who`` is the IP address, ``find`` gives a widget by its id, ``parts`` limits parts of files of its network, and
-    ``keep_away`` gets the address of one that says what no browser does.
-    """
+    ``who`` is the IP address, ``find`` returns a widget by its id, ``parts`` limits parts of files of its network, and
+    ``keep_away`` is called with the address of a misbehaving client."""
 
     def __init__(self, connection: Any, who: str, refusals: Refusals, parts: TokenBucket, find: Callable[[str], Any],
                  keep_away: Callable[[str], None]):
@@ -144,7 +141,7 @@ class IncomingLimiter:
         connection.recv = self._next
 
     async def first_word(self) -> None:
-        """Waits for something that a browser may say, which the viewer hears later; raises what ``recv`` raises."""
+        """Waits for the first valid message, which the viewer receives later; raises what ``recv`` raises."""
         self._first = await self._next()
 
     async def _next(self, *args: Any, **options: Any) -> Any:
@@ -175,7 +172,7 @@ class IncomingLimiter:
             raise
 
     async def _keep_pace(self) -> None:
-        """Wait for a while after too much; who goes on with it is sent away."""
+        """Delays further messages above the rate limit; closes the connection if that continues."""
         if self._rate.left > 0.25 * self._rate.most:
             self._calm = monotonic()
         elif monotonic() - self._calm > PATIENCE:

@@ -1,10 +1,9 @@
-"""The html that a browser loads first: the viewer's, with our title and icon, and a calm ground until there is a stage.
+"""The html that a browser loads first: the viewer's, with our title and icon, and a plain ground before there is a
+stage.
 
-All else of the page comes over the wire later; until then the viewer would show its own panel and a half-drawn stage.
-The viewer's own way of answering, which looks for a file, is not gone: but as all of the page is one text and what
-comes over its websocket, no part of a path is ever looked for on the disk. Here is which paths have a page, and what a
-browser is told that it may do with it.
-"""
+Everything else of the page comes over the websocket; until then the viewer would show its own panel. The viewer's own
+handler, which looks for files, remains, but no part of a path is ever looked up on disk, as the page is one text. This
+module defines which paths have a page, and its Content-Security-Policy."""
 
 import base64
 import gzip
@@ -25,30 +24,30 @@ from app.language.translation import LANGUAGES, as_cookie, with_language
 PATHS = ("/", "/index.html")
 SCRIPT = r"<script\b[^>]*>(.*?)</script>"
 
-#: What every answer says: it is what it says it is, is shown in no frame, and tells other sites no address.
+#: Headers of every response: no sniffing of its type, no framing, no referrer for other sites.
 ALWAYS = {"X-Content-Type-Options": "nosniff", "X-Frame-Options": "DENY", "Referrer-Policy": "same-origin"}
 _NOTHING = "default-src 'none'; frame-ancestors 'none'; base-uri 'none'; form-action 'none'"
 
 
 def has_page(path: str) -> bool:
-    """Whether this path of a request, without its query, is one of the page."""
+    """Whether a request's path, without its query, is one of the page."""
     return path in PATHS
 
 
 def content_security_policy(html: str = "", host: str = "", more: tuple[str, ...] | None = (),
                             unpacks: bool = False) -> str:
-    """What a page may do, as Content-Security-Policy.
+    """Returns the Content-Security-Policy of a page.
 
     Parameters
     ----------
     html
         Of the page: its scripts run and no others.
     host
-        Under which it has been asked for, with the port: some browsers take a websocket there for another place.
+        Requested host and port: some browsers treat a websocket to it as another origin.
     more
-        Scripts beside, which those of the page make; None where they are not known: then any in the page run.
+        Further scripts that those of the page create; if None (unknown), any script in the page runs.
     unpacks
-        Whether the page is the lab with its packed scripts, workers and pictures, and not just words.
+        Whether the page is the lab with its packed scripts, workers and pictures, not plain text.
     """
     scripts = "'unsafe-inline'" if more is None else " ".join(
         f"'sha256-{_digest(script)}'" for script in (*re.findall(SCRIPT, html, re.DOTALL), *more))
@@ -62,7 +61,7 @@ def content_security_policy(html: str = "", host: str = "", more: tuple[str, ...
 
 
 def _digest(script: str) -> str:
-    """As a browser computes it: of what it has read, in which every end of a line is one character."""
+    """Returns the hash of a script as a browser computes it, with normalised line endings."""
     plain = script.replace("\r\n", "\n").replace("\r", "\n")
     return base64.b64encode(hashlib.sha256(plain.encode()).digest()).decode()
 
@@ -70,13 +69,13 @@ def _digest(script: str) -> str:
 POLICY = "Content-Security-Policy"
 _VIEWERS = Path(viser.__file__).parent / "client" / "build" / "index.html"
 _DIGITS = "!#$%()*+,-./0123456789:;=?@ABCDEFGHIJKLMNOPQRSTUVWXYZ[\\]^_abcdefghijklmnopqrstuvwxyz{|}~"
-_GROUP, _BYTES = 5, 4  # five digits, of as many kinds as there are above, are four bytes
+_GROUP, _BYTES = 5, 4  # five digits in this base are four bytes
 _PACKED = re.compile(r'<script data-p="([^"]*)" data-ss="(\d+)" data-cs="(\d+)">')
 
 
 def make_response(status: HTTPStatus, text: str, kind: str = "text/plain", cookie: str = "",
                   wait: float = 0) -> Response:
-    """An answer of our own, which nobody keeps."""
+    """Returns a response of our own, which is not cached."""
     body = text.encode() + (b"\n" if kind == "text/plain" and text else b"")
     headers = Headers({"Content-Type": f"{kind}; charset=utf-8", "Content-Length": str(len(body)),
                        "Cache-Control": "no-store", "Connection": "close"})
@@ -90,7 +89,7 @@ def make_response(status: HTTPStatus, text: str, kind: str = "text/plain", cooki
 
 
 def with_security_headers(connection: object, request: Request, response: Response) -> Response:
-    """Any answer, and what all say."""
+    """Adds the headers common to all responses."""
     for name, value in {**ALWAYS, POLICY: content_security_policy()}.items():
         if name not in response.headers:
             response.headers[name] = value
@@ -104,14 +103,14 @@ class Index:
         self._pages = {code: _Page(code, with_language(ground, code)(), icon) for code in LANGUAGES}
 
     def answer(self, request: Request, code: str) -> Response:
-        """What a request for a page gets, which has one well-formed host, in a language."""
+        """Returns the response to a request for a page, which has one valid host, in a language."""
         if not has_page(request.path.partition("?")[0]):
             return make_response(HTTPStatus.NOT_FOUND, "There is no such page.")
         return self._pages[code].answer(request)
 
 
 class _Page:
-    """In one language."""
+    """The page in one language."""
 
     def __init__(self, code: str, own: str, icon: str):
         self._code = code
@@ -136,7 +135,7 @@ class _Page:
 
 
 def unpacked_script(html: str) -> str | None:
-    """Returns the script that the viewer's html unpacks and runs; None where it is not packed as in viser 1.1."""
+    """Returns the script that the viewer's html unpacks and runs; None if it is not packed as in viser 1.1."""
     found = _PACKED.search(html)
     if found is None:
         return None
@@ -146,7 +145,7 @@ def unpacked_script(html: str) -> str | None:
 
 
 def _bytes(text: str) -> bytes:
-    """What the digits mean; a group that is not whole is a byte shorter than it has digits."""
+    """Decodes base-85 digits; an incomplete group is one byte shorter than its digits."""
     value = np.zeros(128, dtype=np.int64)
     value[[ord(digit) for digit in _DIGITS]] = range(len(_DIGITS))
     digits = value[np.frombuffer(text.encode("ascii"), dtype=np.uint8)]

@@ -1,9 +1,7 @@
-"""What goes to a browser together, as the bytes of one message of its websocket.
+"""Encoding of the messages that go to a browser together, as one websocket message in the viewer's format.
 
-In the viewer's own format, and with less work than the viewer makes it: what moves on the stage is ready to go as it
-is, where the viewer looks at each value of each message by its annotation; and what is short is not compressed, which
-took longer than all else of a frame and saved it some hundred bytes of twenty thousand.
-"""
+It avoids two costs of the viewer's own encoder: checking every value against its annotation, and compressing short
+text, which took longer than the rest of a frame and saved some hundred of twenty thousand bytes."""
 
 from collections.abc import Sequence
 from contextlib import aclosing
@@ -17,15 +15,15 @@ from viser._messages import SceneNodeUpdateMessage
 from viser.infra import Message
 from viser.infra._async_message_buffer import AsyncMessageBuffer
 
-SHORT = 4096  # bytes of words and numbers, of which those of a frame that says nothing new are less than a thousand
-ALIGNED = 8  # bytes at multiples of which arrays begin
-#: A frame of Zstandard (RFC 8878) that holds its bytes as they are: what comes before their number, in four bytes, and
-#: the three bytes of a block that is the last.
+SHORT = 4096  # bytes of text and numbers; a usual frame has less than a thousand
+ALIGNED = 8  # arrays begin at multiples of so many bytes
+#: Uncompressed Zstandard frame (RFC 8878): the header before the four bytes of its size, and
+#: the flag of the last block, in three bytes.
 STORED, LAST_BLOCK = b"\x28\xb5\x2f\xfd\xa0", 1
 
 
 class ChangedArrays(SceneNodeUpdateMessage, include_in_scene_serialization=True):
-    """Arrays of a thing on the stage are others now. Whoever says so writes to them no more."""
+    """Message that replaces arrays of a scene node. The sender must not modify the arrays afterwards."""
 
     def redundancy_key(self) -> str:
         return _key(self.name, tuple(self.updates))
@@ -45,12 +43,12 @@ class ChangedArrays(SceneNodeUpdateMessage, include_in_scene_serialization=True)
 
 @lru_cache(4096)
 def _key(name: str, props: tuple[str, ...]) -> str:
-    """What the viewer calls an update of these properties, of which only the last counts."""
+    """Returns the viewer's key of an update of these properties, of which only the last counts."""
     return SceneNodeUpdateMessage(name, dict.fromkeys(props)).redundancy_key()
 
 
 def pack_messages(window: Sequence[Message], compressor: zstandard.ZstdCompressor) -> bytes:
-    """Messages as a browser gets them: two lengths, words and numbers, and arrays after them."""
+    """Returns messages as sent to a browser: two lengths, text and numbers, then arrays."""
     arrays: list[memoryview] = []
     messages = [message.as_serializable_dict(arrays) for message in window]
     words = msgspec.msgpack.encode({"messages": messages, "timestampSec": perf_counter(),
@@ -65,14 +63,14 @@ def pack_messages(window: Sequence[Message], compressor: zstandard.ZstdCompresso
 
 
 def stored_frame(words: bytes) -> bytes:
-    """A frame of Zstandard that holds bytes, 128 kB at most, as they are."""
+    """Returns an uncompressed Zstandard frame of at most 128 kB."""
     return b"".join((STORED, len(words).to_bytes(4, "little"), (LAST_BLOCK | len(words) << 3).to_bytes(3, "little"),
                      words))
 
 
 async def send(websocket: Any, buffer: AsyncMessageBuffer, client_id: int,
                backlog_done_message: Message | None = None) -> None:
-    """Send what a buffer has for a browser, until that is over."""
+    """Sends the messages of a buffer to a browser until the buffer is closed."""
     compressor = zstandard.ZstdCompressor(level=1)
     async with aclosing(buffer.window_generator(client_id, backlog_done_message)) as windows:
         async for window in windows:

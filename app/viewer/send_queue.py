@@ -1,9 +1,7 @@
-"""What the page says to a browser is put in by any thread and sent by one.
+"""The outgoing queue of a websocket: any thread adds messages, one event loop sends them.
 
-The viewer 1.1 wakes that one twice for a frame, has it wait again with a timer after each, and tells it by setting an
-``asyncio.Event`` from the thread that speaks, which such an event is not made for: now and then the two meet, and what
-was being said, a frame perhaps, ends in an exception. Here a frame is one call to it.
-"""
+Viewer 1.1 wakes the loop twice per frame, adds a timer, and sets an ``asyncio.Event`` from another thread, which is not
+thread-safe: occasionally a message is lost in an exception. Here a frame needs one call to the loop."""
 
 import asyncio
 import threading
@@ -20,16 +18,16 @@ from viser.infra._async_message_buffer import AsyncMessageBuffer
 
 from app.viewer import message_encoding, viser_patches
 
-PROTOCOL = f"viser-v{viser.__version__}"  # by which page and server know that they are of one version
+PROTOCOL = f"viser-v{viser.__version__}"  # ensures that page and server have the same version
 
 
 class SendEvent(asyncio.Event):
-    """Wakes those who wait on a loop, and nobody who comes later. Any thread may :meth:`ring`; the viewer sets it, too,
-    from the thread that has spoken, which does nothing, and then from the loop."""
+    """Event that wakes the present waiters on a loop, no later ones. Any thread may call :meth:`ring`; the viewer also
+    calls :meth:`set`, from the sending thread, where it does nothing, and then from the loop."""
 
     def __init__(self) -> None:
         super().__init__()
-        self._rung = False  # and not heard yet
+        self._rung = False  # set and not handled yet
 
     def set(self) -> None:
         with suppress(RuntimeError):  # no loop runs in this thread
@@ -39,13 +37,13 @@ class SendEvent(asyncio.Event):
             self.clear()
 
     def ring(self, tower: "SendNotifier") -> None:
-        """Once for all who do until it is heard."""
+        """Schedules one wake-up for all calls until it is handled."""
         if not self._rung:
             self._rung = True
             tower.ring(self)
 
     async def heard(self, seconds: float | None = None) -> None:
-        """Until it rings, or for so many seconds."""
+        """Waits for the event, at most so many seconds."""
         timer = None if seconds is None else asyncio.get_running_loop().call_later(seconds, self.set)
         await self.wait()
         if timer:
@@ -53,7 +51,7 @@ class SendEvent(asyncio.Event):
 
 
 class _Here(threading.local):
-    """What a thread that has several frames to tell has rung meanwhile."""
+    """Thread-local set of notifiers to wake at the end of a batch."""
 
     rung: "set[SendNotifier] | None" = None
 
@@ -63,7 +61,7 @@ _here = _Here()
 
 @contextmanager
 def batch_messages() -> Iterator[None]:
-    """Holds back what this thread says to several browsers, so that the loop is woken once."""
+    """Context manager: delays this thread's messages to several browsers, so that the loop is woken once."""
     rung = _here.rung = set()
     try:
         yield
@@ -74,14 +72,14 @@ def batch_messages() -> Iterator[None]:
 
 
 class SendNotifier:
-    """The bells of one loop, which is woken once for all that ring until it hears them."""
+    """The pending events of one loop, which is woken once for all of them."""
 
     def __init__(self, loop: asyncio.AbstractEventLoop):
         self._soon = loop.call_soon_threadsafe
         self._ringing, self._woken = deque[SendEvent](), False
 
     def ring(self, bell: SendEvent) -> None:
-        """From any thread. In this order nothing is missed: what :meth:`_hear` has not found wakes the loop again."""
+        """Adds an event from any thread. The order matters: an event that :meth:`_hear` misses wakes the loop again."""
         self._ringing.append(bell)
         if _here.rung is None:
             self.wake()
@@ -89,7 +87,7 @@ class SendNotifier:
             _here.rung.add(self)
 
     def wake(self) -> None:
-        """Have the loop hear what rings."""
+        """Wakes the loop to handle pending events."""
         if not self._woken:
             self._woken = True
             with suppress(RuntimeError):  # the loop is closed: nobody waits
@@ -106,36 +104,36 @@ _TOWERS = WeakKeyDictionary[asyncio.AbstractEventLoop, SendNotifier]()
 
 @dataclass
 class SendBuffer(AsyncMessageBuffer):
-    """A browser's messages on their way, in order; they wait a little for others, but not after a flush."""
+    """A browser's outgoing messages in order; they wait briefly for others, but not after a flush."""
 
     message_event: SendEvent = field(default_factory=SendEvent)
     _flushed: bool = False
-    _given: float | None = None  # since when messages are on their way to a browser that has not taken them all yet
-    _sent: int = -1  # the number of the last message that has gone, of those that only this browser gets
+    _given: float | None = None  # since when messages have been sent that the browser has not received yet
+    _sent: int = -1  # the number of the last message sent to this browser alone
 
     def __post_init__(self) -> None:
         self._tower = _TOWERS.get(self.event_loop) or _TOWERS.setdefault(self.event_loop, SendNotifier(self.event_loop))
 
     @property
     def all_sent(self) -> bool:
-        """Whether all that has been put in has gone, or nobody is there any more."""
+        """Whether all messages have been sent, or the browser has disconnected."""
         return self.done or self._sent >= self.message_counter - 1
 
     @property
     def stands_still(self) -> float:
-        """Seconds for which the browser has taken nothing, though there was something to take."""
+        """Seconds for which the browser has received nothing of what was sent."""
         return 0.0 if (given := self._given) is None else monotonic() - given
 
     def push(self, message: Message) -> None:
-        """Adds a message and drops those that it makes redundant; removals go the viewer's own way."""
+        """Adds a message and drops those that it makes redundant; removals use the viewer's own method."""
         if self.done or message.lifecycle_phase == "remove":
             super().push(message)
         else:
             self.push_all((message,))
 
     def push_all(self, messages: Sequence[Message]) -> None:
-        """Put in messages that change something or make it, in this order."""
-        if self.done:  # the viewer says so, once
+        """Adds messages that create or change something, in this order."""
+        if self.done:  # the viewer warns, once
             for message in messages:
                 super().push(message)
             return
@@ -162,8 +160,7 @@ class SendBuffer(AsyncMessageBuffer):
 
     async def _window_loop(self, client_id: int, backlog_last_id: int,
                            backlog_done_message: Message | None) -> AsyncGenerator[Sequence[Message], None]:
-        """What goes to a browser together, again and again. ``backlog_done_message`` comes once, after what was there
-        before the browser: up to the message with the number ``backlog_last_id``."""
+        """Yields messages to send together; ``backlog_done_message`` once, after number ``backlog_last_id``."""
         marker, last = backlog_done_message, -1
         self.generator_cursors[client_id] = last
         try:
@@ -177,7 +174,7 @@ class SendBuffer(AsyncMessageBuffer):
                     window, marker = [*window, marker], None
                 if window:
                     self._given = monotonic()
-                    yield window  # and it goes on when that has gone
+                    yield window  # resumes when it is sent
                     self._given = None
                 self._sent = last
                 if self.message_counter - 1 == last or self.atomic_counter:
@@ -186,15 +183,15 @@ class SendBuffer(AsyncMessageBuffer):
             self.generator_cursors.pop(client_id, None)
 
     def _ring(self) -> None:
-        if not self.atomic_counter:  # else the end of the block does
+        if not self.atomic_counter:  # otherwise at the end of the block
             self.message_event.ring(self._tower)
 
     def _taken(self, last: int, newest: int, client_id: int) -> tuple[list[Message], int]:
-        """Returns messages after number ``last`` up to ``newest``, not too many, and the last number looked at."""
+        """Returns messages after number ``last`` up to ``newest``, not too many, and the last number examined."""
         window: list[Message] = []
         if not self.persistent_messages and newest - last <= self.max_window_size:
             with self.buffer_lock:
-                if newest == self.message_counter - 1:  # all that there is, as with a frame
+                if newest == self.message_counter - 1:  # all messages, as with a frame
                     window = [message for message in self.message_from_id.values()
                               if message.excluded_self_client != client_id]
                     for held in (self.message_from_id, self.id_from_redundancy_key, self.ids_from_entity_state_key):
@@ -212,7 +209,7 @@ class SendBuffer(AsyncMessageBuffer):
         return window, last
 
     async def _more(self, last: int) -> None:
-        """Until there are messages after number ``last``, and then until they are flushed or have waited enough."""
+        """Waits for messages after number ``last``, and then until a flush or the end of the window's duration."""
         while not self.done and (self.message_counter - 1 == last or self.atomic_counter):
             await self.message_event.heard()
         loop = asyncio.get_running_loop()
@@ -223,7 +220,7 @@ class SendBuffer(AsyncMessageBuffer):
 
 
 def patch_viser() -> None:
-    """Lets new servers use this buffer, :mod:`app.viewer.message_encoding` and :mod:`app.viewer.viser_patches`."""
+    """Makes new servers use this buffer, :mod:`app.viewer.message_encoding` and :mod:`app.viewer.viser_patches`."""
     viser_patches.mend_widgets()
     _infra.AsyncMessageBuffer = SendBuffer  # type: ignore[assignment, misc]
     _infra._message_producer = message_encoding.send

@@ -1,8 +1,7 @@
-"""Upload: a file from a browser, taken in part by part and kept on disk, never in memory.
+"""Uploads: a browser's file, received part by part and kept on disk, not in memory.
 
-The viewer would hold whatever is sent. Its button for files is therefore only what a browser sends to; what comes is
-checked and taken in here, and the viewer does not hear of it.
-"""
+The viewer would store whatever is sent. Its upload button is only the address that a browser sends to; parts are
+validated and stored here, and do not reach the viewer."""
 
 import math
 import shutil
@@ -22,14 +21,14 @@ from app.access.network_limits import DiskQuota
 from app.language.translation import lazy, tr
 
 START, PART = "FileTransferStartUpload", "FileTransferPart"
-PART_BYTES = 512 * 1024  # as the viewer's page cuts a file
-LARGEST = 32_000_000  # bytes of a file; TOO_LARGE says it
+PART_BYTES = 512 * 1024  # of each part from the viewer's page
+LARGEST = 32_000_000  # bytes of a file; also in TOO_LARGE
 LARGEST_PART = PART_BYTES + 1000  # bytes of a message with a part
 ROOM = DiskQuota(128_000_000, 256_000_000)  # bytes on the disk for the files of one network, and of all visitors
-STUCK = 30.0  # seconds without a part after which a file is not waited for, if another one is to come
-GONE_WITHIN = 2.0  # seconds in which a folder can be emptied in which a process that was killed has just written
-_OWN = "lab_upload"  # where a button for files has its own
-#: What such messages begin with, as the viewer's page writes them: fields in this order. Others are not even read.
+STUCK = 30.0  # seconds without a part after which another file may replace an unfinished one
+GONE_WITHIN = 2.0  # timeout in s for deleting a folder that a killed process may still write to
+_OWN = "lab_upload"  # attribute of a button that holds its upload
+#: First bytes of such messages from the viewer's page, with fields in this order. Others are not parsed.
 HEADS = {kind: bytes([0x80 + fields, 0xA4]) + b"type" + bytes([0xA0 + len(kind)]) + kind.encode()
          for kind, fields in ((START, 7), (PART, 5))}
 NO_ROOM = lazy("The server has no room for the file; try again later")
@@ -37,20 +36,20 @@ TOO_LARGE = lazy("The file is larger than 32 MB; give fewer times, or judge it w
 
 
 def kind_of(message: bytes | str) -> str | None:
-    """Of a message that brings a file, or begins to, which of the two it is."""
+    """Returns which of the two kinds of upload messages this is, or None."""
     return next((kind for kind, head in HEADS.items() if isinstance(message, bytes) and message.startswith(head)), None)
 
 
 @dataclass
 class _ComingFile:
-    """A file on its way."""
+    """A file being received."""
 
     transfer: str
     name: str
     size: int
     into: IO[bytes]
-    parts: int = 0  # that have come
-    since: float = field(default_factory=monotonic)  # the last one
+    parts: int = 0  # received so far
+    since: float = field(default_factory=monotonic)  # time of the last part
 
     @property
     def received(self) -> int:
@@ -58,21 +57,21 @@ class _ComingFile:
 
 
 class Upload:
-    """One visitor's: one file at a time. ``on_file(name, path)`` gets a file that has come, in the ``folder``, where
-    the next one will take its place; ``on_refusal`` a sentence. The web server's loop calls all but :meth:`close`."""
+    """Uploads of one visitor, one at a time. ``on_file(name, path)`` receives a complete file, in ``folder``, where the
+    next one will replace it; ``on_refusal`` a sentence. All but :meth:`close` is called on the web server's loop."""
 
     def __init__(self, gui: viser.GuiApi, button: viser.GuiUploadButtonHandle, on_file: Callable[[str, Path], None],
                  on_refusal: Callable[[str], None]):
         self._gui, self._button, self._on_file, self._on_refusal = gui, button, on_file, on_refusal
         self._folder: Path | None = None  # made for the first one
         self._coming_file: _ComingFile | None = None
-        self._taken: list[tuple[str, int]] = []  # of the room: of the file that is there, and of the one that comes
+        self._taken: list[tuple[str, int]] = []  # address and bytes of the present file and of the one being received
         self._open, self._lock = False, threading.Lock()
-        object.__setattr__(button, _OWN, self)  # the viewer's own way takes its properties only
+        object.__setattr__(button, _OWN, self)  # the viewer's own setter accepts its properties only
 
     @property
     def folder(self) -> Path:
-        """Where files of this visitor are; it goes with the last of this process at the latest."""
+        """The folder of this visitor's files; deleted at the end of the process at the latest."""
         if self._folder is None:
             self._folder = Path(tempfile.mkdtemp(prefix="mpm-lab-"))
             weakref.finalize(self, shutil.rmtree, self._folder, ignore_errors=True)
@@ -80,23 +79,23 @@ class Upload:
 
     @property
     def coming(self) -> str:
-        """What is on its way, in words; "" for nothing."""
+        """The progress of the present upload in words, or ""."""
         file = self._coming_file
         return "" if file is None else tr("The file is coming: {received:.1f} of {size:.1f} MB are here",
                                           received=file.received / 1e6, size=file.size / 1e6)
 
     def open(self) -> None:
-        """From now on files are taken in: all is there that they are for."""
+        """Accepts files from now on."""
         self._open = True
 
     def close(self) -> None:
-        """The visitor has gone: nothing more of a file comes."""
+        """Refuses further parts when the visitor leaves."""
         with self._lock:
             self._open = False
             self._drop()
 
     def clear(self) -> None:
-        """Nothing of a file stays, once nobody works with it any more."""
+        """Deletes all files, once no process works with them any more."""
         end = monotonic() + GONE_WITHIN
         while self._folder and self._folder.exists() and monotonic() < end:
             shutil.rmtree(self._folder, ignore_errors=True)
@@ -105,7 +104,7 @@ class Upload:
             self._give_back(0)
 
     def take(self, kind: str, said: dict[str, Any], who: str = "") -> str | None:
-        """Take in a message with good fields from an IP address; why it is refused, if it is."""
+        """Handles a valid message from an IP address; returns why it is refused, or None."""
         with self._lock:
             if not self._open:
                 return "a file for nobody"
@@ -146,13 +145,13 @@ class Upload:
         return None
 
     def _follow(self, file: _ComingFile) -> None:
-        """Tell the browser how much has come; hand over a file that is complete."""
+        """Acknowledges the received bytes to the browser; passes on a complete file."""
         self._gui._websock_interface.queue_message(FileTransferPartAck(
             self._button._impl.uuid, file.transfer, file.received, file.size))
         if file.received == file.size:
             file.into.close()
             self._coming_file = None
-            self._give_back(1)  # what was there has to go
+            self._give_back(1)  # the previous file is replaced
             self._on_file(file.name, self.folder / "coming")
 
     def _no_room(self) -> str:
@@ -160,7 +159,7 @@ class Upload:
         return "a file for which there is no room"
 
     def _drop(self) -> None:
-        """What has come of a file that does not come whole goes."""
+        """Deletes an incomplete file."""
         if self._coming_file is not None:
             self._coming_file.into.close()
             self._coming_file = None
@@ -169,11 +168,11 @@ class Upload:
             ROOM.give_back(who, size)
 
     def _give_back(self, but: int) -> None:
-        """The room of all files but so many of the last."""
+        """Releases the quota of all files but the last ``but``."""
         while len(self._taken) > but:
             ROOM.give_back(*self._taken.pop(0))
 
 
 def upload_of_button(button: Any) -> Upload | None:
-    """The upload of a button for files, if it has one."""
+    """Returns the upload of a button, or None."""
     return getattr(button, _OWN, None)

@@ -1,4 +1,4 @@
-"""Corrections of the viewer in this process: how fast it makes widgets, and how callbacks fail and speak."""
+"""Patches of the viewer in this process: faster creation of widgets, and logging and language of callbacks."""
 
 import asyncio
 from concurrent.futures import Executor, Future
@@ -19,11 +19,10 @@ _ICONS = _icons.ICONS_DIR / "tabler-icons.zip"
 
 
 def mend_widgets() -> None:
-    """Have widgets ask what is known of their kind, and take their icons from an archive that is opened once.
+    """Caches the property types of each kind of widget, and reads icons from an archive that is opened once.
 
-    The viewer works out anew with each widget what values its properties take, a third of the time that a page takes to
-    make; and it opens the archive anew for each icon and reads some thousands of names, half a second for a page.
-    """
+    The viewer determines the property types for each widget again, a third of a page's creation time, and opens the
+    archive for each icon and reads thousands of names, half a second per page."""
     known = cached_property(kinds_of_values)
     known.__set_name__(AssignablePropsBase, "_prop_hints")
     AssignablePropsBase._prop_hints = known  # type: ignore[method-assign, assignment]
@@ -32,41 +31,41 @@ def mend_widgets() -> None:
 
 
 def kinds_of_values(widget: Any) -> dict[str, Any]:
-    """What kinds of values a widget's properties take, worked out once for a kind of widget."""
+    """Returns the types of a widget's properties, cached by kind of widget."""
     return get_type_hints_cached(type(widget._impl.props))  # type: ignore[arg-type]  # kinds can be looked up
 
 
 @lru_cache(1)
 def _archive() -> ZipFile:
-    """Open from now on."""
+    """Returns the icons' archive, which stays open."""
     return ZipFile(_ICONS)
 
 
 @lru_cache(256)
 def icon_svg(name: str) -> str:
-    """An icon by its name, as svg."""
+    """Returns an icon as svg by its name."""
     return _archive().read(f"{name}.svg").decode()
 
 
 def mend_callbacks() -> None:
-    """What the viewer prints when one of the page's callbacks fails, all of it each time, is one line of ours."""
+    """Logs a failing callback in one line, instead of printing the traceback each time."""
     def print_exception(kind: type, error: BaseException, trace: object) -> None:
         log_failure(MESSAGE, error)
 
     viewers: Any = _threadpool_exceptions
     viewers.traceback = SimpleNamespace(print_exception=print_exception)
-    viewers.print = lambda *_, **__: None  # in front of it
+    viewers.print = lambda *_, **__: None  # printed before the traceback
 
 
 def of_loop(loop: asyncio.AbstractEventLoop, context: dict[str, Any]) -> None:
-    """The same for what fails in a loop's own callbacks, when nobody waits for them."""
+    """Logs a failure in a loop's own callbacks in one line."""
     error = context.get("exception")
     if isinstance(error, Exception):
         log_failure(MESSAGE, error)
 
 
 class _Carrying(Executor):
-    """Does work as another one, in the language that was spoken when it was made."""
+    """Executor that runs work in another one, in the language current at its creation."""
 
     def __init__(self, executor: Executor):
         self._executor, self._language = executor, current_language()
@@ -76,6 +75,6 @@ class _Carrying(Executor):
 
 
 def run_in_language(client: Any) -> None:
-    """Lets callbacks of this visitor's widgets and stage speak the language that is spoken now."""
+    """Makes callbacks of this visitor's widgets and stage run in the current language."""
     for part in (client.gui, client.scene):
         part._thread_executor = _Carrying(part._thread_executor)

@@ -1,4 +1,4 @@
-"""The web server with its doors: who asks, with what code, and what is said to it, before the viewer hears of it."""
+"""The web server with access control: checks origin, class code and limits before the viewer is involved."""
 
 import asyncio
 import json
@@ -34,13 +34,13 @@ from app.viewer.send_queue import PROTOCOL, SendBuffer
 
 LARGEST_MESSAGE = 1_000_000  # bytes; the websocket is closed before more of one has been read
 WAITING = 4  # messages that are read ahead
-# Websockets opened from one network, each with a page to make: a class that reloads twice within half a minute. One
-# that is sent away takes so many more, as far as there are: who comes again and again would have the server make
-# nothing but pages. There is no such number for all: whoever used it up would keep everybody out.
+# Websockets from one network, each with a page to build: a class that reloads twice within half a minute. A client
+# that is sent away costs so many tokens more: reconnecting repeatedly would keep the server building
+# pages. There is no common limit: whoever exhausted it would keep everybody out.
 HANDSHAKES, HANDSHAKES_A_SECOND, MISDEED = 80, 2, 30
-AWAY = 10.0  # seconds in which the address of one who was sent away must wait
-STOPPING = 0.2  # seconds that browsers have to say goodbye when the server ends
-SILENT = 60.0  # seconds in which a browser, however busy, says where its camera is; one that never speaks is none
+AWAY = 10.0  # seconds that an address must wait after being sent away
+STOPPING = 0.2  # timeout of closing handshakes in s when the server ends
+SILENT = 60.0  # seconds within which every browser sends its camera's position
 NOTHING_SAID, CROWDED = "nothing was said", "too many say nothing"
 NO_CODE = lazy("The class code is missing. Load the page again and type it.")
 
@@ -50,18 +50,18 @@ _CODE_PAGE = Path(__file__).parents[1] / "access" / "code.html"
 
 @language_cache(1)
 def _code_page() -> str:
-    """What asks for the class code."""
+    """Returns the page that asks for the class code."""
     return render_template(_CODE_PAGE, language=current_language())
 
 
 class Lab(viser.ViserServer):
-    """The viewer's server without its tunnel; its ``visitors`` have come through its ``doors``."""
+    """The viewer's server without its tunnel; its ``visitors`` have passed its access control, ``doors``."""
 
     visitors: Any = None
     doors: "AccessControl"
 
     def wait_until_told(self, seconds: float) -> None:
-        """Until every browser has been sent the goodbye and all before it; not longer for one that takes nothing."""
+        """Waits until every browser has been sent the last messages, at most so many seconds."""
         end = monotonic() + seconds
         states = self._websock_server._client_state_from_id
         while monotonic() < end and not (self.visitors.all_told() and all(
@@ -69,7 +69,7 @@ class Lab(viser.ViserServer):
             sleep(0.01)
 
     def stop(self) -> None:
-        """The end. Who does not say goodbye in turn is cut off."""
+        """Stops the server; connections without a closing handshake are aborted."""
         loop = self._websock_server._background_event_loop
         if loop is not None:
             with suppress(RuntimeError):  # it has ended
@@ -77,14 +77,14 @@ class Lab(viser.ViserServer):
         super().stop()
 
     def request_share_url(self, verbose: bool = True) -> None:
-        """There is none."""
+        """Does nothing: there is no tunnel."""
 
     def disconnect_share_url(self) -> None:
-        """There is nothing to disconnect."""
+        """Does nothing: there is no tunnel."""
 
 
 class AccessControl:
-    """The doors of one server. All but :meth:`guarding` is called on the web server's loop."""
+    """Access control of one server. All but :meth:`guarding` is called on the web server's loop."""
 
     def __init__(self, addresses: Addresses, code: ClassCode | None):
         self._addresses, self._code, self._refusals = addresses, code, Refusals()
@@ -92,22 +92,22 @@ class AccessControl:
         self._parts = TokenBuckets(lambda: TokenBucket(PARTS, PARTS_A_SECOND))
         self._lines = BrowserConnections(trusts_proxy=bool(addresses.names))
         self._going: set[asyncio.Future] = set()  # websockets that are being closed
-        self._away: dict[str, float] = {}  # until when an address must wait
+        self._away: dict[str, float] = {}  # time until which an address must wait
         self._server: viser.ViserServer | None = None
-        self._visitors: Any = None  # who is in
+        self._visitors: Any = None  # admitted visitors
 
     def watch(self, server: Lab, visitors: Any) -> None:
-        """This server's widgets are meant in what browsers say, and these visitors."""
+        """Sets the server, whose widgets messages refer to, and its visitors."""
         self._server, self._visitors = server, visitors
         server.doors, server.visitors = self, visitors
 
     def cut(self) -> None:
-        """All connections."""
+        """Aborts all connections."""
         self._lines.cut()
 
     @contextmanager
     def guarding(self, index: Index) -> Iterator[None]:
-        """Gives these doors, and this ``index``, to the web servers that start meanwhile."""
+        """Context manager: web servers started within use this access control and this ``index``."""
         serve = websockets.asyncio.server.serve
 
         def serving(handler: Callable[[Any], Awaitable[None]], *args: Any, process_request: object,
@@ -132,7 +132,7 @@ class AccessControl:
             websockets.asyncio.server.serve = serve  # type: ignore[misc]
 
     def _no_traces(self, record: logging.LogRecord) -> bool:
-        """Refuses who speaks no HTTP, ignores who leaves early, and logs any other failure in one line."""
+        """Log filter: refuses clients that send no HTTP, ignores early disconnects, logs other failures in one line."""
         error = record.exc_info[1] if record.exc_info else None
         if record.getMessage() != "opening handshake failed":
             if isinstance(error, Exception):
@@ -144,7 +144,7 @@ class AccessControl:
         return False
 
     async def _handle(self, handler: Callable[[Any], Awaitable[None]], connection: Any) -> None:
-        """What becomes of a websocket. The viewer gets it when it has spoken: before, nothing is made for it."""
+        """Handles a websocket. The viewer gets it after its first message; before, nothing is built for it."""
         who = self._who(connection)
         if connection.subprotocol != PROTOCOL:
             self._refusals.note("a page of another version", who)
@@ -169,13 +169,13 @@ class AccessControl:
             pulse.cancel()
 
     def _answer(self, connection: BrowserConnection, request: Request, index: Index) -> Response | None:
-        """What a request gets; None for one that gets a websocket."""
+        """Returns the response to a request; None for one that opens a websocket."""
         path, _, query = request.path.partition("?")
         code = translation.preferred_language(query, ",".join(request.headers.get_all("Accept-Language")))
         return with_language(self._answered, code)(connection, request, index, path)
 
     def _answered(self, connection: BrowserConnection, request: Request, index: Index, path: str) -> Response | None:
-        """The same, in the visitor's language."""
+        """Returns the response to a request in the visitor's language; None for one that opens a websocket."""
         who, headers = self._who(connection), request.headers
         opens_socket = "websocket" in ",".join(headers.get_all("Upgrade")).lower()
         refusal = (
@@ -204,24 +204,24 @@ class AccessControl:
         return make_response(HTTPStatus.NO_CONTENT if there else HTTPStatus.NOT_FOUND, "")
 
     def guest(self, visitor: int) -> AccessIdentity | None:
-        """Returns with whose code a visitor has come, the teacher's where none is needed; None for one who left."""
+        """Returns whose code a visitor has used, the teacher's if none is required; None if the visitor has left."""
         if self._code is None:
             return AccessIdentity(TEACHER)
         connection = self._connection(visitor)
         return None if connection is None else self._code.guest(connection.request.headers)
 
     def language(self, visitor: int) -> str:
-        """The code of the language in which the page of a visitor who is here has come."""
+        """Returns the code of the language of a present visitor's page."""
         connection = self._connection(visitor)
         return ENGLISH if connection is None else translation.of_cookie(connection.request.headers.get_all("Cookie"))
 
     def _connection(self, visitor: int) -> Any:
-        """The websocket of a visitor who is here. Of the viewer only its private parts know it."""
+        """Returns the websocket of a present visitor, from private attributes of the viewer."""
         server: Any = self._server
         return server._websock_server._live_connections.get(visitor) if server else None
 
     def _wait(self, who: str) -> Response | None:
-        """Makes those wait who open a websocket after many of their network, or after being sent away."""
+        """Returns a refusal for websockets after many of their network, or after being sent away; else None."""
         now, handshakes = monotonic(), self._handshakes.of(network_of(who))
         self._away = {other: until for other, until in self._away.items() if until > now}
         wait = max(handshakes.wait(), self._away.get(who, now) - now)
@@ -233,7 +233,7 @@ class AccessControl:
         return None
 
     def _keep_away(self, who: str) -> None:
-        """Somebody has done what no browser does."""
+        """Makes a misbehaving address wait."""
         self._away[who] = monotonic() + AWAY
         handshakes = self._handshakes.of(network_of(who))
         handshakes.pay(min(MISDEED, max(0.0, handshakes.left)))
@@ -242,7 +242,7 @@ class AccessControl:
         guesses = headers.get_all("X-Class-Code")
         entry = code.enter(unquote(guesses[0][:1000]) if guesses else "", who)
         if entry.cookie and code.knows(headers) and not entry.more:
-            return make_response(HTTPStatus.NO_CONTENT, "")  # of no use to one who is in
+            return make_response(HTTPStatus.NO_CONTENT, "")  # already admitted
         if entry.cookie:
             return make_response(HTTPStatus.OK, "", cookie=entry.cookie)
         self._refusals.note("a wrong class code" if not entry.wait else "a class code after too many wrong ones", who)
@@ -250,17 +250,17 @@ class AccessControl:
                              wait=entry.wait)
 
     def _close(self, connection: Any, why: str) -> None:
-        """Close a websocket that has said nothing."""
+        """Closes a silent websocket."""
         self._refusals.note("a connection that says nothing", self._who(connection))
         going = asyncio.ensure_future(send_away(connection, why))
-        self._going.add(going)  # else it could be collected while it goes
+        self._going.add(going)  # keeps a reference, so that it is not garbage-collected
         going.add_done_callback(self._going.discard)
 
     def _who(self, connection: Any) -> str:
         return address_of(connection, trusts_proxy=self._lines.trusts_proxy)
 
     def _widget(self, connection: Any, widget: str) -> Any:
-        """The widget with this id on the page behind a websocket. Of the viewer only its private parts know it."""
+        """Returns the widget with this id on the page of a websocket, from private attributes of the viewer."""
         server: Any = self._server
         live = server._websock_server._live_connections if server else {}
         visitor = next((number for number, other in live.items() if other is connection), None)

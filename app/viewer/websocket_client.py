@@ -1,4 +1,4 @@
-"""The browser's end of the page's websocket, for who speaks it without a browser."""
+"""The browser's end of the page's websocket, for clients without a browser."""
 
 from collections.abc import AsyncIterator, Mapping
 from contextlib import asynccontextmanager
@@ -11,11 +11,11 @@ import zstandard
 from app.viewer.send_queue import PROTOCOL
 
 LARGEST = 50 * 2**20  # bytes of a message
-PATIENCE = 60.0  # seconds for the server to answer at all
+PATIENCE = 60.0  # timeout of the opening handshake in s
 
 
 class Connection:
-    """A websocket that is open: messages are sent one by one, and come several together."""
+    """Open websocket: messages are sent one by one, and received in groups."""
 
     def __init__(self, socket: client.ClientConnection):
         self._socket = socket
@@ -31,19 +31,19 @@ class Connection:
 
 @asynccontextmanager
 async def connect(address: str, headers: Mapping[str, str] | None = None) -> AsyncIterator[Connection]:
-    """A connection to the page at ``address`` (host:port), asked for with these headers too, closed in the end."""
+    """Context manager: a connection to the page at ``address`` (host:port), with these further headers."""
     async with client.connect(f"ws://{address}", max_size=LARGEST, compression=None, open_timeout=PATIENCE,
                               additional_headers=headers, subprotocols=[client.Subprotocol(PROTOCOL)]) as socket:
         yield Connection(socket)
 
 
 def pack_message(message: dict[str, Any]) -> bytes:
-    """A message as a browser sends it."""
+    """Encodes a message as a browser does."""
     return msgspec.msgpack.encode(message)
 
 
 def unpack_messages(raw: bytes) -> list[dict[str, Any]]:
-    """The messages that came together, without their arrays: in front of these is their size, packed and not."""
+    """Decodes a group of messages without their arrays; it begins with their size, compressed and not."""
     size, length = (int.from_bytes(raw[k:k + 8], "little") for k in (0, 8))
     words = zstandard.ZstdDecompressor().decompress(raw[16:16 + length], max_output_size=size)
     return msgspec.msgpack.decode(words)["messages"]

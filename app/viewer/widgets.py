@@ -1,4 +1,4 @@
-"""What a visitor may do to each kind of widget, and what the viewer's handles can do that it keeps to itself."""
+"""Validation of values that visitors set, by kind of widget, and access to private parts of the viewer."""
 
 import math
 from collections.abc import Callable, Sequence
@@ -10,12 +10,12 @@ import viser
 from app.viewer.message_encoding import ChangedArrays
 from app.viewer.send_queue import SendBuffer
 
-LONGEST_TEXT = 200  # characters; little that the page asks for is longer
-_OWN = "longest_text"  # where a text that may be longer says how long
+LONGEST_TEXT = 200  # characters; few inputs of the page need more
+_OWN = "longest_text"  # attribute of a text that may be longer
 
 
 def why_value_refused(widget: Any, value: Any) -> str | None:
-    """Why a browser cannot have set this widget to ``value``; None where it can."""
+    """Returns why a browser cannot have set this widget to ``value``, or None."""
     rule = RULES.get(type(widget))
     if rule is None:
         return "a widget of a kind that takes no values"
@@ -25,12 +25,12 @@ def why_value_refused(widget: Any, value: Any) -> str | None:
 
 
 def set_max_length(text: viser.GuiTextHandle, longest: int) -> None:
-    """Let a text have so many characters."""
-    object.__setattr__(text, _OWN, longest)  # the viewer's own way takes its properties only
+    """Sets the most characters of a text."""
+    object.__setattr__(text, _OWN, longest)  # the viewer's own setter accepts its properties only
 
 
 def is_number_between(value: Any, low: float = -math.inf, high: float = math.inf) -> bool:
-    """Whether this is a finite number from ``low`` to ``high``; True and False are none."""
+    """Whether a value is a finite number from ``low`` to ``high``, and no bool."""
     return type(value) in (int, float) and abs(value) <= 1e300 and low <= value <= high
 
 
@@ -44,17 +44,17 @@ def put_arrays(changed: Sequence[tuple[viser.SceneNodeHandle, dict[str, np.ndarr
 
 
 def widget_id(widget: Any) -> str:
-    """What a browser calls a widget: the id of its input."""
+    """Returns the id of a widget's input in the browser."""
     return str(widget._impl.uuid)
 
 
 def is_removed(widget: Any) -> bool:
-    """Whether a widget has gone: the viewer would warn of what is set of it."""
+    """Whether a widget has been removed; the viewer would warn if it were changed."""
     return widget._impl.removed
 
 
 def _ranged(widget: Any, value: Any) -> bool:
-    """A browser rounds to the digits that it shows, and so may leave the range by half of the last."""
+    """Whether a number is in range, up to half the last digit, as a browser rounds to the digits it shows."""
     half = 0.5 * 10.0**-widget.precision * (1 + 1e-9) if type(widget.value) is float else 0.0
     low = -math.inf if widget.min is None else widget.min - half
     high = math.inf if widget.max is None else widget.max + half

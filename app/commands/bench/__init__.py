@@ -1,1 +1,1 @@
-"""How fast it is here, and what a class would get."""
+"""Benchmarks of this machine, and load tests with a simulated class."""

@@ -1,4 +1,4 @@
-"""A class at work: many visitors without a browser on a server of this machine, and what each of them gets."""
+"""Load test of a class: many simulated visitors on a local server, and the service that each of them gets."""
 
 import asyncio
 import json
@@ -22,27 +22,27 @@ from app.viewer.websocket_client import connect
 from solvers.workers.worker_process import HOME, LINUX, descendants, free_port, processor_seconds, proportional_bytes
 
 SCHEMA = "mpm-lab/class/1"
-#: The command ``mpm-lab`` in a process of its own: this code, though the working folder may have an ``app``, too.
+#: The command ``mpm-lab`` in a process of its own: this code, even if the working folder has an ``app``.
 ITSELF = (sys.executable, "-c",
           "import sys; sys.path.insert(0, sys.argv.pop(1)); from app.cli import main; sys.exit(main())", str(HOME))
-JOINING = 5.0  # seconds within which all come
-LATEST = 60.0  # seconds after which frames are counted though some have had none yet: a machine can be that busy
+JOINING = 5.0  # seconds within which all connect
+LATEST = 60.0  # seconds after which counting starts even if some visitors have no frame yet
 PAUSES = (2.0, 6.0)  # seconds between two moves of a slider, least and most
-SLIDERS = ("Cells", "Particles / cell", "Amplitude A", "Modulus E", "CFL number")  # beginnings of their labels
-STORE, SCENE = "kept by the browser", "bar;estimators=recovered,transport"  # a run that moves for as long as it is seen
-GOODBYE = 10.0  # seconds that the server may take to end
+SLIDERS = ("Cells", "Particles / cell", "Amplitude A", "Modulus E", "CFL number")  # first words of their labels
+STORE, SCENE = "kept by the browser", "bar;estimators=recovered,transport"  # a run without end
+GOODBYE = 10.0  # timeout of the server's shutdown in s
 MEGABYTE = 1e6
-FRAME = "/field/particles"  # the end of the name of what every frame of every problem sets
-BROKEN = "class='lab-notice lab-unstable'"  # what the page puts around the reason why a run has stopped
+FRAME = "/field/particles"  # end of the name of a node that every frame of every problem sets
+BROKEN = "class='lab-notice lab-unstable'"  # marks the reason why a run has stopped
 CAMERA = {"type": "ViewerCameraMessage", "wxyz": (1.0, 0.0, 0.0, 0.0), "position": (0.5, 0.5, 20.0), "fov": 0.07,
           "near": 1.0, "far": 400.0, "image_height": 640, "image_width": 760, "look_at": (0.5, 0.5, 0.0),
           "up_direction": (0.0, 1.0, 0.0)}
-ON_ITS_WAY = 0.25  # seconds after a choice in which a frame may come that was sent before it
+ON_ITS_WAY = 0.25  # seconds after a choice within which an earlier frame may still arrive
 
 
 @dataclass(frozen=True)
 class Load:
-    """How many come and how long they stay, in s, once all have come and see a moving picture."""
+    """Number of visitors and length of the test in s, once all are connected and receive frames."""
 
     visitors: int
     seconds: float
@@ -50,13 +50,13 @@ class Load:
 
 
 def is_frame(message: dict) -> bool:
-    """Whether it is a picture of particles: axes, too, are told where their points are, long before the first one."""
+    """Whether a message has particles: axes also get points, long before the first frame."""
     return message.get("name", "").endswith(FRAME) and "points" in message.get("updates", {})
 
 
 @dataclass
 class Control:
-    """A widget that the server has sent: what kind it is, its label and all that was said of it."""
+    """Widget sent by the server: its kind and all its properties."""
 
     kind: str
     props: dict[str, Any]
@@ -64,18 +64,18 @@ class Control:
 
 @dataclass
 class Visitor:
-    """One visitor of the page at ``address`` (host:port). Times are of ``time.monotonic``."""
+    """Simulated visitor of the page at ``address`` (host:port). Times are of ``time.monotonic``."""
 
     address: str
-    asked: float = 0.0  # when it knocked
-    frames: list[float] = field(default_factory=list)  # when they came
-    choices: list[float] = field(default_factory=list)  # when it has set a control
-    broken: set[int] = field(default_factory=set)  # before which of them it was said that the run has broken down
-    notice: str = ""  # the number of the text that says so now
-    controls: dict[str, Control] = field(default_factory=dict)  # by their number
+    asked: float = 0.0  # time of the connection request
+    frames: list[float] = field(default_factory=list)  # times of arrival
+    choices: list[float] = field(default_factory=list)  # times when it has set a control
+    broken: set[int] = field(default_factory=set)  # indices of frames before which the run had broken down
+    notice: str = ""  # id of the text that shows so now
+    controls: dict[str, Control] = field(default_factory=dict)  # by id
 
     async def stay(self) -> None:
-        """Until the connection is closed, from either side."""
+        """Connects, and stays until the connection is closed by either side."""
         self.asked = monotonic()
         async with connect(self.address) as connection:
             self._connection = connection
@@ -84,31 +84,31 @@ class Visitor:
                 self._take(messages)
 
     async def move(self, control: str, value: Any) -> None:
-        """Set the control with this number."""
+        """Sets the control with this id."""
         self.choices.append(monotonic())
         await self._connection.send({"type": "GuiUpdateMessage", "uuid": control, "updates": {"value": value}})
 
     def find(self, label: str, kind: str = "") -> str | None:
-        """The number of the control whose label begins so, of a kind that has this in its name."""
+        """Returns the id of the control whose label begins so, of a kind whose name contains ``kind``."""
         return next((number for number, control in self.controls.items()
                      if str(control.props.get("label", "")).startswith(label) and kind in control.kind), None)
 
     async def play_with(self, label: str, dice: random.Random) -> None:
-        """Set a slider to anything that it may be, if it is there."""
+        """Sets a slider to a random value, if it exists."""
         if number := self.find(label, "Slider"):
             low, high, step = (self.controls[number].props[name] for name in ("min", "max", "step"))
             steps = max(1, round((high - low) / step))
             await self.move(number, round(low + step * dice.randint(0, steps), 9))
 
     def rate(self, begin: float, end: float) -> float | None:
-        """Frames a second between two times, while there was something to see; None if there never was."""
+        """Returns frames per second between two times, without pauses after broken runs; None if nothing is left."""
         seconds = sum(until - since for since, until in self._pauses(begin, end))
         seen = sum(begin <= at < end for k, at in enumerate(self.frames) if k not in self.broken)
         return seen / seconds if seconds else None
 
     def standstill(self, begin: float, end: float, own: bool = False) -> float:
-        """The longest time without a frame, s, between two times: after a choice of its ``own``, or any other."""
-        def chosen(since: float, until: float) -> bool:  # found at once: an hour has 100,000 frames and 1,000 choices
+        """Returns the longest time without a frame, in s, within a span: after an ``own`` choice, or any other."""
+        def chosen(since: float, until: float) -> bool:  # by bisection: an hour has 100,000 frames and 1,000 choices
             following = bisect_right(self.choices, since - ON_ITS_WAY)
             return following < len(self.choices) and self.choices[following] < until
 
@@ -141,18 +141,18 @@ class Visitor:
             self.frames.append(monotonic())
 
     def _read(self, text: str, content: Any) -> None:
-        """A text says something else now."""
+        """Handles a text's new content."""
         if BROKEN in str(content):
             self.notice = text
             self.broken.add(len(self.frames))
-        elif content is not None and text == self.notice:  # the page may say so before the first frame of another run
+        elif content is not None and text == self.notice:  # may come before the first frame of another run
             self.broken.add(len(self.frames))
             self.notice = ""
 
 
 @contextmanager
 def start_server(*arguments: str) -> Iterator[tuple[str, int]]:
-    """A server of the page in a process of its own: its address (host:port) and the number of the process."""
+    """Context manager: starts a server of the page; yields its address (host:port) and process id."""
     port = free_port()
     process = subprocess.Popen([*ITSELF, "serve", "--port", str(port), *arguments], stderr=subprocess.PIPE, text=True)
     assert process.stderr
@@ -160,7 +160,7 @@ def start_server(*arguments: str) -> Iterator[tuple[str, int]]:
         line = process.stderr.readline()
         if not line.startswith("mpm-lab is at"):
             raise RuntimeError(f"the server did not start: {line.strip()}")
-        # A pipe that nobody reads fills up, and the server would stand still at its next warning.
+        # An unread pipe fills up, and would block the server at its next warning.
         threading.Thread(target=deque, args=(process.stderr, 0), daemon=True).start()
         yield f"127.0.0.1:{port}", process.pid
     finally:
@@ -171,7 +171,7 @@ def start_server(*arguments: str) -> Iterator[tuple[str, int]]:
 
 
 def class_load(load: Load, on_progress: Callable[[float], None]) -> dict[str, Any]:
-    """Have a class use a server, and say what its visitors got."""
+    """Runs the load test; returns the service that its visitors got."""
     with start_server("--max-sessions", str(load.visitors)) as (address, server):
         return asyncio.run(_attend(address, server, load, on_progress))
 
@@ -206,7 +206,7 @@ async def _attend(address: str, server: int, load: Load, on_progress: Callable[[
 
 
 async def _visit(visitor: Visitor, dice: random.Random) -> None:
-    """Come within a few seconds by a link to a run that goes on, then move a slider now and then."""
+    """Connects within a few seconds by a link to a run without end, then moves a slider now and then."""
     await asyncio.sleep(JOINING * dice.random())
     stay = asyncio.create_task(visitor.stay())
     try:
@@ -225,7 +225,7 @@ async def _visit(visitor: Visitor, dice: random.Random) -> None:
 
 
 def memory_held(server: int) -> dict[str, int] | None:
-    """Bytes held by a server, and by its engines with their compilers, what is shared once; None if unknown."""
+    """Returns the bytes of a server, and of its engines and compilers, shared memory once; None if unknown."""
     if not LINUX:
         return None
     engines = sum(proportional_bytes(process) for process in descendants(server))
@@ -233,7 +233,7 @@ def memory_held(server: int) -> dict[str, int] | None:
 
 
 def load_report(visitors: list[Visitor], begin: float, end: float, lost: list[str]) -> dict[str, Any]:
-    """What visitors got between two times; ``lost`` has a reason for each visit that has ended by itself."""
+    """Returns the service between two times; ``lost`` has a reason for each visit that ended by itself."""
     rates = sorted(rate for visitor in visitors if (rate := visitor.rate(begin, end)) is not None) or [0.0]
     joined = sorted(visitor.frames[0] - visitor.asked for visitor in visitors if visitor.frames)
     load = os.getloadavg()[0] if hasattr(os, "getloadavg") else None

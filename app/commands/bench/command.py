@@ -1,4 +1,4 @@
-"""``mpm-lab bench``: how fast it is here; its tables are made from the JSON object and nothing else."""
+"""``mpm-lab bench``: speed of this machine; its tables are made only from the JSON object."""
 
 from dataclasses import dataclass
 from typing import Annotated, ClassVar
@@ -58,7 +58,7 @@ class Bench:
 
 
 def bench_table(values: dict, /) -> str:
-    """Rates, prices, what is paid for effects that are off, and start-up."""
+    """Returns rates, costs of estimators and effects, also of effects that are off, and start-up times."""
     return "\n\n".join([
         _heading(values), _rates(values["rates"]), _gpu(values["gpu"]),
         _prices("price of an estimator: time of a step with it over a bare one", values["estimators"]),

@@ -1,1 +1,1 @@
-"""Particles of any run, looked through for contradictions."""
+"""Checks of particles of any run for contradictions."""

@@ -1,1 +1,1 @@
-"""A problem for other codes, and their particles judged."""
+"""Problems for other codes, and the judgement of their particles."""

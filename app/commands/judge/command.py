@@ -1,4 +1,4 @@
-"""``mpm-lab judge PROBLEM FILES...``: how wrong the particles of any code are, and the report in Markdown."""
+"""``mpm-lab judge PROBLEM FILES...``: errors of any code's particles, and the report in Markdown."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -27,9 +27,9 @@ if TYPE_CHECKING:
     from solvers.judging.judgement import Judgement  # which reads files of all kinds: --help must not wait for it
 
 COMPANION = "companion"
-#: What ``--expect`` may ask for: error.x.max of each grid, last(error.x.max) of the finest; order.x, of the largest
-#: errors over the times that all grids have; index.companion.x, what the companion says over the truth; contradictions,
-#: things that were compared and do not hold.
+#: Paths for ``--expect``: error.x.max of each grid, last(error.x.max) of the finest; order.x of the largest
+#: errors over the common times of all grids; index.companion.x, the companion's estimate over the truth;
+#: contradictions, the number of failed checks.
 EXPECTABLE = Expectations("grids", {
     "error": (JUDGED, NORMS), "order": (JUDGED,), "estimate": ((COMPANION,), JUDGED, NORMS),
     "index": ((COMPANION,), JUDGED), "distance": ((COMPANION,), JUDGED), "contradictions": (), "particles": (),
@@ -38,7 +38,7 @@ EXPECTABLE = Expectations("grids", {
 
 @dataclass(frozen=True, kw_only=True)
 class Judge(SceneFlags):
-    """The files, and where the report goes."""
+    """Flags of the files and the report."""
 
     HELP: ClassVar[str] = """Judge what any code's particles of the {title} get wrong, where and of which order.
 
@@ -67,7 +67,7 @@ class Judge(SceneFlags):
         EXPECTABLE.check(self.expect)
         times = flags.times_for(self.files, self.time)
         cells = self._cells()
-        scene, *_ = (self.scene(cells=count) for count in cells)  # each says what is wrong with it
+        scene, *_ = (self.scene(cells=count) for count in cells)  # each validates itself
         folder = None if self.out is None else Folder(self.out)
         try:
             with show_progress(self.quiet) as show:
@@ -79,7 +79,7 @@ class Judge(SceneFlags):
         return self._write(folder, judged)
 
     def _cells(self) -> list[Any]:
-        """Cells of the grid, one number for all files or one for each."""
+        """Returns the cells of the grid, one number for all files or one for each."""
         given = self.inputs()["cells"]
         words = given.replace(",", " ").split() if isinstance(given, str) else []
         cells = [flags.parse_number([word]) for word in words] or [given]
@@ -89,7 +89,7 @@ class Judge(SceneFlags):
         return cells
 
     def _write(self, folder: Folder | None, judged: Any) -> int:
-        """The summary, the report where it was asked for, and what came of the claims."""
+        """Writes the summary, the requested reports, and the outcomes of the claims."""
         values, status = judged.to_dict(), 0
         if not self.quiet:
             put_text(judgement_text(values, judged) + "\n")
@@ -101,7 +101,7 @@ class Judge(SceneFlags):
 
 
 def claims_outcomes(values: Mapping[str, Any]) -> list[Mapping[str, Any]]:
-    """Each grid's part of the report in the shape of a run's JSON object."""
+    """Returns each grid's part of the report in the form of a run's JSON object."""
     orders = values["order"] or {}
     return [{
         "scene": {"cells": grid["cells"], "estimator": [COMPANION]}, "error": grid["error"],
@@ -115,13 +115,13 @@ def claims_outcomes(values: Mapping[str, Any]) -> list[Mapping[str, Any]]:
 CAPTIONS = {"norms.png": "Error norms over time: against the truth where there is one, and as the companion sees them",
             "space.png": "Where the error of x is, at the time at which it is largest",
             "order.png": "Largest errors over the cell size, beside our own methods"}
-#: Inputs that some problems have: their keys, names and units.
+#: Inputs of some problems: keys, names and units.
 OF_SOME = (("poisson_ratio", "Poisson's ratio", ""), ("frequency", "frequency B =", " 1/s"), ("law", "law", ""))
 HERE = Path(__file__).parent
 
 
 def judgement_text(values: dict, judged: "Judgement") -> str:
-    """What was judged, how large the errors are, and what does not hold."""
+    """Returns a summary: the problem, the sizes of errors, and the contradictions."""
     scene, asked = judged.scene, values["scene"]
     more = [f"{name} {asked[key]:{'' if key == 'law' else 'g'}}{unit}" for key, name, unit in OF_SOME if key in asked]
     files = sorted({file for g in values["grids"] for file in g["files"]})
@@ -138,7 +138,7 @@ def judgement_text(values: dict, judged: "Judgement") -> str:
 
 
 def as_markdown(values: dict, judged: "Judgement", pictures: list[str]) -> str:
-    """The report; pictures stand after the summary."""
+    """Returns the report; pictures follow the summary."""
     shown = [f"![{CAPTIONS[name]}]({name})" for name in pictures]
     body = [_grid(g, values, several=len(values["grids"]) > 1) for g in values["grids"]]
     order = [_order(values)] if values["order"] else []
@@ -159,12 +159,12 @@ def _largest(values: dict, judged: "Judgement") -> str:
 
 
 def _errors(g: dict) -> dict:
-    """Summaries against the best that is known."""
+    """Returns the true errors, or else the companion's estimates."""
     return g["error"] or g["estimate"]["companion"]
 
 
 def _verdict(g: dict, values: dict) -> str:
-    """A grid in two or three sentences: how large, against ours, and whether something is by itself."""
+    """Returns two or three sentences on a grid: the error, its ratio to ours, and outliers."""
     from solvers.judging.judgement import BY_PLACE
     x = _errors(g)["x"]["max"]
     sentences = [f"**{g['cells']} cells:** the error of x is up to {_size(x, 'x')}." if any(g["times"]) else
@@ -204,7 +204,7 @@ def _grid(g: dict, values: dict, several: bool) -> str:
         words=("compared", "in", "verdict", "remark")))
     if g["ours"]:
         parts += ["Our own methods on the same grid, at the same times:", _ours(g)]
-    told = {check["says"] for check in g["checks"]}  # in the table, and above
+    told = {check["says"] for check in g["checks"]}  # shown in the table and above
     if notes := [note for note in g["notes"] if note not in told]:
         parts.append("\n".join(f"* {escape_markdown(note)}" for note in notes))
     parts.append("Files: " + ", ".join(code_span(file_name(file)) for file in g["files"][:20])

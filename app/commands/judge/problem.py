@@ -1,4 +1,4 @@
-"""``mpm-lab problem PROBLEM --out DIR``: all that another code needs to set the problem up."""
+"""``mpm-lab problem PROBLEM --out DIR``: everything that another code needs to set up the problem."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -21,13 +21,13 @@ from solvers.untrusted.size_limits import LIMITS
 
 PAGE = Path(__file__).parent / "problem.md"
 TABLE_POINTS, TABLE_TIMES = 41, 81  # of the table of the body force
-FIRST_STEP = 0.1  # of the time that a wave takes through a cell
-QUARTERS = 4  # of a period: the times of the exact solution where none are asked for
+FIRST_STEP = 0.1  # of the time in which a wave crosses a cell
+QUARTERS = 4  # times of the exact solution per period by default
 
 
 @dataclass(frozen=True, kw_only=True)
 class ProblemCommand(SceneFlags):
-    """Where the problem goes, and the times of its exact solution."""
+    """Flags of the directory, and of the times of the exact solution."""
 
     HELP: ClassVar[str] = """Write all that another code needs to run the {title}.
 
@@ -80,18 +80,18 @@ def _files(scene: Scene, times: list[float]) -> dict[str, bytes]:
 
 
 def _in_space(vectors: np.ndarray) -> np.ndarray:
-    """Vectors (P, D) as VTK's, with three components."""
+    """Pads vectors (P, D) to three components, for VTK."""
     return np.pad(vectors, ((0, 0), (0, 3 - vectors.shape[1])))
 
 
 def problem_page(scene: Scene, texts: Texts, times: Sequence[float], solution: str) -> str:
-    """What the problem is, what each file holds, and how to be judged."""
+    """Returns a page that explains the problem, the files, and how to judge results."""
     columns = {key: ", ".join(f"`{name}`" for name in column_names(key, scene.DIMENSIONS))
                for key in ("X", "x", "v", "F", "sigma")}
     period = "A period of the motion is" if scene.swings else f"Times are counted in periods of the {scene.TITLE},"
     known = "the exact solution" if scene.solution_known else \
         "a spectral-element solution of the same problem (companion), for none is known exactly,"
-    # What says the problem to the judge: every input but those of methods and of the end.
+    # The flags of the problem for the judge: all inputs except those of methods and of the end.
     flags = (f"--{key.replace('_', '-')} {f'{value:.15g}' if isinstance(value, float) else value}"
              for key, value in scene.to_dict().items() if value is not None
              and key not in {"problem", "t_end", "periods", *map(field_key, METHOD_FIELDS)})

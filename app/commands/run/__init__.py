@@ -1,1 +1,1 @@
-"""One run."""
+"""Commands for single runs."""

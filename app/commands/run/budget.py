@@ -1,4 +1,4 @@
-"""``mpm-lab budget PROBLEM``: who made the error of a run, and what is left of it without one of the causes."""
+"""``mpm-lab budget PROBLEM``: the error of a run by cause, and the error without one of the causes."""
 
 from dataclasses import dataclass, replace
 from typing import Annotated, Any, ClassVar
@@ -17,7 +17,7 @@ _MAP = "the map of where and when an error was made has gone; --plot draws what 
 
 @dataclass(frozen=True, kw_only=True)
 class Budget(SceneFlags):
-    """What is done with the budget of a scene."""
+    """Flags for the budget of a scene."""
 
     HELP: ClassVar[str] = """Say which cause has made which part of the error of a run of the {title}.
 
@@ -48,7 +48,7 @@ class Budget(SceneFlags):
         with show_progress(self.quiet) as show:
             from solvers.running.budget import run_budget  # here: bad input and --help must not wait for Taichi
             if (on_demand := PROBLEMS[scene.problem].budget) is not None:
-                on_demand.check(scene, self.take_away)  # what is refused needs no warning
+                on_demand.check(scene, self.take_away)  # rejects before warnings
             for sentence in () if self.quiet else scene.warnings():
                 print_message(f"warning: {sentence}")
             found = run_budget(scene, self.take_away, show)
@@ -63,7 +63,7 @@ class Budget(SceneFlags):
         return BROKEN if broken else OK
 
     def _scene(self) -> Any:
-        """The scene, with the budget switched on where that is an effect, whatever other effects it has."""
+        """Returns the scene with the budget switched on, if it is an effect there, whatever its other effects."""
         asked = self.scene()
         if "budget" not in asked.OWN_EFFECTS:
             return asked
@@ -78,7 +78,7 @@ class Budget(SceneFlags):
 
 
 def _tables(values: dict) -> str:
-    """The budget, and what was taken away, in words."""
+    """Returns the tables of the budget and of a removed cause."""
     parts = [budget_table(values["budget"])]
     if values["take_away"]:
         parts.append(take_away_table(values["take_away"]))

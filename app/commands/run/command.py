@@ -22,18 +22,18 @@ from solvers.solver.snapshot import Snapshot
 from solvers.untrusted.size_limits import LIMITS
 
 OK, FAILED, BROKEN = 0, 1, 3
-KINDS = (".npz", ".csv")  # of files of particles
-LETTERS = 21  # of a number in a .csv, with what parts it from the next
+KINDS = (".npz", ".csv")  # suffixes of particle files
+LETTERS = 21  # of a number in a .csv, with its separator
 
 
 class ParticleWriter:
-    """What ``--particles`` asks for; the file is tried now."""
+    """Writer of the file for ``--particles``, which is checked now."""
 
     def __init__(self, text: str, scene: Scene):
         if Path(text).suffix.lower() not in KINDS:
             raise BadInput("particles", text, f"give a file that ends in {' or '.join(KINDS)}")
         samples = scene.steps // scene.sample_interval + 2
-        # Of a file that the judge reads: time, id, three vectors and a tensor in each row.
+        # Columns of the judge's format: time, id, three vectors and a tensor.
         rows, width = scene.particles * samples, 2 + 3 * scene.DIMENSIONS + scene.DIMENSIONS**2
         in_bytes = LIMITS.bytes // (width * LETTERS) if text.lower().endswith(".csv") else LIMITS.rows
         most = min(LIMITS.rows, LIMITS.numbers // width, in_bytes)
@@ -45,7 +45,7 @@ class ParticleWriter:
         self._frames: list[Frame] = []
 
     def keep(self, shot: Snapshot) -> None:
-        """Keep a sample; one of a run gone bad, with what is no number, is left out."""
+        """Keeps a sample, unless it has non-finite values."""
         from solvers.judging.reference_runs import frame_of_snapshot
         frame = frame_of_snapshot(shot, self._scene)
         if all(np.isfinite(v).all() for v in (shot.position, shot.velocity, shot.deformation_gradient)):
@@ -64,7 +64,7 @@ class ParticleWriter:
 
 @dataclass(frozen=True, kw_only=True)
 class Output:
-    """What comes of a run, and where it goes."""
+    """Flags for the output of a run."""
 
     json: Annotated[PathFlag, default_hint("a table is printed instead")] = None
     """File for the result as a JSON object; - is standard output."""
@@ -80,7 +80,7 @@ class Output:
     """No progress bar, no warnings and no remarks on standard error."""
 
     def run_and_write(self, scene: Scene) -> int:
-        """Run a scene and write what was asked for; the exit status. Files are tried first: no typo costs a run."""
+        """Runs a scene, writes the output and returns the exit status. Files are checked before the run."""
         parse_goals(scene, self.goal)
         target = json_target(self.json)
         picture = None if self.plot is None else Target("plot", self.plot, ending=".png")
@@ -106,7 +106,7 @@ class Output:
 
 @dataclass(frozen=True, kw_only=True)
 class Run(Output, SceneFlags):
-    """What is done with a scene, and where its result goes."""
+    """Flags of a scene and of the output of its run."""
 
     HELP: ClassVar[str] = """Run the {title} once and report its true and estimated errors.
 
@@ -134,7 +134,7 @@ class RunText(Output):
 
     def execute(self) -> int:
         try:
-            scene = state.parse_state(self.text.rpartition("#")[2]).scene  # a whole link does as well
+            scene = state.parse_state(self.text.rpartition("#")[2]).scene  # a complete link is accepted too
         except state.StateError as error:
             raise BadInput("scene", self.text, str(error)) from None
         return self.run_and_write(scene)
@@ -147,7 +147,7 @@ def _run(scene: Scene, quiet: bool, writer: ParticleWriter | None, goals: Sequen
 
 
 def _draw(result: Result, target: Target) -> bool:
-    """Draw and write the picture; a failure is told and costs nothing else of the run."""
+    """Draws and writes the picture; a failure is reported without other effects."""
     try:
         from app.pictures.run import png_bytes, run_figure
         target.write(png_bytes(run_figure(result)))

@@ -1,4 +1,4 @@
-"""The summary that ``mpm-lab run`` prints, made from the JSON object, and the goals with their error bars."""
+"""Text summary of ``mpm-lab run``, made from the JSON object, and the goals with their error bars."""
 
 from collections.abc import Iterator, Mapping
 
@@ -20,12 +20,12 @@ GOAL_MEANING = (f"bar: {SAFETY:g} times the estimated error of the number; held:
 
 
 def run_table(result: dict) -> str:
-    """Heading, errors, estimates of each estimator, and what the run cost."""
+    """Returns heading, errors, estimates of each estimator, and run times."""
     errors = [_norm(key, summary) for key, summary in result["error"].items()]
     parts = [_heading(result), _columns([("true error, RMS", *SUMMARY), *errors])]
     names = result["scene"]["estimator"] if "estimate" in result["effects"] else []
     estimates = [name for name in names if name not in result["not_valid"]]
-    for name in estimates:  # one estimator's values are not keyed by its name
+    for name in estimates:  # a single estimator's values are not keyed by its name
         estimate, index, distance = (result[key] if len(names) == 1 else result[key][name]
                                      for key in ("estimate", "index", "distance"))
         rows = [(*_norm(q, estimate[q]), format_value(index[q], ".3f"),
@@ -42,7 +42,7 @@ def run_table(result: dict) -> str:
 
 
 def budget_table(budget: dict) -> str:
-    """Each cause's share of the error, and whose error it is; or why shares say nothing."""
+    """Returns each cause's share of the error; or why shares are not valid."""
     rows = [(cause, *(format_value(budget[field][name], ".3f") for field in FIELDS)) for name, cause in CAUSES.items()]
     whose = "the error" if budget["reference"] == "exact" else f"what the {budget['reference']} has the error is"
     text = _columns([("share of the error of", *FIELDS), *rows])
@@ -60,7 +60,7 @@ def _heading(result: dict) -> str:
         moving = f"amplitude {scene['amplitude']:g} {unit_of(PROBLEMS[scene['problem']].scene, 'amplitude')}"
     if scene.get("law", NEO_HOOKEAN) != NEO_HOOKEAN:
         moving += f", {scene['law']}"
-    # Which quantities the word ok does not hold for.
+    # Quantities that the status ok does not include.
     doubts = f" for x, not for {', '.join(result['as_large_as_itself'])}" \
         if result["status"] == "ok" and result["as_large_as_itself"] else ""
     return (f"{scene['problem']}, {scene['method']}, {scene['cells']} cells, {per} "
@@ -70,13 +70,13 @@ def _heading(result: dict) -> str:
 
 
 def _norm(key: str, summary: dict) -> tuple[str, ...]:
-    """An error with its unit, and its sizes; a problem's own norms say first which quantity they are of: a_nodes."""
+    """Returns an error with its unit, and its sizes; a problem's own norms begin with their quantity: a_nodes."""
     name = f"{key} ({QUANTITIES[key.partition('_')[0]].unit})"
     return name, *(format_value(summary[part], ".3e") for part in SUMMARY)
 
 
 def take_away_table(values: dict) -> str:
-    """What is left of the error without a cause, as predicted and as it came."""
+    """Returns the errors before, as predicted without a cause, and actual."""
     heads = {"before": "before", "predicted": "predicted", "again": "run again"}
     rows = [(words, *(format_value(values[key][field], ".3e") for field in FIELDS)) for key, words in heads.items()]
     return _columns([(f"without {CAUSES[values['class']]}, RMS", *(f"{field} ({UNITS[field]})" for field in FIELDS)),
@@ -84,7 +84,7 @@ def take_away_table(values: dict) -> str:
 
 
 def _effects(result: dict) -> Iterator[tuple[str, str]]:
-    """A line for each effect that has numbers; of those that only some problems have, where it is on."""
+    """Yields a line for each effect with numbers; for effects of some problems only if it is on."""
     for name, line in effect_lines(lambda effect: effect.text).items():
         effect, found = ALL[name], result[ALL[name].json_key]
         if found is not None or name in EFFECTS:
@@ -115,12 +115,12 @@ def _columns(rows: list[tuple[str, ...]]) -> str:
 
 
 def format_value(value: float | None, form: str) -> str:
-    """A number; a dash where there is none."""
+    """Formats a number; a dash for None."""
     return NOTHING if value is None else format(value, form)
 
 
 def goal_table(scene: Scene, goals: Mapping[str, dict]) -> str:
-    """A block for each goal, and what the bars are; nothing where none was wanted."""
+    """Returns a block for each goal, and an explanation of the bars; "" without goals."""
     if not goals:
         return ""
     blocks = []

@@ -1,1 +1,1 @@
-"""Many runs: sweeps, searches, maps and the paper's tables."""
+"""Commands for many runs: sweeps, searches, maps and the paper's tables."""

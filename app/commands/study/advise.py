@@ -28,7 +28,7 @@ OK, UNREACHABLE = 0, 1
 
 @dataclass(frozen=True, kw_only=True)
 class Advise:
-    """What is left open (method, particles per cell, cfl) is searched; cells always are."""
+    """Flags of a search, over all of method, particles per cell and cfl that are not given, and cells."""
 
     HELP: ClassVar[str] = """Find the cheapest run of the {title} whose own estimate meets a tolerance.
 
@@ -97,7 +97,7 @@ class Advise:
         return advise(choices, Goal(quantity, tolerance, self.budget), told)
 
     def _numbers(self, flag: str, words: tuple[str, ...], default: tuple[Any, ...]) -> tuple[Any, ...]:
-        """The words of a flag as numbers that a scene accepts."""
+        """Returns the words of a flag as numbers, validated by a scene."""
         numbers = tuple(parse_float([word]) if flag == "cfl" else flags.parse_number([word]) for word in words)
         for value in numbers:
             self.SCENE(**{flag: value})  # says what is wrong with it
@@ -105,7 +105,7 @@ class Advise:
 
 
 def search_flags(scene: type[Scene]) -> dict[str, Any]:
-    """Flags that hold several values to choose from, where a run has one."""
+    """Returns flags with several values to choose from, instead of one."""
     preserving = "; uGIMP with and without linearity preservation" * (("ugimp", True) in scene.candidates())
     return {"method": choices_of(scene.choices("method"), "all", f"Methods to choose from{preserving}."),
             "ppc": choices_of(("N",), _listed(PARTICLES_PER_CELL),
@@ -118,7 +118,7 @@ def _listed(numbers: tuple[float, ...]) -> str:
 
 
 def as_dict(advice: Advice, base: Scene, tolerance: float, relative: bool, spent: float) -> dict:
-    """The advice as one JSON object; errors in the quantity's unit and, as ``relative``, over its size."""
+    """Returns the advice as one JSON object; errors in the quantity's unit and, as ``relative``, over its size."""
     chosen, goal, other, size = advice.chosen, advice.goal, advice.runner_up, base.size_of(advice.goal.quantity)
 
     def errors(value: float) -> dict:

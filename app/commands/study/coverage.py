@@ -1,4 +1,4 @@
-"""``mpm-lab coverage PROBLEM``: how often the estimators are right, on runs drawn at random."""
+"""``mpm-lab coverage PROBLEM``: how often the estimators are right, in random runs."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -15,13 +15,13 @@ from solvers.study.coverage.random_runs import IDENTITY, MEASURED, RandomRun, fa
 from solvers.study.parameter_grid import MOST_ROWS
 from solvers.study.row import FAILED
 
-SEED = 29  # of what ``assets/coverage.md`` shows
+SEED = 29  # of ``assets/coverage.md``
 MOST_SEED = 2**31 - 1
 
 
 @dataclass(frozen=True, kw_only=True)
 class Coverage(StudyFlags):
-    """How many runs are drawn, and from which seed."""
+    """Flags for the number of runs and the seed."""
 
     HELP: ClassVar[str] = """Count how often the error estimators of the {title} are right.
 

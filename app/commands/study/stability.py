@@ -1,4 +1,4 @@
-"""``mpm-lab stability PROBLEM``: how long each method lives, with and without remedies."""
+"""``mpm-lab stability PROBLEM``: how long runs of each method stay accurate, with and without remedies."""
 
 from dataclasses import dataclass
 from typing import Annotated, Any, ClassVar
@@ -19,7 +19,7 @@ DEFAULT_CFL = (0.1, 0.3, 0.5, 0.7)
 
 @dataclass(frozen=True, kw_only=True)
 class Stability(StudyFlags):
-    """What is mapped; every combination that a method has is run."""
+    """Flags of the map; all valid combinations are run."""
 
     HELP: ClassVar[str] = """Map how many periods each method of the {title} survives.
 
@@ -59,7 +59,7 @@ class Stability(StudyFlags):
             "stability.md": as_markdown(values)}, printed="stability.md")
 
     def axes(self) -> dict[str, list]:
-        """The values of each input of a scene, by the name of its flag."""
+        """Returns the values of each input of a scene, by the name of its flag."""
         for method in self.method:
             require_choice("method", method, self.SCENE.choices("method"))
         axes = {"method": list(self.method or self.SCENE.choices("method")),
@@ -68,12 +68,12 @@ class Stability(StudyFlags):
                 "cfl": [parse_number([word]) for word in self.cfl] or list(DEFAULT_CFL)}
         for name, values in axes.items():
             for value in values:
-                self.SCENE(**{name: value})  # says what is wrong with it
+                self.SCENE(**{name: value})  # validates it
         return axes
 
 
 def map_flags(scene: type[Scene]) -> dict[str, Any]:
-    """Flags that hold several values, where a run has one."""
+    """Returns flags with several values, instead of one."""
     return {"method": choices_of(scene.choices("method"), "all", "Methods to map."),
             "amplitude": choices_of(("X",), " ".join(f"{a:g}" for a in scene.HARD_AMPLITUDES),
                                     f"Amplitudes, {unit_of(scene, 'amplitude')}."),

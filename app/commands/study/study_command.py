@@ -1,4 +1,4 @@
-"""The base of every study: a plan of rows, run side by side and kept as they finish, and what is written of them."""
+"""Base class of studies: a plan of rows, run in parallel and stored as they finish, and their output."""
 
 import contextlib
 import re
@@ -25,13 +25,13 @@ ADDRESS = re.compile(r"(tcp|tls|ucx|ws|wss)://\S+:\d+/?")
 
 
 class Study:
-    """A study as a command: ``questions`` are its rows to measure, ``document`` writes what was measured."""
+    """Study as a command: ``questions`` are the rows to measure, ``document`` writes the results."""
 
     SCENE: ClassVar[type[Scene]]
-    TIMED: ClassVar[bool] = True  # whether rows have times, for the sake of which one runs after the other
-    WORK: ClassVar[str] = "solvers.study.executors:measure_in_worker"  # that measures a row (``solvers.workers``)
-    IDENTITY: ClassVar[dict] = IDENTITY  # the form of what says which row it is,
-    MEASURED: ClassVar[dict] = MEASURED  # and of what was measured (``solvers.study.json_schema``)
+    TIMED: ClassVar[bool] = True  # whether rows are timed, and so run one after the other
+    WORK: ClassVar[str] = "solvers.study.executors:measure_in_worker"  # measures a row (``solvers.workers``)
+    IDENTITY: ClassVar[dict] = IDENTITY  # schema of a row's identity,
+    MEASURED: ClassVar[dict] = MEASURED  # and of its results (``solvers.study.json_schema``)
     workers: Any = None
     scheduler: Any = None
     resume: bool | None = None
@@ -39,7 +39,7 @@ class Study:
     quiet: bool
 
     def questions(self) -> Sequence["MeasurementTask"]:
-        """Every row that is wanted, in order; refuses bad input."""
+        """Returns all rows to measure, in order; rejects bad input."""
         raise NotImplementedError
 
     def document(self, rows: list[dict]) -> int:
@@ -52,15 +52,15 @@ class Study:
 
     @property
     def only_problem(self) -> str | None:
-        """Of all rows, if they have one."""
+        """The problem of all rows, or None if they have several."""
         return self.SCENE.problem
 
     def given_up(self, task: Any, reason: str) -> dict:
-        """The row of a question that was lost."""
+        """Returns the row for a question that was lost."""
         return failed_row(task, reason)
 
     def told(self, row: dict, tasks: Sequence[Any]) -> str:
-        """A row in short, for whoever watches."""
+        """Returns a short text on a row for the console."""
         inputs = ", ".join(f"{name.replace('_', '-')} {_words(value)}" for name, value in row["asked"].items()
                            if len({str(task.inputs.get(name)) for task in tasks}) > 1)
         if row["status"] in (OK, UNSTABLE, LOST):
@@ -70,15 +70,15 @@ class Study:
         return f"{inputs}: {row['status']}" + (f": {row['reason']}" if row["status"] == FAILED else "")
 
     def stages(self, tasks: Sequence[Any]) -> Iterable[Sequence[Any]]:
-        """The rows that are to be measured, one group after the other, each side by side."""
+        """Returns the rows to measure in groups, each run in parallel, one after the other."""
         return [tasks]
 
     def beside(self, row: dict) -> dict:
-        """A row with what its times are to be read with."""
+        """Returns a row with the conditions of its times."""
         return {**row, "side_by_side": None if self.scheduler else self._workers()}
 
     def check_place(self, count: int) -> None:
-        """Refuse what no study can be run with; ``count`` is the number of rows asked for."""
+        """Rejects flags that no study can run with; ``count`` is the number of rows."""
         if not (self.out or "").strip():
             raise BadInput("out", "", "give a directory for the rows, tables and pictures")
         if self.workers is not None:
@@ -105,7 +105,7 @@ class Study:
         Target("out", f"{self.out.rstrip('/')}/{name}").write(content)
 
     def _workers(self) -> int:
-        """Processes that run rows here, unless one says how many."""
+        """Returns the number of local processes: the one given, or the default."""
         return self.workers or (1 if self.TIMED else default_processes())
 
     def _rows(self, tasks: Sequence["MeasurementTask"]) -> list[dict] | None:
@@ -125,7 +125,7 @@ class Study:
         return sorted(store.rows.values(), key=lambda row: order.get(row["key"], len(order)))
 
     def _place(self) -> "LocalExecutor | Cluster":
-        """Where rows run."""
+        """Returns the executor of rows."""
         from solvers.study.executors import Cluster, ClusterUnavailable, LocalExecutor
         try:
             return LocalExecutor(self._workers(), self.WORK) if self.scheduler is None else \
@@ -145,7 +145,7 @@ class Study:
             print_message(sentence)
 
     def _measure(self, tasks: Sequence["MeasurementTask"], place: "LocalExecutor | Cluster", store: RowStore) -> bool:
-        """Fill the store; False if the place where rows run was lost on the way."""
+        """Fills the store; returns False if the executor was lost."""
         from solvers.study.executors import ExecutorLost, execute
         todo = [task for task in tasks if not store.is_finished(task.key)]
         done = len(tasks) - len(todo)
@@ -155,7 +155,7 @@ class Study:
             done += 1
             with report_write_errors(f"--out {quote(self.out)}"):
                 store.append(self.beside(row))
-            if not self.quiet and row["status"] != REFUSED:  # that was said before
+            if not self.quiet and row["status"] != REFUSED:  # already reported
                 print_message(f"{done}/{len(tasks)} {self.told(row, tasks)}")
 
         try:
@@ -169,7 +169,7 @@ class Study:
 
 @dataclass(frozen=True, kw_only=True)
 class StudyFlags(Study):
-    """The flags that say where rows run and are kept."""
+    """Flags for where rows run and are stored."""
 
     out: Annotated[PathFlag, default_hint("none, it must be given")] = None
     """Directory for rows.jsonl, the tables and the pictures."""

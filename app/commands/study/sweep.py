@@ -1,4 +1,4 @@
-"""``mpm-lab sweep PROBLEM``: every combination of values, one row each."""
+"""``mpm-lab sweep PROBLEM``: all combinations of values, one row each."""
 
 import math
 from dataclasses import dataclass, fields
@@ -16,7 +16,7 @@ from solvers.study.parameter_grid import Task, plan_tasks
 
 @dataclass(frozen=True, kw_only=True)
 class Sweep(StudyFlags, SceneFlags):
-    """The flags of a sweep beside those of its scenes, of which all but ``LISTS`` may hold several values."""
+    """Flags of a sweep beside those of its scenes, of which all but ``LISTS`` may have several values."""
 
     HELP: ClassVar[str] = """Run the {title} with every combination of values: what accuracy costs.
 
@@ -50,7 +50,7 @@ class Sweep(StudyFlags, SceneFlags):
             "summary.md": table.summarise_study(problem, rows, drawn)}, printed="summary.md")
 
     def axes(self) -> dict[str, list]:
-        """The values of each input of a scene, by the name of its flag."""
+        """Returns the values of each input of a scene, by the name of its flag."""
         hints = get_type_hints(type(self), include_extras=True)
         formulas = {f.name for f in fields(self.SCENE) if f.type == "str" and not self.SCENE.choices(f.name)}
         axes = {name: [value] if name in self.LISTS else value.split(";") if name in formulas
@@ -60,7 +60,7 @@ class Sweep(StudyFlags, SceneFlags):
 
 
 def _values(value: Any, hint: Any) -> list:
-    """The values in what was typed after one flag, which the flag left in one piece if it was several words."""
+    """Returns the values given for one flag, which are one text if they were several words."""
     if not isinstance(value, str):
         return [value]
     words = value.replace(",", " ").split()

@@ -1,4 +1,4 @@
-"""``mpm-lab tables``: the paper's numbers, ours and their ratio, then what each estimator says."""
+"""``mpm-lab tables``: the paper's numbers, ours and their ratio, then each estimator's numbers."""
 
 import functools
 import os
@@ -21,7 +21,7 @@ from solvers.study.tables.paper_tables import PaperTable, format_digits
 from solvers.study.tables.table_runs import MEASURED, PAPERS_ESTIMATOR, all_runs, results_of, rows_by_part, table_dict
 
 UNSTABLE = 3
-KINDS = ("json", "md", "png")  # of the files of a table
+KINDS = ("json", "md", "png")  # suffixes of a table's files
 
 
 @dataclass(frozen=True)
@@ -48,7 +48,7 @@ class Tables(Study):
 
     @property
     def only_problem(self) -> None:
-        """Rows are of several."""
+        """None, as rows belong to several problems."""
 
     def questions(self) -> list[Task]:
         if self.table not in (*paper_tables.NUMBERS, "all"):
@@ -59,7 +59,7 @@ class Tables(Study):
         self.check_place(len(wanted))
         for path in (f"{self.out.rstrip('/')}/table{table.number}.{kind}" for table in tables for kind in KINDS):
             if os.path.isdir(path):
-                Target("out", path)  # refuses it now and not after the runs
+                Target("out", path)  # rejects it now and not after the runs
         return wanted
 
     def _tables(self) -> list[PaperTable]:
@@ -100,13 +100,13 @@ class Tables(Study):
         return UNSTABLE if unstable else status
 
 
-#: The inputs that tell the rows of each table from one another.
+#: The inputs that distinguish the rows of each table.
 INPUTS = {"1": ("cells",), "2": ("method", "cells"), "3": ("method", "cells")}
-#: What is compared with the paper in each table: key and heading with the unit.
+#: Columns compared with the paper in each table: key and heading with the unit.
 COMPARED = {"1": {"x": "x (m)", "v": "v (m/s)", "sigma_log": "σ (Pa)", "grid_crossings": "crossings"},
             "2": {"x": "x (m)", "v": "v (m/s)", "a_nodes": "Err A (m/s²)"},
             "3": {"index_x": "index of x, transport"}}
-Footnotes = dict[str, int]  # sentences under the table, each once, with their numbers
+Footnotes = dict[str, int]  # distinct sentences below the table, with their numbers
 
 
 def table_markdown(table: dict) -> str:
@@ -123,7 +123,7 @@ def table_markdown(table: dict) -> str:
 
 
 def _mark(sentence: str, notes: Footnotes) -> str:
-    """The mark of a footnote, which is added if it is new."""
+    """Returns the mark of a footnote, which is added if it is new."""
     return f"[^{notes.setdefault(sentence, len(notes) + 1)}]"
 
 
@@ -151,7 +151,7 @@ def _comparison(number: str, rows: list[dict], notes: Footnotes) -> str:
 
 
 def _estimators(table: dict, rows: list[dict], notes: Footnotes) -> str:
-    """Index, distance and cost, one line for each estimator of a row; the paper's indices of Table 1 above them."""
+    """Returns index, distance and cost, one line per estimator of a row; for Table 1 the paper's indices first."""
     number, symbols = table["table"], [quantity.symbol for quantity in QUANTITIES.values()]
     heads = [*INPUTS[number], "estimator", *(f"{kind} {s}" for kind in ("index", "distance") for s in symbols), "cost"]
     lines = []
@@ -167,13 +167,13 @@ def _estimators(table: dict, rows: list[dict], notes: Footnotes) -> str:
 
 
 def _index_of_x(row: dict, name: str, notes: Footnotes) -> str:
-    """An estimator's index; where it does not hold, a dash and why."""
+    """Returns an estimator's index; if it is not valid, a dash and the footnote's mark."""
     said = row["estimators"].get(name)
     return _factor(said["index"]["x"]) + _why(name, said, notes) if said else NOTHING
 
 
 def _why(name: str, said: dict, notes: Footnotes) -> str:
-    """The mark of the sentence in which an estimator says that it does not hold; nothing where it does."""
+    """Returns the mark of the footnote why an estimator is not valid, or ""."""
     return _mark(f"{name}: {said['not_valid']}", notes) if said["not_valid"] else ""
 
 
@@ -185,7 +185,7 @@ def _row_cells(number: str, row: dict, notes: Footnotes) -> list[str]:
 
 
 def _printed(key: str, value: float | None) -> str:
-    """A number of the paper, with the digits that it has."""
+    """Formats a number of the paper with its printed digits."""
     if value is None:
         return NOTHING
     if key == "grid_crossings":
@@ -200,7 +200,7 @@ def _count(value: int | None) -> str:
 
 
 def _factor(value: float | None) -> str:
-    """A ratio or an index: two digits at least, hundredths where they mean something."""
+    """Formats a ratio or an index: at least two digits, hundredths where they are meaningful."""
     if value is None:
         return NOTHING
     if value >= 1000 or value == 0:

@@ -1,1 +1,1 @@
-"""One step in slow motion, as data."""
+"""Slow motion of one step, as data."""

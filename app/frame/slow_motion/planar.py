@@ -1,4 +1,4 @@
-"""One step of a plane problem in slow motion: the cells around one particle, with shape functions beside them."""
+"""Slow motion of a plane problem's step: the cells around one particle, with shape functions beside them."""
 
 import numpy as np
 
@@ -9,14 +9,14 @@ from solvers.problems.planar.layout import CORNERS
 from solvers.scene.scene import Scene
 from solvers.solver.step_breakdown import StepBreakdown
 
-AROUND = 0.75  # of a cell, that is seen around the nodes
-HEIGHT = 0.13  # of the picture, of a shape function that is one
-BESIDE = 0.36  # of a stage that is wider than high, for words beside the picture
+AROUND = 0.75  # cells shown around the nodes
+HEIGHT = 0.13  # height of a shape function of one, as a share of the picture
+BESIDE = 0.36  # width of the text beside the picture
 POINTS = 121  # of a curve
 
 
 class PlanarSlowStage(SlowStage):
-    """Draws one step of a plane problem taken apart."""
+    """Slow-motion stage of a plane problem."""
 
     _above, _aside = 0.02, np.array([0.0, 0.0])
 
@@ -54,7 +54,7 @@ class PlanarSlowStage(SlowStage):
             self._sketch.line(starts, stops, DOMAINS)
 
     def _functions(self, scene: Scene, a: StepBreakdown, s: float) -> None:
-        """A weight is a product of a function of x and one of y; CPDI's are read at the corners of its domain."""
+        """Draws a weight as the product of a function of x and one of y; CPDI's at the corners of the domain."""
         cpdi = scene.method == "cpdi"
         feet = a.place[0] + 2 * np.array(CORNERS) @ a.edges[0] if cpdi else a.place[:1]
         for axis in range(2):
@@ -63,7 +63,7 @@ class PlanarSlowStage(SlowStage):
             base = self._place(self._low)[1 - axis]
 
             def beside(along: np.ndarray, value: np.ndarray, axis: int = axis, base: float = base) -> np.ndarray:
-                """Points of the stage for a function's values at places along the axis."""
+                """Returns points of the stage for a function's values at positions along the axis."""
                 out = np.empty((len(along), 2))
                 out[:, axis] = self._place(np.stack([along, along], axis=1))[:, axis]
                 out[:, 1 - axis] = base + s * HEIGHT * (self._picture[3] - self._picture[2]) * value

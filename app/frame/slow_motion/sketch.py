@@ -1,4 +1,4 @@
-"""Sketch: lines, dots and words in the plane z = 0 that are drawn anew each time; what is not drawn again goes."""
+"""Sketch: lines, dots and labels in the plane z = 0 that are redrawn each time; others disappear."""
 
 from collections.abc import Iterator
 
@@ -7,15 +7,15 @@ import numpy as np
 from app.frame.primitives import Anchor, Colour, Dots, Label, Lines, Mark, in_plane, join_points
 
 THICKNESSES = (1.0, 2.0, 3.5, 5.5, 8.0)  # pixels
-SIZES = (0.012, 0.024, 0.036)  # across, of dots
-LAYER = 1e-3  # what is drawn later lies higher
+SIZES = (0.012, 0.024, 0.036)  # diameters of dots
+LAYER = 1e-3  # z step: later marks are on top
 
 
 class Sketch:
-    """Collects what is drawn until :meth:`marks` has it; points are (m, 2) of the stage."""
+    """Collects marks until :meth:`marks` returns them; points are (m, 2) on the stage."""
 
     def __init__(self) -> None:
-        self._most = 0  # labels that there have been
+        self._most = 0  # labels so far
         self._clear()
 
     def _clear(self) -> None:
@@ -26,7 +26,7 @@ class Sketch:
         self._depth = 0.0
 
     def line(self, starts: np.ndarray, ends: np.ndarray, colour: Colour, thickness: float | np.ndarray = 1.0) -> None:
-        """From each start to its end, as near to so many pixels thick as there is."""
+        """Draws lines from starts to ends (m, 2), in the nearest available thickness in pixels."""
         self._depth += LAYER
         kind = np.abs(np.subtract.outer(np.broadcast_to(thickness, len(starts)), THICKNESSES)).argmin(axis=1)
         segments = join_points(*(in_plane(at[:, 0], at[:, 1], self._depth) for at in (starts, ends)))
@@ -35,11 +35,11 @@ class Sketch:
             drawn.append((chosen, np.broadcast_to(np.array(colour, np.uint8), chosen.shape)))
 
     def outline(self, corners: np.ndarray, colour: Colour, thickness: float = 1.0) -> None:
-        """Closed outlines through corners (m, c, 2)."""
+        """Draws closed outlines through corners (m, c, 2)."""
         self.line(corners.reshape(-1, 2), np.roll(corners, -1, axis=1).reshape(-1, 2), colour, thickness)
 
     def arrow(self, starts: np.ndarray, along: np.ndarray, colour: Colour, thickness: float = 2.0) -> None:
-        """From each start along a vector, with a head of a size that goes with the length, up to a limit."""
+        """Draws arrows from starts along vectors (m, 2), with heads proportional to the length up to a limit."""
         ends, length = starts + along, np.hypot(*along.T)[:, None]
         head = np.minimum(0.35, 0.022 / np.maximum(length, 1e-12)) * along
         side = 0.55 * np.stack([-head[:, 1], head[:, 0]], axis=1)
@@ -47,7 +47,7 @@ class Sketch:
                   colour, thickness)
 
     def dots(self, at: np.ndarray, colour: Colour, size: int = 1) -> None:
-        """Of one of the ``SIZES``."""
+        """Draws dots at points (m, 2); ``size`` is an index into ``SIZES``."""
         self._depth += LAYER
         self._points[size].append((in_plane(at[:, 0], at[:, 1], self._depth),
                                    np.tile(np.array(colour, np.uint8), (len(at), 1))))
@@ -56,7 +56,7 @@ class Sketch:
         self._texts.append(Label(f"label{len(self._texts)}", text, float(x), float(y), anchor, "step", size))
 
     def marks(self) -> Iterator[Mark]:
-        """All that was drawn; begins anew."""
+        """Yields all marks, and clears the sketch."""
         for k, drawn in enumerate(self._segments):
             segments, colours = (np.concatenate(part) for part in zip(*drawn, strict=True))
             yield Lines(f"lines{k}", segments, colours, THICKNESSES[k])

@@ -1,4 +1,4 @@
-"""What the slow motion of all problems shares: how each phase of a step is drawn around one particle."""
+"""Slow motion common to all problems: how each phase of a step is drawn around one particle."""
 
 from abc import ABC, abstractmethod
 from dataclasses import replace
@@ -13,23 +13,23 @@ from app.language.translation import tr
 from solvers.scene.scene import Scene
 from solvers.solver.step_breakdown import StepBreakdown
 
-#: Colours: the particle in front, the others, their domains, forces of stress and of the body, what moves.
+#: Colours: the selected particle, the others, their domains, internal and body forces, nodes.
 FRONT, OTHERS, DOMAINS = (0, 158, 115), (120, 127, 136), (205, 210, 216)
 STRESS, BODY, NODE = (213, 94, 0), (0, 114, 178), (24, 28, 34)
-HIGH = (0.3, 0.9)  # the least and the most that the stage is
+HIGH = (0.3, 0.9)  # least and greatest height of the stage
 CAPTION, NUMBERS = 1.0, 0.9  # sizes of letters
-#: Where the numbers of a node may stand: how they are anchored, and to which side.
+#: Possible positions of a node's numbers: anchor and direction.
 SIDES: tuple[tuple[Anchor, tuple[int, int]], ...] = (
     ("bottom-center", (0, 1)), ("top-center", (0, -1)), ("center-left", (1, 0)), ("center-right", (-1, 0)))
-DIGITS = {1: 5, 2: 4}  # of numbers beside the nodes, by directions
-LONGEST = 0.42  # of a cell, of an arrow
-WIDEST = 0.3  # of a cell, of a node's square
-THICKEST = 9.0  # pixels, of a line whose weight is one
-MAGNIFIED = 0.3  # of a cell, about how far particles are seen to move
+DIGITS = {1: 5, 2: 4}  # of numbers beside the nodes, by dimensions
+LONGEST = 0.42  # longest arrow in cells
+WIDEST = 0.3  # largest square of a node in cells
+THICKEST = 9.0  # pixels of a line of weight one
+MAGNIFIED = 0.3  # approximate drawn displacement of particles in cells
 
 
 class SlowStage(ABC):
-    """Draws one step taken apart on a sheet. A problem says where things are drawn."""
+    """Draws the phases of one step on a surface; subclasses define where things are drawn."""
 
     def __init__(self, sheet: Surface):
         self.sheet, self._sketch = sheet, Sketch()
@@ -37,23 +37,23 @@ class SlowStage(ABC):
 
     @property
     def rectangle(self) -> Rectangle:
-        """Of all that is drawn."""
+        """The rectangle of everything drawn."""
         return drawing_rectangle(self._room.high)
 
     def _divide(self) -> None:
-        """Give words and picture their places in the room that there is now."""
+        """Divides the present bounds between text and picture."""
         room = self.sheet.room.settled()
         self._room = replace(room, high=min(max(room.high, HIGH[0]), HIGH[1]))
         self._words, self._picture = self._divided(self._room)
 
     def draw(self, scene: Scene, a: StepBreakdown, phase: int, s: float) -> None:
-        """Show a phase at ``s``, from 0 at its beginning to 1 at its end."""
+        """Draws a phase at ``s``, from 0 at its beginning to 1 at its end."""
         self._divide()
         self._look_at(a)
         self._nodes = self._node_spots(a.nodes)
         self._scale = self._per_metre * a.spacing  # a cell, on the stage
         self._legend: list[str] = []
-        shift = a.after.position - a.before.position  # drawn longer than it is, to be seen
+        shift = a.after.position - a.before.position  # magnified to be visible
         moved = max(1.0, _round(MAGNIFIED * a.spacing / max(np.abs(shift).max(), 1e-300)))
         progress = {4: max(0.0, 2 * s - 1), 5: 1.0}.get(phase, 0.0)
         self._places = a.place + moved * progress * shift
@@ -83,7 +83,7 @@ class SlowStage(ABC):
         self._legend.append(tr("green: the particle; its lines to nodes are as thick as the weight"))
 
     def _gather(self, _: Scene, a: StepBreakdown, s: float) -> None:
-        """Parcels go from particles to nodes, whose squares grow; green in them: what the particle in front gives."""
+        """Moves parcels from particles to nodes, whose squares grow; the selected particle's share is green."""
         self._weights(a, FRONT, 1.0)
         self._parcels(a, s, slice(None))
         most = a.node_mass.max()
@@ -105,7 +105,7 @@ class SlowStage(ABC):
         self._legend.append(tr("orange: force of stress; blue: body force"))
 
     def _velocities(self, _: Scene, a: StepBreakdown, s: float) -> None:
-        """The change is small beside the velocity: it has a scale of its own."""
+        """Draws velocities, and their changes on a larger scale of their own."""
         old, gained = a.before_velocity, a.velocity - a.before_velocity
         factor = _round(np.abs(a.velocity).max() / max(np.abs(gained).max(), 1e-300))
         self._arrows(self._nodes, old, OTHERS, np.concatenate([old, a.velocity]), 2.0)
@@ -114,7 +114,7 @@ class SlowStage(ABC):
         self._legend.append(tr("grey: old v; black: new v; orange: what is gained, drawn × {factor:g}", factor=factor))
 
     def _scatter(self, _: Scene, a: StepBreakdown, s: float) -> None:
-        """Parcels come back in the first half, the particles move in the second."""
+        """Moves parcels back in the first half, the particles in the second."""
         self._weights(a, FRONT, 1.0)
         self._arrows(self._nodes, a.velocity, NODE)
         if s < 0.5:
@@ -127,7 +127,7 @@ class SlowStage(ABC):
         self._legend.append(tr("black: new v of the nodes"))
 
     def _strain(self, _: Scene, a: StepBreakdown, s: float) -> None:
-        """The material of the particle changes its shape, magnified."""
+        """Draws the selected particle's domain as it deforms, magnified."""
         self._weights(a, FRONT, 1.0)
         self._arrows(self._nodes, a.velocity, NODE)
         F = a.before.deformation_gradient[0]
@@ -140,12 +140,12 @@ class SlowStage(ABC):
                                "{factor:g}", factor=factor))
 
     def _weights(self, a: StepBreakdown, colour: Colour, s: float) -> None:
-        """Lines from the particle in front to its nodes, as thick as the weights."""
+        """Draws lines from the selected particle to its nodes, as thick as the weights."""
         start = np.broadcast_to(self._spots[:1], self._nodes.shape)
         self._sketch.line(start, start + s * (self._nodes - start), colour, THICKEST * a.links.weight[0])
 
     def _parcels(self, a: StepBreakdown, s: float, members: slice) -> None:
-        """What is on its way between the particles and nodes that share a weight."""
+        """Draws parcels between particles and nodes with a nonzero weight."""
         k, n = np.nonzero(a.links.weight[members])
         start, end = self._within(self._spots[k], self._nodes[n]), self._nodes[n]
         if len(self._spots[members]) > 1:
@@ -157,13 +157,13 @@ class SlowStage(ABC):
 
     def _arrows(self, at: np.ndarray, vectors: np.ndarray, colour: Colour,
                 among: np.ndarray | None = None, thickness: float = 2.0) -> None:
-        """The longest ``among`` these vectors is drawn ``LONGEST``."""
+        """Draws arrows; the longest of ``among``, by default of all, has the length ``LONGEST``."""
         most = np.hypot.reduce(vectors if among is None else among, axis=1).max()
         if most > 0:
             self._sketch.arrow(at, LONGEST * self._scale / most * self._aim(vectors), colour, thickness)
 
     def _numbers(self, a: StepBreakdown, phase: int) -> None:
-        """The solver's own, beside each node: on the side to which its arrows point least."""
+        """Writes the solver's numbers beside each node, on the side away from its arrows."""
         shown = PHASES[phase].columns[:PHASES[phase].drawn]
         digits = DIGITS[a.nodes.shape[1]]
         texts, units = zip(*(format_scaled(c.scale * c.values(a), c.unit, digits) for c in shown), strict=True)
@@ -184,9 +184,9 @@ class SlowStage(ABC):
 
     def _free_side(self, spot: np.ndarray, away: float, text: str, taken: np.ndarray,
                    written: list[tuple[np.ndarray, np.ndarray]]) -> int:
-        """Which of the ``SIDES`` of a node suits its numbers: never over the particle in front, over what is
-        ``written`` (middles and half sizes, to which this is added) only where there is no other, and not along arrows,
-        of which ``taken`` says how far they reach to each side."""
+        """Returns the index in ``SIDES`` for a node's numbers: never over the selected particle, away from arrows,
+        which extend by ``taken`` to each side, and off labels ``written`` so far (middles and half sizes; adds this
+        one)."""
         half = 0.5 * self._room.extent(text, NUMBERS)
         middles = spot + np.array([side for _, side in SIDES]) * (away + half)
         front = np.all(np.abs(self._spots[0] - middles) < half + 0.5 * SIZES[2], axis=1)
@@ -197,58 +197,58 @@ class SlowStage(ABC):
 
     @property
     def width(self) -> int:
-        """Letters that a line of the captions has room for."""
+        """Number of letters in a line of the captions."""
         return self._room.letters(self._words, CAPTION)
 
     def _seen(self, spots: np.ndarray, reach: float = 0.0) -> np.ndarray:
-        """Which points of the stage (m, 2) lie in the picture, with what reaches so far around them."""
+        """Returns which points (m, 2) of the stage lie in the picture, with a margin of ``reach``."""
         x0, x1, y0, y1 = self._picture
         return np.all((spots - reach >= (x0, y0)) & (spots + reach <= (x1, y1)), axis=1)
 
     def _within(self, starts: np.ndarray, ends: np.ndarray) -> np.ndarray:
-        """Where lines from starts to ends, which lie in the picture, come into it (m, 2)."""
+        """Returns the points (m, 2) where lines from starts to ends, which lie in the picture, enter it."""
         x0, x1, y0, y1 = self._picture
         with np.errstate(divide="ignore", invalid="ignore"):
             share = np.where(starts < (x0, y0), ((x0, y0) - starts) / (ends - starts),
                              np.where(starts > (x1, y1), ((x1, y1) - starts) / (ends - starts), 0.0)).max(axis=1)
         return starts + share[:, None] * (ends - starts)
 
-    #: Where a node's number is written above it, and the direction across its arrows.
+    #: Height of a node's number above it, and direction across its arrows.
     _above: float
     _aside: np.ndarray
     _per_metre: float
 
     @abstractmethod
     def _divided(self, room: Bounds) -> tuple[float, Rectangle]:
-        """How wide lines of words are, above and below the picture or beside it, and the picture's x0, x1, y0, y1."""
+        """Returns the width of lines of text, beside or around the picture, and the picture's x0, x1, y0, y1."""
 
     @abstractmethod
     def _look_at(self, a: StepBreakdown) -> None:
-        """Choose ``_per_metre`` and the place of the picture so that all of the step is in it."""
+        """Sets ``_per_metre`` and the picture's position so that the whole step is visible."""
 
     @abstractmethod
     def _particle_spots(self, x: np.ndarray) -> np.ndarray:
-        """Points of the stage (k, 2) for particles at x (k, D) in m."""
+        """Returns points (k, 2) of the stage for particles at x (k, D) in m."""
 
     @abstractmethod
     def _node_spots(self, x: np.ndarray) -> np.ndarray:
-        """The same for nodes (n, D)."""
+        """Returns points (n, 2) of the stage for nodes at x (n, D) in m."""
 
     @abstractmethod
     def _aim(self, vectors: np.ndarray) -> np.ndarray:
-        """Vectors (m, D) as they lie on the stage (m, 2), as long."""
+        """Returns vectors (m, D) as vectors (m, 2) on the stage, of the same length."""
 
     @abstractmethod
     def _outline(self, x: np.ndarray, edges: np.ndarray, colour: Colour, thickness: float) -> None:
-        """Draw the domains of particles at x (k, D) with half edge vectors (k, D, D)."""
+        """Draws the domains of particles at x (k, D) with half edge vectors (k, D, D)."""
 
     @abstractmethod
     def _ground(self, a: StepBreakdown) -> None:
-        """Draw the cells."""
+        """Draws the cells."""
 
     @abstractmethod
     def _functions(self, scene: Scene, a: StepBreakdown, s: float) -> None:
-        """Draw the shape functions; they grow with ``s``."""
+        """Draws the shape functions; they grow with ``s``."""
 
 
 def averaged_hat(distance: np.ndarray, reach: float) -> np.ndarray:
@@ -264,7 +264,7 @@ def averaged_hat(distance: np.ndarray, reach: float) -> np.ndarray:
 
 
 def _round(factor: float) -> float:
-    """The largest of 1, 2, 5, 10, 20, ... that is not above ``factor``, and no less than 1."""
+    """Rounds ``factor`` down to 1, 2, 5, 10, 20, ..., at least 1."""
     if not 1 < factor < 1e15:
         return 1.0
     power = 10.0 ** np.floor(np.log10(factor))

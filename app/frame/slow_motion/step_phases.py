@@ -1,4 +1,4 @@
-"""The phases of a step in slow motion: what each is called, in words, and the solver's numbers that belong to it."""
+"""The phases of a step in slow motion: titles, equations in words, and the solver's numbers for each."""
 
 import math
 from collections.abc import Callable
@@ -12,12 +12,12 @@ from solvers.scene.remedies import PIECES
 from solvers.scene.scene import Scene
 from solvers.solver.step_breakdown import StepBreakdown
 
-#: What a node's weight is, by method.
+#: Explanation of a node's weight, by method.
 WEIGHT = {"mpm": lazy("weight S = the node's hat function at the particle"),
           "bspline": lazy("weight S = the node's quadratic B-spline at the particle"),
           "cpdi": lazy("weight S = the node's hat function, mean of the particle's four corners")}
 AVERAGED = lazy("weight S = the node's hat function, averaged over the particle's domain")
-#: The equations of some phases, by what they depend on.
+#: The equations of some phases, by settings.
 FORCE = {
     "none": lazy("force of a node = − sum of slope × {volume} × stress of the particles{corrected}; no body force"),
     "node": lazy("force of a node = − sum of slope × {volume} × stress of the particles{corrected} + body force at "
@@ -42,7 +42,7 @@ MOTION = {
 
 @dataclass(frozen=True)
 class Column:
-    """A number (n,) or vector (n, D) of each node, with its unit after ``scale`` and a translatable ``name``."""
+    """Number (n,) or vector (n, D) of each node, with its unit after ``scale`` and a translatable ``name``."""
 
     name: str
     unit: str
@@ -63,8 +63,8 @@ ACCELERATION = Column(lazy("acceleration a"), "m/s²", lambda a: a.acceleration)
 
 @dataclass(frozen=True)
 class Phase:
-    """One phase of a step: its equation in words, the nodes' numbers, of which the first ``drawn`` stand beside them,
-    and lines about the particle in front; the ``title`` is translatable."""
+    """One phase of a step: its equation in words, the nodes' numbers, of which the first ``drawn`` are written beside
+    them, and lines about the selected particle; the ``title`` is translatable."""
 
     title: str
     words: Callable[[Scene], str]
@@ -144,30 +144,30 @@ PHASES = (
 
 
 def format_scaled(values: np.ndarray, unit: str, digits: int) -> tuple[list[str], str]:
-    """Texts of numbers (n,) or vectors (n, D) that share a power of ten, and the unit with its prefix."""
+    """Formats numbers (n,) or vectors (n, D) with a common prefix; returns the texts and the unit with the prefix."""
     largest = np.abs(values[np.isfinite(values)]).max(initial=0.0)
     power = math.floor(math.log10(largest) / 3) if largest > 0 and unit not in ("", "1/m") else 0
     power = power if power in PREFIXES else 0
     rows = values.reshape(len(values), -1) / 1000.0**power
-    least = 1e-12 * largest / 1000.0**power  # what is smaller beside the largest is round-off, and reads as 0
+    least = 1e-12 * largest / 1000.0**power  # smaller values are round-off, and become 0
     texts = [", ".join(f"{0.0 if abs(x) < least else x:.{digits}g}" for x in row).replace("-", "−") for row in rows]
     return texts, PREFIXES[power] + unit
 
 
 def format_amount(values: np.ndarray, unit: str, digits: int = 4) -> str:
-    """A number or the components (D,) of a vector, with its unit."""
+    """Formats a number or the components (D,) of a vector, with the unit."""
     return format_change(values, None, unit, digits)
 
 
 def format_change(before: np.ndarray, after: np.ndarray | None, unit: str, digits: int = 6) -> str:
-    """The same before and after, with an arrow between."""
+    """Formats a value before and after, with an arrow between."""
     both = before[None] if after is None else np.stack([before, after])
     texts, unit = format_scaled(both, unit, digits)
     return " → ".join(f"({text})" if len(before) > 1 else text for text in texts) + f" {unit}".rstrip()
 
 
 def _tensor(values: np.ndarray, unit: str = "Pa", full: bool = False, after: np.ndarray | None = None) -> str:
-    """A number, or the components of a tensor (D, D), all if it is not symmetric; perhaps before and after."""
+    """Formats a number or a tensor (D, D), with all components if ``full``; with ``after``, as a change."""
     which = [0] if values.size == 1 else [0, 1, 2, 3] if full else [0, 1, 3]
     name = {1: "", 3: "(xx, xy, yy) ", 4: "(xx, xy, yx, yy) "}[len(which)]
     parts = values.ravel()[which]

@@ -1,10 +1,9 @@
-"""mpm-lab by a name that nobody else has.
+"""The package mpm-lab under a unique name.
 
-Its four folders are called ``app``, ``solvers``, ``lessons`` and ``assets``, as other people's are. In a checkout they
-stand where they stand; installed, in the folder ``packages`` beside this file, where no other package's files can come
-to lie among them. The command is a process of the lab's own, in which all four names are the lab's: see :func:`main`.
-Who imports this module has ``solvers`` from there, whatever else is called so, and all other names as before, but for
-``app`` where something is shown::
+Its four top-level folders, ``app``, ``solvers``, ``lessons`` and ``assets``, have common names. The wheel puts them
+into ``packages`` beside this file, to avoid collisions. The command runs in a process of its own, in which all four
+names are the lab's: see :func:`main`. Importing this module imports its ``solvers``, in place of any other of that
+name, and no other name but ``app``, when something is shown::
 
     from mpm_lab import BarScene, run, show
 """
@@ -37,7 +36,7 @@ take("solvers")
 if TYPE_CHECKING:
     from app.notebook import show as show
     from solvers import *  # noqa: F403
-else:  # each name is imported when it is asked for
+else:  # names are imported on first use
     import solvers
 
     __all__ = [*solvers.__all__, "show"]
@@ -54,7 +53,7 @@ else:  # each name is imported when it is asked for
 
 
 def main(arguments: list[str] | None = None) -> int:
-    """The command ``mpm-lab``: run it and return its exit status. The processes that it starts look where it does."""
+    """Runs the command ``mpm-lab`` and returns its exit status. Its child processes import from the same place."""
     sys.path.insert(0, str(HOME))
     from app.cli import main
 

@@ -1,4 +1,4 @@
-"""What draws a result, as pyproject names it to ``solvers.running.result``, whatever else is called ``app``."""
+"""Functions that draw a result; pyproject names them for ``solvers.running.result``."""
 
 from typing import Any
 
@@ -6,7 +6,7 @@ from mpm_lab import take
 
 
 def plot(result: Any) -> Any:
-    """The picture of a result, a matplotlib figure."""
+    """Returns the picture of a result, a matplotlib figure."""
     take("app")
     from app.notebook.result import result_picture
 
@@ -14,7 +14,7 @@ def plot(result: Any) -> Any:
 
 
 def table(result: Any) -> str:
-    """The table of a result, HTML."""
+    """Returns the table of a result, as html."""
     take("app")
     from app.notebook.result import result_table
 

@@ -1,1 +1,1 @@
-"""What the page can do beside showing a run: one folder a feature, with its panel."""
+"""Features of the page beside showing a run: one folder each, with its panel."""

@@ -1,4 +1,4 @@
-"""Work for one visitor in a process of its own: at most one piece at a time, and few on the whole server."""
+"""Background work for one visitor in a process of its own: one job at a time, and few on the whole server."""
 
 import threading
 from abc import ABC, abstractmethod
@@ -17,7 +17,7 @@ SLOTS = Slots(MOST_JOBS)
 
 @dataclass(frozen=True)
 class JobStatus:
-    """The state of a job, or of the last one; ``kind`` is "" before the first, ``trouble`` what went wrong."""
+    """State of the current or last job; ``kind`` is "" before the first, ``trouble`` is the error message."""
 
     kind: str = ""
     running: bool = False
@@ -29,10 +29,10 @@ S = TypeVar("S", bound=JobStatus)
 
 
 class Background(ABC, Generic[S]):
-    """A visitor's jobs, in ``slots`` that all share, each one function of the module ``WORK``. Any thread may call."""
+    """A visitor's jobs, each one function of the module ``WORK``, in ``slots`` shared by all visitors. Thread-safe."""
 
     WORK: ClassVar[str]
-    BUSY: ClassVar[str]  # said where there is no slot left, of so many at a time
+    BUSY: ClassVar[str]  # message if no slot is free; {n} is their number
 
     def __init__(self, idle: S, slots: Slots = SLOTS):
         self.slots, self._idle, self._lock = slots, idle, threading.Lock()
@@ -42,48 +42,48 @@ class Background(ABC, Generic[S]):
 
     @property
     def others(self) -> bool:
-        """Whether jobs of others run on this server."""
+        """Whether jobs of other visitors run on this server."""
         return self.slots.taken > self.status.running
 
     def forget(self) -> None:
-        """What the last job has said no longer holds."""
+        """Discards the status of the last job, which no longer applies."""
         with self._lock:
             if not self.status.running:
                 self.status = self._idle
 
     def cancel(self) -> None:
-        """End the job that runs; what it has found so far stays."""
+        """Cancels the running job; its results so far stay."""
         with self._lock:
             if self._pool is not None:
                 self.status = replace(self.status, cancelled=True)
                 self._pool.kill()
 
     def give_way(self) -> None:
-        """To the stages that move, from now on."""
+        """Lowers the priority of the running job in favour of running stages."""
         with self._lock:
             if self._pool is not None:
                 self._pool.lower_priority()
 
     def close(self) -> None:
-        """The visitor has gone."""
+        """Cancels the running job and accepts no more when the visitor leaves."""
         with self._lock:
             self._closed = True
         self.cancel()
 
     @abstractmethod
     def heard(self, before: S, message: dict[str, Any]) -> S:
-        """The status after a message of the job that runs."""
+        """Returns the status after a message of the running job."""
 
     def _process(self, kind: str) -> WorkerPool:
-        """One for a job of this kind, which is to be asked; the lock is held."""
+        """Returns the worker process for a job of this kind; called with the lock held."""
         return WorkerPool(f"{self.WORK}:{kind}")
 
     def _keeps(self, pool: WorkerPool) -> bool:
-        """Whether the process of a job that is done is to stay for the next one."""
+        """Whether the process of a finished job is kept for the next one."""
         return False
 
     def _start(self, status: S, question: list | dict, patience: float | None = None) -> None:
-        """Begin a job whose first ``status`` says its kind, which is also its function's name; it may take so long."""
+        """Starts the function of ``WORK`` that the first ``status``'s kind names; ``patience`` is its timeout in s."""
         with self._lock:
             if self.status.running or self._closed:
                 return
@@ -96,14 +96,14 @@ class Background(ABC, Generic[S]):
         job.add_done_callback(with_language(self._end))
 
     def _hear(self, message: dict[str, Any]) -> None:
-        """There is no other job's message, because the next waits for this one's end."""
+        """Handles a message of the running job; no other job sends any, because the next waits for this one's end."""
         if trouble := message.get("trouble"):
             message = message | {"trouble": translate_message(trouble)}
         with self._lock:
             self.status = self.heard(self.status, message)
 
     def _end(self, job: Future[dict]) -> None:
-        """The job has ended, or could not begin."""
+        """Releases the slot and records the outcome when a job has ended or could not start."""
         if self._pool is not None and not (job.exception() is None and self._keeps(self._pool)):
             self._pool.close()
         with self._lock:

@@ -1,4 +1,4 @@
-"""The story of the opening in four beats with the runs' own numbers, and the pause at its end."""
+"""The opening tour in four steps with the runs' own numbers, and the pause at its end."""
 
 import math
 from collections.abc import Callable
@@ -21,15 +21,15 @@ from solvers.engine.engine_messages import FrameReport
 from solvers.engine.shared_frames import FrameArrays
 from solvers.solver import samples
 
-HALF_WAY = 0.125  # periods, of the first beat
-BEAT = 10.0  # seconds of each of the last two
+HALF_WAY = 0.125  # periods at the end of the first step
+BEAT = 10.0  # seconds of each of the last two steps
 LAST = 4
 SIGMA = samples.QUANTITIES.index("sigma")
-WIDE = 1.0 + 1e-6  # cells from a particle that has crossed, within which an error is told as its
+WIDE = 1.0 + 1e-6  # cells from a particle that has crossed within which errors are attributed to it
 
-#: What a visitor sees first who has followed no link: hat functions beside B-splines, slowly, for the quarter of a
+#: First state without a link: hat functions beside B-splines, slowly, for the quarter of a
 #: period in which the first particles change their cell and the stress is wrong there; then it stops. At larger
-#: amplitudes, where all cross again and again, those that crossed err no more than the others.
+#: amplitudes, where all cross repeatedly, those that crossed err no more than the others.
 OPENING = state.parse_state(
     "bar;method=mpm;amplitude=0.0034;periods=0.25;estimators=recovered,transport;error-of=sigma;"
     "speed=0.0125;stops;"
@@ -45,13 +45,13 @@ class OpeningTour(Feature):
         self._session, self._open_on, self._hurry, self._clock = session, open_on, hurry, clock
         self._mark = gui.add_html("")
         self.messages = {"story": self.hear}
-        self._opened, self._restarts = True, 0  # the opening is on the stage, before its quarter, begun so many times
-        self.beat = 0  # 1 to LAST while the story is told
+        self._opened, self._restarts = True, 0  # whether the opening is on the stage before its end; number of restarts
+        self.beat = 0  # 1 to LAST during the tour
         self._since = 0.0
 
     @classmethod
     def build(cls, page: PageContext) -> "OpeningTour":
-        def open_on() -> None:  # without new widgets if nothing has been changed: they would take long
+        def open_on() -> None:  # without slow rebuilding of widgets if nothing has changed
             if page.controls.state == OPENING and page.session.playing and not page.session.refused:
                 page.session.reset()
             else:
@@ -68,7 +68,7 @@ class OpeningTour(Feature):
         return tour
 
     def hear(self, said: Any) -> None:
-        """The browser asks for the story, or the visitor wants to leave it."""
+        """Starts or ends the tour at the browser's request."""
         if said == "play":
             self._open_on()
             self._opened, self.beat = True, 1
@@ -76,18 +76,18 @@ class OpeningTour(Feature):
             self._end()
 
     def refresh(self, view: PageView) -> None:
-        """Go on with it; anything else on the stage ends it, and a lesson."""
+        """Advances the tour; it ends if a lesson opens or anything else is on the stage."""
         session, report = self._session, self._session.report
         pinned, restarts = session.pinned.scene if session.pinned else None, session.moves[1]
         if (session.scene, pinned) != (OPENING.scene, OPENING.pinned) or not view.alone:
-            if self._opened and restarts == self._restarts:  # it was changed, and not another one chosen
+            if self._opened and restarts == self._restarts:  # changed, not replaced
                 session.open_end()
             self._opened = False
             self._end()
         if report is None or report.scene != OPENING.scene:
             return
         self._restarts, periods = restarts, report.time / report.scene.period
-        # A pinned run that is compiled late begins both anew, and they would stand at t = 0 if the first were paused.
+        # A pinned run that is compiled late restarts both; they would stay at t = 0 if the first were paused.
         if self._opened and session.ended and ((other := session.pinned) is None or other.shortfall() or (
                 other.last is not None and other.last[0].step >= other.scene.steps)):
             self._opened = False
@@ -102,7 +102,7 @@ class OpeningTour(Feature):
         self._show()
 
     def headline(self, frame: Frame | None) -> Headline:
-        """What the present beat says of the runs; nothing where none is told."""
+        """Returns the headline of the present step; an empty one outside the tour."""
         if not self.beat or frame is None or frame[0].scene != OPENING.scene:
             return Headline()
         headline, facts, places = _beat(self.beat, *frame, self._session.pinned)
@@ -125,7 +125,7 @@ class OpeningTour(Feature):
 
 def _beat(beat: int, report: FrameReport, arrays: FrameArrays, pinned: PinnedRun | None,
           ) -> tuple[str, list[str], dict[str, str]]:
-    """A beat's headline, its facts, and what is in the headline's places."""
+    """Returns a step's headline, its facts, and the values of the headline's placeholders."""
     scene, size = report.scene, report.scene.size_of("sigma")
     error = arrays.error[:, SIGMA].astype(float)
     wrong, crossed = math.sqrt(np.mean(error**2)) / size, arrays.steps_since_crossing >= 0

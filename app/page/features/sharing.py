@@ -1,4 +1,4 @@
-"""Sharing: what is on the stage as a link, in the browser's address, to copy or to show as a QR code."""
+"""Sharing: the state on the stage as a link, in the browser's address, to copy or as a QR code."""
 
 import threading
 from html import escape
@@ -15,21 +15,21 @@ from app.page.page_context import PageContext
 from app.page.panels.page_header import BESIDE
 
 LESSON = "lesson="
-SAFE = ";=,.+-_:"  # may stand in a link's fragment as they are
-LAST = 1e9  # in the order of what stands in the panel, whatever is made anew above
+SAFE = ";=,.+-_:"  # need no escaping in a link's fragment
+LAST = 1e9  # order within the panel, whatever is rebuilt above
 MOST_QR = 1200  # characters that a phone still reads off a projector
 HERE = ("localhost", "127.0.0.1", "::1")
 OF_NO_USE = lazy("Only this computer can open this address, no phone can: serve with --host 0.0.0.0 for a class.")
 
 
 def state_link(shown: state.State, lesson: str) -> str:
-    """The fragment of the address of what is seen, and of the lesson that is open."""
+    """Returns the address fragment of a state and of the open lesson."""
     return ";".join(filter(None, [f"{LESSON}{quote(lesson)}" if lesson else "",
                                   quote(state.write_state(shown), safe=SAFE)]))
 
 
 def parse_link(text: str) -> tuple[str, str]:
-    """The lesson that a link opens, and the state that it puts on the stage; each may be missing."""
+    """Returns the lesson and the state in a link; either may be ""."""
     if not text.startswith(LESSON):
         return "", text
     lesson, _, rest = text.removeprefix(LESSON).partition(";")
@@ -37,25 +37,25 @@ def parse_link(text: str) -> tuple[str, str]:
 
 
 class PageLink:
-    """Follows links that the browser is given, and has it keep what is seen."""
+    """Applies links opened in the browser, and updates the browser's address with the state shown."""
 
     def __init__(self, page: PageContext):
         self._page, self._keeping = page, threading.Lock()
 
     def listen(self) -> None:
-        """Follows the address that the page was opened with, and those to come."""
+        """Applies the address that the page was opened with, and later ones."""
         lesson = self._page.lesson
         self._page.store.listen(self._follow, lesson.restore if lesson else lambda name, answers: None)
 
     def keep(self) -> None:
-        """Has the browser keep what is seen in its address, and the answers to a lesson."""
-        with self._keeping:  # else a refresh could put what was before in the place of what is
+        """Stores the present state in the browser's address, and a lesson's answers in the browser."""
+        with self._keeping:  # otherwise a refresh could overwrite a newer state
             lesson = self._page.lesson
             name, answers = (lesson.name, lesson.answers) if lesson else ("", "")
             self._page.store.keep(state_link(self._page.controls.state, name), name, answers)
 
     def _follow(self, link: str) -> None:
-        """Shows the state in an address; what it cannot mean is refused in words."""
+        """Shows the state of an address; refuses an invalid one with a message."""
         page = self._page
         name, text = parse_link(link)
         with page.store.keep_after():
@@ -69,7 +69,7 @@ class PageLink:
 
 
 class Sharing(Feature):
-    """Two buttons among a visitor's controls. The browser itself copies: its address is the link."""
+    """Buttons to copy the link and to show it as a QR code. The browser itself copies: its address is the link."""
 
     def __init__(self, page: PageContext):
         self._page, gui = page, page.gui
@@ -88,7 +88,7 @@ class Sharing(Feature):
         return cls(page)
 
     def show_code(self) -> None:
-        """Show what is seen as a code, as large as the window, and as words."""
+        """Shows the state as a QR code, as large as the window, and as text."""
         gui, here, seen = self._page.gui, self._page.store.here, self._page.controls.state
         address = f"{here}#{state_link(seen, '')}"
         with gui.add_modal(tr("This scene")) as modal:

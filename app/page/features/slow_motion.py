@@ -1,4 +1,4 @@
-"""One step in slow motion: the panel that walks through its phases, and the thread that moves the picture."""
+"""Slow motion of one step: the panel that walks through its phases, and the thread that animates the picture."""
 
 import logging
 import threading
@@ -24,15 +24,14 @@ from solvers.solver.step_breakdown import StepBreakdown
 
 NO_BREAK = "\N{NO-BREAK SPACE}"
 TICK = 0.06  # seconds between two pictures
-SECONDS = (1.0, 10.0, 3.0)  # that a phase takes: least, most, at first
-MOVING = 0.7  # share of them in which things move; then they rest, to be read
+SECONDS = (1.0, 10.0, 3.0)  # of a phase: least, most, initial
+MOVING = 0.7  # share of them with motion, before a rest for reading
 LAST = len(PHASES) - 1
 SLOW, NOT_SLOW = lazy("Slow motion"), lazy("Normal speed")
 
 
 class SlowMotion(Feature):
-    """The mode of one visitor: while ``on`` the run rests, while ``showing`` a step replaces the ordinary stage. It
-    ends when something else moves the run on."""
+    """Mode of one visitor: while ``on`` the run pauses, while ``showing`` a step is on the stage."""
 
     def __init__(self, page: PageContext):
         self._client, self._canvas, self._session, self._on_view = (
@@ -40,13 +39,13 @@ class SlowMotion(Feature):
         self.source = SlowStep(self, page.run)
         self.shortcuts = {"phase": self.forward, "phase back": self.back}
         self._lock = threading.RLock()
-        self._over = threading.Event()  # of the thread that draws while the mode is on
+        self._over = threading.Event()  # stops the thread that draws while the mode is on
         self._stages: dict[str, SlowStage] = {}  # made when they are first needed
         self._step: tuple[Scene, StepBreakdown] | None = None
         self.on = self._walking = False
-        self.sentence = Headline()  # that says what is on the stage, while the mode is on
+        self.sentence = Headline()  # describes the stage while the mode is on
         self._phase, self._s, self._seconds, self._asked = 0, 0.0, SECONDS[2], 0
-        self._drawn: tuple[int, float, Bounds] | None = None  # phase, how far it is, and in which room
+        self._drawn: tuple[int, float, Bounds] | None = None  # phase, progress in it, and bounds
 
         mark = page.gui.add_html("<i class='lab-at-slow'></i>")
         self._button = page.gui.add_button(tr(SLOW), hint=tr("pause, and walk through one time step phase by phase"))
@@ -59,17 +58,17 @@ class SlowMotion(Feature):
 
     @property
     def showing(self) -> bool:
-        """Whether there is a step on the stage."""
+        """Whether a step is on the stage."""
         return self._step is not None
 
     @property
     def rectangle(self) -> Rectangle | None:
-        """Of what is drawn while there is a step on the stage."""
-        step = self._step  # without the lock: who draws asks, whom those wait for that hold it
+        """The rectangle of the step drawn on the stage, or None."""
+        step = self._step  # without the lock: the drawing thread reads it, and holders of the lock wait for that thread
         return None if step is None else self._stages[step[0].problem].rectangle
 
     def _build_fold(self, gui: viser.GuiApi) -> None:
-        """Make the widgets among the controls, for the session's present scene."""
+        """Builds the widgets among the controls, for the session's present scene."""
         add_anchor(gui, "lab-slow-fold", words=tr("phase by phase"))
         least, most, _ = SECONDS
         with self._lock, gui.add_folder(tr("One step in slow motion"), expand_by_default=False):
@@ -92,7 +91,7 @@ class SlowMotion(Feature):
         self._particle.on_update(lambda event: self._again() if event.client else None)
 
     def follow(self, report: FrameReport) -> None:
-        """A frame has come: perhaps with a step to show, perhaps because the run has gone on."""
+        """Handles a new frame: shows its step, or ends the mode if the run has been advanced."""
         with self._lock:
             if not self.on or report.number < self._asked:
                 return
@@ -105,13 +104,13 @@ class SlowMotion(Feature):
                     self._phase, self._s = 0, 0.0
                 if before is None:
                     self._on_view()
-            elif report.fresh and not report.playing:  # another scene, or from the start
+            elif report.fresh and not report.playing:  # another scene, or a restart
                 self._take()
             else:
                 self._leave()
 
     def forward(self) -> None:
-        """The next phase, or the next step."""
+        """Shows the next phase, or the next step."""
         with self._lock:
             if not self.on:
                 self._enter()
@@ -121,7 +120,7 @@ class SlowMotion(Feature):
                 self._take()
 
     def back(self) -> None:
-        """The phase before, as it ended."""
+        """Shows the phase before, as it ended."""
         with self._lock:
             self._walking = False
             if self._phase > 0:
@@ -134,7 +133,7 @@ class SlowMotion(Feature):
         self._button.label = tr(NOT_SLOW if self.on else SLOW)
 
     def close(self) -> None:
-        """The visitor has gone."""
+        """Ends the drawing thread when the visitor leaves."""
         self._over.set()
 
     def _switch(self, on: bool) -> None:
@@ -151,7 +150,7 @@ class SlowMotion(Feature):
                 self._enter()
 
     def _again(self) -> None:
-        """The same step, around another particle."""
+        """Takes the same step apart around another particle."""
         with self._lock:
             if self.on:
                 self._take(step=self._step is None)
@@ -173,7 +172,7 @@ class SlowMotion(Feature):
         self._on_view()
 
     def _take(self, step: bool = True) -> None:
-        """Ask for the next step, or for the last one again; that is shown until the answer comes."""
+        """Requests the next step, or the last one again; the present one stays on view until the answer comes."""
         particle = max(0, min(int(self._particle.value), self._session.scene.particles - 1))
         self._asked = self._session.break_down(particle, step)
 
@@ -187,13 +186,13 @@ class SlowMotion(Feature):
                 logging.getLogger(__name__).exception("the step could not be drawn")
 
     def _go_on(self, scene: Scene, step: StepBreakdown) -> None:
-        """Draw what there is to see after another tick."""
+        """Draws the step after another tick."""
         stage = self._stages[scene.problem]
         now = self._phase, self._s, stage.sheet.room
         if now != self._drawn:
             if self._drawn is None or self._phase != self._drawn[0]:
                 self._text.content = _table(scene, step, self._phase)
-                phase = PHASES[self._phase]  # what happens in it, for above the stage
+                phase = PHASES[self._phase]  # for the text above the stage
                 self.sentence = Headline.of(tr("{n} of {all}: {title}.", n=self._phase + 1, all=len(PHASES),
                                            title=tr(phase.title)), phase.words(scene))
             along = min(1.0, self._s / MOVING)
@@ -211,7 +210,7 @@ class SlowMotion(Feature):
 
 
 class SlowStep:
-    """The step shown, a source with a stage of its own and the numbers of the ``run`` that rests meanwhile."""
+    """The step shown, as a source with its own stage and the numbers of the paused ``run``."""
 
     def __init__(self, slow: SlowMotion, run: Source):
         self._slow, self._run = slow, run
@@ -235,7 +234,7 @@ class SlowStep:
 
 
 def _table(scene: Scene, a: StepBreakdown, phase: int) -> str:
-    """All the numbers of a phase: the equation in words, those of the particle, and the nodes' in a table."""
+    """Returns all numbers of a phase as html: the equation, the particle's, and a table of the nodes'."""
     what = PHASES[phase]
     names, rows = [tr("node at, m")], [[", ".join(f"{x:.4g}".replace("-", "−") for x in place) for place in a.nodes]]
     for column in what.columns:

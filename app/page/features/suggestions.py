@@ -1,6 +1,5 @@
-"""Sparks under the headline: three questions of the problem, an answer from the runs' own numbers, and ways on from a
-run that is lost: to the moment it broke, with what cures it, or by another method. The page's script (``sparks.js``)
-makes buttons of them and says which was pressed."""
+"""Suggestions under the headline: three experiments per problem, an answer from the runs' own numbers, and ways on from
+a lost run: to the moment it broke, with remedies, or by another method. ``sparks.js`` draws the buttons."""
 
 import json
 import math
@@ -26,17 +25,17 @@ from solvers.scene.remedies import COUPLED, FILTER, FROZEN, REMEDIES
 from solvers.scene.scene import AUTO, Scene
 from solvers.solver.soundness import OK, UNSTABLE
 
-BEFORE = 0.03  # periods before a run broke, to which one goes back: more than half of what lies between frames
-#: Methods that bear more than hat functions do, the first choice first, and what they are.
+BEFORE = 0.03  # periods to go back before a run broke: more than half the time between frames
+#: Methods more robust than hat functions, the first choice first, with descriptions.
 OTHERS = {"ugimp": lazy("the same {problem}, small intervals"), "cpdi": lazy("the same {problem}, boxes that deform"),
           "bspline": lazy("the same {problem}, smooth functions")}
 SHORT = {COUPLED: lazy("coupled F")}  # where a label is too long for a button
-TWO, ONE = (FILTER, COUPLED), (FROZEN,)  # remedies that go together, and what there is where they do not
+TWO, ONE = (FILTER, COUPLED), (FROZEN,)  # remedies for problems that have both, and for others
 
 
 @dataclass(frozen=True)
 class Card:
-    """A button; ``key`` comes back when it is pressed, ``done`` means pressed before, ``off`` cannot be pressed."""
+    """Button; the browser sends ``key`` when it is pressed, ``done`` is pressed before, ``off`` disabled."""
 
     key: str
     icon: str
@@ -48,12 +47,12 @@ class Card:
 
 def what_now(state: State, report: FrameReport, seek: Callable[[float], bool], show: Callable[[State], None],
              ) -> list[tuple[Card, Callable[[], None]]]:
-    """Buttons, and what each does. ``seek`` looks back to a time in s and says whether it is kept."""
+    """Returns buttons and their actions. ``seek`` looks back to a time in s, and returns False if it is not stored."""
     scene = report.scene
     back = max(scene.time_step, (report.since or report.time) - BEFORE * scene.period)
 
     def look() -> None:
-        if not seek(back):  # it is not kept: run again until then
+        if not seek(back):  # not stored: run again until then
             show(replace(state, scene=replace(scene, periods=None, t_end=back), speed=None, stops=True))
 
     other = next(name for name in OTHERS if name in scene.choices("method") and name != scene.method)
@@ -66,7 +65,7 @@ def what_now(state: State, report: FrameReport, seek: Callable[[float], bool], s
 
 def _changed(key: str, icon: str, state: State, show: Callable[[State], None], title: str, hint: str,
              changes: dict[str, object]) -> tuple[Card, Callable[[], None]]:
-    """A button that starts the scene again with changes, where it can be that."""
+    """Returns a button that restarts the scene with changes; disabled if they are invalid."""
     try:
         wanted = changed_state(state, changes, pinned=False)
     except NotNow as reason:
@@ -75,7 +74,7 @@ def _changed(key: str, icon: str, state: State, show: Callable[[State], None], t
 
 
 def _cure(scene: Scene) -> tuple[str, str, dict[str, object]]:
-    """A step that the motion bears, or the remedies that are not on yet."""
+    """Returns title, hint and changes: a stable time step, or the remedies that are not on yet."""
     if scene.time_step > scene.step_bound:
         return tr("Take a stable step"), tr("Auto step: longest stable step"), {"dt": AUTO, "cfl": None}
     names = TWO if all(name in scene.REMEDIES for name in TWO) else ONE
@@ -86,11 +85,11 @@ def _cure(scene: Scene) -> tuple[str, str, dict[str, object]]:
 
 
 TRY, COMPARING, ANSWER, LOST = lazy("Try one"), lazy("Comparing …"), lazy("The answer"), lazy("What now?")
-WHOLE = 1e-9  # by which rounding may keep a run from its last period
+WHOLE = 1e-9  # relative rounding of a run's end time
 
 
 class Suggestions(Feature):
-    """One visitor's sparks; ``show`` puts a state on the stage, ``seek`` looks back to a time in s if that is kept."""
+    """One visitor's suggestions; ``show`` puts a state on the stage, ``seek`` looks back to a time in s if stored."""
 
     def __init__(self, gui: viser.GuiApi, session: Session, state: Callable[[], State], show: Callable[[State], None],
                  seek: Callable[[float], bool], is_touring: Callable[[], bool]):
@@ -99,10 +98,10 @@ class Suggestions(Feature):
         self.messages = {"spark": self.press}
         self._html = gui.add_html("")
         self._done: set[str] = set()
-        # A spark, what was on the stage, and what it put there.
+        # The suggestion, the state before it, and the state it has put on the stage.
         self._asked: tuple[Suggestion, State, State] | None = None
         self._answers: dict[str, Answer] = {}  # by quantity
-        self._ways: dict[str, Callable[[], None]] = {}  # out of a run that is lost
+        self._ways: dict[str, Callable[[], None]] = {}  # ways on from a lost run
 
     @classmethod
     def build(cls, page: PageContext) -> "Suggestions":
@@ -112,7 +111,7 @@ class Suggestions(Feature):
                    lambda: page.is_touring())
 
     def press(self, key: object) -> None:
-        """The visitor has pressed a button."""
+        """Handles the click on a button."""
         if isinstance(key, str) and key in self._ways:
             self._asked, ways, self._ways = None, self._ways, {}
             ways[key]()
@@ -128,10 +127,10 @@ class Suggestions(Feature):
         self._done.add(f"{base.scene.problem} {spark.key}")
         self._asked, self._answers = None, {}
         self._show(state)
-        self._asked = spark, base, state  # from now on: while it was put there, something else was
+        self._asked = spark, base, state  # only now: meanwhile another state was on the stage
 
     def refresh(self, view: PageView) -> None:
-        """Show what there is to be pressed or read now; nothing beside a lesson or the tour."""
+        """Shows the present buttons or answer; nothing during a lesson or the tour."""
         content = ""
         if view.alone and not self._is_touring() and self._session.report is not None:
             label, answer, cards = self._now()
@@ -176,19 +175,19 @@ class Suggestions(Feature):
         return cards
 
     def _base(self) -> State:
-        """What a spark changes: what is on the stage, or was before the spark that has put it there."""
+        """Returns the state that a suggestion changes: the one on the stage, or before the last suggestion."""
         self._forget()
         return self._state() if self._asked is None else self._asked[1]
 
     def _forget(self) -> None:
-        """A spark is over as soon as anything else is on the stage."""
+        """Discards the suggestion when anything else is on the stage."""
         if self._asked:
             shown, pinned = self._asked[2], self._session.pinned
             if shown.scene != self._session.scene or shown.pinned != (pinned and pinned.scene):
                 self._asked = None
 
     def _answer(self) -> Answer | None:
-        """The answer for the quantity on the stage, once both runs have come far enough."""
+        """Returns the answer for the quantity on the stage, once both runs have come far enough."""
         assert self._asked is not None
         spark, _, state = self._asked
         quantity = self._state().quantity

@@ -1,1 +1,1 @@
-"""The page's panels: what a visitor sets and reads beside the stage."""
+"""The page's panels: settings and readings beside the stage."""

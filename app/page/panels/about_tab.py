@@ -1,4 +1,4 @@
-"""The tab to read: About, for someone who sees the page for the first time."""
+"""The About tab, for first-time visitors."""
 
 import viser
 
@@ -13,14 +13,14 @@ from solvers.solver.soundness import CONTRADICTIONS, LOST_FROM
 
 
 def add_about(gui: viser.GuiApi) -> None:
-    """Fill the tab: something to try, the page, each estimator behind its name, and what to believe."""
+    """Fills the tab: an introduction, the page, each estimator in a folder of its own, and their reliability."""
     gui.add_html(_text("try.html"))
     gui.add_html(_text("about.html").format(problems="".join(view.about for view in VIEWS.values()),
                               divisions=", ".join(tr(view.division) for view in VIEWS.values())))
     for estimator in ESTIMATORS.values():
         with gui.add_folder(tr("The estimator {title}", title=estimator.title), expand_by_default=False):
             gui.add_html(f"<div class='lab-about lab-explanation'>{estimator.explanation_in(current_language())}</div>")
-    own = "" if current_language() == ENGLISH else f" lang='{current_language()}'"  # what it stands in may be English
+    own = "" if current_language() == ENGLISH else f" lang='{current_language()}'"  # the parent may be English
     rules, remedies = "", ""
     for rule in CONTRADICTIONS.values():
         size = tr("more than {most:g}", most=rule.most)
@@ -36,7 +36,7 @@ def add_about(gui: viser.GuiApi) -> None:
 
 
 def _text(name: str) -> str:
-    """A text of the web folder; one that is there in English only says so."""
+    """Returns a text of the web folder; marked as English if it is not translated."""
     path = localised_path(WEB / name)
     text = path.read_text(encoding="utf-8")
     return text if current_language() == ENGLISH or path.name != name else f"<div lang='{ENGLISH}'>{text}</div>"

@@ -1,4 +1,4 @@
-"""What the browser keeps (``browser_store.js``), state and answers, and says (``window.js``): free room and keys."""
+"""Data that the browser stores (``browser_store.js``), state and answers, and its messages (``window.js``)."""
 
 import json
 import threading
@@ -14,39 +14,39 @@ import viser
 from app.language.translation import tr
 from app.viewer.widgets import is_number_between, set_max_length
 
-LONGEST = 20_000  # characters that a browser may tell at once
-MOST_KINDS = 40  # of things that are remembered until somebody hears them: a browser may say any number
+LONGEST = 20_000  # most characters of a message
+MOST_KINDS = 40  # most kinds of messages kept until they are handled: a browser may send any number
 MARK = "<i class='lab-store'></i>"
 
 
 class BrowserStore:
-    """One visitor's. What the browser says is believed in nothing: it may be anything."""
+    """Store of one visitor's browser. All messages are validated: a browser may send anything."""
 
     def __init__(self, gui: viser.GuiApi):
-        self.here = ""  # the address under which this browser has found the lab
+        self.here = ""  # the address at which this browser has opened the lab
         self._listening = False
-        self._kept = ""  # the state that the address has
-        self._held: tuple[str, str, str] | None = None  # what is to be kept when a change is complete
+        self._kept = ""  # the state in the address
+        self._held: tuple[str, str, str] | None = None  # what to store when a change is complete
         self._changing = False
-        self.heard: dict[str, Callable[[Any], None]] = {}  # what is done with further things that the browser says
-        self._early: dict[str, Any] = {}  # said before anybody listened, the latest of each kind
+        self.heard: dict[str, Callable[[Any], None]] = {}  # handlers of further messages by key
+        self._early: dict[str, Any] = {}  # received before :meth:`listen`, the latest of each kind
         gui.add_html(MARK)
         self._text = gui.add_text(tr("kept by the browser"), "")
         set_max_length(self._text, LONGEST)
         self._mark = gui.add_html("")
-        self._waiting: deque[str] = deque(maxlen=MOST_KINDS)  # what it has said and nobody has heard yet
+        self._waiting: deque[str] = deque(maxlen=MOST_KINDS)  # messages not handled yet
         self._hearing = threading.Lock()
         self._text.on_update(self._take)
         self._text.on_update(lambda _: self._hear_all())
 
     def listen(self, on_link: Callable[[str], None], on_answers: Callable[[str, str], None]) -> None:
-        """Listens from now on, and to what was said before: the address's state, a lesson's name and kept answers."""
+        """Handles messages from now on, and earlier ones: the address's state, a lesson's name and stored answers."""
         self._on_link, self._on_answers, self._listening = on_link, on_answers, True
         self._act(self._early)
 
     @contextmanager
     def keep_after(self) -> Iterator[None]:
-        """Keeps nothing of the states within a change of several parts, which a reload would otherwise bring back."""
+        """Context manager: stores nothing until a change of several parts is complete, so that reloads find it all."""
         self._changing = True
         try:
             yield
@@ -56,7 +56,7 @@ class BrowserStore:
                 self.keep(*held)
 
     def keep(self, link: str, lesson: str = "", answers: str = "") -> None:
-        """Have the browser keep a state, and the answers to a lesson; without answers it tells those that it has."""
+        """Makes the browser store a state and the answers to a lesson; without answers it sends the stored ones."""
         if self._changing:
             self._held = link, lesson, answers
             return
@@ -66,11 +66,11 @@ class BrowserStore:
             self._mark.content, self._kept = content, link
 
     async def _take(self, _: viser.GuiEvent) -> None:
-        """Handles a message in its very turn, before the next one can take its place in the text."""
+        """Queues a message at once, before the next one overwrites it in the text widget."""
         self._waiting.append(self._text.value)
 
     def _hear_all(self) -> None:
-        """Hear what waits, in its order: one thread at a time, and whoever comes meanwhile leaves his to it."""
+        """Handles queued messages in order, on one thread at a time."""
         while self._waiting and self._hearing.acquire(blocking=False):
             try:
                 with suppress(IndexError):
@@ -93,7 +93,7 @@ class BrowserStore:
     def _act(self, said: dict[str, Any]) -> None:
         if isinstance(here := said.get("here"), str) and here.startswith(("http://", "https://")):
             self.here = here
-        # A browser that makes its widgets anew says again what it was told to keep: that is what is there.
+        # A browser that rebuilds its widgets sends what it was given to store; that state is already on the stage.
         if isinstance(link := said.get("link"), str) and link and link != self._kept:
             self._on_link(link)
         for name in self.heard.keys() & said.keys():
@@ -103,12 +103,12 @@ class BrowserStore:
 
 
 WIDEST = 20_000.0  # pixels
-LETTERS = 12.0  # pixels, as high as letters on the stage usually are
+LETTERS = 12.0  # usual height of letters on the stage in pixels
 
 
 @dataclass(frozen=True)
 class LayoutMetrics:
-    """Pixels of the window: the free box of the stage, what is left of it, the plot over time, and letters."""
+    """Layout of the window in px: free box of the stage, space left of it, plot over time, height of letters."""
 
     width: float = 736.0
     height: float = 358.0
@@ -119,7 +119,7 @@ class LayoutMetrics:
 
 
 class Window:
-    """One visitor's window: ``on_change`` gets a new size, ``on_dark`` dark or light; the browser may say anything."""
+    """One visitor's window: ``on_change`` receives a new size, ``on_dark`` dark or light. Messages are validated."""
 
     def __init__(self, store: BrowserStore, on_change: Callable[[LayoutMetrics], None],
                  on_dark: Callable[[bool], None]):
@@ -142,7 +142,7 @@ class Window:
 
 
 def follow_keys(store: BrowserStore, acts: Mapping[str, Callable[[], None]]) -> None:
-    """Does one of the ``acts`` when the browser says its name (``js/keys.js``)."""
+    """Calls one of the ``acts`` when the browser sends its name (``js/keys.js``)."""
     def act(said: Any) -> None:
         if isinstance(said, str) and said in acts:
             acts[said]()

@@ -1,4 +1,4 @@
-"""Looking back and closer: the slider through frames, the traced particle, and how halves and domains are drawn."""
+"""Controls for looking back and closer: the slider through frames, the traced particle, and drawing options."""
 
 from collections.abc import Callable
 
@@ -19,7 +19,7 @@ LINEAR, LOGARITHMIC = lazy("linear"), lazy("logarithmic")
 
 
 class HistoryControls:
-    """Widgets of one visitor among the controls. ``on_view`` is called when another frame or particle is shown."""
+    """One visitor's widgets for past frames; ``on_view`` is called when another frame or particle is shown."""
 
     def __init__(self, session: Session, recent: FrameBuffer, trace: Trace, on_view: Callable[[], None]):
         self._session, self._recent, self._trace, self._on_view = session, recent, trace, on_view
@@ -27,14 +27,14 @@ class HistoryControls:
         self._refused = False
 
     def build_slider(self, gui: viser.GuiApi) -> viser.GuiSliderHandle[int]:
-        """Make the slider: to the left is the past."""
+        """Builds the slider through past frames, the newest at the right."""
         self._slider = gui.add_slider(tr("Look back"), -1, 0, 1, 0, disabled=True, hint=_hint(0, 0.0))
         self._slider.on_update(self._moved)
         self._at = 0
         return self._slider
 
     def build_trace(self, gui: viser.GuiApi) -> None:
-        """Make what belongs to the plots over time."""
+        """Builds the widgets for the plots over time."""
         shown = tr(ALL), tr(LATEST, n=LAST_PERIODS)
         show = gui.add_dropdown(tr("Plots show"), shown, initial_value=shown[self.latest],
                                 hint=tr("how much of the run the plots over time show"))
@@ -50,15 +50,15 @@ class HistoryControls:
 
     @property
     def traced(self) -> int | None:
-        """The number of the particle that is traced, if any."""
+        """The number of the traced particle, or None."""
         return None if self._trace.traced is None else self._trace.traced.particle
 
     def trace(self, particle: int | None) -> None:
-        """Trace a particle of the run that begins next, or none."""
+        """Traces a particle of the next run, or none."""
         self._trace.choose(particle, in_next_run=True)
 
     def refresh(self) -> None:
-        """Show which particle is traced and how far back one can go, once each: see ``Controls.refresh``."""
+        """Shows the traced particle and how far back frames go; each only when changed, see ``Controls.refresh``."""
         report, (most, periods), back = self._session.report, self._recent.reach, self._recent.back
         paused = report is not None and not report.playing and most > 0
         self._slider.disabled = not paused
@@ -74,20 +74,20 @@ class HistoryControls:
             self._number.value = "" if followed is None else str(followed)  # type: ignore[misc]
 
     def seek(self, time: float) -> None:
-        """Pause, and show the frame nearest to a time in s."""
+        """Pauses and shows the frame nearest to a time in s."""
         if not self._recent.seek(time):
             self._session.play(False)
         self._on_view()
 
     def back_to(self, time: float) -> bool:
-        """As :meth:`seek`, where the frames that are kept reach as far back; whether they do."""
+        """Calls :meth:`seek` if frames are stored as far back; returns whether they are."""
         first, last = self._recent.span
         if kept := first <= time <= last:
             self.seek(time)
         return kept
 
     def _moved(self, event: viser.GuiEvent) -> None:
-        if event.client is not None:  # else it is the page that has shown where the run is
+        if event.client is not None:  # otherwise the page has set it
             self._at = -round(event.target.value)
             self._recent.go_back(self._at)
             self._on_view()
@@ -119,7 +119,7 @@ def _hint(frames: int, periods: float) -> str:
 
 
 class DrawingOptions:
-    """One visitor's widgets; ``part`` gives room for one that a lesson may hide, ``on_view`` redraws."""
+    """One visitor's drawing options; ``part`` returns a folder that a lesson may hide, ``on_view`` redraws."""
 
     def __init__(self, session: Session, scale: ColourScale, looking: HistoryControls, on_view: Callable[[], None]):
         self._session, self._scale, self._looking, self._on_view = session, scale, looking, on_view
@@ -127,7 +127,7 @@ class DrawingOptions:
 
     @property
     def words(self) -> str:
-        """What is drawn otherwise than usual, or what could be."""
+        """The options that differ from the defaults, or what there is to set."""
         traced = self._looking.traced
         said = [tr("difference")] * self.difference + [tr(LOGARITHMIC)] * self._scale.logarithmic \
             + [tr("colours held")] * self._scale.held + [tr("domains")] * self.domains \
@@ -135,7 +135,7 @@ class DrawingOptions:
         return ", ".join(said) or tr("colours, trace, comparison")
 
     def build(self, gui: viser.GuiApi, part: Callable[[str], viser.GuiFolderHandle]) -> None:
-        """Make the widgets, for the session's present scene."""
+        """Builds the widgets for the session's present scene."""
         scale = self._scale
         with part("estimators"):
             compare = gui.add_dropdown(

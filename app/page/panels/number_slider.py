@@ -1,4 +1,4 @@
-"""A number of any size, as a slider whose steps are factors and as text to read and type."""
+"""Widget for a positive number: a slider with a logarithmic scale and a text field."""
 
 import threading
 from collections.abc import Callable
@@ -14,7 +14,7 @@ from app.page.panels.scene_widgets import SceneWidgets
 from app.words import size_in, with_unit
 from solvers.untrusted import quoting
 
-TYPING = 0.8  # seconds without another key, after which what has been typed counts
+TYPING = 0.8  # seconds without a key after which the input is applied
 STEP = 0.005  # of the slider, in powers of ten
 DIGITS = 6
 TYPE_SIZE, TYPE = lazy("type a number in {unit}, or with a prefix: {example}"), lazy("type a number: {example}")
@@ -24,7 +24,7 @@ NO_NUMBER = lazy("{name}: '{typed}' is not a number above 0; give one such as {e
 
 @dataclass(frozen=True)
 class Size:
-    """The number: name, unit, slider's reach, default, hint, and ``words`` beside it; ``place`` is for the style."""
+    """The number: name, unit, slider's range, default, hint, and ``words`` beside it; ``place`` is a CSS class."""
 
     name: str
     unit: str
@@ -36,12 +36,12 @@ class Size:
 
 
 class SizeControl:
-    """Two widgets for one number; ``act`` gets what the visitor sets, and what is refused goes back."""
+    """Slider and text for one number; ``act`` receives what the visitor sets, and a refused value is reset."""
 
     def __init__(self, gui: viser.GuiApi, bound: SceneWidgets, size: Size, value: float, act: Callable[[float], None]):
         self._bound, self._size, self._act = bound, size, act
         self._typed: threading.Timer | None = None
-        self._value = value  # what is, as far as is known
+        self._value = value  # the last accepted value
         low, high = _ends(size, value)
         marks = [add_anchor(gui, "lab-logarithmic", *filter(None, [size.place]), words=size.words)]
         self._slider = gui.add_slider(size.name, low, high, STEP, float(np.log10(value)), hint=size.hint)
@@ -49,7 +49,7 @@ class SizeControl:
         self._text = gui.add_text(
             tr("{name}, typed", name=size.name), self._shown(value),
             hint=tr(TYPE_SIZE if size.unit else TYPE, unit=size.unit, example=self._shown(size.default)))
-        # A mark that stayed where its widget has gone would mark what comes next.
+        # Removed with its widget, as it would otherwise mark the next one.
         self._parts: tuple[Any, ...] = (*marks, self._slider, self._text)
         self._read_in_turn = bound.in_turn(self._read)
         bound.heed(self._slider, self._moved)
@@ -57,13 +57,13 @@ class SizeControl:
         bound.on_enter(self._text, self._entered)
 
     def begin(self, size: Size, value: float) -> None:
-        """Show a number of another reach."""
+        """Shows a number with another range."""
         self._size = size
         self._slider.min, self._slider.max = _ends(size, value)
         self.show(value)
 
     def show(self, value: float) -> None:
-        """Show another value, which nobody has set by hand."""
+        """Shows a value that was not set by the visitor."""
         self._value = value
         self._place(value)
         self._text.value = self._shown(value)  # type: ignore[misc]
@@ -96,7 +96,7 @@ class SizeControl:
             self._value = value
 
     def _keyed(self, text: str) -> None:
-        """Wait for the rest: half a number is another number."""
+        """Waits for the rest of the input: half a number is another number."""
         if self._typed:
             self._typed.cancel()
         self._typed = threading.Timer(TYPING, with_language(self._read_in_turn), (text,))
@@ -104,7 +104,7 @@ class SizeControl:
         self._typed.start()
 
     def _entered(self) -> None:
-        """The visitor is done with typing: it counts at once, and is written as all numbers are."""
+        """Applies the finished input at once, and formats the number."""
         if self._typed and self._typed.is_alive():
             self._typed.cancel()
             self._read(self._text.value)
@@ -126,5 +126,5 @@ class SizeControl:
 
 
 def _ends(size: Size, value: float) -> tuple[float, float]:
-    """Of a slider that shows this value, too: logarithms."""
+    """Returns the decimal logarithms of the slider's ends, extended to this value."""
     return float(np.log10(min(*size.reach, value))), float(np.log10(max(*size.reach, value)))

@@ -1,7 +1,6 @@
-"""The head of the page: style, theme, links to other languages, and marks before widgets, by which the style and the
-scripts know them. The viewer lets style be set by html of one's own only, and gives widgets no names. And its buttons:
-the presenter's view, for a talk on a projector (headline, stage and one plot, in letters for the last row), and which
-problem moves."""
+"""The page's head: style, theme, language links, and the marks before widgets by which styles and scripts find them
+(the viewer accepts style in html only, and its widgets have no names). Also its buttons: the presenter's view for a
+projector (headline, stage and one plot in large letters), and the choice of problem."""
 
 import colorsys
 import json
@@ -30,12 +29,12 @@ WEB = Path(__file__).parents[1] / "web"
 
 
 def _web(folder: str, ending: str) -> str:
-    """All files of a folder, one after the other in the order of their names."""
+    """Returns all files of a folder joined in the order of their names."""
     return "".join(path.read_text(encoding="utf-8") for path in sorted((WEB / folder).glob(f"*.{ending}")))
 
 
 def initial_html() -> str:
-    """Returns what the first html of a browser has of ours: style, frame, scripts and their texts."""
+    """Returns our part of a browser's first html: style, frame, scripts and their texts."""
     words = json.dumps(load_catalogue(current_language()).of_files("app/page/web/js/"), ensure_ascii=False).replace(
         "<", "\\u003c"
     )
@@ -45,8 +44,8 @@ def initial_html() -> str:
 
 
 def set_up(gui: viser.GuiApi, dark: bool = False) -> None:
-    """Theme and panel of a page."""
-    # The theme colour for which buttons come out as the accent: they are drawn two shades lighter.
+    """Sets theme and panel of a page."""
+    # The theme colour for which buttons have the accent colour: they are drawn two shades lighter.
     hue, light, full = colorsys.rgb_to_hls(*(part / 255 for part in rgb(TEXTS["accent"][dark])))
     red, green, blue = colorsys.hls_to_rgb(hue, max(0.0, 0.9 - (0.9 - light) * 8 / 6), full)
     gui.configure_theme(dark_mode=dark, show_logo=False, show_share_button=False,
@@ -57,7 +56,7 @@ def set_up(gui: viser.GuiApi, dark: bool = False) -> None:
 
 
 def language_links() -> str:
-    """Html of the links to all languages but the one that is spoken (``js/languages.js``: it keeps what is seen)."""
+    """Returns links to the other languages as html (``js/languages.js`` keeps the state)."""
     return " ".join(f"<a class='lab-language' href='?lang={code}' lang='{code}' hreflang='{code}'>{other.name}</a>"
                     for code, other in LANGUAGES.items() if code != current_language())
 
@@ -68,7 +67,7 @@ def add_anchor(gui: viser.GuiApi, *names: str, words: str = "") -> viser.GuiHtml
 
 
 def anchor_html(*names: str, words: str = "") -> str:
-    """The html of a mark."""
+    """Returns the html of a mark."""
     return f"<i class='{' '.join(('lab-words', *names))}' data-words='{escape(words)}'></i>"
 
 
@@ -77,7 +76,7 @@ PRESENT, END = lazy("Present"), lazy("End")
 
 
 class PresentationMode:
-    """A button for the presenter's view, as are Escape and an address with ``?present`` (``present.js``)."""
+    """Button of the presenter's view; Escape and ``?present`` in the address do the same (``present.js``)."""
 
     def __init__(self, gui: viser.GuiApi):
         self.on = False
@@ -89,13 +88,13 @@ class PresentationMode:
         self._button.on_click(lambda _: self._turn())
 
     def name(self, scene: Scene) -> None:
-        """Say which scene it is that is seen."""
+        """Shows the scene's name in the presenter's view."""
         if scene != self._scene:
             self._scene = scene
             self._named.content = f"<i class='lab-named' data-scene='{escape(in_a_line(scene))}'></i>"
 
     def begin(self) -> None:
-        """Show the view, if it is not."""
+        """Starts the view, if it is not on."""
         if not self.on:
             self._turn()
 
@@ -109,14 +108,14 @@ TITLES = {problem: kind.scene.TITLE for problem, kind in PROBLEMS.items()}
 
 
 class ProblemButtons:
-    """One visitor's buttons, in a narrow window a dropdown; ``choose`` gets the name of another problem."""
+    """One visitor's buttons for problems, in a narrow window a dropdown; ``choose`` receives the chosen name."""
 
     def __init__(self, gui: viser.GuiApi, store: BrowserStore, choose: Callable[[str], None]):
         self._html, self._choose = gui.add_html(""), choose
         store.heard["problem"] = self._hear
 
     def show(self, chosen: str, offered: bool) -> None:
-        """Mark the one that is chosen; a lesson may offer none."""
+        """Marks the chosen problem; offers none if a lesson hides the choice."""
         titles = {problem: tr(title) for problem, title in TITLES.items() if offered}
         said = json.dumps({"titles": titles, "chosen": chosen})
         self._html.content = f"<i class='lab-problems' data-said='{escape(said)}'></i>"

@@ -1,9 +1,7 @@
 """The plots over time of the left panel: a traced particle, error norms, error indices and grid crossings.
 
-The truth and every estimator has a line of its own, the truth's broad and beneath. A chart that is given other series
-forgets its range, and one that is removed may still be sent data: so each set of estimators has plots of its own, made
-when it is first used and hidden while another set runs.
-"""
+A chart that is given other series loses its range, and one that is removed may still be sent data. So each set of
+estimators has plots of its own, built on first use and hidden while another set runs."""
 
 from collections.abc import Sequence
 from html import escape
@@ -35,11 +33,11 @@ _FROM_ZERO: uplot.Scale = {"range": {"min": {"soft": 0, "mode": 1, "pad": 0},
 _RATIOS: uplot.Scale = {"distr": 3, "range": list(INDEX_RANGE)}
 _RATIO_MARKS: uplot.Axis = {"splits": (0.1, 1, 10), "values": ("0.1", "1", "10")}
 EMPTY = np.array([0.0, 1.0])  # what an empty plot holds
-#: Units of time, with the shortest time in s that is counted in them: an axis shows three digits after the point.
+#: Units of time, with the shortest time in s for each: an axis shows three decimals.
 _TIMES = (("s", 1.0, 1e-2), ("ms", 1e-3, 1e-5), ("µs", 1e-6, 0.0))
 _GRID: uplot.Axis_Grid = {"stroke": "#e6e9ee", "width": 1}
 _TICKS: uplot.Axis_Ticks = {"stroke": "#c6ccd4", "width": 1, "size": 4}
-#: What each plot shows, for who rests on its title.
+#: Tooltips of the plots' titles.
 NORM = lazy("root of the mean square over all particles: the broad line is the true error, the others estimate it")
 INDEX = lazy("estimated over true error, summed over the run so far; on the grey line, at 1, an estimate is perfect")
 CROSSED = lazy("particles that pass from one cell of the grid into the next, in a second of simulated time")
@@ -51,7 +49,7 @@ PlotSet = tuple[list[HeadedPlot], viser.GuiHtmlHandle]  # and the label of their
 
 
 class Plots:
-    """Call :meth:`show` a few times a second, or :meth:`clear` when there is nothing to show."""
+    """Plots of one visitor. Call :meth:`show` a few times a second, or :meth:`clear` if there is nothing to show."""
 
     def __init__(self, client: viser.ClientHandle, tab: viser.GuiFolderHandle):
         self._gui, self._tab = client.gui, tab
@@ -60,7 +58,7 @@ class Plots:
         self.have((), LEAST_HEIGHT, False, False)
 
     def have(self, estimators: tuple[str, ...], height: int, traced: bool, pinned: bool) -> None:
-        """Makes plots of this height in px with a line for each estimator and a pinned run; one is of a trace."""
+        """Shows plots of this height in px with a line for each estimator and a pinned run, and one of a trace."""
         wanted = estimators, pinned
         if wanted not in self._sets:
             self._sets[wanted] = self._build(estimators, height, pinned)
@@ -76,8 +74,8 @@ class Plots:
 
     def show(self, history: RunSeries, valid: tuple[str, ...], quantity: str, no_index: str, latest: bool,
              pinned: PinnedRun | None, drawn: str | None) -> None:
-        """Draw a run, or its ``latest`` periods: the truth and the ``valid`` ones of its estimators; ``no_index`` says
-        why there is no index. A ``pinned`` run is drawn in grey, with the estimator ``drawn`` on the stage."""
+        """Draws a run or its ``latest`` periods: the truth and the ``valid`` estimators; ``no_index`` is the reason for
+        no index. A ``pinned`` run is drawn in grey, with the estimator ``drawn`` on the stage."""
         series, words = history.latest if latest else history.series, QUANTITIES[quantity]
         time = series["time"]
         nothing = np.full(len(time), np.nan)
@@ -85,7 +83,7 @@ class Plots:
         errors, unit = self._errors(series, valid, quantity, grey)
         of_time, second = _time_unit(time[-1], history.scene)
         self._time_label.content = _time_label(of_time)
-        # What the lines of the presented plot are, for where the readout does not say it.
+        # The legend of the presented plot, where the readout is hidden.
         meant = *map(name_with_sample, (TRUE, *valid)), tr("over {time}", time=of_time)
         lines = "".join(f"<span>{text}</span>" for text in meant)
         title = tr("error norm of {symbol} / {unit}", symbol=words.symbol, unit=unit) \
@@ -108,7 +106,7 @@ class Plots:
 
     def show_trace(self, traced: TracedParticle, valid: tuple[str, ...], quantity: str, latest: bool,
                    shown: float) -> None:
-        """Draw a particle's errors; its crossings and the time ``shown``, s, are marked on the first with values."""
+        """Draws a particle's errors; crossings and the time ``shown``, in s, are marked on the first finite curve."""
         series, (heading, plot) = traced.latest if latest else traced.series, self._trace
         time, (errors, unit) = series["time"], self._errors(series, valid, quantity)
         if len(time) < 2:
@@ -124,7 +122,7 @@ class Plots:
 
     def _errors(self, series: dict[str, np.ndarray], valid: tuple[str, ...], quantity: str,
                 grey: Sequence[np.ndarray] = ()) -> tuple[list[np.ndarray], str]:
-        """Errors in ``grey``, the true and every estimated one, counted in a power of ten of the unit, and its name."""
+        """Returns the errors, ``grey``, true and estimated, divided by a power of ten, and the unit with that power."""
         true = series[f"error_{quantity}"]
         estimated = [bounded(series[f"{name}/estimate_{quantity}"], true) if name in valid
                      else np.full(len(true), np.nan) for name in self._estimators]
@@ -133,7 +131,7 @@ class Plots:
         return [values / 10.0**power for values in errors], f"{power_text(power)}{QUANTITIES[quantity].unit}"
 
     def clear(self) -> None:
-        """Show nothing: no time has passed."""
+        """Clears all plots, at t = 0."""
         self._time_label.content = _time_label("t / s")
         for plot in self._plots:
             set_series(plot, finite_series(EMPTY, *(np.full(2, np.nan) for _ in plot.data[1:])))
@@ -157,9 +155,9 @@ class Plots:
 
     def _show_crossings(self, history: RunSeries, series: dict[str, np.ndarray], grey: list[np.ndarray],
                         second: float) -> None:
-        """A ``second`` is so many units of the axis."""
+        """Draws crossings per second; ``second`` is the length of a second in units of the time axis."""
         time, rate = history.crossings_per_second(series)
-        time = np.append(series["time"][:1], time)  # from where the other plots begin, and the first rate counts too
+        time = np.append(series["time"][:1], time)  # start with the other plots, and include the first rate
         power = power_of_ten(max(map(largest_finite, (*grey, rate))))
         self._headings[2].content = _heading(
             f"{tr('grid crossings per second')}{' / ' * bool(power)}{power_text(power)}", CROSSED,
@@ -203,7 +201,7 @@ def grey_curves(pinned: PinnedRun | None, history: RunSeries, series: dict[str, 
 
 
 def set_series(plot: viser.GuiUplotHandle, data: tuple[np.ndarray, ...]) -> None:
-    """Give a plot its series; what it has already is not sent again, as while a run is paused."""
+    """Sets a plot's series, unless they are unchanged, as while a run is paused."""
     if not all(np.array_equal(own, new, equal_nan=True) for own, new in zip(plot.data, data, strict=True)):
         plot.data = data
 
@@ -213,19 +211,19 @@ def series_options(label: str, colour: str, width: float, dashes: tuple[int, ...
 
 
 def _marks(label: str, colour: str, size: float) -> uplot.Series:
-    """Points alone, which leave the plot's range to the lines: there may be none."""
+    """Returns options for points that do not affect the plot's range."""
     return {"label": label, "stroke": colour, "width": 0, "auto": False,
             "points": {"show": True, "size": size, "fill": colour, "stroke": colour}}
 
 
 def bounded(estimated: np.ndarray, true: np.ndarray) -> np.ndarray:
-    """An estimate that has lost its way is drawn at the edge of the plot instead of flattening the truth."""
+    """Caps a diverged estimate at the edge of the plot, so that it does not flatten the truth."""
     truth = largest_finite(true)
     return np.minimum(estimated, BEYOND * truth) if truth > 0 else estimated
 
 
 def finite_series(time: np.ndarray, *values: np.ndarray) -> tuple[np.ndarray, ...]:
-    """What the plots take, nothing infinite; a series of nothing has one zero, without which none finds its range."""
+    """Returns finite series; an empty one gets one zero, without which the plots have no range."""
     drawn = [np.where(np.isfinite(v), v, np.nan) for v in values]
     for series in drawn:
         if np.isnan(series).all():
@@ -234,7 +232,7 @@ def finite_series(time: np.ndarray, *values: np.ndarray) -> tuple[np.ndarray, ..
 
 
 def _time_unit(end: float, scene: Scene) -> tuple[str, float]:
-    """Returns in what times until ``end`` in s are counted, and how many a second has: periods if it swings."""
+    """Returns the label of times up to ``end`` in s, and their units per second: periods if the scene swings."""
     if scene.swings:
         return tr("t in periods"), 1 / scene.period
     unit, size = next((unit, size) for unit, size, shortest in _TIMES if end >= shortest or end <= 0)
@@ -246,6 +244,6 @@ def _time_label(of_time: str) -> str:
 
 
 def _heading(text: str, hint: str = "", remark: str = "", kind: str = "") -> str:
-    """Titles a plot, with a hint and why it is empty; not the plot's own title, which the viewer builds anew."""
+    """Returns a plot's title with a hint and a remark; as the plot's own title it would make the viewer rebuild it."""
     below = f"<br><span>{remark}</span>" if remark else ""
     return f"<div class='lab-heading {kind}' title='{escape(tr(hint) if hint else '')}'>{text}{below}</div>"

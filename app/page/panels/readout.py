@@ -1,4 +1,4 @@
-"""All numbers of a run: each estimator beside the truth, the worst regions, the run itself, and hints."""
+"""Readout of a run: each estimator beside the truth, the worst regions, the run itself, and tooltips."""
 
 import html
 import json
@@ -26,7 +26,7 @@ from solvers.solver.rounding import rounding
 from solvers.solver.soundness import OK, UNSTABLE
 from solvers.study.coverage import track_record
 
-#: Of a line.
+#: Tooltips of rows.
 HINTS = {
     lazy("time"): lazy("simulated time since the start, and in periods of the exact vibration"),
     lazy("steps"): lazy("time steps taken, and how long each is"),
@@ -41,7 +41,7 @@ HINTS = {
     lazy("unseen"): lazy("what the verdict does not check"),
     lazy("region"): lazy("mean and worst error of the particles in a rectangle that you drag on the stage"),
 }
-#: And of a column, or of several lines.
+#: Tooltips of columns, or of several rows.
 NORM = lazy("root of the mean square over the particles, now")
 INDEX = lazy("error index: estimated over true, summed over the run so far; 1 is perfect")
 DISTANCE = lazy("norm of estimate − truth over the norm of the truth; 0 is perfect")
@@ -58,7 +58,7 @@ DRAG = lazy("drag a rectangle on the stage")
 
 @dataclass(frozen=True)
 class Readout:
-    """Html tables of the ``errors`` by judge and of the rest, ``beside``; ``judged`` is for the judges' cards."""
+    """Html tables of the ``errors`` by estimator and of the rest, ``beside``; ``judged`` is the cards' data as JSON."""
 
     errors: str
     beside: str
@@ -66,15 +66,14 @@ class Readout:
 
     @property
     def html(self) -> str:
-        """All of it."""
+        """All tables."""
         return f"<div class='lab-readout'>{self.errors}{self.beside}</div>"
 
 
 def live_readout(session: Session, history: History, report: FrameReport, quantity: str, drawn: str | None,
                  probed: str | None, worst: WorstRegions, ago: float = 0.0) -> Readout:
-    """The numbers of a run, and what it shows of ``quantity`` (its key) with the estimator ``drawn`` on the stage, for
-    a frame ``ago`` periods before the newest. The ``history`` is that of the frame's run: the session may have begun
-    another one since."""
+    """Returns the numbers of a run and of its ``quantity`` (a key), with the estimator ``drawn`` on the stage, for a
+    frame ``ago`` periods before the newest. The ``history`` is that of the frame's run, not of a later one."""
     series = series_until(history.series, report.time)
     return Readout(_estimates(session, report, series, quantity, drawn),
                    _worst(worst, drawn, quantity) + _run(session, history, report, series, drawn, probed, ago),
@@ -82,12 +81,11 @@ def live_readout(session: Session, history: History, report: FrameReport, quanti
 
 
 def estimator_cards(report: FrameReport, series: dict[str, np.ndarray], quantity: str, drawn: str | None) -> str:
-    """What the cards of the judges say of a run of a ``problem`` up to a time, as JSON.
+    """Returns the data of the estimators' cards for a run up to a time, as JSON.
 
-    The ``true`` error's norm at that time, or why it is not ``known``, the estimator on the ``stage``, and for each of
-    the ``judges`` that run its ``index`` so far, in words and as a place ``at`` from 0 to 1 on a gauge of factors from
-    0.1 to 10, and how often it was right in runs like this one (``trust``), or what it ``says`` instead.
-    """
+    Keys: the ``problem``; the ``true`` error's norm, or why it is not ``known``; the estimator on the ``stage``; and
+    for each of the ``judges`` its ``index`` so far as text, its position ``at`` from 0 to 1 on a gauge of factors from
+    0.1 to 10, and how often it was right in similar runs (``trust``), or what it ``says`` instead."""
     why_not = missing_reasons(report, series, quantity)
     judges: dict[str, dict[str, object]] = {}
     for name in report.scene.estimators:
@@ -95,7 +93,7 @@ def estimator_cards(report: FrameReport, series: dict[str, np.ndarray], quantity
             judges[name] = {"says": says[:1].upper() + says[1:]}
         else:
             at = gauge_position(last_value(series, f"{name}/index_{quantity}"))
-            counts = track_record.accurate_runs(report.scene, name, quantity)  # None where nobody counted
+            counts = track_record.accurate_runs(report.scene, name, quantity)  # None if not counted
             judges[name] = {"index": _ratio(series, f"{name}/index_{quantity}"), "at": at,
                             "trust": "" if counts is None else tr(
                                 "right within 10\N{NO-BREAK SPACE}% in {n} of {all} runs like this",
@@ -106,7 +104,7 @@ def estimator_cards(report: FrameReport, series: dict[str, np.ndarray], quantity
 
 
 def gauge_position(index: float) -> float | None:
-    """Where an error index stands on the gauge, beyond its ends at them; nowhere if it is not known."""
+    """Returns the position of an error index on the gauge, clipped to [0, 1]; None if the index is not finite."""
     if not math.isfinite(index):
         return None
     return round(min(1.0, max(0.0, 0.5 + 0.5 * math.log10(index))), 2) if index > 0 else 0.0
@@ -133,7 +131,7 @@ def _run(session: Session, history: History, report: FrameReport, series: dict[s
              if scene.has(name) and (text := _found(name, line, series))]
     if scene.has("margin"):
         text = tr("{margin} of its bound", margin=format_ratio(margin))
-        rows.append(("step", NOTHING if math.isnan(margin) else  # before the first step nothing has a mass
+        rows.append(("step", NOTHING if math.isnan(margin) else  # no node has mass before the first step
                      f"<span class='lab-over'>{text}</span>" if margin > 1 else text))
     rows += [] if ago else list(_goals(report, drawn))
     rows += [
@@ -150,7 +148,7 @@ def _run(session: Session, history: History, report: FrameReport, series: dict[s
 
 
 def _goals(report: FrameReport, drawn: str | None) -> Iterator[tuple[str, str]]:
-    """Numbers of the whole body, each with a bar by the estimator on the stage and how often such bars held."""
+    """Yields quantities of the whole body, with error bars by the estimator on the stage and how often these held."""
     for name, goal in report.goals.items():
         if goal["value"] is None:
             continue
@@ -162,7 +160,7 @@ def _goals(report: FrameReport, drawn: str | None) -> Iterator[tuple[str, str]]:
 
 
 def _found(name: str, line: Line, series: dict[str, np.ndarray]) -> str:
-    """Returns what an effect has found so far as html, numbers with bounds after their lights; "" if unknown."""
+    """Returns an effect's numbers so far as html, bounded ones after their lights; "" if unknown."""
     numbers, values = ALL[name].numbers, ALL[name].values(series) if len(series.get("time", ())) else {}
     if all(value is None for value in values.values()):
         return ""
@@ -179,7 +177,7 @@ def _said_number(value: float | None, number: Number) -> str:
 
 
 def traffic_light(size: float, bounds: tuple[float, float]) -> str:
-    """A light and a word before a number: calm up to the first bound, alarming beyond the second."""
+    """Returns a light and a word before a number: good up to the first bound, bad beyond the second."""
     kind, word = ("good", tr("fine")) if size <= bounds[0] else ("watch", tr("watch it")) if size <= bounds[1] else \
         ("bad", tr("alarming"))
     return f"<span class='lab-light lab-{kind}'>{word}</span> "
@@ -196,7 +194,7 @@ def _percent(share: float | None) -> str:
 
 def _estimates(session: Session, report: FrameReport, series: dict[str, np.ndarray], key: str,
                drawn: str | None) -> str:
-    """A line for the truth, each estimator and a pinned run: its norm now, its index and its distance so far."""
+    """Returns a row for the truth, each estimator and a pinned run: norm now, index and distance so far."""
     unit = QUANTITIES[key].unit
     heads = (f"<span title=\"{html.escape(tr(hint))}\">{head}</span>" for head, hint in
              ((tr("norm now"), NORM), (tr("index so far"), INDEX), (tr("distance so far"), DISTANCE)))
@@ -212,7 +210,7 @@ def _estimates(session: Session, report: FrameReport, series: dict[str, np.ndarr
             rows.append(row_html("", name_with_sample(name), format_norm(series, f"{name}/estimate_{key}", unit),
                              _ratio(series, f"{name}/index_{key}"), _ratio(series, f"{name}/distance_{key}")))
     if session.pinned:
-        # Where it differs: on the stage that is drawn, which no screen reader reads.
+        # How it differs: the stage shows it, but not to screen readers.
         said = "" if session.pinned.scene.problem != report.scene.problem else \
             difference_text(session.pinned.scene, report.scene) or tr("the same so far")
         rows.append(_pinned(session.pinned, said, key, drawn))
@@ -220,7 +218,7 @@ def _estimates(session: Session, report: FrameReport, series: dict[str, np.ndarr
 
 
 def _pinned(run: PinnedRun, said: str, key: str, drawn: str | None) -> str:
-    """A pinned run's true error now, with index and distance of the estimator on the stage; or why it has stopped."""
+    """Returns a pinned run's row: true error, index and distance of the estimator drawn; or why it has stopped."""
     estimator, series = run.estimator(drawn), run.history.series
     what = tr("norm: its true error; index and distance: its estimate by {estimator}", estimator=estimator) \
         if estimator else tr(NORM)
@@ -233,7 +231,7 @@ def _pinned(run: PinnedRun, said: str, key: str, drawn: str | None) -> str:
 
 
 def missing_reasons(report: FrameReport, series: dict[str, np.ndarray], quantity: str) -> dict[str, str]:
-    """For the truth and each estimator asked for, why there is no number of it; "" where there is."""
+    """Returns for the truth and each estimator the reason why it has no number, or ""."""
     norms = {name: series.get(f"{name}/estimate_{quantity}", np.zeros(0)) for name in report.scene.estimators}
     silent = {name for name, values in norms.items() if len(values) and not np.isfinite(values).any()}
     reasons = why_no_numbers(report.scene, report.not_valid, quantity, silent)
@@ -244,7 +242,7 @@ def missing_reasons(report: FrameReport, series: dict[str, np.ndarray], quantity
 
 
 def _worst(worst: WorstRegions, drawn: str | None, quantity: str) -> str:
-    """Where the error is worst, by the estimate on the stage and by the truth, with both errors there."""
+    """Returns a table of the regions with the worst error, by the estimate drawn and by the truth."""
     by = [(drawn, worst.by_estimate)] if drawn else []
     heads = "".join(f"<td>{head}</td>" for head in (tr("estim."), tr(TRUE)))
     rows = [f"<tr class='lab-head' title='{html.escape(tr(WORST))}'>"
@@ -263,12 +261,12 @@ def _region(region: WorstRegion | None, unit: str) -> tuple[str, ...]:
 
 
 def table_html(rows: str, kind: str = "") -> str:
-    """Rows as a table of a kind (``style.css``)."""
+    """Returns rows as a table of a CSS class."""
     return f"<table class='{kind}'>{rows}</table>"
 
 
 def row_html(kind: str, *cells: str) -> str:
-    """A row of four cells; a last one that stands for several takes their room."""
+    """Returns a row of four cells; the last one spans the columns that are left."""
     span = 5 - len(cells)
     first = "".join(f"<td>{cell}</td>\n" for cell in cells[:-1])
     last = f"<td colspan={span} class='lab-silence'>" if span > 1 else "<td>"
@@ -276,17 +274,17 @@ def row_html(kind: str, *cells: str) -> str:
 
 
 def name_with_sample(name: str) -> str:
-    """A name behind a piece of its line in the plots."""
+    """Returns a name after a sample of its line in the plots."""
     return f"{line_sample(name)} {html.escape(_title(name))}"
 
 
 def _title(name: str) -> str:
-    """The truth and what is estimated have a word, estimators their names."""
+    """Returns the name to show for the truth, an estimate or an estimator."""
     return tr(name) if name in (TRUE, ESTIMATED) else name
 
 
 def line_sample(name: str) -> str:
-    """A piece of the line of the truth or of an estimator, in the page's own colour for it, if it has one."""
+    """Returns a sample of the line of the truth or an estimator, in the page's colour for it, if any."""
     known = ESTIMATORS.get(name)
     colour = known.colour if known else TRUTH if name == TRUE else ESTIMATE
     own = "truth" if name == TRUE else name.replace("-", "")
@@ -294,7 +292,7 @@ def line_sample(name: str) -> str:
 
 
 def line_svg(colour: str, dashes: tuple[int, ...] = ()) -> str:
-    """A piece of a line as svg."""
+    """Returns a short line as svg."""
     dashed = f" stroke-dasharray='{','.join(map(str, dashes))}'" if dashes else ""
     return "<svg width='18' height='8' aria-hidden='true'>" \
            f"<path d='M0 4h18' style='stroke: {colour}' stroke-width='3'{dashed}/></svg>"
@@ -307,4 +305,4 @@ def format_norm(series: dict[str, np.ndarray], name: str, unit: str) -> str:
 def _ratio(series: dict[str, np.ndarray], name: str) -> str:
     if not math.isfinite(value := last_value(series, name)):
         return NOTHING
-    return format_ratio(value).replace(" × ", "×")  # else it seems to go on from the number before
+    return format_ratio(value).replace(" × ", "×")  # otherwise it seems to continue the number before

@@ -1,4 +1,4 @@
-"""Widgets that are always there: method, with a picture of its weights, cells, particles, amplitude, modulus, step."""
+"""Widgets of the run: method, with a picture of its weights, cells, particles, amplitude, modulus, step."""
 
 from collections.abc import Callable
 from html import escape
@@ -24,22 +24,22 @@ CFL = (0.01, 2.0)
 # Pictures of methods:
 REACH = 1.6  # cells at either side of the node
 POINTS = 81
-WIDTH, HEIGHT = 44.0, 22.0  # of a picture, in its own units
+WIDTH, HEIGHT = 44.0, 22.0  # of a picture, in svg units
 HALF_WIDTH = 0.125  # of a particle at rest, in cells: four in each
-STRETCHED = 0.32  # of one that is stretched, for methods whose particles follow the motion: wide enough to be seen
+STRETCHED = 0.32  # of a stretched one, for methods whose domains deform: wide enough to be visible
 FOLLOWS = ("cpgimp", "cpgimp-v", "cpdi")
 NAMES = {"mpm": lazy("hat")}  # where the picture has another name than the method
 
 
 class RunWidgets:
-    """Widgets of one visitor. ``part`` gives room for a control that a lesson may do without."""
+    """Widgets of one visitor; ``part`` returns a folder for a control that a lesson may hide."""
 
     def __init__(self, session: Session, bound: SceneWidgets, store: BrowserStore):
         self._session, self._bound = session, bound
         store.heard["method"] = self._choose_method
 
     def build(self, gui: viser.GuiApi, part: Callable[[str], viser.GuiFolderHandle]) -> None:
-        """Make the widgets, for the session's present scene."""
+        """Builds the widgets for the session's present scene."""
         session, scene, view = self._session, self._session.scene, VIEWS[self._session.scene.problem]
         default = type(scene)()
         gui.add_html(f"<h2 class='lab-h2'>{tr('Change the run')}<small>{tr('takes effect at once')}</small></h2>")
@@ -80,7 +80,7 @@ class RunWidgets:
         self._bound.follow(self._shown_method, lambda name: self._session.set(method=codes[name]))
 
     def _choose_method(self, method: Any) -> None:
-        """A picture has been clicked."""
+        """Handles a click on a method's picture."""
         with self._bound.turn:
             if isinstance(method, str) and method in self._names and self._shown_method.visible:
                 self._shown_method.value = self._names[method]  # type: ignore[misc]
@@ -110,7 +110,7 @@ class RunWidgets:
         self._bound.follow(cells, changed)
 
     def _step(self, gui: viser.GuiApi) -> None:
-        """The step as a number of one's own, or as long as the motion ahead bears: the slider shows that too."""
+        """Builds the step's widgets: a number, or "auto", whose step the slider shows too."""
         session, scene = self._session, self._session.scene
 
         def by_hand(cfl: float) -> None:
@@ -135,7 +135,7 @@ class RunWidgets:
         self._bound.follow(self._auto, automatic)
 
     def refresh(self) -> None:
-        """Shows the "auto" step and the method of the present scene, each only when it has changed."""
+        """Shows the "auto" step and the method of the present scene, if they have changed."""
         scene = self._session.scene
         if scene.dt == AUTO and scene.courant_number != self._shown_step:
             self._shown_step = scene.courant_number
@@ -146,7 +146,7 @@ class RunWidgets:
 
 
 def shape_weights(method: str) -> tuple[np.ndarray, np.ndarray]:
-    """Returns places (S,) in cells from a node and a particle's weights (S,) there by a method."""
+    """Returns positions (S,) in cells relative to a node, and a method's weights (S,) of a particle there."""
     at = np.linspace(-REACH, REACH, POINTS)
     half = np.full_like(at, STRETCHED if method in FOLLOWS else HALF_WIDTH)
     if method == "cpdi":
@@ -155,14 +155,14 @@ def shape_weights(method: str) -> tuple[np.ndarray, np.ndarray]:
 
 
 def _weight(method: str, at: np.ndarray, half_width: np.ndarray) -> np.ndarray:
-    """Of the node at 0."""
+    """Returns the weights of the node at 0 for particles at these positions."""
     first, values, _ = stencil(method.removesuffix("-v"), at, half_width)
     here = np.clip(-first, 0, 2)
     return np.where((first <= 0) & (first > -3), values[np.arange(len(at)), here], 0.0)
 
 
 def method_pictures(methods: tuple[str, ...], chosen: str) -> str:
-    """Returns a picture for each method, the ``chosen`` one marked; for pointers, as the dropdown says the same."""
+    """Returns a picture of each method, the ``chosen`` one marked; screen readers have the dropdown instead."""
     def name(method: str) -> str:
         return tr(NAMES[method]) if method in NAMES else (METHODS[method].name if method in METHODS else method)
 

@@ -1,4 +1,4 @@
-"""Widgets bound to the session, and what is said under the one changed last: compiling, or why refused."""
+"""Widgets for fields of the scene, with a message below the one changed last: compiling, or why refused."""
 
 import functools
 import threading
@@ -24,12 +24,12 @@ from solvers.scene.remedies import Remedy
 from solvers.scene.scene import Scene
 from solvers.scene.validation import SceneError, field_label
 
-REST = 0.7  # seconds without another refusal, after which the control goes back: not under the hand that moves it
-TO_BE_READ = 8.0  # seconds that a refusal stands there
+REST = 0.7  # seconds without another refusal after which the control is reset: not while it is being moved
+TO_BE_READ = 8.0  # seconds that a refusal is shown
 
 
 class Answers:
-    """One visitor's. Call :meth:`refresh` a few times a second; the browser lays the words (``js/answers.js``)."""
+    """Message below the widget changed last (``js/answers.js``). Call :meth:`refresh` a few times a second."""
 
     def __init__(self, gui: viser.GuiApi, clock: Callable[[], float] = monotonic):
         self._html, self._clock = gui.add_html(""), clock
@@ -39,17 +39,17 @@ class Answers:
         self._back: Callable[[], None] | None = None
 
     def changed(self, widget: Any) -> None:
-        """The visitor has changed a widget."""
+        """Notes that the visitor has changed a widget."""
         with self._lock:
             self._last, self._refusal, self._back = widget, None, None
 
     def refuse(self, widget: Any, sentence: str, back: Callable[[], None]) -> None:
-        """What a widget says cannot be, for a reason; ``back`` has it say again what is."""
+        """Refuses a widget's value with a message; ``back`` later resets the widget."""
         with self._lock:
             self._last, self._refusal, self._back = widget, (self._clock(), sentence), back
 
     def refresh(self, compiling: bool) -> None:
-        """Say what there is to say, and put a refused widget back."""
+        """Shows the present message, and resets a refused widget."""
         with self._lock:
             widget, back, now = self._last, None, self._clock()
             since, sentence = self._refusal or (now, "")
@@ -73,7 +73,7 @@ def _said(widget: Any, kind: str, sentence: str) -> str:
 
 
 class SceneWidgets:
-    """Makes the widgets of one visitor; callbacks take ``turn``, so that the last change read is asked for last."""
+    """Factory of one visitor's widgets; their callbacks take the lock ``turn``, so that the last change wins."""
 
     def __init__(self, gui: viser.GuiApi, session: Session, answers: Answers, turn: threading.RLock):
         self._gui, self._session, self._answers = gui, session, answers
@@ -81,21 +81,21 @@ class SceneWidgets:
         self._enters: dict[str, Callable[[], None]] = {}
 
     def forget(self) -> None:
-        """The widgets are about to be removed: from now on nothing that was asked by one of them is done."""
+        """Disables the callbacks of all widgets, which are about to be removed."""
         self._made = object()
         self._enters = {}
 
     def on_enter(self, text: viser.GuiTextHandle, act: Callable[[], None]) -> None:
-        """Call ``act`` when the visitor is done with a text: has pressed Enter, or gone elsewhere."""
+        """Calls ``act`` when the visitor has finished a text: pressed Enter, or left the field."""
         self._enters[widget_id(text)] = self.in_turn(act)
 
     def enter(self, text: str) -> None:
-        """The visitor is done with the text of this identity, if it is one of these."""
+        """Handles the end of typing in the text of this id, if it is one of these."""
         if act := self._enters.get(text):
             act()
 
     def in_turn(self, act: Callable[..., None]) -> Callable[..., None]:
-        """Returns ``act`` as a callback that waits for its turn and does nothing once its widget has gone."""
+        """Returns ``act`` as a callback that takes the lock and does nothing once its widget is removed."""
         made = self._made
 
         def acted(*arguments: Any) -> None:
@@ -106,7 +106,7 @@ class SceneWidgets:
         return acted
 
     def boxes(self, field: str, kinds: Mapping[str, Effect] | Mapping[str, Remedy]) -> None:
-        """A box for each of the names that the scene's field may hold, several at a time."""
+        """Adds a checkbox for each value that the scene's field may contain."""
         session, scene = self._session, self._session.scene
         boxes = {}
         for name in scene.choices(field):
@@ -116,7 +116,7 @@ class SceneWidgets:
             self.follow(box, lambda _: session.set(**{field: tuple(name for name, b in boxes.items() if b.value)}))
 
     def follow(self, widget: Any, act: Callable[[Any], None]) -> None:
-        """Calls ``act`` with each value that the visitor sets; one that is refused goes back to the one before."""
+        """Calls ``act`` with each value that the visitor sets; a refused value is reset to the one before."""
         met = [widget.value]
 
         def wish(value: Any) -> None:
@@ -127,18 +127,18 @@ class SceneWidgets:
         widget.on_update(lambda event: met.__setitem__(0, widget.value) if event.client is None else None)
 
     def heed(self, widget: Any, act: Callable[[Any], None]) -> None:
-        """Call ``act`` with the widget's value whenever the visitor has changed it, for one widget at a time."""
+        """Calls ``act`` with the widget's value whenever the visitor changes it, one widget at a time."""
         asked = self.in_turn(lambda: act(widget.value))
 
         def changed(event: viser.GuiEvent) -> None:
-            if event.client is not None:  # else the page has shown something, and nobody wishes anything
+            if event.client is not None:  # otherwise the page has set the value
                 self._answers.changed(widget)
                 asked()
 
         widget.on_update(changed)
 
     def ask(self, widget: Any, act: Callable[[], None], back: Callable[[], None]) -> bool:
-        """Does what a widget asks for; returns whether it was not refused, else ``back`` resets the widget."""
+        """Calls ``act`` for a widget; returns False and resets the widget with ``back`` if it is refused."""
         before = self._session.refused
         act()
         refused = self._session.refused
@@ -148,7 +148,7 @@ class SceneWidgets:
         return False
 
     def field(self, field: str, hint: str) -> None:
-        """A dropdown of what the scene's field may be, in words; a box for one that is true or false."""
+        """Adds a dropdown for a field with several choices, or a checkbox for a bool."""
         scene, label, hint = self._session.scene, tr(field_label(field)), tr(hint)
         label = label[:1].upper() + label[1:]
         value, names = getattr(scene, field), words.choice_labels(type(scene), field)
@@ -158,7 +158,7 @@ class SceneWidgets:
         self.follow(widget, lambda shown: self._session.set(**{field: codes.get(shown, shown)}))
 
     def formula(self, field: str, label: str, hint: str) -> None:
-        """Makes a text for a formula of the scene, checked while it is typed and applied when it is finished."""
+        """Adds a text for a formula of the scene, checked while it is typed and applied when it is finished."""
         add_anchor(self._gui, "lab-formula")
         text = self._gui.add_text(tr(label), getattr(self._session.scene, field), hint=tr(hint))
         set_max_length(text, MOST_CHARACTERS)
@@ -179,7 +179,7 @@ class SceneWidgets:
         self.on_enter(text, wish)
 
     def sliders(self, sliders: Mapping[str, LinearSlider]) -> None:
-        """A slider for each of the scene's fields."""
+        """Adds a slider for each of these fields."""
         values = self._session.scene.to_dict()
         for field, (label, low, high, step, hint) in sliders.items():
             value = values[field]
@@ -190,7 +190,7 @@ class SceneWidgets:
         self._session.set(**{field: value})
 
     def motions(self, move: Callable[[Scene, str | None, float | None], None]) -> None:
-        """Makes a dropdown of the problem's motions; ``move`` gets a scene, and a quantity and speed or None."""
+        """Adds a dropdown of the problem's motions; ``move`` receives a scene, and a quantity and speed or None."""
         scene = self._session.scene
         motion = VIEWS[scene.problem].motion
         if motion is None:
@@ -208,5 +208,5 @@ class SceneWidgets:
         shown.on_update(chosen)
 
     def refuse(self, sentence: str) -> None:
-        """What a widget says means nothing."""
+        """Refuses an invalid input."""
         self._session.refuse(sentence, "number")

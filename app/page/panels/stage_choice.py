@@ -1,7 +1,5 @@
-"""What the stage shows: the error of which quantity, by which estimator, how many times magnified. The three are laid
-onto the stage, beside what they change (``css/10-shell.css``), whatever tab is open: they are made once, before the
-tabs. And who judges the run: a card for each estimator, with a switch, its line, its idea, its error index and its
-price."""
+"""What the stage shows: quantity, estimator and magnification. These widgets are built once, before the tabs, and laid
+onto the stage (``css/10-shell.css``). And the estimators' cards, with switch, line, idea, error index and price."""
 
 from collections.abc import Callable
 from html import escape
@@ -31,7 +29,7 @@ _NAMES = {factor: name for name, factor in _FACTORS.items()}
 
 
 class StageChoice:
-    """Widgets of one visitor. ``on_view`` is called when only the drawing changes."""
+    """Widgets of one visitor; ``on_view`` is called when only the drawing changes."""
 
     def __init__(self, gui: viser.GuiApi, session: Session, scale: ColourScale, on_view: Callable[[], None]):
         self._session, self._scale, self._on_view = session, scale, on_view
@@ -39,8 +37,8 @@ class StageChoice:
         self.quantity = next(iter(words.QUANTITIES))  # key of the one whose error is shown
         self.estimator = next(iter(session.scene.estimators), None)  # the one on the stage, if any
         self.magnified = 1
-        self._kept: dict[str, str] = {}  # by problem, the estimator that was put on the stage there
-        self._silent = False  # whether an estimator that says nothing may give way: nobody has asked for it by name
+        self._kept: dict[str, str] = {}  # by problem, the estimator last chosen for the stage
+        self._silent = False  # whether an estimator without values may be replaced: it was not chosen by name
         quantity_mark = gui.add_html("<i class='lab-at-quantity'></i>")
         self._quantity = gui.add_dropdown(
             tr("Error of"), tuple(self._quantities), initial_value=self._shown_quantity,
@@ -54,7 +52,7 @@ class StageChoice:
             tr("Magnify error"), tuple(_FACTORS), initial_value=_NAMES[1],
             hint=tr("in the plot of the field: how many times the deviation of the particles from the exact curve is "
                     "drawn"))
-        # A mark that stayed where its widget has gone would mark what comes next.
+        # Removed with its widget; it would otherwise mark the next one.
         self.parts: dict[str, tuple[Any, ...]] = {
             "quantity": (quantity_mark, self._quantity), "estimators": (estimator_mark, self._estimator),
             "magnify": (magnify_mark, self._magnify)}
@@ -65,17 +63,17 @@ class StageChoice:
         self._magnify.on_update(lambda event: self._choose_factor() if event.client else None)
 
     def show(self, quantity: str, estimator: str | None, magnified: int) -> None:
-        """Show these; the estimator as far as it runs, see :meth:`judge_by`."""
+        """Shows quantity, estimator and magnification; the estimator only if it runs, see :meth:`judge_by`."""
         self.quantity, self.estimator, self.magnified = quantity, estimator, magnified
         for widget, shown in ((self._quantity, self._shown_quantity), (self._magnify, _NAMES[magnified])):
             widget.value = shown  # type: ignore[misc]
 
     def go_to(self, problem: str) -> None:
-        """Another problem is to be on the stage: as it was left."""
+        """Restores the estimator last shown of a problem that is put on the stage."""
         self.estimator, self._silent = self._kept.get(problem), True
 
     def hear(self, scene: Scene, arrays: FrameArrays) -> None:
-        """A frame has come: an estimator that says nothing of a quantity chosen since gives way to one that does."""
+        """Handles a new frame: replaces an estimator without values of a newly chosen quantity by one that has some."""
         if not self._silent or scene != self._session.scene:
             return
         self._silent, column = False, samples.QUANTITIES.index(self.quantity)
@@ -85,7 +83,7 @@ class StageChoice:
             self._on_view()
 
     def judge_by(self, estimators: tuple[str, ...]) -> None:
-        """These run: one of them is on the stage."""
+        """Sets the estimators that run; one of them is on the stage."""
         before = self.estimator
         if before not in estimators:
             self.estimator = next(iter(estimators), None)
@@ -97,7 +95,7 @@ class StageChoice:
             self._on_view()
 
     def put(self, estimator: str | None) -> None:
-        """Put an estimator that runs on the stage, or none."""
+        """Puts an estimator that runs on the stage, or none."""
         self.estimator, self._silent = estimator, False
         self._estimator.value = estimator or tr(NONE)  # type: ignore[misc]
         if estimator:
@@ -105,21 +103,21 @@ class StageChoice:
         self._on_view()
 
     def next_judge(self) -> None:
-        """Put the estimator on the stage that runs next to the one that is there."""
+        """Puts the next of the estimators that run on the stage."""
         running = [name for name in self._estimator.options if name != tr(NONE)]
         if running:
             at = running.index(self.estimator) if self.estimator in running else -1
             self.put(running[(at + 1) % len(running)])
 
     def next_factor(self) -> None:
-        """Magnify as much as comes next."""
+        """Switches to the next magnification."""
         factors = words.MAGNIFICATIONS
         self.magnified = factors[(factors.index(self.magnified) + 1) % len(factors)]
         self._magnify.value = _NAMES[self.magnified]  # type: ignore[misc]
         self._on_view()
 
     def measure(self, quantity: str) -> None:
-        """Show the error of a quantity, by its key."""
+        """Shows the error of a quantity, by its key."""
         self.quantity, self._silent = quantity, True
         self._quantity.value = self._shown_quantity  # type: ignore[misc]
         self._session.show(plotted=quantity)
@@ -135,7 +133,7 @@ class StageChoice:
         self._on_view()
 
 
-#: What an estimator does, in the few words that a card has room for; others say their summary.
+#: Short descriptions of estimators that fit on a card; others show their summary.
 IDEAS = {"recovered": lazy("smooths the particles' motion"), "transport": lazy("the method's own equations"),
          "companion": lazy("a hidden, finer solve beside it"), "two-grid": lazy("the same run on wider cells")}
 INDEX = lazy("error index: estimated over true, summed over the run so far; price: the running time that it adds to "
@@ -143,7 +141,7 @@ INDEX = lazy("error index: estimated over true, summed over the run so far; pric
 
 
 class EstimatorCards:
-    """One visitor's cards of estimators; a click on a name puts one of those that run on the ``stage``."""
+    """One visitor's cards of estimators; a click on a name puts an estimator that runs on the ``stage``."""
 
     def __init__(self, gui: viser.GuiApi, session: Session, stage: StageChoice, bound: SceneWidgets,
                  store: BrowserStore):
@@ -158,7 +156,7 @@ class EstimatorCards:
         return tuple(name for name in offered if name in self._boxes and self._boxes[name].value)
 
     def build(self, gui: viser.GuiApi) -> None:
-        """Make the widgets, for the session's present scene."""
+        """Builds the widgets for the session's present scene."""
         wished, problem = self._session.scene.estimators, self._session.scene.problem
         gui.add_html(f"<h2 class='lab-h2'>{tr('Who judges the run?')}<small title='{escape(tr(INDEX))}'>"
                      f"{tr('index, 1 is perfect · price')}</small></h2><div class='lab-judge-true'>{line_sample(TRUE)} "
@@ -174,7 +172,7 @@ class EstimatorCards:
         self._stage.judge_by(wished)
 
     def show(self, judged: str) -> None:
-        """Have the cards say what :func:`app.page.panels.readout.estimator_cards` does; nothing if it is empty."""
+        """Fills the cards with data of :func:`app.page.panels.readout.estimator_cards`; clears them if it is ""."""
         self._said.content = f"<i class='lab-judged' data-said='{escape(judged)}'></i>"
 
     def _choose(self) -> None:
@@ -182,7 +180,7 @@ class EstimatorCards:
         self._session.set(estimators=self.chosen)
 
     def _put(self, name: Any) -> None:
-        """The visitor wants to see the errors by an estimator."""
+        """Shows the errors by an estimator, and switches it on if it is off."""
         with self._bound.turn:
             if not isinstance(name, str) or (box := self._boxes.get(name)) is None or not box.visible:
                 return
@@ -194,7 +192,7 @@ class EstimatorCards:
 
 
 def _card(name: str, problem: str) -> str:
-    """A card, which the browser fills from runs of the problem. The price is what an estimator adds to the rest."""
+    """Returns a card, whose numbers the browser fills in. The price is the run time added by the estimator."""
     estimator, price = ESTIMATORS[name], VIEWS[problem].prices.get(name)
     cost = "" if price is None else f"+{100 * price / (1 - price):.0f}\N{NO-BREAK SPACE}%"
     idea, stage = escape(tr(IDEAS.get(name, estimator.summary))), tr("put it on the stage: {summary}",

@@ -1,4 +1,4 @@
-"""The error over time below the stage: curves, and as html the axis, the present, the reach back and crossings."""
+"""The error over time below the stage: curves, and as html the axis, the present, stored frames and crossings."""
 
 import json
 from collections.abc import Sequence
@@ -20,9 +20,9 @@ from app.words import QUANTITIES, in_periods, with_unit
 from solvers.scene.estimator_registry import ESTIMATORS
 from solvers.scene.scene import Scene
 
-ENDS = (1, 1.5, 2, 3, 4, 5, 6, 8)  # times a power of ten: where an axis may end
+ENDS = (1, 1.5, 2, 3, 4, 5, 6, 8)  # times a power of ten: possible ends of an axis
 HEADROOM = 1.04  # over the largest error
-BINS = 120  # of the strip of crossings
+BINS = 120  # intervals of the strip of crossings
 SHADES = 9  # of the strip
 TICKS = 4  # of the time's axis, at least
 
@@ -31,7 +31,7 @@ UNSTABLE, LOST = lazy("unstable from {time} on"), lazy("lost from {time} on")
 
 @dataclass(frozen=True)
 class Now:
-    """The ``time`` in s, the ``reach`` in s of looking back, whether it plays, and since when it is ``lost``."""
+    """The ``time`` in s, the ``reach`` of stored frames in s, whether it plays, and the time when it was ``lost``."""
 
     time: float
     reach: tuple[float, float]
@@ -41,7 +41,7 @@ class Now:
 
 
 class Timeline:
-    """One visitor's. Call :meth:`show` a few times a second."""
+    """One visitor's timeline. Call :meth:`show` a few times a second."""
 
     def __init__(self, gui: viser.GuiApi):
         self._gui = gui
@@ -52,17 +52,17 @@ class Timeline:
         self._ends: tuple[float, float, float] | None = None  # of the axes: times, and the error
         self._of: object = None
         self.height, self._dark = 62, False
-        self._pointed: float | None = None  # the part of the axis at which the visitor reads
-        self._read: tuple[np.ndarray, dict[str, np.ndarray]] = EMPTY, {}  # times, and the curves' values by their names
+        self._pointed: float | None = None  # fraction of the axis at the pointer
+        self._read: tuple[np.ndarray, dict[str, np.ndarray]] = EMPTY, {}  # times, and the curves' values by name
 
     def shade(self, dark: bool) -> None:
-        """Draw on a dark ground, or on a light one."""
+        """Switches to the dark or the light background."""
         self._dark = dark
         for (estimators, pinned), plot in self._plots.items():
             plot.series = self._series(estimators, pinned)
 
     def have(self, estimators: tuple[str, ...], pinned: bool) -> None:
-        """Have a line for each of these estimators, and for a pinned run's."""
+        """Shows a plot with a line for each estimator, and for a pinned run."""
         wanted = estimators, pinned
         if wanted not in self._plots:
             self._plots[wanted] = self._build(estimators, pinned)
@@ -74,7 +74,7 @@ class Timeline:
 
     def show(self, past: RunSeries, valid: tuple[str, ...], quantity: str, latest: bool, pinned: PinnedRun | None,
              drawn: str | None, now: Now) -> None:
-        """Draw a run's error norms up to now, or those of its ``latest`` periods, and a ``pinned`` run's in grey."""
+        """Draws a run's error norms up to now, or those of its ``latest`` periods, and a ``pinned`` run's in grey."""
         series = past.latest if latest else past.series
         time = series["time"]
         grey = grey_curves(pinned, past, series, quantity, drawn, latest)[0]
@@ -88,22 +88,22 @@ class Timeline:
         self._say(past, series, quantity, start, end, top, now)
 
     def point(self, part: float | None) -> None:
-        """Say from now on what the curves are at a part of the axis, or at none."""
+        """Shows the curves' values at a fraction of the time axis, or nowhere."""
         self._pointed = part
 
     def time_at(self, part: float) -> float:
-        """The time in s at a part of the axis."""
+        """Returns the time in s at a fraction of the axis."""
         start, end, _ = self._ends or (0.0, 1.0, 1.0)
         return start + part * (end - start)
 
     def clear(self, now: Now) -> None:
-        """Show nothing but whether it moves: no time has passed."""
+        """Clears the curves, at t = 0."""
         set_series(self._plot, finite_series(EMPTY, *(np.full(2, np.nan) for _ in self._plot.data[1:])))
         self._tell({"symbol": "", "top": [0, ""], "start": "", "ticks": [], "now": 0, "reach": [0, 0], "strip": "",
                     "clock": with_unit(now.time, "s"), "playing": now.playing, "read": [], "lost": None, "says": ""})
 
     def _scaled(self, past: RunSeries, of: object, time: np.ndarray, curves: Sequence[np.ndarray]) -> float:
-        """Let the axes reach so far; within one run they only grow. The error that is their top."""
+        """Sets the axes, which only grow within one run, and returns the top of the error axis."""
         most = max(map(largest_finite, curves))
         start, of_time = float(time[0]) if time[0] > past.scene.period else 0.0, unit_of_time(past.scene)
         end = round_up((float(time[-1]) - start) / of_time, ENDS)[0] * of_time
@@ -127,7 +127,7 @@ class Timeline:
         step = round_up((end - start) / of_time / TICKS / 1.0001, (1, 2, 5))[0] * of_time
         ticks = [start + k * step for k in range(1, int((end - start) / step * 1.0001) + 1)] if not start else []
         last = "" if not ticks else in_periods(ticks[-1] / of_time) if swings else with_unit(ticks[-1], "s")
-        # A unit with a prefix, said once.
+        # A unit with a prefix, shown once.
         factor = 1 / of_time if swings or not ticks else float(last.split()[0]) / ticks[-1]
         marks = [[part(tick), f"{tick * factor:.4g}" if tick != ticks[-1] else last] for tick in ticks]
         begin = "0" if not start else in_periods(start / of_time) if swings else with_unit(start, "s")
@@ -146,7 +146,7 @@ class Timeline:
         self._html.content = f"<i class='lab-times' data-said='{escape(text)}'></i>"
 
     def _at_pointer(self, scene: Scene, unit: str) -> list[str]:
-        """The time at which the visitor reads, and what each curve says then; nothing beyond the run."""
+        """Returns the time at the pointer and each curve's value there; nothing beyond the run."""
         time, curves = self._read
         if self._pointed is None or not curves or (at := self.time_at(self._pointed)) > time[-1]:
             return []
@@ -156,7 +156,7 @@ class Timeline:
                                       if np.isfinite(value))]
 
     def _strip(self, past: RunSeries, series: dict[str, np.ndarray], start: float, end: float) -> str:
-        """A digit for each part of the time until now: how many particles cross cells then, over the most that did."""
+        """Returns a digit per time interval until now: the number of crossings relative to the largest."""
         time, rate = past.crossings_per_second(series)
         if not past.scene.has("crossings") or not len(time) or not np.isfinite(rate).any():
             return ""
@@ -177,7 +177,7 @@ class Timeline:
                 height=self.height, padding=(2, 0, 0, 0))
 
     def _series(self, estimators: tuple[str, ...], pinned: bool) -> tuple[uplot.Series, ...]:
-        """What each line looks like, the truth's broad and beneath."""
+        """Returns the style of each line, the truth's broad and beneath."""
         grey = (
             [series_options(tr("pinned, true"), PINNED, 2.5), series_options(tr("pinned"), PINNED, 1.5, (5, 3))]
             if pinned
@@ -189,5 +189,5 @@ class Timeline:
 
 
 def unit_of_time(scene: Scene) -> float:
-    """What its times are counted in, in s: periods, of which all texts speak, or seconds where nothing swings."""
+    """Returns the unit of the time axis in s: the period, or 1 s if nothing swings."""
     return scene.period if scene.swings else 1.0

@@ -1,1 +1,1 @@
-"""What a visitor does on the stage itself: looks at it, marks a particle, reads a region off."""
+"""Interaction with the stage: its camera, tracing a particle, reading errors in a region."""

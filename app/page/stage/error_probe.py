@@ -1,12 +1,10 @@
-"""Pointing at the stage: drag a rectangle and read the errors of the particles in it (one without any puts it away), or
-click a particle and it is traced, and ringed wherever it is drawn. And the camera that looks flat at a rectangle of the
-plane z = 0: all of the canvas shows it and nothing else.
+"""Pointing at the stage: a dragged rectangle reads the errors of the particles in it (an empty one ends that), a click
+on a particle traces it with a ring. And the camera that shows exactly a rectangle of the plane z = 0.
 
-The viewer has no orthographic camera; one far away with a small field of view is as good. Nobody turns, moves or
-enlarges the picture: what is written over it would be left behind. The page shapes the canvas like
-the rectangle (``stage.js``), so where the camera stands depends on that alone, however large the window is. The
-viewer skips values that it believes unchanged, so a fit is repeated while things settle, each time changed by a hair.
-"""
+The viewer has no orthographic camera, so it is a distant one with a small field of view. Visitors cannot move it:
+overlaid text would stay behind. The page shapes the canvas like the rectangle (``stage.js``), so the camera depends on
+that alone. The viewer skips values that it believes unchanged, so repeated fits while the canvas settles differ
+slightly."""
 
 import math
 import threading
@@ -43,20 +41,20 @@ class FlatCamera:
         self.fit(force=True)
 
     def show(self, rectangle: Rectangle) -> None:
-        """Look at another rectangle from now on."""
+        """Looks at another rectangle."""
         if rectangle != self._rectangle:
             self._rectangle = rectangle
             self.fit(force=True)
 
     def settle(self) -> None:
-        """Call now and then: repeats the fit while the canvas is settling."""
+        """Repeats the fit while the canvas is settling; call it periodically."""
         now = monotonic()
         if now < self._settle_until + 1 and now > self._next_fit:
             self._next_fit = now + REPEAT_SECONDS
             self.fit(force=True)
 
     def on_stage(self, screen: tuple[float, float]) -> tuple[float, float]:
-        """The point of the plane z = 0 at a place of the canvas, (0, 0) top left to (1, 1) bottom right."""
+        """Returns the point of the plane z = 0 at a position on the canvas, (0, 0) top left to (1, 1) bottom right."""
         camera = self._client.camera
         x, y, distance = (float(v) for v in camera.position)
         height = 2 * distance * math.tan(camera.fov / 2)
@@ -64,7 +62,7 @@ class FlatCamera:
         return x + (screen[0] - 0.5) * width, y + (0.5 - screen[1]) * height
 
     def fit(self, force: bool = False) -> None:
-        """Look straight at the rectangle if the canvas changed, the view was turned, or ``force``."""
+        """Looks straight at the rectangle if the canvas or the view has changed, or ``force`` is set."""
         with self._lock:
             camera = self._client.camera
             size = (camera.image_width, camera.image_height)
@@ -86,7 +84,7 @@ class FlatCamera:
         camera = self._client.camera
         with self._client.atomic():
             camera.near, camera.far, camera.fov = 0.05 * distance, 20 * distance, FIELD_OF_VIEW
-            camera.min_orbit_distance, camera.max_orbit_distance = 1e-6, 1e6  # each must stay within the other
+            camera.min_orbit_distance, camera.max_orbit_distance = 1e-6, 1e6  # each is limited by the other
             camera.min_orbit_distance, camera.max_orbit_distance = 0.999 * distance, 1.001 * distance
             camera.up_direction = (0.0, 1.0, 0.0)
             camera.position, camera.look_at = (x, y, distance), (x, y, 0.0)
@@ -94,14 +92,14 @@ class FlatCamera:
 
 ESTIMATED, TRUE = lazy("estimated mean {mean}, worst {worst}"), lazy("true mean {mean}, worst {worst}")
 RADIUS = 0.018  # on the stage
-#: Above all that is drawn there: the ground's colour beneath that of dots is seen on every colour of the map.
+#: On top of everything: the dots' colour over the ground's is visible on every colour of the map.
 RINGS = ("ground", 5.0, 0.04), ("dot", 2.0, 0.045)
 _ANGLES = np.linspace(0, 2 * np.pi, 25)
 _RING = RADIUS * np.stack([np.cos(_ANGLES), np.sin(_ANGLES), 0 * _ANGLES], axis=1).astype(np.float32)
 
 
 class Probe:
-    """One visitor's selected region and what was read in it."""
+    """One visitor's selected region and the errors read in it, as ``text``."""
 
     def __init__(self, client: viser.ClientHandle, sheet: ViewerSurface, camera: FlatCamera):
         self._rectangle: tuple[tuple[float, float], tuple[float, float]] | None = None
@@ -112,7 +110,7 @@ class Probe:
 
     def look(self, stage: Stage, arrays: FrameArrays, estimated: np.ndarray | None, true: np.ndarray | None,
              unit: str) -> None:
-        """Read mean and worst error, estimated and true (P,) in a ``unit``, of the particles in the region."""
+        """Reads mean and worst error, estimated and true (P,) in a ``unit``, of the particles in the region."""
         rectangle = self._rectangle
         if rectangle is None:
             self.text = None
@@ -150,7 +148,7 @@ class TraceRings:
         client.scene.on_click()(lambda event: self._click(_on_stage(event)))
 
     def look(self, stage: Stage, arrays: FrameArrays) -> None:
-        """Ring the particle in the frame that is drawn, if it is traced."""
+        """Draws the ring around the traced particle, if any."""
         self._seen, traced = (stage, arrays), self._trace.traced
         if traced is None or traced.particle >= len(arrays.position):
             self._sheet.visible = False
@@ -164,7 +162,7 @@ class TraceRings:
         self._sheet.visible = True
 
     def hide(self) -> None:
-        """Something else is on the stage, of which no particle is traced."""
+        """Hides the ring, because the stage shows something without traced particles."""
         self._seen = None
         self._sheet.visible = False
 
@@ -178,6 +176,6 @@ class TraceRings:
 
 
 def _on_stage(event: viser.SceneClickEvent) -> tuple[float, float]:
-    """Where the ray of a click meets the plane z = 0: what the visitor saw there, also while the camera settles."""
+    """Returns where the ray of a click meets the plane z = 0; correct also while the camera settles."""
     (x, y, z), (dx, dy, dz) = event.ray_origin, event.ray_direction
     return x - z * dx / dz, y - z * dy / dz

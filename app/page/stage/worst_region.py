@@ -1,7 +1,6 @@
-"""Where the error is worst: of the regions into which a problem's material is divided, the one with the largest error.
+"""The worst region: of the regions into which a problem's material is divided, the one with the largest error.
 
-A region's error is the root of the mean square over its particles, so that one odd particle does not make it the worst.
-"""
+A region's error is the root mean square over its particles, so that one outlier does not decide."""
 
 import threading
 from dataclasses import dataclass
@@ -19,18 +18,18 @@ from solvers.scene.scene import Scene
 from solvers.solver import soundness
 from solvers.solver.rounding import rounding
 
-ALIKE = 0.8, 1.25  # an estimate over the truth, both as norms, that is right for the eye
-LEAD = 1.05  # by which another region must be worse to take over: a tie must not flicker
+ALIKE = 0.8, 1.25  # range of an estimate's norm over the true one that looks right
+LEAD = 1.05  # factor by which another region must be worse to take over, so that ties do not flicker
 
 
 class SteadyMaximum:
-    """The number of the worst region, kept until another one is clearly worse."""
+    """Index of the worst region, which changes only if another one is clearly worse."""
 
     def __init__(self) -> None:
         self._last: int | None = None
 
     def of(self, errors: np.ndarray) -> int | None:
-        """The region with the largest of the errors; None where there is no error to speak of."""
+        """Returns the index of the largest of the errors (regions,), with hysteresis; None if none is above 0."""
         known = np.where(np.isfinite(errors), errors, 0.0)
         worst = int(np.argmax(known))
         if not known[worst] > 0:
@@ -42,7 +41,7 @@ class SteadyMaximum:
 
 @dataclass(frozen=True, eq=False)
 class WorstRegion:
-    """A region's name, its particles (P,), and its errors, estimated and true; None where one is not known."""
+    """A region's name, its particles (P,) of bool, and its errors, estimated and true; None if not known."""
 
     name: str
     particles: np.ndarray
@@ -51,22 +50,22 @@ class WorstRegion:
 
 
 class WorstRegions:
-    """Where one visitor's run is worst, by the estimate that is drawn and by the truth. Any thread may look."""
+    """The worst regions of one visitor's run, by the estimate that is drawn and by the truth. Thread-safe."""
 
     def __init__(self) -> None:
         self._lock = threading.Lock()
         self.scene: Scene | None = None  # of which they are
         self.by_estimate: WorstRegion | None = None
         self.by_truth: WorstRegion | None = None
-        self._remarks: tuple[Scene | None, Annotations] = None, NOTHING  # and whose: another thread may look meanwhile
+        self._remarks: tuple[Scene | None, Annotations] = None, NOTHING  # and of which scene: threads differ
 
     def remarks(self, scene: Scene) -> Annotations:
-        """What is to be written into a picture of a scene."""
+        """Returns the annotations for a picture of a scene."""
         whose, remarks = self._remarks
         return remarks if scene == whose else NOTHING
 
     def look(self, report: FrameReport, arrays: FrameArrays, view: View, quantity: str) -> None:
-        """Find both in a frame, of the errors of a quantity by its key."""
+        """Finds both regions in a frame, for a quantity by its key."""
         with self._lock, np.errstate(all="ignore"):  # a run gone bad holds anything
             self._look(report, arrays, view, quantity)
 
@@ -92,7 +91,7 @@ class WorstRegions:
             size = (region.estimated if estimated else region.true) if region else None
             return Worst(region.particles, with_unit(size, unit, 2)) if region and size and size > least else None
 
-        alike = False  # whether the estimate is as large as the truth, as far as one can see
+        alike = False  # whether the estimate looks as large as the truth
         if view.estimated is not None and view.true is not None:
             known = np.isfinite(view.estimated) & np.isfinite(view.true)
             index = float(np.linalg.norm(view.estimated[known]) / np.linalg.norm(view.true[known]))

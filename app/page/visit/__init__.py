@@ -1,1 +1,1 @@
-"""One visitor's data: what was wished, what came back, what is remembered. Knows nothing of how it is shown."""
+"""One visitor's data: requests, results and history. Independent of how it is shown."""

@@ -1,10 +1,7 @@
-"""Lines that one page asks of the engines, and what a visitor may ask of the server. Sliders reach no
-further; a browser of one's own making might.
+"""Links of one page to the engines, and the limits of what a visitor may request; sliders stay within them.
 
-Steps a second need no limit of their own: an engine gives every session turns of the same length, and a run that cannot
-keep up with its clock falls behind (``solvers.engine.session_stepper``). Memory goes with particles; that of frames to
-look back at has a bound of its own (``app.page.visit.frame_buffer``).
-"""
+Steps per second need no limit: an engine gives every session equal turns, and a run that cannot keep up falls behind
+(``solvers.engine.session_stepper``). Memory grows with particles; stored frames have a limit of their own."""
 
 import threading
 from time import monotonic
@@ -16,11 +13,11 @@ from solvers.engine.engine_pool import EnginePool, SessionLink, SessionListener
 from solvers.scene.scene import Scene
 
 MOST_WATCHED = 40_000  # particles; browsers show not much more
-FASTEST = 1000.0  # periods a second; nobody sees anything of one run at such a speed
+FASTEST = 1000.0  # periods per second; nothing is visible at such a speed
 
 
 class SessionCount:
-    """Counts what happens, from any thread, and knows how often it happened in the last whole second."""
+    """Thread-safe counter of events per second, over the last whole second."""
 
     def __init__(self) -> None:
         self._lock = threading.Lock()
@@ -38,7 +35,7 @@ class SessionCount:
             return self._last
 
     def _turn(self) -> None:
-        """Begin a new second, if it is time."""
+        """Begins a new second, if it is time."""
         now = int(monotonic())
         if now != self._second:
             self._last = self._count if now == self._second + 1 else 0
@@ -46,32 +43,32 @@ class SessionCount:
 
 
 def too_many(scene: Scene) -> str:
-    """Why the stage cannot show a scene, or nothing."""
+    """Returns why the stage cannot show a scene, or ""."""
     return tr("{particles:,} particles are too many to watch; at most {most:,} go on the stage",
               particles=scene.particles, most=MOST_WATCHED) if scene.particles > MOST_WATCHED else ""
 
 
 class _Told:
-    """What a listener hears from the engine's thread, in the language in which the line is opened."""
+    """A listener whose callbacks, from the engine's thread, use the language in which the link was opened."""
 
     def __init__(self, listener: SessionListener):
         self._listener, self._language = listener, current_language()
 
     def __getattr__(self, name: str) -> Any:
-        said = vars(self)[name] = with_language(getattr(self._listener, name), self._language)  # not asked for again
+        said = vars(self)[name] = with_language(getattr(self._listener, name), self._language)  # cached
         return said
 
 
 class PageLinks:
-    """The pool as one page sees it; ``close`` closes all that was opened. ``frames`` counts those of all pages."""
+    """The engine pool for one page; ``close`` closes all its links. ``frames`` counts those of all pages."""
 
     def __init__(self, pool: EnginePool, frames: SessionCount | None = None):
         self._pool, self.frames = pool, frames or SessionCount()
         self._opening, self._closed = threading.Lock(), False
-        self._links = WeakSet[SessionLink]()  # one that is closed is nobody's any more, and neither is what hears of it
+        self._links = WeakSet[SessionLink]()  # weak: a closed link and its listener are not kept alive
 
     def open(self, listener: SessionListener, beside: SessionLink | None = None) -> SessionLink:
-        """A line; where the page is closed already it is closed at once, and nothing comes of it."""
+        """Opens a link; if the page is closed already, the link is closed at once."""
         link = self._pool.open(cast(SessionListener, _Told(listener)), beside)
         with self._opening:
             self._links.add(link)
@@ -81,7 +78,7 @@ class PageLinks:
         return link
 
     def close(self) -> None:
-        """Once and for all."""
+        """Closes all links, also future ones."""
         with self._opening:
             self._closed, links = True, list(self._links)
         for link in links:
@@ -89,5 +86,5 @@ class PageLinks:
 
     @property
     def playing(self) -> int:
-        """The number of stages that move, of all visitors."""
+        """The number of running stages of all visitors."""
         return self._pool.playing

@@ -1,4 +1,4 @@
-"""The last frames of the present run, for whoever looks back once it has paused."""
+"""The last frames of the present run, for looking back while it is paused."""
 
 import threading
 from collections import deque
@@ -10,14 +10,14 @@ from solvers.engine.engine_messages import FrameReport
 from solvers.engine.shared_frames import FrameArrays
 
 MOST_FRAMES = 200
-FEW_BYTES = 4000  # of samples, that a frame may keep: to make a report without them takes time
-MOST_BYTES = 48_000_000  # of one visitor: a large scene is remembered for less long
+FEW_BYTES = 4000  # of samples that stay in a frame: copying a report without them takes time
+MOST_BYTES = 48_000_000  # per visitor: large scenes have fewer frames
 
 Frame = tuple[FrameReport, FrameArrays]
 
 
 class FrameBuffer:
-    """Frames and which of them is shown: ``back`` frames before the newest. One thread adds, any may look."""
+    """Stored frames and which is shown: the one ``back`` frames before the newest. One thread adds, any may read."""
 
     def __init__(self) -> None:
         self._lock = threading.Lock()
@@ -26,14 +26,14 @@ class FrameBuffer:
         self._wanted: float | None = None  # the time in s to show as soon as the run stands still
 
     def add(self, report: FrameReport, arrays: FrameArrays) -> None:
-        """Take in the run's newest frame, and show it if the run has moved; a fresh one begins another run."""
+        """Stores the run's newest frame, and shows it if the run has moved; a fresh one begins another run."""
         if report.rows.nbytes > FEW_BYTES:
             report = replace(report, rows=report.rows[:0].copy())  # the history has them
         with self._lock:
             if report.fresh:
                 self._frames.clear()
                 self._bytes = 0
-            elif self._frames and self._frames[-1][0].step == report.step:  # asked for anew, to hold something else
+            elif self._frames and self._frames[-1][0].step == report.step:  # requested again with other content
                 self._bytes -= frame_bytes(self._frames.pop()[1])
             else:
                 self.back = 0
@@ -46,13 +46,13 @@ class FrameBuffer:
                 self.back, self._wanted = self._back_to(self._wanted), None
 
     def go_back(self, count: int) -> None:
-        """Show the frame so many before the newest, as long as the run stands still."""
+        """Shows the frame so many before the newest, if the run is paused."""
         with self._lock:
             if self._frames and not self._frames[-1][0].playing:
                 self.back = max(0, min(count, len(self._frames) - 1))
 
     def seek(self, time: float) -> bool:
-        """Show the frame nearest to a time in s; while the run moves, as soon as it stands still. Whether it does."""
+        """Shows the frame nearest to a time in s; returns False if that waits until the run is paused."""
         with self._lock:
             if still := bool(self._frames) and not self._frames[-1][0].playing:
                 self.back = self._back_to(time)
@@ -62,19 +62,19 @@ class FrameBuffer:
 
     @property
     def span(self) -> tuple[float, float]:
-        """The times in s of the oldest and of the newest frame."""
+        """The times in s of the oldest and the newest frame."""
         with self._lock:
             return (self._frames[0][0].time, self._frames[-1][0].time) if self._frames else (0.0, 0.0)
 
     @property
     def frames(self) -> list[Frame]:
-        """All of them, the oldest first."""
+        """All frames, the oldest first."""
         with self._lock:
             return list(self._frames)
 
     @property
     def shown(self) -> Frame | None:
-        """The frame to draw, standing still if it is an earlier one; None before the first."""
+        """The frame to draw, not playing if it is an earlier one; None before the first."""
         with self._lock:
             if not self._frames:
                 return None
@@ -83,17 +83,17 @@ class FrameBuffer:
 
     @property
     def ago(self) -> float:
-        """How many periods before the newest frame the one that is shown is."""
+        """Number of periods from the frame shown to the newest one."""
         return self._periods(self.back)
 
     @property
     def reach(self) -> tuple[int, float]:
-        """How far back one can go, in frames and in periods."""
+        """How far back frames go: their number and the periods."""
         most = max(0, len(self._frames) - 1)
         return most, self._periods(most)
 
     def _back_to(self, time: float) -> int:
-        """How many frames before the newest one the nearest to a time is."""
+        """Returns how many frames before the newest one the nearest to a time is."""
         apart = [abs(report.time - time) for report, _ in self._frames]
         return len(apart) - 1 - int(np.argmin(apart))
 
@@ -106,7 +106,7 @@ class FrameBuffer:
 
 
 def frame_bytes(arrays: FrameArrays) -> int:
-    """Bytes of a frame's particles."""
+    """Returns the bytes of a frame's particle data."""
     held = (arrays.position, arrays.displacement, arrays.deformation_gradient, arrays.steps_since_crossing,
             arrays.error, *arrays.estimate.values(), *arrays.difference.values(), arrays.plotted)
     return sum([array.nbytes for array in held])

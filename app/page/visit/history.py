@@ -18,27 +18,27 @@ from solvers.solver.samples import QUANTITIES
 
 MOST_ROWS = 800  # then every other row is dropped: a long run keeps its whole course, more coarsely
 LAST_PERIODS = 2  # that plots show on request: fine enough however long the run
-ROOM = 2 * MOST_ROWS  # rows of a table: it is copied when it is full, not with every frame
+ROOM = 2 * MOST_ROWS  # rows of a table, copied when it is full, not with every frame
 
 
 class DownsampledSeries:
-    """Keeps every so many-th row, or those of the ``last`` seconds. One thread adds, any may read :attr:`series`."""
+    """Keeps every n-th row, or those of the ``last`` seconds. One thread adds, any may read :attr:`series`."""
 
     def __init__(self, last: float = math.inf):
         self._last, self._seen, self._stride = last, 0, 1
         #: A table (names, rows) and which of its rows count. Replaced at once, and rows that count are never written
-        #: again, so that whoever plots sees series of equal length.
+        #: again, so that a plot always has series of equal length.
         self._names: tuple[str, ...] = ()
         self._held = (np.empty((0, 0)), 0, 0)
 
     @property
     def series(self) -> dict[str, np.ndarray]:
-        """Each series by its name; none before the first row."""
+        """Each series by name; none before the first row."""
         table, start, end = self._held
         return dict(zip(self._names, table[:, start:end], strict=False))  # names may come before the first table
 
     def add(self, new: Mapping[str, np.ndarray]) -> None:
-        """Append rows: series of equal length, ``time`` among them, under the same names every time."""
+        """Appends rows: series of equal length, ``time`` among them, under the same names every time."""
         kept = slice(-self._seen % self._stride, None, self._stride)  # row 0, stride, 2 stride, ... of the run
         self._seen += len(new["time"])
         rows = np.array([values[kept] for values in new.values()])
@@ -59,7 +59,7 @@ class DownsampledSeries:
 
 
 class RunSeries:
-    """One run's series twice, for the plots: from its start on, and over its last periods, finer where it is long."""
+    """Two copies of a run's series, for plots: of its whole time, and of its last periods, finer for long runs."""
 
     scene: Scene
 
@@ -73,17 +73,17 @@ class RunSeries:
 
     @property
     def latest(self) -> dict[str, np.ndarray]:
-        """The last periods only."""
+        """The series of the last periods only."""
         self._take_in()
         return self._latest.series
 
     def append(self, new: Mapping[str, np.ndarray]) -> None:
-        """To both, as :meth:`DownsampledSeries.add`."""
+        """Appends rows to both, as :meth:`DownsampledSeries.add`."""
         self._whole.add(new)
         self._latest.add(new)
 
     def _take_in(self) -> None:
-        """Append what waits for a reader, where anything does."""
+        """Appends rows that wait for a reader, if any."""
 
     def crossings_per_second(self, series: dict[str, np.ndarray]) -> tuple[np.ndarray, np.ndarray]:
         """Returns times and grid crossings per s of simulated time, over a twentieth of a period or more."""
@@ -96,7 +96,7 @@ class RunSeries:
 
 
 def _moved(values: np.ndarray, more: int) -> tuple[np.ndarray, int, int]:
-    """A table of its own for values (names, rows), with room for more rows."""
+    """Copies values (names, rows) to a new table with room for more rows; returns it with start and end."""
     names, rows = values.shape
     table = np.empty((names, max(ROOM, rows + more)))
     table[:, :rows] = values
@@ -104,7 +104,7 @@ def _moved(values: np.ndarray, more: int) -> tuple[np.ndarray, int, int]:
 
 
 def series_until(series: dict[str, np.ndarray], time: float) -> dict[str, np.ndarray]:
-    """What series held at a time in s: their rows up to then, and one at least."""
+    """Returns series up to a time in s, with at least one row."""
     times = series.get("time", np.zeros(0))
     if not len(times) or times[-1] <= time:
         return series
@@ -112,7 +112,7 @@ def series_until(series: dict[str, np.ndarray], time: float) -> dict[str, np.nda
 
 
 def last_value(series: Mapping[str, np.ndarray], name: str) -> float:
-    """The last value of a series, NaN where there is none."""
+    """Returns the last value of a series, or NaN."""
     values = series.get(name, np.zeros(0))
     return float(values[-1]) if len(values) else math.nan
 
@@ -123,10 +123,9 @@ MOST_WAITING = 500  # frames' samples that may wait for a reader
 class History(RunSeries):
     """Sampled norms and the running error index of one run. One thread adds, any may read.
 
-    Its series are named as in ``solvers.solver.samples.read_rows``, and up to that time the error index (eq 35) and the
-    pointwise distance as ``transport/index_x`` and ``transport/distance_x``. Frames come more often than anybody reads,
-    and a few samples cost as much work as many: they wait for the next reader.
-    """
+    Series are named as in ``solvers.solver.samples.read_rows``, with the error index so far (eq 35) and the pointwise
+    distance as ``transport/index_x`` and ``transport/distance_x``. Frames come more often than they are read, and few
+    samples cost as much work as many, so they wait for the next reader."""
 
     def __init__(self, scene: Scene, particles: int):
         super().__init__(scene.period)
@@ -137,7 +136,7 @@ class History(RunSeries):
         self._ratios: defaultdict[str, RunningIndex] = defaultdict(RunningIndex)
 
     def add(self, rows: np.ndarray) -> None:
-        """Append rows of samples (``solvers.solver.samples``)."""
+        """Appends rows of samples (``solvers.solver.samples``)."""
         with self._lock:
             if len(rows):
                 self._waiting.append(rows)
@@ -147,7 +146,7 @@ class History(RunSeries):
 
     @property
     def margin(self) -> float:
-        """Of the step, as last looked at: few samples do."""
+        """The time step over its stability bound, as last read: few samples have it."""
         self._take_in()
         return self._margin
 

@@ -14,7 +14,7 @@ from solvers.solver.samples import QUANTITIES
 
 
 class TracedParticle(RunSeries):
-    """A particle of one run over time: series as of :class:`History`, with the sizes of its own errors."""
+    """Time series of a particle, named as those of :class:`History`, with the sizes of its own errors."""
 
     def __init__(self, particle: int, frames: Sequence[Frame]):
         report, arrays = frames[-1]
@@ -27,7 +27,7 @@ class TracedParticle(RunSeries):
             self.add(*frame)
 
     def add(self, report: FrameReport, arrays: FrameArrays) -> None:
-        """Take in a later frame. Of several crossings between two frames only the last is known."""
+        """Adds a later frame. Of several crossings between two frames only the last is known."""
         if report.step <= self._step:
             return
         self._step, p = report.step, self.particle
@@ -43,7 +43,7 @@ class TracedParticle(RunSeries):
             self._crossings = (*self._crossings, crossed)[-MOST_ROWS:]
 
     def crossed(self, times: np.ndarray) -> np.ndarray:
-        """Which of the times (n,) of a series is the first after a crossing: (n,) of bool."""
+        """Returns whether each of the times (n,) of a series is the first after a crossing, (n,) of bool."""
         crossings = np.array(self._crossings) * self.scene.time_step
         after = np.searchsorted(times, crossings[crossings >= times[0]] - 0.5 * self.scene.time_step)
         marks = np.zeros(len(times), bool)
@@ -59,7 +59,7 @@ class TracedParticle(RunSeries):
 
 
 class Trace:
-    """The particle that one visitor follows, if any. Frames come on one thread, choices on any."""
+    """The particle that one visitor traces, if any. Frames come on one thread, choices on any."""
 
     def __init__(self, recent: FrameBuffer):
         self._recent, self._lock = recent, threading.Lock()
@@ -67,7 +67,7 @@ class Trace:
         self._next: int | None = None  # to be followed in the next run
 
     def choose(self, particle: int | None, in_next_run: bool = False) -> None:
-        """Follows a particle from the earliest frame that is kept, or from the next run's first; None ends it."""
+        """Traces a particle from the earliest stored frame, or from the next run's first; None ends it."""
         with self._lock:
             frames = () if in_next_run else self._recent.frames
             self._next = particle if in_next_run else None
@@ -76,7 +76,7 @@ class Trace:
                 self.traced = TracedParticle(particle, frames)
 
     def follow(self, report: FrameReport, arrays: FrameArrays) -> None:
-        """Take in the newest frame. Another run goes on with the particle that was at rest nearest to this one."""
+        """Adds the newest frame. Another run goes on with the particle whose rest position is nearest."""
         with self._lock:
             if report.fresh and self._next is not None and self._next < report.particles:
                 self.traced, self._next = TracedParticle(self._next, [(report, arrays)]), None
@@ -94,5 +94,5 @@ class Trace:
 
 
 def reference_positions(arrays: FrameArrays) -> np.ndarray:
-    """Where the particles were at rest, (P, D) in metres."""
+    """Returns the particles' rest positions, (P, D) in m."""
     return np.nan_to_num(arrays.position.astype(float) - arrays.displacement)

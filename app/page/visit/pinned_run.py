@@ -1,4 +1,4 @@
-"""The pinned run: what was on the stage when the visitor pinned it, run again beside what the controls change."""
+"""The pinned run: a scene that runs again beside later ones, for comparison."""
 
 from collections.abc import Callable
 from dataclasses import replace
@@ -15,7 +15,7 @@ from solvers.solver.soundness import UNSTABLE
 
 
 class PinnedRun:
-    """A scene that stays, its last frame and history; the engine keeps it with the session, as ``partner``."""
+    """A pinned scene, its last frame and history; the engine keeps it with the session, as ``partner``."""
 
     def __init__(self, open_link: Callable[[SessionListener], SessionLink], scene: Scene, on_frame: Callable[[], None]):
         self.scene, self._on_frame = scene, on_frame
@@ -25,7 +25,7 @@ class PinnedRun:
         self._link = open_link(self)
 
     def follow(self, pace: Pace, frame: FrameOptions) -> None:
-        """Do as the visitor's session is asked to; but steps are taken apart on the stage, and not beside it."""
+        """Applies the session's pace and options, but takes no steps apart."""
         self._trouble = None
         self._link.ask(self.scene, replace(pace, restarts=0), replace(frame, broken_down=None))
 
@@ -33,11 +33,11 @@ class PinnedRun:
         self._link.close()
 
     def estimator(self, drawn: str | None) -> str | None:
-        """The estimator on the visitor's stage, or the first where this run has not got it."""
+        """Returns the estimator on the visitor's stage, or the run's first if it does not have that one."""
         return drawn if drawn in self.scene.estimators else next(iter(self.scene.estimators), None)
 
     def view(self, quantity: str, drawn: str | None, difference: bool) -> View | None:
-        """What the stage shows of the last frame; nothing before there is one that holds what is asked for."""
+        """Returns the view of the last frame; None before there is one."""
         if self.last is None:
             return None
         report, arrays = self.last
@@ -45,7 +45,7 @@ class PinnedRun:
         return view_of_frame(report, arrays, quantity, estimator, difference and estimator in arrays.difference)
 
     def shortfall(self) -> str | None:
-        """Why it does not go on, in few words; None while it does."""
+        """Returns why the run has stopped, in few words; None while it goes on."""
         if self._trouble:
             return translate_message(self._trouble)
         report = self.last[0] if self.last else None
@@ -54,7 +54,7 @@ class PinnedRun:
         return tr("went unstable and has stopped at {periods:.2f} periods", periods=report.time / self.scene.period)
 
     def on_frame(self, report: FrameReport, arrays: FrameArrays) -> None:
-        """From the engine's reader thread, as the three below."""
+        """Handles a frame, on the engine's reader thread, as the three methods below."""
         if report.fresh:
             self.history = History(report.scene, report.particles)
         self.history.add(report.rows)
@@ -62,10 +62,10 @@ class PinnedRun:
         self._on_frame()
 
     def on_compiling(self, number: int) -> None:
-        """It is on the stage as soon as it can be."""
+        """Does nothing: the run is drawn as soon as it is compiled."""
 
     def on_error(self, sentence: str) -> None:
         self._trouble = sentence
 
     def on_engine_lost(self) -> None:
-        """The link asks again by itself."""
+        """Does nothing: the link reconnects by itself."""

@@ -1,4 +1,4 @@
-"""Session: one visitor's wishes and what has come back. Knows nothing of how it is shown."""
+"""Session: one visitor's requests and the results. Independent of how they are shown."""
 
 import math
 import threading
@@ -23,18 +23,18 @@ from solvers.scene.validation import SceneError
 from solvers.solver.samples import QUANTITIES
 from solvers.solver.soundness import OK
 
-TO_BE_READ = 8.0  # seconds that what has happened is said
-SLOW_ANSWER = 0.4  # seconds without an answer after which the page says that it is preparing
-SAID_AFTER = 2.0  # seconds after which it says for how long it has been
+TO_BE_READ = 8.0  # seconds that an event is shown
+SLOW_ANSWER = 0.4  # seconds without a frame after which the page shows that it is preparing
+SAID_AFTER = 2.0  # seconds after which it shows for how long
 PREPARING = lazy("Preparing this scene: a combination of method, estimators and effects is compiled the first time it "
                   "is used; several estimators at once take longest.")
 STILL_PREPARING = lazy("Preparing this scene, for {seconds} s so far: a combination of method, estimators and effects "
                         "is compiled the first time it is used; several estimators at once take longest.")
-CROWDED_BELOW = 0.8  # of the speed asked for, from which on a visitor is told of those who share the computer
+CROWDED_BELOW = 0.8  # of the requested speed, below which a message names other runs as the reason
 
 
 def first_scene(problem: str) -> Scene:
-    """What the page shows of a problem at first."""
+    """Returns the scene that the page first shows of a problem."""
     kind = PROBLEMS[problem].scene
     scene = kind(periods=min(1, kind.DEFAULT_PERIODS))
     return replace(scene, estimators=VIEWS[problem].estimators or scene.estimators)
@@ -44,19 +44,19 @@ FIRST_SCENE = first_scene(next(iter(PROBLEMS)))
 
 
 class Session:
-    """Holds the wished scene (the latest wins), the last frame and the run's history."""
+    """Holds the requested scene (the latest wins), the last frame and the run's history."""
 
     def __init__(self, pool: PageLinks, scene: Scene, on_frame: Callable[[FrameReport, FrameArrays], None],
                  speed: float | None = None, ends: bool = False):
         self._lock = threading.RLock()
         self._on_frame = on_frame
-        #: The field that was asked for last and cannot be ("" for none), and why in a sentence without its full stop;
-        #: None once anything else has been asked for.
+        #: The field of the last refused request ("" for none), and the reason without a full stop;
+        #: None after another request.
         self.refused: tuple[str, str] | None = None
         self._trouble: str | None = None
         self._engine_lost = False
         self._wished: dict[str, Any] = {}
-        self._news = (-math.inf, "")  # when something has happened, and what is said of it for a while
+        self._news = (-math.inf, "")  # time and text of the last event
         self._crowded_at = -math.inf
         self.watched, self._rests = True, False
         self._number = self._compiled_for = 0
@@ -69,7 +69,7 @@ class Session:
         self._ask()
 
     def set(self, **fields: object) -> None:
-        """Asks for some fields of the scene; what is :attr:`refused` is forgotten and the present scene runs on."""
+        """Requests some fields of the scene; a refused request leaves the present scene running (:attr:`refused`)."""
         with self._lock:
             wished = self._wished | fields
             try:
@@ -84,7 +84,7 @@ class Session:
             self._ask()
 
     def choose(self, scene: Scene, speed: float | None = None, ends: bool = False) -> None:
-        """Takes a whole scene, at so many periods a second, to its end or further; earlier wishes are forgotten."""
+        """Requests a whole scene, at so many periods per second, to its end or further; drops earlier requests."""
         with self._lock:
             if crowd := too_many(scene):
                 self.refuse(crowd)
@@ -93,23 +93,23 @@ class Session:
                 self.unpin()
                 self._news = monotonic(), tr("Unpinned: only runs of the same problem can be compared.")
             self._start(scene, speed, ends)
-            self._ask(restarts=self._pace.restarts + 1)  # also where it is the scene that there is
+            self._ask(restarts=self._pace.restarts + 1)  # also if it is the present scene
 
     def play(self, playing: bool, single_steps: int = 0) -> None:
-        """Go on or pause, and take so many time steps. A run that has come to its end goes on beyond it."""
+        """Plays or pauses, and takes so many time steps. A run that has reached its end goes on beyond it."""
         with self._lock:
             self._rests = False
             self._beyond = self._beyond or (self.ended and (playing or single_steps > 0))
             self._ask(playing=playing, single_steps=self._pace.single_steps + single_steps)
 
     def rest(self) -> None:
-        """Pause until the visitor comes back."""
+        """Pauses until the visitor comes back."""
         with self._lock:
             self._rests = True
             self._ask(playing=False)
 
     def attend(self, watched: bool) -> None:
-        """Somebody looks, or nobody: then the run rests, and goes on later as if no time had passed."""
+        """Pauses the run while nobody watches; later it goes on as if no time had passed."""
         with self._lock:
             if watched != self.watched:
                 self.watched = watched
@@ -117,11 +117,11 @@ class Session:
 
     @property
     def untouched(self) -> float:
-        """Seconds since the visitor last asked for anything."""
+        """Seconds since the visitor's last request."""
         return monotonic() - self._asked_at
 
     def break_down(self, particle: int | None, step: bool = True) -> int:
-        """Pauses and takes one ``step`` apart around a particle, or the last one again; returns the wish's number."""
+        """Pauses and takes one ``step`` apart around a particle, or the last one again; returns the request number."""
         with self._lock:
             self._frame = replace(self._frame, broken_down=particle)
             if particle is None:
@@ -133,48 +133,48 @@ class Session:
 
     @property
     def playing(self) -> bool:
-        """Whether the run is to move, as far as the visitor has a say in it."""
+        """Whether the visitor wants the run to play."""
         return self._pace.playing
 
     @property
     def speed(self) -> float:
-        """Periods a second that are asked for."""
+        """Requested speed in periods per second."""
         return self._pace.speed
 
     @property
     def ends(self) -> bool:
-        """Whether the run is to stop where its scene ends."""
+        """Whether the run stops at the end of its scene."""
         return self._pace.ends
 
     @property
     def moves(self) -> tuple:
-        """What moves the run on: another one since the last time means that the visitor has asked for that."""
+        """The requests that advance the run: a change since the last time is the visitor's."""
         return self.scene, self._pace.restarts, self._pace.single_steps, self.playing
 
     @property
     def ended(self) -> bool:
-        """Whether the run has come to the end at which it was to stop."""
+        """Whether the run has reached the end at which it stops."""
         return self.ends and not self._beyond and self.report is not None \
             and self.report.step >= self.report.scene.steps
 
     def reset(self) -> None:
-        """Start the scene again from t = 0."""
+        """Restarts the scene from t = 0."""
         with self._lock:
             self._beyond = False
             self._ask(restarts=self._pace.restarts + 1)
 
     def open_end(self) -> None:
-        """Stop no more where the scene ends."""
+        """Lets the run go on beyond the end of its scene."""
         with self._lock:
             self._ask(playing=self.playing and not self.ended, ends=False)
 
     def refuse(self, sentence: str, field: str = "") -> None:
-        """Something was asked for that means nothing, of a ``field`` or of none; the present scene runs on."""
+        """Records an invalid request, of a ``field`` or of none; the present scene runs on."""
         with self._lock:
             self.refused, self._asked_at = (field, sentence) if sentence else None, monotonic()
 
     def set_speed(self, speed: float) -> None:
-        """Periods a second."""
+        """Sets the speed in periods per second."""
         with self._lock:
             if speed > FASTEST:
                 self.refuse(tr("Speed: {speed:g} periods a second are too many; at most {most:g} can be asked for",
@@ -183,13 +183,13 @@ class Session:
             self._ask(speed=speed)
 
     def show(self, **options: object) -> None:
-        """Ask that frames hold something else (:class:`~solvers.engine.shared_frames.FrameOptions`)."""
+        """Sets what frames contain (:class:`~solvers.engine.shared_frames.FrameOptions`)."""
         with self._lock:
             self._frame = replace(self._frame, **options)  # type: ignore[arg-type]
             self._ask()
 
     def pin(self, on_frame: Callable[[], None], scene: Scene | None = None) -> None:
-        """Keeps a scene, or the one on the stage, beside what is asked for from now on; both begin at t = 0."""
+        """Pins a scene, or the one on the stage, beside later requests; both begin at t = 0."""
         with self._lock:
             shown = self.report.scene if self.report else self.scene
             scene = scene or (shown if shown.problem == self.scene.problem else self.scene)
@@ -209,7 +209,7 @@ class Session:
 
     @property
     def others_playing(self) -> bool:
-        """Whether other visitors' stages move on this server."""
+        """Whether other visitors' stages play on this server."""
         return self._others > 0
 
     @property
@@ -218,12 +218,12 @@ class Session:
 
     @property
     def compiling(self) -> bool:
-        """Whether the last wish waits for a compiler. The scene before it goes on meanwhile."""
+        """Whether the last request waits for a compiler. The scene before it goes on meanwhile."""
         answered = 0 if self.report is None else self.report.number
         return self._compiled_for == self._number > answered and not self._engine_lost
 
     def notice(self) -> Notice | None:
-        """The one thing that the visitor should read now, if any."""
+        """Returns the most important message for the visitor, if any."""
         with self._lock:
             waiting = self.report is None or self.report.number < self._number
             urgent, history = self._urgent(waiting), self.history
@@ -232,7 +232,7 @@ class Session:
         return urgent or (None if waiting else doubt_notice(history, valid) or self._crowd())
 
     def _urgent(self, waiting: bool) -> Notice | None:
-        """What must be said before any doubt; ``waiting`` says that the last wish has no answer yet."""
+        """Returns a message with priority over doubts; ``waiting`` is set while the last request has no frame yet."""
         if self._trouble:
             return Notice("trouble", translate_message(self._trouble))
         if self._engine_lost and waiting:
@@ -253,7 +253,7 @@ class Session:
         return Notice("wait", sentence) if monotonic() < happened + TO_BE_READ else None
 
     def _crowd(self) -> Notice | None:
-        """That others' runs slow this one down. What is said stays a while: real speeds go up and down."""
+        """Returns the message that other runs slow this one down; it stays a while, as real speeds fluctuate."""
         report, others = self.report, self._others
         if report and report.playing and report.real_speed is not None and others \
                 and report.real_speed < CROWDED_BELOW * self.speed * report.scene.period:
@@ -264,7 +264,7 @@ class Session:
                                  "change.", runs=others + 1))
 
     def on_frame(self, report: FrameReport, arrays: FrameArrays) -> None:
-        """From the engine's reader thread, as the two below."""
+        """Handles a frame, on the engine's reader thread, as the methods below."""
         with self._lock:
             if report.fresh:
                 self.history = History(report.scene, report.particles)
@@ -289,12 +289,12 @@ class Session:
 
     def _start(self, scene: Scene, speed: float | None = None, ends: bool = False) -> None:
         self._wished, self.scene = asdict(scene), scene
-        self._beyond = False  # the end, because somebody asked for more
+        self._beyond = False  # playing beyond the end was requested
         self._pace = replace(self._pace, playing=True, ends=ends,
                              speed=VIEWS[scene.problem].speed if speed is None else speed)
 
     def _ask(self, **pace: float) -> None:
-        """Ask for all that is wanted now, with another ``pace`` from now on."""
+        """Sends all that is requested now, with changes to the ``pace``."""
         self._pace = replace(self._pace, **pace)  # type: ignore[arg-type]
         self._trouble, self.refused, self._asked_at = None, None, monotonic()
         now = replace(self._pace, playing=self.playing and self.watched, ends=self.ends and not self._beyond)

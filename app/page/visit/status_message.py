@@ -1,4 +1,4 @@
-"""What a visitor should read now, in a sentence; and doubts of a run that is sound in itself."""
+"""The message that a visitor should read now, and doubts about a sound run."""
 
 from dataclasses import dataclass
 
@@ -7,13 +7,13 @@ from app.page.visit.history import History
 from app.words import format_ratio, on_page
 from solvers.untrusted.quoting import escape_html
 
-LONGEST = 1000  # letters of a sentence; refusals have less
-BROKEN = 30.0  # error index from which on an estimate is no estimate
+LONGEST = 1000  # most letters of a sentence; refusals have less
+BROKEN = 30.0  # error index from which an estimate is useless
 
 
 @dataclass(frozen=True)
 class Notice:
-    """A sentence for the visitor; one ``seen`` elsewhere, under its control, is here for screen readers only."""
+    """Message for the visitor; one ``seen`` elsewhere, under its control, is here for screen readers only."""
 
     kind: str
     sentence: str
@@ -21,13 +21,13 @@ class Notice:
 
     @property
     def html(self) -> str:
-        """As it stands at the bottom of the stage."""
+        """The message for the bottom of the stage."""
         return (f"<div class='lab-notice lab-{self.kind}{' lab-seen' * self.seen}' role='status'>"
                 f"{escape_html(self.sentence[:1].upper() + self.sentence[1:], LONGEST)}</div>")
 
 
 def doubt_notice(history: History, valid: tuple[str, ...]) -> Notice | None:
-    """A run may be sound and an estimate of it not, or its scene may have surprises ahead."""
+    """Returns a warning about a failed estimate or the scene of a sound run, or None."""
     series, scene = history.series, history.scene
     if not len(series.get("error_x", ())):
         return None

@@ -1,1 +1,1 @@
-"""How the bar is shown: on the stage, in pictures, in regions."""
+"""View of the bar: stage, slow motion, pictures, regions."""

@@ -1,4 +1,4 @@
-"""Where the bar's things stand: two lanes and the plot of the field below; beside a pinned run the plot above them."""
+"""Layout of the bar: two lanes with the field plot below; beside a pinned run the plot is above them."""
 
 from dataclasses import dataclass
 
@@ -6,15 +6,15 @@ from app.frame.field_plot import ROOM
 from app.frame.layout import Box, Places, RunSlot, Spot, colour_bar_box, drawing_rectangle
 from app.frame.primitives import Bounds
 
-#: In pixels: what stands above the upper and below the lower lane; the least lane and gap, that of a strip, and between
-#: two runs; half of a plot that has room for keys; and what the number at the end of its axis takes.
+#: In pixels: space above the upper and below the lower lane; least lane and gap, height of a strip, distance between
+#: two runs; half the height of a plot with space for keys; and the height of the number at the end of its axis.
 BRACKET, LEAST_LANE, LEAST_GAP, STRIP, APART, KEYS, END = 26.0, 26.0, 20.0, 14.0, 10.0, 44.0, 36.0
 LANE, MOST_LANE, GAP = 0.155, 96.0, 0.62  # of the height below the numbers; in pixels; of a lane
 
 
 @dataclass(frozen=True)
 class BarPlaces(Places):
-    """The middles of both lanes and their height, the place of crossings, if any, and of a heading."""
+    """Layout of the bar: middles and height of both lanes, heights of crossings, if any, and of a heading."""
 
     estimate: float
     truth: float
@@ -24,7 +24,7 @@ class BarPlaces(Places):
 
 
 def bar_places(room: Bounds, seat: RunSlot) -> BarPlaces:
-    """Those in a settled room."""
+    """Returns the layout in settled bounds."""
     return _alone(room) if seat == RunSlot.ALONE else _paired(room, seat)
 
 
@@ -38,7 +38,7 @@ def _alone(room: Bounds) -> BarPlaces:
     high = truth - 0.5 * lane - BRACKET * pixel - 0.4 * room.line
     half = 0.5 * (high - low) / ROOM
     middle = 0.5 * (high + low)
-    keys = half > KEYS * pixel  # of what is drawn, below its name; beside the axis's numbers, wherever it stands
+    keys = half > KEYS * pixel  # below its name; beside the axis's numbers, wherever it is
     at = (-room.gutter, middle + 1.55 * room.line * keys) if room.gutter else None
     below = low - 2 * pixel
     remark: Spot = (0.78, below, "top-center") if room.gutter else (1 - END * pixel, below, "top-right")
@@ -48,7 +48,7 @@ def _alone(room: Bounds) -> BarPlaces:
 
 
 def _paired(room: Bounds, seat: RunSlot) -> BarPlaces:
-    """Each run has half the height: a heading, its plot, and two strips that touch each other."""
+    """Returns the layout of one of two runs, half as high: a heading, its plot, and two adjacent strips."""
     pixel, end, second = room.pixel, colour_bar_box(room, room.high).end, seat == RunSlot.SECOND
     low = 1.2 * room.line  # for the numbers below both
     each = 0.5 * (end - low - APART * pixel)

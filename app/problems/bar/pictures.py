@@ -1,4 +1,4 @@
-"""The bar's own panels: the displacement of its particles, and the particles in lanes of truth and estimate."""
+"""The bar's panels in a run's picture: its particles' displacement, and lanes of true and estimated errors."""
 
 from typing import cast
 
@@ -23,10 +23,10 @@ def draw(figure: Figure, space: Axes, particles: SubplotSpec, result: Result) ->
 
 
 def _draw_curve(axes: Axes, result: Result) -> None:
-    """Where the particles went, on the exact displacement."""
+    """Draws the particles' displacements and the exact curve."""
     shown, scene = result.shown, cast(BarScene, result.scene)
     fine = np.linspace(0, 1, 801)
-    even = scene.initial_velocity * shown.time if scene.is_patch else 0.0  # nobody could see the rest beside it
+    even = scene.initial_velocity * shown.time if scene.is_patch else 0.0  # which would hide the rest
     curve = exact_solution.displacement(scene, fine, shown.time) - even
     axes.plot(fine, curve, color=TRUTH, linewidth=TRUTH_WIDTH, label="exact", zorder=2)
     few = panel_style.subsample_indices(len(shown.position))
@@ -42,7 +42,7 @@ def _draw_curve(axes: Axes, result: Result) -> None:
 
 
 def _draw_lanes(figure: Figure, axes: Axes, result: Result) -> None:
-    """The bar: a lane for each estimate and one for the truth, on one colour scale."""
+    """Draws a lane for each estimate and one for the truth, on one colour scale."""
     shown, cells = result.shown, result.scene.cells
     position = cast(BarScene, result.scene).wrap_into_period(shown.position)
     lanes = [("truth", None if shown.error is None else np.abs(shown.error[:, 0]), TRUTH_INK)]

@@ -1,4 +1,4 @@
-"""One step of the bar in slow motion: its cell above, with the nodes' shape functions, and its particles below."""
+"""Slow motion of the bar's step: its cells above, with the nodes' shape functions, and its particles below."""
 
 import numpy as np
 
@@ -8,14 +8,14 @@ from app.frame.slow_motion.stage import CAPTION, DOMAINS, FRONT, NODE, OTHERS, S
 from solvers.scene.scene import Scene
 from solvers.solver.step_breakdown import StepBreakdown
 
-NODES_AT, PARTICLES_AT = 0.48, 0.16  # of the picture's height
-HEIGHT = 0.44  # of it, of a shape function that is one
-LETTERS = 130, 190  # that there are above and below the picture at most
+NODES_AT, PARTICLES_AT = 0.48, 0.16  # as shares of the picture's height
+HEIGHT = 0.44  # of a shape function of one, as a share of it
+LETTERS = 130, 190  # most letters above and below the picture
 POINTS = 201  # of a curve
 
 
 class BarSlowStage(SlowStage):
-    """Draws one step of the bar taken apart."""
+    """Slow-motion stage of the bar."""
 
     _above, _aside = 0.03, np.array([0.0, 1.0])
 
@@ -24,7 +24,7 @@ class BarSlowStage(SlowStage):
         return 1.0, (0.0, 1.0, below + room.line, room.high - above)
 
     def _row(self, share: float) -> float:
-        """A height of the stage, at a share of the picture's."""
+        """Returns a height on the stage from a share of the picture's."""
         return self._picture[2] + share * (self._picture[3] - self._picture[2])
 
     def _look_at(self, a: StepBreakdown) -> None:
@@ -63,7 +63,7 @@ class BarSlowStage(SlowStage):
             self._sketch.line(self._at(ends[:1], self._row(y)), self._at(ends[1:], self._row(y)), OTHERS)
 
     def _functions(self, scene: Scene, a: StepBreakdown, s: float) -> None:
-        """A curve for each node: the weight of a particle like the one in front, wherever it were."""
+        """Draws a curve per node: the weight of a particle like the selected one, at any position."""
         h, place, high = a.spacing, a.place[0, 0], self._row(HEIGHT) - self._row(0.0)
         reach = 0.5 if scene.method == "bspline" else float(a.edges[0, 0, 0]) / h
         x = np.linspace(self._left, self._right, POINTS)

@@ -1,4 +1,4 @@
-"""The bar, as long as the stage: two lanes of particles, the estimate above the truth, and the field plot below."""
+"""The stage of the bar: two lanes of particles, the estimate above the truth, and the field plot below."""
 
 import math
 from collections.abc import Iterator
@@ -16,22 +16,22 @@ from solvers.engine.shared_frames import FrameArrays
 from solvers.problems.bar import exact_solution
 from solvers.problems.bar.scene import BarScene
 
-LONGEST, WIDEST_LINE = 0.96, 90  # of a lane, and in letters: a line within it
-LANE_POINTS = 2000  # points that a lane may be made of
-WIDEST, STRETCHED = 0.016, 1.25  # the largest of them on the stage; widths of a particle at rest that it takes
+LONGEST, WIDEST_LINE = 0.96, 90  # most width of text in a lane, as a share and in letters
+LANE_POINTS = 2000  # most points in a lane
+WIDEST, STRETCHED = 0.016, 1.25  # largest point; width of a particle's points over that at rest
 NONE = np.empty((0, 3), np.float32)
-TIGHT = 1.02  # times as large they are as they would have to be: in half precision rows may be a hair apart
+TIGHT = 1.02  # factor on the size of points, to close gaps from half precision
 CROSSING = 9.0  # pixels across
-BRACKET, NEAR = 7.0, 0.1  # pixels high; how far from the middle of a region what is in it may be
+BRACKET, NEAR = 7.0, 0.1  # height in pixels; greatest distance from the middle of a region
 
 
 def exact_positions(scene: BarScene, X: np.ndarray, t: float) -> np.ndarray:
-    """Where the material that was at X should be."""
+    """Returns the exact positions of material at X."""
     return X + exact_solution.displacement(scene, X, t)
 
 
 class BarStage(Stage[BarScene]):
-    """Makes marks of frames of the bar."""
+    """Stage of the bar."""
 
     PLOT = PlotSettings(0.0, 1.0, ("x = 0", "1 m"), exact_solution.field, where=exact_positions)
     MOST_MARKED, HALVES = 200, lazy("Lanes")
@@ -48,12 +48,12 @@ class BarStage(Stage[BarScene]):
         yield from (_names if places.seat == RunSlot.ALONE else _pair_names)(words, places)
 
     def region(self, low: tuple[float, float], high: tuple[float, float], arrays: FrameArrays) -> np.ndarray:
-        """Which particles (P,) lie in the rectangle from ``low`` to ``high`` of the stage; height does not count."""
+        """Returns which particles (P,) lie in the rectangle from ``low`` to ``high`` of the stage, at any height."""
         x = self._across(arrays)
         return (x >= low[0]) & (x <= high[0])
 
     def nearest(self, point: tuple[float, float], arrays: FrameArrays) -> int | None:
-        """In the lanes the particle nearest in x, however high the click; below, a dot of the field plot."""
+        """Returns the nearest particle: in the lanes by x alone, below by its dot in the field plot."""
         (x, y), places = point, self._places
         if abs(y - 0.5 * (places.truth + places.estimate)) < 0.5 * (places.estimate - places.truth) + places.lane:
             return int(np.argmin(np.abs(self._across(arrays) - x))) if -TOUCH < x < 1 + TOUCH else None
@@ -65,11 +65,11 @@ class BarStage(Stage[BarScene]):
         return np.stack([*lanes, self._field.places(particles, len(x))])
 
     def _across(self, arrays: FrameArrays) -> np.ndarray:
-        """Where the particles (P,) stand along the stage; of a run gone bad, off the stage."""
+        """Returns the particles' positions (P,) along the stage; off the stage for a broken run."""
         x = arrays.position[:, 0]
         if self._drawn_scene is not None:
             x = self._drawn_scene.wrap_into_period(x)
-        return np.fmin(np.fmax(x, -0.5), 1.5)  # fmax takes the number where one is none
+        return np.fmin(np.fmax(x, -0.5), 1.5)  # fmax ignores NaN
 
     def _along(self, arrays: FrameArrays) -> np.ndarray:
         return self._now
@@ -96,13 +96,13 @@ class BarStage(Stage[BarScene]):
                        CROSSING * room.pixel)
 
     def _worst(self, worst: tuple[Worst | None, Worst | None], arrays: FrameArrays) -> Iterator[Mark]:
-        """A bracket above the estimate's lane and one below the truth's, as far as names leave room for it."""
+        """Yields a bracket above the estimate's lane and one below the truth's, if labels leave space."""
         places, segments = self._places, [np.empty((0, 2, 3), np.float32)]
         room, wanted = places.room, places.room.gutter > 0 and places.seat == RunSlot.ALONE
         for found, name, lane, up in zip(worst, HALVES, (places.estimate, places.truth), (1, -1), strict=True):
             at = self._across(arrays)[found.particles] if found and wanted else np.empty(0)
             at = at[(at >= 0) & (at <= 1)]
-            at = at[np.abs(at - np.median(at)) < NEAR] if len(at) else at  # not what is at the other end, or lost
+            at = at[np.abs(at - np.median(at)) < NEAR] if len(at) else at  # without those at the other end, or lost
             text, x, y = "", 0.5, lane
             if found and len(at):
                 y = lane + up * (0.5 * places.lane + 4 * room.pixel)
@@ -115,12 +115,12 @@ class BarStage(Stage[BarScene]):
             yield Label(f"{name}-worst", text, x, y, "bottom-center" if up > 0 else "top-center", "note", bold=True)
             taken = (x - 0.5 * beside, x + 0.5 * beside) if text else (0.0, 0.0)
         if places.seat == RunSlot.ALONE:
-            yield _alike(self._words.alike, places, taken)  # where the last of them, the truth's, has left room
+            yield _alike(self._words.alike, places, taken)  # where the truth's bracket leaves space
         yield Lines("worst", np.concatenate(segments), room.palette.dot, 1.5)
 
 
 def _alike(text: str, places: BarPlaces, taken: tuple[float, float] = (0.0, 0.0)) -> Label:
-    """Says what alike lanes mean, below the lower one: right, or left if ``taken`` (from, to) is written there."""
+    """Returns the hint about equal lanes, below the lower one: right, or left if ``taken`` (from, to) is occupied."""
     room, below = places.room, places.truth - 0.5 * places.lane - 8 * places.room.pixel
     wide = room.extent(text + "  ")[0]
     right = taken[1] < 1 - wide
@@ -131,7 +131,7 @@ def _alike(text: str, places: BarPlaces, taken: tuple[float, float] = (0.0, 0.0)
 
 
 def _names(words: StageLabels, places: BarPlaces) -> Iterator[Label]:
-    """In the gutter beside the lanes, or above and below them."""
+    """Yields names in the gutter beside the lanes, or above and below them."""
     room, half = places.room, 0.5 * places.lane
     below = places.truth - half - 8 * room.pixel
     if room.gutter:
@@ -157,7 +157,7 @@ def _names(words: StageLabels, places: BarPlaces) -> Iterator[Label]:
 
 
 def _pair_names(words: StageLabels, places: BarPlaces) -> Iterator[Label]:
-    """A heading above the plot; beside the strips, which is which."""
+    """Yields a heading above the plot, and names beside the strips."""
     room, first = places.room, places.seat == RunSlot.FIRST
     for name, _, _, y in _halves(words, places):
         yield Label(f"{name}-title", tr(name) if room.gutter else "", -0.01, y, "center-right", "number", tone=name)
@@ -179,18 +179,17 @@ def _pair_names(words: StageLabels, places: BarPlaces) -> Iterator[Label]:
 
 
 def _halves(words: StageLabels, places: BarPlaces) -> Iterator[tuple[Tone, str, str, float]]:
-    """Of the estimate and the truth: its name, title, whose it is, and the middle of its lane."""
+    """Returns name, title, source and middle of the lane of estimate and truth."""
     return zip(HALVES, words.titles, words.by, (places.estimate, places.truth), strict=True)
 
 
 class _Lanes:
-    """How two lanes of P particles are tiled with square points: ``rows`` of ``size`` each, and so many ``across`` for
-    each particle that a gap shows only where the bar is stretched a lot.
+    """Tiling of two lanes of P particles with square points: ``rows`` of ``size`` each, and so many ``across`` per
+    particle that gaps show only under large stretch.
 
-    What a particle has is wider than it is at rest. Neighbours overlap, the one to the right on top; moving all by a
-    part of their width puts what remains visible in its place. Points are counted from between the lanes: then half
-    precision, with half the bytes, is a tenth of a pixel.
-    """
+    A particle's points are wider than it is at rest. Neighbours overlap, the right one on top; a shift of all by a part
+    of their width puts the visible part in place. Points are relative to the middle between the lanes, so that half
+    precision, with half the bytes, is a tenth of a pixel."""
 
     def __init__(self, particles: int, places: BarPlaces):
         column, middle = 1 / particles, 0.5 * (places.estimate + places.truth)
@@ -207,7 +206,7 @@ class _Lanes:
             lane[..., 1] = (at - middle + up)[:, None, None]
 
     def dots(self, x: np.ndarray, *shades: np.ndarray) -> Dots:
-        """Particles at x (P,) in the colours (P, 3) of each lane: the estimate's, then the truth's."""
+        """Returns particles at x (P,) in the colours (P, 3) of each lane: the estimate's, then the truth's."""
         points, colours = self._points.copy(), np.empty(self._points.shape, np.uint8)
         inside = np.minimum(np.maximum(x[:, None] + self._beside, self.size / 2), 1 - self.size / 2)
         points[..., 0] = (inside - self.origin[0]).astype(np.float16)

@@ -1,4 +1,4 @@
-"""How the bar is shown beside its stage and pictures: regions, the reach of sliders, texts and sparks."""
+"""View of the bar beside its stage and pictures: regions, ranges of sliders, texts and suggestions."""
 
 import math
 from dataclasses import replace
@@ -18,13 +18,13 @@ from solvers.problems.bar.patch_test import PATCH
 from solvers.problems.bar.scene import BarScene
 
 MOST_CELLS = 160
-BREAKING = 0.1  # m, of A: hat functions lose it in the second period
-MISFITS = 2.5  # particles per cell that lie otherwise in every other cell
-PASSED = 1e-9  # of the stress: round-off
+BREAKING = 0.1  # amplitude in m at which hat functions fail in the second period
+MISFITS = 2.5  # particles per cell: their positions differ in every other cell
+PASSED = 1e-9  # relative error of the stress: round-off
 
 
 def _cross(state: State) -> Offer:
-    if state.scene.method == "mpm":  # they do: what would smoother functions do at the same crossings?
+    if state.scene.method == "mpm":  # already so: offer smoother functions
         return Offer(tr("Smooth the crossing"), tr("uGIMP: particles as intervals"),
                      changed_state(state, {"method": "ugimp"}))
     return Offer(tr("Let particles cross"), tr("hat functions, the oldest method"),
@@ -77,12 +77,12 @@ PATCH_TEST = (_misfit(lazy("Particles that do not fit"), lazy("2.5 a cell, hat f
 
 
 def bar_suggestions(state: State) -> tuple[Suggestion, ...]:
-    """The three that fit what the bar does."""
+    """Returns the three suggestions for the bar's present motion."""
     return VIBRATING if state.scene.swings else PATCH_TEST
 
 
-#: With the usual modulus and step a patch test's particles come to stand on cell boundaries to the last digit, where
-#: rounding says in which cell they are (``patch.edge_step``).
+#: With the usual modulus and step a patch test's particles lie on cell boundaries to the last digit, where
+#: rounding decides in which cell they are (``patch.edge_step``).
 STIFF, STIFF_CFL = 1000.0, 0.2
 LENGTHS = 20  # regions of the bar, of 0.05 m
 
@@ -93,7 +93,7 @@ def regions(X: np.ndarray) -> Regions:
 
 
 def change(scene: BarScene, motion: str, usual: tuple[str, ...]) -> BarScene:
-    """A scene like another one with this motion; what means nothing there is as usual."""
+    """Returns a scene with another motion; fields without meaning there get their defaults."""
     plain = BarScene()
     if motion == PATCH:
         return replace(scene, motion=motion, amplitude=plain.amplitude, body_force=plain.body_force, displacement="",

@@ -21,7 +21,7 @@ CFL = 0.05
 
 
 def body_force(X: np.ndarray, t: float, known: dict) -> np.ndarray:
-    """Per mass, (P, 2) in m/s2, as problem.md has it."""
+    """Returns the force per mass (P, 2) in m/s2 at X (P, 2) in m and t in s, from the formulas in problem.md."""
     R, w, soft = np.hypot(*X.T), known["angular_frequency"], known["modulus"] / 2 / known["density"]
     r = R - 1
     shape, slope, bend = 1 - 32 * r**2 + 256 * r**4, -64 * r + 1024 * r**3, -64 + 3072 * r**2

@@ -1,1 +1,1 @@
-"""The board of a class: how many have said what, without names, and the steps of a lesson opened for all."""
+"""The board of a class: counts of the answers, without names, and the steps of a lesson opened for all."""

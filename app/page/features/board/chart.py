@@ -1,7 +1,6 @@
-"""What a class has said to a question, as html: bars of choices, dots of numbers, lines of intervals; and what came out
-beside. Colour says nothing alone: what held or was right has a sign as well. The style is
-``css/75-board.css``. The axis of numbers is chosen by most of them, so that one odd answer does not squeeze the others
-into a corner."""
+"""Chart of a class's answers to a question, as html: bars for choices, dots for numbers, lines for intervals, and the
+result beside them. Right answers have a sign as well as a colour. The style is ``css/75-board.css``. The range of the
+axis follows the majority of answers, so that one outlier does not compress the others."""
 
 import math
 from collections import Counter
@@ -15,35 +14,35 @@ from app.language.translation import tr
 from app.lessons.answer_check import Right, in_unit, is_right
 from app.lessons.lesson import CHOICE, INTERVAL, Numbers, Question, fill_numbers
 
-COLUMNS = 36  # of dots, across the axis
-DECADES = 1.5  # that most answers span, from which on each decade has the same room
-REACH = 1.0  # times the span of most answers by which others may be further out and still have a place of their own
-MOST = (0.1, 0.9)  # parts of the answers that are below and above "most"
+COLUMNS = 36  # of dots, along the axis
+DECADES = 1.5  # span of most answers above which the axis is logarithmic
+REACH = 1.0  # answers up to this times the span of most answers outside it are still on the axis
+MOST = (0.1, 0.9)  # quantiles between which "most" answers lie
 MARGIN = 0.04  # of the axis, at either end
 TICKS = 5  # or fewer
-SAME = 0.1  # of a number, on either side of it, where all have given the same
+SAME = 0.1  # half the axis over a number, if all answers are that number
 
 
 @dataclass(frozen=True)
 class Axis:
-    """From ``low`` to ``high``, of logarithms (to the base of 10) where it is ``logarithmic``."""
+    """Axis from ``low`` to ``high``, which are decimal logarithms if it is ``logarithmic``."""
 
     low: float
     high: float
     logarithmic: bool = False
 
     def place(self, value: float) -> float:
-        """Where a value stands, from 0 at the left to 1; what is further out at the ends."""
+        """Returns the position of a value, from 0 at the left to 1; values outside are at the ends."""
         return min(1.0, max(0.0, (self._inner(value) - self.low) / (self.high - self.low)))
 
     def beyond(self, value: float) -> int:
-        """-1 or 1 for what is further out, at the left or at the right, else 0."""
+        """Returns -1 or 1 for a value outside the axis, at the left or at the right, else 0."""
         inner = self._inner(value)
         return -1 if inner < self.low else 1 if inner > self.high else 0
 
     @property
     def ticks(self) -> list[float]:
-        """Round values within it, few enough to have their names beside each other."""
+        """Round values on the axis, few enough that their labels fit."""
         step = (self.high - self.low) / TICKS
         if self.logarithmic and step <= 1:  # decades are whole
             step = 1.0
@@ -60,10 +59,10 @@ class Axis:
 
 
 def axis_for(values: Sequence[float], always: Sequence[float] = ()) -> Axis:
-    """The axis for values, of which there is one at least; those that must be on it ``always`` are."""
+    """Returns an axis for one value or more; it contains all values in ``always``."""
     ranked = sorted(values)
     few, many = (ranked[round(part * (len(ranked) - 1))] for part in MOST)
-    # Decades matter where most are above zero, and far apart.
+    # Logarithmic if most are above zero and far apart.
     logarithmic = few > 0 and math.log10(many) - math.log10(few) > DECADES and min(always, default=1.0) > 0
     inner = sorted(math.log10(value) if logarithmic else value for value in values if value > 0 or not logarithmic)
     fixed = [math.log10(value) if logarithmic else value for value in always]
@@ -79,14 +78,14 @@ def axis_for(values: Sequence[float], always: Sequence[float] = ()) -> Axis:
 
 
 def answer_options(asked: Question, numbers: Numbers) -> str:
-    """What there is to choose from, before anything is said of it."""
+    """Returns the options of a choice as html, before any counts are shown."""
     rows = "".join(f"<li><b>{letter})</b> <span>{escape(fill_numbers(option, numbers))}</span></li>"
                    for letter, option in zip(ascii_lowercase, asked.options, strict=False))
     return f"<ol class='lab-bars'>{rows}</ol>" if rows else ""
 
 
 def answer_chart(asked: Question, answers: Sequence[Any], numbers: Numbers, found: Right | None) -> str:
-    """The answers to a question that is no free text, and what is ``found`` to be right, once that may be seen."""
+    """Returns the answers to a question that is not free text, with the right answer ``found`` once it is revealed."""
     if asked.kind == CHOICE:
         return _bars(asked, answers, numbers, found)
     if not answers and found is None:
@@ -111,7 +110,7 @@ def answer_chart(asked: Question, answers: Sequence[Any], numbers: Numbers, foun
 
 
 def right_among(asked: Question, answers: Sequence[Any], found: Right) -> int:
-    """How many of the answers are right, or intervals hold what came out."""
+    """Counts the answers that are right, or the intervals that contain the result."""
     return sum(is_right(asked, answer, found) for answer in answers)
 
 
@@ -138,7 +137,7 @@ def _lines(asked: Question, answers: Sequence[Sequence[float]], axis: Axis, foun
 
 
 def _band(asked: Question, found: Right | None) -> tuple[float, float]:
-    """From where to where an answer is right."""
+    """Returns the lower and upper limit between which an answer is right."""
     if found is None or isinstance(found.value, str):
         return 0.0, 0.0
     reach = 0.0 if asked.kind == INTERVAL else asked.tolerance * abs(found.value)
@@ -156,7 +155,7 @@ def _truth(asked: Question, axis: Axis, found: Right | None) -> str:
 
 
 def _beyond(ends: Sequence[float], axis: Axis) -> str:
-    """What has no place of its own on the axis."""
+    """Returns the counts of values outside the axis, left and right, as html."""
     sides = Counter(axis.beyond(end) for end in ends)
     low = tr("{count} further to the left", count=sides[-1])
     high = tr("{count} further to the right", count=sides[1])

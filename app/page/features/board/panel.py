@@ -1,4 +1,4 @@
-"""The lecturer's view of the board: it covers the page (``js/board.js``), or lets the stage be seen."""
+"""The lecturer's view of the board: it covers the page (``js/board.js``) or reveals the stage."""
 
 import json
 import threading
@@ -17,7 +17,7 @@ from app.page.features.board.chart import right_among
 from app.page.features.board.slides import says_next, slide_html
 from app.page.page_context import PageContext
 
-AGAIN = 0.25  # seconds at least between two pictures: thirty may answer at once
+AGAIN = 0.25  # least seconds between two redraws: thirty may answer at once
 STAGE, SAVE = "stage", "save"
 SCHEMA = "mpm-lab/board/1"  # of the file that a lecturer may save
 
@@ -42,13 +42,13 @@ class BoardPanel(Feature):
         return cls(page, page.lecturer) if page.lecturer else None
 
     def close(self) -> None:
-        """The lecturer has gone, and the board is as it was."""
+        """Stops following the board when the lecturer leaves; the board stays as it is."""
         self._board.unwatch(self._news.set)
         self._closed.set()
         self._news.set()
 
     def draw(self) -> None:
-        """Show what there is now."""
+        """Draws the board's present state."""
         with self._drawing:
             place = self._board.place
             self._says.content = (
@@ -57,7 +57,7 @@ class BoardPanel(Feature):
                 f"{slide_html(self._board, place, self._lecturer.seen_from(self._page.store.here))}</template>")
 
     def _cover(self, step: int) -> None:
-        """Covers the stage, where nothing need move then, or lets it be seen at this step of the lesson."""
+        """Covers the stage, which pauses it, or uncovers it at this step of the lesson."""
         page = self._page
         page.attend(uncovered=not self._covers)
         if not self._covers:
@@ -80,7 +80,7 @@ class BoardPanel(Feature):
             self._closed.wait(AGAIN)
 
     def _hear(self, said: Any) -> None:
-        """Handles what was pressed and at which turn, or whether the stage is to be seen; may be given anything."""
+        """Handles a button press and the turn it refers to, or a toggle of the stage; validates the input."""
         if not (isinstance(said, list) and len(said) == 2 and type(said[1]) is int):
             return
         what, turn = said
@@ -96,13 +96,13 @@ class BoardPanel(Feature):
 
 
 def stage_of(board: Board, at: int) -> str:
-    """The state that belongs on the stage at a place of the lesson: that of the last step up to there which has one."""
+    """Returns the state for the stage at a position in the lesson: that of the last step up to there that has one."""
     stages = [step.stage for step in board.lesson.steps[:at] if step.stage]
     return fill_numbers(stages[-1], board.numbers) if stages else ""
 
 
 def answers_json(board: Board) -> str:
-    """Returns all answers without names as JSON, by question and sorted, with what came out if revealed."""
+    """Returns all answers without names as JSON, by question and sorted, with the result if revealed."""
     questions = []
     for at, step in enumerate(board.lesson.steps, 1):
         if step.question is None:

@@ -1,4 +1,4 @@
-"""What the board shows, as html: the beginning, a step, the end. Every number is counted when it is shown."""
+"""The board's slides as html: the beginning, a step, the end. All counts are taken when a slide is rendered."""
 
 from dataclasses import dataclass
 from html import escape
@@ -14,7 +14,7 @@ from app.lessons.lesson import CHOICE, INTERVAL, PREDICT, TITLES, Step, fill_num
 from app.lessons.markdown_html import to_html
 from app.page.features.board import chart
 
-IN_ONE = 8  # scores, in one column
+IN_ONE = 8  # scores in one column
 NOBODY, WORKING = lazy("Nobody is here yet."), lazy("The result is being computed …")
 HOW, HELD, RIGHT = lazy("How the class did"), lazy("{right} of {of} held"), lazy("{right} of {of} right")
 PREDICTIONS = lazy("{right} of {of} predictions were right: {share} %")
@@ -24,7 +24,7 @@ INTERVALS = lazy("{right} of {of} intervals contain the result: {share} % ({leve
 
 @dataclass(frozen=True)
 class QuestionScore:
-    """A question that has been revealed: of how many answers how many are right, or hold what came out."""
+    """Score of a revealed question: the number of its answers and how many are right, or contain the result."""
 
     step: Step
     right: int
@@ -32,7 +32,7 @@ class QuestionScore:
 
 
 def slide_html(board: Board, place: Place, door: JoinInfo) -> str:
-    """All of a place but its buttons."""
+    """Returns a slide of the board without its buttons."""
     step = board.step(place.at)
     where = tr("step {at} of {total}", at=board.number(place.at), total=board.total) if step else \
         tr("the beginning") if place.at == 0 else tr("the end")
@@ -40,14 +40,14 @@ def slide_html(board: Board, place: Place, door: JoinInfo) -> str:
     past = "" if place.now else f"<b class='lab-looks-back'>{now}</b>"
     here = board.tally.here
     here_said = trn("{count} is here", "{count} are here", here) if here else tr("nobody is here")
-    count = f"<span>{here_said}</span>" if place.at else ""  # at the beginning it is said below
+    count = f"<span>{here_said}</span>" if place.at else ""  # the first slide has it below
     top = f"<header><span>{where}</span>{past}{count}</header>"
     body = _step(board, place, step) if step else _beginning(board, door) if place.at == 0 else _end(board)
     return f"{top}{body}"
 
 
 def says_next(board: Board, place: Place) -> str:
-    """What the next press does; "" where there is nothing more."""
+    """Returns the label of the button that goes on; "" at the end."""
     step, following = board.step(place.at), board.after(place.at)
     if not place.now:
         return tr("Show how the class did") if following == board.end else \
@@ -60,7 +60,7 @@ def says_next(board: Board, place: Place) -> str:
 
 
 def question_scores(board: Board) -> list[QuestionScore]:
-    """Of the questions whose outcome has been revealed."""
+    """Returns the scores of all revealed questions."""
     found = []
     for at, step in enumerate(board.lesson.steps, 1):
         came = board.came_out(step)
@@ -135,7 +135,7 @@ def _said(step: Step, count: int) -> str:
 
 
 def _outcome(place: Place, step: Step, answers: list, came: Right | str | None) -> str:
-    """What is said of what came out, when that is asked for."""
+    """Returns the sentence on the result of a step, once it is revealed; else ""."""
     if place.stage != REVEALED:
         return ""
     if came is None or isinstance(came, str):
@@ -147,7 +147,7 @@ def _outcome(place: Place, step: Step, answers: list, came: Right | str | None) 
     elif step.asked.kind != CHOICE:
         told = trn("{count} of {of} was right: {told}.", "{count} of {of} were right: {told}.", count, of=len(answers),
                    told=escape(came.told))
-    elif came.options:  # the bars say which
+    elif came.options:  # the bars show which
         told = trn("{count} of {of} was right.", "{count} of {of} were right.", count, of=len(answers))
     else:
         told = tr("There is no result for this step.")
@@ -169,7 +169,7 @@ def _end(board: Board) -> str:
 
 
 def calibration(found: list[QuestionScore]) -> list[str]:
-    """How well a class has known what it knows: predictions, observations and intervals, a sentence each."""
+    """Returns a sentence each on the class's predictions, observations and intervals, with the share that is right."""
     said = []
     intervals = [one for one in found if one.step.asked.kind == INTERVAL]
     for sentence, some in (
@@ -178,6 +178,6 @@ def calibration(found: list[QuestionScore]) -> list[str]:
             (INTERVALS, intervals)):
         right, of = sum(one.right for one in some), sum(one.answers for one in some)
         if of:
-            level = sum(one.step.asked.level * one.answers for one in some) / of  # of predictions it is not said
+            level = sum(one.step.asked.level * one.answers for one in some) / of  # not shown for predictions
             said.append(tr(sentence, right=right, of=of, share=f"{100 * right / of:.0f}", level=f"{100 * level:.0f}"))
     return said

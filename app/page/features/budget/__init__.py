@@ -1,1 +1,1 @@
-"""Who made this error? The budget of the run on the stage."""
+"""The error budget of the run on the stage."""

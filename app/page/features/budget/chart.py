@@ -1,4 +1,4 @@
-"""The error budget of a run as html: parts stacked over time, shares, and the error without a cause."""
+"""Error budget of a run as html: stacked contributions over time, their shares, and the error without a cause."""
 
 import math
 from collections.abc import Sequence
@@ -18,17 +18,17 @@ from solvers.scene.error_causes import CAUSES, NOTHING
 from solvers.scene.scene import Scene
 from solvers.solver import budget
 
-ENDS = (1, 1.5, 2, 3, 4, 5, 6, 8)  # times a power of ten: where an axis may end
+ENDS = (1, 1.5, 2, 3, 4, 5, 6, 8)  # times a power of ten: possible ends of an axis
 TICKS = (1, 2, 5)
-MOST = 160  # times of a chart: further ones are left out
-WHOLE = 1e-9  # by which rounding may take a run beyond its last period
+MOST = 160  # points of a curve: more are thinned out
+WHOLE = 1e-9  # relative rounding of a run's end time
 WIDTH, HEIGHT = 600, 200  # of a chart, in units of its own
 PHRASES = {"before": lazy("before"), "predicted": lazy("predicted"), "again": lazy("run again")}
 
 
 @dataclass(frozen=True)
 class BudgetData:
-    """A run with a budget, its ``name`` beside another, its whole ``series``, and what plots show of it."""
+    """A run with a budget: its ``name`` beside another run, its whole ``series``, and the part ``plotted``."""
 
     name: str
     scene: Scene
@@ -37,13 +37,13 @@ class BudgetData:
 
     @property
     def not_valid(self) -> str:
-        """Why shares say nothing of it, or ""."""
+        """The reason why its shares are not valid, or ""."""
         return translate_message(budget.why_not_valid(self.series) or "")
 
 
 @dataclass(frozen=True)
 class _Axes:
-    """The periods and the errors between which charts reach: the same for runs beside each other."""
+    """Ranges of time in periods and of the error, common to charts side by side."""
 
     start: float
     end: float
@@ -51,7 +51,7 @@ class _Axes:
     top: float
 
     def places(self, run: BudgetData, values: np.ndarray) -> list[str]:
-        """Points of a chart, for a path."""
+        """Returns the points "x y" of a curve in the chart's units, for an svg path."""
         time = run.plotted["time"] / run.scene.period
         kept = np.unique(np.r_[np.arange(0, len(time), -(-len(time) // MOST)), len(time) - 1])
         x = np.rint(WIDTH * (time[kept] - self.start) / (self.end - self.start)).astype(int)
@@ -60,16 +60,16 @@ class _Axes:
 
     @property
     def unit(self) -> float:
-        """Of a chart's height, as an error."""
+        """Error per unit of the chart's height."""
         return (self.top - self.low) / HEIGHT
 
     def part(self, value: float) -> str:
-        """How far below the top a value stands, as the style has it."""
+        """Returns the distance of a value from the top as a CSS percentage."""
         return f"{100 * (self.top - value) / (self.top - self.low):.1f}%"
 
 
 def taken_away(scene: Scene) -> str:
-    """The cause that is taken out of a scene's run, or ``NOTHING``."""
+    """Returns the cause removed in a scene's run, or ``NOTHING``."""
     return getattr(scene, "take_away", NOTHING)  # problems without a budget have no such field
 
 
@@ -98,7 +98,7 @@ def _axes(runs: Sequence[BudgetData], field: str) -> _Axes:
 
 
 def _figure(run: BudgetData, field: str, axes: _Axes) -> str:
-    """One run's chart with its axes."""
+    """Returns one run's chart with its axes as html."""
     paths = []
     for layer in stack_layers(run.plotted, field):
         colour = f"style='fill:var(--{cause_token(layer.cause)})'"
@@ -126,14 +126,14 @@ def _titled(run: BudgetData, inside: str) -> str:
 
 
 def _said(run: BudgetData, field: str) -> str:
-    """The chart in words."""
+    """Returns a description of the chart for screen readers."""
     shares = budget.shares(run.series, field)
     parts = ", ".join(f"{tr(CAUSES[cause])} {format_percent(share)}" for cause, share in shares.items())
     return escape(tr("error of {field} over time, made by {parts}", field=field, parts=parts), quote=True)
 
 
 def _shares(runs: Sequence[BudgetData], field: str) -> str:
-    """The legend: each cause with what it is, and its share in each run."""
+    """Returns the legend as html: each cause with its explanation and its share in each run."""
     shares = [budget.shares(run.series, field) for run in runs]
     several = len(runs) > 1
     head = "".join(f"<th>{escape(run.name.partition(':')[0])}</th>" for run in runs) if several else "<td></td>"
@@ -161,7 +161,7 @@ def removal_outcome(before: BudgetData, again: BudgetData, field: str, cause: st
 
 
 def _bar(words: str, size: float | None, whole: float, unit: str, key: str) -> str:
-    """A size as a bar and in words, beside the ``whole``."""
+    """Returns a size as a bar and a number, relative to the ``whole``, as html."""
     if size is None:
         return f"<p data-size='{key}'><span>{words}</span> <b>–</b></p>"
     said = with_unit(size, unit) if unit else format_number(size)
@@ -171,5 +171,5 @@ def _bar(words: str, size: float | None, whole: float, unit: str, key: str) -> s
 
 
 def as_sentence(text: str) -> str:
-    """A reason as a sentence of its own."""
+    """Returns a reason as a sentence: with a capital letter and a full stop."""
     return f"{text[:1].upper()}{text[1:]}."

@@ -1,11 +1,9 @@
-"""The budgets that the fold *Who made this error?* finds beside the stage, where runs do not carry theirs with them.
+"""Background jobs of *Who made this error?* for runs without a recorded budget. The worker function ``budget`` sends::
 
-The process that finds one, in ``budget``, says::
-
-    {"part": .3}                        how far it is
+    {"part": .3}                        its progress
     {"series": {...}, "again": {...}}   the samples of the run, and of that without the cause, or None
-    {"trouble": a sentence}             why there is none
-    {"bad": a sentence}                 or that a run goes bad, and why
+    {"trouble": a sentence}             why there is no budget
+    {"bad": a sentence}                 why a run goes bad
 """
 
 from collections.abc import Callable
@@ -25,8 +23,8 @@ from solvers.solver.error_norms import finite
 from solvers.study.parameter_grid import Task, task_of
 from solvers.workers.worker_pool import Slots
 
-PATIENCE = 180.0  # seconds that one may take
-OFTEN = 0.02  # of the work: how often it is said how far it is
+PATIENCE = 180.0  # timeout of a job in s
+OFTEN = 0.02  # share of the work between two reports of progress
 
 Series = dict[str, np.ndarray]
 Tell = Callable[[dict[str, Any]], object]
@@ -34,7 +32,7 @@ Tell = Callable[[dict[str, Any]], object]
 
 @dataclass(frozen=True)
 class BudgetProgress(JobStatus):
-    """Of a ``scene``: how far (``part``) it is, the samples, and ``again`` those of the run without the ``cause``."""
+    """Budget of a ``scene``: its progress (``part``), its samples, and those of the run ``again`` without ``cause``."""
 
     scene: Scene | None = None
     cause: str = NOTHING
@@ -44,7 +42,7 @@ class BudgetProgress(JobStatus):
 
 
 class BudgetJobs(Background[BudgetProgress]):
-    """One visitor's."""
+    """Budget jobs of one visitor."""
 
     WORK = __name__
     BUSY = lazy("Other visitors' questions keep this server busy: it answers {n} at a time. Try again in a while.")
@@ -53,7 +51,7 @@ class BudgetJobs(Background[BudgetProgress]):
         super().__init__(BudgetProgress(), slots)
 
     def budget(self, scene: Scene, cause: str = NOTHING) -> None:
-        """Find the budget of a scene, and what is left without a cause; until then the one without it stays."""
+        """Starts the budget of a scene, and of a run without a cause; earlier results of this scene stay meanwhile."""
         before = self.status.series if self.status.scene == scene else None
         self._start(BudgetProgress("budget", scene=scene, cause=cause, series=before),
                     {"task": task_of(scene).to_dict(), "cause": cause}, PATIENCE)
@@ -69,7 +67,7 @@ class BudgetJobs(Background[BudgetProgress]):
 
 
 def budget(question: dict[str, Any], tell: Tell) -> None:
-    """In a process of its own: the budget of a task's scene, and what is left of it without a cause."""
+    """Computes the budget of a task's scene, and of a run without a cause; runs in a worker process."""
     from solvers.running.budget import run_budget
 
     said = 0.0

@@ -1,6 +1,5 @@
-"""Who made this error? A fold with the chart of the error budget, and a cause to take away and run again without: the
-first run stays pinned beside the second, with what the budget has predicted and what has come. Runs of the bar carry
-their budget with them; in the plane it is found beside the stage, when it is asked for."""
+"""The folder *Who made this error?*: chart of the error budget, and a rerun without one cause beside the pinned first
+run. Runs of the bar record their budget; that of plane problems is computed in the background on request."""
 
 import math
 from collections.abc import Callable
@@ -28,7 +27,7 @@ from solvers.scene.scene import Scene
 from solvers.scene.validation import SceneError
 
 EFFECT = "budget"
-REDRAWN = 0.9  # seconds between two charts of a run that plays
+REDRAWN = 0.9  # seconds between two redraws for a playing run
 OFFER = lazy("Which part of the error have crossings made, and which the coarse grid, the body force and the time "
               "step? Computed beside the run, from t = 0 on.")
 ON_DEMAND = lazy("Which part of the error have crossings made, and which the coarse grid and the time step? Found "
@@ -39,13 +38,13 @@ _NAMES = {"x": lazy("displacement x"), "v": lazy("velocity v"), "F": lazy("defor
 
 
 def cause_button() -> str:
-    """A button below the judges' cards: it opens the fold (``js/budget.js``)."""
+    """Returns the button below the judges' cards that opens the folder (``js/budget.js``)."""
     return (f"<button type='button' class='lab-who'><b>{tr(QUESTION)}</b> "
             f"<span>{tr('crossings, grid, body force or time step')}</span></button>")
 
 
 class BudgetFold(Feature):
-    """Widgets of one visitor. ``state`` is what is seen, ``show`` puts another state on the stage."""
+    """Widgets of one visitor; ``state`` returns the state shown, ``show`` puts another one on the stage."""
 
     def __init__(self, gui: viser.GuiApi, session: Session, state: Callable[[], State], show: Callable[[State], None],
                  clock: Callable[[], float] = monotonic):
@@ -86,12 +85,12 @@ class BudgetFold(Feature):
         self.jobs.close()
 
     def press(self, said: object) -> None:
-        """The visitor has asked who made the error."""
+        """Handles the click on *Who made this error?*."""
         if said is True:
             self.find_out()
 
     def find_out(self) -> None:
-        """Divide the error of the run, and of one that is pinned beside it."""
+        """Starts the error budget of the run, and of a pinned run beside it."""
         state = self._state()
         if EFFECT not in state.scene.OWN_EFFECTS:
             if self.jobs.status.scene != state.scene or self.jobs.status.series is None:
@@ -101,7 +100,7 @@ class BudgetFold(Feature):
                                pinned=None if state.pinned is None else _with_budget(state.pinned)))
 
     def refresh(self, view: PageView) -> None:
-        """Shows the budget of a run; in a lesson only if that has asked for it."""
+        """Shows the budget of the run; in a lesson only on request."""
         if (numbers := view.numbers) is None:
             return
         choice = view.choice
@@ -120,18 +119,18 @@ class BudgetFold(Feature):
         _see(bool(runs), self._chart)
         _see(bool(runs) and not found.running, self._cause, self._again)
         _see(own and taken_away(scene) != NOTHING, self._back)
-        # Why there is no chart yet, or cannot be one.
+        # The reason why there is no chart.
         reason = next((text for text in scene.warnings() if text.startswith("error budget")), "") if own and on else ""
         why = f"<p class='lab-budget-offer'>{escape(as_sentence(translate_message(reason).partition(': ')[2]))}</p>" \
             if reason else ""
         self._offer.content = why or _offer(WAITING if on else OFFER) if own else _going(found) or _offer(ON_DEMAND)
-        if choice.quantity != self._followed:  # its field is divided
+        if choice.quantity != self._followed:  # show the budget of its field
             self._followed, self._drawn_at = choice.quantity, -math.inf
             self._field.value = tr(_NAMES[field_of(choice.quantity)])  # type: ignore[misc]
         self._draw(runs, self._cause_between(runs) if own else found.cause, on, numbers.now.playing)
 
     def _found(self, scene: Scene | None) -> BudgetProgress:
-        """What the jobs have of a scene. One for another scene is of no use any more."""
+        """Returns the progress of the jobs for a scene; cancels a job for another scene."""
         status = self.jobs.status
         if status.scene == scene:
             return status
@@ -139,7 +138,7 @@ class BudgetFold(Feature):
         return BudgetProgress()
 
     def _draw(self, runs: list[BudgetData], cause: str, on: bool, playing: bool) -> None:
-        """The chart of the runs, and what has become of the error of the first without a ``cause``."""
+        """Draws the chart of the runs, and the outcome of removing a ``cause`` from the first."""
         field, now = next(field for field, name in _NAMES.items() if tr(name) == self._field.value), self._clock()
         if not runs:
             self._drawn_at = -math.inf
@@ -148,7 +147,7 @@ class BudgetFold(Feature):
         elif not playing or now >= self._drawn_at + REDRAWN:
             self._drawn_at = now
             self._chart.content = budget_chart(runs, field)
-            most = largest_share(runs[-1].series, field)  # who has made most of the error
+            most = largest_share(runs[-1].series, field)  # the largest cause
             self._mark.content = anchor_html("lab-budget", words=tr("not valid here") if most is None else
                                              f"{tr(CAUSES[most[0]])} {format_percent(most[1])}")
             self._outcome.content = "" if cause == NOTHING or len(runs) < 2 else \
@@ -156,14 +155,14 @@ class BudgetFold(Feature):
 
     @staticmethod
     def _cause_between(runs: list[BudgetData]) -> str:
-        """What the second of two runs has less than the first, where that is all the difference between them."""
+        """Returns the cause removed in the second of two runs that are otherwise equal, else ``NOTHING``."""
         if len(runs) < 2:
             return NOTHING
         before, again = (run.scene for run in runs)
         return taken_away(again) if before == _without(NOTHING, again) else NOTHING
 
     def _runs(self, numbers: Numbers, scene: Scene, latest: bool) -> list[BudgetData]:
-        """A pinned run with a budget, and the one on the stage, if that has one yet."""
+        """Returns the pinned run, if it has a budget, and the one on the stage, if it has one yet."""
         past, pinned = numbers.past, numbers.pinned
         if past is None or past.scene != scene or not has_budget(past.series) or not has_budget(past.latest):
             return []
@@ -194,7 +193,7 @@ class BudgetFold(Feature):
 
 
 def _runs_found(found: BudgetProgress) -> list[BudgetData]:
-    """The run whose budget a job has found, and the one without a cause."""
+    """Returns the run whose budget a job has computed, and the one without a cause."""
     if found.scene is None or found.series is None:
         return []
     runs = {"": found.series} if found.again is None else {
@@ -203,7 +202,7 @@ def _runs_found(found: BudgetProgress) -> list[BudgetData]:
 
 
 def _going(found: BudgetProgress) -> str:
-    """How far a job is, or what has become of it; "" where there is nothing to say."""
+    """Returns the progress or the failure of a job as html; "" if there is neither."""
     if found.running:
         return f"<p class='lab-budget-offer' role='status'>" \
                f"{tr('Being computed in the background: {share}', share=format_percent(found.part))}</p>"
@@ -216,7 +215,7 @@ def _with_budget(scene: Scene) -> Scene:
 
 
 def _without(cause: str, scene: Scene) -> Scene:
-    """The scene with this cause taken away."""
+    """Returns the scene with this cause removed."""
     change: dict[str, Any] = {"take_away": cause}
     return replace(scene, **change) if taken_away(scene) != cause else scene
 
@@ -232,4 +231,4 @@ def _offer(text: str) -> str:
 
 def _see(visible: bool, *widgets: Any) -> None:
     for widget in widgets:
-        widget.visible = visible  # of what is so already, viser sends nothing
+        widget.visible = visible  # viser sends nothing if the value is unchanged

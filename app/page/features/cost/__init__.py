@@ -1,1 +1,1 @@
-"""What accuracy costs, on the page: a visitor's runs, sweeps and searches behind the page, and their picture."""
+"""The Cost tab: a visitor's runs, sweeps and searches in the background, and their chart of error against time."""

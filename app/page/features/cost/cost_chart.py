@@ -1,10 +1,9 @@
-"""Error against time, one dot a run: the chart that takes the stage's place while the Cost tab is open; and what stands
-above it: the answer in a sentence, what follows from it, and the line of the accuracy wanted.
+"""Chart of error against time, one dot per run, in place of the stage while the Cost tab is open; and the answer above
+it.
 
-Every place is a share of the chart's box, so the browser fits it to any window and letters stay letters: lines are
-drawn in SVG, dots are buttons and names are text (``css/60-cost.css``). What is clicked is named by ``data-run``, and a
-script keeps names apart and puts the line of the accuracy that is wanted (``js/cost.js``).
-"""
+Positions are percentages of the chart's box, so that the browser fits it to any window without scaling text: lines are
+SVG, dots are buttons and labels are text (``css/60-cost.css``). ``data-run`` identifies what is clicked; a script
+(``js/cost.js``) keeps labels apart and places the line of the tolerance."""
 
 import functools
 import json
@@ -23,20 +22,20 @@ from app.words import METHODS, method_name
 from solvers.problems import PROBLEMS
 from solvers.scene.scene import Scene
 
-#: Marks of radius about 5 around (0, 0); the circle is a path too, so that all are drawn alike.
+#: Markers of radius about 5 around (0, 0), all as paths.
 SHAPES = {"o": "M-5 0a5 5 0 1 0 10 0a5 5 0 1 0 -10 0z", "s": "M-4.5 -4.5h9v9h-9z", "^": "M0 -5.8L5.4 4.2H-5.4z",
           "D": "M0 -6L5.8 0L0 6L-5.8 0z", "v": "M0 5.8L5.4 -4.2H-5.4z"}
 CROSS = "M-4.5 -4.5L4.5 4.5M4.5 -4.5L-4.5 4.5"
-ROOM = 0.12  # decades around the values
+ROOM = 0.12  # margin around the values in decades
 LEAST = 1.0  # decades that an axis has at least
-MINOR = (2, 5)  # times a power of ten: ticks between, for which a narrow chart has no room
-MOST_BELOW = 2  # decades below all errors to which the line of a tolerance may draw the axis
-ORDER = 2  # of the methods, in the size of a cell
+MINOR = (2, 5)  # times a power of ten: minor ticks, hidden in a narrow chart
+MOST_BELOW = 2  # decades below all errors to which a tolerance may extend the axis
+ORDER = 2  # order of the methods in the cell size
 
 
 @dataclass(frozen=True)
 class Tick:
-    """A tick at ``part`` of the axis, from its low end; ``minor`` where its value is no power of ten."""
+    """Tick at ``part`` of the axis, from its low end; ``minor`` if its value is no power of ten."""
 
     part: float
     label: str
@@ -45,22 +44,22 @@ class Tick:
 
 @dataclass(frozen=True)
 class LogAxis:
-    """From ``low`` to ``high``, both as powers of ten."""
+    """Logarithmic axis from ``low`` to ``high``, both as decimal logarithms."""
 
     low: float
     high: float
 
     def part(self, value: float) -> float:
-        """Where a value is: 0 at the low end, 1 at the high one."""
+        """Returns the position of a value: 0 at the low end, 1 at the high one."""
         return (math.log10(value) - self.low) / (self.high - self.low)
 
     def around(self, values: Iterable[float]) -> "LogAxis":
-        """This axis, longer where values need it: what has been drawn once stays within it."""
+        """Returns this axis, extended to contain the values."""
         other = axis_around(values)
         return self if other is None else LogAxis(min(self.low, other.low), max(self.high, other.high))
 
     def ticks(self, label: Callable[[float], str]) -> list[Tick]:
-        """At powers of ten, and at 2 and 5 times those."""
+        """Returns ticks at powers of ten, and at 2 and 5 times those."""
         found = []
         for power in range(math.floor(self.low), math.ceil(self.high) + 1):
             for factor in (1, *MINOR):
@@ -71,7 +70,7 @@ class LogAxis:
 
 
 def axis_around(values: Iterable[float]) -> LogAxis | None:
-    """An axis that holds these values with some room; None if there are none."""
+    """Returns an axis that contains these values with a margin; None if there are none."""
     logs = [math.log10(value) for value in values]
     if not logs:
         return None
@@ -84,7 +83,7 @@ UNTIMED, UNMEASURED = LogAxis(-4.3, -0.7), LogAxis(-3.3, -0.7)  # axes before an
 
 @dataclass(frozen=True)
 class Axes:
-    """Time across, if any is known, and error up; they only grow, so that what is looked at stays where it is."""
+    """Axes of time, if any is known, and of error; they only grow, so that dots on view stay in place."""
 
     times: LogAxis | None
     up: LogAxis
@@ -94,13 +93,13 @@ class Axes:
         return self.times or UNTIMED
 
     def place(self, run: NumberedRun) -> tuple[float, float]:
-        """Returns a run's place from left and top in %; a broken run is at the top, an untimed one at the left."""
+        """Returns a run's position from left and top in %; a broken run is at the top, an untimed one at the left."""
         return (_percent(self.across.part(run.seconds)) if run.alone else 0.0,
                 0.0 if run.broken else _percent(1 - self.up.part(run.size)))
 
 
 def axes_for(runs: Sequence[NumberedRun], tolerance: float, before: Axes | None = None) -> Axes:
-    """Those that hold the runs and the tolerance, and what was held ``before``."""
+    """Returns axes that contain the runs, the tolerance and the range of the axes ``before``."""
     times = [run.seconds for run in runs if run.drawable and run.alone]
     errors = [run.size for run in runs if run.drawable and not run.broken]
     least = min(errors, default=1e-2) / 10**MOST_BELOW
@@ -122,14 +121,14 @@ def draw_runs(runs: Sequence[NumberedRun], like: Sequence[NumberedRun], scene: S
     under = _path(best, inside, "class='lab-front'")
     lines = "".join([_grid(inside), _guides(inside, scene.DIMENSIONS) if inside.times else "", under, *drawn])
     texts = [_beside(run, inside, "lab-name", words, _colour(run)) for run, words in curve_names(like)]
-    texts += [  # the name of a method whose runs are a cloud: at the right, as high as the most accurate of them
+    texts += [  # names of methods without curves: at the right, at the height of the most accurate run
         f"<span class='lab-name lab-at-edge' style='left:100%;top:{inside.place(run)[1]}%;{_colour(run)}' "
         f"aria-hidden='true'><svg viewBox='-8 -8 16 16'><path d='{SHAPES[METHOD_MARKS[run.method]]}'/></svg>"
         f"{escape(method_name(run.method))}</span>" for run in best_without_curve(like)]
     texts += [_beside(run, inside, "lab-cells", str(run.scene.cells)) for run in [*chain(*sweep_curves(like)), *best]]
     if own := run_of_scene(like, scene):
         texts.append(_beside(own, inside, f"lab-on-stage{' lab-untimed' * (not own.alone)}", tr("on the stage")))
-    # What is drawn last is on top: those that count.
+    # The comparable runs are drawn last, on top.
     last = sorted(dots, key=lambda run: (run.number in numbers, run in best))
     words = _titles(scene) + (_keys(dots, best, scene.DIMENSIONS) if inside.times else "")
     return (f"{band}<svg class='lab-ruled' aria-hidden='true'>{lines}{words}</svg>{''.join(texts)}"
@@ -137,7 +136,7 @@ def draw_runs(runs: Sequence[NumberedRun], like: Sequence[NumberedRun], scene: S
 
 
 def sweep_curves(runs: Sequence[NumberedRun]) -> list[list[NumberedRun]]:
-    """Runs of sweeps that differ in their cells alone, by cells."""
+    """Groups runs of sweeps that differ only in their number of cells, each group sorted by cells."""
     groups: dict[str, list[NumberedRun]] = {}
     for run in measured_runs(runs):
         if run.source == SWEEP:
@@ -146,7 +145,7 @@ def sweep_curves(runs: Sequence[NumberedRun]) -> list[list[NumberedRun]]:
 
 
 def curve_names(runs: Sequence[NumberedRun]) -> list[tuple[NumberedRun, str]]:
-    """Each curve's method at its finest run, and where several curves are of one method what they differ in."""
+    """Returns each curve's finest run and label: its method, and if curves share a method what distinguishes them."""
     ends = [curve[-1] for curve in sweep_curves(runs)]
     found = []
     for end in ends:
@@ -161,7 +160,7 @@ def curve_names(runs: Sequence[NumberedRun]) -> list[tuple[NumberedRun, str]]:
 
 
 def best_without_curve(runs: Sequence[NumberedRun]) -> list[NumberedRun]:
-    """The most accurate run of each method that has no curve."""
+    """Returns the most accurate run of each method that has no curve."""
     named = {curve[0].method for curve in sweep_curves(runs)}
     best: dict[str, NumberedRun] = {}
     for run in sorted(measured_runs(runs), key=lambda run: run.size):
@@ -171,7 +170,7 @@ def best_without_curve(runs: Sequence[NumberedRun]) -> list[NumberedRun]:
 
 
 def _colour(run: NumberedRun) -> str:
-    """A variable of the style sheet, and grey for a method that it does not know."""
+    """Returns a CSS variable for a method's colour; grey for a method unknown to the style sheet."""
     return f"--m:var(--m-{escape(run.method, quote=True)},var(--ink3))"
 
 
@@ -194,7 +193,7 @@ def _grid(inside: Axes) -> str:
 
 
 def _guides(inside: Axes, dimensions: int) -> str:
-    """What a method of second order would pay: faint lines."""
+    """Returns faint lines with the slope of a second-order method."""
     slope = ORDER / (dimensions + 1)  # cells in each direction, and steps
     across, up = inside.across, inside.up
     lines = []
@@ -205,7 +204,7 @@ def _guides(inside: Axes, dimensions: int) -> str:
 
 
 def _keys(dots: Sequence[NumberedRun], best: Sequence[NumberedRun], dimensions: int) -> str:
-    """What looks differ by, where no run can be: fast and exact."""
+    """Returns the legend, in the corner where no run can be: fast and exact."""
     judges = list(dict.fromkeys(run.estimator for run in dots if run.error is None and not run.broken))
     keys = [tr("hollow: estimated by {judges}", judges=functools.reduce(
         lambda before, last: tr("{before} or {last}", before=before, last=last), judges))] if judges else []
@@ -229,7 +228,7 @@ def _titles(scene: Scene) -> str:
 
 
 def _path(runs: Sequence[NumberedRun], inside: Axes, look: str) -> str:
-    """Lines from run to run."""
+    """Returns lines from run to run."""
     places = [inside.place(run) for run in runs]
     return "".join(f"<line x1='{x}%' y1='{y}%' x2='{right}%' y2='{below}%' {look}/>"
                    for (x, y), (right, below) in pairwise(places))
@@ -254,7 +253,7 @@ def _beside(run: NumberedRun, inside: Axes, kind: str, words: str, style: str = 
 
 FINAL = lazy("For <b>{share} of {whole}</b>, pay <strong>{seconds}</strong>: {run}.")
 PROVISIONAL = lazy("Cheapest so far for <b>{share} of {whole}</b>: <strong>{seconds}</strong>, {run}.")
-WORSE = 1.1  # times the error of the coarsest grid, from which on a method gets worse with finer ones
+WORSE = 1.1  # a finer grid with more than this times the coarsest one's error makes a method worse
 
 
 def answer_headline(like: Sequence[NumberedRun], scene: Scene, tolerance: float, trouble: str, sweep: int,
@@ -291,7 +290,7 @@ def answer_headline(like: Sequence[NumberedRun], scene: Scene, tolerance: float,
 
 
 def tolerance_line(like: Sequence[NumberedRun], scene: Scene, tolerance: float, inside: Axes | None) -> str:
-    """Returns the line of the accuracy wanted, as a mark that the script reads."""
+    """Returns the line of the tolerance, as a mark for the script."""
     if inside is None or not math.isfinite(tolerance):
         return "<i class='lab-cost-line'></i>"
     best, text = cheapest_run(like, tolerance), format_percent(tolerance)
@@ -304,7 +303,7 @@ def tolerance_line(like: Sequence[NumberedRun], scene: Scene, tolerance: float, 
 
 
 def _error(run: NumberedRun) -> str:
-    """How wrong a run is, and whose word that is, where it is not the true error."""
+    """Returns a run's error; with the estimator's name if the true error is not known."""
     share = format_percent(run.size)
     return share if run.error is not None else tr("{share}, estimated by {estimator}", share=share,
                                                   estimator=escape(run.estimator))

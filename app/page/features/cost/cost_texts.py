@@ -1,4 +1,4 @@
-"""Runs, jobs and advice in words: sentences and the table of the Cost tab."""
+"""Texts of the Cost tab: sentences about runs, jobs and advice, and the table of runs."""
 
 import functools
 import math
@@ -19,13 +19,13 @@ from solvers.study.row import FAILED
 from solvers.untrusted import number_parsing, quoting
 
 LONGEST_BUDGET = 60.0
-TOGETHER = "\N{NO-BREAK SPACE}"  # between a number and its unit: they stand in sentences
+TOGETHER = "\N{NO-BREAK SPACE}"  # between a number and its unit, in running text
 LEAST_PLAIN, MOST_PLAIN = -5, 3  # powers of ten of a percentage that are written out
-MOST_LINES = 40  # of the table: it is made anew with every run
+MOST_LINES = 40  # rows of the table, which is rebuilt for every run
 NOTHING_TO_FIND = lazy("A search makes no sense for a patch test: its error is round-off, or does not fall with the "
                         "cells. Compare methods and particles per cell instead.")
 ENDS = {LOST: lazy("lost"), UNSTABLE: lazy("unstable"), FAILED: lazy("failed")}  # of runs that have no error
-#: What is said of a job, of a sweep and of a search.
+#: Texts about a job, by kind.
 STARTING = {SWEEP: lazy("Sweep: starting."), SEARCH: lazy("Search: starting.")}
 ON_THE_WAY = {SWEEP: lazy("Sweep: {done} of {total} runs."), SEARCH: lazy("Search: {done} of at least {total} runs.")}
 DONE = {SWEEP: lazy("Sweep: {done} runs."),
@@ -41,11 +41,11 @@ POSITIVE = lazy("{name} '{typed}': give a number above 0, such as 1e-3.")
 
 
 class NoNumber(ValueError):
-    """What was typed cannot be used; the message says why."""
+    """Raised for input that is not a valid number; the message gives the reason."""
 
 
 def parse_positive(name: str, text: str, most: float = math.inf) -> float:
-    """A positive number that a visitor typed."""
+    """Parses a positive number of at most ``most``; raises :class:`NoNumber`."""
     try:
         value = number_parsing.parse_float(text.strip())
     except ValueError:
@@ -57,7 +57,7 @@ def parse_positive(name: str, text: str, most: float = math.inf) -> float:
 
 
 def scene_summary(scene: Scene) -> str:
-    """A scene in short."""
+    """Returns method, cells, particles and Courant number of a scene in one line."""
     method = method_name(scene.method)
     if scene.linearity_preserving:
         method = tr("linearity-preserving {method}", method=method)
@@ -69,12 +69,12 @@ def scene_summary(scene: Scene) -> str:
 
 
 def join_names(names: Iterable[str]) -> str:
-    """One and another."""
+    """Joins names with "and"."""
     return functools.reduce(lambda before, last: tr("{before} and {last}", before=before, last=last), names)
 
 
 def run_sentence(run: NumberedRun) -> str:
-    """A run in short, one fact after the other."""
+    """Returns a one-line summary of a run."""
     scene = run.scene
     parts = [tr("run {number}: {run}", number=run.number, run=run_name(run)), run_details(run),
              f"{motion_text(scene)}, E {with_unit(scene.modulus, 'Pa')}"]
@@ -91,12 +91,12 @@ def run_sentence(run: NumberedRun) -> str:
 
 
 def run_name(run: NumberedRun) -> str:
-    """Its method and cells."""
+    """Returns a run's method and cells."""
     return tr("{method} on {cells} cells", method=method_name(run.method), cells=run.scene.cells)
 
 
 def run_details(run: NumberedRun) -> str:
-    """What else was chosen, and how many steps that makes."""
+    """Returns a run's particles per cell, Courant number, steps and remedies."""
     scene = run.scene
     chosen = tr("{particles} per cell, CFL {number:.3g}, {steps:,} steps", particles=per_cell(scene.problem, scene.ppc),
                 number=scene.courant_number, steps=scene.steps)
@@ -105,13 +105,13 @@ def run_details(run: NumberedRun) -> str:
 
 
 def error_reference(scene: Scene) -> str:
-    """What an error is a part of."""
+    """Returns the name of the length that errors are divided by."""
     moved = "amplitude" in scene.moved_by and scene.size_of("x") == scene.amplitude
     return "A" if moved else tr("the largest displacement")
 
 
 def format_percent(value: float | None) -> str:
-    """A part as a percentage of two digits: 12 %, 0.5 %, 3.1 × 10⁻⁶ %."""
+    """Formats a fraction as a percentage of two digits: 12 %, 0.5 %, 3.1 × 10⁻⁶ %."""
     if value is None:
         return NOTHING
     digits, _, power = f"{100 * value:.1e}".partition("e")
@@ -122,14 +122,14 @@ def format_percent(value: float | None) -> str:
 
 
 def format_seconds(value: float | None) -> str:
-    """A time of two digits, with the prefix that keeps it short."""
+    """Formats a time in s with two digits and a prefix."""
     if value is None or not math.isfinite(value):
         return NOTHING
     return (f"{value:.0f} s" if value >= 99.5 else with_unit(value, "s", 2)).replace(" ", TOGETHER)
 
 
 def runs_table(runs: Sequence[NumberedRun]) -> str:
-    """The newest runs as a table, the newest first; their numbers are buttons."""
+    """Returns the newest runs as an html table, the newest first; their numbers are buttons."""
     if not runs:
         return ""
     said = [tr("Errors of x in % of {whole}: the RMS, largest over time.", whole=error_reference(runs[-1].scene)),
@@ -157,7 +157,7 @@ def _line(run: NumberedRun) -> str:
 
 
 def other_runs_note(runs: Sequence[NumberedRun], problem: str) -> str:
-    """That there are runs of another problem than the one on the stage, if so."""
+    """Returns a note if there are runs of another problem than the one on the stage, else ""."""
     hidden = [run for run in runs if run.row["problem"] != problem]
     if not hidden:
         return ""
@@ -168,7 +168,7 @@ def other_runs_note(runs: Sequence[NumberedRun], problem: str) -> str:
 
 
 def job_count_text(status: CostStatus) -> str:
-    """How far a job has come that runs."""
+    """Returns the progress of a running job."""
     if not status.total:
         return tr(STARTING[status.kind])
     said = ON_THE_WAY if status.done < status.total else DONE
@@ -176,7 +176,7 @@ def job_count_text(status: CostStatus) -> str:
 
 
 def job_text(status: CostStatus) -> str:
-    """How a job goes, or how it ended."""
+    """Returns the progress of a job, or how it ended."""
     if status.running:
         if status.kind == SWEEP or status.task is None:
             return job_count_text(status)
@@ -198,7 +198,7 @@ def job_text(status: CostStatus) -> str:
 
 
 def timing_note(paused: bool, playing: bool, others: bool) -> str:
-    """What the stages do to the times while a job runs: the visitor's own and those of ``others``."""
+    """Returns a warning if the own stage or those of ``others`` distort the times of the running job, else ""."""
     own = tr("Your stage is paused meanwhile, so that the times are accurate.") if paused else \
         tr("Your stage is running: times are too long. Press Pause for accurate ones.") if playing else ""
     theirs = tr("Other visitors use this server too: measured times may be longer.") if others else ""
@@ -206,7 +206,7 @@ def timing_note(paused: bool, playing: bool, others: bool) -> str:
 
 
 def advice_text(advice: dict) -> str:
-    """The recommendation."""
+    """Returns the recommendation of a search."""
     scene = Task(**advice["task"]).scene()
     size = scene.size_of("x")
     error = tr("no usable error") if advice["error"] is None else tr(

@@ -1,11 +1,8 @@
-"""One visitor's sweep or search in the background: at most one at a time, and few on the whole server; the visitor's
-own stage stands still meanwhile, so as not to disturb its times. And what later searches on this server have of earlier
-ones: points that were measured, whoever asked about the same motion, and a process that is ready when a visitor
-presses: it has started, and compiled what runs need.
+"""Sweeps and searches of one visitor in the background, one at a time; the visitor's stage pauses meanwhile for
+accurate times. All visitors share a cache of measured points and a worker process that has compiled its kernels.
 
-Same input, same bits: errors and ends of runs hold for as long as the server runs. Times do not: they are kept for an
-hour, and those taken beside other work apart from those taken alone, for a search is to compare like with like.
-"""
+Errors and outcomes are reproducible, so they are cached as long as the server runs. Times are cached for an hour, those
+measured under load separately, because a search must compare like with like."""
 
 import json
 import threading
@@ -26,30 +23,30 @@ from solvers.study.background_jobs import COURANT_NUMBERS, PARTICLES_PER_CELL, R
 from solvers.study.parameter_grid import Task, task_of
 from solvers.workers.worker_pool import Slots, WorkerPool
 
-MOST_QUESTIONS, MOST_POINTS = 64, 500  # of which the least lately asked, or the oldest, goes: some 10 MB in all
-HOLDS = 3600.0  # seconds for which a time is believed
+MOST_QUESTIONS, MOST_POINTS = 64, 500  # beyond, the least recently used, or the oldest, is dropped: 10 MB in all
+HOLDS = 3600.0  # seconds for which a time is valid
 MOST_READY = 1  # on this server: each holds some 150 MB
 PLACES = Slots(MOST_READY)
-RESTS = 300.0  # seconds after which one that nobody has needed ends
+RESTS = 300.0  # seconds after which an unused one ends
 
 
 @dataclass
 class _Point:
-    """What is known of one run, and its rates with the times when they were taken, by whether undisturbed."""
+    """Cached result of one run, with its rates and when they were measured, by whether undisturbed."""
 
     told: dict
     rates: dict[bool, tuple[float | None, float]] = field(default_factory=dict)
 
 
 class SearchCache:
-    """Points by question (what a search is about, as text) and by key of their rows. Safe from any thread."""
+    """Cache of measured points by question (the subject of a search, as text) and by key of their rows. Thread-safe."""
 
     def __init__(self, now: Callable[[], float] = time.monotonic):
         self._lock, self._now = threading.Lock(), now
         self._questions: OrderedDict[str, dict[str, _Point]] = OrderedDict()
 
     def keep(self, question: str, key: str, told: dict, quiet: bool) -> None:
-        """Take in what a search has said of a run, and whether nothing disturbed its time."""
+        """Stores a search's result for a run, and whether its time was measured undisturbed (``quiet``)."""
         with self._lock:
             points = self._questions.setdefault(question, {})
             self._questions.move_to_end(question)
@@ -61,7 +58,7 @@ class SearchCache:
                 self._questions.popitem(last=False)
 
     def known(self, question: str, quiet: bool) -> dict[str, dict]:
-        """Returns the known points of a question, with the recent rates that were taken as ``quiet`` as this search."""
+        """Returns the cached points of a question, with the recent rates measured under the same load (``quiet``)."""
         with self._lock:
             since = self._now() - HOLDS
             found = self._questions.get(question, {})
@@ -74,7 +71,7 @@ KEPT = SearchCache()
 
 
 class WarmWorker:
-    """At most one process for one kind of ``work``, where there is a place for it. Safe from any thread."""
+    """At most one idle worker process for one kind of ``work``, if one of the ``places`` is free. Thread-safe."""
 
     def __init__(self, work: str, places: Slots = PLACES, rests: float = RESTS):
         self._work, self._places, self._rests = work, places, rests
@@ -83,7 +80,7 @@ class WarmWorker:
         self._timer: threading.Timer | None = None
 
     def prepare(self, question: Mapping, gives_way: bool) -> None:
-        """Starts a process that answers a question to get ready, if there is a place; it may give way to others."""
+        """Starts a process that compiles for a question, if a place is free; at low priority if it ``gives_way``."""
         pool = WorkerPool(self._work)
         if self.keep(pool):
             pool.submit(question)
@@ -91,7 +88,7 @@ class WarmWorker:
                 pool.lower_priority()
 
     def keep(self, pool: WorkerPool) -> bool:
-        """Have a process that rests be the one that is ready, unless there is one, or no place."""
+        """Keeps an idle process for the next question; False if there is one already or no free place."""
         with self._lock:
             if self._pool is not None or not self._places.acquire():
                 return False
@@ -102,7 +99,7 @@ class WarmWorker:
             return True
 
     def take(self) -> WorkerPool | None:
-        """The process, for good, if there is one."""
+        """Removes and returns the process, or None if there is none."""
         with self._lock:
             pool, self._pool = self._pool, None
             if pool is not None:
@@ -112,7 +109,7 @@ class WarmWorker:
             return pool
 
     def end(self) -> None:
-        """It is not needed any more."""
+        """Ends the process, which is no longer needed."""
         if pool := self.take():
             threading.Thread(target=pool.close, name="no-longer-ready", daemon=True).start()
 
@@ -123,8 +120,8 @@ REPEATS = 2
 
 
 def small_sweep(scene: Scene) -> list[Task]:
-    """A scene on four grids with each of its methods; what does not go together is left out."""
-    if scene.velocity == "corners":  # goes with one method only
+    """Returns tasks for a scene on four grids with each of its methods; invalid combinations are left out."""
+    if scene.velocity == "corners":  # valid with one method only
         scene = replace(scene, velocity="grid")
     effects = tuple(dict.fromkeys((*scene.effects, "truth", "estimate")))
     tasks = []
@@ -139,20 +136,20 @@ def small_sweep(scene: Scene) -> list[Task]:
 
 
 def scenes_to_time(runs: Sequence[NumberedRun]) -> list[Task]:
-    """The scenes of those runs that were timed on the stage only: there they go in small pieces, with every effect."""
+    """Returns tasks that time the runs known from the stage only, where times include drawing and every effect."""
     return [Task(run.row["problem"], run.row["asked"], repeats=REPEATS, version=__version__)
             for run in runs if run.source == LIVE]
 
 
 def search_job(scene: Scene, tolerance: float, budget: float) -> SearchJob:
-    """The job of finding the cheapest run of this problem with an error of x of ``tolerance`` times A at most."""
+    """Returns the job of finding the cheapest run with an error of x of at most ``tolerance`` times A."""
     return SearchJob(task_of(visitor_runs.without_search_options(scene)).to_dict(), scene.candidates(),
                      PARTICLES_PER_CELL, COURANT_NUMBERS, "x", tolerance * scene.size_of("x"), budget)
 
 
 @dataclass(frozen=True)
 class CostStatus(JobStatus):
-    """A "sweep" or "search": ``done`` of ``total`` certain runs, ``known`` from earlier ones, and the ``task`` now."""
+    """A "sweep" or "search": ``done`` of ``total`` certain runs, ``known`` of them cached, and the ``task`` now."""
 
     done: int = 0
     total: int = 0
@@ -162,7 +159,7 @@ class CostStatus(JobStatus):
 
 
 class Jobs(Background[CostStatus]):
-    """The jobs of a visitor, which add rows to ``runs``; what searches learn is ``kept`` for all visitors."""
+    """Jobs of one visitor, which add rows to ``runs``; results of searches are cached in ``kept`` for all visitors."""
 
     WORK = "solvers.study.background_jobs"
     BUSY = lazy("Other visitors' sweeps and searches keep this server busy: it does {n} at a time. Try again in a "
@@ -172,10 +169,10 @@ class Jobs(Background[CostStatus]):
         super().__init__(CostStatus(), slots)
         self.runs, self._kept = runs, kept
         self._ready = WarmWorker(f"{self.WORK}:search")
-        self._quiet, self._about = True, ""  # whether nothing disturbs the job that runs; what the search is about
+        self._quiet, self._about = True, ""  # whether the job runs undisturbed; subject of the search
 
     def prepare(self, job: SearchJob, quiet: bool) -> None:
-        """A visitor looks at what a search is asked for: have a process ready for it."""
+        """Prepares a process for a search that the visitor may start."""
         if not self.status.running and not self._closed:
             self._ready.prepare(asdict(job) | {READY: True}, gives_way=not quiet)
         if self._closed:  # meanwhile
@@ -192,7 +189,7 @@ class Jobs(Background[CostStatus]):
         return super()._process(kind)
 
     def _keeps(self, pool: WorkerPool) -> bool:
-        """A search's, which has compiled what the next one needs, unless it has given way: it would for ever."""
+        """Keeps a search's process, which has compiled kernels, unless its priority was lowered, which is permanent."""
         kept = self.status.kind == "search" and self._quiet and not self._closed and self._ready.keep(pool)
         if self._closed:  # meanwhile
             self._ready.end()
@@ -202,13 +199,13 @@ class Jobs(Background[CostStatus]):
         self._start(CostStatus("sweep", total=len(tasks)), [task.to_dict() for task in tasks])
 
     def search(self, job: SearchJob, quiet: bool = True) -> None:
-        """Begin a search; it is ``quiet`` where nothing else moves on this server."""
+        """Starts a search; it is ``quiet`` if nothing else runs on this server."""
         if not self.status.running:
             self._quiet, self._about = quiet, json.dumps(advice_key(Task(**job.base).scene()), sort_keys=True)
         self._start(CostStatus("search"), asdict(replace(job, known=self._kept.known(self._about, quiet))))
 
     def beside(self) -> None:
-        """Lets the job give way to something that moves beside it, a search only after its first run."""
+        """Lowers the job's priority because something else runs; that of a search only after its first run."""
         self._quiet = False
         if self.status.kind != "search" or self.status.done:
             self.give_way()
@@ -229,10 +226,10 @@ class QuietStage:
 
     def __init__(self, session: Session):
         self._session, self._running, self._lock = session, False, threading.Lock()
-        self.paused = False  # by this, and not by the visitor
+        self.paused = False  # by this class, not by the visitor
 
     def follow(self, running: bool) -> None:
-        """A job of the visitor is to run or runs, or none does. Any thread may call, again and again."""
+        """Pauses or resumes the stage when a job of the visitor starts or ends; idempotent and thread-safe."""
         with self._lock:
             begins, ends, self._running = running and not self._running, self._running and not running, running
             playing = self._session.playing  # read once: the visitor may press Pause meanwhile, and must not be undone

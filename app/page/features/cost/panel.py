@@ -1,4 +1,4 @@
-"""The Cost tab: what accuracy costs in time, out of a visitor's own runs."""
+"""The Cost tab: what accuracy costs in time, from a visitor's own runs."""
 
 import math
 from collections.abc import Callable
@@ -26,15 +26,14 @@ from solvers.study.parameter_grid import Task
 from solvers.untrusted import number_parsing
 
 FILE_NAME = "mpm-lab-runs.csv"
-TOLERANCE, BUDGET = "1e-3", "10"  # in the boxes at first: a part of A, and seconds of the longest run
-STREAM_SECONDS = 0.5  # between two pictures of what a job finds
-#: Put before the text field through which a click on a run arrives, and before the one that the line writes into: a
-#: script finds them (``js/cost.js``).
+TOLERANCE, BUDGET = "1e-3", "10"  # initial values: a fraction of A, and seconds of the longest run
+STREAM_SECONDS = 0.5  # between two updates of the chart while a job runs
+#: Marks of the text fields that receive a click on a run and the line's tolerance (``js/cost.js``).
 PICKED, WANTED = "<i class='lab-picked'></i>", "<i class='lab-wanted'></i>"
 
 
 class CostTab(Feature):
-    """The Cost tab with its chart; ``load`` puts a scene on the stage. Any thread may call."""
+    """The Cost tab with its chart; ``load`` puts a scene on the stage. Thread-safe."""
 
     def __init__(self, client: viser.ClientHandle, session: Session, load: Callable[[Scene], None]):
         self._client, self._session, self._load = client, session, load
@@ -43,14 +42,14 @@ class CostTab(Feature):
         self.messages = {"cost": self.open}
         self._live, self._quiet = LiveRows(), QuietStage(session)
         self._refreshing = Lock()
-        self._of: tuple | None = None  # the runs and the scene that the chart was last asked for,
-        self._chartable: tuple | None = None  # what it depends on of those,
-        self._charted: tuple | None = None  # and of what it has been drawn
+        self._of: tuple | None = None  # the runs and the scene at the last refresh,
+        self._chartable: tuple | None = None  # what the chart depends on of those,
+        self._charted: tuple | None = None  # and the same when it was drawn
         self._told: tuple | None = None
-        self._axes: dict[str, Axes] = {}  # of each problem that has runs
+        self._axes: dict[str, Axes] = {}  # by problem that has runs
         self._inside: Axes | None = None  # those of the chart that is drawn
-        self._next = 0.0  # when there is a new picture, while a job runs
-        self._asked: tuple | None = None  # what the last search was asked
+        self._next = 0.0  # time of the next chart while a job runs
+        self._asked: tuple | None = None  # input of the last search
         self._remark = ""
         self._remarked_on: tuple | None = None
         self._build(client.gui)
@@ -64,28 +63,28 @@ class CostTab(Feature):
         self.jobs.close()
 
     def follow(self, report: FrameReport) -> None:
-        """A frame has come: take its run's row when it is complete."""
+        """Handles a new frame: adds the run's row when it is complete."""
         if row := self._live.follow(report, self._session.history):
             self.runs.add(row, LIVE)
 
     def open(self, _: object) -> None:
-        """The tab has been opened: somebody may want to know the cheapest run at once."""
+        """Handles the opening of the tab: prepares a process for a search."""
         scene = self._session.scene
         if scene.swings:
             self.jobs.prepare(search_job(scene, float(TOLERANCE), float(BUDGET)), self._alone())
 
     def _alone(self) -> bool:
-        """Whether nothing of other visitors moves on this server."""
+        """Whether nothing of other visitors runs on this server."""
         return not (self.jobs.others or self._session.others_playing)
 
     def refresh(self, view: PageView | None = None) -> None:
-        """Now and then, and when the line of the tolerance has been moved."""
+        """Refreshes the tab; called periodically, and when the line of the tolerance has been moved."""
         with self._refreshing:
-            status = self.jobs.status  # once: a job that begins meanwhile must not give way to a stage yet to be paused
+            status = self.jobs.status  # read once: a job may start before its stage is paused
             self._quiet.follow(status.running)
             self._drop_what_is_old()
             scene, stage = self._session.scene, self._stage_word(status)
-            if self._of != (self.runs.version, scene):  # seldom, and of many runs it takes a millisecond
+            if self._of != (self.runs.version, scene):  # rarely: for many runs it takes a millisecond
                 self._of = self.runs.version, scene
                 self._chartable = (self.runs.version, advice_key(scene),
                                    visitor_runs.run_of_scene(self.runs.all(), scene))
@@ -100,11 +99,11 @@ class CostTab(Feature):
                 self._show_status(status, stage)
 
     def notice(self) -> Notice | None:
-        """Why the stage stands still, if that is for a job's sake."""
+        """Returns the reason why the stage is paused, if that is for a job."""
         return Notice("wait", tr(cost_texts.PAUSED[self.jobs.status.kind])) if self._quiet.paused else None
 
     def _stage_word(self, status: CostStatus) -> str:
-        """What disturbs the job that runs, which gives way to every stage that moves."""
+        """Returns a note on what disturbs the running job, and lowers its priority while any stage runs."""
         if not status.running:
             return ""
         others = self.jobs.others or self._session.others_playing
@@ -113,7 +112,7 @@ class CostTab(Feature):
         return cost_texts.timing_note(self._quiet.paused, self._session.playing, others)
 
     def _drop_what_is_old(self) -> None:
-        """An advice and a remark hold for the input that they were given on; a search for another is of no use."""
+        """Removes a remark and cancels a search whose input has changed."""
         if self._remark and self._remarked_on != self._input():
             self._remark = ""
         if self._asked is None or self._asked == (asked := self._question()):
@@ -174,11 +173,11 @@ class CostTab(Feature):
         self._table = gui.add_html("")
 
     def _show_runs(self, scene: Scene) -> None:
-        """The chart and the table: when runs or what they are compared with have changed."""
+        """Updates the chart and the table."""
         runs = self.runs.all()
         of_problem = [run for run in runs if run.row["problem"] == scene.problem]
         inside = self._inside = axes_for(of_problem, self._wanted()[0], self._axes.get(scene.problem))
-        if of_problem:  # what an empty chart holds is no reason for what others hold
+        if of_problem:  # an empty chart's axes are not kept
             self._axes[scene.problem] = inside
         drawing = draw_runs(of_problem, comparable_runs(of_problem, scene), scene, inside)
         self._chart.content = f"<template class='lab-cost-chart'>{drawing}</template>"
@@ -188,7 +187,7 @@ class CostTab(Feature):
         self._time.visible = bool(scenes_to_time(runs))
 
     def _show_answer(self, scene: Scene, status: CostStatus, stage: str) -> None:
-        """What stands above the chart, and the line in it."""
+        """Updates the headline above the chart, and the line of the tolerance."""
         like = comparable_runs(self.runs.all(), scene)
         tolerance, trouble = self._wanted()
         if axes_for(like, tolerance, self._inside) != self._inside:
@@ -204,7 +203,7 @@ class CostTab(Feature):
                               f"{tolerance_line(like, scene, tolerance, self._inside)}")
 
     def _wanted(self) -> tuple[float, str]:
-        """The tolerance that was typed, or NaN and why it is none."""
+        """Returns the tolerance typed, or NaN and an error message."""
         try:
             return cost_texts.parse_positive(tr("Tolerance"), self._tolerance.value), ""
         except cost_texts.NoNumber as refusal:
@@ -253,7 +252,7 @@ class CostTab(Feature):
             self._put(Task(**advice["task"]).scene(), tr("The advice is on the stage."))
 
     def _put(self, scene: Scene, done: str) -> None:
-        """Put a scene on the stage if a browser can show it, and say that it is ``done``."""
+        """Puts a scene on the stage and shows the remark ``done``, if a browser can show it; else the reason."""
         if refusal := too_many(scene):
             self._say(tr("{refusal}. Run it in a terminal: {command}", refusal=refusal, command=command_line(scene)))
             return

@@ -1,4 +1,4 @@
-"""A visitor's numbered runs, a row each, from sweeps, searches and the stage: comparable, Pareto front, cheapest."""
+"""A visitor's numbered runs, a row each, from sweeps, searches and the stage; Pareto front and cheapest run."""
 
 import functools
 import math
@@ -20,15 +20,15 @@ from solvers.study.convergence import pareto
 from solvers.study.parameter_grid import Task, task_of
 from solvers.study.row import FAILED, row_of_scene
 
-MOST_RUNS = 300  # then the oldest is forgotten
+MOST_RUNS = 300  # beyond, the oldest is dropped
 LIVE, SEARCH, SWEEP = "live", "search", "sweep"
-CHOSEN = {"method", "linearity_preserving", "cells", "ppc", "cfl"}  # by a search, of what a run can be
-KNOWN = {LIVE: 0, SEARCH: 1, SWEEP: 2}  # of one scene the row with more to say is kept: that with a time measured alone
+CHOSEN = {"method", "linearity_preserving", "cells", "ppc", "cfl"}  # fields that a search chooses
+KNOWN = {LIVE: 0, SEARCH: 1, SWEEP: 2}  # ranks of sources: of one scene the row of the highest rank is kept
 
 
 @dataclass(frozen=True)
 class NumberedRun:
-    """A row (``solvers.study.row``) with its number and source; what follows from it is computed once."""
+    """Row of a run (``solvers.study.row``) with its number and source; derived values are cached."""
 
     number: int
     source: str
@@ -40,34 +40,34 @@ class NumberedRun:
 
     @functools.cached_property
     def error(self) -> float | None:
-        """The largest RMS error of x over A, None if it is not known."""
+        """The largest RMS error of x over A; None if unknown."""
         return self._relative(self.row.get("error") or {})
 
     @functools.cached_property
     def estimate(self) -> float | None:
-        """The same by :attr:`estimator`."""
+        """The largest RMS error of x over A as estimated by :attr:`estimator`; None if unknown."""
         return self._relative((self.row.get("estimate") or {}).get(self.estimator) or {})
 
     @property
     def estimator(self) -> str:
-        """The first of the estimators that hold, "" if none does."""
+        """The first valid estimator, or ""."""
         return next(iter(self.row.get("estimate") or {}), "")
 
     @property
     def size(self) -> float:
-        """Where its dot goes: the error, or the estimate where no error is known; NaN if neither is."""
+        """The error, or the estimate if no error is known, for its dot; NaN if neither is."""
         size = self.estimate if self.error is None else self.error
         return math.nan if size is None else size
 
     @property
     def seconds(self) -> float:
-        """The seconds of the bare run timed alone, or of everything on the stage; NaN if not known."""
+        """Seconds of the run timed alone, or of everything on the stage; NaN if unknown."""
         seconds = self.row.get("seconds") or {}
         return seconds.get("min") or seconds.get("full") or math.nan
 
     @property
     def alone(self) -> bool:
-        """Whether it was timed by itself, and not on a stage: beside drawing, estimates and other visitors."""
+        """Whether it was timed by itself, not on a stage with drawing, estimates and other visitors."""
         return self.source != LIVE
 
     @property
@@ -80,12 +80,12 @@ class NumberedRun:
 
     @property
     def broken(self) -> bool:
-        """Whether it went unstable or was lost: its error says nothing."""
+        """Whether it went unstable or was lost, so that its error is meaningless."""
         return self.status in BROKEN
 
     @property
     def drawable(self) -> bool:
-        """Whether it can be a dot: a broken run, whose error is out of bounds, goes to the edge."""
+        """Whether it has a dot: a broken run, whose error is out of bounds, is drawn at the edge."""
         return 0 < self.seconds < math.inf and (self.broken or (self.status == OK and self.size > 0))
 
     def _relative(self, norms: dict) -> float | None:
@@ -94,7 +94,7 @@ class NumberedRun:
 
 
 class Runs:
-    """The rows of one visitor. Any thread may add and read; ``version`` grows with every change."""
+    """The rows of one visitor. Thread-safe; ``version`` grows with every change."""
 
     def __init__(self, most: int = MOST_RUNS):
         self._lock, self._most = threading.Lock(), most
@@ -102,7 +102,7 @@ class Runs:
         self._numbers = self.version = 0
 
     def add(self, row: dict, source: str) -> None:
-        """Adds a row; of a scene known already, only one that says as much (``KNOWN``) and has not failed."""
+        """Adds a row; a known scene's row stays unless the new one ranks as high (``KNOWN``) and has not failed."""
         key = row["key"]
         with self._lock:
             before = self._runs.get(key)
@@ -116,7 +116,7 @@ class Runs:
             self.version += 1
 
     def all(self) -> list[NumberedRun]:
-        """Every run, by number."""
+        """Returns all runs, by number."""
         with self._lock:
             return sorted(self._runs.values(), key=lambda run: run.number)
 
@@ -125,18 +125,18 @@ class Runs:
 
 
 def csv_bytes(runs: Sequence[NumberedRun]) -> bytes:
-    """The rows as ``mpm-lab sweep`` writes them, after the number and the source."""
+    """Returns the rows as CSV as ``mpm-lab sweep`` writes them, after the number and the source."""
     return table.csv_text({"run": run.number, "source": run.source, **run.row} for run in runs).encode()
 
 
 class LiveRows:
-    """Watches the frames of one session. The stage runs on for ever; a row covers the scene's own length."""
+    """Creates a row from the frames of one session; a row covers the scene's own length, though the stage runs on."""
 
     def __init__(self) -> None:
         self._done = False
 
     def follow(self, report: FrameReport, history: History) -> dict | None:
-        """The run's row when this frame ends it or it has stopped, once; else None. A lost run goes to its end."""
+        """Returns the run's row, once, when this frame completes it or it has stopped; None otherwise."""
         if report.fresh:
             self._done = False
         if self._done:
@@ -150,7 +150,7 @@ class LiveRows:
 
 
 def live_row(report: FrameReport, history: History) -> dict:
-    """Returns a row as in ``solvers.study.row`` up to the scene's end, with the seconds of all that was computed."""
+    """Returns a row as in ``solvers.study.row`` up to the scene's end, with the seconds of all computations."""
     scene, series = report.scene, history.series
     status = report.status
     if report.since is None or report.since > scene.end_time:
@@ -179,27 +179,27 @@ def _last(values: np.ndarray) -> float | None:
 
 
 def without_search_options(scene: Scene) -> Scene:
-    """The scene without what a search brings with it."""
+    """Returns the scene without the options that a search sets itself."""
     return replace(scene, velocity="grid", estimators=(), effects=(), dt=None, sample_every=None)
 
 
-@functools.lru_cache(maxsize=1000)  # asked again and again, of each run
+@functools.lru_cache(maxsize=1000)  # called often, for each run
 def advice_key(scene: Scene) -> dict:
-    """What an advice depends on, of the scene that it is asked for."""
+    """Returns the fields of a scene that a search's advice depends on."""
     return {"problem": scene.problem} | {name: value for name,
                                          value in task_of(without_search_options(scene)).inputs.items()
                                          if name not in CHOSEN}
 
 
 def comparable_runs(runs: Sequence[NumberedRun], scene: Scene) -> list[NumberedRun]:
-    """Returns the runs that compute what the scene computes, by whatever method and remedies."""
+    """Returns the runs of the same motion as the scene's, by any method and remedies."""
     asked = advice_key(replace(scene, remedies=()))
     return [run for run in runs if run.row["problem"] == scene.problem
             and advice_key(replace(run.scene, remedies=())) == asked]
 
 
 def run_of_scene(runs: Sequence[NumberedRun], scene: Scene) -> NumberedRun | None:
-    """The one that computes the very scene, whatever else is asked of it: where it was timed alone, if so."""
+    """Returns the run that computes exactly this scene, preferably one that was timed alone."""
     own = [run for run in runs if run.drawable and _computed(run.scene) == _computed(scene)]
     return next((run for run in own if run.alone), own[0] if own else None)
 
@@ -210,16 +210,16 @@ def _computed(scene: Scene) -> tuple[Scene, float]:
 
 
 def measured_runs(runs: Sequence[NumberedRun]) -> list[NumberedRun]:
-    """Those that have an error or an estimate, and a time that was taken alone."""
+    """Returns the runs that have an error or an estimate, and a time that was measured alone."""
     return [run for run in runs if run.alone and run.drawable and not run.broken]
 
 
 def pareto_front(runs: Sequence[NumberedRun]) -> list[NumberedRun]:
-    """Those that none beats in both error and time, by time."""
+    """Returns the runs that no other beats in both error and time, by time."""
     known = measured_runs(runs)
     return [known[k] for k in pareto([run.seconds for run in known], [run.size for run in known])]
 
 
 def cheapest_run(runs: Sequence[NumberedRun], tolerance: float) -> NumberedRun | None:
-    """The cheapest with an error of ``tolerance`` times A at most."""
+    """Returns the cheapest run with an error of at most ``tolerance`` times A."""
     return next((run for run in pareto_front(runs) if run.size <= tolerance), None)

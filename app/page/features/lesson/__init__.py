@@ -1,1 +1,1 @@
-"""A lesson beside the stage."""
+"""The lesson player beside the stage."""

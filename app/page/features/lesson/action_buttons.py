@@ -1,4 +1,4 @@
-"""What a lesson asks its reader to do, such as "Set **Cells** to `80`", as buttons that do it."""
+"""Buttons for the instructions in a lesson's text, such as "Set **Cells** to `80`"."""
 
 import itertools
 import re
@@ -19,37 +19,37 @@ from solvers.scene.scene import Scene
 
 
 class AllowedControls(Protocol):
-    """The controls, as :class:`~app.page.controls.Controls` has them."""
+    """The methods of :class:`~app.page.controls.Controls` that lessons use."""
 
     @property
     def state(self) -> State:
-        """What the visitor sees."""
+        """The state that the visitor sees."""
 
     def show(self, state: State) -> None:
-        """Put all of a state on the stage."""
+        """Puts a state on the stage."""
 
     def offer(self, controls: tuple[str, ...], place: viser.GuiFolderHandle | None = None) -> None:
-        """Show only these controls, in another place than their own tab; all, and there, where nothing is given."""
+        """Shows only these controls, in ``place``; without arguments all controls in their own tab."""
 
     def change(self, field: str, said: str, meant: Callable[[Scene], object]) -> None:
-        """Set a field of the scene to what the lesson has ``said``."""
+        """Sets a field of the scene to the value in the lesson's text ``said``."""
 
     def look(self, quantity: str = "", estimator: str = "") -> None:
-        """Show the error of a quantity, or as an estimator sees it."""
+        """Shows the error of a quantity, or the errors as estimated by an estimator."""
 
     def press(self, name: str) -> None:
-        """What the button of this name in the deck does."""
+        """Triggers the playback button of this name."""
 
 
-STAGE = lazy("On the stage")  # pressed it puts the step's run there; chosen, an estimator
+STAGE = lazy("On the stage")  # as a button it shows the step's run; as a choice, an estimator
 LOOKS, PRESSED = (lazy("Error of"), STAGE), (lazy("Play"), lazy("Pause"), lazy("Reset"), lazy("Step"))
-ASKED = QUESTION  # pressed it opens the error budget, by the page's script (``js/budget.js``)
+ASKED = QUESTION  # opens the error budget (``js/budget.js``)
 NAMES = (*FIELDS, *LOOKS, *PRESSED, ASKED)
 
 
 @dataclass(frozen=True)
 class Act:
-    """An instruction: verb and control in English and a value in the ``language`` of the text, or none."""
+    """Instruction: verb and control in English, and a value, if any, in the ``language`` of the text."""
 
     verb: str
     name: str
@@ -58,24 +58,24 @@ class Act:
 
     @property
     def known(self) -> bool:
-        """Whether a button can do it; the reader does the rest."""
+        """Whether a button can carry it out; otherwise the reader must."""
         if self.verb == "Press":
             return self.name in PRESSED
         return bool(self.value) and (self.name in FIELDS or self.name in LOOKS)
 
 
 def stage_button() -> str:
-    """The button that puts a step's run on the stage."""
+    """Returns the button that puts a step's run on the stage."""
     return f"<button type='button' class='lab-act lab-put' data-act='stage'>{tr(STAGE)}</button>"
 
 
 def cause_button() -> str:
-    """The button that asks who made the error."""
+    """Returns the button that opens the error budget."""
     return f"<button type='button' class='lab-act' data-act='budget'>{tr(ASKED)}</button>"
 
 
 def find_actions(html: str) -> list[Act]:
-    """What can be done of what a step's html asks for, in its order."""
+    """Returns the instructions in a step's html that a button can carry out, in order."""
     return [act for act in map(_act, _lines().finditer(html)) if act.known]
 
 
@@ -100,7 +100,7 @@ def with_buttons(html: str) -> str:
 
 @language_cache(8)
 def _lines() -> re.Pattern[str]:
-    """The lines of html that are acts."""
+    """Returns the pattern of html list items that are instructions."""
     patterns = {verb: re.escape(tr(sentence)).replace(r"\{name\}", rf"<strong>(?P<{verb}_name>[^<]+)</strong>").replace(
         r"\{value\}", rf"<code>(?P<{verb}_value>[^<]+)</code>") for verb, sentence in SENTENCES.items()}
     told = "|".join(f"(?P<{verb}>{pattern})" for verb, pattern in patterns.items())
@@ -108,13 +108,13 @@ def _lines() -> re.Pattern[str]:
 
 
 def _parts(line: re.Match[str]) -> tuple[str, str]:
-    """Name and value as they stand there."""
+    """Returns name and value as written in the text."""
     said = line.groupdict()
     return said[f"{line.lastgroup}_name"], said.get(f"{line.lastgroup}_value") or ""
 
 
 def parse_click(said: object, step: int, known: Sequence[Act]) -> Act | str | None:
-    """Returns the act, or :data:`STAGE`, that a browser says is pressed in the step; it may say anything."""
+    """Returns the act, or :data:`STAGE`, that the browser reports as pressed in this step; None for invalid input."""
     if not isinstance(said, list) or len(said) != 2 or said[0] != step:
         return None
     number = said[1]
@@ -130,7 +130,7 @@ def _act(line: re.Match[str]) -> Act:
 
 
 def perform(act: Act, controls: AllowedControls) -> None:
-    """Do it as the reader would with the widget."""
+    """Carries out an instruction as the reader would with the widget."""
     if act.verb == "Press":
         controls.press(act.name)
     elif act.name in LOOKS:
@@ -145,7 +145,7 @@ def perform(act: Act, controls: AllowedControls) -> None:
 
 
 def _meant(act: Act) -> Callable[[Scene], object]:
-    """What the value is of a scene's field; ValueError where it has none such."""
+    """Returns a function from a scene to the field's value; it raises ValueError if the field has no such value."""
     field = FIELDS[act.name]
 
     def of(scene: Scene) -> object:

@@ -1,4 +1,4 @@
-"""The widgets by which a question of a lesson is answered."""
+"""The widgets for answering a question of a lesson."""
 
 import math
 from collections.abc import Callable
@@ -15,13 +15,13 @@ from app.words import PREFIXES, SYMBOLS, size_in, with_unit
 from solvers.scene.scene import Scene
 from solvers.untrusted import number_parsing
 
-SHORT = 4  # digits of a number that is read beside a stage
+SHORT = 4  # digits of a number beside the stage
 LOGARITHMIC = "<i class='lab-logarithmic'></i>"  # a slider whose number box would show a logarithm, and is hidden
 
 
 class AnswerWidgets:
-    """Widgets for an answer: ``value`` is what they say, None or a text while that is no answer; a control's is that
-    of the ``stage``. ``lang`` is the html attribute of the lesson's language, or ""."""
+    """Widgets for an answer; ``value`` is the answer given, or None or a message while it is invalid; that of a control
+    is taken from the ``stage``. ``lang`` is the html attribute of the lesson's language, or ""."""
 
     def __init__(self, gui: viser.GuiApi, step: Step, numbers: Numbers, answer: Any, fixed: bool,
                  stage: Callable[[], Scene], lang: str = ""):
@@ -36,7 +36,7 @@ class AnswerWidgets:
             gui.add_html(page.choices_html(options, answer, fixed, step.key, lang))
         elif asked.kind == lesson.DRAG:
             self._said = gui.add_html("")
-            if step.kind == lesson.PREDICT:  # of a run that has not been yet
+            if step.kind == lesson.PREDICT:  # about a run to come
                 self._build_slider(gui, answer, fixed)
             self.refresh()
         elif asked.kind == lesson.INTERVAL:
@@ -62,12 +62,12 @@ class AnswerWidgets:
         return found if asked.kind == lesson.INTERVAL else found[0]
 
     def choose(self, option: Any) -> None:
-        """The visitor has chosen an option, counted from 1: believed only as far as there is one."""
+        """Selects an option, counted from 1; ignores invalid input."""
         if self._asked.kind == lesson.CHOICE and type(option) is int and 1 <= option <= len(self._asked.options):
             self._chosen = option
 
     def refresh(self) -> None:
-        """Say what the stage has now."""
+        """Updates the display of the stage's value."""
         if self._said is None:
             return
         there, name = self._there, _called(self._asked.control)
@@ -81,7 +81,7 @@ class AnswerWidgets:
 
     @property
     def _there(self) -> float | None:
-        """The control's value, in the question's unit, which is the scene's own."""
+        """The control's value in the question's unit, which is the scene's."""
         control = self._asked.control
         if self._slider is not None:
             at = float(self._slider.value)
@@ -108,7 +108,7 @@ def in_unit(value: float, unit: str) -> str:
 
 
 def parse_number(text: str, unit: str) -> float | None:
-    """A number, also with a decimal comma, or a size as the page writes it: 2.75 mm/s."""
+    """Parses a number, also with a decimal comma, or a size with its unit (2.75 mm/s); None if it is neither."""
     plain = text.strip().replace(",", ".").replace("−", "-")
     with suppress(ValueError):
         return number_parsing.parse_float(plain)
@@ -129,5 +129,5 @@ def _hint(asked: Question) -> str | None:
 
 
 def _called(control: str) -> str:
-    """What is dragged, with its symbol."""
+    """Returns the name of the control with its symbol."""
     return f"{tr(lesson.NAMES[control])} {SYMBOLS.get(control, '')}".strip()

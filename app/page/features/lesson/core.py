@@ -1,4 +1,4 @@
-"""The core of a lesson on the page: its duration, the marks of deeper steps, and the buttons from step to step."""
+"""Core and optional steps of a lesson: its duration, the marks of optional steps, and the navigation between steps."""
 
 from collections.abc import Callable
 
@@ -13,22 +13,22 @@ from app.viewer.widgets import is_removed
 ONLY = lazy("Core only")
 SKIP = lazy("Core only: skip what is deeper")
 GO_DEEPER = lazy("Go deeper")
-MAIN = "<i class='lab-main'></i>"  # the button that is meant
+MAIN = "<i class='lab-main'></i>"  # marks the main button
 KEPT = lazy("Your answers stay in this browser.")
 PACED = lazy("The board shows what the class has answered, without names; nothing of it is stored.")
 BESIDE_MAIN = "<i class='lab-beside lab-main'></i>"
-LINK = "<i class='lab-link'></i>"  # the button that is less than others
+LINK = "<i class='lab-link'></i>"  # marks a secondary button
 FIRST_PREDICT = lazy("You predict first: Next opens when your answer is recorded.")
 WAITS = lazy("The next step is not open yet. Please wait until your lecturer opens it.")
 
 
 def optional_step_mark() -> str:
-    """The mark of a step that is no core."""
+    """Returns the mark of a step outside the core."""
     return f"<span class='lab-kind lab-kind-deeper'>{tr('deeper')}</span>"
 
 
 def duration_text(lesson: Lesson) -> str:
-    """How long the lesson takes, as its introduction begins."""
+    """Returns how long the lesson takes, as the first words of its introduction."""
     if not lesson.deeper:
         return tr("{minutes} minutes. Afterwards you can", minutes=lesson.minutes)
     return tr("{core} minutes for the core, {minutes} in all. Afterwards you can", core=lesson.core_minutes,
@@ -36,14 +36,14 @@ def duration_text(lesson: Lesson) -> str:
 
 
 def core_checkbox(gui: viser.GuiApi, lesson: Lesson, chosen: bool) -> viser.GuiCheckboxHandle:
-    """A box to take the core alone."""
+    """Adds a checkbox to take only the core."""
     return gui.add_checkbox(tr(ONLY), chosen, hint=tr(
         "the core is self-contained and takes {minutes} minutes; you can go deeper at its end",
         minutes=lesson.core_minutes))
 
 
 def progress_html(lesson: Lesson, progress: Progress) -> str:
-    """How far one has come, in words, and below them as a row of segments."""
+    """Returns the progress in words, and below as a row of segments."""
     steps = [(number, step) for number, step in enumerate(lesson.steps, 1) if step.core or not progress.core]
     at, total = sum(number <= progress.step for number, _ in steps), len(steps)
     name = tr("progress")
@@ -60,7 +60,7 @@ def progress_html(lesson: Lesson, progress: Progress) -> str:
 
 
 def core_end_note(lesson: Lesson) -> str:
-    """Said at the end of the core."""
+    """Returns the note at the end of the core."""
     minutes = max(1, lesson.minutes - lesson.core_minutes)
     told = tr("This was the core. The lesson has {steps} deeper steps, some {minutes} minutes.",
               steps=len(lesson.deeper), minutes=minutes)
@@ -68,28 +68,28 @@ def core_end_note(lesson: Lesson) -> str:
 
 
 class StepNavigation:
-    """Back, Next and Close, made where the gui stands.
+    """The buttons Back, Next and Close.
 
     Parameters
     ----------
     gui
-        Of the visitor.
+        The visitor's GUI.
     back
         Whether there is a step before.
     done
-        Whether nothing is asked here, or it is answered, and there is a step to go on to.
+        Whether nothing is left to answer here, and there is a next step.
     main
-        Whether Next is what is meant to be pressed, and not an answer to be given.
+        Whether Next is the main button, and not an answer.
     first
-        Whether a prediction is asked for, without which Next stays shut.
+        Whether a prediction is required before Next.
     waits
-        Tells whether the next step is still to be opened to all.
+        Returns whether the lecturer has not opened the next step yet.
     kept
-        A sentence: what becomes of answers.
+        A sentence on where answers are stored.
     go, leave, skip
-        Are called to go so many steps on, to close the lesson, and to skip what is deeper.
+        Callbacks: to go so many steps on, to close the lesson, and to skip the optional steps.
     deeper
-        Whether there is a button for that.
+        Whether there is a button to skip them.
     """
 
     def __init__(self, gui: viser.GuiApi, back: bool, done: bool, main: bool, first: bool, waits: Callable[[], bool],
@@ -109,12 +109,12 @@ class StepNavigation:
         gui.add_button(tr("Close the lesson")).on_click(lambda _: leave())
 
     def answered(self) -> None:
-        """What is asked here is."""
+        """Enables Next after an answer."""
         self._done = True
         self.refresh()
 
     def refresh(self) -> None:
-        """A step may have been opened to all, or the visitor may have gone on meanwhile."""
+        """Updates Next, unless it was removed: the lecturer may have opened the next step."""
         if not is_removed(self._following):
             self._following.disabled = self._waits() or not self._done
             self._below.content = self._said

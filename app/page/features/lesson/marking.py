@@ -1,4 +1,4 @@
-"""Marks for the visitors of lessons: they wait for runs, and the page does not wait for them."""
+"""Marking of visitors' answers: it waits for runs in a thread, so that the page does not."""
 
 import logging
 from collections.abc import Callable
@@ -17,28 +17,28 @@ LATER = lazy("could not be checked just now")
 
 
 class Marker:
-    """Marks answers one after the other in a thread; ``marks`` of first answers by key, or a sentence why not."""
+    """Marks answers one after the other in a thread; ``marks`` of first answers by key, or why there is none."""
 
     def __init__(self, outcomes: RunCache):
         self._outcomes = outcomes
         self._thread = ThreadPoolExecutor(1)
         self.marks: dict[str, AnswerMark | str] = {}
-        self.bets: dict[str, list[Bettor] | str] = {}  # that steps show, by the steps' keys
+        self.bets: dict[str, list[Bettor] | str] = {}  # shown by steps, by the steps' keys
 
     def close(self) -> None:
         self._thread.shutdown(wait=False, cancel_futures=True)
 
     def forget(self) -> None:
-        """Another lesson, or another student: marks mean something else."""
+        """Discards all marks: another lesson or another student has begun."""
         self.marks, self.bets = {}, {}
 
     def check(self, lesson: Lesson, step: Step, progress: Progress, tell: Callable[[AnswerMark | str], None]) -> None:
-        """Mark what a step was answered last, and ``tell``."""
+        """Marks the last answer to a step, and passes the mark to ``tell``."""
         answer = progress.answers[step.key].last
         self._later(lambda: tell(self._marked(lesson, step, progress, answer)))
 
     def mark_first(self, lesson: Lesson, steps: list[Step], progress: Progress, tell: Callable[[], None]) -> None:
-        """Mark what these steps were answered first, and ``tell`` that it is done."""
+        """Marks the first answers to these steps, and calls ``tell`` when done."""
         marks, answers = self.marks, dict(progress.answers)
 
         def work() -> None:
@@ -50,7 +50,7 @@ class Marker:
         self._later(work)
 
     def lay(self, lesson: Lesson, step: Step, progress: Progress, tell: Callable[[], None]) -> None:
-        """Find the bets that a step shows, and ``tell`` that it is done."""
+        """Computes the bets that a step shows, and calls ``tell`` when done."""
         bets, given = self.bets, {key: answer.first for key, answer in progress.answers.items()}
 
         def work() -> None:
@@ -79,20 +79,20 @@ class Marker:
 
 
 def asked_since(lesson: Lesson, step: Step) -> list[Step]:
-    """The steps with questions since the explanation before this one."""
+    """Returns the steps with questions since the explanation before this one."""
     before = lesson.steps[:lesson.steps.index(step)]
     first = max((k for k, other in enumerate(before, 1) if other.kind == EXPLAIN), default=0)
     return [other for other in before[first:] if other.question]
 
 
 def bets_ahead(lesson: Lesson, step: Step) -> Step | None:
-    """Returns the step that ends a round, if it shows bets: they are computed ahead, from the round's run on."""
+    """Returns the step that ends a round, if it shows bets: they are computed in advance, from the round's run on."""
     ends = next((other for other in lesson.steps[lesson.steps.index(step):] if other.kind == EXPLAIN), None)
     return ends if ends is not None and ends.bets and step.kind != PREDICT else None
 
 
 def answer_comment(step: Step, answer: Answer, found: AnswerMark | str | None) -> tuple[str, bool | None]:
-    """What is said after an answer that has been ``found`` so, and whether it is right, as far as that is said."""
+    """Returns the comment on an answer with this mark, and whether it is right; None if that is not revealed."""
     if step.kind == PREDICT:
         return tr("It is recorded; now see what happens."), None
     if found is None or isinstance(found, str):

@@ -1,4 +1,4 @@
-"""The lesson player: one step at a time beside the stage, a prediction before what it is about runs."""
+"""The lesson player: one step at a time beside the stage, with a prediction before the run it is about."""
 
 import threading
 from collections.abc import Callable
@@ -23,12 +23,11 @@ from app.page.features.lesson.marking import Marker, answer_comment, asked_since
 from app.page.page_context import PageContext
 from app.viewer.widgets import is_removed, set_max_length
 
-FIRST = -1e9  # in the order of what stands in the tab: a step, and then the controls that it needs
+FIRST = -1e9  # order within the tab: a step, and then the controls that it needs
 
 
 class Player(Feature):
-    """One visitor's lessons in a ``tab``, above the ``controls`` that a lesson needs; ``on_change`` is called when what
-    the browser should keep has changed."""
+    """One visitor's lessons in a ``tab``, above the controls that a lesson needs; ``on_change`` stores the progress."""
 
     def __init__(self, client: viser.ClientHandle, tab: viser.GuiTabHandle, classroom: Classroom,
                  controls: action_buttons.AllowedControls, on_change: Callable[[], None]):
@@ -39,15 +38,15 @@ class Player(Feature):
                          "choice": self._choose, "do": self._act}
         self._marker = Marker(classroom.outcomes)
         self._lesson: Lesson | None = None
-        self._progress = kept.Progress("", "")  # of the lesson that is open
-        self._restored = False  # whether the browser has said what it keeps of this lesson
-        self._answer: AnswerWidgets | None = None  # of the question that is shown
-        self._acts: list[action_buttons.Act] = []  # that the step's text has buttons for
-        self._way: StepNavigation | None = None  # on from the step that is shown
+        self._progress = kept.Progress("", "")  # in the open lesson
+        self._restored = False  # whether the browser has sent its stored answers
+        self._answer: AnswerWidgets | None = None  # for the question that is shown
+        self._acts: list[action_buttons.Act] = []  # with buttons in the step's text
+        self._way: StepNavigation | None = None  # from the step that is shown
         if classroom.seat:
             classroom.seat.listen(with_language(self._step_opened))
         self._widgets = self._gui.add_folder(None, order=FIRST)
-        self._below = self._gui.add_folder(None)  # the controls' own: only one thread may put into a place at a time
+        self._below = self._gui.add_folder(None)  # for the controls: only one thread may fill a container at a time
         self._build()
 
     @classmethod
@@ -58,23 +57,23 @@ class Player(Feature):
 
     @property
     def name(self) -> str:
-        """Of the lesson that is open, or ""."""
+        """The name of the open lesson, or ""."""
         return self._lesson.name if self._lesson else ""
 
     @property
     def answers(self) -> str:
-        """What the browser should keep of it; "" until it has said what it keeps."""
+        """The progress for the browser to store; "" until the browser has sent its stored progress."""
         with self._lock:
             return self._progress.text() if self._lesson and self._restored else ""
 
     def close(self) -> None:
-        """The visitor has gone."""
+        """Leaves the class and stops the marker when the visitor leaves."""
         if self._room.seat:
             self._room.seat.leave()
         self._marker.close()
 
     def open(self, name: str) -> None:
-        """Begin a lesson; one that is not there changes nothing."""
+        """Opens a lesson; an unknown name changes nothing."""
         lesson = catalogue.load_lessons().get(name)
         if lesson is None or lesson is self._lesson:
             return
@@ -86,13 +85,13 @@ class Player(Feature):
         self._on_change()
 
     def refresh(self, view: PageView) -> None:
-        """What a question says of the stage follows it."""
+        """Updates the stage's value in the question shown."""
         with self._lock:
             if self._answer is not None:
                 self._answer.refresh()
 
     def restore(self, name: str, text: str) -> None:
-        """The browser has said what it keeps of a lesson, perhaps nothing."""
+        """Restores the progress that the browser has stored for a lesson, if any."""
         with self._lock:
             lesson = self._lesson
             if lesson is None or name != lesson.name or self._restored or self._paced:
@@ -117,7 +116,7 @@ class Player(Feature):
                 return
             at = self._lesson.beside(self._progress.step, by, self._progress.core)
             self._progress.step = min(at, self._paced.opened) if self._paced else at
-        self._on_change()  # first: a step that is seen is one to come back to
+        self._on_change()  # first, so that a visible step is stored
         self._rebuild()
 
     def _rebuild(self) -> None:
@@ -163,7 +162,7 @@ class Player(Feature):
         self._show(head, lambda: page.head_html(lesson, self._progress))
 
     def turn(self, only: bool, step: int) -> None:
-        """Take the core alone from now on, or all again, and go on with the step of this number."""
+        """Restricts the lesson to its core, or not, and goes on with the step of this number."""
         with self._lock:
             self._progress.core, self._progress.step = only, step
         self._on_change()
@@ -178,7 +177,7 @@ class Player(Feature):
 
     def _build_step(self, lesson: Lesson, step: Step) -> None:
         text = self._gui.add_html(self._explained(lesson, step))
-        if step.kind != PREDICT:  # when it is run, so that marks are there when it is explained
+        if step.kind != PREDICT:  # early, so that marks are ready at the explanation
             self._mark_all(lesson, step, text)
         if (ahead := bets_ahead(lesson, step)) is not None:
             self._marker.lay(lesson, ahead, self._progress,
@@ -191,7 +190,7 @@ class Player(Feature):
 
     def _ask(self, lesson: Lesson, step: Step) -> None:
         answered = self._progress.answers.get(step.key)
-        fixed = step.kind == PREDICT and answered is not None  # what one has predicted stays
+        fixed = step.kind == PREDICT and answered is not None  # a prediction stays
         widgets = AnswerWidgets(self._gui, step, self._numbers, answered.last if answered else None, fixed,
                                 lambda: self._controls.state.scene, page.lang_attribute(lesson))
         self._answer = None if fixed else widgets
@@ -207,7 +206,7 @@ class Player(Feature):
             if why := why_invalid(step.asked, answer := widgets.value):
                 return self._show(said, lambda: f"<div class='lab-lesson lab-recorded' role='alert'>{why}</div>")
             with self._lock:
-                if step.kind != PREDICT or step.key not in self._progress.answers:  # on another page of his meanwhile
+                if step.kind != PREDICT or step.key not in self._progress.answers:  # not meanwhile on another page
                     self._progress.answer(step.key, answer, monotonic() - self._shown_at)
                     if self._paced:
                         self._paced.answered(step, answer)
@@ -221,14 +220,14 @@ class Player(Feature):
         record.on_click(take)
 
     def _choose(self, option: object) -> None:
-        """The visitor has chosen one of the answers: that of a question, and its number."""
+        """Selects an answer: a question's key and the option's number."""
         with self._lock:
             if self._answer is not None and isinstance(option, list) and len(option) == 2 \
                     and self._step is not None and option[0] == self._step.key:
                 self._answer.choose(option[1])
 
     def _act(self, said: object) -> None:
-        """The visitor has pressed what a step's text tells him to do: a step's number, and that of the act."""
+        """Carries out the button pressed in a step's text: the step's number and the instruction's."""
         with self._lock:
             act, step = action_buttons.parse_click(said, self._progress.step, self._acts), self._step
             stage = fill_numbers(step.stage, self._numbers) if step and act == action_buttons.STAGE else ""
@@ -239,17 +238,17 @@ class Player(Feature):
 
     @property
     def _step(self) -> Step | None:
-        """That is shown."""
+        """The step that is shown."""
         return dict(enumerate(self._lesson.steps if self._lesson else (), 1)).get(self._progress.step)
 
     def _taken(self, step: Step, found: AnswerMark | str | None) -> str:
-        """What is said of the answer that the step has."""
+        """Returns the recorded answer of the step, with a comment, as html."""
         assert self._lesson is not None
         answer = self._progress.answers[step.key]
         return page.taken_html(self._lesson, step, answer, self._numbers, *answer_comment(step, answer, found))
 
     def _check(self, lesson: Lesson, step: Step, said: viser.GuiHtmlHandle) -> None:
-        """Mark the answer, which may need a run, and say so; the way on is free, and may have been taken already."""
+        """Marks the answer, which may need a run, and shows the result; Next is enabled at once."""
         with self._lock:
             if is_removed(said):
                 return
@@ -260,20 +259,20 @@ class Player(Feature):
                            lambda found: self._show(said, lambda: self._taken(step, found)))
 
     def _explained(self, lesson: Lesson, step: Step) -> str:
-        """The step's text; where it explains, below what was said and what came out."""
+        """Returns the step's text as html; an explanation is preceded by the answers and results so far."""
         before = page.compared_html(lesson, asked_since(lesson, step), self._progress.answers, self._marker.marks,
                                     self._numbers) if step.kind == EXPLAIN else ""
         before += page.bets_html(self._marker.bets.get(step.key, page.WAITED_FOR)) if step.bets else ""
         return page.step_html(lesson, step, self._numbers, before, self._room.teacher)
 
     def _mark_all(self, lesson: Lesson, step: Step | None, text: viser.GuiHtmlHandle) -> None:
-        """Mark what a step looks back on, or everything at the end, and show it there."""
+        """Marks the questions that a step looks back on, or all at the end, and shows the marks in ``text``."""
         steps = asked_since(lesson, step) if step else list(lesson.questions.values())
         self._marker.mark_first(lesson, steps, self._progress, lambda: self._show(
             text, lambda: self._explained(lesson, step) if step else self._end(lesson)))
 
     def _show(self, text: viser.GuiHtmlHandle, content: Callable[[], str]) -> None:
-        """Put what has been worked out into a text, unless the visitor has gone on meanwhile."""
+        """Sets the content of a text, unless it was removed meanwhile."""
         with self._lock:
             if not is_removed(text):
                 text.content = content()
@@ -301,7 +300,7 @@ class Player(Feature):
         self._client.send_file_download(name, text.encode(), save_immediately=True)
 
     def _buttons(self, back: bool, onward: bool, main: bool = True) -> None:
-        """Back, next and leave; the one for next is the ``main`` one where no answer is asked for."""
+        """Adds the buttons Back, Next and Close; Next is the ``main`` one if no answer is required."""
         lesson, step, at, paced = self._lesson, self._step, self._progress.step, self._paced
         assert lesson is not None
         self._way = StepNavigation(
@@ -311,17 +310,17 @@ class Player(Feature):
             lambda: self.turn(True, lesson.beside(at, 1, core=True)), step is not None and not step.core and not paced)
 
     def _step_opened(self) -> None:
-        """A further step is open to all: what is seen stays, and what is being typed."""
+        """Updates Next when the lecturer opens a further step; everything else stays as it is."""
         with self._lock:
             if self._way is not None:
                 self._way.refresh()
 
     @property
     def _paced(self) -> BoardSeat | None:
-        """The visitor's seat, while the lesson that is open is the one that is paced from the board."""
+        """The visitor's seat in the class, while the open lesson is the one that the board paces."""
         return self._room.seat if self._room.seat and self._room.seat.lesson == self.name else None
 
     @property
     def _numbers(self) -> Numbers:
-        """The visitor's own."""
+        """The visitor's own numbers in the lesson."""
         return draw_numbers(self._lesson, self._progress.name) if self._lesson else {}

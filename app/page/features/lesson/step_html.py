@@ -1,4 +1,4 @@
-"""Html of a lesson's steps. What a visitor has written is escaped here, and nowhere is it put in otherwise."""
+"""Html of a lesson's steps. Visitors' input is escaped here and inserted nowhere else."""
 
 import re
 from collections.abc import Mapping, Sequence
@@ -17,12 +17,12 @@ from app.lessons.student_progress import Answer, Progress
 from app.page.features.lesson import action_buttons, core
 
 FIGURE = re.compile(r"(<img [^>]*>)")
-#: Of marks the name in the style, the sign, and what it says.
+#: CSS class, sign and word of each mark.
 SIGNS = {True: ("right", "✓", lazy("right")), False: ("wrong", "✗", lazy("not so")), None: ("unmarked", "", "")}
 
 
 def shelf_html(lessons: Mapping[str, Lesson]) -> str:
-    """What there is to choose from. How far one has come in each only the browser knows (``js/lessons.js``)."""
+    """Returns the list of lessons. The progress in each is known only to the browser (``js/lessons.js``)."""
     in_core = {name: " ".join(str(number) for number, step in enumerate(lesson.steps, 1) if step.core)
                for name, lesson in lessons.items()}
     rows = "".join(
@@ -36,18 +36,18 @@ def shelf_html(lessons: Mapping[str, Lesson]) -> str:
 
 
 def lang_attribute(lesson: Lesson) -> str:
-    """The attribute of what a lesson says where that is not in the language that is spoken."""
+    """Returns the lang attribute for a lesson's text, "" if it is in the page's language."""
     return "" if lesson.language == current_language() else f" lang='{lesson.language}'"
 
 
 def head_html(lesson: Lesson, progress: Progress) -> str:
-    """Title, and how far one has come."""
+    """Returns the title and the progress."""
     return f"<div class='lab-lesson lab-lesson-head'><i class='lab-studying'></i>" \
            f"<b{lang_attribute(lesson)}>{escape(lesson.title)}</b>{core.progress_html(lesson, progress)}</div>"
 
 
 def intro_html(lesson: Lesson, numbers: Numbers, teacher: bool) -> str:
-    """The lesson's beginning: what it is for, and its first words."""
+    """Returns the introduction of a lesson: its goals and its first text."""
     goals = "".join(f"<li>{escape(goal)}</li>" for goal in lesson.goals)
     known = catalogue.load_lessons()
     before = [
@@ -67,7 +67,7 @@ def intro_html(lesson: Lesson, numbers: Numbers, teacher: bool) -> str:
 
 
 def step_html(lesson: Lesson, step: Step, numbers: Numbers, before: str, teacher: bool) -> str:
-    """A step's text, below what is said ``before`` it, which is html. What it asks for is a button that does it."""
+    """Returns a step's text, below the html ``before``, with buttons for its instructions."""
     kind = f"<span class='lab-kind lab-kind-{step.kind}'>{tr(TITLES[step.kind])}</span>"
     deeper = "" if step.core else core.optional_step_mark()
     title = f"<h2{lang_attribute(lesson)}>{escape(fill_numbers(step.title, numbers))}</h2>"
@@ -91,7 +91,7 @@ def choices_html(options: Sequence[str], chosen: int | None, fixed: bool, key: s
 
 def compared_html(lesson: Lesson, steps: Sequence[Step], answers: Mapping[str, Answer],
                   marks: Mapping[str, AnswerMark | str], numbers: Numbers) -> str:
-    """Each answer beside what came out; ``marks`` has a sentence where there is no mark yet."""
+    """Returns a table of answers and results; ``marks`` has a sentence if there is no mark yet."""
     rows, own = [], lang_attribute(lesson)
     for step in steps:
         asked, answer = step.question, answers.get(step.key)
@@ -117,7 +117,7 @@ def compared_html(lesson: Lesson, steps: Sequence[Step], answers: Mapping[str, A
 
 
 def taken_html(lesson: Lesson, step: Step, answer: Answer, numbers: Numbers, comment: str, right: bool | None) -> str:
-    """Returns an answer that was taken and a comment on it, which ``js/lesson_aloud.js`` reads out."""
+    """Returns a recorded answer and a comment on it, which ``js/lesson_aloud.js`` reads aloud."""
     said, own = fill_numbers(format_answer(step.asked, answer.last),
                              numbers), lang_attribute(lesson) if step.asked.kind == CHOICE else ""
     kind, sign, word = SIGNS[right]
@@ -128,7 +128,7 @@ def taken_html(lesson: Lesson, step: Step, answer: Answer, numbers: Numbers, com
 
 def end_html(lesson: Lesson, progress: Progress, marks: Mapping[str, AnswerMark | str], numbers: Numbers,
              paced: bool) -> str:
-    """Returns the end: all answers, what to do with them, ``paced`` by a board or not, and what there is more."""
+    """Returns the last page: all answers, what to do with them (``paced`` by a board or not), and links to more."""
     table = compared_html(lesson, list(lesson.questions.values()), progress.answers, marks, numbers)
     missing = sum(step.question is not None and step.key not in progress.answers for step in lesson.walk(progress.core))
     open_ones = trn("{count} question is still open; go back to answer.",
@@ -144,7 +144,7 @@ def end_html(lesson: Lesson, progress: Progress, marks: Mapping[str, AnswerMark 
 
 
 def text_html(markdown: str, numbers: Numbers) -> str:
-    """Of a lesson, its figures as buttons that show them large."""
+    """Converts a lesson's markdown to html, with figures as buttons that enlarge them."""
     name, short = tr("enlarge the figure"), tr("enlarge")
     return FIGURE.sub(rf"<button type='button' class='lab-enlarge' aria-label='{name}'>\1"
                       rf"<span aria-hidden='true'>{short}</span></button>",
@@ -160,16 +160,16 @@ def _notes(lesson: Lesson, notes: str, teacher: bool) -> str:
 
 
 def _own(lesson: Lesson, words: str) -> str:
-    """What a lesson says, as html, so that a browser knows in which language it is."""
+    """Returns a lesson's words as html with their language, for browsers."""
     return f"<div{lang_attribute(lesson)}>{words}</div>" if lang_attribute(lesson) else words
 
 
 WAITED_FOR = lazy("Bets are being compared with the results …")
-ROW, OWN_ROW = 7, 12  # pixels from a line to the next: of a judge, of the visitor
+ROW, OWN_ROW = 7, 12  # pixels between lines: of a judge, of the visitor
 
 
 def bets_html(bettors: Sequence[Bettor] | str) -> str:
-    """The picture, or the sentence that stands in its place; "" of nobody."""
+    """Returns the picture of the bets, or a sentence in its place; "" without bettors."""
     if isinstance(bettors, str):
         return f"<p class='lab-bets-later'>{escape(tr(bettors))}</p>"
     if not bettors:
@@ -182,7 +182,7 @@ def bets_html(bettors: Sequence[Bettor] | str) -> str:
 
 
 def _row(bettor: BettorLines) -> str:
-    """One bettor: who, how it went, and the lines."""
+    """Returns one bettor's row: name, result, and lines."""
     high = OWN_ROW if bettor.own else ROW
     lines = "".join(
         f"<line class='{'lab-held' if line[2] else 'lab-missed'}' x1='{line[0]:.2f}%' x2='{line[1]:.2f}%' "

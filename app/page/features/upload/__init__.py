@@ -1,1 +1,1 @@
-"""A visitor's own file of particles: judged in the background, and shown as a run of its own."""
+"""A visitor's own particle file: judged in the background, and shown as a run."""

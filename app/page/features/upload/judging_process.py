@@ -1,4 +1,4 @@
-"""A visitor's file while a process judges it, for a limited time; and the question of which problem it is."""
+"""A visitor's file while a worker process judges it, with a timeout; and the question which problem it belongs to."""
 
 import functools
 import secrets
@@ -25,20 +25,19 @@ from solvers.untrusted.quoting import file_name
 from solvers.workers.worker_pool import Slots, WorkerPool
 from solvers.workers.worker_process import ProcessDied, WorkerTimeout
 
-PATIENCE = 180.0  # seconds that a file may take
+PATIENCE = 180.0  # timeout of a file in s
 SLOTS = Slots(MOST_JOBS)  # files that are judged at once on this server
-ONE_THREAD = {"OPENBLAS_NUM_THREADS": "1", "OMP_NUM_THREADS": "1"}  # each would take its part of the memory
+ONE_THREAD = {"OPENBLAS_NUM_THREADS": "1", "OMP_NUM_THREADS": "1"}  # each thread would take memory of its own
 BUSY = lazy("Other visitors' files keep this server busy; give yours again in a while")
 TOO_LONG = lazy("The file {file} takes more than {seconds:g} s to judge; give fewer times, or judge it with `mpm-lab "
                  "judge`")
-FIRST = -1e9  # in the order of what stands in the panel
+FIRST = -1e9  # order within the panel
 ASKED, NEITHER = lazy("Which problem is your file of?"), lazy("None of these")
 
 
 class Judging:
-    """One file under way. ``on_message`` hears what the process says (``solvers.judging.file_view``), from another
-    thread, and a refusal where it is lost; nothing once it is :meth:`cancelled <cancel>`. A scene that was ``chosen``
-    holds whatever the file says."""
+    """File being judged. ``on_message`` receives the messages of the process (``solvers.judging.file_view``) on another
+    thread, and a refusal if the process dies, but none after :meth:`cancel`. A ``chosen`` scene overrides its own."""
 
     def __init__(self, name: str, file: Path, scene: Scene, on_message: Callable[["Judging", dict], None],
                  slots: Slots = SLOTS, chosen: bool = False):
@@ -53,7 +52,7 @@ class Judging:
             question = ShowRequest(str(self.file), self.name, task_of(scene).to_dict(), str(self.table), MOST_WATCHED,
                                    chosen)
             judged = self._pool.submit(asdict(question), say, PATIENCE)
-            self._pool.lower_priority()  # to the stages, which are everybody's
+            self._pool.lower_priority()  # stages, which all visitors share, come first
             judged.add_done_callback(with_language(self._end))
         else:
             threading.Thread(target=say, args=({"refused": tr(BUSY)},), name="judge", daemon=True).start()
@@ -63,7 +62,7 @@ class Judging:
         return next(iter(self._pool.process_ids), None)
 
     def cancel(self) -> None:
-        """Nobody wants to know any more."""
+        """Stops the process; no further messages come."""
         self._cancelled.set()
         self._pool.kill()
 
@@ -85,7 +84,7 @@ class Judging:
 
 
 def question_sentence(name: str, reason: str, problems: tuple[str, ...]) -> str:
-    """What is asked: why the file is not judged yet, and of what it could be."""
+    """Returns the question: why the file is not judged yet, and which problems it fits."""
     *others, last = (tr(PROBLEMS[problem].scene.TITLE) for problem in problems)
     titles = last
     if others:
@@ -95,7 +94,7 @@ def question_sentence(name: str, reason: str, problems: tuple[str, ...]) -> str:
 
 
 class ProblemQuestion:
-    """Buttons with the problems that a file fits; ``on_choice`` is called with the one that is meant, or with None."""
+    """Buttons with the problems that a file fits; ``on_choice`` is called with the one chosen, or with None."""
 
     def __init__(self, gui: viser.GuiApi, on_choice: Callable[[str | None], None]):
         self._folder = gui.add_folder(tr(ASKED), order=FIRST, visible=False)

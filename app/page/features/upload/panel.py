@@ -1,4 +1,4 @@
-"""Your own code: a file of particles given to the page, its frames on the stage, and the way back."""
+"""The panel for a particle file of one's own code: upload, its frames on the stage, and the way back."""
 
 import contextlib
 import threading
@@ -32,9 +32,9 @@ from solvers.judging.particle_readers import KINDS
 from solvers.scene.scene import Scene
 from solvers.study.parameter_grid import Task
 
-TO_BE_READ = 30.0  # seconds that a refusal is said; it stays beside the button
-FRAME_SECONDS = (0.12, 0.6)  # that a frame is seen, at least and at most
-LAST = 0.9e9  # in the order of what stands in the panel
+TO_BE_READ = 30.0  # seconds that a refusal is shown; it stays beside the button
+FRAME_SECONDS = (0.12, 0.6)  # least and most seconds that a frame is shown
+LAST = 0.9e9  # order within the panel
 BACK, BACK_HINT = lazy("Back to our run"), lazy("go back to what was on the stage before")
 BUSY, ONE = lazy("A file is still on its way; wait until it is here."), lazy("Give one file at a time.")
 WHAT = lazy("Drop a file of particles anywhere on this page, or choose it ({kinds}; at most {most:g} MB): from any "
@@ -43,10 +43,10 @@ WHAT = lazy("Drop a file of particles anywhere on this page, or choose it ({kind
 
 
 class UploadPanel(Feature):
-    """One visitor's. ``on_view`` is called when something else is to be drawn, ``on_begin`` before a file takes the
-    stage, ``on_scene`` with the scene of one that is of another problem than the stage. While one is :attr:`shown`
-    (:class:`~app.page.display_source.Source`), in the colours of all its times, the run rests; that ends when
-    something moves the run on."""
+    """Upload panel of one visitor. ``on_view`` redraws, ``on_begin`` is called before a file takes the stage,
+    ``on_scene`` with the scene of a file of another problem. While a file is :attr:`shown`
+    (:class:`~app.page.display_source.Source`), in a colour scale common to all its times, the run pauses; that ends
+    when something advances the run."""
 
     def __init__(self, client: viser.ClientHandle, session: Session, on_view: Callable[[], None],
                  on_begin: Callable[[], None], on_scene: Callable[[Scene], None]):
@@ -57,7 +57,7 @@ class UploadPanel(Feature):
         self._judging: Judging | None = None
         self._run: UploadedRun | None = None
         self._k, self.playing, self._resumes = 0, False, False
-        self._moves: tuple = ()  # of the run that rests meanwhile
+        self._moves: tuple = ()  # of the run, which pauses meanwhile
         self._turn = threading.Event()  # ends the wait of the thread that plays
         self._news: tuple[float, Notice] | None = None
         large, busy, one = (escape(tr(text), quote=True) for text in (TOO_LARGE, BUSY, ONE))
@@ -75,7 +75,7 @@ class UploadPanel(Feature):
         return panel
 
     def _build_folds(self, gui: viser.GuiApi) -> None:
-        """Make the widgets, in their tab."""
+        """Builds the widgets in their tab."""
         with gui.add_folder(tr("Your own code, judged"), order=LAST, expand_by_default=False):
             what = tr(WHAT, kinds=", ".join(KINDS), most=LARGEST / 1e6)
             gui.add_html(f"<div class='lab-own'>{what}</div>")
@@ -100,30 +100,30 @@ class UploadPanel(Feature):
 
     @property
     def shown(self) -> tuple[UploadedRun, int] | None:
-        """The file on the stage and which of its frames is seen."""
+        """The file on the stage and the index of its frame shown."""
         run = self._run
         return None if run is None else (run, min(self._k, len(run) - 1))
 
     def follow(self, report: FrameReport) -> None:
-        """A frame of our run has come: if that is to move on, it is wanted."""
+        """Handles a new frame of the run: shows the run again if the visitor has advanced it."""
         with self._lock:
             if self._run is not None and self._session.moves != self._moves:
                 self._resumes = False
                 self.leave()
 
     def notice(self) -> Notice | None:
-        """What is to be read now of a file, if anything."""
+        """Returns a message about a file, if there is one."""
         judging, news = self._judging, self._news
         if coming := self._upload.coming:
             return Notice("wait", f"{coming}.")
         if judging is not None and self._run is None and not self._question.asked:
             return Notice("wait", tr("The file {file} is being read and judged.", file=judging.name))
         if news is None or (age := monotonic() - news[0]) > TO_BE_READ or self._session.untouched < age:
-            return None  # what the visitor has done since has its own answer
+            return None  # the visitor has done something since, which has its own message
         return news[1]
 
     def leave(self) -> None:
-        """Back to our run, as it was."""
+        """Returns to the run as it was."""
         with self._lock:
             if self._run is None:
                 return
@@ -135,8 +135,8 @@ class UploadPanel(Feature):
         self._on_view()
 
     def close(self) -> None:
-        """The visitor has gone."""
-        self._upload.close()  # first, and without the lock, for which a file that comes just now may wait
+        """Ends upload and judging when the visitor leaves."""
+        self._upload.close()  # first, and without the lock, for which an arriving file may wait
         with self._lock:
             self._let_go()
         self._upload.clear()
@@ -147,7 +147,7 @@ class UploadPanel(Feature):
         self._turn.set()
 
     def _forget(self) -> None:
-        """What is being judged; of what is seen already, the table stays until it is seen no more."""
+        """Cancels the judging; the table of a file on the stage stays while it is shown."""
         if self._judging is not None:
             self._judging.cancel()
             with contextlib.suppress(OSError):
@@ -164,7 +164,7 @@ class UploadPanel(Feature):
 
     def _hear(self, judging: Judging, message: dict) -> None:
         if "frames" in message and judging is self._judging:
-            # A file that says another problem takes the page with it, whose controls are then of that.
+            # A file of another problem switches the page to that problem.
             own = Task(**FileSummary(**message["frames"]).task).scene()
             if own.problem != self._session.scene.problem:
                 self._on_scene(scene_of(own, first_scene(own.problem)))
@@ -188,14 +188,14 @@ class UploadPanel(Feature):
         self._on_view()
 
     def _ask(self, name: str, reason: str, problems: tuple[str, ...]) -> None:
-        """A file that is not of the problem on the stage: it waits for an answer."""
+        """Asks for the problem of a file that does not fit the one on the stage."""
         said = question_sentence(name, reason, problems)
         self._news = monotonic(), Notice("refused", tr("{question} Select it at the top of Explore.", question=said))
         self._question.ask(said, problems)
         self._say(said)
 
     def _answer(self, problem: str | None) -> None:
-        """Which problem the waiting file is of, or that it is of none."""
+        """Judges the waiting file for the problem chosen; discards it for None."""
         with self._lock:
             waiting, self._news = self._judging, None
             self._question.end()
@@ -203,7 +203,7 @@ class UploadPanel(Feature):
             self._forget()
             if waiting is None or problem is None:
                 return
-        self._on_scene(first_scene(problem))  # whose controls say what the file is judged with
+        self._on_scene(first_scene(problem))  # its controls show the settings of the judgement
         with self._lock:
             self._judging = Judging(waiting.name, waiting.file, self._session.scene, self._hear, chosen=True)
 
@@ -246,7 +246,7 @@ class UploadPanel(Feature):
                                  daemon=True).start()
 
     def _go_on(self, run: UploadedRun, over: threading.Event) -> None:
-        """Show one frame after the other, to the last."""
+        """Shows one frame after the other, to the last."""
         while not over.wait(self._seconds(run)):
             with self._lock:
                 if over.is_set():
@@ -261,7 +261,7 @@ class UploadPanel(Feature):
                 return
 
     def _seconds(self, run: UploadedRun) -> float:
-        """Until the next frame: as at the speed of our run, within what an eye follows."""
+        """Returns the seconds until the next frame: at the run's speed, within limits for the eye."""
         ahead = run.times[min(self._k + 1, len(run) - 1)] - run.times[self._k]
         least, most = FRAME_SECONDS
         return float(min(most, max(least, ahead / (self._session.speed * run.scene.period))))

@@ -1,4 +1,4 @@
-"""A visitor's file as a run: frames for the stage, norms for the plots, the headline and the readout."""
+"""A visitor's file as a run: frames for the stage, norms for plots, headline and readout."""
 
 from collections.abc import Mapping, Sequence
 from contextlib import suppress
@@ -27,13 +27,13 @@ from solvers.solver.rounding import rounding
 from solvers.solver.samples import QUANTITIES as KEYS
 from solvers.study.parameter_grid import Task
 
-JUDGE = "companion"  # which estimates the errors of a file
+JUDGE = "companion"  # the estimator of a file's errors
 COMING = lazy("the companion is being solved")
 NO_ACCELERATION = lazy("a file is not judged by its acceleration")
 
 
 class UploadedRun(RunSeries):
-    """A file of T frames; later its ``estimate``, norms by quantity, and its ``verdict``, the judge's report."""
+    """A file of T frames; later with its ``estimate``, norms by quantity, and its ``verdict``, the judge's report."""
 
     def __init__(self, name: str, shown: FileSummary, table: Path):
         self.scene = Task(**shown.task).scene()
@@ -48,13 +48,13 @@ class UploadedRun(RunSeries):
         self.estimate: dict[str, np.ndarray] | None = None
         self._tops: dict[tuple[str, bool], tuple[np.ndarray, np.ndarray]] = {}
         self.verdict: dict | None = None
-        self.trouble = ""  # why there will be no verdict
+        self.trouble = ""  # the reason why there will be no verdict
 
     def __len__(self) -> int:
         return len(self.times)
 
     def estimated(self, norms: Mapping[str, Sequence[float | None]]) -> None:
-        """The companion's estimate is in the table."""
+        """Takes over the norms of the companion's estimate, which is now in the table."""
         estimate, none = _arrays(norms), np.full(len(self), np.nan)
         new = {"time": self.times}
         for q in KEYS:
@@ -69,7 +69,7 @@ class UploadedRun(RunSeries):
         return int(self._starts[k + 1] - self._starts[k])
 
     def frame(self, k: int, quantity: str, playing: bool) -> tuple[FrameReport, FrameArrays]:
-        """The frame k, with the field of a quantity."""
+        """Returns the frame k, with the field of a quantity."""
         rows = np.array(self._rows[self._starts[k]:self._starts[k + 1]])
         part = {name: rows[:, which] for name, which in self._columns.items()}
         P, q = len(rows), KEYS.index(quantity)
@@ -81,7 +81,7 @@ class UploadedRun(RunSeries):
         return report, arrays
 
     def view(self, arrays: FrameArrays, quantity: str, difference: bool) -> View:
-        """What the two halves show."""
+        """Returns what the two halves of the stage show."""
         column = KEYS.index(quantity)
         lacks = tr(NO_ACCELERATION) if quantity == "a" else \
             tr("the file has no {quantity}", quantity=QUANTITIES[quantity].noun) if quantity in self.missing else ""
@@ -93,7 +93,7 @@ class UploadedRun(RunSeries):
                              arrays.difference[JUDGE][:, column])
 
     def largest(self, quantity: str) -> tuple[np.ndarray, np.ndarray]:
-        """The largest estimated and true sizes of all times, (1,) each: the colours of a file stay as they are."""
+        """Returns the largest estimated and true sizes over all times, (1,) each, for a constant colour scale."""
         known = quantity, self.estimate is not None
         if known not in self._tops:
             columns = (self._columns[name].start + KEYS.index(quantity) for name in ("estimate", "error"))
@@ -102,7 +102,7 @@ class UploadedRun(RunSeries):
         return self._tops[known]
 
     def crossings_per_second(self, series: dict[str, np.ndarray]) -> tuple[np.ndarray, np.ndarray]:
-        """Those that are known of: between two times of a file a particle may cross and come back."""
+        """Returns times and crossings per s that show in the file; between its times a particle may cross twice."""
         return self.times[1:], self._crossed[1:] / np.diff(self.times)
 
 
@@ -127,14 +127,14 @@ def file_headline(run: UploadedRun, k: int, view: View, worst: WorstRegions, qua
 
 
 def scene_of(own: Scene, page: Scene) -> Scene:
-    """The page's scene of a file's problem, with all that matters to a judge as in the file's own."""
-    with suppress(SceneError):  # a method may not bear it
+    """Returns the page's scene with all settings of a file's scene that matter to the judge, if valid together."""
+    with suppress(SceneError):  # may be invalid with the page's method
         return replace(page, **{f.name: getattr(own, f.name) for f in fields(page) if f.name not in NOT_OF_THE_PROBLEM})
     return page
 
 
 def loaded_notice(run: UploadedRun, page: Scene) -> str:
-    """That a file is on the stage, and with what it is judged where that is not what the page shows."""
+    """Returns the message that a file is on the stage, with its settings if they differ from the page's."""
     said = difference_text(scene_of(run.scene, page), page) if run.scene.problem == page.problem else ""
     return tr("The file {file} is on the stage, judged with {settings}.", file=run.name, settings=said) if said else \
         tr("The file {file} is on the stage.", file=run.name)
@@ -156,7 +156,7 @@ def file_readout(run: UploadedRun, k: int, quantity: str, probed: str | None) ->
 
 
 def _errors(run: UploadedRun, k: int, quantity: str) -> str:
-    """A line for the truth and one for the companion."""
+    """Returns a table with a row for the truth and one for the companion."""
     words = QUANTITIES[quantity]
     heads = (f"<span title=\"{escape(tr(hint))}\">{tr(head)}</span>" for head, hint in HINTS.items())
     rows = [row_html("head", tr("error of {symbol}", symbol=words.symbol), *heads)]
@@ -181,7 +181,7 @@ def _errors(run: UploadedRun, k: int, quantity: str) -> str:
 
 
 def _found(run: UploadedRun, quantity: str) -> list[str]:
-    """What the judge says, sentence by sentence."""
+    """Returns the judge's findings, a sentence each."""
     if run.verdict is None:
         return [tr("There is no verdict: {reason}", reason=run.trouble) if run.trouble else
                 tr("The judge is still at work.")]
