@@ -6,8 +6,7 @@ import re
 import shlex
 from dataclasses import dataclass, fields
 
-from app.language.message_translation import translate_message
-from app.language.translation import language_cache, lazy, tr, trn
+from app.language.translation import language_cache, lazy, tr, translate_message, trn
 from solvers.problems import PROBLEMS
 from solvers.scene import error_causes
 from solvers.scene.remedies import REMEDIES
@@ -136,16 +135,12 @@ def particles_per_cell(problem: str, ppc: float) -> str:
 
 def on_page(sentence: str) -> str:
     """A sentence of the solvers in the visitor's language, and with the words that stand beside the widgets where it
-    names flags, methods and remedies as one types them.
-
-    What is to be said is found by the sentence as it was made: so its language comes first, and translations name
-    flags as well."""
+    names flags, methods and remedies as one types them."""
     sentence = translate_message(sentence)
     for typed, shown in ((tr("--dt auto takes"), tr("the box \"Auto step\" takes")),
                          ("--velocity grid", tr("grid velocity")),
                          (tr("the right --cells and --ppc"), tr("the right cells and particles per cell")),
-                         (", cfl ", ", CFL "),
-                         (", or the flag --time with one time for each file", ""),
+                         (", cfl ", ", CFL "), (", or the flag --time with one time for each file", ""),
                          (", and --cells with one number for each file of several grids", "")):
         sentence = sentence.replace(typed, shown)
     labels = {remedy.name: tr("\"{name}\"", name=tr(remedy.label)) for remedy in REMEDIES.values()}

@@ -18,6 +18,8 @@ from urllib.parse import parse_qs
 
 import polib
 
+from solvers.message import Message
+
 P = ParamSpec("P")
 T = TypeVar("T")
 
@@ -95,7 +97,7 @@ def with_language(work: Callable[P, T], code: str = "") -> Callable[P, T]:
     return spoken
 
 
-def tr(text: str, **values: Any) -> str:
+def tr(text: str, /, **values: Any) -> str:
     """A text of the code in the language that is spoken, with the ``values`` in its places: ``{name}``."""
     said = text if current_language() == ENGLISH else load_catalogue(current_language()).one(text)
     return said.format(**values) if values else said
@@ -103,12 +105,17 @@ def tr(text: str, **values: Any) -> str:
 
 def trn(one: str, many: str, count: float, **values: Any) -> str:
     """Of two texts the one that goes with a count, which ``{count}`` is in both, in the language that is spoken."""
-    said = (
-        (one if count == 1 else many)
-        if current_language() == ENGLISH
-        else load_catalogue(current_language()).several(one, many, count)
-    )
-    return said.format(count=count, **values)
+    if current_language() == ENGLISH:
+        return (one if count == 1 else many).format(count=count, **values)
+    return load_catalogue(current_language()).several(one, many, count).format(count=count, **values)
+
+
+def translate_message(text: str) -> str:
+    """A message of the solvers in the language that is spoken, with the messages that it is made of; names, numbers
+    and quotes stay as they are."""
+    if current_language() == ENGLISH or not isinstance(text, Message):
+        return text
+    return tr(text.template, **{name: translate_message(value) for name, value in text.values.items()})
 
 
 def lazy(text: str) -> str:

@@ -10,8 +10,7 @@ import numpy as np
 
 from app.colours import ESTIMATE, PINNED, TRUTH
 from app.frame.captions import ESTIMATED, TRUE, why_no_numbers
-from app.language.message_translation import translate_message
-from app.language.translation import lazy, tr
+from app.language.translation import lazy, tr, translate_message
 from app.page.stage.worst_region import WorstRegion, WorstRegions
 from app.page.visit.history import History, last_value, series_until
 from app.page.visit.pinned_run import PinnedRun
