@@ -72,8 +72,7 @@ def write_state(state: State) -> str:
 def parse_state(text: str) -> State:
     """The state of a text; :class:`StateError` where it is none."""
     if len(text) > LONGEST:
-        raise StateError("a scene of {text:,} characters is too long; at most {longest:,} are allowed", len(text),
-                         LONGEST)
+        raise StateError("a scene of {text:,} characters is too long; at most {most:,} are allowed", len(text), LONGEST)
     problem, *rest = _words(text) or [""]
     if problem not in PROBLEMS:
         raise StateError("{problem} is no problem{problem2}; begin with {problems}", _quoted(problem),

@@ -213,8 +213,7 @@ def _check_finite(raw: RawTable, key: str, values: np.ndarray, times: np.ndarray
         row = int(np.argmax(bad))
         who = Message("particle {columns:g}", raw.columns["id"][row]) if "id" in raw.columns else \
             Message("row {row}", row + 1)
-        what = Message("beyond {largest:g}", LARGEST) if np.isfinite(values[bad]).all() else Message("no "
-                                                                                                             "number")
+        what = Message("beyond {most:g}", LARGEST) if np.isfinite(values[bad]).all() else Message("no number")
         raise FileError(raw.file, "has {bad:,} rows whose {key} is {what}, first {who} at t = {times:g} s; leave times "
                         "out at which the run had gone bad", int(bad.sum()), key, what, who, times[row])
 

@@ -132,14 +132,12 @@ def _particle_lines(path: str, text: TextIO, said: dict[str, str], limits: Limit
     remarks = 0
     while line := text.readline(LONGEST_LINE):
         if len(line) >= LONGEST_LINE:
-            raise FileError(path, "has a line of more than {longest_line:,} letters; give a line for each particle",
-                            LONGEST_LINE)
+            raise FileError(path, "has a line of more than {n:,} letters; give a line for each particle", LONGEST_LINE)
         if (bare := line.strip()) and not bare.startswith("#"):
             yield line
             continue
         if (remarks := remarks + 1) > MOST_REMARKS:
-            raise FileError(path, "has more than {most_remarks:,} lines that are no particles; leave them out",
-                            MOST_REMARKS)
+            raise FileError(path, "has more than {most:,} lines that are no particles; leave them out", MOST_REMARKS)
         if (found := COMMENT.match(line)) and found[1].lower() in COMMENT_KEYS:
             said[found[1].lower()] = found[2]
 
@@ -185,8 +183,8 @@ def read_vtk(path: str, limits: Limits = LIMITS) -> RawTable:
     kind = Path(path).suffix.lower()
     with open(path, "rb") as file:
         if (size := file.seek(0, 2)) > LARGEST:
-            raise FileError(path, "has {size:,.0f} MB; give at most {largest:,.0f} MB of this kind, with fewer data "
-                            "for example, or a .npz", size / 1e6, LARGEST / 1e6)
+            raise FileError(path, "has {size:,.0f} MB; give at most {most:,.0f} MB of this kind, with fewer data for "
+                            "example, or a .npz", size / 1e6, LARGEST / 1e6)
         file.seek(0)
         found = PointData(path, limits)
         try:

@@ -37,13 +37,13 @@ def parse_formula(text: str, names: Sequence[str]) -> tuple[str, Formula]:
     FormulaError
     """
     if len(text) > MOST_CHARACTERS:
-        raise FormulaError("has {text:,} characters; at most {most_characters} are allowed", len(text), MOST_CHARACTERS)
+        raise FormulaError("has {text:,} characters; at most {most} are allowed", len(text), MOST_CHARACTERS)
     try:
         tree = ast.parse(text.strip(), mode="eval")
     except (SyntaxError, ValueError, RecursionError, MemoryError):
         raise FormulaError("is no formula; give one such as 0.02*sin(2*pi*X)*sin(w*t)") from None
     if sum(1 for _ in ast.walk(tree)) > 3 * MOST_NODES:
-        raise FormulaError("has too many parts; at most {most_nodes} are allowed", MOST_NODES)
+        raise FormulaError("has too many parts; at most {most} are allowed", MOST_NODES)
     return "".join(ast.unparse(tree).split()), _compile(tree.body, frozenset(names))
 
 
@@ -94,8 +94,7 @@ def _power(node: ast.AST) -> int:
     negative = isinstance(node, ast.UnaryOp) and isinstance(node.op, ast.USub)
     value = getattr(node.operand if isinstance(node, ast.UnaryOp) and negative else node, "value", None)
     if isinstance(value, bool) or not isinstance(value, int) or value > MOST_POWER:
-        raise FormulaError("has a power that is not a whole number up to {most_power}; for a root write sqrt(...)",
-                           MOST_POWER)
+        raise FormulaError("has a power that is not a whole number up to {n}; for a root write sqrt(...)", MOST_POWER)
     return -value if negative else value
 
 

@@ -117,7 +117,7 @@ class LineMotionInputs(NamedTuple):
             raise FormulaError("is not periodic: the bar is one period of an infinite bar, so u and du/dX must be "
                                "equal at X = 0 and X = 1")
         if np.abs(u).max() > MOST_MOVE:
-            raise FormulaError("moves particles by more than {most_move} m; give a smaller one", MOST_MOVE)
+            raise FormulaError("moves particles by more than {most} m; give a smaller one", MOST_MOVE)
 
 
 @functools.lru_cache(maxsize=64)  # of scenes that differ in cells, method or step alone
@@ -142,7 +142,7 @@ def find_period(text: str, scene: PlaneMotionInputs | LineMotionInputs) -> float
         raise FormulaError("is not zero at t = 0, where the body is undeformed")
     period = _period(exact, scene, X, base_period, MOTION_TOLERANCE * size)
     if period is None:
-        raise FormulaError("has no period among quarters of {base_period:.6g} s and of 1 s up to {longest:.4g} s; give "
+        raise FormulaError("has no period among quarters of {base_period:.6g} s and of 1 s up to {most:.4g} s; give "
                            "times as multiples of w*t", base_period, longest)
     _check_body(exact, scene, X, period)
     force = getattr(exact, "force_terms", exact.body_force)
@@ -175,8 +175,7 @@ def _check_body(exact: Any, scene: Any, X: np.ndarray, period: float) -> None:
             raise FormulaError("is not finite everywhere over a period")
         scene.check(exact.displacement(scene, X, t), F)
         if np.linalg.det(F).min() < LEAST_J:
-            raise FormulaError("folds the body over, or nearly so: det F falls below {least_j}; give a smaller one",
-                               LEAST_J)
+            raise FormulaError("folds the body over, or nearly so: det F falls below {J}; give a smaller one", LEAST_J)
         strain = max(strain, np.abs(F - np.eye(D)).max())
     if strain < MOTION_TOLERANCE:
         raise FormulaError("moves the body without deforming it; give a displacement that changes with X")

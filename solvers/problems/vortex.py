@@ -103,8 +103,7 @@ class VortexScene(CircularScene):
 
     def _check_amplitude(self) -> None:
         require_number("amplitude", self.amplitude, 1e-12, MOST_AMPLITUDE,
-                       Message("give an angle in radians above 1e-12 and up to pi/2, {most_amplitude:.4f}",
-                               MOST_AMPLITUDE))
+                       Message("give an angle in radians above 1e-12 and up to pi/2, {most:.4f}", MOST_AMPLITUDE))
         require_number("frequency", self.frequency, 1e-6, 1e6)
 
 

@@ -296,22 +296,21 @@ class Scene(SceneDefaults, ABC):
         name, unit = ("cfl", 1.0) if self.dt is None else ("dt", self.spacing / self.wave_speed)
         if self.courant_number > MOST_CFL:
             raise SceneError(name, getattr(self, name), "is far above any stable step; give a number above 0 and up to "
-                             "{unit:.3g} (cfl {most_cfl:g})", MOST_CFL * unit, MOST_CFL)
+                             "{unit:.3g} (cfl {most:g})", MOST_CFL * unit, MOST_CFL)
         if self.courant_number < LEAST_CFL:
             raise SceneError(name, getattr(self, name), "is too short a step for the floating-point precision; give "
-                             "{unit:.3g} (cfl {least_cfl:g}) or more", LEAST_CFL * unit, LEAST_CFL)
+                             "{unit:.3g} (cfl {least:g}) or more", LEAST_CFL * unit, LEAST_CFL)
         if self.end_time / self.time_step > MOST_STEPS:
             name = "t_end" if self.t_end is not None else "periods"
-            raise SceneError(name, getattr(self, name) or self.DEFAULT_PERIODS,
-                             "needs {end_time:.3g} steps; at most {most_steps:,} are allowed: end earlier or take "
-                             "longer steps", self.end_time / self.time_step, MOST_STEPS)
+            raise SceneError(name, getattr(self, name) or self.DEFAULT_PERIODS, "needs {end_time:.3g} steps; at most "
+                             "{most:,} are allowed: end earlier or take longer steps", self.end_time / self.time_step,
+                             MOST_STEPS)
         if self.sample_every is not None:
             require_whole("sample_every", self.sample_every, 1, MOST_STEPS)
         if self.steps / self.sample_interval > MOST_SAMPLES:
-            raise SceneError("sample_every", self.sample_interval,
-                             "makes {steps:,} samples; at most {most_samples:,} are allowed, so sample every {steps2} "
-                             "steps or more", self.steps // self.sample_interval, MOST_SAMPLES,
-                             math.ceil(self.steps / MOST_SAMPLES))
+            raise SceneError("sample_every", self.sample_interval, "makes {steps:,} samples; at most {most:,} are "
+                             "allowed, so sample every {steps2} steps or more", self.steps // self.sample_interval,
+                             MOST_SAMPLES, math.ceil(self.steps / MOST_SAMPLES))
 
 
 @functools.lru_cache(maxsize=256, typed=True)  # 1, 1.0 and True are not said alike

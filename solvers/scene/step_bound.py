@@ -131,7 +131,7 @@ def step_warnings(scene: Any) -> list[str]:
     """Sentences about what a scene's own step will surprise with."""
     bound, dt = scene_step_bound(scene), scene.time_step
     if dt > bound.longest:
-        return [Message("time step {dt:.3g} s (cfl {courant_number:.2g}): above the stability bound of {longest:.3g} s "
+        return [Message("time step {dt:.3g} s (cfl {courant_number:.2g}): above the stability bound of {most:.3g} s "
                         "along this motion (linear theory); the run will probably become unstable (--dt auto takes "
                         "{longest2:.3g} s)", dt, scene.courant_number, bound.longest, SAFE * bound.longest)]
     if isinstance(scene.dt, str) and not bound.certain:

@@ -66,7 +66,7 @@ def why_not_valid(series: Mapping[str, np.ndarray]) -> str | None:
         return Message("not valid here: the numbers of the run are too large for shares")
     times = f"{worst[field]:,.0f}" if worst[field] >= 10 else f"{worst[field]:.2g}"
     return Message("not valid here: the causes have errors of {field} that cancel and are {times} times as large as "
-                   "the total; shares are valid up to {most_cancelled:g} times", field, times, MOST_CANCELLED)
+                   "the total; shares are valid up to {most:g} times", field, times, MOST_CANCELLED)
 
 
 def summary(series: Mapping[str, np.ndarray], reference: str) -> dict:

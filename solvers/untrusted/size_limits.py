@@ -30,11 +30,11 @@ class Limits:
 
     def check_bytes(self, file: str, size: int) -> None:
         if size > self.bytes:
-            raise self._refusal(file, Message("has {size:,.0f} MB", size / 1e6), self._megabytes + FEWER)
+            raise self._refusal(file, Message("has {size:,.0f} MB", size / 1e6), f"{self.bytes / 1e6:,.0f} MB" + FEWER)
 
     def check_unpacked(self, file: str, size: int) -> None:
         if size > self.bytes:
-            raise self._refusal(file, Message("unpacks to {size:,.0f} MB", size / 1e6), self._megabytes)
+            raise self._refusal(file, Message("unpacks to {size:,.0f} MB", size / 1e6), f"{self.bytes / 1e6:,.0f} MB")
 
     def check_columns(self, file: str, count: int) -> None:
         if count > self.columns:
@@ -62,10 +62,6 @@ class Limits:
         numbers = sum(column.size for column in columns.values())
         return replace(self, rows=max(0, self.rows - rows), numbers=max(0, self.numbers - numbers))
 
-    @property
-    def _megabytes(self) -> str:
-        return f"{self.bytes / 1e6:,.0f} MB"
-
     def _refusal(self, file: str, has: str, most: str) -> FileError:
         return FileError(file, "{has}; give at most {most}{otherwise}", has, most, self.otherwise)
 
@@ -78,5 +74,5 @@ LONGEST_LINE = 250_000  # letters of a line of text
 def check_name(file: str, name: str) -> None:
     """Refuse a name of a column that nobody would give, which would take long to be understood."""
     if len(name) > LONGEST_NAME:
-        raise FileError(file, "has a column or an array with a name of {name:,} letters ({name2}); give at most "
-                        "{longest_name}", len(name), quote(name, 30), LONGEST_NAME)
+        raise FileError(file, "has a column or an array with a name of {name:,} letters ({name2}); give at most {most}",
+                        len(name), quote(name, 30), LONGEST_NAME)

@@ -183,8 +183,7 @@ def check_axes(evidence: Evidence) -> Finding:
     if left is None or not 0 < left < np.inf:
         return unknown(AXES, "nothing to exchange, or no errors that could tell")
     return Finding(AXES, HOLDS if left > FITS else OFF, 1 / left, 1 / FITS, "times less error if read otherwise",
-                   "" if left > FITS else Message("{words}: read so, the error is {left:.2g} of what it is", words,
-                                                  left))
+                   "" if left > FITS else Message("{how}: read so, the error is {left:.2g} of what it is", words, left))
 
 
 def _rms_errors(errors: list[Errors]) -> dict[str, float]:

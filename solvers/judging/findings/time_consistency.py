@@ -27,7 +27,7 @@ CLOCK_OFF, TELLS = 2e-3, 2.5  # of the time; times the error that is left, which
 #: which these numbers were not set on, none was called fast.
 FAST_SURE, FAST_TELLS = 4.0, 1.0
 TOO_LARGE = "the errors are too large"
-FEW = Message("fewer than {fewest_times} times, or not the same particles at all of them", FEWEST_TIMES)
+FEW = Message("fewer than {least} times, or not the same particles at all of them", FEWEST_TIMES)
 NAMES_OF_V = "v against dx/dt", "moment of v before that of x", "the middle against the mean of v"
 SPEED, MOMENT, CENTRE = NAMES_OF_V
 #: Of the velocity, RMS: what is left between v and dx/dt, of which the particles' own noise in a sound run of ours

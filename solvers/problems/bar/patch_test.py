@@ -49,7 +49,7 @@ def normalise_inputs(cells: object, ppc: object, body_force: object) -> dict[str
 
 def check_per_cell(cells: int, ppc: object) -> None:
     """Particles per cell need not be whole, but all of them together."""
-    allowed = Message("give a number from 1 to {most_per_cell}", MOST_PER_CELL)
+    allowed = Message("give a number from 1 to {most}", MOST_PER_CELL)
     require_number("ppc", ppc, 0, math.inf, allowed)
     assert isinstance(ppc, (int, float))
     if not 1 <= ppc <= MOST_PER_CELL:
@@ -74,8 +74,7 @@ def check_numbers(stretch: float, velocity: float) -> None:
         raise SceneError("stretch", stretch, "leaves the bar without stress, so that the test could not fail; "
                          "{allowed}", allowed)
     require_number("initial_velocity", velocity, -math.inf, math.inf,
-                   allowed := Message("give a number from {most_velocity:g} to {most_velocity2:g}", -MOST_VELOCITY,
-                                      MOST_VELOCITY))
+                   allowed := Message("give a number from {least:g} to {most:g}", -MOST_VELOCITY, MOST_VELOCITY))
     if abs(velocity) > MOST_VELOCITY:
         raise SceneError("initial_velocity", velocity, allowed)
 

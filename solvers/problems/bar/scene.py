@@ -228,8 +228,8 @@ class BarScene(TypedMotionScene, Scene):
         if self.is_patch:
             return patch_test.check_per_cell(self.cells, self.ppc)
         if isinstance(self.ppc, float) and 1 <= self.ppc <= MOST_PER_CELL:
-            raise SceneError("ppc", self.ppc, "give a whole number from 1 to {most_per_cell}; only a patch test "
-                             "(motion patch) may have a part of one", MOST_PER_CELL)
+            raise SceneError("ppc", self.ppc, "give a whole number from 1 to {most}; only a patch test (motion patch) "
+                             "may have a part of one", MOST_PER_CELL)
         super()._check_per_cell()
 
     def _check_amplitude(self) -> None:

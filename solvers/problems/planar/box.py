@@ -116,8 +116,8 @@ class BoxScene(PlanarScene):
         if self.law == NEO_HOOKEAN or self.least_stiffness > 0:
             return super().warnings()
         return [*super().warnings(), Message("law {law}: not elliptic along the whole exact motion: waves in some "
-                                             "direction have a stiffness of {least_stiffness:.2g} mu, and shorter "
-                                             "waves grow faster; choose a smaller amplitude, or neo-hookean", self.law,
+                                             "direction have a stiffness of {least:.2g} mu, and shorter waves grow "
+                                             "faster; choose a smaller amplitude, or neo-hookean", self.law,
                                              self.least_stiffness)]
 
     @functools.cached_property

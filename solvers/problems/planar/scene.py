@@ -194,8 +194,8 @@ class PlanarScene(Scene):
     def _check_combinations(self) -> None:
         require_whole("ppc", self.ppc, 1, 6)
         if self.cells > MOST_CELLS:
-            raise SceneError("cells", self.cells, "give a whole number from {fewest_cells} to {most_cells:,}",
-                             self.FEWEST_CELLS, MOST_CELLS)
+            raise SceneError("cells", self.cells, "give a whole number from {least} to {most:,}", self.FEWEST_CELLS,
+                             MOST_CELLS)
         if self.linearity_preserving:
             raise SceneError("linearity_preserving", True, self.NOT_LINEARITY_PRESERVING)
         if self.frozen and len(self.remedies) > 1:
