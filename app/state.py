@@ -135,11 +135,10 @@ def _unknown(problem: str, word: str, name: str, known: list[str], of_pinned: bo
         return Message("{word}: the problem stands once, as the first word", _quoted(word)) + \
             Message("; the pinned run is of the {problem} too", Message(problem)) * of_pinned
     if name == PINNED:
-        return Message("{word}: the word {pinned} stands once, alone, before what differs in the pinned run",
-                       _quoted(word), PINNED)
+        return Message("{word}: the word pinned stands once, alone, before what differs in the pinned run",
+                       _quoted(word))
     if of_pinned and name in VIEW:
-        return Message("{word} is of the view, which both runs share; give it before the word {pinned}", _quoted(word),
-                       PINNED)
+        return Message("{word} is of the view, which both runs share; give it before the word pinned", _quoted(word))
     more = "" if of_pinned else Message(", or {names}", ", ".join(VIEW))
     return Message("{word} means nothing here{name}; give what `mpm-lab run {problem} --help` names{more}",
                    _quoted(word), quoting.suggest_word(name, known), problem, more)

@@ -6,6 +6,7 @@ import re
 from collections.abc import Iterator
 from dataclasses import fields
 
+from solvers.judging.findings.constitutive_law import MEASURES
 from solvers.message import Message
 from solvers.problems import PROBLEMS
 from solvers.problems.planar.problem import PlanarProblem
@@ -74,5 +75,7 @@ def _registries() -> Iterator[Text]:
     for estimator in ESTIMATORS.values():
         texts = (estimator.summary, *estimator.refusals.values(), PROCESSOR_REASON)
         yield from ((text, f"{scene}/estimator_registry.py") for text in texts)
+    for words in MEASURES:
+        yield words, "solvers/judging/findings/constitutive_law.py"
     for rule in CONTRADICTIONS.values():
         yield rule.sentence, "solvers/solver/soundness.py"

@@ -175,7 +175,6 @@ def why_not_trusted(memory, growth):
                        growth)
     if numbers[ROUGH] > (SWING_FACTOR * MOST_SWING) ** 2 * numbers[SIZE]:
         return Message("not valid here: recovered's own reference is too rough (it swings from node to node by "
-                       "{numbers:.2g} times the error found, and may by {most:.2g}); take two or more particles per "
-                       "cell that move with the grid", np.sqrt(numbers[ROUGH] / numbers[SIZE]) / SWING_FACTOR,
-                       MOST_SWING)
+                       "{by:.2g} times the error found, and may by {most:.2g}); take two or more particles per cell "
+                       "that move with the grid", np.sqrt(numbers[ROUGH] / numbers[SIZE]) / SWING_FACTOR, MOST_SWING)
     return None

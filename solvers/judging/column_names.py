@@ -103,8 +103,7 @@ def build_table(path: str, named: dict[str, np.ndarray], time: float | None, cel
     lengths = {key: len(array) for key, array in columns.items()}
     if len(set(lengths.values())) > 1:
         told = joined(", ", (Message("{key} has {n}", key, n) for key, n in lengths.items()))
-        raise FileError(path, "has columns of several lengths ({told}); give a row for each particle in all of them",
-                        told)
+        raise FileError(path, "has columns of several lengths ({n}); give a row for each particle in all of them", told)
     if 0 in lengths.values():
         raise FileError(path, "holds no particles: its columns are empty; give a row for each particle in all of them")
     if not columns.keys() - {"mass", "volume"}:

@@ -189,8 +189,7 @@ def _check_directions(raw: RawTable, scene: Scene, D: int) -> None:
     """Refuse positions that reach in more directions than the problem has, or in fewer."""
     found = count_directions(raw)
     if found is not None and found != D and (found > D or len(raw.columns["x"]) > D):
-        more = Message("{found}, and the {problem} has {counts}", _directions_text(found), Message(scene.problem),
-                       COUNTS[D])
+        more = Message("{found}, and the {problem} has {n}", _directions_text(found), Message(scene.problem), COUNTS[D])
         wanted = Message("give {d} and nothing beyond" if found > D else
                          "give {d} of particles that are not all on one line", d=describe_columns("x", D))
         raise ParticleMismatch(raw.file, Message("has positions in {more}", more), wanted)

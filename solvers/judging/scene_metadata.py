@@ -65,8 +65,7 @@ def resolve_scene(files: list[RawTable], asked: Scene) -> tuple[Scene, list[str]
             if name == "cells" or value == now:
                 continue
             if name in by or now != getattr(default, name):
-                says = Message("{by} has", by[name]) if name in by else \
-                    Message("{flag} is", f"--{field_flag(name)}")
+                says = Message("{by} has", by[name]) if name in by else Message("--{flag} is", field_flag(name))
                 raise FileError(raw.file, "has {name} {value}, but {says} {now}; give the value of the run, or leave "
                                 "it out", field_label(name), _plain_value(value), says, _plain_value(now))
             taken[name] = value

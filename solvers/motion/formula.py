@@ -16,8 +16,7 @@ MOST_CHARACTERS, MOST_NODES, MOST_POWER = 400, 200, 12
 FUNCTIONS: Mapping[str, Callable[[Any], Any]] = {
     "sin": jets.sin, "cos": jets.cos, "exp": jets.exp, "log": jets.log, "sqrt": jets.sqrt}
 OPERATORS: Mapping[type, Callable[[Any, Any], Any]] = {
-    ast.Add: lambda a, b: a + b, ast.Sub: lambda a, b: a - b, ast.Mult: lambda a, b: a * b,
-    ast.Div: lambda a, b: a / b}
+    ast.Add: lambda a, b: a + b, ast.Sub: lambda a, b: a - b, ast.Mult: lambda a, b: a * b, ast.Div: lambda a, b: a / b}
 Formula = Callable[[Mapping[str, Any]], Any]  # of the values of its names
 
 

@@ -32,5 +32,4 @@ def rounding(scene: Scene, quantity: str, steps: Any) -> Any:
 
 def rounding_sentence(limit: float) -> str:
     """Why there is no index, where rounding may make errors up to ``limit``."""
-    return Message("nothing but rounding: the true error never exceeds {limit:.2g}, which rounding alone may make",
-                   limit)
+    return Message("nothing but rounding: the true error never exceeds {max:.2g}, which rounding alone may make", limit)

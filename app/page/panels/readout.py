@@ -38,8 +38,7 @@ HINTS = {
     lazy("mean stress"): lazy("over the undeformed body, ± twice the error by the estimator on the stage"),
     lazy("verdict"): lazy("a run is ok if its positions are ok; this quantity has a relative error near 1"),
     lazy("unseen"): lazy("what the verdict does not check"),
-    lazy("region"): lazy("mean and worst error of the particles in a rectangle that you drag on the stage"),
-}
+    lazy("region"): lazy("mean and worst error of the particles in a rectangle that you drag on the stage")}
 #: And of a column, or of several lines.
 NORM = lazy("root of the mean square over the particles, now")
 INDEX = lazy("error index: estimated over true, summed over the run so far; 1 is perfect")

@@ -86,7 +86,7 @@ def _candidates(scene: Scene, tracks: Tracks, sigma: np.ndarray, law: np.ndarray
                                                                                                    "transpose of F")
     if (np.linalg.det(tracks.own["F"]) != 0).all():
         for words, other in MEASURES.items():
-            yield sigma - other(tracks.own["F"], law), Message("it fits as {words}", words)
+            yield sigma - other(tracks.own["F"], law), Message("it fits as {words}", Message(words))
     factor = float(np.sum(sigma * law) / np.sum(law * law))
     yield sigma - factor * law, Message("it fits E = {factor:.4g} Pa, not {modulus:.4g} Pa", factor * scene.modulus,
                                         scene.modulus)
@@ -144,9 +144,7 @@ def _stress_measure(measure: Callable[[np.ndarray, np.ndarray, np.ndarray], np.n
 
 #: Other stresses that a code may have written, from F and the Cauchy stress.
 MEASURES: dict[str, Callable[[np.ndarray, np.ndarray], np.ndarray]] = {
-    Message("the stress with the other sign"): lambda F, sigma: -sigma,
-    Message("the Kirchhoff stress"): _stress_measure(lambda J, G, sigma: J * sigma),
-    Message("the first Piola-Kirchhoff stress"): _stress_measure(
-        lambda J, G, sigma: J * sigma @ np.swapaxes(G, -1, -2)),
-    Message("the second Piola-Kirchhoff stress"): _stress_measure(
-        lambda J, G, sigma: J * G @ sigma @ np.swapaxes(G, -1, -2))}
+    "the stress with the other sign": lambda F, sigma: -sigma,
+    "the Kirchhoff stress": _stress_measure(lambda J, G, sigma: J * sigma),
+    "the first Piola-Kirchhoff stress": _stress_measure(lambda J, G, sigma: J * sigma @ np.swapaxes(G, -1, -2)),
+    "the second Piola-Kirchhoff stress": _stress_measure(lambda J, G, sigma: J * G @ sigma @ np.swapaxes(G, -1, -2))}

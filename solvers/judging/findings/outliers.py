@@ -136,12 +136,11 @@ def outliers_finding(quantity: str, found: Outliers | None) -> Finding:
     worst = int(np.argmax(most.far))
     X = ", ".join(f"{c:.4g}" for c in most.frame.material_position[most.which[worst]])
     whose = {"x": Message("position"), "v": Message("velocity"), "sigma": Message("stress (or F)")}[quantity]
-    count = len(most.which)
     return Finding(NAMES[quantity], OFF, found.largest, found.limit, UNITS[quantity],
                    Message("the {whose} of {count:,} particle{count2} differs from the neighbours by up to {far:.3g} "
-                           "{quantity} at t = {time:.4g} s, most at particle {number} at X = {x}", whose, count,
-                           "s" * (count != 1), most.far[worst], UNITS[quantity], most.frame.time,
-                           int(most.frame.number[most.which[worst]]), X))
+                           "{quantity} at t = {time:.4g} s, most at particle {number} at X = {x}", whose,
+                           len(most.which), "s" * (len(most.which) != 1), most.far[worst], UNITS[quantity],
+                           most.frame.time, int(most.frame.number[most.which[worst]]), X))
 
 
 def check_masses(frame: Frame) -> Finding:

@@ -263,9 +263,8 @@ class BarScene(TypedMotionScene, Scene):
         """Frozen weights have nothing to correct: they see the material at rest, where it fills the grid evenly."""
         others = [name for name in self.remedies if name != FROZEN]
         if others:
-            raise SceneError("remedies", " ".join(self.remedies), "frozen-weights cannot be combined: {others} "
-                             "corrects errors of particles that move through the grid; leave one of the two out",
-                             others[0])
+            raise SceneError("remedies", " ".join(self.remedies), "frozen-weights cannot be combined: {name} corrects "
+                             "errors of particles that move through the grid; leave one of the two out", others[0])
         for name, value, plain in (("linearity_preserving", self.linearity_preserving, False),
                                    ("body_force", self.body_force == "node", False),
                                    ("velocity", self.velocity == "corners", False)):
