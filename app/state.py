@@ -21,7 +21,7 @@ from typing import Any
 from urllib.parse import unquote
 
 from app.words import MAGNIFICATIONS, QUANTITIES
-from solvers.message import Message, joined
+from solvers.message import Message, join
 from solvers.problems import PROBLEMS
 from solvers.scene.scene import LISTS, Scene
 from solvers.scene.validation import SceneError, key_field
@@ -76,7 +76,7 @@ def parse_state(text: str) -> State:
     problem, *rest = _words(text) or [""]
     if problem not in PROBLEMS:
         raise StateError("{problem} is no problem{problem2}; begin with {problems}", _quoted(problem),
-                         quoting.suggest_word(problem, PROBLEMS), joined(" or ", PROBLEMS))
+                         quoting.suggest_word(problem, PROBLEMS), join(" or ", PROBLEMS))
     cut = rest.index(PINNED) if PINNED in rest else len(rest)
     view: dict[str, Any] = {}
     scene = _scene(problem, [word for word in rest[:cut] if not _take(word, view)])

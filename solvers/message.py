@@ -51,7 +51,7 @@ class Message(str):
         return (self.template,), self.values
 
 
-def joined(joint: str, parts: Iterable[str]) -> str:
+def join(joint: str, parts: Iterable[str]) -> str:
     """The parts with a joint between them, as :meth:`str.join` does; "" where there are none."""
     text, *others = tuple(parts) or ("",)
     for part in others:

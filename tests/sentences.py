@@ -19,7 +19,7 @@ from solvers.solver.soundness import CONTRADICTIONS
 from tests.support.paths import ROOT
 
 #: Calls with a template, and which of their arguments it is.
-CALLS = {"Message": 0, "joined": 0, "FormulaError": 0, "StateError": 0, "partial": 1, "FileError": 1,
+CALLS = {"Message": 0, "join": 0, "FormulaError": 0, "StateError": 0, "partial": 1, "FileError": 1,
          "SceneError": 2}
 WORD = re.compile(r"[^\W\d_]{2,}")
 PLACE, FORMAT = re.compile(r"\{(\w+)\}"), re.compile(r"\{(?:\w+\.)*(\w+)(?::[^{}]*)?\}")

@@ -14,7 +14,7 @@ import numpy as np
 
 from solvers.judging.frames import RawTable
 from solvers.judging.scene_metadata import parse_scene_line
-from solvers.message import Message, joined
+from solvers.message import Message, join
 from solvers.untrusted.quoting import FileError, quote
 from solvers.untrusted.size_limits import LIMITS, Limits, check_name
 
@@ -102,7 +102,7 @@ def build_table(path: str, named: dict[str, np.ndarray], time: float | None, cel
         columns[key] = _join_components(path, key, pieces)
     lengths = {key: len(array) for key, array in columns.items()}
     if len(set(lengths.values())) > 1:
-        told = joined(", ", (Message("{key} has {n}", key, n) for key, n in lengths.items()))
+        told = join(", ", (Message("{key} has {n}", key, n) for key, n in lengths.items()))
         raise FileError(path, "has columns of several lengths ({n}); give a row for each particle in all of them", told)
     if 0 in lengths.values():
         raise FileError(path, "holds no particles: its columns are empty; give a row for each particle in all of them")

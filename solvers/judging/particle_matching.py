@@ -11,7 +11,7 @@ from solvers.estimators.standalone import longest_step
 from solvers.judging.column_names import describe_columns
 from solvers.judging.frames import Frame, GridRun, ParticleMismatch, RawTable, group_rows_by_time, row_times
 from solvers.judging.scene_metadata import HINT, resolve_scene, scene_of_metadata
-from solvers.message import Message, joined
+from solvers.message import Message, join
 from solvers.problems import PROBLEMS
 from solvers.problems.reference import ProblemReference
 from solvers.scene.scene import Scene
@@ -230,7 +230,7 @@ def _material_positions(raw: RawTable, scene: Scene, reference: ProblemReference
             reach = ", ".join(f"{a:.4g} to {b:.4g} m" for a, b in zip(low, high, strict=True))
             points = reference.start(scene).material_position
             sides = zip(reference.axes, points.min(axis=0), points.max(axis=0), strict=True)
-            begin = joined(" and ", (Message("{axis} from {a:.3g} to {b:.3g} m", axis.upper(), a, b)
+            begin = join(" and ", (Message("{axis} from {a:.3g} to {b:.3g} m", axis.upper(), a, b)
                                      for axis, a, b in sides))
             reason = Message("has {wrong:,} of {n:,} material positions outside the {problem} (they reach from "
                              "{reach}): its origin may be shifted", int(wrong.sum()), n, Message(scene.problem), reach)

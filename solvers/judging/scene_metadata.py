@@ -8,7 +8,7 @@ from dataclasses import fields, replace
 from typing import Any
 
 from solvers.judging.frames import ParticleMismatch, RawTable, SceneMetadata
-from solvers.message import Message, joined
+from solvers.message import Message, join
 from solvers.problems import PROBLEMS
 from solvers.problems.reference import METHOD_FIELDS
 from solvers.running.scene_text import FAMILY, HINT, parse_line, scene_from_inputs
@@ -76,7 +76,7 @@ def resolve_scene(files: list[RawTable], asked: Scene) -> tuple[Scene, list[str]
             except SceneError as error:
                 raise FileError(raw.file, "has a scene that contradicts the other settings: {error}; {hint}", error,
                                 HINT) from None
-            told = joined(", ", (Message("{name} {value}", field_label(name), _plain_value(value))
+            told = join(", ", (Message("{name} {value}", field_label(name), _plain_value(value))
                                  for name, value in taken.items()))
             notes.append(Message("judged with the scene of {file}: {told}", quote(raw.file), told))
     return settled_scene, notes

@@ -10,7 +10,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from solvers.message import Message, joined
+from solvers.message import Message, join
 from solvers.scene import estimator_registry
 from solvers.scene.scene import Scene
 from solvers.solver.error_norms import IGNORE_OVERFLOW, largest
@@ -68,7 +68,7 @@ def warning(found: Mapping[str, LargeRelativeError]) -> str | None:
     parts = [Message("the {quantity} is off by up to {size:.2g} times its own size, from t = {since:.4g} s on",
                      NOUNS[quantity], one.size, one.since)
              + Message(" (according to {by})", one.by) * (one.by != "truth") for quantity, one in found.items()]
-    return POSITIONS_HOLD + joined("; ", parts) if parts else None
+    return POSITIONS_HOLD + join("; ", parts) if parts else None
 
 
 def checked_by(scene: Scene, not_valid: Collection[str], balance: bool) -> dict[str, list[str]]:
@@ -94,12 +94,12 @@ def unchecked(scene: Scene, held: Mapping[str, list[str]]) -> str | None:
     alone = [NOUNS[q] for q in ("v", "sigma", "a") if not held[q] and (q != "a" or scene.has("acceleration"))]
     if alone:
         parts.append(Message("{alone} were not checked: switch on the effect truth or the estimator companion",
-                             joined(" and ", filter(None, (joined(", ", alone[:-1]), alone[-1])))))
+                             join(" and ", filter(None, (join(", ", alone[:-1]), alone[-1])))))
     apart = scene.sample_interval * scene.time_step / scene.period
     if apart > LONG_SAMPLE_INTERVAL and scene.sample_interval > 1:
         parts.append(Message("nothing was checked between two samples, {apart:.2g} periods apart: give a smaller "
                              "--sample-every", apart))
-    return joined("; ", parts) or None
+    return join("; ", parts) or None
 
 
 def motion_known(scene: Scene, series: Mapping[str, np.ndarray]) -> bool:

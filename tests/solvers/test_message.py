@@ -9,7 +9,7 @@ from types import SimpleNamespace
 
 import pytest
 
-from solvers.message import Message, from_json, joined, to_json
+from solvers.message import Message, from_json, join, to_json
 from solvers.scene.validation import SceneError
 from tests.sentences import CALLS
 from tests.support.paths import ROOT
@@ -41,8 +41,8 @@ def test_a_message_stays_one_on_its_way(through):
 def test_messages_are_put_together_as_texts_are():
     parts = "at first: " + NESTED + "; " + Message("leave it out")
     assert parts == f"at first: {NESTED}; leave it out" and isinstance(parts, Message)
-    assert joined(" or ", ("a", "b", "c")) == "a or b or c"
-    assert joined(" or ", ()) == "" and (NESTED + "") is NESTED * True and NESTED * False == ""
+    assert join(" or ", ("a", "b", "c")) == "a or b or c"
+    assert join(" or ", ()) == "" and (NESTED + "") is NESTED * True and NESTED * False == ""
 
 
 def test_an_error_is_a_message():
@@ -58,7 +58,7 @@ def test_every_template_has_as_many_values_as_places():
             match node:
                 case ast.Call(func=ast.Name(id=name), args=args, keywords=[]) if len(args) > CALLS.get(name, len(args)):
                     template, *values = args[CALLS[name]:]
-                    if values and name not in ("joined", "partial") and isinstance(template, ast.Constant):
+                    if values and name not in ("join", "partial") and isinstance(template, ast.Constant):
                         places = {place for _, place, _, _ in Formatter().parse(str(template.value)) if place}
                         wrong += [(path.name, node.lineno)] * (len(places) != len(values))
     assert wrong == []

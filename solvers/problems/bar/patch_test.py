@@ -17,7 +17,7 @@ from typing import Any
 
 import numpy as np
 
-from solvers.message import Message, joined
+from solvers.message import Message, join
 from solvers.scene.defaults import MOST_PER_CELL
 from solvers.scene.remedies import PIECES
 from solvers.scene.scene import Scene
@@ -60,7 +60,7 @@ def check_per_cell(cells: int, ppc: object) -> None:
         nearest = [f"{number / cells:.7g} ({number})" for number in (below, above)
                    if cells <= number <= MOST_PER_CELL * cells]
         raise SceneError("ppc", ppc, "{cells} cells would hold {count:.7g} particles, and they must be a whole number; "
-                         "give {nearest}, or other cells", cells, count, joined(" or ", nearest))
+                         "give {nearest}, or other cells", cells, count, join(" or ", nearest))
 
 
 def check_numbers(stretch: float, velocity: float) -> None:

@@ -10,7 +10,7 @@ from app.frame.captions import why_no_estimate
 from app.language.translation import translate_message, use_language
 from app.words import on_page, short_reason
 from solvers import BarScene, RingScene, SquareScene, VortexScene
-from solvers.message import Message, joined
+from solvers.message import Message, join
 from solvers.problems import PROBLEMS
 from solvers.scene.effects import EFFECTS
 from solvers.scene.scene import Scene
@@ -86,7 +86,7 @@ def test_what_stands_in_a_sentence_is_heard_too_and_names_stay():
         error = FileError("f.csv", "has no names in its first line; begin with a line such as id,x,vx")
         assert translate_message(Message("The file {name} {sentence}", name="f.csv", sentence=error.sentence)) \
             == "Die Datei f.csv hat keine Namen in ihrer ersten Zeile; fang mit einer Zeile wie id,x,vx an"
-        assert translate_message(joined(" and ", NOUNS.values())) == "Geschwindigkeit und Spannung und Beschleunigung"
+        assert translate_message(join(" and ", NOUNS.values())) == "Geschwindigkeit und Spannung und Beschleunigung"
 
 
 @pytest.mark.parametrize("sentence", ["", "nobody knows this", "so: is this; and, this (too)", "{} {name}", "x" * 5000])
