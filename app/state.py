@@ -21,6 +21,7 @@ from typing import Any
 from urllib.parse import unquote
 
 from app.words import MAGNIFICATIONS, QUANTITIES
+from solvers.message import Message, join
 from solvers.problems import PROBLEMS
 from solvers.scene.scene import LISTS, Scene
 from solvers.scene.validation import SceneError, key_field
@@ -28,14 +29,14 @@ from solvers.untrusted import number_parsing, quoting
 
 LONGEST = 2000  # characters
 PINNED = "pinned"
-YES, NO = ("yes", "true", "on", "1", ""), ("no", "false", "off", "0")
+YES, NO = ("yes", "true", "on", "1", ""), (Message("no"), "false", "off", "0")
 
 
 class StateError(ValueError):
     """Raised for an invalid state; the message names the word, what is wrong and what is allowed."""
 
-    def __init__(self, sentence: str):
-        super().__init__(quoting.one_line(sentence))
+    def __init__(self, sentence: str, /, *values: object):
+        super().__init__(quoting.one_line(Message(sentence, *values)))
 
 
 @dataclass(frozen=True)
@@ -70,21 +71,21 @@ def write_state(state: State) -> str:
 def parse_state(text: str) -> State:
     """Parses a state; raises :class:`StateError` if it is invalid."""
     if len(text) > LONGEST:
-        raise StateError(f"a scene of {len(text):,} characters is too long; at most {LONGEST:,} are allowed")
+        raise StateError("a scene of {text:,} characters is too long; at most {most:,} are allowed", len(text), LONGEST)
     problem, *rest = _words(text) or [""]
     if problem not in PROBLEMS:
-        raise StateError(f"{_quoted(problem)} is no problem{quoting.suggest_word(problem, PROBLEMS)}; begin with "
-                         f"{' or '.join(PROBLEMS)}")
+        raise StateError("{problem} is no problem{problem2}; begin with {problems}", _quoted(problem),
+                         quoting.suggest_word(problem, PROBLEMS), join(" or ", PROBLEMS))
     cut = rest.index(PINNED) if PINNED in rest else len(rest)
     view: dict[str, Any] = {}
     scene = _scene(problem, [word for word in rest[:cut] if not _take(word, view)])
     pinned = _scene(problem, rest[cut + 1:], of_pinned=True) if PINNED in rest else None
     state = State(scene, **view, pinned=pinned)
     if state.estimator is not None and state.estimator not in scene.estimators:
-        raise StateError(f"on-stage={_quoted(state.estimator)}: this estimator does not run; give one of "
-                         f"{', '.join(scene.estimators) or 'none, for none runs'}")
+        raise StateError("on-stage={estimator}: this estimator does not run; give one of {estimators}",
+                         _quoted(state.estimator), ", ".join(scene.estimators) or Message("none, for none runs"))
     if state.traced is not None and state.traced >= scene.particles:
-        raise StateError(f"trace={state.traced}: there are particles 0 to {scene.particles - 1}")
+        raise StateError("trace={traced}: there are particles 0 to {particles}", state.traced, scene.particles - 1)
     return state
 
 
@@ -123,25 +124,27 @@ def _scene(problem: str, words: list[str], of_pinned: bool = False) -> Scene:
     try:
         return kind(**given)
     except SceneError as error:
-        raise StateError(f"{_key(error.field)}={quoting.quote(_shown(error.value))}: {error.sentence}") from None
+        raise StateError("{given}: {sentence}", f"{_key(error.field)}={quoting.quote(_shown(error.value))}",
+                         error.sentence) from None
 
 
 def _unknown(problem: str, word: str, name: str, known: list[str], of_pinned: bool) -> str:
     """Returns why a word is not a field of the scene."""
     if name in ("problem", *PROBLEMS):
-        return f"{_quoted(word)}: the problem stands once, as the first word" + \
-            f"; the pinned run is of the {problem} too" * of_pinned
+        return Message("{word}: the problem stands once, as the first word", _quoted(word)) + \
+            Message("; the pinned run is of the {problem} too", Message(problem)) * of_pinned
     if name == PINNED:
-        return f"{_quoted(word)}: the word {PINNED} stands once, alone, before what differs in the pinned run"
+        return Message("{word}: the word pinned stands once, alone, before what differs in the pinned run",
+                       _quoted(word))
     if of_pinned and name in VIEW:
-        return f"{_quoted(word)} is of the view, which both runs share; give it before the word {PINNED}"
-    more = "" if of_pinned else f", or {', '.join(VIEW)}"
-    return f"{_quoted(word)} means nothing here{quoting.suggest_word(name, known)}; give what `mpm-lab run {problem} " \
-           f"--help` names{more}"
+        return Message("{word} is of the view, which both runs share; give it before the word pinned", _quoted(word))
+    more = "" if of_pinned else Message(", or {names}", ", ".join(VIEW))
+    return Message("{word} means nothing here{name}; give what `mpm-lab run {problem} --help` names{more}",
+                   _quoted(word), quoting.suggest_word(name, known), problem, more)
 
 
 def _twice(key: str) -> StateError:
-    return StateError(f"{key} is given twice; give it once")
+    return StateError("{key} is given twice; give it once", key)
 
 
 def _value(kind: type[Scene], f: Any, key: str, text: str) -> Any:
@@ -173,14 +176,14 @@ def _number(text: str) -> Any:
 
 def _yes_or_no(key: str, text: str) -> bool:
     if text not in (*YES, *NO):
-        raise StateError(f"{key}={_quoted(text)}: give yes or no")
+        raise StateError("{key}={text}: give yes or no", key, _quoted(text))
     return text in YES
 
 
 def _one_of(meanings: Mapping[str, Any]) -> Callable[[str, str], Any]:
     def read_one(key: str, text: str) -> Any:
         if text not in meanings:
-            raise StateError(f"{key}={_quoted(text)}: give one of {', '.join(meanings)}"
+            raise StateError(Message("{key}={text}: give one of {meanings}", key, _quoted(text), ", ".join(meanings))
                              + quoting.suggest_word(text, meanings))
         return meanings[text]
 
@@ -190,13 +193,13 @@ def _one_of(meanings: Mapping[str, Any]) -> Callable[[str, str], Any]:
 def _speed(key: str, text: str) -> float:
     value = _number(text)
     if isinstance(value, str) or value <= 0:
-        raise StateError(f"{key}={_quoted(text)}: give periods a second, above 0")
+        raise StateError("{key}={text}: give periods a second, above 0", key, _quoted(text))
     return float(value)
 
 
 def _particle(key: str, text: str) -> int:
     if (number := number_parsing.parse_count(text)) is None:
-        raise StateError(f"{key}={_quoted(text)}: give the number of a particle, 0 or more")
+        raise StateError("{key}={text}: give the number of a particle, 0 or more", key, _quoted(text))
     return number
 
 

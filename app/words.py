@@ -6,8 +6,7 @@ import re
 import shlex
 from dataclasses import dataclass, fields
 
-from app.language.message_translation import translate_message
-from app.language.translation import language_cache, lazy, tr, trn
+from app.language.translation import language_cache, lazy, tr, translate_message, trn
 from solvers.problems import PROBLEMS
 from solvers.scene import error_causes
 from solvers.scene.remedies import REMEDIES
@@ -133,14 +132,12 @@ def particles_per_cell(problem: str, ppc: float) -> str:
 
 
 def on_page(sentence: str) -> str:
-    """Translates a sentence of the solvers, and replaces flags, methods and remedies in it by the widgets' labels. It
-    translates first, as translations are looked up by the original sentence and contain flags too."""
+    """Translates a sentence of the solvers, and replaces flags, methods and remedies in it by the widgets' labels."""
     sentence = translate_message(sentence)
     for typed, shown in ((tr("--dt auto takes"), tr("the box \"Auto step\" takes")),
                          ("--velocity grid", tr("grid velocity")),
                          (tr("the right --cells and --ppc"), tr("the right cells and particles per cell")),
-                         (", cfl ", ", CFL "),
-                         (", or the flag --time with one time for each file", ""),
+                         (", cfl ", ", CFL "), (", or the flag --time with one time for each file", ""),
                          (", and --cells with one number for each file of several grids", "")):
         sentence = sentence.replace(typed, shown)
     labels = {remedy.name: tr("\"{name}\"", name=tr(remedy.label)) for remedy in REMEDIES.values()}

@@ -87,11 +87,8 @@ class LessonCheck:
                      for numbers in lesson.variants[:self.variants] for text in scene_texts(lesson, numbers)]
             outcomes.prepare(texts, lambda done, total: show(done / total))
             found = [check for lesson in lessons for check in check_lesson(lesson, outcomes, self.variants)]
-            found += [
-                check
-                for page in pages
-                for check in class_plans.check_class_page(page, catalogue.load_lessons(), outcomes)
-            ]
+            found += [check for page in pages
+                      for check in class_plans.check_class_page(page, catalogue.load_lessons(), outcomes)]
         failed = [check for check in found if not check.holds]
         for check in failed:
             print_message(check)

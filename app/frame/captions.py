@@ -6,8 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from app.frame.colour_scale import any_finite
-from app.language.message_translation import translate_message
-from app.language.translation import language_cache, lazy, tr
+from app.language.translation import language_cache, lazy, tr, translate_message
 from app.words import QUANTITIES
 from solvers.engine.engine_messages import FrameReport
 from solvers.engine.shared_frames import FrameArrays

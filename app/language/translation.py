@@ -16,6 +16,8 @@ from urllib.parse import parse_qs
 
 import polib
 
+from solvers.message import Message
+
 P = ParamSpec("P")
 T = TypeVar("T")
 
@@ -93,7 +95,7 @@ def with_language(work: Callable[P, T], code: str = "") -> Callable[P, T]:
     return spoken
 
 
-def tr(text: str, **values: Any) -> str:
+def tr(text: str, /, **values: Any) -> str:
     """Translates a text of the code into the current language; ``values`` replace its placeholders ``{name}``."""
     said = text if current_language() == ENGLISH else load_catalogue(current_language()).one(text)
     return said.format(**values) if values else said
@@ -101,12 +103,16 @@ def tr(text: str, **values: Any) -> str:
 
 def trn(one: str, many: str, count: float, **values: Any) -> str:
     """Translates the text that fits a count, which replaces ``{count}`` in both, into the current language."""
-    said = (
-        (one if count == 1 else many)
-        if current_language() == ENGLISH
-        else load_catalogue(current_language()).several(one, many, count)
-    )
-    return said.format(count=count, **values)
+    if current_language() == ENGLISH:
+        return (one if count == 1 else many).format(count=count, **values)
+    return load_catalogue(current_language()).several(one, many, count).format(count=count, **values)
+
+
+def translate_message(text: str) -> str:
+    """Translates a message of the solvers, and the messages among its values; names, numbers and quotes stay."""
+    if current_language() == ENGLISH or not isinstance(text, Message):
+        return text
+    return tr(text.template, **{name: translate_message(value) for name, value in text.values.items()})
 
 
 def lazy(text: str) -> str:

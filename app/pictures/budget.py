@@ -49,9 +49,8 @@ def draw_budget(panels: Sequence[Axes], series: Mapping[str, np.ndarray]) -> Non
         axes.plot(series["time"], error_rms(series, field), color=INK, linewidth=1.4)
         axes.axhline(0, color=INK, linewidth=0.6)
         most = largest_share(series, field)
-        axes.set_title(
-            f"Error of {field}, RMS" + (f": {CAUSES[most[0]]} made {format_percent(most[1])}" if most else "")
-        )
+        made = f": {CAUSES[most[0]]} made {format_percent(most[1])}" if most else ""
+        axes.set_title(f"Error of {field}, RMS{made}")
         axes.margins(x=0)
         if UNITS[field]:
             in_sizes(axes.yaxis, UNITS[field])

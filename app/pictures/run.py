@@ -77,8 +77,7 @@ def _title(result: Result) -> str:
         else motion_text(scene)
     first = (f"{scene.problem.capitalize()}, {method_name(scene.method)}{lp} · {scene.cells} cells "
              f"(h = {scene.spacing:.3g} m) · {particles_per_cell(scene.problem, scene.ppc)}"
-             f"{f' ({layout} layout)' if layout else ''}"
-             f" · {swing}")
+             f"{f' ({layout} layout)' if layout else ''} · {swing}")
     second = (f"E = {scene.modulus:g} Pa · density {scene.density:g} kg/m³ · cfl {scene.courant_number:.3g} · body "
               f"force {scene.body_force} · {result.steps:,} step{'s' * (result.steps != 1)} to t = {result.time:.4g} s")
     return "\n".join([first, second, *textwrap.wrap(result.reason or "", 130)])

@@ -2,8 +2,7 @@
 
 from dataclasses import replace
 
-from app.language.message_translation import translate_message
-from app.language.translation import lazy, tr
+from app.language.translation import lazy, tr, translate_message
 from app.problems import suggestion
 from app.problems.suggestion import Answer, NotNow, Offer, Ran, Suggestion, changed_state, suggest_breaking, work_ratio
 from app.state import State

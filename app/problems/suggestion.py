@@ -7,8 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from app.language.message_translation import translate_message
-from app.language.translation import lazy, tr
+from app.language.translation import lazy, tr, translate_message
 from app.state import State
 from app.words import QUANTITIES, format_factor, format_number, format_ratio
 from solvers.scene.validation import SceneError

@@ -111,11 +111,8 @@ def why_refused(message: bytes | str, find: Callable[[str], Any], who: str = "")
         return "a file that nobody has asked for" if box is None else box.take(part_of_file, said, who)
     if kind == "GuiUpdateMessage":
         widget = find(said["uuid"])
-        return (
-            "a widget that is not there"
-            if widget is None
-            else widgets.why_value_refused(widget, said["updates"]["value"])
-        )
+        return "a widget that is not there" if widget is None else \
+            widgets.why_value_refused(widget, said["updates"]["value"])
     return None
 
 

@@ -178,9 +178,8 @@ class AccessControl:
         """Returns the response to a request in the visitor's language; None for one that opens a websocket."""
         who, headers = self._who(connection), request.headers
         opens_socket = "websocket" in ",".join(headers.get_all("Upgrade")).lower()
-        refusal = (
-            FOREIGN_PAGE if has_stray_whitespace(connection.head) else self._addresses.refusal(headers, opens_socket)
-        )
+        refusal = FOREIGN_PAGE if has_stray_whitespace(connection.head) else \
+            self._addresses.refusal(headers, opens_socket)
         if refusal:
             self._refusals.note(refusal, who)
             return make_response(HTTPStatus.FORBIDDEN, refusal)

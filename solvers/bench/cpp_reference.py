@@ -44,9 +44,8 @@ class CppProgram:
                             str(self.path))
         if said.returncode:
             reasons = [line for line in said.stderr.splitlines() if "error" in line] or ["it failed"]
-            raise CppMissing(
-                f"the C++ of the {problem} does not compile: {reasons[0].rpartition('error')[2].strip(': ')}"
-            )
+            raise CppMissing(f"the C++ of the {problem} does not compile: "
+                             f"{reasons[0].rpartition('error')[2].strip(': ')}")
 
     def run(self, *arguments: object) -> tuple[float, float]:
         """Million particle-steps a second of the processor's time, the start not counted; and the largest error of x

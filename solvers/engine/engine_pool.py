@@ -14,6 +14,7 @@ from solvers.engine import shared_frames
 from solvers.engine.engine_messages import FRAME_SECONDS, FrameReport, Pace, SessionClosed, SessionRequest
 from solvers.engine.engine_process import CANNOT_START, EngineProcess, SessionListener
 from solvers.engine.shared_frames import FrameOptions
+from solvers.message import Message
 from solvers.scene.scene import Scene
 from solvers.workers.worker_process import adopt_orphans
 
@@ -169,7 +170,7 @@ class SessionLink:
         never came to work (``had_worked``) has not read the scene: that cannot be the cause."""
         self._deaths += had_worked
         if self._deaths > DEATHS_ALLOWED:
-            self.listener.on_error("the simulation process keeps ending with this scene; change a setting")
+            self.listener.on_error(Message("the simulation process keeps ending with this scene; change a setting"))
             return
         self.listener.on_engine_lost()
         with self._lock:

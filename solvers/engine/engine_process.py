@@ -18,6 +18,7 @@ from typing import Protocol
 from solvers.engine import engine_messages
 from solvers.engine.engine_messages import FrameReport, SessionClosed, SessionRequest
 from solvers.engine.shared_frames import FrameArrays
+from solvers.message import Message
 from solvers.scene.scene import Scene
 from solvers.workers import worker_process
 
@@ -25,7 +26,7 @@ FIRST_PAUSE = 0.5  # seconds before the next start when an engine dies before it
 LONGEST_PAUSE = 10.0
 FAILURES_ALLOWED = 6  # engines in a row that die before they are ready, until none is started any more
 REAP_SECONDS = 2.0  # seconds in which a process that is killed is gone
-CANNOT_START = "the simulation process cannot be started; see the terminal"
+CANNOT_START = Message("the simulation process cannot be started; see the terminal")
 
 
 class SessionListener(Protocol):

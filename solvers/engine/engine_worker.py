@@ -24,6 +24,7 @@ from solvers.engine.compiling_fork import CompilingFork
 from solvers.engine.engine_messages import FrameReport, SessionRequest
 from solvers.engine.session_stepper import BlockFreed, Stepper
 from solvers.kernels import runtime
+from solvers.message import Message
 from solvers.running.run import build
 from solvers.scene.kernel_options import kernel_key
 from solvers.scene.scene import Scene
@@ -33,8 +34,8 @@ IDLE_SECONDS = 0.5
 WISHES_SECONDS = 0.03  # of a round for new wishes, after which the next has to wait; a new scene takes some 10 ms
 TOGETHER_SECONDS = 0.006  # that a frame waits for others to go with, in a round of many sessions
 BACKGROUND_SHARE = 0.2  # seconds of each second in which what nobody waits for is compiled though frames come late
-NO_MEMORY = "this scene needs more memory than there is: choose fewer particles"
-FAILED = "the simulation of this scene failed; change a setting"
+NO_MEMORY = Message("this scene needs more memory than there is: choose fewer particles")
+FAILED = Message("the simulation of this scene failed; change a setting")
 
 
 def main(pipe: Connection, warm_up: Scene, usual: Sequence[Scene]) -> None:

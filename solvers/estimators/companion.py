@@ -27,6 +27,7 @@ import taichi as ti
 
 from solvers.estimators.spectral_elements import unresolved_size
 from solvers.kernels.dtypes import integers, reals, rows
+from solvers.message import Message
 from solvers.scene.estimator_hooks import EstimatorHooks
 
 STABLE = 2.4  # omega H up to which a sub-step is taken; Nystrom's method is stable up to 2.58, and damps from 1 on
@@ -172,9 +173,10 @@ def why_not_trusted(elements: np.ndarray, axes: tuple[int, ...], square: float) 
     square of the estimated error of x, in m^2.
     """
     if not np.all(np.isfinite(elements)):
-        return "not valid here: the companion solve itself has failed; choose a smaller amplitude or fewer periods"
+        return Message("not valid here: the companion solve itself has failed; choose a smaller amplitude or fewer "
+                       "periods")
     missed = max(float(np.sqrt(np.mean(np.sum(unresolved_size(elements, axis) ** 2, axis=-1)))) for axis in axes)
     if missed > MAX_ERROR_SHARE * np.sqrt(square):  # a run gone bad is as wrong as can be: then nothing is missed
-        return (f"not valid here: the companion solve itself may be {missed:.1g} m off, against an estimated error of "
-                f"{np.sqrt(square):.1g} m")
+        return Message("not valid here: the companion solve itself may be {missed:.1g} m off, against an estimated "
+                       "error of {square:.1g} m", missed, np.sqrt(square))
     return None

@@ -6,6 +6,7 @@ import taichi as ti
 
 from solvers.kernels.dtypes import integers, quads
 from solvers.kernels.packing import prefix_view
+from solvers.message import Message
 
 DAMPING = 0.4  # tau c/h of waves as short as the error grid; 0.8 is unstable on the ring
 #: Places in the estimators' numbers: the reference's time step, the damping's time, how far the reference has come, and
@@ -166,12 +167,14 @@ def why_not_trusted(memory, growth):
     """
     numbers = memory["recovered_numbers"]
     if not (np.isfinite(memory["recovered_nodes"]).all() and np.isfinite(numbers).all()):
-        return "not valid here: the recovered deformation turned inside out; take shorter steps or a smaller amplitude"
+        return Message("not valid here: the recovered deformation turned inside out; take shorter steps or a smaller "
+                       "amplitude")
     if not growth < MOST_GROWTH:
-        return (f"not valid here: recovered's own reference has grown to {growth:.2g} amplitudes, because its equation "
-                "of motion is unstable here; take more particles per cell or a smaller amplitude")
+        return Message("not valid here: recovered's own reference has grown to {growth:.2g} amplitudes, because its "
+                       "equation of motion is unstable here; take more particles per cell or a smaller amplitude",
+                       growth)
     if numbers[ROUGH] > (SWING_FACTOR * MOST_SWING) ** 2 * numbers[SIZE]:
-        return (f"not valid here: recovered's own reference is too rough (it swings from node to node by "
-                f"{np.sqrt(numbers[ROUGH] / numbers[SIZE]) / SWING_FACTOR:.2g} times the error found, and may by "
-                f"{MOST_SWING:.2g}); take two or more particles per cell that move with the grid")
+        return Message("not valid here: recovered's own reference is too rough (it swings from node to node by "
+                       "{by:.2g} times the error found, and may by {most:.2g}); take two or more particles per cell "
+                       "that move with the grid", np.sqrt(numbers[ROUGH] / numbers[SIZE]) / SWING_FACTOR, MOST_SWING)
     return None

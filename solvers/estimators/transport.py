@@ -1,5 +1,7 @@
 """What the paper's estimators of all problems share: when not to believe them."""
 
+from solvers.message import Message
+
 NOTHING = 1e-9  # of the motion's acceleration: rounding of second differences, which a real estimate is far above
 MOST = 100.0  # of the motion's acceleration, at the worst node; up to 60 were seen where the index was still below 2
 
@@ -8,8 +10,8 @@ def why_not_trusted(error: float, begun: bool, size: float) -> str | None:
     """Why not to trust it, or None. ``error`` is the largest estimated error of a at the nodes, in m/s^2, ``size`` that
     of the motion's own acceleration; a run that has not ``begun`` has none."""
     if begun and error < NOTHING * size:
-        return "not valid here: the terms of transport vanish for this mapping, so that its estimate is zero"
+        return Message("not valid here: the terms of transport vanish for this mapping, so that its estimate is zero")
     if begun and not error < MOST * size:  # true for NaN too
-        return (f"not valid here: transport's error of the acceleration is more than {MOST:g} times the acceleration "
-                "itself; it amplifies itself")
+        return Message("not valid here: transport's error of the acceleration is more than {most:g} times the "
+                       "acceleration itself; it amplifies itself", MOST)
     return None

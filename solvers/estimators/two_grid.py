@@ -34,6 +34,7 @@ import taichi as ti
 
 from solvers.kernels.dtypes import integers, pairs, real, reals
 from solvers.kernels.packing import prefix_view
+from solvers.message import Message
 from solvers.scene.kernel_options import KernelOptions
 from solvers.scene.scene import Scene
 
@@ -169,10 +170,10 @@ def coarse_run_verdict(scene: Scene, determinant: np.ndarray, displacement: np.n
         sound = np.all(determinant > CRUSHED_JACOBIAN) and np.all(np.abs(displacement) < farthest)  # False for NaN
         share = (1 + 1 / extrapolation_factor(scene)) * float(np.sqrt(largest[0])) / scene.motion_amplitude
     if not sound:
-        return "not valid here: the second run, with half the cells, went unstable"
+        return Message("not valid here: the second run, with half the cells, went unstable")
     if not share <= LOST_DISPLACEMENT:
-        return (f"not valid here: the second run, with half the cells, seems to be {share:.2g} of the amplitude off, "
-                "too far to extrapolate; take more cells or end earlier")
+        return Message("not valid here: the second run, with half the cells, seems to be {share:.2g} of the amplitude "
+                       "off, too far to extrapolate; take more cells or end earlier", share)
     return None
 
 

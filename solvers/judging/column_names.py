@@ -14,6 +14,7 @@ import numpy as np
 
 from solvers.judging.frames import RawTable
 from solvers.judging.scene_metadata import parse_scene_line
+from solvers.message import Message, join
 from solvers.untrusted.quoting import FileError, quote
 from solvers.untrusted.size_limits import LIMITS, Limits, check_name
 
@@ -87,27 +88,28 @@ def build_table(path: str, named: dict[str, np.ndarray], time: float | None, cel
             component = None  # a whole vector, called as its first component is
         if component is None and not (values.ndim == 1 and key in VECTORS + TENSORS):
             if key in columns:
-                raise FileError(path, f"has {key} twice, the second time as {quote(name)}; give it once")
+                raise FileError(path, "has {key} twice, the second time as {name}; give it once", key, quote(name))
             columns[key] = _reshape_array(path, key, name, values)
         else:
             where = component or ((0,) if key in VECTORS else (0, 0))
             if where in parts.setdefault(key, {}):
-                raise FileError(path, f"has the same component of {key} twice, the second time as {quote(name)}; "
-                                      "give it once")
+                raise FileError(path, "has the same component of {key} twice, the second time as {name}; give it once",
+                                key, quote(name))
             parts[key][where] = values
     for key, pieces in parts.items():
         if key in columns:
-            raise FileError(path, f"has {key} as a whole and in components; give one of the two")
+            raise FileError(path, "has {key} as a whole and in components; give one of the two", key)
         columns[key] = _join_components(path, key, pieces)
     lengths = {key: len(array) for key, array in columns.items()}
     if len(set(lengths.values())) > 1:
-        told = ", ".join(f"{key} has {n}" for key, n in lengths.items())
-        raise FileError(path, f"has columns of several lengths ({told}); give a row for each particle in all of them")
+        told = join(", ", (Message("{key} has {n}", key, n) for key, n in lengths.items()))
+        raise FileError(path, "has columns of several lengths ({n}); give a row for each particle in all of them", told)
     if 0 in lengths.values():
         raise FileError(path, "holds no particles: its columns are empty; give a row for each particle in all of them")
     if not columns.keys() - {"mass", "volume"}:
         some = ", ".join(quote(name, 30) for name in list(named)[:8]) or "nothing"
-        raise FileError(path, f"holds no particles that are known by name, but {some}; give columns such as id, x, vx")
+        raise FileError(path, "holds no particles that are known by name, but {some}; give columns such as id, x, vx",
+                        some)
     if "t" in columns:
         limits.check_times(path, len(np.unique(columns["t"])))
     return RawTable(path, columns, tuple(named), time, cells)
@@ -117,7 +119,8 @@ def _reshape_array(path: str, key: str, name: str, values: np.ndarray) -> np.nda
     """An array (n, ...) as (n,), (n, d) or (n, d, d)."""
     if key in SCALARS:
         if values.ndim != 1:
-            raise FileError(path, f"has {quote(name)} of the shape {values.shape}; give one number for each particle")
+            raise FileError(path, "has {name} of the shape {shape}; give one number for each particle", quote(name),
+                            values.shape)
         return values
     if key in VECTORS and values.ndim == 2 and values.shape[1] in (1, 2, 3):
         return values
@@ -129,8 +132,8 @@ def _reshape_array(path: str, key: str, name: str, values: np.ndarray) -> np.nda
             return values.reshape(-1, size, size)
         if values.ndim == 2 and values.shape[1] == 6 and key == "sigma":  # VTK's order: xx, yy, zz, xy, yz, xz
             return values[:, [0, 3, 5, 3, 1, 4, 5, 4, 2]].reshape(-1, 3, 3)
-    raise FileError(path, f"has {quote(name)} of the shape {values.shape}; give a row for each particle, with 1 "
-                          "to 3 numbers of a vector, and 1, 4 or 9 of a tensor, row by row")
+    raise FileError(path, "has {name} of the shape {shape}; give a row for each particle, with 1 to 3 numbers of a "
+                    "vector, and 1, 4 or 9 of a tensor, row by row", quote(name), values.shape)
 
 
 def _join_components(path: str, key: str, pieces: dict[tuple[int, ...], np.ndarray]) -> np.ndarray:
@@ -140,7 +143,7 @@ def _join_components(path: str, key: str, pieces: dict[tuple[int, ...], np.ndarr
     out, rows = np.full((n, size) if key in VECTORS else (n, size, size), np.nan), cast(Any, (slice(None),))
     for where, values in pieces.items():
         if values.shape != (n,):
-            raise FileError(path, f"has components of {key} of several lengths; give a number for each particle")
+            raise FileError(path, "has components of {key} of several lengths; give a number for each particle", key)
         out[rows + where] = values
         if key == "sigma" and where[::-1] not in pieces:
             out[rows + where[::-1]] = values
@@ -152,7 +155,7 @@ def _join_components(path: str, key: str, pieces: dict[tuple[int, ...], np.ndarr
             else out
     if missing:
         letters = "".join("xyz"[k] for k in missing[0])
-        raise FileError(path, f"has some components of {key} but not {letters}; give all of them or none")
+        raise FileError(path, "has some components of {key} but not {letters}; give all of them or none", key, letters)
     return out
 
 
@@ -167,7 +170,7 @@ def table_from_arrays(path: str, arrays: Mapping[str, np.ndarray], limits: Limit
     for name, array in arrays.items():
         check_name(path, name)
         if parse_name(name) and array.dtype.kind not in "iuf":
-            raise FileError(path, f"has no numbers in {quote(name)}; give numbers, real and not objects or texts")
+            raise FileError(path, "has no numbers in {name}; give numbers, real and not objects or texts", quote(name))
     scalars = {name: array.item() for name, array in arrays.items() if array.size == 1 and array.dtype.kind in "iuf"}
     cells = scalars.get("cells")
     times = next((arrays[name] for name in arrays if _quantity_key(name) == "t"), None)
@@ -196,8 +199,8 @@ def _flatten_times(path: str, many: dict[str, np.ndarray], times: np.ndarray, li
     place = next(array for name, array in many.items() if _quantity_key(name) == "x")
     P = place.shape[1] if place.ndim > 1 else 0
     if len(place) != T or P == 0:
-        raise FileError(path, f"has {T} times and positions of the shape {place.shape}; give positions of the shape "
-                              "(times, particles, dimensions)")
+        raise FileError(path, "has {t} times and positions of the shape {shape}; give positions of the shape (times, "
+                        "particles, dimensions)", T, place.shape)
     limits.check_times(path, T)
     limits.check_rows(path, T * P)
     shapes = (array.shape[2 if array.shape[:2] == (T, P) else 1:] for array in many.values())  # in a row
@@ -211,8 +214,8 @@ def _flatten_times(path: str, many: dict[str, np.ndarray], times: np.ndarray, li
         elif len(array) == P and _quantity_key(name) in ("id", "X", "mass", "volume"):
             rows[name] = np.tile(array, (T,) + (1,) * (array.ndim - 1))
         else:
-            raise FileError(path, f"has {quote(name)} of the shape {array.shape} beside {T} times of {P} particles; "
-                                  f"give ({T}, {P}, ...)")
+            raise FileError(path, "has {name} of the shape {shape} beside {t} times of {p} particles; give ({t}, {p}, "
+                            "...)", quote(name), array.shape, T, P)
     return rows
 
 
@@ -222,5 +225,5 @@ def _quantity_key(name: str) -> str:
 
 def check_cell_count(path: str, value: float | None) -> int | None:
     if value is not None and not float(value).is_integer():
-        raise FileError(path, f"states {value} cells; give a whole number")
+        raise FileError(path, "states {value} cells; give a whole number", value)
     return None if value is None else int(value)

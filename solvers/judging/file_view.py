@@ -26,6 +26,7 @@ from solvers.judging.frames import Frame, GridRun, ParticleMismatch
 from solvers.judging.judgement import GridJudgement
 from solvers.judging.particle_matching import match_files, scene_of_file
 from solvers.judging.particle_readers import read_file
+from solvers.message import Message
 from solvers.problems import PROBLEMS
 from solvers.scene.scene import Scene
 from solvers.scene.validation import SceneError
@@ -36,9 +37,9 @@ from solvers.untrusted.size_limits import Limits
 
 #: Of a file, so that a page can show it.
 LIMITS = Limits(bytes=400_000_000, columns=1000, rows=2_000_000, numbers=25_000_000, times=2000,
-                otherwise=", or judge it with `mpm-lab judge`")
+                otherwise=Message(", or judge it with `mpm-lab judge`"))
 MEMORY = 3_000_000_000  # bytes that the process may ask for
-TOO_LARGE = "needs more memory than a page gives it; give fewer times, or judge it with `mpm-lab judge`"
+TOO_LARGE = Message("needs more memory than a page gives it; give fewer times, or judge it with `mpm-lab judge`")
 
 
 @dataclass(frozen=True)
@@ -90,13 +91,13 @@ def judge_in_worker(question: dict, tell: Callable[[dict], None]) -> None:
         if misfit.problems:
             tell({"asks": {"reason": misfit.reason, "problems": list(misfit.problems)}})
         else:
-            tell({"refused": f"The file {asked.name} {misfit.sentence}"})
+            tell({"refused": Message("The file {name} {sentence}", asked.name, misfit.sentence)})
     except FileError as error:
-        tell({"refused": f"The file {asked.name} {error.sentence}"})
+        tell({"refused": Message("The file {name} {sentence}", asked.name, error.sentence)})
     except SceneError as error:
-        tell({"refused": f"The file {asked.name} cannot be judged with these settings: {error}"})
+        tell({"refused": Message("The file {name} cannot be judged with these settings: {error}", asked.name, error)})
     except MemoryError:
-        tell({"refused": f"The file {asked.name} {TOO_LARGE}"})
+        tell({"refused": Message("The file {name} {too_large}", asked.name, TOO_LARGE)})
 
 
 def _judge_file(asked: ShowRequest, tell: Callable[[dict], None]) -> None:
@@ -107,8 +108,8 @@ def _judge_file(asked: ShowRequest, tell: Callable[[dict], None]) -> None:
     own = replace(scene, cells=grid.cells)
     most = max(own.particles, *(len(frame.number) for frame in grid.frames))
     if most > asked.most:
-        raise FileError(asked.name, f"belongs to {most:,} particles, too many to watch; give at most {asked.most:,} at "
-                                    "a time, or judge it with `mpm-lab judge`")
+        raise FileError(asked.name, "belongs to {most:,} particles, too many to watch; give at most {most2:,} at a "
+                        "time, or judge it with `mpm-lab judge`", most, asked.most)
     judged = GridJudgement(own, grid, Companions(own, tuple(grid.times.tolist())))
     judged.check()  # where no truth is known only the companion can tell whether the origin is right
     true = judged.true

@@ -7,6 +7,7 @@ from typing import Any
 
 import numpy as np
 
+from solvers.message import Message, join
 from solvers.untrusted import quoting
 from solvers.untrusted.quoting import FileError
 
@@ -17,8 +18,9 @@ class ParticleMismatch(FileError):
 
     def __init__(self, file: str, reason: str, allowed: str, problems: tuple[str, ...] = ()):
         self.reason, self.allowed, self.problems = quoting.one_line(reason), allowed, problems
-        fits = f"it fits {' or '.join(f'`mpm-lab judge {problem}`' for problem in problems)}" if problems else allowed
-        super().__init__(file, f"{reason}; {fits}")
+        commands = join(" or ", (f"`mpm-lab judge {problem}`" for problem in problems))
+        super().__init__(file, "{reason}; {fits}", reason,
+                         Message("it fits {commands}", commands) if problems else allowed)
 
 
 @dataclass(frozen=True)
@@ -82,8 +84,8 @@ def row_times(raw: RawTable, given: float | None) -> np.ndarray:
     """The time of each row, from the column, the file or the flag, which must not contradict each other."""
     n = len(next(iter(raw.columns.values())))
     column = raw.columns.get("t")
-    said: list[tuple[str, Any]] = [("its column t", column)] if column is not None else []
-    said += [("the file itself", raw.time)] if raw.time is not None else []
+    said: list[tuple[str, Any]] = [(Message("its column t"), column)] if column is not None else []
+    said += [(Message("the file itself"), raw.time)] if raw.time is not None else []
     said += [("--time", given)] if given is not None else []
     if not said:
         raise FileError(raw.file, "has no time; give a column t, or # t = ... in a .csv, t in a .npz, TimeValue in "
@@ -91,11 +93,11 @@ def row_times(raw: RawTable, given: float | None) -> np.ndarray:
     first = np.broadcast_to(np.asarray(said[0][1], float), (n,))
     for name, value in said[1:]:
         if not np.all(np.abs(first - np.asarray(value)) <= 1e-9 * np.maximum(np.abs(first), 1e-300)):
-            raise FileError(raw.file, f"has times that do not match: {said[0][0]} has {first[0]:g} s and {name} has "
-                                      f"{float(np.ravel(value)[0]):g} s; give one of the two")
+            raise FileError(raw.file, "has times that do not match: {said} has {first:g} s and {name} has {value:g} s; "
+                            "give one of the two", said[0][0], first[0], name, float(np.ravel(value)[0]))
     if not np.isfinite(first).all() or (first < 0).any():
         bad = first[~(np.isfinite(first) & (first >= 0))][0]
-        raise FileError(raw.file, f"has the time {bad:g}; give seconds from 0 on")
+        raise FileError(raw.file, "has the time {bad:g}; give seconds from 0 on", bad)
     return first
 
 

@@ -19,6 +19,7 @@ from solvers.judging.findings.outliers import Deviation
 from solvers.judging.frames import GridRun
 from solvers.judging.particle_matching import SAME, check_origin, match_files
 from solvers.judging.particle_readers import Particles, as_list, read_all
+from solvers.message import Message
 from solvers.scene.scene import Scene
 from solvers.scene.validation import SceneError
 from solvers.solver.error_norms import finite
@@ -108,12 +109,12 @@ class GridJudgement:
         """Sentences about what was found in the files."""
         missing = [q for q in QUANTITIES if any(q not in e for e in self.best)]
         wrong = [one.says for one in self.checks if one.is_contradiction and one.name != BY_PLACE]
-        return [*self.grid.notes, *(f"no {NAMES[q]} in the files (or not at every time), so it is not judged"
+        return [*self.grid.notes, *(Message("no {q} in the files (or not at every time), so it is not judged", NAMES[q])
                                     for q in missing), *wrong]
 
 
 BY_PLACE = outliers.NAMES["x"]  # which is told in its own words
-NAMES = {"x": "position", "v": "velocity", "sigma": "stress (nor F)"}
+NAMES = {"x": Message("position"), "v": Message("velocity"), "sigma": Message("stress (nor F)")}
 
 
 @dataclass(frozen=True)
@@ -188,8 +189,8 @@ def judge(scene: Scene, files: Particles | Sequence[Particles], *, cells: Sequen
     sources = as_list(files)
     for name, given, counts in (("cells", cells, {1, len(sources)}), ("time", times, {len(sources)})):
         if given and len(given) not in counts:
-            raise SceneError(name, " ".join(map(str, given)), f"is {len(given)} numbers for {len(sources)} files; give "
-                             "one for each")
+            raise SceneError(name, " ".join(map(str, given)), "is {given} numbers for {sources} files; give one for "
+                             "each", len(given), len(sources))
     scene, found = match_files(read_all(sources), scene, cells or [scene.cells], times)
     companions = Companions(scene, tuple(sorted({frame.time for grid in found for frame in grid.frames})))
     judged: list[GridJudgement] = []

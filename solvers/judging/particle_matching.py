@@ -11,6 +11,7 @@ from solvers.estimators.standalone import longest_step
 from solvers.judging.column_names import describe_columns
 from solvers.judging.frames import Frame, GridRun, ParticleMismatch, RawTable, group_rows_by_time, row_times
 from solvers.judging.scene_metadata import HINT, resolve_scene, scene_of_metadata
+from solvers.message import Message, join
 from solvers.problems import PROBLEMS
 from solvers.problems.reference import ProblemReference
 from solvers.scene.scene import Scene
@@ -23,7 +24,7 @@ SURE = 0.5  # of a cell: at the time 0 particles that are farther from where the
 MOST_STEPS = {1: 400_000, 2: 60_000}  # of the companion, by directions: a minute or two; 680 periods of the bar
 LARGEST, LARGEST_ID = 1e100, 2.0**53  # of what a particle may have; beyond, squares are no numbers, and ids not exact
 MOST_TRIED = 400  # cells of a grid that is looked for
-COUNTS = ("no", "one", "two", "three")
+COUNTS = (Message("no"), Message("one"), Message("two"), Message("three"))
 RIGID = 10.0  # times the rest of the error: from there on a shift is that of an origin, and no error of a method
 
 
@@ -62,7 +63,7 @@ def _resolve_scene(files: list[RawTable], asked: Scene) -> tuple[Scene, list[str
         raw = next(raw for raw in files if raw.file == misfit.file)
         if _fits_scene(raw, scene_of_metadata(raw.file, raw.said), ()):  # type: ignore[arg-type]  # it says one
             raise
-        raise FileError(raw.file, f"{misfit.reason}, and its particles are not; {HINT}") from None
+        raise FileError(raw.file, "{reason}, and its particles are not; {hint}", misfit.reason, HINT) from None
 
 
 def _suggest_problems(misfit: ParticleMismatch, raw: RawTable, asked: Scene,
@@ -76,7 +77,8 @@ def _suggest_problems(misfit: ParticleMismatch, raw: RawTable, asked: Scene,
                        if name != asked.problem and len(problem.reference.axes) == count_directions(raw))
     if raw.said is None:
         return ParticleMismatch(misfit.file, misfit.reason, misfit.allowed, others)
-    return ParticleMismatch(misfit.file, f"is a file of the {asked.problem}, and {misfit.reason}", HINT, others)
+    return ParticleMismatch(misfit.file, Message("is a file of the {problem}, and {reason}", Message(asked.problem),
+                                                 misfit.reason), HINT, others)
 
 
 def _usual(problem: str, cells: int) -> Iterator[Scene]:
@@ -105,13 +107,14 @@ def match_grids(files: Sequence[RawTable], scene: Scene, cells: Sequence[int], t
     for k, raw in enumerate(files):
         asked = (cells or [scene.cells])[k if len(cells) > 1 else 0]
         if raw.cells not in (None, asked) and asked != type(scene)().cells:
-            raise FileError(raw.file, f"states {raw.cells} cells, but --cells is {asked}; give the value of the run, "
-                                      "or leave it out")
+            raise FileError(raw.file, "states {cells} cells, but --cells is {asked}; give the value of the run, or "
+                            "leave it out", raw.cells, asked)
         count = asked if raw.cells is None else raw.cells
         try:
             own = replace(scene, cells=count)
         except SceneError as error:
-            raise FileError(raw.file, f"belongs to a grid of {quote(count)} cells, which cannot be: {error}") from None
+            raise FileError(raw.file, "belongs to a grid of {count} cells, which cannot be: {error}", quote(count),
+                            error) from None
         found, said = _match_frames(raw, own, reference, times[k] if times else None)
         frames.setdefault(count, []).extend(found)
         notes.setdefault(count, []).extend(said)
@@ -125,11 +128,11 @@ def _match_frames(raw: RawTable, scene: Scene, reference: ProblemReference,
     """A file's particles, time by time, and what is to be noted of them."""
     D, columns = len(reference.axes), raw.columns
     if "x" not in columns:
-        raise FileError(raw.file, f"has no positions ({describe_columns('x', D)} or position); its columns are "
-                                  f"{', '.join(quote(name, 20) for name in raw.names[:12])}")
+        raise FileError(raw.file, "has no positions ({d} or position); its columns are {name}",
+                        describe_columns("x", D), ", ".join(quote(name, 20) for name in raw.names[:12]))
     if "id" not in columns and "X" not in columns:
         raise FileError(raw.file, "does not identify its particles: give id, from 0 in the order of `mpm-lab problem`, "
-                                  f"or the material position ({describe_columns('X', D)})")
+                        "or the material position ({d})", describe_columns("X", D))
     times = row_times(raw, given)
     check_length(raw.file, scene, float(times.max()))
     whole: dict[str, np.ndarray] = {key: _drop_directions(raw, key, scene, D)
@@ -142,7 +145,7 @@ def _match_frames(raw: RawTable, scene: Scene, reference: ProblemReference,
     X, number = _material_positions(raw, scene, reference, whole.get("X"))
     moved = reference.unwrap_positions(scene, X, x, times)
     if (turned := int((moved != x).any(axis=1).sum())) > 0:
-        notes.append(f"{turned:,} positions were moved back by a period of the grid")
+        notes.append(Message("{turned:,} positions were moved back by a period of the grid", turned))
     found = []
     for at in group_rows_by_time(times):
         part = {key: values[at] for key, values in whole.items()}
@@ -153,10 +156,10 @@ def _match_frames(raw: RawTable, scene: Scene, reference: ProblemReference,
         if "X" not in columns and frame.time == 0:
             off = np.sum((frame.position - frame.material_position) ** 2, axis=1)
             if (far := float(np.sqrt(np.mean(off)))) > SURE * scene.spacing:
-                raise ParticleMismatch(
-                    frame.file,
-                    f"has particles at t = 0 that are {far:.3g} m off the initial positions of the {scene.problem}",
-                    "give ids in the order of `mpm-lab problem`, the right --cells and --ppc, or material positions")
+                reason = Message("has particles at t = 0 that are {far:.3g} m off the initial positions of the "
+                                 "{problem}", far, Message(scene.problem))
+                raise ParticleMismatch(frame.file, reason, Message(
+                    "give ids in the order of `mpm-lab problem`, the right --cells and --ppc, or material positions"))
         found.append(frame)
     return found, notes
 
@@ -166,9 +169,9 @@ def check_length(file: str, scene: Scene, time: float) -> None:
     a_step = longest_step(PROBLEMS[scene.problem].reference.companion(scene, True))
     most = MOST_STEPS[scene.DIMENSIONS]
     if not time <= most * a_step:
-        raise FileError(file, f"has the time {time:.6g} s, to which the companion that it is compared with takes "
-                              f"{time / a_step:.3g} steps; at most {most:,} are allowed, so give times up to "
-                              f"{most * a_step:.4g} s")
+        raise FileError(file, "has the time {time:.6g} s, to which the companion that it is compared with takes "
+                        "{time2:.3g} steps; at most {most:,} are allowed, so give times up to {most2:.4g} s", time,
+                        time / a_step, most, most * a_step)
 
 
 def _drop_directions(raw: RawTable, key: str, scene: Scene, D: int) -> np.ndarray:
@@ -176,9 +179,9 @@ def _drop_directions(raw: RawTable, key: str, scene: Scene, D: int) -> np.ndarra
     values = raw.columns[key]
     size = values.shape[1]
     if size < D:
-        raise ParticleMismatch(raw.file,
-                               f"has {key} in {_directions_text(size)}, and the {scene.problem} has {COUNTS[D]}",
-                     f"give {describe_columns(key, D)}")
+        reason = Message("has {key} in {size}, and the {problem} has {counts}", key, _directions_text(size),
+                         Message(scene.problem), COUNTS[D])
+        raise ParticleMismatch(raw.file, reason, Message("give {key}", describe_columns(key, D)))
     return values[:, :D] if values.ndim == 2 else values[:, :D, :D]
 
 
@@ -186,10 +189,10 @@ def _check_directions(raw: RawTable, scene: Scene, D: int) -> None:
     """Refuse positions that reach in more directions than the problem has, or in fewer."""
     found = count_directions(raw)
     if found is not None and found != D and (found > D or len(raw.columns["x"]) > D):
-        more = f"{_directions_text(found)}, and the {scene.problem} has {COUNTS[D]}"
-        raise ParticleMismatch(raw.file, f"has positions in {more}",
-                               f"give {describe_columns('x', D)} and nothing beyond"
-                     if found > D else f"give {describe_columns('x', D)} of particles that are not all on one line")
+        more = Message("{found}, and the {problem} has {n}", _directions_text(found), Message(scene.problem), COUNTS[D])
+        wanted = Message("give {d} and nothing beyond" if found > D else
+                         "give {d} of particles that are not all on one line", d=describe_columns("x", D))
+        raise ParticleMismatch(raw.file, Message("has positions in {more}", more), wanted)
 
 
 def count_directions(raw: RawTable) -> int | None:
@@ -200,17 +203,18 @@ def count_directions(raw: RawTable) -> int | None:
 
 
 def _directions_text(count: int) -> str:
-    return f"{COUNTS[count]} direction{'s' * (count != 1)}"
+    return Message("{count} direction{count2}", COUNTS[count], "s" * (count != 1))
 
 
 def _check_finite(raw: RawTable, key: str, values: np.ndarray, times: np.ndarray) -> None:
     bad = ~(np.abs(values.reshape(len(values), -1)) < LARGEST).all(axis=1)
     if bad.any():
         row = int(np.argmax(bad))
-        who = f"particle {raw.columns['id'][row]:g}" if "id" in raw.columns else f"row {row + 1}"
-        what = f"beyond {LARGEST:g}" if np.isfinite(values[bad]).all() else "no number"
-        raise FileError(raw.file, f"has {int(bad.sum()):,} rows whose {key} is {what}, first {who} at t = "
-                                  f"{times[row]:g} s; leave times out at which the run had gone bad")
+        who = Message("particle {columns:g}", raw.columns["id"][row]) if "id" in raw.columns else \
+            Message("row {row}", row + 1)
+        what = Message("beyond {most:g}", LARGEST) if np.isfinite(values[bad]).all() else Message("no number")
+        raise FileError(raw.file, "has {bad:,} rows whose {key} is {what}, first {who} at t = {times:g} s; leave times "
+                        "out at which the run had gone bad", int(bad.sum()), key, what, who, times[row])
 
 
 def _material_positions(raw: RawTable, scene: Scene, reference: ProblemReference,
@@ -225,24 +229,25 @@ def _material_positions(raw: RawTable, scene: Scene, reference: ProblemReference
             low, high = X.min(axis=0), X.max(axis=0)
             reach = ", ".join(f"{a:.4g} to {b:.4g} m" for a, b in zip(low, high, strict=True))
             points = reference.start(scene).material_position
-            begin = " and ".join(f"{axis.upper()} from {a:.3g} to {b:.3g} m" for axis, a, b in zip(
-                reference.axes, points.min(axis=0), points.max(axis=0), strict=True))
-            raise ParticleMismatch(raw.file, f"has {int(wrong.sum()):,} of {n:,} material positions outside the "
-                                   f"{scene.problem} (they reach from {reach}): its origin may be shifted",
-                                   f"particles begin at {begin}")
+            sides = zip(reference.axes, points.min(axis=0), points.max(axis=0), strict=True)
+            begin = join(" and ", (Message("{axis} from {a:.3g} to {b:.3g} m", axis.upper(), a, b)
+                                     for axis, a, b in sides))
+            reason = Message("has {wrong:,} of {n:,} material positions outside the {problem} (they reach from "
+                             "{reach}): its origin may be shifted", int(wrong.sum()), n, Message(scene.problem), reach)
+            raise ParticleMismatch(raw.file, reason, Message("particles begin at {begin}", begin))
         return X, np.arange(n) if ids is None else ids.astype(int)
     assert ids is not None
     start, number = reference.start(scene), ids.astype(int)
     count = len(start.volume)
     fitting = _fitting_cells(scene, number)
     if fitting or number.min() < 0 or number.max() >= count:
-        reason = f"has ids from {number.min()} to {number.max()}, and {scene.cells} cells with {scene.ppc:g} " \
-                 f"particles each way have 0 to {count - 1}"
+        reason = Message("has ids from {number} to {number2}, and {cells} cells with {ppc:g} particles each way have 0 "
+                         "to {count}", number.min(), number.max(), scene.cells, scene.ppc, count - 1)
         if fitting:
-            raise FileError(raw.file, f"{reason}; give the right --cells and --ppc (so many are those of {fitting} "
-                                      "cells), or material positions")
-        raise ParticleMismatch(raw.file, reason,
-                               "give those of `mpm-lab problem`, the right --cells and --ppc, or material positions")
+            raise FileError(raw.file, "{reason}; give the right --cells and --ppc (so many are those of {fitting} "
+                            "cells), or material positions", reason, fitting)
+        raise ParticleMismatch(raw.file, reason, Message(
+            "give those of `mpm-lab problem`, the right --cells and --ppc, or material positions"))
     return start.material_position[number], number
 
 
@@ -261,22 +266,22 @@ def _fitting_cells(scene: Scene, number: np.ndarray) -> int:
 def _check_once(frame: Frame) -> None:
     number, counts = np.unique(frame.number, return_counts=True)
     if counts.max() > 1:
-        raise FileError(frame.file, f"has particle {number[np.argmax(counts)]} {counts.max()} times at t = "
-                                    f"{frame.time:g} s; give each once at each time")
+        raise FileError(frame.file, "has particle {number} {counts} times at t = {time:g} s; give each once at each "
+                        "time", number[np.argmax(counts)], counts.max(), frame.time)
     _, first, counts = np.unique(frame.material_position, axis=0, return_index=True, return_counts=True)
     if counts.max() > 1:
         place = ", ".join(f"{c:.6g}" for c in frame.material_position[first[np.argmax(counts)]])
-        raise FileError(frame.file, f"has {counts.max()} particles with the material position {place} at t = "
-                                    f"{frame.time:g} s; give each its own")
+        raise FileError(frame.file, "has {counts} particles with the material position {place} at t = {time:g} s; give "
+                        "each its own", counts.max(), place, frame.time)
 
 
 def _sort_frames(frames: list[Frame], scene: Scene) -> tuple[Frame, ...]:
     frames = sorted(frames, key=lambda frame: frame.time)
     for one, other in itertools.pairwise(frames):
         if other.time - one.time <= SAME * scene.period:
-            raise FileError(other.file, f"has the time {other.time:g} s, which {quote(one.file)} has too, on one "
-                                        "grid; give each time of a grid once, and --cells with one number for each "
-                                        "file of several grids")
+            raise FileError(other.file, "has the time {time:g} s, which {file} has too, on one grid; give each time of "
+                            "a grid once, and --cells with one number for each file of several grids", other.time,
+                            quote(one.file))
     return tuple(frames)
 
 
@@ -287,5 +292,5 @@ def check_origin(frame: Frame, error: np.ndarray, scene: Scene) -> None:
     rest = float(np.sqrt(np.mean(np.sum((error - mean) ** 2, axis=1))))
     if np.linalg.norm(mean) > max(scene.spacing, RIGID * rest):
         told = ", ".join(f"{c:.4g}" for c in mean)
-        raise FileError(frame.file, f"has all positions shifted by {told} m at t = {frame.time:g} s: its origin is "
-                                    "another; give positions from the same origin as the material positions")
+        raise FileError(frame.file, "has all positions shifted by {told} m at t = {time:g} s: its origin is another; "
+                        "give positions from the same origin as the material positions", told, frame.time)

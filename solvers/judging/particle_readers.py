@@ -14,6 +14,7 @@ from solvers.judging.frames import RawTable
 from solvers.judging.vtk_common import NotVTK, PointData
 from solvers.judging.vtk_legacy import LegacyReader
 from solvers.judging.vtk_xml import XmlReader
+from solvers.message import Message
 from solvers.scene.validation import SceneError
 from solvers.untrusted import number_parsing
 from solvers.untrusted.npz_reader import read_arrays
@@ -44,11 +45,12 @@ def read_all(files: Particles | Sequence[Particles]) -> list[RawTable]:
     left, found = LIMITS, list[RawTable]()
     for k, source in enumerate(as_list(files)):
         if isinstance(source, Mapping):
-            name = f"arrays {k + 1}"
+            name = Message("arrays {k}", k + 1)
             try:
                 raw = table_from_arrays(name, {key: np.asarray(array) for key, array in source.items()}, left)
             except ValueError as error:
-                raise error if isinstance(error, FileError) else FileError(name, f"are no arrays: {error}") from None
+                raise error if isinstance(error, FileError) else \
+                    FileError(name, "are no arrays: {error}", error) from None
         else:
             raw = source if isinstance(source, RawTable) else read_file(os.fspath(source), left)
         found.append(raw)
@@ -73,11 +75,11 @@ def read_file(path: str, limits: Limits = LIMITS) -> RawTable:
     """
     kind = Path(path).suffix.lower()
     if kind not in KINDS:
-        raise FileError(path, f"is of no kind that is known; give a file that ends in {', '.join(KINDS)}")
+        raise FileError(path, "is of no kind that is known; give a file that ends in {kinds}", ", ".join(KINDS))
     try:
         size = os.stat(path).st_size
         if not os.path.isfile(path):
-            raise FileError(path, f"is not a file; give files that end in {', '.join(KINDS)}")
+            raise FileError(path, "is not a file; give files that end in {kinds}", ", ".join(KINDS))
         if size == 0:
             raise FileError(path, "is empty; give a file with particles in it")
         limits.check_bytes(path, size)
@@ -89,7 +91,7 @@ def read_file(path: str, limits: Limits = LIMITS) -> RawTable:
             raise
         if isinstance(error, OSError) or "\0" in path:
             why = quote((getattr(error, "strerror", None) or str(error)).lower())
-            raise FileError(path, f"cannot be read: {why}; give a file that exists and may be read") from None
+            raise FileError(path, "cannot be read: {why}; give a file that exists and may be read", why) from None
         raise
 
 
@@ -108,7 +110,8 @@ def read_csv(path: str, limits: Limits = LIMITS) -> RawTable:
             names = _parse_header(path, head, mark, limits)
             if (width := _count_columns(first,
                                         mark)) != len(names):  # the first line says how many are read of all others
-                raise FileError(path, f"has {len(names)} names and {width} numbers in a line; give as many of both")
+                raise FileError(path, "has {names} names and {width} numbers in a line; give as many of both",
+                                len(names), width)
             counted = _limit_rows(path, itertools.chain([first], rows), width, limits)
             values = np.loadtxt(counted, delimiter=mark, ndmin=2, dtype=float)
     except UnicodeDecodeError:
@@ -117,8 +120,8 @@ def read_csv(path: str, limits: Limits = LIMITS) -> RawTable:
     except ValueError as error:
         if isinstance(error, FileError):
             raise
-        raise FileError(path, f"has a line that is no row of {len(names)} numbers ({quote(error, 100)}); give a "
-                              "number in every column of every line") from None
+        raise FileError(path, "has a line that is no row of {names} numbers ({error}); give a number in every column "
+                        "of every line", len(names), quote(error, 100)) from None
     columns = {name: values[:, k] for k, name in enumerate(names)}
     time, cells = _comment_number(path, said, "t", "time"), _comment_number(path, said, "cells")
     return add_scene(build_table(path, columns, time, check_cell_count(path, cells), limits), said.get("scene"))
@@ -129,12 +132,12 @@ def _particle_lines(path: str, text: TextIO, said: dict[str, str], limits: Limit
     remarks = 0
     while line := text.readline(LONGEST_LINE):
         if len(line) >= LONGEST_LINE:
-            raise FileError(path, f"has a line of more than {LONGEST_LINE:,} letters; give a line for each particle")
+            raise FileError(path, "has a line of more than {n:,} letters; give a line for each particle", LONGEST_LINE)
         if (bare := line.strip()) and not bare.startswith("#"):
             yield line
             continue
         if (remarks := remarks + 1) > MOST_REMARKS:
-            raise FileError(path, f"has more than {MOST_REMARKS:,} lines that are no particles; leave them out")
+            raise FileError(path, "has more than {most:,} lines that are no particles; leave them out", MOST_REMARKS)
         if (found := COMMENT.match(line)) and found[1].lower() in COMMENT_KEYS:
             said[found[1].lower()] = found[2]
 
@@ -153,7 +156,7 @@ def _parse_header(path: str, head: str, mark: str | None, limits: Limits) -> lis
         check_name(path, name)
     twice = next((name for name in names if names.count(name) > 1), None)
     if twice is not None:
-        raise FileError(path, f"has two columns called {quote(twice)}; give each its own name")
+        raise FileError(path, "has two columns called {twice}; give each its own name", quote(twice))
     return names
 
 
@@ -171,7 +174,7 @@ def _comment_number(path: str, said: dict[str, str], *names: str) -> float | Non
     """What a comment says of the time or the cells; None where it says nothing."""
     text = next((said[name] for name in names if name in said), None)
     if text is not None and not number_parsing.is_number(text):
-        raise FileError(path, f"has {names[0]} = {quote(text)}; give a number")
+        raise FileError(path, "has {names} = {text}; give a number", names[0], quote(text))
     return None if text is None else number_parsing.parse_float(text)
 
 
@@ -180,8 +183,8 @@ def read_vtk(path: str, limits: Limits = LIMITS) -> RawTable:
     kind = Path(path).suffix.lower()
     with open(path, "rb") as file:
         if (size := file.seek(0, 2)) > LARGEST:
-            raise FileError(path, f"has {size / 1e6:,.0f} MB; give at most {LARGEST / 1e6:,.0f} MB of this kind, with "
-                                  "fewer data for example, or a .npz")
+            raise FileError(path, "has {size:,.0f} MB; give at most {most:,.0f} MB of this kind, with fewer data for "
+                            "example, or a .npz", size / 1e6, LARGEST / 1e6)
         file.seek(0)
         found = PointData(path, limits)
         try:
@@ -190,8 +193,8 @@ def read_vtk(path: str, limits: Limits = LIMITS) -> RawTable:
             raise
         except Exception as error:  # what a broken file makes of a parser
             why = str(error) if isinstance(error, NotVTK) else type(error).__name__
-            raise FileError(path, f"cannot be read as {kind} ({why}); write points with data, in text or "
-                                  "binary") from None
+            raise FileError(path, "cannot be read as {kind} ({why}); write points with data, in text or binary", kind,
+                            why) from None
     fields = found.fields
     time, cells = (next((float(fields[name][0]) for name in names if len(fields.get(name, ()))), None)
                    for names in (TIMES, ("cells",)))

@@ -55,8 +55,7 @@ def vtu_bytes(position: np.ndarray, data: Mapping[str, np.ndarray], time: float)
     P, D = position.shape
     points = np.pad(position, ((0, 0), (0, 3 - D)))
     vertices = {"connectivity": np.arange(P), "offsets": np.arange(1, P + 1), "types": np.ones(P, np.uint8)}
-    stamp = ('<DataArray type="Float64" Name="TimeValue" NumberOfTuples="1" format="ascii">'
-             f"{time!r}</DataArray>")
+    stamp = f'<DataArray type="Float64" Name="TimeValue" NumberOfTuples="1" format="ascii">{time!r}</DataArray>'
     parts = [("Points", {"Points": points}), ("Cells", vertices), ("PointData", data)]
     body = "".join(f"<{name}>{''.join(_data_array_xml(key, values) for key, values in arrays.items())}</{name}>"
                    for name, arrays in parts)

@@ -8,6 +8,7 @@ from dataclasses import fields, replace
 from typing import Any
 
 from solvers.judging.frames import ParticleMismatch, RawTable, SceneMetadata
+from solvers.message import Message, join
 from solvers.problems import PROBLEMS
 from solvers.problems.reference import METHOD_FIELDS
 from solvers.running.scene_text import FAMILY, HINT, parse_line, scene_from_inputs
@@ -32,7 +33,7 @@ def parse_scene_line(file: str, text: object, cells: int | None) -> SceneMetadat
                          step)
     own = scene_of_metadata(file, said)
     if "cells" in said.inputs and cells is not None and cells != own.cells:
-        raise FileError(file, f"states {cells} cells, but {own.cells} in its scene; {HINT}")
+        raise FileError(file, "states {cells} cells, but {cells2} in its scene; {hint}", cells, own.cells, HINT)
     return said
 
 
@@ -55,7 +56,8 @@ def resolve_scene(files: list[RawTable], asked: Scene) -> tuple[Scene, list[str]
         if raw.said is None:
             continue
         if raw.said.problem != asked.problem:
-            raise ParticleMismatch(raw.file, f"is a file of the {raw.said.problem}", HINT, (raw.said.problem,))
+            raise ParticleMismatch(raw.file, Message("is a file of the {problem}", Message(raw.said.problem)), HINT,
+                                   (raw.said.problem,))
         own, taken = scene_of_metadata(raw.file, raw.said), dict[str, Any]()
         names = [f.name for f in fields(own) if f.name not in NOT_OF_THE_PROBLEM]
         for name in names:
@@ -63,18 +65,20 @@ def resolve_scene(files: list[RawTable], asked: Scene) -> tuple[Scene, list[str]
             if name == "cells" or value == now:
                 continue
             if name in by or now != getattr(default, name):
-                says = f"{by[name]} has" if name in by else f"--{field_flag(name)} is"
-                raise FileError(raw.file, f"has {field_label(name)} {_plain_value(value)}, but {says} "
-                                          f"{_plain_value(now)}; give the value of the run, or leave it out")
+                says = Message("{by} has", by[name]) if name in by else Message("--{flag} is", field_flag(name))
+                raise FileError(raw.file, "has {name} {value}, but {says} {now}; give the value of the run, or leave "
+                                "it out", field_label(name), _plain_value(value), says, _plain_value(now))
             taken[name] = value
         by |= dict.fromkeys(names, raw.file)
         if taken:
             try:
                 settled_scene = replace(settled_scene, **taken)
             except SceneError as error:
-                raise FileError(raw.file, f"has a scene that contradicts the other settings: {error}; {HINT}") from None
-            told = ", ".join(f"{field_label(name)} {_plain_value(value)}" for name, value in taken.items())
-            notes.append(f"judged with the scene of {quote(raw.file)}: {told}")
+                raise FileError(raw.file, "has a scene that contradicts the other settings: {error}; {hint}", error,
+                                HINT) from None
+            told = join(", ", (Message("{name} {value}", field_label(name), _plain_value(value))
+                                 for name, value in taken.items()))
+            notes.append(Message("judged with the scene of {file}: {told}", quote(raw.file), told))
     return settled_scene, notes
 
 

@@ -9,19 +9,22 @@ import math
 from collections.abc import Callable, Mapping, Sequence
 from typing import Any
 
+from solvers.message import Message
 from solvers.motion import jets
 
 MOST_CHARACTERS, MOST_NODES, MOST_POWER = 400, 200, 12
 FUNCTIONS: Mapping[str, Callable[[Any], Any]] = {
     "sin": jets.sin, "cos": jets.cos, "exp": jets.exp, "log": jets.log, "sqrt": jets.sqrt}
 OPERATORS: Mapping[type, Callable[[Any, Any], Any]] = {
-    ast.Add: lambda a, b: a + b, ast.Sub: lambda a, b: a - b, ast.Mult: lambda a, b: a * b,
-    ast.Div: lambda a, b: a / b}
+    ast.Add: lambda a, b: a + b, ast.Sub: lambda a, b: a - b, ast.Mult: lambda a, b: a * b, ast.Div: lambda a, b: a / b}
 Formula = Callable[[Mapping[str, Any]], Any]  # of the values of its names
 
 
 class FormulaError(ValueError):
     """Why a text is no formula: the end of a sentence that begins with the text."""
+
+    def __init__(self, sentence: str, /, *values: object):
+        super().__init__(Message(sentence, *values))
 
 
 def parse_formula(text: str, names: Sequence[str]) -> tuple[str, Formula]:
@@ -33,13 +36,13 @@ def parse_formula(text: str, names: Sequence[str]) -> tuple[str, Formula]:
     FormulaError
     """
     if len(text) > MOST_CHARACTERS:
-        raise FormulaError(f"has {len(text):,} characters; at most {MOST_CHARACTERS} are allowed")
+        raise FormulaError("has {text:,} characters; at most {most} are allowed", len(text), MOST_CHARACTERS)
     try:
         tree = ast.parse(text.strip(), mode="eval")
     except (SyntaxError, ValueError, RecursionError, MemoryError):
         raise FormulaError("is no formula; give one such as 0.02*sin(2*pi*X)*sin(w*t)") from None
     if sum(1 for _ in ast.walk(tree)) > 3 * MOST_NODES:
-        raise FormulaError(f"has too many parts; at most {MOST_NODES} are allowed")
+        raise FormulaError("has too many parts; at most {most} are allowed", MOST_NODES)
     return "".join(ast.unparse(tree).split()), _compile(tree.body, frozenset(names))
 
 
@@ -80,8 +83,8 @@ def _name(name: str, names: frozenset[str]) -> Formula:
     if name == "pi":
         return lambda values: math.pi
     if name not in names:
-        raise FormulaError(f"has the name {name}, which is not known; give {', '.join(sorted(names))} or pi, and the "
-                           f"functions {', '.join(FUNCTIONS)}")
+        raise FormulaError("has the name {name}, which is not known; give {names} or pi, and the functions {functions}",
+                           name, ", ".join(sorted(names)), ", ".join(FUNCTIONS))
     return lambda values: values[name]
 
 
@@ -90,15 +93,15 @@ def _power(node: ast.AST) -> int:
     negative = isinstance(node, ast.UnaryOp) and isinstance(node.op, ast.USub)
     value = getattr(node.operand if isinstance(node, ast.UnaryOp) and negative else node, "value", None)
     if isinstance(value, bool) or not isinstance(value, int) or value > MOST_POWER:
-        raise FormulaError(f"has a power that is not a whole number up to {MOST_POWER}; for a root write sqrt(...)")
+        raise FormulaError("has a power that is not a whole number up to {n}; for a root write sqrt(...)", MOST_POWER)
     return -value if negative else value
 
 
 def _call(node: ast.Call, names: frozenset[str]) -> Formula:
     if not isinstance(node.func, ast.Name) or node.func.id not in FUNCTIONS:
         called = node.func.id if isinstance(node.func, ast.Name) else "..."
-        raise FormulaError(f"calls {called}, which is no function here; give {', '.join(FUNCTIONS)}")
+        raise FormulaError("calls {called}, which is no function here; give {functions}", called, ", ".join(FUNCTIONS))
     if len(node.args) != 1 or node.keywords or isinstance(node.args[0], ast.Starred):
-        raise FormulaError(f"gives {node.func.id} something else than one number")
+        raise FormulaError("gives {name} something else than one number", node.func.id)
     function, argument = FUNCTIONS[node.func.id], _compile(node.args[0], names)
     return lambda values: function(argument(values))

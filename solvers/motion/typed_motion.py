@@ -87,10 +87,11 @@ class PlaneMotionInputs(NamedTuple):
         for axis, X in enumerate(self.points.T):
             there = (np.abs(X) < 1e-12) | (np.abs(X - self.SIDE) < 1e-12)
             if np.abs(u[there, axis]).max() > MOTION_TOLERANCE * self.SIDE:
-                raise FormulaError(f"moves across the sides {'XY'[axis]} = 0 or 1: u_{'xy'[axis]} must be zero there")
+                raise FormulaError("moves across the sides {axis} = 0 or 1: u_{axis2} must be zero there", "XY"[axis],
+                                   "xy"[axis])
             if np.abs(F[there, 1 - axis, axis]).max() > SLOPE_TOLERANCE:
-                raise FormulaError(f"shears the sides {'XY'[axis]} = 0 or 1, which are planes of symmetry: "
-                                   f"d u_{'yx'[axis]}/d{'XY'[axis]} must be zero there")
+                raise FormulaError("shears the sides {axis} = 0 or 1, which are planes of symmetry: d "
+                                   "u_{axis2}/d{axis} must be zero there", "XY"[axis], "yx"[axis])
 
 
 class LineMotionInputs(NamedTuple):
@@ -116,7 +117,7 @@ class LineMotionInputs(NamedTuple):
             raise FormulaError("is not periodic: the bar is one period of an infinite bar, so u and du/dX must be "
                                "equal at X = 0 and X = 1")
         if np.abs(u).max() > MOST_MOVE:
-            raise FormulaError(f"moves particles by more than {MOST_MOVE} m; give a smaller one")
+            raise FormulaError("moves particles by more than {most} m; give a smaller one", MOST_MOVE)
 
 
 @functools.lru_cache(maxsize=64)  # of scenes that differ in cells, method or step alone
@@ -141,14 +142,15 @@ def find_period(text: str, scene: PlaneMotionInputs | LineMotionInputs) -> float
         raise FormulaError("is not zero at t = 0, where the body is undeformed")
     period = _period(exact, scene, X, base_period, MOTION_TOLERANCE * size)
     if period is None:
-        raise FormulaError(f"has no period among quarters of {base_period:.6g} s and of 1 s up to {longest:.4g} s; "
-                           "give times as multiples of w*t")
+        raise FormulaError("has no period among quarters of {base_period:.6g} s and of 1 s up to {most:.4g} s; give "
+                           "times as multiples of w*t", base_period, longest)
     _check_body(exact, scene, X, period)
     force = getattr(exact, "force_terms", exact.body_force)
     try:
         separate(lambda X, t: force(scene, X, t), X[::len(X) // FORCE_POINTS], period)
     except NotPeriodic:
-        raise FormulaError(f"changes too fast with t for its period of {period:.4g} s; give slower functions") from None
+        raise FormulaError("changes too fast with t for its period of {period:.4g} s; give slower functions",
+                           period) from None
     return period
 
 
@@ -173,7 +175,7 @@ def _check_body(exact: Any, scene: Any, X: np.ndarray, period: float) -> None:
             raise FormulaError("is not finite everywhere over a period")
         scene.check(exact.displacement(scene, X, t), F)
         if np.linalg.det(F).min() < LEAST_J:
-            raise FormulaError(f"folds the body over, or nearly so: det F falls below {LEAST_J}; give a smaller one")
+            raise FormulaError("folds the body over, or nearly so: det F falls below {J}; give a smaller one", LEAST_J)
         strain = max(strain, np.abs(F - np.eye(D)).max())
     if strain < MOTION_TOLERANCE:
         raise FormulaError("moves the body without deforming it; give a displacement that changes with X")

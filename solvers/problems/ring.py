@@ -12,6 +12,7 @@ from typing import Any
 
 import numpy as np
 
+from solvers.message import Message
 from solvers.motion.jets import sin, sqrt
 from solvers.problems import ring_limits
 from solvers.problems.planar.circular import CircularScene
@@ -49,8 +50,8 @@ class RingScene(CircularScene):
     EXTREMES = (-0.25, 0.25)
     BEYOND_RIMS = True
     FARTHEST_MOVE = 20.0
-    ESCAPE_SENTENCE = ("left the ring's place (it is {farthest:.3g} m or more from the centre, beyond a plane, or 20 "
-                       "amplitudes from where it began)")
+    ESCAPE_SENTENCE = Message("left the ring's place (it is {farthest:.3g} m or more from the centre, beyond a plane, "
+                              "or 20 amplitudes from where it began)")
     COMPANION_MESHES = ((40, 1, 4), (72, 2, 4), (128, 2, 5), (math.inf, 3, 6))
     ESTIMATORS = ("transport", "recovered", "companion", "two-grid")
     LIMITS = ring_limits.LIMITS
@@ -63,9 +64,9 @@ class RingScene(CircularScene):
     # Measured at 48 cells, A = 0.1: everywhere, the internal forces no longer cancel (0.4 of their sum, all at the
     # surface) and uGIMP blows up within a period; at nodes full of material alone, x gets 21 % better for uGIMP and
     # 15 % worse for CPDI, whose parallelograms tile and leave nothing to correct.
-    NOT_LINEARITY_PRESERVING = ("is not offered for the ring: at the free surface it breaks action and reaction and "
-                                "the run blows up, and away from it CPDI gains nothing; leave it off")
-    MENDS = "the others correct"
+    NOT_LINEARITY_PRESERVING = Message("is not offered for the ring: at the free surface it breaks action and reaction "
+                                       "and the run blows up, and away from it CPDI gains nothing; leave it off")
+    MENDS = Message("the others correct")
 
     def displacement_at(self, X: Any, Y: Any, t: Any) -> tuple[Any, Any]:
         R = sqrt(X * X + Y * Y)
@@ -88,11 +89,11 @@ class RingScene(CircularScene):
         return super().warnings() + ring_limits.warnings(self)
 
     def _check_amplitude(self) -> None:
-        allowed = f"give a number above 1e-12 and below {INVERSION}"
+        allowed = Message("give a number above 1e-12 and below {inversion}", INVERSION)
         require_number("amplitude", self.amplitude, 1e-12, math.inf, allowed)
         if self.amplitude >= INVERSION:
             raise SceneError("amplitude", self.amplitude,
-                             f"the exact ring turns inside out from {INVERSION} on; {allowed}")
+                             "the exact ring turns inside out from {inversion} on; {allowed}", INVERSION, allowed)
 
 
 RING = PlanarProblem(RingScene, ViewSettings(

@@ -5,6 +5,7 @@ import math
 from typing import Any
 
 from solvers.estimators.two_grid_dispersion import phase_lag_limit
+from solvers.message import Message
 from solvers.problems.planar.limits import POLAR, THREE_ACROSS
 from solvers.scene.estimator_limits import Limit
 from solvers.scene.estimator_registry import HALF_REASON, MOVING_WEIGHTS, REMEDIES_REASON
@@ -88,20 +89,22 @@ def warnings(scene: Any) -> list[str]:
         return []
     amplitude, rate, life = scene.amplitude, growth(scene), expected_life(scene)
     beyond = amplitude > KNOWN
-    wrinkles = f"; above {WRINKLING} its surface wrinkles as well" * (amplitude > WRINKLING)
-    return [f"amplitude {amplitude:g}: above {RESONANCE} the ring's own motion is unstable (parametric resonance), and "
-            f"no remedy helps; an error in the mode n = 2 grows {rate:.2f}-fold a period"
-            f"{' or faster' * beyond}, from {FIRST_ERROR:.1%} of the amplitude after the first to a tenth after "
-            f"{'at most' if beyond else 'about'} {life:.2g}, a smaller error reaches it later{wrinkles}"]
+    wrinkles = Message("; above {wrinkling} its surface wrinkles as well", WRINKLING)
+    return [Message("amplitude {amplitude:g}: above {resonance} the ring's own motion is unstable (parametric "
+                    "resonance), and no remedy helps; an error in the mode n = 2 grows {rate:.2f}-fold a "
+                    "period{beyond}, from {first_error:.1%} of the amplitude after the first to a tenth after "
+                    "{beyond2} {life:.2g}, a smaller error reaches it later{wrinkles}", amplitude, RESONANCE, rate,
+                    Message(" or faster") * beyond, FIRST_ERROR, Message("at most") if beyond else Message("about"),
+                    life, wrinkles * (amplitude > WRINKLING))]
 
 
 def other_advice(scene: Any) -> str:
     """What else to do about a run that went bad, as an imperative."""
     if scene.amplitude >= RESONANCE:
-        return (f"from A = {RESONANCE} on the ring's own motion is unstable (parametric resonance) and no remedy "
-                "helps: choose a smaller amplitude or fewer periods")
+        return Message("from A = {resonance} on the ring's own motion is unstable (parametric resonance) and no remedy "
+                       "helps: choose a smaller amplitude or fewer periods", RESONANCE)
     if scene.method == "mpm" and not scene.frozen:
-        return f"hat functions need the remedy {FROZEN}; or choose CPDI"
+        return Message("hat functions need the remedy {frozen}; or choose CPDI", FROZEN)
     if scene.method != "cpdi" and not scene.remedies:
-        return f"use the remedies {FILTER},{COUPLED}, or choose CPDI"
-    return "choose more particles per cell, a smaller amplitude or fewer periods"
+        return Message("use the remedies {filter},{coupled}, or choose CPDI", FILTER, COUPLED)
+    return Message("choose more particles per cell, a smaller amplitude or fewer periods")

@@ -10,6 +10,7 @@ import math
 from dataclasses import dataclass
 from typing import Any
 
+from solvers.message import Message
 from solvers.motion.jets import sin
 from solvers.motion.typed_motion import PlaneMotionInputs, parse_motion
 from solvers.problems.planar.box import BoxScene
@@ -28,7 +29,7 @@ class SquareScene(TypedMotionScene, BoxScene):
     displacement: str = option("", "Displacement u_x, u_y in m, formulas of X, Y, t, A and w with a comma between, in "
                                "place of the built-in one", hint="A*sin(2*pi*X)*sin(w*t), -A*sin(2*pi*Y)*sin(w*t)")
 
-    TITLE, TYPED_TITLE = "axis-aligned square", "square that moves as typed"
+    TITLE, TYPED_TITLE = "axis-aligned square", Message("square that moves as typed")
     SETTING = "A square, 1 m wide, between four planes of symmetry."
     STRAIN_PER_AMPLITUDE = 2 * math.pi
     MOST_AMPLITUDE = 0.15  # at 1/(2 pi) it turns inside out

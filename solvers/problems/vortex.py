@@ -14,6 +14,7 @@ from typing import Any
 
 import numpy as np
 
+from solvers.message import Message
 from solvers.motion.jets import sin, sqrt
 from solvers.problems import vortex_limits
 from solvers.problems.planar.circular import CircularScene
@@ -61,7 +62,7 @@ class VortexScene(CircularScene):
     SETTING = "A ring with radii 0.75 m and 1.25 m, whose circles turn against each other, on a square grid, 3 m wide."
     SIDE, INNER, OUTER, ANGLE = 3.0, 0.75, 1.25, 2 * math.pi
     PLANES, PLOTTED, EXTREMES = (False, False), "angular", (0.0, 0.25)
-    ESCAPE_SENTENCE = "was thrown off (it is {farthest:.3g} m or more from the centre, at an edge of the grid)"
+    ESCAPE_SENTENCE = Message("was thrown off (it is {farthest:.3g} m or more from the centre, at an edge of the grid)")
     COARSE_BELOW = 24  # a fit over four cells is as wide as the ring; measured, a comes out at .5 to .75 of its error
     COMPANION_MESHES = ((math.inf, 6, 6),)  # 2e-7 m and 0.3 Pa off at A = 1, the finest run of the tables 4e-3 and 300
     ESTIMATORS = ("transport", "recovered", "companion")
@@ -73,9 +74,9 @@ class VortexScene(CircularScene):
     STRAIN_PER_AMPLITUDE = 7.07  # the largest R |h'|, which times A is the shear
     GENTLE_AMPLITUDE, HARD_AMPLITUDES = 0.05, (0.25, 0.5, 1.0)
     FEWEST_CELLS, DEFAULT_PERIODS, SAMPLES_A_PERIOD = 12, 0.5, 100
-    NOT_LINEARITY_PRESERVING = ("is not offered for the vortex: at a free surface it breaks action and reaction; leave "
-                                "it off")
-    MENDS = "the filter corrects"
+    NOT_LINEARITY_PRESERVING = Message("is not offered for the vortex: at a free surface it breaks action and "
+                                       "reaction; leave it off")
+    MENDS = Message("the filter corrects")
 
     def displacement_at(self, X: Any, Y: Any, t: Any) -> tuple[Any, Any]:
         angle = self.amplitude * sin(self.angular_frequency * t) * swirl_profile(sqrt(X * X + Y * Y))
@@ -102,7 +103,7 @@ class VortexScene(CircularScene):
 
     def _check_amplitude(self) -> None:
         require_number("amplitude", self.amplitude, 1e-12, MOST_AMPLITUDE,
-                       f"give an angle in radians above 1e-12 and up to pi/2, {MOST_AMPLITUDE:.4f}")
+                       Message("give an angle in radians above 1e-12 and up to pi/2, {most:.4f}", MOST_AMPLITUDE))
         require_number("frequency", self.frequency, 1e-6, 1e6)
 
 

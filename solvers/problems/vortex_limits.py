@@ -6,6 +6,7 @@ from typing import Any
 
 import numpy as np
 
+from solvers.message import Message
 from solvers.problems.planar.limits import POLAR, THREE_ACROSS
 from solvers.scene.estimator_limits import Limit
 from solvers.scene.estimator_registry import MOVING_WEIGHTS
@@ -68,10 +69,10 @@ LIMITS = (
 def other_advice(scene: Any) -> str:
     """What else to do about a run that went bad, as an imperative."""
     if scene.method == "mpm":
-        return "hat functions fail in such a shear: choose CPDI"
+        return Message("hat functions fail in such a shear: choose CPDI")
     if scene.method != "cpdi":
-        more = f"give {ENOUGH} or more particles per cell and direction, " * (scene.ppc < ENOUGH)
-        filtered = f"use the remedy {FILTER}, " * (not scene.remedies)
-        return f"{more}{filtered}{'or ' * bool(more or filtered)}choose CPDI" \
-            + ", or the polar layout" * (scene.layout == "cartesian")
-    return "choose more cells, more particles per cell or a smaller amplitude"
+        more = Message("give {enough} or more particles per cell and direction, ", ENOUGH) * (scene.ppc < ENOUGH)
+        filtered = Message("use the remedy {filter}, ", FILTER) * (not scene.remedies)
+        return Message("{more}{filtered}{more2}choose CPDI", more, filtered, Message("or ") * bool(more or filtered)) \
+            + Message(", or the polar layout") * (scene.layout == "cartesian")
+    return Message("choose more cells, more particles per cell or a smaller amplitude")

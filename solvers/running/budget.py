@@ -7,6 +7,7 @@ from typing import Any
 
 import numpy as np
 
+from solvers.message import Message
 from solvers.problems import PROBLEMS
 from solvers.problems.descriptor import OnDemand
 from solvers.running.result import Result
@@ -62,7 +63,7 @@ def run_budget(scene: Any, cause: str = NOTHING, on_progress: Progress = lambda 
     result = once(NOTHING, lambda part: on_progress(part / 2))
     again = once(cause, lambda part: on_progress((1 + part) / 2))
     if again.reason is not None:  # of which run it is
-        again = replace(again, reason=f"without {CAUSES[cause]} {again.reason}")
+        again = replace(again, reason=Message("without {cause} {reason}", Message(CAUSES[cause]), again.reason))
     return BudgetResult(result, cause, again)
 
 
@@ -81,8 +82,8 @@ def _run_on_demand(on_demand: OnDemand, plain: Result, cause: str, show: Progres
     status, reason, broken_at = solver.status(None)
     if solver.sound and solver.step < steps[-1]:
         status, broken_at = LOST, solver.time
-        reason = (f"the run is lost from t = {solver.time:.4g} s on: the domain of a particle has turned inside out or "
-                  "left the grid")
+        reason = Message("the run is lost from t = {time:.4g} s on: the domain of a particle has turned inside out or "
+                         "left the grid", solver.time)
     return replace(plain, series={"time": time, **series}, status=status, reason=reason, broken_at=broken_at)
 
 

@@ -8,6 +8,7 @@ import math
 from dataclasses import fields
 from typing import Any
 
+from solvers.message import Message
 from solvers.problems import PROBLEMS
 from solvers.scene.scene import Scene
 from solvers.scene.validation import SceneError, field_key, key_field
@@ -16,7 +17,7 @@ from solvers.untrusted.quoting import FileError, quote
 SCHEMA, FAMILY = "mpm-lab/particles/1", "mpm-lab/particles/"
 MAX_LINE = 4000  # letters of such a line
 MAX_WORD = 40  # of a text in it
-HINT = "take the line called scene out of it, or write it anew"
+HINT = Message("take the line called scene out of it, or write it anew")
 
 
 def scene_line(scene: Scene) -> str:
@@ -44,12 +45,12 @@ def parse_line(file: str, text: str) -> tuple[str, dict[str, Any]]:
         values = json.loads(text[:MAX_LINE + 1])
         schema, problem, given = values["schema"], values["problem"], dict(values["inputs"])
     except (ValueError, TypeError, KeyError, RecursionError):
-        raise FileError(file, f"has a scene that cannot be read; {HINT}") from None
+        raise FileError(file, "has a scene that cannot be read; {hint}", HINT) from None
     if schema != SCHEMA:
-        raise FileError(file, f"has a scene of another format version ({quote(schema, MAX_WORD)}), and {SCHEMA} "
-                              f"is needed; {HINT}")
+        raise FileError(file, "has a scene of another format version ({schema}), and {schema2} is needed; {hint}",
+                        quote(schema, MAX_WORD), SCHEMA, HINT)
     if not isinstance(problem, str) or problem not in PROBLEMS:
-        raise FileError(file, f"names an unknown problem; {HINT}")
+        raise FileError(file, "names an unknown problem; {hint}", HINT)
     return problem, given
 
 
@@ -62,9 +63,10 @@ def scene_from_inputs(file: str, problem: str, given: dict[str, Any]) -> Scene:
             raise TypeError
         return PROBLEMS[problem].scene(**values)
     except SceneError as error:
-        raise FileError(file, f"has an invalid scene: {error}; {HINT}") from None
+        raise FileError(file, "has an invalid scene: {error}; {hint}", error, HINT) from None
     except (TypeError, ValueError, OverflowError):
-        raise FileError(file, f"has a scene with inputs that the {problem} does not accept; {HINT}") from None
+        raise FileError(file, "has a scene with inputs that the {problem} does not accept; {hint}", Message(problem),
+                        HINT) from None
 
 
 def _is_plain(value: object) -> bool:

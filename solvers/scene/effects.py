@@ -15,6 +15,7 @@ from typing import Any
 
 import numpy as np
 
+from solvers.message import Message
 from solvers.scene import extensions
 from solvers.scene.error_causes import COLUMNS
 from solvers.scene.validation import SceneError
@@ -195,9 +196,9 @@ def require_offered(chosen: object, problem: str, offered: tuple[str, ...]) -> N
     for name in chosen if isinstance(chosen, tuple) else ():
         effect = ALL.get(name) if isinstance(name, str) else None
         if effect and name not in offered:
-            instead = f" ({effect.elsewhere.format(problem=problem)})" if effect.elsewhere else ""
-            raise SceneError("effects", name, f"is no effect of the {problem}{instead}; give one of "
-                             f"{', '.join((*offered, 'none'))}")
+            instead = " (" + Message(effect.elsewhere, problem=problem) + ")" if effect.elsewhere else ""
+            raise SceneError("effects", name, "is no effect of the {problem}{instead}; give one of {offered}",
+                             Message(problem), instead, ", ".join((*offered, "none")))
 
 
 def samplers(problem: str, own: Mapping[str, Callable]) -> dict[str, Callable]:

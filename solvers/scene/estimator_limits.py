@@ -9,6 +9,8 @@ from collections.abc import Callable, Iterable, Mapping
 from dataclasses import KW_ONLY, dataclass, field
 from typing import Any
 
+from solvers.message import Message, join
+
 Quantity = str | Callable[[Any], Any]  # an attribute of the scene, or a function of it
 
 
@@ -50,9 +52,9 @@ class Limit:
         others = [name for name in _as_tuple(value) if name not in allowed] if allowed else []
         if not others and (allowed or (least * unit <= value <= most * unit and value < at(self.below) * unit)):
             return None
-        return self.why.format(scene=scene, value=value if self.of == 1 else value / unit, least=least, most=most,
-                               above=self.above[1], names=" and ".join(map(str, others)),
-                               **{name: enough(scene, value) for name, enough in self.give.items()})
+        return Message(self.why, scene=scene, value=value if self.of == 1 else value / unit, least=least, most=most,
+                       above=self.above[1], names=join(" and ", map(str, others)),
+                       **{name: enough(scene, value) for name, enough in self.give.items()})
 
 
 def reason(limits: Iterable[Limit], estimator: str, scene: Any) -> str | None:

@@ -11,6 +11,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
 
+from solvers.message import Message
 from solvers.scene import extensions
 from solvers.scene.estimator_hooks import EstimatorHooks
 from solvers.scene.estimator_limits import Limit
@@ -108,8 +109,8 @@ def require_offered(chosen: object, problem: str, offered: tuple[str, ...]) -> N
     for name in chosen if isinstance(chosen, tuple) else ():
         estimator = ESTIMATORS.get(name) if isinstance(name, str) else None
         if estimator and name not in offered and problem in estimator.refusals:
-            raise SceneError("estimators", name, f"{estimator.refusals[problem]}; give one of "
-                             f"{', '.join((*offered, 'none'))}")
+            raise SceneError("estimators", name, "{refusals}; give one of {offered}",
+                             Message(estimator.refusals[problem]), ", ".join((*offered, "none")))
 
 
 def hooks_of(problem: str, own: Mapping[str, EstimatorHooks]) -> dict[str, EstimatorHooks]:

@@ -14,6 +14,7 @@ from collections.abc import Callable
 from dataclasses import dataclass, fields
 from typing import Any, ClassVar
 
+from solvers.message import Message
 from solvers.scene import effects, estimator_limits, estimator_registry, validation
 from solvers.scene.defaults import SceneDefaults
 from solvers.scene.effects import ALL, EFFECTS, effects_of
@@ -118,8 +119,8 @@ class Scene(SceneDefaults, ABC):
 
     def __post_init__(self) -> None:
         if self.problem != (kind := type(self)).problem:  # it came first, without a name
-            raise SceneError("problem", self.problem, f"is not {kind.problem}; give the inputs of a scene by name, as "
-                                                      f"in {kind.__name__}(cells=40)")
+            raise SceneError("problem", self.problem, "is not {problem}; give the inputs of a scene by name, as in "
+                             "{name}(cells=40)", Message(kind.problem), kind.__name__)
         for name, value in self._normalized().items():  # the one place where a scene is written to
             object.__setattr__(self, name, value)
         self._check_choices()
@@ -149,8 +150,8 @@ class Scene(SceneDefaults, ABC):
         """Sentences about what is allowed but will surprise."""
         sentences = step_warnings(self)
         if "truth" in self.effects and not self.solution_known:
-            sentences.append(f"body force {self.body_force}: no exact solution is built in, so the true error is "
-                             "unknown")
+            sentences.append(Message("body force {body_force}: no exact solution is built in, so the true error is "
+                                     "unknown", self.body_force))
         return sentences
 
     @functools.cached_property
@@ -223,9 +224,9 @@ class Scene(SceneDefaults, ABC):
         """Why an estimator asked for is not run: a sentence for each that is known not to hold here."""
         reasons = {name: estimator_limits.reason(self.LIMITS, name, self) for name in self.estimators}
         if self.for_gpu:
-            reasons |= {name: estimator_registry.PROCESSOR_REASON.format(name=name) for name in self.estimators
+            reasons |= {name: Message(estimator_registry.PROCESSOR_REASON, name=name) for name in self.estimators
                         if not estimator_registry.ESTIMATORS[name].beside_gpu}
-        return {name: f"not valid here: {reason}" for name, reason in reasons.items() if reason}
+        return {name: Message("not valid here: {reason}", reason) for name, reason in reasons.items() if reason}
 
     @functools.cached_property
     def active_estimators(self) -> tuple[str, ...]:
@@ -280,36 +281,36 @@ class Scene(SceneDefaults, ABC):
         require_number("density", self.density, 1e-6, 1e12)
         most = MOST_ON_GPU if self.for_gpu else MOST_PARTICLES
         if self.particles > most:
-            raise SceneError("ppc", self.ppc, f"{self.cells} cells with so many particles each make "
-                             f"{self.particles:,} particles; at most {most:,} are allowed")
+            raise SceneError("ppc", self.ppc, "{cells} cells with so many particles each make {particles:,} particles; "
+                             "at most {most:,} are allowed", self.cells, self.particles, most)
 
     def _check_time(self) -> None:
         for one, other in (("dt", "cfl"), ("t_end", "periods")):
             if getattr(self, one) is not None and getattr(self, other) is not None:
                 raise SceneError(other, getattr(self, other),
-                                 f"{one.replace('_', '-')} is given too; give one of the two")
+                                 "{one} is given too; give one of the two", Message(one.replace("_", "-")))
             for name in (one, other):
                 if getattr(self, name) is not None and (name, getattr(self, name)) != ("dt", AUTO):
-                    allowed = "give a number above 0, or auto" if name == "dt" else ""
+                    allowed = Message("give a number above 0, or auto") if name == "dt" else ""
                     require_number(name, getattr(self, name), 0, math.inf, allowed)
         name, unit = ("cfl", 1.0) if self.dt is None else ("dt", self.spacing / self.wave_speed)
         if self.courant_number > MOST_CFL:
             raise SceneError(name, getattr(self, name), "is far above any stable step; give a number above 0 and up to "
-                             f"{MOST_CFL * unit:.3g} (cfl {MOST_CFL:g})")
+                             "{unit:.3g} (cfl {most:g})", MOST_CFL * unit, MOST_CFL)
         if self.courant_number < LEAST_CFL:
             raise SceneError(name, getattr(self, name), "is too short a step for the floating-point precision; give "
-                             f"{LEAST_CFL * unit:.3g} (cfl {LEAST_CFL:g}) or more")
+                             "{unit:.3g} (cfl {least:g}) or more", LEAST_CFL * unit, LEAST_CFL)
         if self.end_time / self.time_step > MOST_STEPS:
             name = "t_end" if self.t_end is not None else "periods"
-            raise SceneError(name, getattr(self, name) or self.DEFAULT_PERIODS,
-                             f"needs {self.end_time / self.time_step:.3g} steps; "
-                             f"at most {MOST_STEPS:,} are allowed: end earlier or take longer steps")
+            raise SceneError(name, getattr(self, name) or self.DEFAULT_PERIODS, "needs {end_time:.3g} steps; at most "
+                             "{most:,} are allowed: end earlier or take longer steps", self.end_time / self.time_step,
+                             MOST_STEPS)
         if self.sample_every is not None:
             require_whole("sample_every", self.sample_every, 1, MOST_STEPS)
         if self.steps / self.sample_interval > MOST_SAMPLES:
-            raise SceneError("sample_every", self.sample_interval,
-                             f"makes {self.steps // self.sample_interval:,} samples; at most {MOST_SAMPLES:,} "
-                             f"are allowed, so sample every {math.ceil(self.steps / MOST_SAMPLES)} steps or more")
+            raise SceneError("sample_every", self.sample_interval, "makes {steps:,} samples; at most {most:,} are "
+                             "allowed, so sample every {steps2} steps or more", self.steps // self.sample_interval,
+                             MOST_SAMPLES, math.ceil(self.steps / MOST_SAMPLES))
 
 
 @functools.lru_cache(maxsize=256, typed=True)  # 1, 1.0 and True are not said alike

@@ -27,6 +27,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from solvers.message import Message
 from solvers.scene.linear_stability import MIN_MASS_SHARE, longest_step
 from solvers.scene.remedies import PIECES
 
@@ -130,13 +131,13 @@ def step_warnings(scene: Any) -> list[str]:
     """Sentences about what a scene's own step will surprise with."""
     bound, dt = scene_step_bound(scene), scene.time_step
     if dt > bound.longest:
-        return [f"time step {dt:.3g} s (cfl {scene.courant_number:.2g}): above the stability bound of "
-                f"{bound.longest:.3g} s along this motion (linear theory); the run will probably become unstable (--dt "
-                f"auto takes {SAFE * bound.longest:.3g} s)"]
+        return [Message("time step {dt:.3g} s (cfl {courant_number:.2g}): above the stability bound of {most:.3g} s "
+                        "along this motion (linear theory); the run will probably become unstable (--dt auto takes "
+                        "{longest2:.3g} s)", dt, scene.courant_number, bound.longest, SAFE * bound.longest)]
     if isinstance(scene.dt, str) and not bound.certain:
-        return ["dt auto: with hat functions forces jump when particles cross cells, and nodes that are nearly empty "
-                "for a moment are stable only for tiny steps, so no step is certainly safe here; choose another "
-                "method, or --remedies frozen-weights"]
+        return [Message("dt auto: with hat functions forces jump when particles cross cells, and nodes that are nearly "
+                        "empty for a moment are stable only for tiny steps, so no step is certainly safe here; choose "
+                        "another method, or --remedies frozen-weights")]
     return []
 
 

@@ -6,6 +6,7 @@ from typing import Any
 
 import numpy as np
 
+from solvers.message import Message
 from solvers.untrusted import number_parsing, quoting
 
 KEYS = {"estimators": "estimator"}  # where a field's name and its key in the JSON object differ
@@ -17,11 +18,13 @@ SYNONYMS = {"estimator": "estimators", "estimate": "estimators", "effect": "effe
 class SceneError(ValueError):
     """A value that no run can have. ``field`` names the input, ``sentence`` says what is wrong and allowed."""
 
-    def __init__(self, field: str, value: object, sentence: str):
-        self.field, self.value, self.sentence = field, value, quoting.one_line(sentence)
+    def __init__(self, field: str, value: object, sentence: str, /, *values: object):
+        message = Message(sentence, *values)
+        self.field, self.value, self.sentence = field, value, quoting.one_line(message)
         # A number that came as text stands in its quotes, without which it would look like the number.
         shown = repr(value) if isinstance(value, str) and number_parsing.is_number(value) else value
-        super().__init__(quoting.one_line(f"{field_label(field)} {quoting.quote(shown)}: {sentence}"))
+        super().__init__(quoting.one_line(Message("{field} {value}: {message}", field_label(field),
+                                                  quoting.quote(shown), message)))
 
 
 def field_key(field: str) -> str:
@@ -41,7 +44,7 @@ def field_flag(field: str) -> str:
 
 def field_label(field: str) -> str:
     """The name of a field as a person reads it: ``body_force`` is ``body force``."""
-    return field_key(field).replace("_", " ")
+    return Message(field_key(field).replace("_", " "))
 
 
 def require_choice(field: str, value: object, allowed: tuple[str, ...], also: str = "") -> None:
@@ -49,7 +52,8 @@ def require_choice(field: str, value: object, allowed: tuple[str, ...], also: st
     if value not in allowed:
         names = ", ".join((*allowed, also) if also else allowed)
         near = quoting.suggest_word(value, allowed) if isinstance(value, str) else ""
-        raise SceneError(field, value, f"is not known{near}; give {'one of ' if ',' in names else ''}{names}")
+        raise SceneError(field, value, "is not known{near}; give {names}{names2}", near,
+                         Message("one of ") if "," in names else "", names)
 
 
 def normalized(scene: Any, lists: tuple[str, ...]) -> dict[str, Any]:
@@ -74,7 +78,7 @@ def _names_in_order(field: str, given: Any, default: tuple[str, ...]) -> Any:
 def require_names(field: str, chosen: object, allowed: tuple[str, ...]) -> None:
     """:class:`SceneError` for anything but a tuple of allowed names, each once."""
     if not isinstance(chosen, tuple):
-        raise SceneError(field, chosen, f"give a list of names out of {', '.join((*allowed, 'none'))}")
+        raise SceneError(field, chosen, "give a list of names out of {allowed}", ", ".join((*allowed, "none")))
     for item in chosen:
         require_choice(field, item, allowed, also="none")
     if len(set(chosen)) != len(chosen):
@@ -84,7 +88,7 @@ def require_names(field: str, chosen: object, allowed: tuple[str, ...]) -> None:
 def require_whole(field: str, value: object, least: int, most: int) -> None:
     """:class:`SceneError` for anything but a whole number from ``least`` to ``most``."""
     if isinstance(value, bool) or not isinstance(value, int) or not least <= value <= most:
-        raise SceneError(field, value, f"give a whole number from {least:,} to {most:,}")
+        raise SceneError(field, value, "give a whole number from {least:,} to {most:,}", least, most)
 
 
 def require_number(field: str, value: object, above: float, most: float, allowed: str = "") -> None:
@@ -92,5 +96,5 @@ def require_number(field: str, value: object, above: float, most: float, allowed
     words."""
     if isinstance(value, bool) or not isinstance(value, (int, float)) or not abs(value) <= sys.float_info.max \
             or not above < value <= most:  # also NaN, infinity, and integers beyond all floats
-        upper = "" if math.isinf(most) else f" and up to {most:g}"
-        raise SceneError(field, value, allowed or f"give a number above {above:g}{upper}")
+        upper = "" if math.isinf(most) else Message(" and up to {most:g}", most)
+        raise SceneError(field, value, allowed or Message("give a number above {above:g}{upper}", above, upper))

@@ -9,6 +9,7 @@ from typing import Any, ClassVar
 import numpy as np
 
 from solvers.estimators.estimator_memory import unpack_arrays
+from solvers.message import Message
 from solvers.scene.estimator_hooks import NEVER, EstimatorHooks
 from solvers.scene.kernel_options import KernelOptions
 from solvers.scene.scene import Scene
@@ -177,10 +178,11 @@ class Solver(ABC):
     def reason(self) -> str:
         """Why the run stopped, and what to change, in one sentence."""
         kind, step, p = (int(n) for n in self._arrays.verdict)
-        what = {INVERTED: "turned inside out (its deformation gradient fell to zero or is not a number)",
-                CRUSHED: "was crushed to less than a thousandth of its size", ESCAPED: self._escape_sentence()}[kind]
-        return (f"the run went unstable at t = {step * self.scene.time_step:.4g} s: particle {p} "
-                f"(X = {self._position_text(p)}) {what}; {self._advice()}")
+        what = {INVERTED: Message("turned inside out (its deformation gradient fell to zero or is not a number)"),
+                CRUSHED: Message("was crushed to less than a thousandth of its size"),
+                ESCAPED: self._escape_sentence()}[kind]
+        return Message("the run went unstable at t = {step:.4g} s: particle {p} (X = {p2}) {what}; {advice}",
+                       step * self.scene.time_step, p, self._position_text(p), what, self._advice())
 
     def status(self, finding: Finding | None,
                as_large: Mapping[str, LargeRelativeError] = NO_LARGE_ERRORS) -> tuple[str, str | None, float | None]:
@@ -194,8 +196,10 @@ class Solver(ABC):
     def loss_sentence(self, finding: Finding) -> str:
         """From when on the run is lost, where it shows most, why, and what to change, in one sentence."""
         where = "" if finding.particle is None else \
-            f", most at particle {finding.particle} (X = {self._position_text(finding.particle)})"
-        return f"the run is lost from t = {finding.time:.4g} s on: {finding.sentence}{where}; {self._advice()}"
+            Message(", most at particle {particle} (X = {particle2})", finding.particle,
+                    self._position_text(finding.particle))
+        return Message("the run is lost from t = {time:.4g} s on: {sentence}{where}; {advice}", finding.time,
+                       finding.sentence, where, self._advice())
 
     def _position_text(self, particle: int) -> str:
         return ", ".join(f"{x:.4f}" for x in np.atleast_1d(self._arrays.members()["material_position"][particle]))
@@ -205,13 +209,13 @@ class Solver(ABC):
         scene = self.scene
         lonely = scene.ppc == 1 and not scene.linearity_preserving and not scene.frozen
         if scene.time_step > SAFE * scene.step_bound:
-            also = "; and give two or more particles per cell: one loses runs with short steps too" if lonely else ""
-            return (f"take shorter steps (--dt auto takes {SAFE * scene.step_bound:.3g} s, this run took "
-                    f"{scene.time_step:.3g} s){also}")
+            also = Message("; and give two or more particles per cell: one loses runs with short steps too") * lonely
+            return Message("take shorter steps (--dt auto takes {step_bound:.3g} s, this run took {time_step:.3g} "
+                           "s){also}", SAFE * scene.step_bound, scene.time_step, also)
         if lonely:
-            return "one particle per cell is the cause: give two or more"
+            return Message("one particle per cell is the cause: give two or more")
         if scene.velocity == "particle":
-            return "moving the particles with their own velocity is the cause: give --velocity grid"
+            return Message("moving the particles with their own velocity is the cause: give --velocity grid")
         return self._other_advice()
 
     @abstractmethod

@@ -4,6 +4,7 @@ from collections.abc import Mapping
 
 import numpy as np
 
+from solvers.message import Message
 from solvers.scene.error_causes import CAUSES, FIELDS
 from solvers.solver.error_norms import IGNORE_OVERFLOW, finite
 
@@ -56,16 +57,16 @@ def cancellation(series: Mapping[str, np.ndarray], field: str) -> float:
 def why_not_valid(series: Mapping[str, np.ndarray]) -> str | None:
     """Why shares say nothing of this run, as a sentence, or None."""
     if np.sqrt(np.mean(series["budget/error_x"] ** 2)) <= ROUND_OFF:
-        return "not valid here: the error is only round-off and has no cause"
+        return Message("not valid here: the error is only round-off and has no cause")
     worst = {field: cancellation(series, field) for field in FIELDS}
     field = max(worst, key=lambda name: worst[name] if np.isfinite(worst[name]) else np.inf)
     if worst[field] <= MOST_CANCELLED:
         return None
     if not np.isfinite(worst[field]):
-        return "not valid here: the numbers of the run are too large for shares"
+        return Message("not valid here: the numbers of the run are too large for shares")
     times = f"{worst[field]:,.0f}" if worst[field] >= 10 else f"{worst[field]:.2g}"
-    return (f"not valid here: the causes have errors of {field} that cancel and are {times} times as large as the "
-            f"total; shares are valid up to {MOST_CANCELLED:g} times")
+    return Message("not valid here: the causes have errors of {field} that cancel and are {times} times as large as "
+                   "the total; shares are valid up to {most:g} times", field, times, MOST_CANCELLED)
 
 
 def summary(series: Mapping[str, np.ndarray], reference: str) -> dict:

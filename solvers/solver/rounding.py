@@ -10,6 +10,7 @@ from typing import Any
 
 import numpy as np
 
+from solvers.message import Message
 from solvers.scene.scene import Scene
 
 ROUNDINGS = 100.0
@@ -31,4 +32,4 @@ def rounding(scene: Scene, quantity: str, steps: Any) -> Any:
 
 def rounding_sentence(limit: float) -> str:
     """Why there is no index, where rounding may make errors up to ``limit``."""
-    return f"nothing but rounding: the true error never exceeds {limit:.2g}, which rounding alone may make"
+    return Message("nothing but rounding: the true error never exceeds {max:.2g}, which rounding alone may make", limit)

@@ -8,18 +8,20 @@ such as a ring that turns as a whole or late waves of a free bar. All look at po
 not, a run's ``solvers.solver.verdict_basis`` says.
 """
 
-from collections.abc import Collection, Mapping
+from collections.abc import Callable, Collection, Mapping
 from dataclasses import dataclass
+from functools import partial
 
 import numpy as np
 
+from solvers.message import Message
 from solvers.scene import estimator_registry
 from solvers.scene.scene import Scene
 from solvers.solver.error_norms import IGNORE_OVERFLOW, largest
 
 OK, UNSTABLE, LOST = "ok", "unstable", "lost"
 BROKEN = (UNSTABLE, LOST)
-NOUNS = {"v": "velocity", "sigma": "stress", "a": "acceleration"}
+NOUNS = {"v": Message("velocity"), "sigma": Message("stress"), "a": Message("acceleration")}
 LOST_FROM = 0.5  # of x, in amplitudes of the motion: beyond it a run says nothing about where its particles are
 
 
@@ -72,19 +74,21 @@ def findings(scene: Scene, series: Mapping[str, np.ndarray]) -> dict[str, Findin
     """
     series = {**series, "balance_gap": balance_gap(scene, series)}
     A, judges = scene.motion_amplitude, [n for n in scene.active_estimators if estimator_registry.ESTIMATORS[n].judges]
-    rules = {name: (series[name], rule.most + (scene.lattice_gap if name == "neighbour_gap" else 0.0), A, rule.sentence)
-             for name, rule in CONTRADICTIONS.items()}
-    rules["error_x"] = (series["error_x"], LOST_FROM, A, "the particles have lost the solution (the true error of x "
-                                                          "is {size} of the amplitude)")
+    rules = {name: (series[name], rule.most + (scene.lattice_gap if name == "neighbour_gap" else 0.0), A,
+                    partial(Message, rule.sentence)) for name, rule in CONTRADICTIONS.items()}
+    rules["error_x"] = (series["error_x"], LOST_FROM, A, partial(
+        Message, "the particles have lost the solution (the true error of x is {size} of the amplitude)"))
     for name in judges:
-        sentence = f"the particles have lost the solution ({name} puts the error of x at {{size}} of the amplitude)"
+        sentence = partial(Message, "the particles have lost the solution ({name} puts the error of x at {size} of "
+                           "the amplitude)", name=name)
         rules[name] = (series[f"{name}/estimate_x"], LOST_FROM, A, sentence)
     for quantity, most in scene.loss_limits.items():
         noun, unit = NOUNS[quantity], scene.size_of(quantity)
-        rules[f"error_{quantity}"] = (series[f"error_{quantity}"], most, unit,
-                                      f"the {noun} is wrong (its true error is {{size}} of it)")
+        rules[f"error_{quantity}"] = (series[f"error_{quantity}"], most, unit, partial(
+            Message, "the {noun} is wrong (its true error is {size} of it)", noun=noun))
         for name in judges:
-            sentence = f"the {noun} is wrong ({name} estimates its error as {{size}} of it)"
+            sentence = partial(Message, "the {noun} is wrong ({name} estimates its error as {size} of it)", noun=noun,
+                               name=name)
             rules[f"{name}/{quantity}"] = (series[f"{name}/estimate_{quantity}"], most, unit, sentence)
     return {name: found for name, (values, most, unit, sentence) in rules.items()
             if (found := _first_exceedance(series, values, most, unit, sentence))}
@@ -98,14 +102,14 @@ def earliest_finding(found: Mapping[str, Finding], not_valid: Collection[str]) -
 
 
 def _first_exceedance(series: Mapping[str, np.ndarray], values: np.ndarray, most: float, unit: float,
-                      sentence: str) -> Finding | None:
+                      sentence: Callable[..., str]) -> Finding | None:
     beyond = np.flatnonzero(values > most * unit)  # NaN, of what is switched off, is not
     if not len(beyond):
         return None
     at = int(beyond[0])
     time, size, places = float(series["time"][at]), float(values[at]) / unit, series["place"][:at + 1]
     known = places[np.isfinite(places)]
-    return Finding(time, sentence.format(size=f"{size:.2g}"), size, int(known[-1]) if len(known) else None)
+    return Finding(time, sentence(size=f"{size:.2g}"), size, int(known[-1]) if len(known) else None)
 
 
 @IGNORE_OVERFLOW

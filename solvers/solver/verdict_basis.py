@@ -10,6 +10,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from solvers.message import Message, join
 from solvers.scene import estimator_registry
 from solvers.scene.scene import Scene
 from solvers.solver.error_norms import IGNORE_OVERFLOW, largest
@@ -17,7 +18,7 @@ from solvers.solver.samples import QUANTITIES
 from solvers.solver.soundness import NOUNS, balance_gap
 
 LARGE_ERROR = 1.0  # an error, as RMS over particles, over the quantity's own RMS over particles and a period
-POSITIONS_HOLD = "positions are ok, but "
+POSITIONS_HOLD = Message("positions are ok, but ")
 LONG_SAMPLE_INTERVAL = 0.2  # periods from one sample to the next, beyond which errors come and go unseen
 
 
@@ -64,9 +65,10 @@ def merge(before: Mapping[str, LargeRelativeError],
 
 def warning(found: Mapping[str, LargeRelativeError]) -> str | None:
     """What a verdict that is ok for the positions says of the others; None where there is nothing to say."""
-    parts = [f"the {NOUNS[quantity]} is off by up to {one.size:.2g} times its own size, from t = {one.since:.4g} s on"
-             + f" (according to {one.by})" * (one.by != "truth") for quantity, one in found.items()]
-    return f"{POSITIONS_HOLD}{'; '.join(parts)}" if parts else None
+    parts = [Message("the {quantity} is off by up to {size:.2g} times its own size, from t = {since:.4g} s on",
+                     NOUNS[quantity], one.size, one.since)
+             + Message(" (according to {by})", one.by) * (one.by != "truth") for quantity, one in found.items()]
+    return POSITIONS_HOLD + join("; ", parts) if parts else None
 
 
 def checked_by(scene: Scene, not_valid: Collection[str], balance: bool) -> dict[str, list[str]]:
@@ -83,21 +85,21 @@ def checked_by(scene: Scene, not_valid: Collection[str], balance: bool) -> dict[
 def unchecked(scene: Scene, held: Mapping[str, list[str]]) -> str | None:
     """What of :func:`checked_by` is missing, in one sentence; None where each quantity was held against something."""
     if not held["x"]:
-        return ("only two checks were made: numbers stay finite, and no particle turns inside out; switch on the "
-                "effect soundness or truth, or the estimator companion")
+        return Message("only two checks were made: numbers stay finite, and no particle turns inside out; switch on "
+                       "the effect soundness or truth, or the estimator companion")
     parts = []
     if held["x"] == ["contradictions"]:
-        parts.append("positions were compared only with each other, not with the reduced model, which could not be "
-                     "computed to the end")
+        parts.append(Message("positions were compared only with each other, not with the reduced model, which could "
+                             "not be computed to the end"))
     alone = [NOUNS[q] for q in ("v", "sigma", "a") if not held[q] and (q != "a" or scene.has("acceleration"))]
     if alone:
-        parts.append(f"{' and '.join(', '.join(alone).rsplit(', ', 1))} were not checked: switch on the effect truth "
-                     "or the estimator companion")
+        parts.append(Message("{alone} were not checked: switch on the effect truth or the estimator companion",
+                             join(" and ", filter(None, (join(", ", alone[:-1]), alone[-1])))))
     apart = scene.sample_interval * scene.time_step / scene.period
     if apart > LONG_SAMPLE_INTERVAL and scene.sample_interval > 1:
-        parts.append(f"nothing was checked between two samples, {apart:.2g} periods apart: give a smaller "
-                     "--sample-every")
-    return "; ".join(parts) or None
+        parts.append(Message("nothing was checked between two samples, {apart:.2g} periods apart: give a smaller "
+                             "--sample-every", apart))
+    return join("; ", parts) or None
 
 
 def motion_known(scene: Scene, series: Mapping[str, np.ndarray]) -> bool:

@@ -15,6 +15,7 @@ from contextlib import suppress
 from dataclasses import dataclass, replace
 from itertools import product
 
+from solvers.message import Message
 from solvers.scene.scene import Scene
 from solvers.scene.validation import SceneError
 from solvers.study.run_family import HIGHEST_ORDER, Family, Point
@@ -250,17 +251,18 @@ def _cheapest(family: Family, goal: Goal, hoped: float = 0.0) -> Candidate | Non
 def _runner_up(others: list[Family], best: Candidate, goal: Goal, met: bool) -> tuple[Candidate | None, str]:
     """The best candidate of other methods, and why it lost, in words."""
     if not others:
-        return None, "no other method was asked for"
+        return None, Message("no other method was asked for")
     (other, *_), others_meet = _ranking(others, goal)
     name = _method_name(other.scene)
     if met and not others_meet:
-        return other, (f"{name} does not meet the tolerance: its error is {other.error:.2g} at {other.cells} cells and "
-                       "falls no further within the budget")
+        return other, Message("{name} does not meet the tolerance: its error is {error:.2g} at {cells} cells and falls "
+                              "no further within the budget", name, other.error, other.cells)
     if not met:
-        return other, f"{name} only falls to {other.error:.2g}"
-    size = f"{other.cells} cells with {other.scene.ppc} particles per cell, cfl {other.scene.cfl:g}"
-    return other, f"{name} needs {size}: {other.seconds / best.seconds:.2g} times the time"
+        return other, Message("{name} only falls to {error:.2g}", name, other.error)
+    size = Message("{cells} cells with {ppc} particles per cell, cfl {cfl:g}", other.cells, other.scene.ppc,
+                   other.scene.cfl)
+    return other, Message("{name} needs {size}: {seconds:.2g} times the time", name, size, other.seconds / best.seconds)
 
 
 def _method_name(scene: Scene) -> str:
-    return f"linearity-preserving {scene.method}" if scene.linearity_preserving else scene.method
+    return Message("linearity-preserving {method}", scene.method) if scene.linearity_preserving else scene.method

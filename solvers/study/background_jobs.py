@@ -13,6 +13,7 @@ import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field, replace
 
+from solvers.message import Message
 from solvers.scene.effects import EFFECTS
 from solvers.scene.scene import Scene
 from solvers.solver.error_norms import finite
@@ -26,7 +27,7 @@ from solvers.study.run_family import ESTIMATOR, Family, Point, forget_rates
 #: near the longest that are stable.
 PARTICLES_PER_CELL, COURANT_NUMBERS = (1, 2, 3, 4), (0.1, 0.3, 0.4, 0.5, 0.6)
 READY = "ready"  # beside the fields of a job: its process shall only get ready
-NO_CHOICE = "no method makes a valid scene with these settings"
+NO_CHOICE = Message("no method makes a valid scene with these settings")
 
 
 @dataclass(frozen=True)

@@ -11,6 +11,7 @@ from typing import IO, Any, cast
 
 import numpy as np
 
+from solvers.message import Message
 from solvers.untrusted.quoting import FileError, quote
 from solvers.untrusted.size_limits import Limits, check_name
 
@@ -41,10 +42,10 @@ def read_arrays(path: str, wanted: Callable[[str], bool], limits: Limits) -> dic
     except (FileError, OSError):
         raise
     except _NotPlainArrays as error:
-        raise FileError(path, f"is no .npz of plain numbers ({error}); write it with numpy.savez") from None
+        raise FileError(path, "is no .npz of plain numbers ({error}); write it with numpy.savez", error) from None
     except Exception as error:  # what a broken file makes of a parser
-        raise FileError(path, f"is no .npz of plain numbers ({type(error).__name__}); write it with "
-                              "numpy.savez") from None
+        raise FileError(path, "is no .npz of plain numbers ({name}); write it with numpy.savez",
+                        type(error).__name__) from None
 
 
 class _ChunkedFile(io.BufferedReader):
@@ -53,7 +54,7 @@ class _ChunkedFile(io.BufferedReader):
     def read(self, size: int | None = -1, /) -> bytes:
         content = super().read(LONGEST_READ + 1 if size is None or not 0 <= size <= LONGEST_READ else size)
         if len(content) > LONGEST_READ:
-            raise _NotPlainArrays("its directory is too long")
+            raise _NotPlainArrays(Message("its directory is too long"))
         return content
 
 
@@ -67,14 +68,14 @@ def _read_members(path: str, packed: zipfile.ZipFile, limits: Limits) -> Iterato
         name = member.filename.removesuffix(ENDING)
         check_name(path, name)
         if name in seen:
-            raise FileError(path, f"has two arrays called {quote(name)}; give each its own name")
+            raise FileError(path, "has two arrays called {name}; give each its own name", quote(name))
         seen.add(name)
         yield name, member
 
 
 def _read_array(path: str, name: str, packed: zipfile.ZipFile, member: zipfile.ZipInfo, limits: Limits) -> np.ndarray:
     if member.compress_type not in PACKINGS or member.flag_bits & ENCRYPTED:
-        raise _NotPlainArrays(f"{quote(name)} is packed in a way that numpy does not use")
+        raise _NotPlainArrays(Message("{name} is packed in a way that numpy does not use", quote(name)))
     with packed.open(member) as content:
         begun = io.BytesIO(content.read(LONGEST_HEAD))  # no more, however long the head says it is
         shape, in_columns, dtype = _read_header(path, name, begun)
@@ -85,7 +86,7 @@ def _read_array(path: str, name: str, packed: zipfile.ZipFile, member: zipfile.Z
             data[done:done + len(piece)] = piece
             done += len(piece)
     if done < len(data):
-        raise _NotPlainArrays(f"{quote(name)} ends before its last number")
+        raise _NotPlainArrays(Message("{name} ends before its last number", quote(name)))
     return np.frombuffer(data, dtype).reshape(shape, order="F" if in_columns else "C")
 
 
@@ -93,13 +94,13 @@ def _read_header(path: str, name: str, content: IO[bytes]) -> tuple[tuple[int, .
     """Shape, order and type of an array, where it has such as are taken."""
     version = np.lib.format.read_magic(content)
     if version not in HEADS:
-        raise _NotPlainArrays(f"{quote(name)} is of another version")
+        raise _NotPlainArrays(Message("{name} is of another version", quote(name)))
     shape, in_columns, dtype = HEADS[version](content)
     text = dtype.kind in "US" and dtype.itemsize <= 4 * LONGEST_TEXT and shape in ((), (1,))
     if dtype.kind in "bcUS" and not (text and name in TEXTS):
-        raise FileError(path, f"has no numbers in {quote(name)}; give numbers, real and not objects or texts")
+        raise FileError(path, "has no numbers in {name}; give numbers, real and not objects or texts", quote(name))
     if dtype.kind not in "iufUS":
-        raise _NotPlainArrays(f"{quote(name)} is no array of numbers")
+        raise _NotPlainArrays(Message("{name} is no array of numbers", quote(name)))
     if len(shape) > MOST_DIRECTIONS or not all(0 <= size < 2**62 for size in shape):
-        raise _NotPlainArrays(f"{quote(name)} has a shape that none can have")
+        raise _NotPlainArrays(Message("{name} has a shape that none can have", quote(name)))
     return shape, in_columns, dtype

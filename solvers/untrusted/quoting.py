@@ -12,12 +12,13 @@ from collections.abc import Iterable
 from difflib import get_close_matches
 from pathlib import PurePath
 
+from solvers.message import Message
 from solvers.untrusted.number_parsing import is_number
 
 QUOTE, SENTENCE, NAME, CELL = 60, 400, 60, 1000  # characters, at most
 LONGEST_PATH = 4000  # that any system has
 ELLIPSIS = "…"
-NOTHING = "(no value)"
+NOTHING = Message("(no value)")
 FORMULA_SIGNS = "=+-@\t\r\n\uff1d\uff0b\uff0d\uff20"  # a spreadsheet would reckon what begins so, also in wide letters
 MARKDOWN_SIGNS = re.compile(r"([\\`*_\[\]<>$#~])")  # that mean something within a line of Markdown
 
@@ -26,9 +27,10 @@ class FileError(ValueError):
     """A file that cannot be read or judged: ``file`` is its name, ``sentence`` says what is wrong and what is
     allowed."""
 
-    def __init__(self, file: str, said: str):
-        self.file, self.sentence = file, one_line(said)
-        super().__init__(one_line(f"{quote(file)}: {said}"))
+    def __init__(self, file: str, said: str, /, *values: object):
+        message = Message(said, *values)
+        self.file, self.sentence = file, one_line(message)
+        super().__init__(one_line(Message("{file}: {message}", quote(file), message)))
 
 
 def quote(value: object, most: int = QUOTE) -> str:
@@ -40,12 +42,14 @@ def quote(value: object, most: int = QUOTE) -> str:
 
 def one_line(value: object, most: int = SENTENCE) -> str:
     """A whole sentence, what it quotes included, on one line."""
-    return _cut_end(_escape_invisible(" ".join(_to_text(value)[:4 * most].split())), most)
+    text = _to_text(value)
+    shown = _cut_end(_escape_invisible(" ".join(text[:4 * most].split())), most)
+    return text if text == shown else shown  # a message stays one
 
 
 def file_name(path: object, most: int = NAME) -> str:
     """The last part of a path, as any system writes it."""
-    return _cut_middle(PurePath(_to_text(path)[-LONGEST_PATH:].replace("\\", "/")).name, most) or "the file"
+    return _cut_middle(PurePath(_to_text(path)[-LONGEST_PATH:].replace("\\", "/")).name, most) or Message("the file")
 
 
 def escape_markdown(value: object, most: int = SENTENCE) -> str:
@@ -79,7 +83,7 @@ def csv_cell(value: object) -> object:
 def suggest_word(word: str, known: Iterable[str]) -> str:
     """What of the known words is nearest, as an addition to a sentence; "" where none is near."""
     close = get_close_matches(word[:QUOTE], list(known), n=1)
-    return f" (did you mean {close[0]}?)" if close else ""
+    return Message(" (did you mean {close}?)", close[0]) if close else ""
 
 
 def _to_text(value: object) -> str:
@@ -87,7 +91,7 @@ def _to_text(value: object) -> str:
     try:
         return f"{value:.12g}" if isinstance(value, float) else str(value)
     except ValueError:
-        return f"a number of more than {10**3:,} digits"
+        return Message("a number of more than {value:,} digits", 10**3)
 
 
 def _escape_invisible(text: str) -> str:

@@ -10,9 +10,10 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from solvers.message import Message
 from solvers.untrusted.quoting import FileError, quote
 
-FEWER = ", fewer times for example"
+FEWER = Message(", fewer times for example")
 
 
 @dataclass(frozen=True)
@@ -29,30 +30,31 @@ class Limits:
 
     def check_bytes(self, file: str, size: int) -> None:
         if size > self.bytes:
-            raise self._refusal(file, f"has {size / 1e6:,.0f} MB", f"{self.bytes / 1e6:,.0f} MB{FEWER}")
+            raise self._refusal(file, Message("has {size:,.0f} MB", size / 1e6), f"{self.bytes / 1e6:,.0f} MB" + FEWER)
 
     def check_unpacked(self, file: str, size: int) -> None:
         if size > self.bytes:
-            raise self._refusal(file, f"unpacks to {size / 1e6:,.0f} MB", f"{self.bytes / 1e6:,.0f} MB")
+            raise self._refusal(file, Message("unpacks to {size:,.0f} MB", size / 1e6), f"{self.bytes / 1e6:,.0f} MB")
 
     def check_columns(self, file: str, count: int) -> None:
         if count > self.columns:
-            raise self._refusal(file, f"has {count:,} columns or arrays", f"{self.columns:,}")
+            raise self._refusal(file, Message("has {count:,} columns or arrays", count), f"{self.columns:,}")
 
     def check_rows(self, file: str, rows: int) -> None:
         if rows > self.rows:
-            raise self._refusal(file, f"has {rows:,} particles of all times together", f"{self.rows:,}")
+            raise self._refusal(file, Message("has {rows:,} particles of all times together", rows),
+                                f"{self.rows:,}")
 
     def check_numbers(self, file: str, *counts: int) -> None:
         """``counts`` are the sizes that make the number of numbers, as a file claims them: any whole numbers."""
         total = math.prod(counts)
         if min(counts, default=0) < 0 or total > self.numbers:
-            told = f"{total:,}" if abs(total) < 10**15 else "10¹⁵ or more"
-            raise self._refusal(file, f"has {told} numbers", f"{self.numbers:,}{FEWER}")
+            told = f"{total:,}" if abs(total) < 10**15 else Message("10¹⁵ or more")
+            raise self._refusal(file, Message("has {told} numbers", told), f"{self.numbers:,}" + FEWER)
 
     def check_times(self, file: str, times: int) -> None:
         if times > self.times:
-            raise self._refusal(file, f"has {times:,} times", f"{self.times:,}")
+            raise self._refusal(file, Message("has {times:,} times", times), f"{self.times:,}")
 
     def remaining_after(self, columns: Mapping[str, np.ndarray]) -> "Limits":
         """What is left for further files beside one with such columns."""
@@ -61,7 +63,7 @@ class Limits:
         return replace(self, rows=max(0, self.rows - rows), numbers=max(0, self.numbers - numbers))
 
     def _refusal(self, file: str, has: str, most: str) -> FileError:
-        return FileError(file, f"{has}; give at most {most}{self.otherwise}")
+        return FileError(file, "{has}; give at most {most}{otherwise}", has, most, self.otherwise)
 
 
 LIMITS = Limits(bytes=500_000_000, columns=1000, rows=4_000_000, numbers=40_000_000, times=10_000)
@@ -72,5 +74,5 @@ LONGEST_LINE = 250_000  # letters of a line of text
 def check_name(file: str, name: str) -> None:
     """Refuse a name of a column that nobody would give, which would take long to be understood."""
     if len(name) > LONGEST_NAME:
-        raise FileError(file, f"has a column or an array with a name of {len(name):,} letters ({quote(name, 30)}); "
-                              f"give at most {LONGEST_NAME}")
+        raise FileError(file, "has a column or an array with a name of {name:,} letters ({name2}); give at most {most}",
+                        len(name), quote(name, 30), LONGEST_NAME)

@@ -22,6 +22,8 @@ from collections.abc import Generator, Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import IO, cast
 
+from solvers.message import from_json, to_json
+
 #: What such a process does first: it looks for modules where it is told to, and takes these ones from their own place.
 HOME = Path(__file__).resolve().parents[2]
 START = ("import sys; sys.path[:] = sys.argv[2:]; import solvers.workers.worker_process as p; del sys.path[0]; "
@@ -108,7 +110,7 @@ class WorkerProcess:
         for line in answers:
             if not line.endswith("\n"):
                 break  # it was killed in the middle of it
-            message = json.loads(line)
+            message = json.loads(line, object_hook=from_json)
             if "answer" in message:
                 yield message["answer"]
             elif message["failure"] is None:
@@ -183,7 +185,7 @@ def serve(work: str) -> None:
         os._exit(0)
 
     def say(**message: object) -> None:
-        output.write(json.dumps(message, allow_nan=False) + "\n")
+        output.write(json.dumps(to_json(message), allow_nan=False) + "\n")
         output.flush()
 
     threading.Thread(target=read, daemon=True).start()

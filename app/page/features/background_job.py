@@ -6,8 +6,7 @@ from concurrent.futures import Future
 from dataclasses import dataclass, replace
 from typing import Any, ClassVar, Generic, TypeVar
 
-from app.language.message_translation import translate_message
-from app.language.translation import tr, with_language
+from app.language.translation import tr, translate_message, with_language
 from solvers.workers.cpu_count import available_cpus
 from solvers.workers.worker_pool import Slots, WorkerPool
 

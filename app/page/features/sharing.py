@@ -8,8 +8,7 @@ import segno
 import viser
 
 from app import state
-from app.language.message_translation import translate_message
-from app.language.translation import lazy, tr
+from app.language.translation import lazy, tr, translate_message
 from app.page.feature import Feature
 from app.page.page_context import PageContext
 from app.page.panels.page_header import BESIDE

@@ -9,8 +9,7 @@ from html import escape
 
 import viser
 
-from app.language.message_translation import translate_message
-from app.language.translation import lazy, tr
+from app.language.translation import lazy, tr, translate_message
 from app.page.feature import Feature, PageView
 from app.page.headline import in_common, periods_of
 from app.page.page_context import PageContext

@@ -35,9 +35,8 @@ def _web(folder: str, ending: str) -> str:
 
 def initial_html() -> str:
     """Returns our part of a browser's first html: style, frame, scripts and their texts."""
-    words = json.dumps(load_catalogue(current_language()).of_files("app/page/web/js/"), ensure_ascii=False).replace(
-        "<", "\\u003c"
-    )
+    words = json.dumps(load_catalogue(current_language()).of_files("app/page/web/js/"),
+                       ensure_ascii=False).replace("<", "\\u003c")
     frame = render_template(WEB / "ground.html", mark=MARK, languages=language_links())
     return f"<style>\n{font_faces_css()}{_web('css', 'css')}</style>\n{frame}" \
         + f"<script type='application/json' id='lab-words'>{words}</script>\n<script>\n{_web('js', 'js')}</script>"

@@ -98,10 +98,8 @@ class Plots:
         self._headings[1].content = _heading(title, INDEX, beyond)
         indices = [np.minimum(series[f"{name}/index_{quantity}"], INDEX_RANGE[1]) if name in valid else nothing
                    for name in self._estimators]
-        set_series(
-            self._plots[1],
-            finite_series(second * time, *(np.minimum(values, INDEX_RANGE[1]) for values in grey_index),
-                          np.ones(len(time)), *indices), )
+        clipped = (np.minimum(values, INDEX_RANGE[1]) for values in grey_index)
+        set_series(self._plots[1], finite_series(second * time, *clipped, np.ones(len(time)), *indices))
         self._show_crossings(history, series, grey_rate, second)
 
     def show_trace(self, traced: TracedParticle, valid: tuple[str, ...], quantity: str, latest: bool,
@@ -137,11 +135,8 @@ class Plots:
             set_series(plot, finite_series(EMPTY, *(np.full(2, np.nan) for _ in plot.data[1:])))
 
     def _build(self, estimators: tuple[str, ...], height: int, pinned: bool) -> PlotSet:
-        grey = (
-            [series_options(tr("pinned, true"), PINNED, 2.5), series_options(tr("pinned"), PINNED, 1.5, (5, 3))]
-            if pinned
-            else []
-        )
+        grey = [series_options(tr("pinned, true"), PINNED, 2.5),
+                series_options(tr("pinned"), PINNED, 1.5, (5, 3))] if pinned else []
         lines = [series_options(name, ESTIMATORS[name].colour, 2, ESTIMATORS[name].dashes) for name in estimators]
         true, perfect = series_options(tr(TRUE), TRUTH, 3.5), series_options(tr("perfect"), PERFECT, 2.5)
         crossings = series_options(tr("crossings"), CROSSINGS, 1.5)

@@ -10,8 +10,7 @@ import numpy as np
 
 from app.colours import ESTIMATE, PINNED, TRUTH
 from app.frame.captions import ESTIMATED, TRUE, why_no_numbers
-from app.language.message_translation import translate_message
-from app.language.translation import lazy, tr
+from app.language.translation import lazy, tr, translate_message
 from app.page.stage.worst_region import WorstRegion, WorstRegions
 from app.page.visit.history import History, last_value, series_until
 from app.page.visit.pinned_run import PinnedRun
@@ -39,8 +38,7 @@ HINTS = {
     lazy("mean stress"): lazy("over the undeformed body, ± twice the error by the estimator on the stage"),
     lazy("verdict"): lazy("a run is ok if its positions are ok; this quantity has a relative error near 1"),
     lazy("unseen"): lazy("what the verdict does not check"),
-    lazy("region"): lazy("mean and worst error of the particles in a rectangle that you drag on the stage"),
-}
+    lazy("region"): lazy("mean and worst error of the particles in a rectangle that you drag on the stage")}
 #: Tooltips of columns, or of several rows.
 NORM = lazy("root of the mean square over the particles, now")
 INDEX = lazy("error index: estimated over true, summed over the run so far; 1 is perfect")

@@ -11,8 +11,7 @@ from typing import Any
 import viser
 
 from app import words
-from app.language.message_translation import translate_message
-from app.language.translation import tr
+from app.language.translation import tr, translate_message
 from app.page.panels.page_header import add_anchor
 from app.page.visit.session import Session, first_scene
 from app.problems.interface import LinearSlider

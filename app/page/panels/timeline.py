@@ -178,11 +178,8 @@ class Timeline:
 
     def _series(self, estimators: tuple[str, ...], pinned: bool) -> tuple[uplot.Series, ...]:
         """Returns the style of each line, the truth's broad and beneath."""
-        grey = (
-            [series_options(tr("pinned, true"), PINNED, 2.5), series_options(tr("pinned"), PINNED, 1.5, (5, 3))]
-            if pinned
-            else []
-        )
+        grey = [series_options(tr("pinned, true"), PINNED, 2.5),
+                series_options(tr("pinned"), PINNED, 1.5, (5, 3))] if pinned else []
         lines = [series_options(name, LINES[name.replace("-", "")][self._dark], 2, ESTIMATORS[name].dashes)
                  for name in estimators]
         return {"label": "t"}, *grey, series_options(tr(TRUE), LINES["truth"][self._dark], 4), *lines

@@ -4,8 +4,7 @@ from collections.abc import Callable
 from dataclasses import replace
 
 from app.frame.captions import View, view_of_frame
-from app.language.message_translation import translate_message
-from app.language.translation import tr
+from app.language.translation import tr, translate_message
 from app.page.visit.history import History
 from solvers.engine.engine_messages import FrameReport, Pace
 from solvers.engine.engine_pool import SessionLink, SessionListener

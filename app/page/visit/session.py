@@ -7,8 +7,7 @@ from dataclasses import asdict, replace
 from time import monotonic
 from typing import Any
 
-from app.language.message_translation import translate_message
-from app.language.translation import lazy, tr
+from app.language.translation import lazy, tr, translate_message
 from app.page.visit.engine_links import FASTEST, PageLinks, too_many
 from app.page.visit.history import History
 from app.page.visit.pinned_run import PinnedRun

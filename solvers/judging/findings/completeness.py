@@ -8,6 +8,7 @@ import numpy as np
 from solvers.judging.findings.finding import Finding, compare, unknown
 from solvers.judging.findings.neighbours import MOST_ASKED, NeighbourSearch
 from solvers.judging.frames import Frame
+from solvers.message import Message
 from solvers.problems import PROBLEMS
 from solvers.problems.reference import ProblemReference
 from solvers.scene.scene import Scene
@@ -36,8 +37,8 @@ class BodyShare:
 
     def to_finding(self, count: int) -> Finding:
         return compare(NAME, abs(1 - self.share), 1 - self.least, UNIT,
-                        f"the {count:,} particles cover {100 * self.share:.3g} % of the body ({self.how}): the norms "
-                        "are over these alone", self.how)
+                        Message("the {count:,} particles cover {share:.3g} % of the body ({how}): the norms are over "
+                                "these alone", count, 100 * self.share, self.how), self.how)
 
 
 def check(scene: Scene, frame: Frame) -> Finding:
@@ -51,7 +52,7 @@ def check(scene: Scene, frame: Frame) -> Finding:
 
 def _share_by_mass(scene: Scene, reference: ProblemReference, frame: Frame) -> BodyShare | None:
     """By masses or volumes in the file."""
-    weights, word = (frame.volume, "volumes") if frame.mass is None else (frame.mass, "masses")
+    weights, word = (frame.volume, Message("volumes")) if frame.mass is None else (frame.mass, Message("masses"))
     if weights is None:
         return None
     start = reference.start(scene)
@@ -62,7 +63,7 @@ def _share_by_mass(scene: Scene, reference: ProblemReference, frame: Frame) -> B
     D, P = frame.material_position.shape[1], len(weights)
     side = (size / P) ** (1 / D)
     rims = STAIRS * side**2 * np.sqrt(2 * np.pi * across / side) / size if D > 1 else 0.0
-    return BodyShare(float(np.sum(weights)) / whole, 1 - max(LEAST, rims), f"by the {word} in the files")
+    return BodyShare(float(np.sum(weights)) / whole, 1 - max(LEAST, rims), Message("by the {word} in the files", word))
 
 
 def _share_by_lattice(scene: Scene, reference: ProblemReference, X: np.ndarray) -> BodyShare | None:
@@ -90,8 +91,9 @@ def _share_by_lattice(scene: Scene, reference: ProblemReference, X: np.ndarray) 
     short = len(places) - len(X)
     weight = reference.start(candidate).volume
     share = float(weight[who[:, 0]].sum() / weight.sum())
-    return BodyShare(share, 1 - 0.5 / len(places), f"{short:,} of the {len(places):,} places of a lattice of "
-                     f"{candidate.ppc:g} a cell in each direction are empty")
+    return BodyShare(share, 1 - 0.5 / len(places), Message("{short:,} of the {places:,} places of a lattice of {ppc:g} "
+                                                           "a cell in each direction are empty", short, len(places),
+                                                           candidate.ppc))
 
 
 def _lattices(scene: Scene) -> list[Scene]:
@@ -130,4 +132,4 @@ def _share_by_holes(scene: Scene, reference: ProblemReference, X: np.ndarray) ->
         inside = ~(reference.is_outside(scene, place) | reference.is_outside(scene, place + 0.6 * step))
         if inside.any():
             vacant = float(np.mean(around.nearest(place[inside], 1)[0] > VACANT * side))
-    return BodyShare(1 - max(bare, vacant), 1 - LEAST, "by the holes between them")
+    return BodyShare(1 - max(bare, vacant), 1 - LEAST, Message("by the holes between them"))

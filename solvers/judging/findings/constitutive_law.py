@@ -10,6 +10,7 @@ from solvers.judging.findings import time_fits
 from solvers.judging.findings.evidence import Evidence, Tracks, detect_precision, sample_numbers
 from solvers.judging.findings.finding import HOLDS, OFF, Finding, unknown
 from solvers.judging.findings.time_fits import interpolate_before, time_derivative
+from solvers.message import Message
 from solvers.problems import PROBLEMS
 from solvers.scene.scene import Scene
 from solvers.scene.validation import SceneError
@@ -47,10 +48,10 @@ def check(evidence: Evidence) -> Finding:
         return unknown(NAME, "there is no stress by the law, or it is too large")
     if measured <= tolerance:
         return Finding(NAME, HOLDS, measured, tolerance, UNIT)
-    told = _explain_stress(evidence, size) or "another material, or another measure of stress"
+    told = _explain_stress(evidence, size) or Message("another material, or another measure of stress")
     return Finding(NAME, OFF, measured, tolerance, UNIT,
-                   f"the stress in the files is up to {measured:.2g} of the run's stress off what their F gives by the "
-                   f"problem's law: {told}")
+                   Message("the stress in the files is up to {measured:.2g} of the run's stress off what their F gives "
+                           "by the problem's law: {told}", measured, told))
 
 
 def _explain_stress(evidence: Evidence, size: float) -> str | None:
@@ -64,7 +65,9 @@ def _explain_stress(evidence: Evidence, size: float) -> str | None:
     found = [(time_fits.rms(rest) / before, words)
              for rest, words in _candidates(scene, tracks, sigma, law, evidence.step)]
     left, words = min(found, key=lambda one: one[0])
-    return f"{words}, which leaves {left * before / size:.2g}" if left < EXPLAINS else None
+    if left < EXPLAINS:
+        return Message("{words}, which leaves {left:.2g}", words, left * before / size)
+    return None
 
 
 def _candidates(scene: Scene, tracks: Tracks, sigma: np.ndarray, law: np.ndarray,
@@ -72,22 +75,25 @@ def _candidates(scene: Scene, tracks: Tracks, sigma: np.ndarray, law: np.ndarray
     """What is left of the stress, and what it would be."""
     if len(tracks.time) >= 3:
         late = fit_time_lag(tracks.time, sigma, law)
-        when = "earlier" if late > 0 else "later"
+        when = Message("earlier" if late > 0 else "later")
         inside, moved = interpolate_before(tracks.time, law, late)
         whole = time_fits.rms(sigma - law) / max(time_fits.rms((sigma - law)[inside]), 1e-300)
         yield ((sigma[inside] - moved) * whole,
-               f"it fits the F of {abs(late):.3g} s {when} better (a step is {step:.3g} s), so stress and F belong to "
-               "different moments")
+               Message("it fits the F of {late:.3g} s {when} better (a step is {step:.3g} s), so stress and F belong "
+                       "to different moments", abs(late), when, step))
     if tracks.material_position.shape[1] > 1:
-        yield sigma - _stress_of_law(scene, tracks, np.swapaxes(tracks.own["F"], -1, -2)), "it fits the transpose of F"
+        yield sigma - _stress_of_law(scene, tracks, np.swapaxes(tracks.own["F"], -1, -2)), Message("it fits the "
+                                                                                                   "transpose of F")
     if (np.linalg.det(tracks.own["F"]) != 0).all():
         for words, other in MEASURES.items():
-            yield sigma - other(tracks.own["F"], law), f"it fits as {words}"
+            yield sigma - other(tracks.own["F"], law), Message("it fits as {words}", Message(words))
     factor = float(np.sum(sigma * law) / np.sum(law * law))
-    yield sigma - factor * law, f"it fits E = {factor * scene.modulus:.4g} Pa, not {scene.modulus:.4g} Pa"
+    yield sigma - factor * law, Message("it fits E = {factor:.4g} Pa, not {modulus:.4g} Pa", factor * scene.modulus,
+                                        scene.modulus)
     if "law" in scene.__dataclass_fields__:
         for name in scene.choices("law"):
-            yield sigma - _stress_of_law(replace(scene, law=name), tracks), f"it fits the law {name}"  # type: ignore[call-arg]
+            stress = _stress_of_law(replace(scene, law=name), tracks)  # type: ignore[call-arg]
+            yield sigma - stress, Message("it fits the law {name}", name)
     if hasattr(scene, "poisson_ratio"):
         yield from _fit_moduli(scene, tracks, sigma)
 
@@ -96,13 +102,13 @@ def _fit_moduli(scene: Scene, tracks: Tracks, sigma: np.ndarray) -> Iterator[tup
     """Of an E and a Poisson's ratio, both free."""
     for ratio in RATIOS:
         try:
-            law = _stress_of_law(replace(scene, poisson_ratio=float(ratio)), tracks)  # type: ignore[call-arg]  # some have one
+            law = _stress_of_law(replace(scene, poisson_ratio=float(ratio)), tracks)  # type: ignore[call-arg]
         except SceneError:
             continue
         factor = float(np.sum(sigma * law) / np.sum(law * law))
         yield (sigma - factor * law,
-               f"it fits Poisson's ratio {ratio:.2g} with E = {factor * scene.modulus:.4g} Pa, not "
-               f"{scene.poisson_ratio:.2g} with {scene.modulus:.4g} Pa")  # type: ignore[attr-defined]
+               Message("it fits Poisson's ratio {ratio:.2g} with E = {factor:.4g} Pa, not {scene.poisson_ratio:.2g} "
+                       "with {scene.modulus:.4g} Pa", ratio=ratio, factor=factor * scene.modulus, scene=scene))
 
 
 def fit_time_lag(times: np.ndarray, sigma: np.ndarray, law: np.ndarray) -> float:

@@ -8,6 +8,7 @@ import numpy as np
 
 from solvers.judging.error_norms import Errors, stress
 from solvers.judging.frames import Frame
+from solvers.message import Message
 from solvers.scene.scene import Scene
 
 MOST_FOLLOWED, MOST_TIMES = 4000, 400  # particles and times that are followed over time
@@ -105,4 +106,4 @@ def detect_precision(values: np.ndarray) -> StoredPrecision:
         return EXACT
     relative = 0.5 * 10.0 ** (1 - figures)  # of a number whose first figure is 1
     return StoredPrecision(max(relative, SINGLE) if figures <= FIGURES_OF_SINGLE else relative, 0.5 * 10.0**-decimals,
-                           f"{figures} figures")
+                           Message("{figures} figures", figures))

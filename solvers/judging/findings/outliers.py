@@ -12,6 +12,7 @@ from solvers.judging.findings.finding import BROKEN, HOLDS, OFF, SUSPICIOUS, Fin
 from solvers.judging.findings.motion import Motion
 from solvers.judging.findings.neighbours import MOST, USUAL, Neighbourhood, departures, find_neighbours, find_outliers
 from solvers.judging.frames import Frame
+from solvers.message import Message
 from solvers.scene.scene import Scene
 
 MOST_FRAMES = 24  # in which velocities and stresses are looked at, spread over all
@@ -134,11 +135,12 @@ def outliers_finding(quantity: str, found: Outliers | None) -> Finding:
     most = found.most
     worst = int(np.argmax(most.far))
     X = ", ".join(f"{c:.4g}" for c in most.frame.material_position[most.which[worst]])
-    count, whose = len(most.which), {"x": "position", "v": "velocity", "sigma": "stress (or F)"}[quantity]
+    whose = {"x": Message("position"), "v": Message("velocity"), "sigma": Message("stress (or F)")}[quantity]
     return Finding(NAMES[quantity], OFF, found.largest, found.limit, UNITS[quantity],
-                   f"the {whose} of {count:,} particle{'s' * (count != 1)} differs from the neighbours by up to "
-                   f"{most.far[worst]:.3g} {UNITS[quantity]} at t = {most.frame.time:.4g} s, most at particle "
-                   f"{int(most.frame.number[most.which[worst]])} at X = {X}")
+                   Message("the {whose} of {count:,} particle{count2} differs from the neighbours by up to {far:.3g} "
+                           "{quantity} at t = {time:.4g} s, most at particle {number} at X = {x}", whose,
+                           len(most.which), "s" * (len(most.which) != 1), most.far[worst], UNITS[quantity],
+                           most.frame.time, int(most.frame.number[most.which[worst]]), X))
 
 
 def check_masses(frame: Frame) -> Finding:
@@ -152,8 +154,9 @@ def check_masses(frame: Frame) -> Finding:
         return Finding(MASSES, HOLDS, float(far.max()) / usual, limit / usual, OF_MASS)
     worst = which[np.argmax(far[which])]
     return Finding(MASSES, OFF, float(far[worst]) / usual, limit / usual, OF_MASS,
-                   f"the mass of {len(which):,} particle{'s' * (len(which) != 1)} differs from the neighbours, most "
-                   f"that of particle {int(frame.number[worst])} ({frame.mass[worst]:.4g} kg)")
+                   Message("the mass of {which:,} particle{which2} differs from the neighbours, most that of particle "
+                           "{number} ({mass:.4g} kg)", len(which), "s" * (len(which) != 1), int(frame.number[worst]),
+                           frame.mass[worst]))
 
 
 def check_outliers(motion: Motion, key: str) -> Finding:

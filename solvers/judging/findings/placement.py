@@ -13,6 +13,7 @@ from solvers.judging.findings.finding import HOLDS, OFF, Finding, compare, unkno
 from solvers.judging.findings.neighbours import MOST_ASKED, NeighbourSearch, departures, find_neighbours
 from solvers.judging.findings.time_fits import rms
 from solvers.judging.frames import Frame
+from solvers.message import Message
 from solvers.problems import PROBLEMS
 from solvers.scene.scene import Scene
 
@@ -45,10 +46,10 @@ def check_positions(evidence: Evidence) -> Finding:
         return Finding(PLACES, HOLDS, size, tolerance, "m")
     readings = _readings_of_start(evidence.scene, frame, error)
     left, words = min((left() / rms(error), words) for words, left in readings)
-    told = words if left < FITS else "they are others, or X or ids are"
+    told = words if left < FITS else Message("they are others, or X or ids are")
     return Finding(PLACES, OFF, size, tolerance, "m",
-                   f"at t = 0 the particles are {size:.3g} m off the initial positions of the "
-                   f"{evidence.scene.problem}: {told}")
+                   Message("at t = 0 the particles are {size:.3g} m off the initial positions of the {problem}: {told}",
+                           size, Message(evidence.scene.problem), told))
 
 
 def check_velocities(evidence: Evidence) -> Finding:
@@ -67,10 +68,11 @@ def check_velocities(evidence: Evidence) -> Finding:
         return Finding(SPEEDS, HOLDS, off, tolerance, "of v")
     factor = float(np.sum(frame.velocity * right) / np.sum(right**2))
     fits = rms(frame.velocity - factor * right) <= FITS * rms(error)
-    told = f"it is {factor:.4g} times that, as of another amplitude or unit" if fits else "it is another motion"
+    told = Message("it is {factor:.4g} times that, as of another amplitude or unit", factor) if fits else \
+        Message("it is another motion")
     return Finding(SPEEDS, OFF, off, tolerance, "of v",
-                   f"at t = 0 the velocity differs from the initial velocity of the {evidence.scene.problem} by "
-                   f"{off:.2g} of it: {told}")
+                   Message("at t = 0 the velocity differs from the initial velocity of the {problem} by {off:.2g} of "
+                           "it: {told}", Message(evidence.scene.problem), off, told))
 
 
 def _start_frame(evidence: Evidence, quantity: str) -> tuple[Frame, np.ndarray] | None:
@@ -86,16 +88,16 @@ def _readings_of_start(scene: Scene, frame: Frame, error: np.ndarray) -> Iterato
     def within(places: np.ndarray, near: np.ndarray) -> np.ndarray:
         return PROBLEMS[scene.problem].reference.unwrap_positions(scene, near, places, np.zeros(len(places)))
 
-    yield "x seems to be the displacement, not the position", lambda: rms(within(x + X, X) - right)
+    yield Message("x seems to be the displacement, not the position"), lambda: rms(within(x + X, X) - right)
     factor = float(np.sum(x * right) / max(float(np.sum(right**2)), 1e-300))
     if FITS < abs(np.log10(max(abs(factor), 1e-300))) < POWERS:
-        yield (f"x seems to be in another unit than X, {factor:.4g} times what it should be",
+        yield (Message("x seems to be in another unit than X, {factor:.4g} times what it should be", factor),
                lambda: rms(x - factor * right) / max(abs(factor), 1.0))
     if len(x) > 1:
         middle = np.broadcast_to(0.5 * (right.min(axis=0) + right.max(axis=0)), right.shape)
         far, who = NeighbourSearch(right).nearest(within(x, middle), 1)
         if len(np.unique(who)) == len(x):
-            yield ("each is at the initial position of another one: ids or rows are permuted",
+            yield (Message("each is at the initial position of another one: ids or rows are permuted"),
                    lambda: float(np.sqrt(np.mean(np.minimum(far, rms(error)) ** 2))))
 
 
@@ -112,13 +114,13 @@ def check_order(evidence: Evidence) -> Finding:
     jumps = 0.0 if near is None else float(np.median(departures(near, error["x"]))) / max(size, 1e-300)
     if size > FAR * apart and jumps > UNLIKE:
         return Finding(ORDER, OFF, jumps, UNLIKE, UNIT,
-                       f"at t = {frame.time:.4g} s the error of x jumps between neighbouring particles by its own "
-                       "size: their ids or X may be in another order")
+                       Message("at t = {time:.4g} s the error of x jumps between neighbouring particles by its own "
+                               "size: their ids or X may be in another order", frame.time))
     nearer = apart / max(off, 1e-300) if size > apart else 0.0  # where all are where they belong so are the nearest
     return Finding(ORDER, HOLDS, nearer, 1 / OTHERS, NEARER) if nearer < 1 / OTHERS else Finding(
         ORDER, OFF, nearer, 1 / OTHERS, NEARER,
-        f"at t = {frame.time:.4g} s most particles are where others should be, within {off:.2g} m: their ids or X are "
-        "in another order")
+        Message("at t = {time:.4g} s most particles are where others should be, within {off:.2g} m: their ids or X are "
+                "in another order", frame.time, off))
 
 
 def check_mean_error(evidence: Evidence) -> Finding:
@@ -139,8 +141,9 @@ def check_mean_error(evidence: Evidence) -> Finding:
     least = ROUNDED * float(rounding) + NOTHING * evidence.scene.spacing
     place = ", ".join(f"{c:.2g}" for c in means[k])
     return compare(DRIFT, float(aside[k]) / size, ASIDE + least / size, UNIT,
-                    f"at t = {evidence.frames[k].time:.4g} s the particles are {place} m off on average, but the "
-                    "centre of a symmetric body cannot move: they drift, or a force or mass is not symmetric")
+                    Message("at t = {time:.4g} s the particles are {place} m off on average, but the centre of a "
+                            "symmetric body cannot move: they drift, or a force or mass is not symmetric",
+                            evidence.frames[k].time, place))
 
 
 def _forbidden_mean(evidence: Evidence, X: np.ndarray) -> Callable[[np.ndarray], np.ndarray] | None:
@@ -180,7 +183,7 @@ def check_axes(evidence: Evidence) -> Finding:
     if left is None or not 0 < left < np.inf:
         return unknown(AXES, "nothing to exchange, or no errors that could tell")
     return Finding(AXES, HOLDS if left > FITS else OFF, 1 / left, 1 / FITS, "times less error if read otherwise",
-                   "" if left > FITS else f"{words}: read so, the error is {left:.2g} of what it is")
+                   "" if left > FITS else Message("{how}: read so, the error is {left:.2g} of what it is", words, left))
 
 
 def _rms_errors(errors: list[Errors]) -> dict[str, float]:
@@ -190,23 +193,25 @@ def _rms_errors(errors: list[Errors]) -> dict[str, float]:
 def _readings(frame: Frame) -> Iterator[tuple[str, str, Callable[[Frame], Frame]]]:
     """What might have happened, the quantity whose error shows it, and the frame without it."""
     F, plane = frame.deformation_gradient, frame.position.shape[1] == 2
-    yield ("the positions seem to be displacements", "x",
+    yield (Message("the positions seem to be displacements"), "x",
            lambda f: replace(f, position=f.position + f.material_position))
-    yield "the positions seem to be in mm", "x", _with_array("position", lambda x: 1e-3 * x)
+    yield Message("the positions seem to be in mm"), "x", _with_array("position", lambda x: 1e-3 * x)
     if plane:
-        yield "x and y of the positions seem to be exchanged", "x", _with_array("position", lambda x: x[:, ::-1])
-        yield ("x and y of everything seem to be exchanged, or one axis to point the other way", "x",
+        yield (Message("x and y of the positions seem to be exchanged"), "x",
+               _with_array("position", lambda x: x[:, ::-1]))
+        yield (Message("x and y of everything seem to be exchanged, or one axis to point the other way"), "x",
                lambda f: replace(f, position=f.position[:, ::-1], material_position=f.material_position[:, ::-1]))
     if frame.velocity is not None:
         if plane:
-            yield "x and y of the velocities seem to be exchanged", "v", _with_array("velocity", lambda v: v[:, ::-1])
-        yield "the velocities seem to have the other sign", "v", _with_array("velocity", lambda v: -v)
+            yield (Message("x and y of the velocities seem to be exchanged"), "v",
+                   _with_array("velocity", lambda v: v[:, ::-1]))
+        yield Message("the velocities seem to have the other sign"), "v", _with_array("velocity", lambda v: -v)
     if F is not None and frame.stress is None:
         if plane:
-            yield "F seems to be transposed", "sigma", _with_array("deformation_gradient",
+            yield Message("F seems to be transposed"), "sigma", _with_array("deformation_gradient",
                                                                    lambda F: F.transpose(0, 2, 1))
-        yield "F seems to be its inverse, dX/dx", "sigma", _with_array("deformation_gradient", np.linalg.pinv)
-        yield ("F seems to be the gradient of the displacement, F - I", "sigma",
+        yield Message("F seems to be its inverse, dX/dx"), "sigma", _with_array("deformation_gradient", np.linalg.pinv)
+        yield (Message("F seems to be the gradient of the displacement, F - I"), "sigma",
                _with_array("deformation_gradient", lambda F: F + np.eye(F.shape[1])))
 
 

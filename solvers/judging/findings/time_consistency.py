@@ -10,6 +10,7 @@ from solvers.judging.findings.evidence import Evidence
 from solvers.judging.findings.finding import BROKEN, HOLDS, OFF, SUSPICIOUS, Finding, unknown
 from solvers.judging.findings.motion import Motion
 from solvers.judging.findings.time_fits import fit_parts, jackknife_error, rms, time_derivative
+from solvers.message import Message
 
 FEWEST_TIMES = 5
 SURE, SMOOTHED = 6.0, 3.0  # times that uncertainty; times what smoothing can make of the error of v
@@ -26,7 +27,7 @@ CLOCK_OFF, TELLS = 2e-3, 2.5  # of the time; times the error that is left, which
 #: which these numbers were not set on, none was called fast.
 FAST_SURE, FAST_TELLS = 4.0, 1.0
 TOO_LARGE = "the errors are too large"
-FEW = f"fewer than {FEWEST_TIMES} times, or not the same particles at all of them"
+FEW = Message("fewer than {least} times, or not the same particles at all of them", FEWEST_TIMES)
 NAMES_OF_V = "v against dx/dt", "moment of v before that of x", "the middle against the mean of v"
 SPEED, MOMENT, CENTRE = NAMES_OF_V
 #: Of the velocity, RMS: what is left between v and dx/dt, of which the particles' own noise in a sound run of ours
@@ -55,7 +56,7 @@ def check_velocity_time(evidence: Evidence) -> Finding:
     moved, gained = np.diff(tracks.exact["x"], axis=0), np.diff(tracks.exact["v"], axis=0)
     late, sure = fit_parts(gap, [-gained, moved])
     slack = (SURE * sure[0] + _smoothing_lag(late[0, 1], v, time_derivative(tracks.time, tracks.exact["v"]))) / step
-    return _lag_finding(VELOCITY, late[0, 0] / step, slack, (-SLACK, HALF + SLACK), step, "the velocities are")
+    return _lag_finding(VELOCITY, late[0, 0] / step, slack, (-SLACK, HALF + SLACK), step, Message("the velocities are"))
 
 
 def check_stress_time(evidence: Evidence) -> Finding:
@@ -75,7 +76,7 @@ def check_stress_time(evidence: Evidence) -> Finding:
     # What is really late is so at all times and everywhere, and of the right size.
     slack = SURE * max(map(jackknife_error, late)) + _smoothing_lag(fit_parts(sigma, parts)[0][0, 1], sigma,
                                                                     parts[0]) / step
-    return _lag_finding(STRESS, float(late[0][0]), slack, (-HALF, HALF), step, "F or the stress is")
+    return _lag_finding(STRESS, float(late[0][0]), slack, (-HALF, HALF), step, Message("F or the stress is"))
 
 
 def check_clock(evidence: Evidence) -> Finding:
@@ -98,12 +99,12 @@ def check_clock(evidence: Evidence) -> Finding:
         return unknown(CLOCK, TOO_LARGE if size > 0 else "nothing moves by which a clock could be told")
     if abs(slow) <= tolerance:
         return Finding(CLOCK, HOLDS, abs(slow), tolerance, "of the time",
-                       "smaller differences are below the error of x, or the waves of the grid")
-    pace = "slower" if slow > 0 else "faster"
+                       Message("smaller differences are below the error of x, or the waves of the grid"))
+    pace = Message("slower" if slow > 0 else "faster")
     return Finding(CLOCK, OFF, abs(slow), tolerance, "of the time",
-                   f"the motion is {100 * abs(slow):.2g} % {pace} than its times imply: with all times multiplied by "
-                   f"{1 - slow:.4f}, the error of x would be {rms(rest) / rms(x):.2g} of its value; the times are "
-                   "wrong, or the input that sets the speed")
+                   Message("the motion is {slow:.2g} % {pace} than its times imply: with all times multiplied by "
+                           "{slow2:.4f}, the error of x would be {rest:.2g} of its value; the times are wrong, or the "
+                           "input that sets the speed", 100 * abs(slow), pace, 1 - slow, rms(rest) / rms(x)))
 
 
 def _smoothing_lag(part: float, error: np.ndarray, slope: np.ndarray) -> float:
@@ -119,10 +120,10 @@ def _lag_finding(name: str, steps: float, slack: float, allowed: tuple[float, fl
     tolerance = slack + abs(least if steps < 0.5 * (least + most) else most)
     if least - slack <= steps <= most + slack:
         return Finding(name, HOLDS, steps, tolerance, STEPS, UNSURE if slack > HALF else "")
-    when = "before" if steps > 0 else "after"
+    when = Message("before that of the positions" if steps > 0 else "after that of the positions")
     return Finding(name, OFF, steps, tolerance, STEPS,
-                   f"{who} of a moment {abs(steps) * step:.3g} s {when} that of the positions, {abs(steps):.2g} "
-                   f"times the step ({step:.3g} s)")
+                   Message("{who} of a moment {steps:.3g} s {when}, {steps2:.2g} times the step ({step:.3g} s)", who,
+                           abs(steps) * step, when, abs(steps), step))
 
 
 def check_velocity(motion: Motion) -> list[Finding]:

@@ -17,6 +17,7 @@ from typing import Any
 
 import numpy as np
 
+from solvers.message import Message, join
 from solvers.scene.defaults import MOST_PER_CELL
 from solvers.scene.remedies import PIECES
 from solvers.scene.scene import Scene
@@ -28,8 +29,8 @@ STRETCHES = (0.1, 10.0)
 LEAST_STRAIN = 1e-6  # below it round-off is no longer small beside the stress
 MOST_VELOCITY = 1000.0  # m/s
 COUNT_TOLERANCE = 1e-6  # of a particle, by which their number may miss a whole one: 2.3333333 is 7/3
-NOTHING_TO_SEARCH = ("a search makes no sense for a patch test: its error is round-off, or does not fall with the "
-                     "cells; compare methods with mpm-lab sweep bar --motion patch")
+NOTHING_TO_SEARCH = Message("a search makes no sense for a patch test: its error is round-off, or does not fall with "
+                            "the cells; compare methods with mpm-lab sweep bar --motion patch")
 EDGE_TOLERANCE = 1e-10  # cells
 MOST_EDGE_STEPS = 10_000  # that are looked ahead
 FAILED_FROM = 0.1  # of the stress: an error beyond which a patch test counts as failed
@@ -48,7 +49,7 @@ def normalise_inputs(cells: object, ppc: object, body_force: object) -> dict[str
 
 def check_per_cell(cells: int, ppc: object) -> None:
     """Particles per cell need not be whole, but all of them together."""
-    allowed = f"give a number from 1 to {MOST_PER_CELL}"
+    allowed = Message("give a number from 1 to {most}", MOST_PER_CELL)
     require_number("ppc", ppc, 0, math.inf, allowed)
     assert isinstance(ppc, (int, float))
     if not 1 <= ppc <= MOST_PER_CELL:
@@ -58,22 +59,22 @@ def check_per_cell(cells: int, ppc: object) -> None:
         below, above = math.floor(count), math.ceil(count)
         nearest = [f"{number / cells:.7g} ({number})" for number in (below, above)
                    if cells <= number <= MOST_PER_CELL * cells]
-        raise SceneError("ppc", ppc, f"{cells} cells would hold {count:.7g} particles, and they must be a whole "
-                         f"number; give {' or '.join(nearest)}, or other cells")
+        raise SceneError("ppc", ppc, "{cells} cells would hold {count:.7g} particles, and they must be a whole number; "
+                         "give {nearest}, or other cells", cells, count, join(" or ", nearest))
 
 
 def check_numbers(stretch: float, velocity: float) -> None:
     """Refuse a stretch or a velocity that no patch test can have."""
     least, most = STRETCHES
-    allowed = f"give a number from {least:g} to {most:g}, but not 1"
+    allowed = Message("give a number from {least:g} to {most:g}, but not 1", least, most)
     require_number("stretch", stretch, 0, math.inf, allowed)
     if not least <= stretch <= most:
         raise SceneError("stretch", stretch, allowed)
     if abs(stretch - 1) < LEAST_STRAIN:
         raise SceneError("stretch", stretch, "leaves the bar without stress, so that the test could not fail; "
-                         f"{allowed}")
+                         "{allowed}", allowed)
     require_number("initial_velocity", velocity, -math.inf, math.inf,
-                   allowed := f"give a number from {-MOST_VELOCITY:g} to {MOST_VELOCITY:g}")
+                   allowed := Message("give a number from {least:g} to {most:g}", -MOST_VELOCITY, MOST_VELOCITY))
     if abs(velocity) > MOST_VELOCITY:
         raise SceneError("initial_velocity", velocity, allowed)
 
@@ -81,11 +82,11 @@ def check_numbers(stretch: float, velocity: float) -> None:
 def check_fields(scene: Any) -> None:
     """Refuse for a patch test what means nothing in it, and for a vibrating bar what only a patch test has."""
     names: tuple[str, ...] = ("stretch", "initial_velocity")
-    why = "is for the patch test; give motion patch, or leave it out"
+    why = Message("is for the patch test; give motion patch, or leave it out")
     if scene.is_patch:
         names = ("amplitude", "body_force", "displacement")
-        why = ("means nothing in a patch test (motion patch), in which nothing vibrates and no force acts; leave it "
-               "out")
+        why = Message("means nothing in a patch test (motion patch), in which nothing vibrates and no force acts; "
+                      "leave it out")
     for name in names:
         if getattr(scene, name) != ("none" if name == "body_force" else getattr(type(scene), name)):
             raise SceneError(name, getattr(scene, name), why)

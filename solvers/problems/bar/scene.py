@@ -9,6 +9,7 @@ from typing import Any
 
 import numpy as np
 
+from solvers.message import Message
 from solvers.motion.line_solution import HALF_ERROR, LineSizes, line_sizes
 from solvers.motion.typed_motion import LineMotionInputs
 from solvers.problems.bar import exact_solution, limits, patch_test, step_bound
@@ -54,7 +55,7 @@ class BarScene(TypedMotionScene, Scene):
     take_away: str = option(NOTHING, "Cause of error that is taken out of the run; needs the effect budget",
                             choices=(NOTHING, *CAUSES))
 
-    TITLE, TYPED_TITLE = "vibrating bar", "bar that moves as typed"
+    TITLE, TYPED_TITLE = "vibrating bar", Message("bar that moves as typed")
     SETTING = "The bar is 1 m long."
     EXTRA_ERROR = "sigma_log"
     ESTIMATORS = ("transport", "recovered", "companion", "two-grid")
@@ -87,7 +88,7 @@ class BarScene(TypedMotionScene, Scene):
 
     @property
     def title(self) -> str:
-        return "patch test of the bar" if self.is_patch else super().title
+        return Message("patch test of the bar") if self.is_patch else super().title
 
     @property
     def waves(self) -> int:
@@ -201,17 +202,19 @@ class BarScene(TypedMotionScene, Scene):
     def warnings(self) -> list[str]:
         sentences = super().warnings()
         if "two-grid" in self.active_estimators and limits.is_noisy(self):
-            sentences.append("two-grid does not estimate a here: particles that cross cells add noise to it, in "
-                             "different places on the two grids")
+            sentences.append(Message("two-grid does not estimate a here: particles that cross cells add noise to it, "
+                                     "in different places on the two grids"))
         if "budget" in self.effects and not self.has("budget"):
-            sentences.append("error budget: it needs the effect truth and an exact solution, or the estimator "
-                             "companion; switch one of the two on")
+            sentences.append(Message("error budget: it needs the effect truth and an exact solution, or the estimator "
+                                     "companion; switch one of the two on"))
         if self.take_away != NOTHING and not self.has("budget"):
-            sentences.append(f"take away {self.take_away}: nothing is taken away without the effect budget")
+            sentences.append(Message("take away {take_away}: nothing is taken away without the effect budget",
+                                     self.take_away))
         if self.is_patch and (step := patch_test.first_edge_step(self, self.initial_velocity)):
-            sentences.append(f"after {step} steps particles are exactly on cell boundaries, and rounding decides in "
-                             "which cell they are: with hat functions this causes errors even with whole particles "
-                             f"per cell; another velocity avoids it, such as {0.9717 * self.initial_velocity:.4g} m/s")
+            sentences.append(Message("after {step} steps particles are exactly on cell boundaries, and rounding "
+                                     "decides in which cell they are: with hat functions this causes errors even with "
+                                     "whole particles per cell; another velocity avoids it, such as "
+                                     "{initial_velocity:.4g} m/s", step, 0.9717 * self.initial_velocity))
         return sentences
 
     def critical_time_step(self) -> StepBound:
@@ -225,17 +228,18 @@ class BarScene(TypedMotionScene, Scene):
         if self.is_patch:
             return patch_test.check_per_cell(self.cells, self.ppc)
         if isinstance(self.ppc, float) and 1 <= self.ppc <= MOST_PER_CELL:
-            raise SceneError("ppc", self.ppc, f"give a whole number from 1 to {MOST_PER_CELL}; only a patch test "
-                             "(motion patch) may have a part of one")
+            raise SceneError("ppc", self.ppc, "give a whole number from 1 to {most}; only a patch test (motion patch) "
+                             "may have a part of one", MOST_PER_CELL)
         super()._check_per_cell()
 
     def _check_amplitude(self) -> None:
         if self.displacement:
             return super()._check_amplitude()
-        allowed = "give a number above 1e-12 and below 0.159"
+        allowed = Message("give a number above 1e-12 and below 0.159")
         require_number("amplitude", self.amplitude, 1e-12, math.inf, allowed)
         if self.amplitude >= BAR_AMPLITUDE_LIMIT:
-            raise SceneError("amplitude", self.amplitude, f"the exact bar inverts from 1/(2 pi) = 0.159 on; {allowed}")
+            raise SceneError("amplitude", self.amplitude, "the exact bar inverts from 1/(2 pi) = 0.159 on; {allowed}",
+                             allowed)
 
     def _check_numbers(self) -> None:
         super()._check_numbers()
@@ -259,8 +263,8 @@ class BarScene(TypedMotionScene, Scene):
         """Frozen weights have nothing to correct: they see the material at rest, where it fills the grid evenly."""
         others = [name for name in self.remedies if name != FROZEN]
         if others:
-            raise SceneError("remedies", " ".join(self.remedies), f"frozen-weights cannot be combined: {others[0]} "
-                             "corrects errors of particles that move through the grid; leave one of the two out")
+            raise SceneError("remedies", " ".join(self.remedies), "frozen-weights cannot be combined: {name} corrects "
+                             "errors of particles that move through the grid; leave one of the two out", others[0])
         for name, value, plain in (("linearity_preserving", self.linearity_preserving, False),
                                    ("body_force", self.body_force == "node", False),
                                    ("velocity", self.velocity == "corners", False)):

@@ -5,6 +5,7 @@ import time
 import numpy as np
 
 from solvers.kernels import runtime
+from solvers.message import Message
 from solvers.problems.bar import exact_solution, step_breakdown
 from solvers.problems.bar.scene import BarScene
 from solvers.problems.bar.state import HOOKS, BarState, InstrumentedBar, allocate_state, escape_distance
@@ -77,12 +78,12 @@ class BarSolver(Solver):
                       {name: _columns(errors) for name, errors in said.items()})
 
     def _escape_sentence(self) -> str:
-        return f"moved {escape_distance(self.scene):.3g} m or more from where it began"
+        return Message("moved {scene:.3g} m or more from where it began", escape_distance(self.scene))
 
     def _advice(self) -> str:
         if self.scene.is_patch and self.scene.time_step <= self.scene.step_bound:  # whatever else it has: it is this
-            return ("cells with unequal numbers of particles have unequal forces: give a whole number of particles per "
-                    "cell, ugimp or cpgimp, or linearity preservation")
+            return Message("cells with unequal numbers of particles have unequal forces: give a whole number of "
+                           "particles per cell, ugimp or cpgimp, or linearity preservation")
         return super()._advice()
 
     def _other_advice(self) -> str:
@@ -90,12 +91,13 @@ class BarSolver(Solver):
         scene = self.scene
         whole = scene.method == "mpm" and not scene.frozen and PIECES not in scene.remedies
         if whole and (scene.ppc == 2 or scene.amplitude >= HATS_LIMIT):
-            return f"use the remedy {FROZEN} or {PIECES}, or take another method"
+            return Message("use the remedy {frozen} or {pieces}, or take another method", FROZEN, PIECES)
         if scene.linearity_preserving and CENTRED not in scene.remedies:
-            return f"use the remedy {CENTRED}, or {FROZEN} without linearity preservation"
+            return Message("use the remedy {centred}, or {frozen} without linearity preservation", CENTRED, FROZEN)
         if not scene.remedies:
-            return f"use the remedies {FILTER},{COUPLED}, best with linearity preservation, or {FROZEN}"
-        return "choose a smaller amplitude or fewer periods"
+            return Message("use the remedies {filter},{coupled}, best with linearity preservation, or {frozen}", FILTER,
+                           COUPLED, FROZEN)
+        return Message("choose a smaller amplitude or fewer periods")
 
 
 def _columns(values: np.ndarray) -> Values:

@@ -9,6 +9,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from solvers.estimators.spectral_elements import Elements
+from solvers.message import Message
 from solvers.motion.laws.material import LAWS, NEO_HOOKEAN
 from solvers.motion.separable_field import SeparableField, separate
 from solvers.problems.planar.estimators.patch import CARTESIAN, Patch
@@ -50,7 +51,7 @@ class BoxScene(PlanarScene):
     layout = "box"
     SIDE, INNER, OUTER, ANGLE = 1.0, 0.0, 1.0, 0.5 * math.pi
     PLANES = (True, True)
-    ESCAPE_SENTENCE = "left the square (it is a cell or more beyond a plane)"
+    ESCAPE_SENTENCE = Message("left the square (it is a cell or more beyond a plane)")
     ESTIMATORS = ("transport", "recovered", "companion", "two-grid")
     LIMITS = (
         MOVING_WEIGHTS,
@@ -72,14 +73,15 @@ class BoxScene(PlanarScene):
         Limit("two-grid", "motion_amplitude", most=STILL, of="spacing", where={"method": "ugimp"}, why="boxes that do "
               "not follow the material leave an error that does not fall with the cell size; take CPDI"),
         Limit("two-grid", lambda scene: STILL < scene.motion_amplitude / scene.spacing < FAR, allowed=(False,),
-              why=f"particles that move between {STILL:g} and {FAR:g} cells are in different parts of their cells on "
-              "the two grids, so the errors are not comparable; take another amplitude or number of cells"))
+              why=Message("particles that move between {still:g} and {far:g} cells are in different parts of their "
+                          "cells on the two grids, so the errors are not comparable; take another amplitude or number "
+                          "of cells", STILL, FAR)))
     REMEDIES = (FILTER, COUPLED, FROZEN)
     FEWEST_CELLS = 8
     DEFAULT_PERIODS = 1.0
     SAMPLES_A_PERIOD = 50
-    NOT_LINEARITY_PRESERVING = "is not offered here; leave it off"
-    MENDS = "the others correct"
+    NOT_LINEARITY_PRESERVING = Message("is not offered here; leave it off")
+    MENDS = Message("the others correct")
     MOST_AMPLITUDE = math.inf
 
     @staticmethod
@@ -113,9 +115,10 @@ class BoxScene(PlanarScene):
     def warnings(self) -> list[str]:
         if self.law == NEO_HOOKEAN or self.least_stiffness > 0:
             return super().warnings()
-        return [*super().warnings(), f"law {self.law}: not elliptic along the whole exact motion: waves in some "
-                f"direction have a stiffness of {self.least_stiffness:.2g} mu, and shorter waves grow faster; choose a "
-                "smaller amplitude, or neo-hookean"]
+        return [*super().warnings(), Message("law {law}: not elliptic along the whole exact motion: waves in some "
+                                             "direction have a stiffness of {least:.2g} mu, and shorter waves grow "
+                                             "faster; choose a smaller amplitude, or neo-hookean", self.law,
+                                             self.least_stiffness)]
 
     @functools.cached_property
     def least_stiffness(self) -> float:

@@ -12,6 +12,7 @@ from typing import Any, ClassVar
 import numpy as np
 
 from solvers.estimators.standalone import ElasticBody
+from solvers.message import Message
 from solvers.motion.exact_solution import ExactSolution, columns
 from solvers.motion.laws.material import LAWS, NEO_HOOKEAN, Material
 from solvers.motion.separable_field import SeparableField, separate
@@ -110,8 +111,8 @@ class PlanarScene(Scene):
     def other_advice(self) -> str:
         """What else to do about a run that went bad, as an imperative."""
         if self.method == "mpm":
-            return "hat functions fail in such a motion: choose CPDI"
-        return "choose more particles per cell, a smaller amplitude or fewer periods"
+            return Message("hat functions fail in such a motion: choose CPDI")
+        return Message("choose more particles per cell, a smaller amplitude or fewer periods")
 
     @property
     def solution_known(self) -> bool:
@@ -180,25 +181,26 @@ class PlanarScene(Scene):
     def warnings(self) -> list[str]:
         sentences = super().warnings()
         if "recovered" in self.active_estimators and self.is_uneven:
-            sentences.append("recovered does not estimate sigma and a here: with one particle per cell or the particle "
-                             "velocity, its fits follow the uneven spacing")
+            sentences.append(Message("recovered does not estimate sigma and a here: with one particle per cell or the "
+                                     "particle velocity, its fits follow the uneven spacing"))
         elif "recovered" in self.active_estimators and self.is_coarse:
-            sentences.append("recovered does not estimate a here: on so few cells its fits are as wide as the ring and "
-                             "lose a third of it or more")
+            sentences.append(Message("recovered does not estimate a here: on so few cells its fits are as wide as the "
+                                     "ring and lose a third of it or more"))
         if "two-grid" in self.active_estimators:
-            sentences.append("two-grid does not estimate a in the plane: its error is noise of a cell's length, in "
-                             "different places on the two grids")
+            sentences.append(Message("two-grid does not estimate a in the plane: its error is noise of a cell's "
+                                     "length, in different places on the two grids"))
         return sentences
 
     def _check_combinations(self) -> None:
         require_whole("ppc", self.ppc, 1, 6)
         if self.cells > MOST_CELLS:
-            raise SceneError("cells", self.cells, f"give a whole number from {self.FEWEST_CELLS} to {MOST_CELLS:,}")
+            raise SceneError("cells", self.cells, "give a whole number from {least} to {most:,}", self.FEWEST_CELLS,
+                             MOST_CELLS)
         if self.linearity_preserving:
             raise SceneError("linearity_preserving", True, self.NOT_LINEARITY_PRESERVING)
         if self.frozen and len(self.remedies) > 1:
-            raise SceneError("remedies", " ".join(self.remedies), f"frozen-weights cannot be combined: {self.MENDS} "
-                             "errors of particles that move through the grid; leave one of the two out")
+            raise SceneError("remedies", " ".join(self.remedies), "frozen-weights cannot be combined: {mends} errors "
+                             "of particles that move through the grid; leave one of the two out", self.MENDS)
         self._check_remedies()
         if self.plan == "serial" and self.threads > 1:
             raise SceneError("threads", self.threads,

@@ -48,8 +48,8 @@ class PlanarSolver(Solver):
         super().__init__(scene)
         where = devices.resolve_arch(scene.arch)
         if where == devices.CPU and scene.particles > MOST_PARTICLES:
-            raise SceneError("arch", scene.arch, f"no GPU was found for these {scene.particles:,} particles; at most "
-                                                 f"{MOST_PARTICLES:,} are allowed on a processor")
+            raise SceneError("arch", scene.arch, "no GPU was found for these {particles:,} particles; at most {most:,} "
+                             "are allowed on a processor", scene.particles, MOST_PARTICLES)
         large = scene.threads > 1 and scene.particles >= PARALLEL_FROM
         self.plan = ("parallel" if large else "serial") if scene.plan == "auto" else scene.plan
         if where != devices.CPU:

@@ -47,11 +47,9 @@ def middles_table(counted: Mapping) -> str:
     """Where the middle of the true errors lies, by what each estimator says of the end."""
     lines = [[name, *(_middle_text(split["all"][q]["at the end"]["middle"]) for q in QUANTITIES)]
              for name, split in counted["estimators"].items()]
-    return (
-        f"## Where {100 * CENTRAL:g} of 100 true errors lie\n\nAt the end of the run, in multiples of the estimate; "
-        "as many lie below as above. Between these an estimator bets in lesson 10.\n\n"
+    return f"## Where {100 * CENTRAL:g} of 100 true errors lie\n\nAt the end of the run, in multiples of the " \
+        "estimate; as many lie below as above. Between these an estimator bets in lesson 10.\n\n" \
         + markdown_table(["estimator", *(PARTS[q] for q in QUANTITIES)], lines)
-    )
 
 
 def regimes_table(counted: Mapping) -> str:

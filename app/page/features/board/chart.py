@@ -119,10 +119,9 @@ def _bars(asked: Question, answers: Sequence[int], numbers: Numbers, found: Righ
     for k, (letter, option) in enumerate(zip(ascii_lowercase, asked.options, strict=False), 1):
         came = found is not None and k in found.options
         sign = f"<em>✓ {says}</em>" if came else ""
-        rows.append(
-            f"<li{' class=lab-came-out' * came}><b>{letter})</b> <span>{escape(fill_numbers(option, numbers))} {sign}"
-            f"</span><i style='--part: {counts[k] / max(1, len(answers)):.4f}'></i><b>{counts[k]}</b></li>"
-        )
+        rows.append(f"<li{' class=lab-came-out' * came}><b>{letter})</b> <span>"
+                    f"{escape(fill_numbers(option, numbers))} {sign}</span>"
+                    f"<i style='--part: {counts[k] / max(1, len(answers)):.4f}'></i><b>{counts[k]}</b></li>")
     return f"<ol class='lab-bars lab-counted'>{''.join(rows)}</ol>"
 
 

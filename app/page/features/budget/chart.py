@@ -10,8 +10,7 @@ import numpy as np
 from app.colours import cause_token
 from app.frame.budget_chart import CAPTION, MEANINGS, UNITS, error_rms, error_source_note, format_percent, stack_layers
 from app.frame.colour_scale import round_up
-from app.language.message_translation import translate_message
-from app.language.translation import lazy, tr
+from app.language.translation import lazy, tr, translate_message
 from app.page.visit.history import series_until
 from app.words import format_number, per_cent, with_unit
 from solvers.scene.error_causes import CAUSES, NOTHING
@@ -141,8 +140,7 @@ def _shares(runs: Sequence[BudgetData], field: str) -> str:
         f"<tr data-cause='{cause}'><td><i style='background:var(--{cause_token(cause)})'></i><b>{tr(words)}</b> "
         f"<span>{tr(MEANINGS[cause])}</span></td>"
         f"{''.join(f'<td>{format_percent(one[cause])}</td>' for one in shares)}</tr>"
-        for cause, words in CAUSES.items()
-    )
+        for cause, words in CAUSES.items())
     of = tr("share of the error of {field} over the run", field=field) + error_source_note(runs[-1].scene)
     return f"<table class='lab-causes{' lab-two' * several}'><tr><th>{of}</th>{head}</tr>{rows}</table>"
 

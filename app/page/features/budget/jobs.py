@@ -12,8 +12,7 @@ from typing import Any
 
 import numpy as np
 
-from app.language.message_translation import translate_message
-from app.language.translation import lazy, tr
+from app.language.translation import lazy, tr, translate_message
 from app.page.features.background_job import SLOTS, Background, JobStatus
 from solvers.running.result import Result
 from solvers.scene.error_causes import NOTHING

@@ -11,8 +11,7 @@ from typing import Any
 import viser
 
 from app.frame.budget_chart import QUESTION, field_of, format_percent, has_budget, largest_share
-from app.language.message_translation import translate_message
-from app.language.translation import lazy, tr
+from app.language.translation import lazy, tr, translate_message
 from app.page.feature import Feature, PageView
 from app.page.features.budget.chart import BudgetData, as_sentence, budget_chart, removal_outcome, taken_away
 from app.page.features.budget.jobs import BudgetJobs, BudgetProgress
@@ -166,14 +165,10 @@ class BudgetFold(Feature):
         past, pinned = numbers.past, numbers.pinned
         if past is None or past.scene != scene or not has_budget(past.series) or not has_budget(past.latest):
             return []
-        both = (
-            []
-            if pinned is None or not has_budget(pinned.history.series) or not has_budget(pinned.history.latest)
-            else [
-                BudgetData(_named(PINNED, pinned.scene, scene), pinned.scene, pinned.history.series,
-                           pinned.history.latest if latest else pinned.history.series)
-            ]
-        )
+        both = []
+        if pinned is not None and has_budget(pinned.history.series) and has_budget(pinned.history.latest):
+            both = [BudgetData(_named(PINNED, pinned.scene, scene), pinned.scene, pinned.history.series,
+                               pinned.history.latest if latest else pinned.history.series)]
         name = "" if pinned is None or not both else _named(THIS, scene, pinned.scene)
         return [*both, BudgetData(name, scene, past.series, past.latest if latest else past.series)]
 

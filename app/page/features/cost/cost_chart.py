@@ -218,13 +218,10 @@ def _keys(dots: Sequence[NumberedRun], best: Sequence[NumberedRun], dimensions: 
 def _titles(scene: Scene) -> str:
     length = tr("the RMS, largest in the run") if not scene.periods else tr("the RMS, largest in one period") \
         if scene.periods == 1 else tr("the RMS, largest in {n:g} periods", n=scene.periods)
-    return (
-        f"<text x='0' y='0' class='lab-title lab-above'>"
-            f"{tr('error of x, in % of {whole}', whole=error_reference(scene))} "
-        f"<tspan>{length}</tspan></text>"
-        f"<text x='100%' y='100%' dy='3.2em' text-anchor='end' class='lab-title'>{tr('time of one run')} "
+    return f"<text x='0' y='0' class='lab-title lab-above'>" \
+        f"{tr('error of x, in % of {whole}', whole=error_reference(scene))} <tspan>{length}</tspan></text>" \
+        f"<text x='100%' y='100%' dy='3.2em' text-anchor='end' class='lab-title'>{tr('time of one run')} " \
         f"<tspan>{tr('alone on this machine')}</tspan></text>"
-    )
 
 
 def _path(runs: Sequence[NumberedRun], inside: Axes, look: str) -> str:

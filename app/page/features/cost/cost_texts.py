@@ -5,8 +5,7 @@ import math
 from collections.abc import Iterable, Sequence
 from html import escape
 
-from app.language.message_translation import translate_message
-from app.language.translation import lazy, tr, trn
+from app.language.translation import lazy, tr, translate_message, trn
 from app.page.features.cost.jobs import CostStatus
 from app.page.features.cost.visitor_runs import MOST_RUNS, SEARCH, SWEEP, NumberedRun
 from app.words import NOTHING, method_name, motion_text, on_page, particles_per_cell, per_cell, power_text, with_unit

@@ -56,9 +56,8 @@ class AnswerWidgets:
             return self._chosen
         if asked.kind == lesson.DRAG:
             return self._there
-        found = [
-            text.value if asked.kind == lesson.TEXT else parse_number(text.value, asked.unit) for text in self.texts
-        ]
+        found = [text.value if asked.kind == lesson.TEXT else parse_number(text.value, asked.unit)
+                 for text in self.texts]
         return found if asked.kind == lesson.INTERVAL else found[0]
 
     def choose(self, option: Any) -> None:

@@ -50,20 +50,15 @@ def intro_html(lesson: Lesson, numbers: Numbers, teacher: bool) -> str:
     """Returns the introduction of a lesson: its goals and its first text."""
     goals = "".join(f"<li>{escape(goal)}</li>" for goal in lesson.goals)
     known = catalogue.load_lessons()
-    before = [
-        f"<span{lang_attribute(known[name])}>{escape(known[name].title)}</span>"
-        if name in known and lang_attribute(known[name])
-        else escape(known[name].title if name in known else name)
-        for name in lesson.prerequisites
-    ]
+    before = [f"<span{lang_attribute(known[name])}>{escape(known[name].title)}</span>"
+              if name in known and lang_attribute(known[name])
+              else escape(known[name].title if name in known else name) for name in lesson.prerequisites]
     first = tr("Do before: {lessons}.", lessons="; ".join(before))
     needs = f"<p>{first}</p>" if before else ""
     only = f"<p>{tr('This lesson is in English.')}</p>" if lang_attribute(lesson) else ""
-    return (
-        f"<div class='lab-lesson'>{only}<p>{core.duration_text(lesson)}</p>"
-        f"<ul{lang_attribute(lesson)}>{goals}</ul>{needs}"
+    return f"<div class='lab-lesson'>{only}<p>{core.duration_text(lesson)}</p>" \
+        f"<ul{lang_attribute(lesson)}>{goals}</ul>{needs}" \
         f"{_own(lesson, text_html(lesson.intro, numbers))}{_notes(lesson, lesson.notes, teacher)}</div>"
-    )
 
 
 def step_html(lesson: Lesson, step: Step, numbers: Numbers, before: str, teacher: bool) -> str:
@@ -152,11 +147,9 @@ def text_html(markdown: str, numbers: Numbers) -> str:
 
 
 def _notes(lesson: Lesson, notes: str, teacher: bool) -> str:
-    return (
-        f"<aside class='lab-teacher'><b>{tr('Teacher')}</b>{_own(lesson, to_html(notes, catalogue.FOLDER))}</aside>"
-        if notes and teacher
-        else ""
-    )
+    if not (notes and teacher):
+        return ""
+    return f"<aside class='lab-teacher'><b>{tr('Teacher')}</b>{_own(lesson, to_html(notes, catalogue.FOLDER))}</aside>"
 
 
 def _own(lesson: Lesson, words: str) -> str:

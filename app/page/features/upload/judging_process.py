@@ -11,8 +11,7 @@ from pathlib import Path
 
 import viser
 
-from app.language.message_translation import translate_message
-from app.language.translation import lazy, tr, with_language
+from app.language.translation import lazy, tr, translate_message, with_language
 from app.page.features.background_job import MOST_JOBS
 from app.page.visit.engine_links import MOST_WATCHED
 from app.words import on_page

@@ -10,8 +10,7 @@ import numpy as np
 
 from app.frame.captions import TRUE, UNKNOWN, View, view_of_sizes
 from app.frame.headline import Headline, error_words, format_errors
-from app.language.message_translation import translate_message
-from app.language.translation import lazy, tr
+from app.language.translation import lazy, tr, translate_message
 from app.page.panels.readout import DRAG, Readout, name_with_sample, row_html, table_html
 from app.page.stage.worst_region import WorstRegions
 from app.page.visit.history import RunSeries
@@ -169,14 +168,9 @@ def _errors(run: UploadedRun, k: int, quantity: str) -> str:
         values = np.zeros(0) if norms is None or quantity not in norms else \
             norms[quantity][run.times > 0 if (run.times > 0).any() else ...]
         largest = float(values.max()) if len(values) and np.isfinite(values).all() else None
-        rows.append(
-            row_html(
-                "", name_with_sample(name),
-                *(
-                    NOTHING if value is None else with_unit(value, words.unit, 2)
-                    for value in (_now(norms, k, quantity), largest)
-                ), index, )
-        )
+        sizes = (NOTHING if value is None else with_unit(value, words.unit, 2)
+                 for value in (_now(norms, k, quantity), largest))
+        rows.append(row_html("", name_with_sample(name), *sizes, index))
     return table_html("".join(rows), "lab-numbers lab-estimates")
 
 

@@ -8,6 +8,7 @@ import numpy as np
 from solvers.estimators import recovery
 from solvers.estimators.lattice_lines import Line, Rows
 from solvers.estimators.recovery import ALONG, SIZE
+from solvers.message import Message
 from solvers.problems.bar.scene import BarScene
 
 DEGREE = 3  # of the fits
@@ -70,6 +71,6 @@ def verdict(scene: BarScene, memory: Mapping[str, np.ndarray]) -> str | None:
     missed = float(slope @ x**5) / 120 * along / size if size > 0 else 0.0
     if -MOST_ADDED < missed < MOST_MISSED:
         return None
-    return (f"not valid here: what recovered's fits miss of the motion is {abs(missed):.2g} of the error found (and "
-            f"may be {MOST_MISSED if missed > 0 else MOST_ADDED:g}); take more cells, or two or more particles per "
-            "cell that move with the grid")
+    return Message("not valid here: what recovered's fits miss of the motion is {missed:.2g} of the error found (and "
+                   "may be {missed2:g}); take more cells, or two or more particles per cell that move with the grid",
+                   abs(missed), MOST_MISSED if missed > 0 else MOST_ADDED)

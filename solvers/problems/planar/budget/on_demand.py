@@ -6,6 +6,7 @@ from typing import Any
 
 import numpy as np
 
+from solvers.message import Message
 from solvers.motion.laws.secant import StressDifference
 from solvers.problems.planar.budget.causes import LOCAL_CAUSES, TIME_STEP, CauseErrors, Sources, sources
 from solvers.problems.planar.budget.exact_state import ExactState, exact_state_at
@@ -30,12 +31,13 @@ class PlanarBudget:
         """:class:`SceneError` where there is no budget of a scene, or not without that cause."""
         require_choice("take_away", take_away, (NOTHING, *CAUSES))
         if not scene.solution_known:
-            raise SceneError("body_force", scene.body_force, f"leaves no exact solution to compare the {scene.problem} "
-                             "with, which a budget needs; give material")
+            raise SceneError("body_force", scene.body_force, "leaves no exact solution to compare the {problem} with, "
+                             "which a budget needs; give material", Message(scene.problem))
         others = [name for name in scene.remedies if name != FROZEN]
         if others:
-            raise SceneError("remedies", " ".join(scene.remedies), f"{others[0]} changes the particles by more than a "
-                             f"step, which the budget of the {scene.problem} does not follow; give none or {FROZEN}")
+            raise SceneError("remedies", " ".join(scene.remedies), "{others} changes the particles by more than a "
+                             "step, which the budget of the {problem} does not follow; give none or {frozen}",
+                             others[0], Message(scene.problem), FROZEN)
         if scene.for_gpu:
             raise SceneError("arch", scene.arch, "steps faster than a budget follows, which is made on the processor; "
                              "give cpu")

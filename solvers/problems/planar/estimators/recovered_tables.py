@@ -8,6 +8,7 @@ import numpy as np
 from solvers.estimators import recovery
 from solvers.estimators.lattice_lines import Line, Rows
 from solvers.estimators.recovery import SHORT, SHORTEST, SIZE
+from solvers.message import Message
 from solvers.problems.planar.estimators import recovered_operators as op
 from solvers.problems.planar.layout import on_axis, particle_layout
 from solvers.problems.planar.scene import PlanarScene
@@ -117,5 +118,5 @@ def verdict(scene: PlanarScene, memory: Mapping[str, np.ndarray]) -> str | None:
     few = (short - shortest) / size if size > 0 else 0.0
     most = max(LEAST_FEW, FEW_PER_CELL * scene.cells) * (UNEVEN_FEW if scene.velocity == "particle" else 1.0)
     return None if few <= most else (
-        f"not valid here: {few:.2g} of the error found are waves of a few cells (and may be {most:.2g}), which "
-        "recovered's fits over four cells see in part; take more cells")
+        Message("not valid here: {few:.2g} of the error found are waves of a few cells (and may be {most:.2g}), which "
+                "recovered's fits over four cells see in part; take more cells", few, most))
