@@ -33,10 +33,13 @@ class Feature:
     messages: Mapping[str, Callable[[Any], None]] = {}  # acts on messages of the browser, by key; they may be anything
     shortcuts: Mapping[str, Callable[[], None]] = {}  # acts on keys, by the names that ``js/keys.js`` sends
 
+    def __init__(self, page: PageContext):
+        """Builds the feature's widgets on a page."""
+
     @classmethod
     def build(cls, page: PageContext) -> "Feature | None":
-        """Builds the feature with its widgets; None if this page does not have the feature."""
-        raise NotImplementedError(f"{cls.__name__} is no feature: it has no build(page)")
+        """Makes the feature for a page; None where that page has none of it."""
+        return cls(page)
 
     def follow(self, report: FrameReport) -> None:
         """Handles a new frame of the run, on the thread that reads frames."""

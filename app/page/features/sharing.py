@@ -82,10 +82,6 @@ class Sharing(Feature):
                                   hint=tr("the same, to be read off this screen by a phone"))
         code.on_click(lambda _: self.show_code())
 
-    @classmethod
-    def build(cls, page: PageContext) -> "Sharing":
-        return cls(page)
-
     def show_code(self) -> None:
         """Shows the state as a QR code, as large as the window, and as text."""
         gui, here, seen = self._page.gui, self._page.store.here, self._page.controls.state

@@ -52,10 +52,6 @@ class SlowMotion(Feature):
         self._button.on_click(lambda _: self.leave_stage() if self.on else self.forward())
         page.controls.extend("slow-motion", lambda: self._build_fold(page.gui), mark, self._button)
 
-    @classmethod
-    def build(cls, page: PageContext) -> "SlowMotion":
-        return cls(page)
-
     @property
     def showing(self) -> bool:
         """Whether a step is on the stage."""

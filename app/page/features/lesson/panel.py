@@ -8,15 +8,13 @@ import viser
 
 from app import state
 from app.classroom.board import BoardSeat
-from app.classroom.class_context import Classroom
 from app.language.translation import tr, use_language, with_language
 from app.lessons import catalogue
 from app.lessons import student_progress as kept
 from app.lessons.answer_check import LONGEST, AnswerMark, why_invalid
 from app.lessons.lesson import EXPLAIN, PREDICT, TEXT, Lesson, Numbers, Step, draw_numbers, fill_numbers
 from app.page.feature import Feature, PageView
-from app.page.features.lesson import action_buttons, core
-from app.page.features.lesson import step_html as page
+from app.page.features.lesson import action_buttons, core, step_html
 from app.page.features.lesson.answer_widgets import AnswerWidgets
 from app.page.features.lesson.core import KEPT, MAIN, PACED, StepNavigation
 from app.page.features.lesson.marking import Marker, answer_comment, asked_since, bets_ahead
@@ -27,33 +25,27 @@ FIRST = -1e9  # order within the tab: a step, and then the controls that it need
 
 
 class Player(Feature):
-    """One visitor's lessons in a ``tab``, above the controls that a lesson needs; ``on_change`` stores the progress."""
+    """One visitor's lessons, in a tab, above the controls that a lesson needs."""
 
-    def __init__(self, client: viser.ClientHandle, tab: viser.GuiTabHandle, classroom: Classroom,
-                 controls: action_buttons.AllowedControls, on_change: Callable[[], None]):
-        self._client, self._gui, self._tab, self._room = client, client.gui, tab, classroom
-        self._controls, self._on_change = controls, on_change
+    def __init__(self, page: PageContext):
+        page.lesson, self._client, self._gui, self._room = self, page.client, page.gui, page.classroom
+        self._tab, self._on_change = page.tabs["lessons"], lambda: page.keep()
+        self._controls: action_buttons.AllowedControls = page.controls
         self._lock = threading.RLock()
-        self.messages = {"open": lambda name: self.open(name) if isinstance(name, str) else None,
-                         "choice": self._choose, "do": self._act}
-        self._marker = Marker(classroom.outcomes)
+        self.messages = {"open": self.open, "choice": self._choose, "do": self._act}
+        self._marker = Marker(page.classroom.outcomes)
         self._lesson: Lesson | None = None
         self._progress = kept.Progress("", "")  # in the open lesson
         self._restored = False  # whether the browser has sent its stored answers
         self._answer: AnswerWidgets | None = None  # for the question that is shown
         self._acts: list[action_buttons.Act] = []  # with buttons in the step's text
         self._way: StepNavigation | None = None  # from the step that is shown
-        if classroom.seat:
-            classroom.seat.listen(with_language(self._step_opened))
-        self._widgets = self._gui.add_folder(None, order=FIRST)
-        self._below = self._gui.add_folder(None)  # for the controls: only one thread may fill a container at a time
-        self._build()
-
-    @classmethod
-    def build(cls, page: PageContext) -> "Player":
-        with page.tabs["lessons"] as tab:
-            page.lesson = player = cls(page.client, tab, page.classroom, page.controls, lambda: page.keep())
-        return player
+        if self._room.seat:
+            self._room.seat.listen(with_language(self._step_opened))
+        with self._tab:
+            self._widgets = self._gui.add_folder(None, order=FIRST)
+            self._below = self._gui.add_folder(None)  # for the controls: only one thread may fill a container at a time
+            self._build()
 
     @property
     def name(self) -> str:
@@ -72,9 +64,9 @@ class Player(Feature):
             self._room.seat.leave()
         self._marker.close()
 
-    def open(self, name: str) -> None:
+    def open(self, name: object) -> None:
         """Opens a lesson; an unknown name changes nothing."""
-        lesson = catalogue.load_lessons().get(name)
+        lesson = catalogue.load_lessons().get(name) if isinstance(name, str) else None
         if lesson is None or lesson is self._lesson:
             return
         with self._lock:
@@ -132,9 +124,9 @@ class Player(Feature):
             self._paced.shows(self._progress.step)
         with self._widgets:
             if self._lesson is None:
-                self._gui.add_html(page.shelf_html(catalogue.load_lessons()))
+                self._gui.add_html(step_html.shelf_html(catalogue.load_lessons()))
                 return
-            head = self._gui.add_html(page.head_html(self._lesson, self._progress))
+            head = self._gui.add_html(step_html.head_html(self._lesson, self._progress))
             if (step := self._step) is not None:
                 self._build_step(self._lesson, step)
             elif self._progress.step == 0:
@@ -143,7 +135,7 @@ class Player(Feature):
                 self._build_end(self._lesson)
 
     def _build_intro(self, lesson: Lesson, head: viser.GuiHtmlHandle) -> None:
-        self._gui.add_html(page.intro_html(lesson, self._numbers, self._room.teacher))
+        self._gui.add_html(step_html.intro_html(lesson, self._numbers, self._room.teacher))
         if self._paced:  # all have the same numbers
             self._buttons(back=False, onward=True)
             return
@@ -156,10 +148,9 @@ class Player(Feature):
         self._buttons(back=False, onward=True)
 
     def _choose_core(self, lesson: Lesson, only: bool, head: viser.GuiHtmlHandle) -> None:
-        with self._lock:
-            self._progress.core = only
+        self._progress.core = only
         self._on_change()
-        self._show(head, lambda: page.head_html(lesson, self._progress))
+        self._show(head, lambda: step_html.head_html(lesson, self._progress))
 
     def turn(self, only: bool, step: int) -> None:
         """Restricts the lesson to its core, or not, and goes on with the step of this number."""
@@ -183,7 +174,7 @@ class Player(Feature):
             self._marker.lay(lesson, ahead, self._progress,
                              lambda: self._show(text, lambda: self._explained(lesson, step)))
         with use_language(lesson.language):
-            self._acts = action_buttons.find_actions(page.text_html(step.text, self._numbers))
+            self._acts = action_buttons.find_actions(step_html.text_html(step.text, self._numbers))
         if step.question is not None:
             return self._ask(lesson, step)
         self._buttons(back=True, onward=True)
@@ -192,7 +183,7 @@ class Player(Feature):
         answered = self._progress.answers.get(step.key)
         fixed = step.kind == PREDICT and answered is not None  # a prediction stays
         widgets = AnswerWidgets(self._gui, step, self._numbers, answered.last if answered else None, fixed,
-                                lambda: self._controls.state.scene, page.lang_attribute(lesson))
+                                lambda: self._controls.state.scene, step_html.lang_attribute(lesson))
         self._answer = None if fixed else widgets
         for text in widgets.texts:
             set_max_length(text, LONGEST)
@@ -245,7 +236,7 @@ class Player(Feature):
         """Returns the recorded answer of the step, with a comment, as html."""
         assert self._lesson is not None
         answer = self._progress.answers[step.key]
-        return page.taken_html(self._lesson, step, answer, self._numbers, *answer_comment(step, answer, found))
+        return step_html.taken_html(self._lesson, step, answer, self._numbers, *answer_comment(step, answer, found))
 
     def _check(self, lesson: Lesson, step: Step, said: viser.GuiHtmlHandle) -> None:
         """Marks the answer, which may need a run, and shows the result; Next is enabled at once."""
@@ -260,10 +251,10 @@ class Player(Feature):
 
     def _explained(self, lesson: Lesson, step: Step) -> str:
         """Returns the step's text as html; an explanation is preceded by the answers and results so far."""
-        before = page.compared_html(lesson, asked_since(lesson, step), self._progress.answers, self._marker.marks,
+        before = step_html.compared_html(lesson, asked_since(lesson, step), self._progress.answers, self._marker.marks,
                                     self._numbers) if step.kind == EXPLAIN else ""
-        before += page.bets_html(self._marker.bets.get(step.key, page.WAITED_FOR)) if step.bets else ""
-        return page.step_html(lesson, step, self._numbers, before, self._room.teacher)
+        before += step_html.bets_html(self._marker.bets.get(step.key, step_html.WAITED_FOR)) if step.bets else ""
+        return step_html.step_html(lesson, step, self._numbers, before, self._room.teacher)
 
     def _mark_all(self, lesson: Lesson, step: Step | None, text: viser.GuiHtmlHandle) -> None:
         """Marks the questions that a step looks back on, or all at the end, and shows the marks in ``text``."""
@@ -282,8 +273,8 @@ class Player(Feature):
         self._mark_all(lesson, None, text)
         if following := catalogue.next_lesson(lesson):
             self._gui.add_html(MAIN)
-            title = tr("Next lesson: {title}", title=following.title)
-            self._gui.add_button(title).on_click(lambda _: self.open(following.name))
+            onward = self._gui.add_button(tr("Next lesson: {title}", title=following.title))
+            onward.on_click(lambda _: self.open(following.name))
         if self._progress.core and not self._paced:
             self._gui.add_button(tr(core.GO_DEEPER)).on_click(
                 lambda _: self.turn(False, lesson.steps.index(lesson.deeper[0]) + 1))
@@ -292,12 +283,12 @@ class Player(Feature):
         self._buttons(back=True, onward=False)
 
     def _end(self, lesson: Lesson) -> str:
-        return page.end_html(lesson, self._progress, self._marker.marks, self._numbers, bool(self._paced))
+        return step_html.end_html(lesson, self._progress, self._marker.marks, self._numbers, bool(self._paced))
 
     def _hand_in(self) -> None:
         with self._lock:
-            name, text = self._progress.file_name, self._progress.text()
-        self._client.send_file_download(name, text.encode(), save_immediately=True)
+            name, text = self._progress.file_name, self._progress.text().encode()
+        self._client.send_file_download(name, text, save_immediately=True)
 
     def _buttons(self, back: bool, onward: bool, main: bool = True) -> None:
         """Adds the buttons Back, Next and Close; Next is the ``main`` one if no answer is required."""
