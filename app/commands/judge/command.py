@@ -245,8 +245,7 @@ def _order(values: dict) -> str:
              NOTHING if fit is None else ", ".join(f"{one:.2f}" for one in fit["pairwise"])]
             for q, fit in values["order"].items()]
     return (f"## Order in h\n\nOf the largest norm over the {len(common)} times that all {len(values['grids'])} grids "
-            f"have.\n\n"
-            + markdown_table(["error of", "order", "between neighbours"], rows, words=("error of",)))
+            f"have.\n\n" + markdown_table(["error of", "order", "between neighbours"], rows, words=("error of",)))
 
 
 def _method(run: dict) -> str:

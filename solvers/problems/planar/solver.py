@@ -7,6 +7,7 @@ from typing import Any, ClassVar
 import numpy as np
 
 from solvers.kernels import runtime
+from solvers.message import Message
 from solvers.motion.separable_field import SeparableField
 from solvers.problems.planar import step_breakdown
 from solvers.problems.planar.estimators import circular_companion, companion, recovered, transport, two_grid
@@ -128,7 +129,7 @@ class PlanarSolver(Solver):
         return rows
 
     def _escape_sentence(self) -> str:
-        return self.scene.ESCAPE_SENTENCE.format(farthest=self.scene.farthest)
+        return Message(self.scene.ESCAPE_SENTENCE, farthest=self.scene.farthest)
 
     def _other_advice(self) -> str:
         return self.scene.other_advice()
