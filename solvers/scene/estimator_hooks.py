@@ -1,4 +1,4 @@
-"""What an error estimator is to a solver: its memory, its moments in a step, and its report.
+"""Interface of an error estimator: its memory, its hooks in a step, and its report.
 
 An estimator of a problem is one :class:`EstimatorHooks`, called ``HOOKS``, at the end of its file. Several can run in
 one scene; number e reports the estimated errors of particle p in entry ``e * particles + p`` of the state's

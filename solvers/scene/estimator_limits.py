@@ -1,8 +1,7 @@
-"""Limits of estimators: where each is known, before anything has run, not to hold, as rows of a table.
+"""Limits of estimators: rows of a table that say, before a run, where an estimator is known not to hold.
 
-Rows are looked at in order, and the first that is broken speaks. What only a run can show is the business of an
-estimator's own ``verdict``.
-"""
+The first row that is violated gives the reason. What only a run can show is checked by the estimator's own
+``verdict``."""
 
 import math
 from collections.abc import Callable, Iterable, Mapping
@@ -41,7 +40,7 @@ class Limit:
     why: str
 
     def reason(self, scene: Any) -> str | None:
-        """Why the estimator does not hold in a scene; None where this limit is kept."""
+        """Returns why the estimator does not hold in a scene; None where this limit is satisfied."""
         def at(what: Any) -> Any:
             return what(scene) if callable(what) else getattr(scene, what) if isinstance(what, str) else what
 
@@ -58,7 +57,7 @@ class Limit:
 
 
 def reason(limits: Iterable[Limit], estimator: str, scene: Any) -> str | None:
-    """Why an estimator does not hold in a scene, by the first of the limits that is broken."""
+    """Returns why an estimator does not hold in a scene, from the first violated limit; None where it holds."""
     return next(filter(None, (limit.reason(scene) for limit in limits if limit.estimator == estimator)), None)
 
 
