@@ -1,4 +1,4 @@
-"""What a plane problem is made of, in one object: from it come its kernels and its solvers."""
+"""Problem-specific parts of a plane problem's kernels, in one object from which kernels and solvers are made."""
 
 from collections.abc import Callable
 from typing import NamedTuple
@@ -22,7 +22,7 @@ class ProblemKernels(NamedTuple):
 
 
 class DiagnosticKernels(NamedTuple):
-    """What samples of a problem are made of beside the errors of its particles, as functions for kernels."""
+    """A problem's own part of the samples, beside the errors of its particles, as functions for kernels."""
 
     node_acceleration_error: Callable  # (body, on): mean squared error of the nodes' acceleration
     strain_energy: Callable  # (body, p, on): of a particle, in J
@@ -31,7 +31,7 @@ class DiagnosticKernels(NamedTuple):
 
 
 class PlanarParts(NamedTuple):
-    """What the kernels of a problem are made of."""
+    """All parts of a problem from which its kernels are made."""
 
     hooks: dict[str, EstimatorHooks]  # what the solver calls of each estimator that it has, by name
     traits: ProblemKernels  # its part of the phases

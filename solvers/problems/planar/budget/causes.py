@@ -1,4 +1,4 @@
-"""The errors of each cause: what a step gives to them, and how it carries them on.
+"""The errors of each cause: their sources in a step, and their propagation.
 
 The exact solution, put through one step of the run, misses itself. With f the method's force of the exact stress at the
 nodes, f~ that of the same stress in pieces, and "down" the mass-weighted mean over the particles of a node, it misses
@@ -27,8 +27,8 @@ CROSSINGS, COARSE_GRID, TIME_STEP = range(len(LOCAL_CAUSES))
 
 
 class Sources(NamedTuple):
-    """What each of ``LOCAL_CAUSES`` gives in a step to the errors of x and v (3, P, 2) and of F (3, P, 2, 2), and the
-    gradient of the velocity in which the exact motion moves (P, 2, 2)."""
+    """Errors that each of ``LOCAL_CAUSES`` adds in a step to x and v (3, P, 2) and F (3, P, 2, 2), and the velocity
+    gradient of the exact motion (P, 2, 2)."""
 
     position: np.ndarray
     velocity: np.ndarray
@@ -38,11 +38,10 @@ class Sources(NamedTuple):
 
 def sources(weights: StepWeights, pieces: Pieces, now: ExactState, then: ExactState, stress: np.ndarray,
             volume: np.ndarray, dt: float, with_particle: bool, frozen: bool) -> Sources:
-    """Of the step from ``now`` to ``then``.
+    """Returns the sources of the step from ``now`` to ``then``.
 
-    ``stress`` (P, 2, 2) is J sigma of the exact F now, or P if the weights are ``frozen``; ``volume`` (P,) that at
-    rest; ``with_particle`` says that particles move with their own velocity.
-    """
+    ``stress`` (P, 2, 2) is J sigma of the exact F now, or P if the weights are ``frozen``; ``volume`` (P,) is that at
+    rest; ``with_particle`` is whether particles move with their own velocity."""
     particles = len(volume)
     x, v = np.zeros((len(LOCAL_CAUSES), particles, 2)), np.zeros((len(LOCAL_CAUSES), particles, 2))
     F = np.zeros((len(LOCAL_CAUSES), particles, 2, 2))
@@ -73,7 +72,7 @@ def sources(weights: StepWeights, pieces: Pieces, now: ExactState, then: ExactSt
 
 
 class CauseErrors:
-    """The errors of x and v (3, P, 2) and of F (3, P, 2, 2) that each of ``LOCAL_CAUSES`` has made."""
+    """Errors of x and v (3, P, 2) and of F (3, P, 2, 2) that each of ``LOCAL_CAUSES`` has caused so far."""
 
     def __init__(self, particles: int):
         self.position = np.zeros((len(LOCAL_CAUSES), particles, 2))
@@ -81,13 +80,13 @@ class CauseErrors:
         self.deformation_gradient = np.zeros((len(LOCAL_CAUSES), particles, 2, 2))
 
     def fields(self) -> dict[str, np.ndarray]:
-        """By the names of ``solvers.scene.error_causes.FIELDS``."""
+        """Returns the errors by the names of ``solvers.scene.error_causes.FIELDS``."""
         return {"x": self.position, "v": self.velocity, "F": self.deformation_gradient}
 
     def propagate(self, weights: StepWeights, material: StressDifference, F: np.ndarray, F0: np.ndarray,
                   volume: np.ndarray, given: Sources, dt: float, with_particle: bool) -> None:
-        """Take them through a step which began with the run's ``F`` and the exact ``F0`` (P, 2, 2), and add what each
-        cause gives. L F - L0 F0 = (L - L0) F + L0 (F - F0), exactly; with frozen weights F has L only."""
+        """Propagates the errors through a step that began with the run's ``F`` and the exact ``F0`` (P, 2, 2), and adds
+        the step's sources. L F - L0 F0 = (L - L0) F + L0 (F - F0), exactly; with frozen weights F has L only."""
         stress = material.difference(F, F0, self.deformation_gradient)
         acceleration = weights.acceleration_of(volume[:, None, None] * stress)
         moved = weights.to_nodes(self.velocity) + dt * acceleration
