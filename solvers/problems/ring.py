@@ -1,4 +1,4 @@
-"""The expanding ring: a quarter of a ring that swings along its radii, u = A sin(wt) w(R) e_R.
+"""The expanding ring: a quarter of a ring that oscillates along its radii, u = A sin(wt) w(R) e_R.
 
 The cubic w has w(b) = 1 and w'(a) = w'(b) = 0 at the radii a and b of the rims, so that with Poisson's ratio 0 both
 carry no traction. Source: Berzins' test, with its misprints mended.
@@ -31,7 +31,7 @@ INVERSION = 0.386  # amplitude at which the exact ring turns inside out: 1 + A m
 @document_fields
 @dataclass(frozen=True)
 class RingScene(CircularScene):
-    """One run of the ring: h = 1.2 m/``cells``, ``ppc`` counts per direction.
+    """Definition of a run of the ring: h = 1.2 m/``cells``, ``ppc`` counts per direction.
 
     ``plan`` says how the step is spread over threads: one serial kernel, slabs side by side, or whichever is faster.
     """

@@ -71,20 +71,21 @@ LIMITS = (
 
 
 def growth(scene: Any) -> float:
-    """How many times a period a disturbance of the exact motion grows in the mode n = 2, above ``KNOWN`` at least; 1
-    where the motion is stable."""
+    """Returns the factor per period by which a disturbance of the exact motion in the mode n = 2 grows, a lower bound
+    above ``KNOWN``; 1 where the motion is stable."""
     A = min(scene.amplitude, KNOWN)
     return math.exp(GROWTH * math.sqrt(A * A - ONSET * ONSET)) if scene.amplitude >= RESONANCE else 1.0
 
 
 def expected_life(scene: Any, first_error: float = FIRST_ERROR) -> float:
-    """Periods until a relative error in the mode n = 2 of ``first_error`` after one has grown to a tenth."""
+    """Returns the periods until a relative error in the mode n = 2, ``first_error`` after one period, grows to a
+    tenth."""
     rate = growth(scene)
     return 1 + math.log(LARGE_ERROR / first_error) / math.log(rate) if rate > 1 else math.inf
 
 
 def warnings(scene: Any) -> list[str]:
-    """Sentences about what a scene will surprise with."""
+    """Returns sentences about surprising behaviour of a scene."""
     if scene.amplitude < RESONANCE or not scene.solution_known:
         return []
     amplitude, rate, life = scene.amplitude, growth(scene), expected_life(scene)
@@ -99,7 +100,7 @@ def warnings(scene: Any) -> list[str]:
 
 
 def other_advice(scene: Any) -> str:
-    """What else to do about a run that went bad, as an imperative."""
+    """Returns advice for an unstable run without a more specific cause, as an imperative."""
     if scene.amplitude >= RESONANCE:
         return Message("from A = {resonance} on the ring's own motion is unstable (parametric resonance) and no remedy "
                        "helps: choose a smaller amplitude or fewer periods", RESONANCE)

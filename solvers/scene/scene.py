@@ -42,7 +42,7 @@ MOST_CFL = 10.0  # an unstable run is a result worth seeing; this only keeps the
 
 @dataclass(frozen=True)
 class Scene(SceneDefaults, ABC):
-    """One run. Lengths in metres, times in seconds, modulus in pascals, density in kg/m³.
+    """Definition of a run. Lengths in metres, times in seconds, modulus in pascals, density in kg/m³.
 
     ``dt`` or ``cfl`` sets the time step (``cfl`` = dt c/h, c = sqrt(modulus/density)); ``t_end`` or ``periods`` the
     end; None takes the default. Each problem has a scene class of its own with its defaults, choices and geometry.

@@ -1,4 +1,4 @@
-"""The patch test of the bar: evenly stretched and moving at constant speed, so that exactly nothing should happen.
+"""Patch test of the bar: evenly stretched and moving at constant speed, so that nothing should change.
 
 A bar of rest length 1/F0 is stretched by F0 until it fills the periodic metre, and moves at v0: the stress stays
 E (F0 - 1), the acceleration zero, whatever the grid. Particles stand evenly, as many to a cell as one likes: with a
@@ -37,8 +37,8 @@ FAILED_FROM = 0.1  # of the stress: an error beyond which a patch test counts as
 
 
 def normalise_inputs(cells: object, ppc: object, body_force: object) -> dict[str, Any]:
-    """What a patch test's inputs mean: no body force where none was asked for, 2.3333333 particles in each of 30 cells
-    are 70, and 4.0 are 4."""
+    """Returns a patch test's inputs in normal form: no body force by default; 2.3333333 particles in each of 30 cells
+    become 70/30, and 4.0 becomes 4."""
     meant: dict[str, Any] = {"body_force": "none"} if body_force == "material" else {}
     if isinstance(ppc, float) and math.isfinite(ppc) and type(cells) is int and cells > 0:
         count = round(cells * ppc)
@@ -48,7 +48,7 @@ def normalise_inputs(cells: object, ppc: object, body_force: object) -> dict[str
 
 
 def check_per_cell(cells: int, ppc: object) -> None:
-    """Particles per cell need not be whole, but all of them together."""
+    """Raises :class:`SceneError` unless all cells together contain a whole number of particles, 1 to 64 each."""
     allowed = Message("give a number from 1 to {most}", MOST_PER_CELL)
     require_number("ppc", ppc, 0, math.inf, allowed)
     assert isinstance(ppc, (int, float))
@@ -64,7 +64,7 @@ def check_per_cell(cells: int, ppc: object) -> None:
 
 
 def check_numbers(stretch: float, velocity: float) -> None:
-    """Refuse a stretch or a velocity that no patch test can have."""
+    """Raises :class:`SceneError` for a stretch or a velocity that no patch test can have."""
     least, most = STRETCHES
     allowed = Message("give a number from {least:g} to {most:g}, but not 1", least, most)
     require_number("stretch", stretch, 0, math.inf, allowed)
@@ -80,7 +80,7 @@ def check_numbers(stretch: float, velocity: float) -> None:
 
 
 def check_fields(scene: Any) -> None:
-    """Refuse for a patch test what means nothing in it, and for a vibrating bar what only a patch test has."""
+    """Raises :class:`SceneError` for inputs that have no meaning in this motion, patch test or vibration."""
     names: tuple[str, ...] = ("stretch", "initial_velocity")
     why = Message("is for the patch test; give motion patch, or leave it out")
     if scene.is_patch:
@@ -93,15 +93,16 @@ def check_fields(scene: Any) -> None:
 
 
 def repeating_unit(scene: Scene) -> tuple[int, int]:
-    """The fewest cells after which particles stand in cells as before, and how many particles these hold."""
+    """Returns the smallest number of cells after which particles lie in cells as before, and their number of
+    particles."""
     times = math.gcd(scene.cells, scene.particles)
     return scene.cells // times, scene.particles // times
 
 
 @functools.lru_cache(maxsize=64)  # the page asks again and again
 def first_edge_step(scene: Scene, velocity: float) -> int | None:
-    """The first step after which a particle stands on a cell boundary but for rounding, which then says in which cell
-    it is. Of hat functions that is a force too many or too few, even where the count fits; None where there is none."""
+    """Returns the first step after which a particle lies on a cell boundary up to rounding, which then decides on its
+    cell: with hat functions its force may be counted twice or not at all. None where that never happens."""
     a_step = velocity * scene.time_step / scene.spacing  # in cells
     places = repeating_unit(scene)[1]  # in a cell, at which particles begin
     held = scene.linearity_preserving or scene.frozen or PIECES in scene.remedies

@@ -1,4 +1,4 @@
-"""BarSolver: one bar in memory, ready to be stepped, sampled and looked at."""
+"""BarSolver: solver of one bar, which steps and samples it."""
 
 import time
 
@@ -87,7 +87,7 @@ class BarSolver(Solver):
         return super()._advice()
 
     def _other_advice(self) -> str:
-        """The remedies that the scene has not yet called for; measured in ``assets/stability.md``."""
+        """Returns the remedies that the scene does not use yet; measured in ``assets/stability.md``."""
         scene = self.scene
         whole = scene.method == "mpm" and not scene.frozen and PIECES not in scene.remedies
         if whole and (scene.ppc == 2 or scene.amplitude >= HATS_LIMIT):
@@ -101,5 +101,5 @@ class BarSolver(Solver):
 
 
 def _columns(values: np.ndarray) -> Values:
-    """Those of x, v and sigma, of four (P, 4)."""
+    """Returns the first three of four columns (P, 4): x, v and sigma."""
     return Values(values[:, :1], values[:, 1:2], values[:, 2:3])

@@ -1,4 +1,4 @@
-"""The error budget of the bar: which part of the error each cause has made.
+"""The error budget of the bar: the part of the error by each cause.
 
 With the weights w of a step given, at the run's own positions, a step is linear but for two products: with y = (x, v,
 F) the run takes y^{n+1} = M_w y^n, and the reference, put through the same map, misses itself by M_w y0^n - y0^{n+1} =
