@@ -1,4 +1,4 @@
-"""Whether the particles in the files are all of the body, by what they weigh or by how they lie."""
+"""Check that the particles in the files cover the whole body, by their masses or positions."""
 
 from dataclasses import dataclass, replace
 from typing import Any
@@ -29,7 +29,8 @@ POINTS = 4000  # of the body, about, from which holes are looked for
 
 @dataclass(frozen=True)
 class BodyShare:
-    """The ``share`` of the body and how it is known; ``least`` is what sound particles may have."""
+    """Covered ``share`` of the body and ``how`` it was determined; ``least`` is the smallest share of a complete
+    body."""
 
     share: float
     least: float
@@ -42,7 +43,7 @@ class BodyShare:
 
 
 def check(scene: Scene, frame: Frame) -> Finding:
-    """Of the frame with the fewest particles."""
+    """Checks the frame with the fewest particles."""
     reference, count = PROBLEMS[scene.problem].reference, len(frame.number)
     found = _share_by_mass(scene, reference, frame) or _share_by_lattice(scene, reference, frame.material_position) \
         or _share_by_holes(scene, reference, frame.material_position)
@@ -51,7 +52,7 @@ def check(scene: Scene, frame: Frame) -> Finding:
 
 
 def _share_by_mass(scene: Scene, reference: ProblemReference, frame: Frame) -> BodyShare | None:
-    """By masses or volumes in the file."""
+    """Returns the covered share by masses or volumes in the file, None without these."""
     weights, word = (frame.volume, Message("volumes")) if frame.mass is None else (frame.mass, Message("masses"))
     if weights is None:
         return None
@@ -67,8 +68,8 @@ def _share_by_mass(scene: Scene, reference: ProblemReference, frame: Frame) -> B
 
 
 def _share_by_lattice(scene: Scene, reference: ProblemReference, X: np.ndarray) -> BodyShare | None:
-    """Where all places are those of one of our layouts: which of them are taken. Of several the one of the fewest
-    particles."""
+    """Returns the covered share by occupied places, where all particles lie on one of our layouts; of several that with
+    the fewest particles. None without one."""
     fitting: list[tuple[np.ndarray, np.ndarray, Scene]] = []
     few = X[::-(-len(X) // FEW)]
     for candidate in _lattices(scene):
@@ -110,7 +111,8 @@ def _lattices(scene: Scene) -> list[Scene]:
 
 
 def _share_by_holes(scene: Scene, reference: ProblemReference, X: np.ndarray) -> BodyShare | None:
-    """By places between particles where none is, and by parts of the body with none near."""
+    """Returns the covered share by empty places between particles, and by parts of the body without particles nearby;
+    None for too few particles."""
     P, D = X.shape
     if P < 8 * D:
         return None
