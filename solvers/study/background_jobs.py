@@ -32,8 +32,8 @@ NO_CHOICE = Message("no method makes a valid scene with these settings")
 
 @dataclass(frozen=True)
 class SearchJob:
-    """Find the cheapest run like ``base`` (a task) that meets a tolerance, in the unit of ``quantity``. ``known`` are
-    points of other searches for the same quantity, by the keys of their rows; one without a rate is timed anew."""
+    """Search for the cheapest run like ``base`` (a task) that meets a tolerance, in the unit of ``quantity``. ``known``
+    are points of other searches for the same quantity, by the keys of their rows; one without a rate is timed again."""
 
     base: dict
     methods: Sequence[tuple[str, bool]]
@@ -46,14 +46,13 @@ class SearchJob:
 
 
 def sweep(tasks: Sequence[dict], tell: Callable[[dict], None]) -> None:
-    """What the process of a sweep does: measure tasks in their order."""
+    """Runs a sweep in a worker process: measures tasks in order."""
     for task in tasks:
         tell({"row": measure(Task(**task))})
 
 
 def search(fields: dict, tell: Callable[[dict], None]) -> None:
-    """What the process of a search does: the job of these fields; or it gets ready for one like that, of which it says
-    nothing."""
+    """Runs the search of these fields in a worker process; or only compiles for one like it, without messages."""
     ready = fields.pop(READY, False)
     job = SearchJob(**fields)
     base = Task(**job.base).scene()
@@ -97,9 +96,9 @@ def search(fields: dict, tell: Callable[[dict], None]) -> None:
 
 
 def point_row(family: Family, point: Point) -> dict:
-    """A row (``solvers.study.row``) with what is known of the run: the estimate of one quantity, and the time of the
-    bare run out of its steps, its particles and a rate that was measured alone. It has no true error: a search does
-    without. Its task is :func:`task_to_watch`."""
+    """Returns a row (``solvers.study.row``) with the known data of the run: the estimate of one quantity, and the time
+    of the bare run from its steps, particles and a separately measured rate. It has no true error, which a search does
+    not use. Its task is :func:`task_to_watch`."""
     scene = family.member(point.cells)
     task, seconds = task_to_watch(scene), finite(family.seconds(point.cells))
     estimate = {ESTIMATOR: {family.quantity: {"max": point.error}}} if math.isfinite(point.error) else {}
@@ -110,5 +109,5 @@ def point_row(family: Family, point: Point) -> dict:
 
 
 def task_to_watch(scene: Scene) -> Task:
-    """The task of a scene with the estimator that a search goes by, and with every effect."""
+    """Returns the task of a scene with the estimator that a search uses, and with every effect."""
     return task_of(replace(scene, estimators=(ESTIMATOR,), effects=tuple(EFFECTS)))
