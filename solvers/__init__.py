@@ -1,4 +1,4 @@
-"""The Material Point Method and its error estimates, headless: Scene -> Solver -> Result.
+"""The Material Point Method and its error estimates, without a user interface: Scene -> Solver -> Result.
 
 What a user needs stands here, and is imported when it is first asked for::
 

@@ -1,7 +1,6 @@
-"""How long it takes from nothing to a solver that can step: imports, Taichi's start, compiling. Wall time.
+"""Time from nothing to a solver that can step: imports, Taichi's start, compilation. Wall time.
 
-Cold means that Taichi's cache of compiled kernels is empty, as after an installation; warm that a process has filled it
-before.
+Cold means that Taichi's cache of compiled kernels is empty, as after an installation; warm that it is filled.
 """
 
 import subprocess
@@ -19,8 +18,8 @@ PATIENCE = 120.0  # seconds
 
 
 def start_times(command: Sequence[str], problems: Sequence[str]) -> dict:
-    """Seconds of a command, to import, to start Taichi and to compile the default scenes of the ``problems``, cold and
-    warm; all None, with a reason, where a process fails."""
+    """Returns the seconds of a command, and to import, to start Taichi and to compile the default scenes of the
+    ``problems``, cold and warm; all None, with a reason, where a process fails."""
     try:
         ready = min(time_command(command) for _ in range(TURNS))
         with tempfile.TemporaryDirectory(prefix="mpm-lab-bench-", ignore_cleanup_errors=True) as cache:

@@ -11,11 +11,11 @@ LANES = 4  # numbers in a register of most processors; no bar has fewer particle
 
 @ti.func
 def load(numbers: ti.template(), p):
-    """``LANES`` numbers from entry ``p`` on."""
+    """Returns ``LANES`` numbers from entry ``p`` on."""
     return ti.Vector([numbers[p + k] for k in ti.static(range(LANES))])
 
 
 @ti.func
 def load_component(vectors: ti.template(), some: ti.template(), c: ti.template()):
-    """Number ``c`` of each of the vectors with the numbers ``some``."""
+    """Returns number ``c`` of each of the vectors with the indices ``some``."""
     return ti.Vector([vectors[some[k]][c] for k in ti.static(range(some.n))])
