@@ -79,8 +79,8 @@ def next_reference(reference, a, interval, first):
 
 @ti.func
 def second_before(reference, a, first):
-    """Returns the acceleration two steps before ``a`` of a reference that has not advanced yet, extrapolated backwards
-    at the start."""
+    """Returns the acceleration two steps before ``a`` of a reference that has not advanced yet, or its
+    extrapolation."""
     before = reference[3]
     if first:
         before = 2 * reference[2] - a
@@ -162,8 +162,8 @@ def why_not_trusted(memory, growth):
 
     It oscillates where it follows uneven particles and where it is unstable: then the estimate is the reference's own
     error. The measure is the size of the fourth differences of U, with a node spacing of one, over that of the error,
-    in sums over the whole run. ``growth`` is the largest U now over the motion's amplitude, which it should never
-    exceed."""
+    in sums over the whole run. ``growth`` is the largest U now over the motion's amplitude, at most one.
+    """
     numbers = memory["recovered_numbers"]
     if not (np.isfinite(memory["recovered_nodes"]).all() and np.isfinite(numbers).all()):
         return Message("not valid here: the recovered deformation turned inside out; take shorter steps or a smaller "

@@ -61,10 +61,10 @@ class Elements:
         return np.bincount(self.node_of_point.ravel(), np.tile(self.weights, self.count))
 
     def locate(self, x: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-        """Returns the element of each place x (K,), and the values and derivatives of its p + 1 polynomials there (K,
-        p+1).
+        """Returns the element of each place x (K,), and values and derivatives of its p + 1 polynomials there (K, p+1).
 
-        Places outside the elements are extrapolated from the nearest one."""
+        Places outside the elements are extrapolated from the nearest one.
+        """
         s = (x - self.start) / self.length
         element = np.clip(np.floor(s), 0, self.count - 1).astype(np.int32)
         to_modes = np.linalg.inv(legendre.legvander(self.points, self.order))

@@ -1,7 +1,8 @@
 """Companion without a run beside it, for particles of other codes at arbitrary times.
 
 The same spectral elements as beside our own particles (``companion``), in numpy: nothing is compiled, and steps end at
-the requested times. Time integration is Nystrom's method of fourth order, as there."""
+the requested times. Time integration is Nystrom's method of fourth order, as there.
+"""
 
 import math
 from abc import ABC, abstractmethod

@@ -164,7 +164,8 @@ def coarse_run_verdict(scene: Scene, determinant: np.ndarray, displacement: np.n
     """Returns why the coarse run cannot be used, or None: particles inverted, crushed or too far away; or lost.
 
     ``largest`` is the largest mean square of e_x. The coarse run's error is r^2 times e_x as long as extrapolation is
-    possible; a lost run cannot be extrapolated."""
+    possible; a lost run cannot be extrapolated.
+    """
     with np.errstate(invalid="ignore", over="ignore"):
         sound = np.all(determinant > CRUSHED_JACOBIAN) and np.all(np.abs(displacement) < farthest)  # False for NaN
         share = (1 + 1 / extrapolation_factor(scene)) * float(np.sqrt(largest[0])) / scene.motion_amplitude

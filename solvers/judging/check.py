@@ -76,7 +76,8 @@ def check(files: Particles | Sequence[Particles], *, times: Sequence[float] = ()
     Raises
     ------
     FileError
-        For files, or arrays, whose particles cannot be followed."""
+        For files, or arrays, whose particles cannot be followed.
+    """
     raws = read_all(files)
     if times and len(times) != len(raws):
         raise FileError(raws[0].file, f"is one of {len(raws)} files, and there are {len(times)} times; give one time "

@@ -1,7 +1,8 @@
 """Names of columns and arrays of particles, their meaning, and the assembly of components.
 
 A quantity has one key here: ``t``, ``id``, ``X`` (material position), ``x`` (position), ``v``, ``F``, ``sigma``,
-``mass`` and ``volume``. A file has it as an array or as one column for each component."""
+``mass`` and ``volume``. A file has it as an array or as one column for each component.
+"""
 
 import itertools
 import re
@@ -192,8 +193,7 @@ def add_scene(raw: RawTable, line: object) -> RawTable:
 
 
 def _flatten_times(path: str, many: dict[str, np.ndarray], times: np.ndarray, limits: Limits) -> dict[str, np.ndarray]:
-    """Returns arrays (T, P, ...) as rows, one for every time and particle; constant ids and material positions are
-    repeated."""
+    """Returns arrays (T, P, ...) as rows, one for every time and particle; constant arrays are repeated."""
     T = len(times)
     place = next(array for name, array in many.items() if _quantity_key(name) == "x")
     P = place.shape[1] if place.ndim > 1 else 0

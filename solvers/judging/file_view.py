@@ -8,7 +8,8 @@ The process sends, in this order::
     {"refused": sentence} it cannot be judged, and nothing more follows
     {"asks": {...}}       its particles are of another problem: the ``reason``, and the ``problems`` that they fit
 
-The table is a memory-mapped file, so that it uses memory only while a frame is displayed."""
+The table is a memory-mapped file, so that it uses memory only while a frame is displayed.
+"""
 
 import contextlib
 import itertools
@@ -183,7 +184,6 @@ class _ParticleTable:
 
 
 def open_table(path: Path, counts: Sequence[int], dimensions: int) -> np.ndarray:
-    """Opens the table (rows, width) of a file with these ``counts`` of particles at its times, as far as it is
-    filled."""
+    """Opens the table (rows, width) of a file with these ``counts`` of particles at its timesso far."""
     width = max(part.stop for part in table_columns(dimensions).values())
     return np.memmap(path, np.float32, "r", shape=(sum(counts), width))

@@ -13,8 +13,8 @@ from solvers.untrusted.quoting import FileError
 
 
 class ParticleMismatch(FileError):
-    """Error for particles that are not those of the problem: the ``reason``, what is ``allowed``, and the ``problems``
-    that they fit."""
+    """Error for particles of another problem: the ``reason``, what is ``allowed``, and the ``problems`` that they
+    fit."""
 
     def __init__(self, file: str, reason: str, allowed: str, problems: tuple[str, ...] = ()):
         self.reason, self.allowed, self.problems = quoting.one_line(reason), allowed, problems
@@ -35,8 +35,7 @@ class SceneMetadata:
 @dataclass(frozen=True)
 class RawTable:
     """A file as it was read: one table of n rows. ``columns`` maps quantities to (n, ...), vectors (n, d) and tensors
-    (n, d, d) with the file's number of dimensions; ``cells`` is its number of grid cells and ``said`` its scene, if
-    known."""
+    (n, d, d) with the file's number of dimensions; ``cells`` is its number of grid cells and ``said`` its scene."""
 
     file: str
     columns: dict[str, np.ndarray]
@@ -50,8 +49,7 @@ class RawTable:
 @dataclass(frozen=True)
 class Frame:
     """P particles at a ``time`` in s: material position and position (P, D) in m, and if known velocity (P, D), F and
-    Cauchy stress (P, D, D), mass in kg and volume in m^D (P,); and the ``number`` (P,) of each in the file, its id if
-    it has one."""
+    Cauchy stress (P, D, D), mass in kg and volume in m^D (P,); and the ``number`` (P,) of each: its id, or its row."""
 
     file: str
     time: float
@@ -67,8 +65,7 @@ class Frame:
 
 @dataclass(frozen=True)
 class GridRun:
-    """Frames of one run, sorted by time; ``notes`` are sentences about the files, ``step`` is the run's time step in s
-    if known."""
+    """Frames of one run, sorted by time; ``notes`` are sentences about the files, ``step`` is its time step in s."""
 
     cells: int
     frames: tuple[Frame, ...]

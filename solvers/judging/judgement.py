@@ -186,7 +186,8 @@ def judge(scene: Scene, files: Particles | Sequence[Particles], *, cells: Sequen
         For files, or arrays, that cannot be judged; :class:`~solvers.judging.frames.ParticleMismatch` for those of
         another problem.
     SceneError
-        Where ``cells`` or ``times`` do not fit the files, or a companion is lost."""
+        Where ``cells`` or ``times`` do not fit the files, or a companion is lost.
+    """
     sources = as_list(files)
     for name, given, counts in (("cells", cells, {1, len(sources)}), ("time", times, {len(sources)})):
         if given and len(given) not in counts:

@@ -34,11 +34,11 @@ def match_files(files: Sequence[RawTable], asked: Scene, cells: Sequence[int],
 
     Raises
     ------
-    Misfit
-        Where the particles are not those of the scene, or the file says another problem: its ``problems`` are those
+    ParticleMismatch
+        Where the particles are not those of the scene, or the file is of another problem: its ``problems`` are those
         that the particles fit.
     FileError
-        Where they can be judged with no scene.
+        Where no scene fits them.
     """
     listed = list(files)
     own, notes = _resolve_scene(listed, asked)
@@ -56,8 +56,7 @@ def scene_of_file(raw: RawTable, asked: Scene) -> Scene:
 
 
 def _resolve_scene(files: list[RawTable], asked: Scene) -> tuple[Scene, list[str]]:
-    """Returns the scene and notes as :func:`resolve_scene`. Raises FileError where a file's particles do not fit its
-    own metadata."""
+    """Returns the scene and notes as :func:`resolve_scene`. Raises FileError where particles contradict metadata."""
     try:
         return resolve_scene(files, asked)
     except ParticleMismatch as misfit:
@@ -99,7 +98,8 @@ def match_grids(files: Sequence[RawTable], scene: Scene, cells: Sequence[int], t
     """Returns the runs in the files, coarse ones first.
 
     ``cells`` is the scene's own number, or one for each file, for files that contain none; ``times`` are those of the
-    files in order, or empty where the files contain them."""
+    files in order, or empty where the files contain them.
+    """
     reference = PROBLEMS[scene.problem].reference
     frames: dict[int, list[Frame]] = {}
     notes: dict[int, list[str]] = {}

@@ -71,7 +71,8 @@ def read_file(path: str, limits: Limits = LIMITS) -> RawTable:
     Raises
     ------
     FileError
-        Where it contains no particles that can be judged."""
+        Where it contains no particles that can be judged.
+    """
     kind = Path(path).suffix.lower()
     if kind not in KINDS:
         raise FileError(path, "is of no kind that is known; give a file that ends in {kinds}", ", ".join(KINDS))

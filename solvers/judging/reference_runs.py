@@ -19,7 +19,7 @@ LONGEST_STRETCH = 4096  # steps between two looks at the progress
 
 @dataclass(frozen=True)
 class ReferenceRun:
-    """One of our runs: its scene, the norms at the times that it reached, and its status."""
+    """Run of one of our methods: its scene, the norms at the times that it reached, and its status."""
 
     scene: Scene
     times: np.ndarray
@@ -57,7 +57,7 @@ def run_reference(scene: Scene, times: Sequence[float], companions: Companions |
 
 
 class _InterpolatedRun:
-    """One of our runs, evaluated at times between its steps."""
+    """Run of one of our methods, evaluated at times between its steps."""
 
     def __init__(self, scene: Scene, on_progress: Callable[[float], None] | None, last: int):
         self._scene, self._tell, self._last = scene, on_progress or (lambda part: None), max(1, last)

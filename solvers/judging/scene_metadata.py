@@ -1,7 +1,8 @@
 """Scene in the metadata of a file of particles: one line of JSON, in our own files and in any other.
 
 It is untrusted: anything but a valid scene is rejected, and so is a scene that the particles do not fit
-(``solvers.judging.particle_matching``)."""
+(``solvers.judging.particle_matching``).
+"""
 
 from dataclasses import fields, replace
 from typing import Any
@@ -47,7 +48,8 @@ def resolve_scene(files: list[RawTable], asked: Scene) -> tuple[Scene, list[str]
     defaults in ``asked``, except the number of cells, which may differ between files.
 
     Raises :class:`ParticleMismatch` for files of another problem, :class:`FileError` where a file contradicts an input
-    that was given, or another file."""
+    that was given, or another file.
+    """
     notes: list[str] = []
     by: dict[str, str] = {}  # which file said a field first
     default, settled_scene = type(asked)(), asked

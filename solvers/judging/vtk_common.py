@@ -35,8 +35,7 @@ class PointData:
         self._rows += rows
 
     def wants(self, name: str, rows: int, width: int) -> bool:
-        """Returns whether an array of points (rows, width) is needed. Raises an error for too much data and for
-        duplicates."""
+        """Returns whether an array of points (rows, width) is needed. Raises an error for excess or duplicates."""
         self._names += 1
         self._limits.check_columns(self.path, self._names)
         check_name(self.path, name)

@@ -133,8 +133,7 @@ class LegacyReader:
             self._read_numbers(_parse_type(words[1:]), size, False)
 
     def _read_numbers(self, kind: str, count: int, wants: bool) -> np.ndarray | None:
-        """Reads the numbers that follow, None if they are not needed. Raises an error for more than the file has
-        bytes."""
+        """Reads the numbers that follow, None if they are not needed. Raises an error for too many."""
         size = count * np.dtype(kind).itemsize if self._binary else 2 * count - 1
         here = self._file.tell()
         if size > self._size - here:

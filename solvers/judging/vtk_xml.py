@@ -1,8 +1,8 @@
 """Reader of VTK's XML formats, .vtu and .vtp, as a stream: data that are not needed are never stored.
 
 A document type or an entity is rejected where it begins. At appended data XML parsing ends, and each array is read from
-its offset. The number of values is known before: the sizes of blocks must agree with it, and no block is unpacked to
-more."""
+its offset. The number of values is known before: the sizes of blocks must agree with it, which limits unpacking.
+"""
 
 import base64
 import io
@@ -197,8 +197,7 @@ class DataSource:
 
 @dataclass(frozen=True)
 class NumberEncoding:
-    """Encoding of numbers in a file: the ``order`` of their bytes, the type of sizes before them, and the
-    ``packing``."""
+    """Encoding of numbers: the ``order`` of their bytes, the type of sizes before them, and the ``packing``."""
 
     order: str
     size: np.dtype

@@ -58,7 +58,8 @@ class MotionJets(NamedTuple):
 class ExactSolution:
     """Functions of (scene, X (P, 2) in m, t in s) that follow from a displacement.
 
-    ``scene`` has the ``material``, the ``density`` in kg/m^3, and whatever the displacement needs."""
+    ``scene`` has the ``material``, the ``density`` in kg/m^3, and whatever the displacement needs.
+    """
 
     def __init__(self, displacement: Displacement):
         self._displacement = displacement

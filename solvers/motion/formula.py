@@ -1,7 +1,8 @@
 """Formulas typed by users: arithmetic, five functions and a few names, parsed without evaluating any Python.
 
 A formula becomes a function of any kind of number, of arrays or of jets (``solvers.motion.jets``), so that all its
-derivatives follow. Invalid formulas are rejected with one sentence."""
+derivatives follow. Invalid formulas are rejected with one sentence.
+"""
 
 import ast
 import math

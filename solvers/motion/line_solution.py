@@ -64,8 +64,7 @@ def motion_table(scene: Any) -> SeparableField:
 
 
 def force_table(scene: Any, X: np.ndarray) -> SeparableField:
-    """Returns the table of the body force per mass at material points (K,), as the first of two components (K, r,
-    2)."""
+    """Returns the table (K, r, 2) of the body force per mass at material points (K,), as its first component."""
     table = separate(lambda X, t: scene.typed_solution.force_terms(scene, X[:, 0], t), X[:, None], scene.period)
     table.modes[:, :, 0] += table.modes[:, :, 1]
     return table

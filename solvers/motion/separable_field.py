@@ -39,7 +39,8 @@ class SeparableField:
     series
         Coefficients (r, 1 + 2 H) of T_k: the mean, then cos and sin of the harmonics 1 to H.
     angular_frequency
-        That of the first harmonic, in 1/s."""
+        That of the first harmonic, in 1/s.
+    """
 
     modes: np.ndarray
     series: np.ndarray

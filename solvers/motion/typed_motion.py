@@ -83,8 +83,7 @@ class PlaneMotionInputs(NamedTuple):
         return np.stack(np.meshgrid(line, line), axis=-1).reshape(-1, 2)
 
     def check(self, u: np.ndarray, F: np.ndarray) -> None:
-        """Raises FormulaError for displacements (P, 2) or deformation gradients (P, 2, 2) that move its sides, or shear
-        them."""
+        """Raises FormulaError for displacements (P, 2) or gradients F (P, 2, 2) that move or shear its sides."""
         for axis, X in enumerate(self.points.T):
             there = (np.abs(X) < 1e-12) | (np.abs(X - self.SIDE) < 1e-12)
             if np.abs(u[there, axis]).max() > MOTION_TOLERANCE * self.SIDE:
@@ -129,7 +128,8 @@ def find_period(text: str, scene: PlaneMotionInputs | LineMotionInputs) -> float
     Raises
     ------
     FormulaError
-        Where it is not finite, undeformed at t = 0, periodic and possible for the body, or inverts material."""
+        Where it is not finite, undeformed at t = 0, periodic and possible for the body, or inverts material.
+    """
     exact, X, base_period = scene.solution(text), scene.points, 2 * np.pi / scene.base_frequency
     longest = MOST_QUARTERS / 4 * max(base_period, 1.0)
     some = np.stack([exact.displacement(scene, X, t) for t in np.linspace(0, base_period, INSTANTS)])

@@ -19,8 +19,7 @@ class OnDemand(Protocol):
     """Provider of a problem's error budget on demand, where it is not an effect."""
 
     def check(self, scene: Any, take_away: str) -> None:
-        """Raises :class:`~solvers.scene.validation.SceneError` where a scene has no budget, or none without this
-        cause."""
+        """Raises ``solvers.scene.validation.SceneError`` where a scene has no budget, or none without this cause."""
 
     def series(self, scene: Any, steps: np.ndarray, take_away: str,
                on_progress: Callable[[float], None] | None) -> tuple[dict[str, np.ndarray], Solver]:

@@ -1,6 +1,7 @@
 """Reference of a problem for other codes: how to set it up, and exact values for its particles.
 
-A problem's descriptor has its :class:`ProblemReference`."""
+A problem's descriptor has its :class:`ProblemReference`.
+"""
 
 import string
 from abc import ABC, abstractmethod
@@ -42,8 +43,7 @@ class Texts:
 
 
 class Template(string.Template):
-    """Template for Markdown with formulas, in which ``@name`` is a placeholder, because formulas use dollars and
-    braces."""
+    """Template for Markdown with formulas, in which ``@name`` is a placeholder, as formulas need $ and {}."""
 
     delimiter = "@"
 
@@ -67,8 +67,7 @@ def read_texts(path: Path, *cases: str, **values: float | str) -> Texts:
 
 
 class ProblemReference(ABC):
-    """A problem for other codes; ``axes`` are the names of its D coordinates, ``EXACT`` is the module of its exact
-    solution.
+    """A problem for other codes; ``axes`` are the names of its D coordinates, ``EXACT`` its exact solution.
 
     Parameters
     ----------
@@ -78,7 +77,8 @@ class ProblemReference(ABC):
         Material positions, and positions, which are not wrapped; two axes even if D is 1.
     t : float, s
     F : (P, D, D) array
-        Deformation gradients."""
+        Deformation gradients.
+    """
 
     EXACT: Any
     axes: tuple[str, ...] = ("x",)

@@ -78,8 +78,7 @@ def growth(scene: Any) -> float:
 
 
 def expected_life(scene: Any, first_error: float = FIRST_ERROR) -> float:
-    """Returns the periods until a relative error in the mode n = 2, ``first_error`` after one period, grows to a
-    tenth."""
+    """Returns the periods until a relative error in mode n = 2, ``first_error`` after one period, is a tenth."""
     rate = growth(scene)
     return 1 + math.log(LARGE_ERROR / first_error) / math.log(rate) if rate > 1 else math.inf
 

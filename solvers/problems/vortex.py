@@ -96,8 +96,7 @@ class VortexScene(CircularScene):
         return math.pi * self.frequency
 
     def size_of(self, quantity: str) -> float:
-        """Returns the scale of errors of x, v, sigma or a: the largest displacement and the quantities that go with
-        it."""
+        """Returns the scale of errors of x, v, sigma or a: the largest displacement, and accordingly."""
         A, w, shear = self.amplitude, self.angular_frequency, self.STRAIN_PER_AMPLITUDE * self.amplitude
         return {"x": self.motion_amplitude, "v": A * w, "sigma": self.lame_moduli[1] * shear * (1 + shear),
                 "a": A * w * w}[quantity]

@@ -1,8 +1,8 @@
 """Quantities of interest of a run, each with its true and estimated errors.
 
 A goal is a functional J of the particles at the end. If the values q have the errors e, the goal has the error J(q) -
-J(q - e), exactly and not only to first order. Errors of particles can cancel: a mean may be far more accurate than the
-particles."""
+J(q - e), exactly and not only to first order. Errors of particles can cancel: a mean may be far more accurate.
+"""
 
 import math
 import re
@@ -32,9 +32,9 @@ AROUND, DEGREE = {1: 4, 2: 12}, {1: 3, 2: 2}
 
 @dataclass(frozen=True)
 class Goal:
-    """One quantity of interest by its ``name``: "kinetic-energy", "mean-stress" (sigma along the bar, half the trace in
-    the plane, averaged over the initial volume) or "displacement@X" ("displacement@X,Y" in the plane: its length), at
-    the material point with these coordinates in m."""
+    """Quantity of interest by its ``name``: "kinetic-energy", "mean-stress" (sigma along the bar, half the trace in the
+    plane, averaged over the initial volume) or "displacement@X" ("displacement@X,Y" in the plane: its length), at the
+    material point with these coordinates in m."""
 
     name: str
     point: tuple[float, ...] = ()

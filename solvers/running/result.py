@@ -112,13 +112,13 @@ class Result:
 
     @classmethod
     def load(cls, path: str | os.PathLike[str]) -> "Result":
-        """Returns the result that :meth:`save`, or ``mpm-lab run --particles FILE.npz``, has written, identical to the
-        bit.
+        """Returns the result that :meth:`save`, or ``mpm-lab run --particles FILE.npz``, has written, bit for bit.
 
         Raises
         ------
         FileError
-            Where there is none, or an invalid one: one sentence with the reason."""
+            Where there is none, or an invalid one: one sentence with the reason.
+        """
         return cls(**result_file.read(os.fspath(path)))
 
     def plot(self) -> Any:
@@ -130,7 +130,8 @@ class Result:
         RuntimeError
             Where mpm-lab is not installed, so that no viewer is registered.
         ImportError
-            Where another package called ``app`` is imported instead."""
+            Where another package called ``app`` is imported instead.
+        """
         if (draw := load_view("plot")) is None:
             raise RuntimeError("nothing that is installed draws a result; install mpm-lab, with `pip install .`")
         return draw(self)
@@ -166,8 +167,8 @@ class Result:
     @property
     def error(self) -> ByQuantity:
         """True errors over the run: ``error["x"]["max"]`` and so on, RMS over particles of x (m), v (m/s), sigma (Pa),
-        a (m/s^2) and the problem's own norm, each as in :func:`solvers.solver.error_norms.summary`; None where the
-        truth was off."""
+        a (m/s^2) and the problem's own norm, each as in :func:`solvers.solver.error_norms.summary`; None without
+        truth."""
         extra = {self.scene.EXTRA_ERROR: summary(self.series["error_extra"])}
         return ByQuantity({q: summary(self.series[f"error_{q}"]) for q in QUANTITIES} | extra)
 
@@ -250,8 +251,7 @@ class Result:
 
     @property
     def step(self) -> dict[str, float | None]:
-        """Time step in s, the stability bound of the motion ahead in s, and the largest step over its bound in the
-        run."""
+        """Time step in s, the stability bound of the motion ahead in s, and the largest step over its bound."""
         return {"dt": self.scene.time_step, "bound": self.scene.step_bound, "margin": largest(self.series["margin"])}
 
     @property

@@ -2,7 +2,8 @@
 
 Its particles are stored as ``mpm-lab judge`` reads them, so that a saved result is also a file of particles, and
 ``mpm-lab run --particles FILE.npz`` writes a saved result with more of them. A file is untrusted: every array must have
-the name, type and shape that its scene requires, or the file is rejected."""
+the name, type and shape that its scene requires, or the file is rejected.
+"""
 
 import json
 from collections.abc import Mapping, Sequence
@@ -74,7 +75,8 @@ def read(path: str) -> dict[str, Any]:
     Raises
     ------
     FileError
-        Where it contains none: one sentence with the reason."""
+        Where it contains none: one sentence with the reason.
+    """
     try:
         found = read_arrays(path, lambda name: name in ("scene", "result") or "/" in name, LIMITS)
     except OSError as error:

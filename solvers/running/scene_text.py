@@ -1,6 +1,7 @@
 """Text of a scene in a file, one line of JSON, and its validated parser.
 
-Imports only the scenes: files of particles and results store the scene of their run with it."""
+Imports only the scenes: files of particles and results store the scene of their run with it.
+"""
 
 import json
 import math

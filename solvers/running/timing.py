@@ -2,7 +2,8 @@
 
 Other work on a machine can only slow a stretch of steps down, so the fastest stretch is the most reliable. Alternatives
 run in turns, and are compared within each turn: the clock rate of a processor may change by half between turns, and the
-fastest runs of two alternatives may then have different clock rates."""
+fastest runs of two alternatives may then have different clock rates.
+"""
 
 import math
 import os
@@ -27,7 +28,8 @@ class TimedSteps:
     The steps are whole rounds of estimators, samples and checks, so that each stretch contains its share of all; of
     estimators and samples, or estimators alone, where a round of the others takes more than ``longest`` seconds. A
     solver at step 0 is warmed up first. ``steps`` sets the number of steps, for comparison with another stretch.
-    ``put_back`` restores the initial state of the solver, to the bit."""
+    ``put_back`` restores the initial state of the solver, to the bit.
+    """
 
     def __init__(self, solver: Solver, seconds: float = MIN_SECONDS, longest: float = math.inf, steps: int = 0):
         self.solver = solver
@@ -92,7 +94,8 @@ def estimator_shares(solver: Solver) -> dict[str, float]:
     The same steps are taken several times, from the present state: with the estimators; by a second solver without any,
     since even an inactive estimator stays in compiled code and slows it down; and, with several, with each one inactive
     in turn. The total cost comes from the first two, and is divided in proportion to the time saved without each.
-    Samples are included. The state is restored, to the bit."""
+    Samples are included. The state is restored, to the bit.
+    """
     names = solver.scene.active_estimators
     if not names or not solver.sound or solver.scene.particles > MOST_PARTICLES:  # to have them twice
         return {}

@@ -14,8 +14,7 @@ MOST_PER_CELL = 64  # particles, along each direction
 
 
 class SceneDefaults:
-    """Rules and properties of a scene whose motion oscillates at a wave's speed and whose cells contain whole numbers
-    of particles."""
+    """Rules of a scene whose motion oscillates at a wave's speed and whose cells contain whole numbers of particles."""
 
     #: Fields that only single runs and sweeps have, each with the reason why no other command has them.
     RUN_ONLY: ClassVar[Mapping[str, str]] = {}
@@ -107,8 +106,8 @@ class SceneDefaults:
         return {}
 
     def _check_per_cell(self) -> None:
-        """Raises :class:`SceneError` for an invalid number of particles per cell."""
+        """Raises SceneError for an invalid number of particles per cell."""
         require_whole("ppc", self.ppc, 1, MOST_PER_CELL)
 
     def _check_combinations(self) -> None:
-        """Raises :class:`SceneError` for inputs that cannot be combined."""
+        """Raises SceneError for inputs that cannot be combined."""

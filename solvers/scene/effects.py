@@ -47,7 +47,7 @@ class Number:
 
 @dataclass(frozen=True)
 class Line:
-    """One line of output: its name, and a template with a place for each number, ``{drift}``, or ``{0}`` for the first.
+    """Line of output: its name, and a template with a place for each number, ``{drift}``, or ``{0}`` for the first.
     ``hint`` explains the numbers. A line without a name is left out."""
 
     name: str
@@ -57,7 +57,7 @@ class Line:
 
 @dataclass(frozen=True)
 class Effect:
-    """One effect.
+    """Diagnostic that a scene can request.
 
     Parameters
     ----------
@@ -211,7 +211,6 @@ def samplers(problem: str, own: Mapping[str, Callable]) -> dict[str, Callable]:
 
 
 def effect_lines(wanted: Callable[[Effect], Line | None]) -> dict[str, Line]:
-    """Returns the line of each effect that has numbers, by its name: the one that ``wanted`` returns, or the usual
-    one."""
+    """Returns the line of each effect that has numbers, by its name: that of ``wanted``, or the usual one."""
     lines = {name: wanted(effect) or effect.usual_line for name, effect in ALL.items() if effect.numbers}
     return {name: line for name, line in lines.items() if line.name}

@@ -1,7 +1,7 @@
 """Limits of estimators: rows of a table that say, before a run, where an estimator is known not to hold.
 
-The first row that is violated gives the reason. What only a run can show is checked by the estimator's own
-``verdict``."""
+The first row that is violated gives the reason. What only a run can show is checked by the estimator's ``verdict``.
+"""
 
 import math
 from collections.abc import Callable, Iterable, Mapping
@@ -15,7 +15,7 @@ Quantity = str | Callable[[Any], Any]  # an attribute of the scene, or a functio
 
 @dataclass(frozen=True)
 class Limit:
-    """One row: an ``estimator`` holds only while a ``quantity`` of the scene keeps within the limits that are given.
+    """Row of the table: an ``estimator`` holds only while a ``quantity`` of the scene stays within these limits.
 
     A limit is a value, or a quantity as well: ``least`` and ``most`` may be reached, ``below`` may not, all in units
     ``of`` another quantity. Where some are ``allowed``, the quantity is one of them, or all of it are. The row is for

@@ -2,7 +2,8 @@
 
 A problem's scene lists its estimators (``ESTIMATORS``), and its ``state.py`` their hooks, which the solver calls.
 Modules named in the environment variable ``MPM_LAB_EXTENSIONS``, which every process imports, can add more with
-:func:`register`. This module imports no Taichi, so that the command line and the page can use it."""
+:func:`register`. This module imports no Taichi, so that the command line and the page can use it.
+"""
 
 import functools
 from collections.abc import Mapping
@@ -29,13 +30,14 @@ REMEDIES_REASON = "the second run takes no remedies, so that it is a run of anot
 
 @dataclass(frozen=True)
 class Estimator:
-    """One estimator, whatever the problem.
+    """Registry entry of an estimator, for all problems.
 
     ``colour`` is a warm one, for the truth is blue, and differs from the others' in lightness too; ``dashes`` are
     pixels drawn and left out (none: unbroken), ``symbol`` is its mark in pictures (``o``, ``s``, ``^``, ``D``, ``v``,
     ``P``, ``X``, ``*``). ``summary`` is one line, ``page`` its full explanation in HTML, by default that of the file
     ``explanations/NAME.html``. ``hooks`` maps problems without hooks of their own to hooks. ``refusals`` maps problems
-    that do not support it to the reason, as the end of a sentence: "is not ..."."""
+    that do not support it to the reason, as the end of a sentence: "is not ...".
+    """
 
     name: str
     summary: str

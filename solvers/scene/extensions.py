@@ -1,6 +1,7 @@
 """External modules that register estimators and effects: those named in ``MPM_LAB_EXTENSIONS``.
 
-Every process imports them once, before it looks up what a problem supports."""
+Every process imports them once, before it looks up what a problem supports.
+"""
 
 import functools
 import importlib

@@ -3,7 +3,8 @@
 Loads, material law and initial state of a scene determine its motion, whether or not an exact solution is written down:
 that of the bar's modes, which oscillate independently, and of a ring's circles, which move as a whole. It is computed
 without particles and grid. A run stores the same sums of its own displacements whenever it looks for contradictions
-(``solvers.solver.soundness``), and :meth:`Moments.distance` is a lower bound of the difference."""
+(``solvers.solver.soundness``), and :meth:`Moments.distance` is a lower bound of the difference.
+"""
 
 from typing import NamedTuple
 

@@ -1,15 +1,16 @@
 """Registry of all remedies: stabilisations of long and large motions that a scene can request.
 
 An effect only observes, a remedy changes the method. It is compiled in only where a scene requests it
-(``solvers.scene.kernel_options``). A problem's scene lists the remedies that it supports."""
+(``solvers.scene.kernel_options``). A problem's scene lists the remedies that it supports.
+"""
 
 from dataclasses import dataclass
 
 
 @dataclass(frozen=True)
 class Remedy:
-    """One remedy: its name on the command line, the attribute that kernels test (``on.frozen``), its label, and an
-    explanation of what it does and costs."""
+    """Registry entry of a remedy: its name on the command line, the attribute that kernels test (``on.frozen``), its
+    label, and an explanation of what it does and costs."""
 
     name: str
     switch: str

@@ -16,8 +16,7 @@ SYNONYMS = {"estimator": "estimators", "estimate": "estimators", "effect": "effe
 
 
 class SceneError(ValueError):
-    """Error for an input that no run can have. ``field`` names the input, ``sentence`` says what is wrong and
-    allowed."""
+    """Error for an input that no run can have. ``field`` names the input, ``sentence`` describes it."""
 
     def __init__(self, field: str, value: object, sentence: str, /, *values: object):
         message = Message(sentence, *values)
@@ -93,7 +92,7 @@ def require_whole(field: str, value: object, least: int, most: int) -> None:
 
 
 def require_number(field: str, value: object, above: float, most: float, allowed: str = "") -> None:
-    """Raises :class:`SceneError` for anything but a number above ``above`` and up to ``most``; ``allowed`` replaces the
+    """Raises :class:`SceneError` for anything but a number above ``above`` and up to ``most``; ``allowed`` is the
     hint."""
     if isinstance(value, bool) or not isinstance(value, (int, float)) or not abs(value) <= sys.float_info.max \
             or not above < value <= most:  # also NaN, infinity, and integers beyond all floats

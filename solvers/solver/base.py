@@ -79,8 +79,7 @@ class Solver(ABC):
         """Takes steps.
 
         An unstable run stops where it was noticed; see :attr:`sound` and :meth:`reason`. If the step margin is
-        requested, launches end at the steps where it is evaluated, so that a run is the same however it is divided into
-        calls.
+        requested, launches end at the steps where it is evaluated, so that calls of any length give the same run.
 
         Parameters
         ----------
@@ -90,7 +89,8 @@ class Solver(ABC):
         Returns
         -------
         (n, columns) array
-            Rows of samples (``solvers.solver.samples``) taken on the way."""
+            Rows of samples (``solvers.solver.samples``) taken on the way.
+        """
         interval, end, rows = self.scene.margin_interval, self.step + steps, []
         while True:
             stop = min(end, (self.step // interval + 1) * interval) if self.scene.has("margin") else end
@@ -127,8 +127,7 @@ class Solver(ABC):
         return rows
 
     def not_valid(self) -> dict[str, str]:
-        """Returns the estimators that do not hold in this run, each with a sentence: known beforehand or found in the
-        run."""
+        """Returns the estimators that do not hold in this run, each with a sentence: known before or by the run."""
         found = {name: self.HOOKS[name].verdict(self.scene, self._memory) for name in self.scene.active_estimators}
         return {**self.scene.not_valid, **{name: reason for name, reason in found.items() if reason}}
 
@@ -228,7 +227,8 @@ class Solver(ABC):
         differences
             Whether to include the differences between these.
         plotted
-            Key of the quantity (``samples.QUANTITIES``) whose field is included."""
+            Key of the quantity (``samples.QUANTITIES``) whose field is included.
+        """
 
     @abstractmethod
     def plotted(self, quantity: str) -> np.ndarray:

@@ -1,8 +1,8 @@
 """A step without anything optional, as a baseline for speed.
 
 The bare phases of the method: all effects off, no memory of estimators, no samples; only the check for an unstable run
-remains, which is no effect. The benchmark compares the solver with it, and a test checks that both give the same
-numbers."""
+remains, which is no effect. The benchmark compares the solver with it, and a test checks that they agree.
+"""
 
 import functools
 from typing import Any

@@ -2,7 +2,8 @@
 
 A probe can crash its process (a driver without its device, a machine without a display), and Taichi falls back to the
 CPU with no more than a warning. So a separate process probes, once for each kind of GPU, and computes a small sum to
-check double precision and its atomic additions there; the result is cached."""
+check double precision and its atomic additions there; the result is cached.
+"""
 
 import contextlib
 import functools

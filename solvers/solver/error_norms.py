@@ -1,7 +1,8 @@
 """Norms of errors over a run: summaries, the paper's error index and the pointwise distance.
 
 All take series (T,) over the sampled times of a run (``solvers.solver.samples``), mostly RMS norms over particles. An
-unstable run leaves numbers up to the largest floats and beyond, whose sums may not be finite: the result is None."""
+unstable run leaves numbers up to the largest floats and beyond, whose sums may not be finite: the result is None.
+"""
 
 import math
 

@@ -1,8 +1,8 @@
 """Tables of ``solvers.motion.separable_field`` for kernels: several fields of time and place in one array of quads.
 
 ``sizes`` has five entries for each table (:data:`RANK` and the following). A series is (cos, sin, 0, 0) for each
-function of time, harmonic by harmonic, the mean first; then come the modes, and space for the functions' present
-values."""
+function of time, harmonic by harmonic, the mean first; then come modes, and the functions' present values.
+"""
 
 import numpy as np
 import taichi as ti
@@ -88,10 +88,11 @@ def force_at(tables: ti.template(), sizes: ti.template(), place, on: ti.template
 
 @ti.func
 def find_pair_functions(tables: ti.template(), sizes: ti.template(), number: ti.template(), angle, scale):
-    """Computes ``scale`` T_k at an angle of the first harmonic, for a table of pairs: (T_2k, T_2k, T_2k+1, T_2k+1) in
-    each entry.
+    """Computes ``scale`` T_k at an angle of the first harmonic, for a table of pairs: entries (T_2k, T_2k, T_2k+1,
+    T_2k+1).
 
-    The functions are independent, harmonics by recurrence: on a GPU the outermost loop is spread over threads."""
+    The functions are independent, harmonics by recurrence: on a GPU the outermost loop is spread over threads.
+    """
     base = ti.static(SIZES_PER_TABLE * number)
     rank, at, out = sizes[base + RANK], sizes[base + SERIES], sizes[base + PRESENT]
     for k in range(rank // 2):

@@ -94,7 +94,8 @@ def run_loop(state: ti.template(), turn, start, purpose, phases: ti.template(), 
     a multiple of ``sample_interval`` (``STEP``); or checks the present state and samples it into row 0 (``MEASURE``),
     or only updates the estimates (``REPORT``).
 
-    One function serves all three: sampling is most of the code, and compile time grows with the code."""
+    One function serves all three: sampling is most of the code, and compile time grows with the code.
+    """
     if purpose != STEP or state.verdict[0] == SOUND:
         step, row, due, looks = start, 0, True, purpose == MEASURE
         if purpose == STEP:
@@ -124,7 +125,8 @@ def check_particles(state: ti.template(), step, jacobian: ti.template(), has_esc
     """Stops a run with a particle whose det F, which ``jacobian(state, p)`` returns, is <= 0, tiny or NaN, the smallest
     of them, or else the first for which ``has_escaped(state, p, step)`` is true.
 
-    Without the limit on tiny ones, a run that collapses into a few clusters of particles would never stop."""
+    Without the limit on tiny ones, a run that collapses into a few clusters of particles would never stop.
+    """
     flattest, bad = MIN_JACOBIAN, -1
     for p in range(state.particles):
         J = jacobian(state, p)

@@ -1,7 +1,8 @@
 """Samples: rows that a kernel writes about a run at intervals, and their conversion to named series.
 
 A sample is one row of sums over particles; :func:`read_rows` turns rows into named series of RMS norms. All problems
-have the same columns, so that results, plots and the page need only names."""
+have the same columns, so that results, plots and the page need only names.
+"""
 
 import numpy as np
 

@@ -61,8 +61,7 @@ class Fields:
 
 @dataclass(frozen=True)
 class Seconds:
-    """Wall time in s: setting up, compiling (or loading from the cache), running, and each estimator's part of the
-    run."""
+    """Wall time in s: setting up, compiling (or loading from the cache), running, and each estimator's part."""
 
     setup: float
     compile: float

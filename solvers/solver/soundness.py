@@ -69,7 +69,8 @@ def findings(scene: Scene, series: Mapping[str, np.ndarray]) -> dict[str, Findin
     """Returns the first finding of each rule, of the truth and of each judging estimator in the ``series`` of a run
     (:func:`solvers.solver.samples.read_rows`), by their names.
 
-    The truth, where it is on, and the estimators count from an error of half the motion's amplitude on."""
+    The truth, where it is on, and the estimators count from an error of half the motion's amplitude on.
+    """
     series = {**series, "balance_gap": balance_gap(scene, series)}
     A, judges = scene.motion_amplitude, [n for n in scene.active_estimators if estimator_registry.ESTIMATORS[n].judges]
     rules = {name: (series[name], rule.most + (scene.lattice_gap if name == "neighbour_gap" else 0.0), A,

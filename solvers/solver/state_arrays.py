@@ -2,7 +2,8 @@
 
 The arrays are numpy's, because a scene can then be rebuilt any number of times without leaking memory (Taichi never
 frees its own arrays), and because the view and the tests can read them directly. They are aligned for vector
-instructions."""
+instructions.
+"""
 
 import functools
 from dataclasses import dataclass, fields
@@ -44,8 +45,7 @@ class Members:
 
 @dataclass
 class Diagnostics(Members):
-    """State that observes a run and is no part of the method: checks, samples, marks and estimates. P particles, E
-    estimators."""
+    """State of a run beside the method: checks, samples, marks and estimates. P particles, E estimators."""
 
     sample_interval: Integer  # steps
     look_interval: Integer  # steps between two checks for contradictions, a multiple of that
@@ -76,8 +76,7 @@ def initial_diagnostics(scene: Scene, on: KernelOptions, particles: int, farthes
 
 
 def remedy_rates(scene: Scene) -> dict[str, float]:
-    """Returns the interval of filter and coupling in steps, and their rate min(1, dt/tau) per application, dt the time
-    between two."""
+    """Returns the interval of filter and coupling in steps, and their rate min(1, dt/tau) per application."""
     rate = min(1.0, REMEDY_INTERVAL * scene.time_step * scene.wave_speed / (REMEDY_TIME * scene.spacing))
     return {"remedy_interval": REMEDY_INTERVAL, "remedy_rate": rate}
 

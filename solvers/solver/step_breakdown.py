@@ -10,8 +10,8 @@ import numpy as np
 class Image:
     """A node that is summed with another: its number, and its positions as seen there, ``signs`` x + ``shift``.
 
-    The bar's period has images one length away, the ring's symmetry planes have mirror images; a node is its own image
-    too."""
+    The bar's period has images one length away, the ring's symmetry planes have mirror images; a node is its own, too.
+    """
 
     node: int
     signs: tuple[float, ...]

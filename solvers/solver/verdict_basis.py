@@ -1,9 +1,9 @@
-"""Basis of a run's verdict: which quantities were checked against anything, and which have errors as large as
-themselves.
+"""Basis of a run's verdict: which quantities were checked, and which have errors as large as themselves.
 
 A verdict is about positions (``solvers.solver.soundness``). Velocity, stress and acceleration can have errors as large
 as themselves while positions are right: this is reported where the truth or a judging estimator shows it; where neither
-is available, that is reported too."""
+is available, that is reported too.
+"""
 
 from collections.abc import Collection, Mapping
 from dataclasses import dataclass, replace
@@ -83,8 +83,7 @@ def checked_by(scene: Scene, not_valid: Collection[str], balance: bool) -> dict[
 
 
 def unchecked(scene: Scene, held: Mapping[str, list[str]]) -> str | None:
-    """Returns which checks of :func:`checked_by` are missing, in one sentence; None where every quantity was
-    checked."""
+    """Returns which checks of :func:`checked_by` are missing, in one sentence; None if none is."""
     if not held["x"]:
         return Message("only two checks were made: numbers stay finite, and no particle turns inside out; switch on "
                        "the effect soundness or truth, or the estimator companion")

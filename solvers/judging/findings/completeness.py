@@ -29,8 +29,7 @@ POINTS = 4000  # of the body, about, from which holes are looked for
 
 @dataclass(frozen=True)
 class BodyShare:
-    """Covered ``share`` of the body and ``how`` it was determined; ``least`` is the smallest share of a complete
-    body."""
+    """Covered ``share`` of the body and ``how`` it was determined; ``least`` is the limit for a complete body."""
 
     share: float
     least: float

@@ -1,7 +1,7 @@
 """Checks of F against the distances of neighbours, and of particles that overtook each other or are inverted.
 
-The present distance vector of two neighbours is compared with that from their mean F, pair by pair and integrated over
-the body."""
+The present distance vector of two neighbours is compared with that from their mean F, pair by pair and integrated.
+"""
 
 import functools
 from collections.abc import Iterator

@@ -21,8 +21,8 @@ SINGLE, DOUBLE = 2.0**-24, 2.0**-53  # of a number: half its last bit
 
 @dataclass(frozen=True)
 class Tracks:
-    """The same P particles at T times in s: their quantities in the file, (T, P, D) and (T, P, D, D), and the best
-    known exact values."""
+    """Trajectories of the same P particles at T times in s: their quantities in the file, (T, P, D) and (T, P, D, D),
+    and the best known exact values."""
 
     time: np.ndarray
     material_position: np.ndarray  # (P, D)
@@ -67,8 +67,7 @@ class Evidence:
 
 @dataclass(frozen=True)
 class StoredPrecision:
-    """Precision of stored numbers: ``relative`` to each, or ``absolute`` where that is larger; ``words`` describes
-    it."""
+    """Precision of numbers: ``relative`` to each, or ``absolute`` where that is larger; ``words`` describes it."""
 
     relative: float
     absolute: float
@@ -88,8 +87,7 @@ def sample_numbers(arrays: Sequence[np.ndarray]) -> np.ndarray:
 
 
 def detect_precision(values: np.ndarray) -> StoredPrecision:
-    """Returns the precision with which the numbers of one quantity (...) were written; exact for too few distinct
-    numbers."""
+    """Returns the precision with which numbers (...) of a quantity were written; exact for too few distinct numbers."""
     known = values.ravel()
     known = known[np.isfinite(known) & (known != 0)]
     known = np.unique(known[:: max(1, len(known) // LOOKED_AT)])

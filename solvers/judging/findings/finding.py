@@ -50,7 +50,6 @@ def unknown(name: str, why: str, measured: float | None = None, unit: str = "") 
 
 
 def compare(name: str, measured: float, limit: float, unit: str, wrong: str, right: str = "") -> Finding:
-    """Returns a finding that fails where ``measured`` exceeds ``limit``, with the sentence ``wrong``, or else
-    ``right``."""
+    """Returns a finding that fails where ``measured`` exceeds ``limit``, with the words ``wrong``, else ``right``."""
     holds = measured <= limit
     return Finding(name, HOLDS if holds else OFF, measured, limit, unit, right if holds else wrong)

@@ -46,7 +46,8 @@ class Motion:
 
     ``reference`` (P, D) are their positions before all deformation, or at the first time where the files do not contain
     these (``from_start``). ``fields`` has x and v (T, P, D), F and sigma (T, P, D, D), mass and volume (T, P), if the
-    files have finite values at all times. ``step`` is the run's time step in s if known."""
+    files have finite values at all times. ``step`` is the run's time step in s if known.
+    """
 
     times: np.ndarray
     number: np.ndarray
@@ -154,7 +155,8 @@ def read_motion(files: Sequence[RawTable], times: Sequence[float]) -> tuple[Moti
     Raises
     ------
     FileError
-        Where there are no two times with the same particles to compare."""
+        Where there are no two times with the same particles to compare.
+    """
     moments = sorted(_read_moments(files, times), key=lambda one: one.time)
     _check_moments(moments)
     findings = [_numbers(moments)]
@@ -217,8 +219,7 @@ def _numbers(moments: list[_Moment]) -> Finding:
 
 
 def _identify_rows(moments: list[_Moment]) -> list[np.ndarray]:
-    """Returns the identity of each row at each time: its id, the number of its reference position, or that of its
-    row."""
+    """Returns the identity of each row at each time: its id, or the number of its reference position, or of its row."""
     if all("id" in one.rows for one in moments):
         for one in moments:
             ids = one.rows["id"]

@@ -79,8 +79,7 @@ class NeighbourSearch:
 @dataclass(frozen=True)
 class Neighbourhood:
     """Nearest neighbours of P particles: indices ``who`` (P, K), relative positions ``around`` (P, K, 1 + D), with a
-    first column of ones, whether each is ``there`` (P, K), and ``weights`` (P, K) of their values in a fitted plane
-    here."""
+    first column of ones, whether each is ``there`` (P, K), and ``weights`` (P, K) of their values in a plane."""
 
     who: np.ndarray
     around: np.ndarray
@@ -127,7 +126,8 @@ def find_outliers(near: Neighbourhood, values: np.ndarray, times: float,
     usual departure, at least ``least``.
 
     A far outlier distorts the planes of all particles around it: the worst of a neighbourhood is removed first, and the
-    others are compared with those that remain."""
+    others are compared with those that remain.
+    """
     bad = np.zeros(len(values), bool)
     far = departures(near, values)
     limit = max(SUSPECT * float(np.median(far)), 0.5 * least)

@@ -1,6 +1,5 @@
 """Particles whose position, velocity, F, stress or mass differs from those around them: by the error against a
-problem's solution, whose limits are fine, or by the quantity itself, which may vary; and fields that jump
-everywhere."""
+problem's solution, whose limits are fine, or by the quantity itself, which may vary; and rough fields."""
 
 from collections.abc import Iterator
 from dataclasses import dataclass
@@ -107,8 +106,8 @@ def value_outliers(evidence: Evidence, quantity: str) -> Outliers | None:
 
 def _lasting_outliers(score: np.ndarray, longer: int, passes: float) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """Returns, for scores (T, P), by how much each particle exceeds 1 at ``longer`` times and one more, or by a factor
-    ``passes`` at any; the time that shows it, and that factor, 1 where it lasts: (P,) each. Effects of cell crossings
-    do not last."""
+    ``passes`` at any; the time that shows it, and that factor, 1 where it lasts: (P,) each. Cell crossings do not
+    last."""
     order, every = np.argsort(-score, axis=0), np.arange(score.shape[1])
     lasting, passing = score[order[longer], every], score[order[0], every] / passes
     lasts = lasting >= passing
@@ -116,8 +115,7 @@ def _lasting_outliers(score: np.ndarray, longer: int, passes: float) -> tuple[np
 
 
 def _with_neighbours(evidence: Evidence, quantity: str, most: int) -> Iterator[tuple[Frame, np.ndarray, Neighbourhood]]:
-    """Yields at most ``most`` frames with their errors (P, C) and neighbourhoods, which are computed once if they stay
-    the same."""
+    """Yields at most ``most`` frames with their errors (P, C) and neighbourhoods, computed once if constant."""
     pairs = [(f, e[quantity]) for f, e in zip(evidence.frames, evidence.errors, strict=True) if quantity in e]
     before: np.ndarray | None = None
     near: Neighbourhood | None = None

@@ -148,8 +148,7 @@ def check_mean_error(evidence: Evidence) -> Finding:
 
 
 def _forbidden_mean(evidence: Evidence, X: np.ndarray) -> Callable[[np.ndarray], np.ndarray] | None:
-    """Returns the function that gives the part of a mean (D,) that symmetry forbids; None for particles without
-    symmetry."""
+    """Returns the function that gives the part of a mean (D,) that symmetry forbids; None without symmetry."""
     start = PROBLEMS[evidence.scene.problem].reference.start(evidence.scene).material_position
     middle = 0.5 * (start.min(axis=0) + start.max(axis=0))
     near = NeighbourSearch(X)
@@ -193,8 +192,7 @@ def _rms_errors(errors: list[Errors]) -> dict[str, float]:
 
 
 def _readings(frame: Frame) -> Iterator[tuple[str, str, Callable[[Frame], Frame]]]:
-    """Yields possible mistakes in words, the quantity whose error shows each, and a function that undoes it in a
-    frame."""
+    """Yields possible mistakes in words, the quantity whose error shows each, and a function that undoes it."""
     F, plane = frame.deformation_gradient, frame.position.shape[1] == 2
     yield (Message("the positions seem to be displacements"), "x",
            lambda f: replace(f, position=f.position + f.material_position))

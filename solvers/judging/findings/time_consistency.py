@@ -1,8 +1,8 @@
 """Checks that all quantities at one time belong to one time, that the clock is right, and that v is dx/dt.
 
 A quantity that lags by tau has the error -tau times its rate. The lag is fitted by least squares over all particles and
-times, beside the effects of the grid's smoothing and of a wrong amplitude; without a known solution, for v against x
-alone."""
+times, beside the effects of the grid's smoothing and of a wrong amplitude; without a solution, for v against x.
+"""
 
 import numpy as np
 
@@ -108,8 +108,7 @@ def check_clock(evidence: Evidence) -> Finding:
 
 
 def _smoothing_lag(part: float, error: np.ndarray, slope: np.ndarray) -> float:
-    """Returns the apparent lag in s by a grid that smooths the motion by a ``part``, and its errors by a similar
-    part."""
+    """Returns the apparent lag in s by a grid that smooths the motion by a ``part``, and its errors similarly."""
     return SMOOTHED * abs(part) * rms(error) / max(rms(slope), 1e-300)
 
 

@@ -17,7 +17,7 @@ def time_derivative(times: np.ndarray, values: np.ndarray) -> np.ndarray:
 
 
 def interpolate_before(times: np.ndarray, values: np.ndarray, late: float) -> tuple[np.ndarray, np.ndarray]:
-    """Returns which of the times (T,) are known ``late`` s before, and the values (n, ...) then, by cubic Hermite
+    """Returns which of the times (T,) are known ``late`` s before, and the values (n, ...) then, by Hermite
     polynomials."""
     before = times - late
     slack = 1e-9 * float(np.ptp(times))

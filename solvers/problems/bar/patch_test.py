@@ -93,8 +93,7 @@ def check_fields(scene: Any) -> None:
 
 
 def repeating_unit(scene: Scene) -> tuple[int, int]:
-    """Returns the smallest number of cells after which particles lie in cells as before, and their number of
-    particles."""
+    """Returns the smallest number of cells after which the pattern of particles repeats, and their particles."""
     times = math.gcd(scene.cells, scene.particles)
     return scene.cells // times, scene.particles // times
 

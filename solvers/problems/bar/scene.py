@@ -164,8 +164,7 @@ class BarScene(TypedMotionScene, Scene):
         return self._sizes.largest[quantity] if self.displacement else super().size_of(quantity)
 
     def rms_of(self, quantity: str) -> float:
-        """Returns half the largest value, as for sines in space and time; for a patch test, which is uniform, that
-        value."""
+        """Returns half the largest value, as for sines in space and time; for a uniform patch test, that value."""
         if self.displacement:
             return self._sizes.rms[quantity]
         return self.size_of(quantity) * (1.0 if self.is_patch else 0.5)

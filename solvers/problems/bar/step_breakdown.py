@@ -15,8 +15,7 @@ def particle_state(scene: BarScene, a: InstrumentedBar) -> ParticleState:
 
 
 def breakdown(scene: BarScene, a: InstrumentedBar, particle: int, step: int, before: ParticleState) -> StepBreakdown:
-    """Returns the breakdown of step number ``step``, the last one, around a particle; ``before`` is the state
-    before."""
+    """Returns the breakdown of the last step, number ``step``, around a particle; ``before`` is the state before."""
     N, h, time = scene.cells, scene.spacing, (step - 1) * scene.time_step
     links = find_links(particle, a.first_node[:, None] + np.arange(3), lambda some: _weights(a, some),
                        lambda node: _images(node, N, h))

@@ -102,8 +102,7 @@ class BoxScene(PlanarScene):
 
     @functools.cached_property
     def crossing_rate(self) -> float:
-        """Largest speed of waves along x or y in the material frame, anywhere in the exact motion, over that at
-        rest."""
+        """Largest speed of waves along x or y in the material frame, anywhere in the motion, over that at rest."""
         rate = 1.0
         for t in (np.arange(INSTANTS) + 0.5) / INSTANTS * self.period:
             F = self.EXACT.deformation_gradient(self, self._points, t)

@@ -1,7 +1,8 @@
 """CircularScene: base class of plane problems between two radii whose motion is the same all around.
 
 Start, loads and material are rotationally symmetric, so that each circle of material stays a circle, widens and turns
-as a whole: the motion follows from its points on the x axis, where e_R and e_Theta are the axes."""
+as a whole: the motion follows from its points on the x axis, where e_R and e_Theta are the axes.
+"""
 
 from __future__ import annotations
 

@@ -31,7 +31,7 @@ class DiagnosticKernels(NamedTuple):
 
 
 class PlanarParts(NamedTuple):
-    """All parts of a problem from which its kernels are made."""
+    """Problem-specific parts from which a problem's kernels are made."""
 
     hooks: dict[str, EstimatorHooks]  # what the solver calls of each estimator that it has, by name
     traits: ProblemKernels  # its part of the phases

@@ -18,7 +18,8 @@ class Layout:
 
     Particles that a symmetry of the motion maps onto each other form an orbit: the exact motion is evaluated once per
     orbit, at a representative material point, and rotated to each particle. In a body with rotational symmetry an orbit
-    is a circle; on the square each particle is its own orbit."""
+    is a circle; on the square each particle is its own orbit.
+    """
 
     position: np.ndarray  # (P, 2)
     volume: np.ndarray  # (P,), per unit thickness

@@ -1,7 +1,8 @@
 """PlanarScene: base class of plane problems, each defined by a displacement from which everything else is derived.
 
 The displacement is a formula with the functions of ``solvers.motion.jets``: of u itself, never of x = X + u, whose
-difference would cancel small motions."""
+difference would cancel small motions.
+"""
 
 import functools
 import math

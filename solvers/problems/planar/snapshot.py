@@ -2,7 +2,8 @@
 
 The page computes them with every frame, so they must be cheap: the exact solution is evaluated once per orbit and
 rotated to its particles, and vectors (x, y) and tensors (xx, xy, yy), each (P,), are written out in components, since
-numpy's products of many small matrices are slow."""
+numpy's products of many small matrices are slow.
+"""
 
 from typing import Any
 

@@ -24,8 +24,7 @@ QUARTER_SIGNS = np.array([[1.0, -1.0, -1.0, 1.0], [1.0, 1.0, -1.0, -1.0]])
 
 
 class Weights(NamedTuple):
-    """Weights of P particles at M nodes each: the nodes' places in x and y, in cells, S, and its gradients in 1/m, all
-    (P, M)."""
+    """Weights of P particles at M nodes each: places in x and y, in cells, S, and its gradients in 1/m, all (P, M)."""
 
     i: np.ndarray
     j: np.ndarray
@@ -137,7 +136,8 @@ def critical_time_step(fine: Any) -> StepBound:
     All moments are evaluated on so few cells that it is quick: on a finer grid particles meet nodes in the same ways,
     and the bound shrinks with the cells. But which node at a rim is emptiest, and how empty it is, depends on the cells
     themselves. So the hardest moment, and another where weights move, are evaluated again on the scene's own cells, and
-    if they give a lower bound there, it scales all moments."""
+    if they give a lower bound there, it scales all moments.
+    """
     parts = motion_parts(fine)
     few = MotionSamples(coarsen(fine, MOST_PARTICLES), parts)
     hardest = int(np.argmin(few.limits))
@@ -171,8 +171,7 @@ def _pad(part: np.ndarray, wide: int) -> np.ndarray:
 
 
 def particle_weights(scene: Scene, x: np.ndarray, F: np.ndarray, edges: np.ndarray) -> Weights:
-    """Returns the weights of particles at ``x`` (P, 2), deformed by ``F`` (P, 2, 2), whose domains have ``edges`` (P,
-    4) at rest."""
+    """Returns the weights of particles at ``x`` (P, 2), deformed by ``F`` (P, 2, 2), with ``edges`` (P, 4) at rest."""
     if scene.frozen:
         F = np.tile(IDENTITY, (len(x), 1, 1))
     return corner_weights(scene, x, F.reshape(-1, 4), edges) if scene.method == "cpdi" \

@@ -20,8 +20,7 @@ def particle_state(scene: PlanarScene, a: InstrumentedBody) -> ParticleState:
 
 def breakdown(scene: PlanarScene, a: InstrumentedBody, particle: int, step: int,
               before: ParticleState) -> StepBreakdown:
-    """Returns the breakdown of step number ``step``, the last one, around a particle; ``before`` is the state
-    before."""
+    """Returns the breakdown of the last step, number ``step``, around a particle; ``before`` is the state before."""
     ghosts = GHOSTS if scene.PLANES[0] else 0  # rows of nodes beyond a symmetry plane
     edges, row = half_edges(scene, before.deformation_gradient, a.edges), a.row
     grid = Grid(row, ghosts, scene.PLANES[1])

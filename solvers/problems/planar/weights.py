@@ -29,8 +29,7 @@ class Grid:
         self.free = free.reshape(-1, 2)  # 0 for what would move a node across a plane
 
     def resolve_images(self, nodes: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """Returns, for nodes (...), those that they stand for by symmetry, and the signs (..., 2) of their
-        components."""
+        """Returns the nodes that ``nodes`` (...) stand for by symmetry, and signs (..., 2) of their components."""
         ij = np.stack([nodes % self.row, nodes // self.row], axis=-1)
         home = np.abs(ij - self.ghosts) + self.ghosts
         home = np.where(home > self.last, 2 * self.last - home, home)
@@ -89,8 +88,7 @@ def nodes_of(scene: Scene, a: InstrumentedBody) -> np.ndarray:
 
 
 def weights_of(scene: Scene, a: InstrumentedBody, edges: np.ndarray, some: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Returns S (c, M) and its gradient (c, M, 2) of ``some`` particles (c,), whose half edges are in ``edges`` (P, 2,
-    2)."""
+    """Returns S (c, M) and its gradient (c, M, 2) of ``some`` particles (c,), with half ``edges`` (P, 2, 2)."""
     kept = weights_by_particle(a.weights, scene.method, a.particles)[some]
     return _corner_weights(kept, edges[some]) if scene.method == "cpdi" else _stencil_weights(kept)
 

@@ -1,8 +1,8 @@
 """Propagation of each cause's errors by the run's own step (see the package), and their norms in a sample.
 
 Remedies act on the errors as on the run, for they are linear with given weights, except for the coupling's 1/(1 - G),
-which is divided exactly. What they remove from the reference itself, because the grid cannot represent it, counts as
-coarse grid."""
+which is divided exactly. What they remove from the reference counts as coarse grid.
+"""
 
 import taichi as ti
 
@@ -62,7 +62,8 @@ def nodes_to_particles(bar: ti.template(), now, on: ti.template()):
     """Updates each cause's errors after the step, with its sources at the particles:
 
     coarse grid: the transfer of v + dt a and a to the nodes and back, and the slope of hats in a piece; crossings: the
-    slope at a particle, minus that in its piece; time step: the error of symplectic Euler."""
+    slope at a particle, minus that in its piece; time step: the error of symplectic Euler.
+    """
     P, M, dt = bar.particles, bar.cells + GHOSTS, bar.dt
     left = interpolate_at_corner(bar, bar.budget_nodes, 0, 0, on)[0]
     for p in range(P):

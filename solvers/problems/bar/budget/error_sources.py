@@ -88,10 +88,10 @@ def particle_to_nodes(bar: ti.template(), p, stress, size, now, on: ti.template(
 
 @ti.func
 def update_nodes(bar: ti.template(), t, on: ti.template()):
-    """Computes each cause's velocity after the step and its acceleration, sources included; v + dt a and a of the
-    reference.
+    """Computes each cause's velocity after the step and its acceleration, sources included; the reference's too.
 
-    A removed cause is subtracted from the run's own nodes here, and adds to no error."""
+    A removed cause is subtracted from the run's own nodes here, and adds to no error.
+    """
     M, size = bar.cells + GHOSTS, tone_amplitudes(bar, t, on)
     for i in range(1, bar.cells + 1):
         reference, pieces = bar.budget_nodes[i], bar.budget_nodes[PIECES * M + i]

@@ -2,7 +2,8 @@
 is not used, the companion. A typed motion is stored like the companion.
 
 The first half of a step needs the reference at its start, the sources of the time step at its end, and the companion is
-there only after the step. So ``companion_after_step`` adds the sources then, and stores the start of the next step."""
+there only after the step. So ``companion_after_step`` adds the sources then, and stores the start of the next step.
+"""
 
 import taichi as ti
 
@@ -17,8 +18,7 @@ TIME_STEP = list(CAUSES).index("time_step")  # its lane
 
 @ti.func
 def time_factors(bar: ti.template(), t):
-    """Returns factors of time in a step that begins at t: of u; v + dt a; a; and symplectic Euler's errors of u and
-    v."""
+    """Returns time factors in a step from t on: of u; v + dt a; a; and symplectic Euler's errors of u and v."""
     w, dt = bar.angular_frequency, bar.dt
     s0, c0, s1, c1 = ti.sin(w * t), ti.cos(w * t), ti.sin(w * (t + dt)), ti.cos(w * (t + dt))
     fast, bend = w * c0 - dt * w * w * s0, -w * w * s0
@@ -27,8 +27,7 @@ def time_factors(bar: ti.template(), t):
 
 @ti.func
 def motion(bar: ti.template(), p, now, on: ti.template()):
-    """Returns v + dt a, a, and symplectic Euler's errors of u and v in a step, 0 for a stored reference, which adds
-    them later."""
+    """Returns v + dt a, a, and symplectic Euler's errors of u and v in a step, 0 if added later."""
     known = ti.Vector([bar.drift_velocity, 0.0, 0.0, 0.0])
     if ti.static(stores_reference(on)):
         known = bar.reference_motion[p]

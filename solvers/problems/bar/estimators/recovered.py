@@ -76,8 +76,7 @@ def extend_nodes(bar: ti.template(), kind: ti.template()):
 
 @ti.func
 def row_sums(bar: ti.template(), table: ti.template(), row, field: ti.template(), start):
-    """Returns the sums of three rows of a table, from ``row`` on and of equal weights, of a field that begins at
-    ``start``."""
+    """Returns the sums of three rows of a table, from ``row`` on and of equal weights, of a field from ``start`` on."""
     one, two, three = ti.Vector([0.0] * 4), ti.Vector([0.0] * 4), ti.Vector([0.0] * 4)
     first = start + prefix_view(bar, table).first[row]
     second, third = start + prefix_view(bar, table).first[row + 1], start + prefix_view(bar, table).first[row + 2]
@@ -163,10 +162,10 @@ def add_verdict_sums(bar: ti.template()):
 
 @ti.func
 def after_step(bar: ti.template(), base, step, on: ti.template()):
-    """Advances the reference: U += H w; w += H (a + correction), a = M b - D P/rho; the error's gradient corrects the
-    recovered one.
+    """Advances the reference: U += H w; w += H (a + correction), a = M b - D P/rho.
 
-    P is linear in the slopes and D in P, so D is taken of both slopes at once, and P itself is never needed."""
+    P is linear in the slopes and D in P, so D is taken of both slopes at once, and P itself is never needed.
+    """
     start_reference(bar, step * bar.dt - bar.recovered_numbers[H], on)
     for p in range(bar.particles):
         u = bar.position[p] - bar.material_position[p]

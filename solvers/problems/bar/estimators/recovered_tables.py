@@ -23,8 +23,7 @@ MOST_MISSED, MOST_ADDED = 0.09, 0.3
 
 
 def operators(scene: BarScene) -> dict[str, Rows]:
-    """Returns the tables by name; cells are alike, and so are particles to a fit, so that most have one row of
-    weights."""
+    """Returns the tables by name; cells are alike, and so are particles to a fit: most have one row."""
     cells, per_cell = scene.cells, int(scene.ppc)
     few = min(cells, PATTERN_CELLS)
     line = Line(few * per_cell, few, few * scene.spacing, "periodic")

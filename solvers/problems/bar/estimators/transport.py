@@ -47,7 +47,8 @@ def gather_errors(bar: ti.template(), base, on: ti.template()):
     """Computes nodal sums of S Ev, D* source, S source and D* r^2; source = Esigma + sigma EF/F.
 
     Also S r^2 for a mapping that preserves linearity, whose step has gathered its other moments; otherwise the moments
-    D*, D* r, S sigma and S F V0, the last for V_i."""
+    D*, D* r, S sigma and S F V0, the last for V_i.
+    """
     for i in range(bar.cells + nodes.GHOSTS):
         bar.transport_nodes[i] = ti.Vector([0.0] * 8)
     for p in range(bar.particles):

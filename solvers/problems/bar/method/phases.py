@@ -1,7 +1,8 @@
 """The phases of one step of the bar (section 2 of the paper): symplectic Euler, stress last.
 
 Every phase is a function of the state and of the compile-time options, so the file reads like the method: weights,
-particles to nodes, nodes, nodes to particles. Equal masses cancel: v_i = sum S v / sum S."""
+particles to nodes, nodes, nodes to particles. Equal masses cancel: v_i = sum S v / sum S.
+"""
 
 import taichi as ti
 
@@ -25,8 +26,7 @@ def update_grid(bar: ti.template(), t, on: ti.template()):
 
 @ti.func
 def half_width(bar: ti.template(), F, on: ti.template()):
-    """Returns half the domain, in cells, of one or several particles with this F: constant for uGIMP, stretched for
-    cpGIMP."""
+    """Returns half the domain, in cells, of particles with this F: constant for uGIMP, stretched for cpGIMP."""
     width = bar.half_width + ti.zero(F)
     if ti.static(on.method == "cpgimp" and not on.frozen):
         width = ti.min(ti.max(bar.half_width * F, 1e-6), MOST_HALF_WIDTH)
@@ -35,8 +35,7 @@ def half_width(bar: ti.template(), F, on: ti.template()):
 
 @ti.func
 def find_weights(bar: ti.template(), on: ti.template()):
-    """Stores each particle's stencil for both mappings of the step, ``LANES`` at a time; the last ones possibly
-    twice."""
+    """Stores each particle's stencil for both mappings of the step, ``LANES`` at a time; the last perhaps twice."""
     per = bar.cells_per_length
     for block in range((bar.particles + LANES - 1) // LANES):
         p = ti.min(block * LANES, bar.particles - LANES)
@@ -58,7 +57,8 @@ def particles_to_nodes(bar: ti.template(), t, on: ti.template()):
     """Sums S, S v, D* sigma with D* = -dS F V0, and S b with the body force at time t.
 
     The sums of three nodes stay in registers until a particle has others: in memory, each particle would wait for the
-    one before it."""
+    one before it.
+    """
     size = tone_amplitudes(bar, t, on)
     for i in range(bar.cells + GHOSTS):
         bar.node_sums[i] = ti.Vector([0.0, 0.0, 0.0, 0.0])
@@ -132,8 +132,7 @@ def hat_velocity(bar: ti.template(), x):
 
 @ti.func
 def nodes_to_particles(bar: ti.template(), step, on: ti.template()):
-    """Updates particles: v += dt sum S a; x += dt sum S v_i (not the printed eq 24); F <- (1 + dt L) F, L = sum dS
-    v_i."""
+    """Sets v += dt sum S a; x += dt sum S v_i (not the printed eq 24); F <- (1 + dt L) F, L = sum dS v_i."""
     jumps = 0.0
     for p in range(bar.particles):
         S, dS = stencil_of(bar, p)

@@ -52,8 +52,8 @@ def corner_position(before_last, last, this, after):
 
 @ti.func
 def corner_stencil(bar: ti.template(), x, on: ti.template()):
-    """Returns the base functions at a corner: first node, in the padded node arrays, and three weights; for hats the
-    third is 0.
+    """Returns the base functions at a corner: first node, in the padded arrays, and three weights; the third is 0 for
+    hats.
 
     ``nodes_per_corner`` says how many there are to look at.
     """

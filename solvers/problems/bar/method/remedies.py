@@ -3,7 +3,8 @@
 Two things diverge slowly in MPM, both because the particle-grid maps lose information. The part of the particles'
 velocity that no node sees is never corrected; and F follows the gradient of the grid's velocity, x its value, so that
 after many periods F is no longer that of x. Both remedies act with the weights of the step, before the particles
-move."""
+move.
+"""
 
 import taichi as ti
 
@@ -38,8 +39,8 @@ def after_step(bar: ti.template(), on: ti.template()):
 
 @ti.func
 def filter_null_space(bar: ti.template()):
-    """Applies v_p -= rate (I - S S^+)^2 v: mapping to the nodes by the mass-weighted S^+ and back omits what no node
-    sees."""
+    """Applies v_p -= rate (I - S S^+)^2 v: mapping to the nodes by the mass-weighted S^+ and back omits the unseen
+    part."""
     for p in range(bar.particles):
         S, _ = stencil_of(bar, p)
         i = bar.first_node[p]

@@ -27,8 +27,7 @@ def step_margin(bar: ti.template(), on: ti.template()):
 
 @ti.func
 def inverse_sqrt_mass(bar: ti.template(), node):
-    """Returns 1/sqrt(m) of a node, or of the node that it is an image of, because images have partial sums; 0 where
-    empty."""
+    """Returns 1/sqrt(m) of a node, or of the node that it is an image of, whose sums are complete; 0 if empty."""
     weight = bar.node_sums[(node + bar.cells - 1) % bar.cells + 1][0]
     return 1 / ti.sqrt(weight * bar.density * bar.volume) if weight > EMPTY else 0.0
 

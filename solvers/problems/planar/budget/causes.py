@@ -41,7 +41,8 @@ def sources(weights: StepWeights, pieces: Pieces, now: ExactState, then: ExactSt
     """Returns the sources of the step from ``now`` to ``then``.
 
     ``stress`` (P, 2, 2) is J sigma of the exact F now, or P if the weights are ``frozen``; ``volume`` (P,) is that at
-    rest; ``with_particle`` is whether particles move with their own velocity."""
+    rest; ``with_particle`` is whether particles move with their own velocity.
+    """
     particles = len(volume)
     x, v = np.zeros((len(LOCAL_CAUSES), particles, 2)), np.zeros((len(LOCAL_CAUSES), particles, 2))
     F = np.zeros((len(LOCAL_CAUSES), particles, 2, 2))

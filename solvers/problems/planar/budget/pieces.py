@@ -2,7 +2,8 @@
 
 At rest a piece is the cell of the particles' lattice, cut off at the rims. In motion it is the quadrilateral between
 the lattice's corners, each of which moves with the particles around it. The nodal forces of pieces with constant stress
-are integrals of hat functions along their edges, which are exact: edges are cut where they leave a cell."""
+are integrals of hat functions along their edges, which are exact: edges are cut where they leave a cell.
+"""
 
 import numpy as np
 

@@ -57,8 +57,8 @@ class CircularBody(ElasticBody):
         return self._material.stiffening(F, F[0] * F[0] + F[2] * F[2], pressed)
 
     def deformation_gradient(self, z: np.ndarray) -> tuple[np.ndarray, ...]:
-        """Returns F by (e_R, e_Theta) at the points of the elements, for complex places z of the nodes: its columns are
-        z' and i z/R."""
+        """Returns F by (e_R, e_Theta) at the points of the elements, for complex places z of the nodes: columns z', i
+        z/R."""
         node = self.elements.node_of_point
         slope, hoop = z[node] @ self.elements.derivative.T, z[node] / self._R[node]
         return slope.real, -hoop.imag, slope.imag, hoop.real

@@ -46,7 +46,8 @@ class Patch(ElasticBody):
     patch_map
         Map from the coordinates to material points.
     held
-        Function that returns which components (N, 2) of the nodes at material points (N, 2) a symmetry plane fixes."""
+        Function that returns which components (N, 2) of the nodes at material points (N, 2) a symmetry plane fixes.
+    """
 
     def __init__(self, scene: Any, lines: tuple[Elements, Elements], patch_map: PatchMap,
                  held: Callable[[np.ndarray], np.ndarray]):

@@ -80,8 +80,8 @@ def pick_weights(weight, pick: ti.template()):
 
 @ti.func
 def row_sum(body: ti.template(), table: ti.template(), row, pick: ti.template(), field: ti.template(), start):
-    """Returns the sum over a row of a table: entry ``start + i`` of ``field`` times the entries ``pick`` of the row's
-    i-th weight."""
+    """Returns a table row's sum: entry ``start + i`` of ``field`` times the entries ``pick`` of the row's i-th
+    weight."""
     total = ti.Vector([0.0, 0.0, 0.0, 0.0])
     first, begin, end = table_row(body, table, row, row)
     entry = start + first

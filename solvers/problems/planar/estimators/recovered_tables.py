@@ -1,5 +1,4 @@
-"""The recovered estimator in the plane outside kernels: its operators on the lattice as tables of rows, and its
-verdict."""
+"""The recovered estimator in the plane outside kernels: its operators as tables of rows, and its verdict."""
 
 from collections.abc import Mapping
 

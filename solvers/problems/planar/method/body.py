@@ -1,6 +1,7 @@
 """State of a plane problem's kernels: numbers and arrays of the method itself, and of its diagnostics.
 
-Nodes lie at (i - origin, j - origin) h and are stored row by row, entry j * row + i."""
+Nodes lie at (i - origin, j - origin) h and are stored row by row, entry j * row + i.
+"""
 
 from dataclasses import dataclass
 

@@ -49,8 +49,7 @@ def corner_nodes(w: ti.template()):
 
 @ti.func
 def corner_gradients(body: ti.template(), p, on: ti.template()):
-    """Returns the weights of the values at corners 1 and 2 in d/dx and d/dy: (x of 1, y of 1, x of 2, y of 2), in
-    1/length."""
+    """Returns the weights of corners 1 and 2 in d/dx and d/dy: (x of 1, y of 1, x of 2, y of 2), in 1/length."""
     r = body.edges[p] * body.cells_per_length  # r1 and r2, or F r1 and F r2, in cells
     if ti.static(not on.frozen):
         F = body.deformation_gradient[p]
@@ -62,8 +61,7 @@ def corner_gradients(body: ti.template(), p, on: ti.template()):
 
 @ti.func
 def stored_gradients(body: ti.template(), p, w: ti.template(), on: ti.template()):
-    """Returns the corners' gradients for F at the start of the step; where the coupling may have changed F since, for
-    the present F."""
+    """Returns the corners' gradients for F at the start of the step; with the coupling, for the present F."""
     g = [w[GRADIENTS + k] for k in ti.static(range(4))]
     if ti.static(on.coupled):
         g = corner_gradients(body, p, on)

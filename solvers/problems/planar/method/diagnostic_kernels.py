@@ -71,7 +71,7 @@ def sample_angular_momentum(body: ti.template(), row, step, on: ti.template()):
 
 
 def make_diagnostic_kernels(kind: type[PlanarScene], first: int) -> DiagnosticKernels:
-    """Returns the diagnostics of a problem with this scene class; nodes before ``first`` in a row lie beyond a symmetry
+    """Returns the diagnostics of a problem with this scene class; nodes before ``first`` lie beyond a symmetry
     plane."""
     nodes = make_circular_node_error(kind, first) if kind.CIRCULAR else make_node_error(first if kind.PLANES[1] else 0)
     look = make_circle_look(kind.INNER, kind.OUTER, kind.PLOTTED == "angular") if kind.CIRCULAR else record_mode_moments

@@ -1,6 +1,7 @@
 """Material laws in kernels: the formulas of ``solvers.motion.laws``, for the law in a scene's compile-time options.
 
-A body has ``shear_modulus`` mu and ``lame_modulus`` lambda."""
+A body has ``shear_modulus`` mu and ``lame_modulus`` lambda.
+"""
 
 from collections.abc import Callable
 from types import FunctionType

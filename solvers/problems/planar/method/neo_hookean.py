@@ -23,8 +23,7 @@ def find_volumetric(body: ti.template(), start, end):
 
 @ti.func
 def logarithms(J):
-    """Returns ln of four numbers: near 1, where a sound run has its J, by the series of 2 artanh((J-1)/(J+1)), to
-    rounding."""
+    """Returns ln of four numbers: near 1, as J of sound runs, by the series of 2 artanh((J-1)/(J+1)), to rounding."""
     s = (J - 1) / (J + 1)
     square, series = s * s, ti.Vector([0.0] * 4)
     for k in ti.static(range(TERMS)):

@@ -30,7 +30,8 @@ def scatter_add(records: ti.template(), place, record):
     """Adds to one of many records: of nodes, or of circles.
 
     On a CPU no other thread adds there (slabs have grids of their own), and an atomic addition, as by +=, would cost
-    three times as much. On a GPU all particles add at once."""
+    three times as much. On a GPU all particles add at once.
+    """
     if ti.static(runtime.runs_on_cpu()):
         records[place] = records[place] + record
     else:

@@ -1,7 +1,8 @@
 """The phases of one step in the plane: as the bar's (symplectic Euler, stress last).
 
 Particles are divided into slabs that can run in parallel: each adds to a grid of its own, and the grids are summed, so
-that no two threads write to one place and no atomic operation is needed. A serial step has a single slab."""
+that no two threads write to one place and no atomic operation is needed. A serial step has a single slab.
+"""
 
 import taichi as ti
 
@@ -76,8 +77,7 @@ def find_weights(body: ti.template(), start, end, on: ti.template()):
 
 @ti.func
 def nodes_to_particles(body: ti.template(), slab, step, traits: ti.template(), on: ti.template()):
-    """Updates particles: v += dt sum S a; x += dt sum S v_i (not the printed eq 24); F <- (I + dt L) F, L = sum v_i
-    grad S."""
+    """Sets v += dt sum S a; x += dt sum S v_i (not the printed eq 24); F <- (I + dt L) F, L = sum v_i grad S."""
     start, end = particle_range(body, active_particles(body), slab)
     dt, jumps, work, spun = body.dt, 0.0, 0.0, 0.0
     for p in range(start, end):
@@ -115,8 +115,7 @@ def nodes_to_particles(body: ti.template(), slab, step, traits: ti.template(), o
 
 @ti.func
 def gather(body: ti.template(), p, values: ti.template(), on: ti.template()):
-    """Returns the nodes' values, four numbers, at the particle, and their derivatives in x and y, by the method's
-    weights."""
+    """Returns the nodes' values, four numbers, at the particle, and their derivatives in x and y."""
     here, by_x, by_y = ti.Vector([0.0] * 4), ti.Vector([0.0] * 4), ti.Vector([0.0] * 4)
     if ti.static(on.method == "cpdi"):
         here, by_x, by_y = cpdi.gather(body, p, values, on)

@@ -17,8 +17,7 @@ def make_problem_kernels(kind: type[PlanarScene]) -> ProblemKernels:
 
     @ti.func
     def forces(body: ti.template(), t, on: ti.template()):
-        """Computes the body force per mass at time t: its functions of time, and the force itself on circles, which are
-        few."""
+        """Computes the body force per mass at time t: its functions of time, and the force itself on circles."""
         find_force_functions(body.tables, body.table_sizes, body.angular_frequency * t, on)
         if ti.static(circular and on.body_force != "none"):
             for k in range(body.orbits):
@@ -26,8 +25,7 @@ def make_problem_kernels(kind: type[PlanarScene]) -> ProblemKernels:
 
     @ti.func
     def prepare(body: ti.template(), start, end, on: ti.template()):
-        """Computes lambda ln J of the particles from ``start`` to ``end``, and the force where each is an orbit of its
-        own."""
+        """Computes lambda ln J of the particles from ``start`` to ``end``, and the force where each is an orbit."""
         if ti.static(volumetric and LAWS[on.law].logarithmic):
             find_volumetric(body, start, end)
         if ti.static(not circular and on.body_force != "none"):

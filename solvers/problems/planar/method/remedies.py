@@ -1,7 +1,8 @@
 """Remedies in the plane against breakdown in long motions (see ``solvers.scene.remedies``).
 
 As for the bar: the null-space filter of the particles' velocity, and F drawn towards that of their displacements. A
-record of a particle, or of a node, is (v_x, v_y, u_x, u_y): both are mapped at once."""
+record of a particle, or of a node, is (v_x, v_y, u_x, u_y): both are mapped at once.
+"""
 
 import taichi as ti
 

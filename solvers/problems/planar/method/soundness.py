@@ -124,8 +124,7 @@ def neighbour_gap(body: ti.template(), p, q):
 @ti.func
 def add_circle_moments(body: ti.template(), k, along, around, inner, outer):
     """Returns a circle's contribution to the sums of ``solvers.problems.planar.circular_diagnostics``: its
-    displacements ``along`` e_R and ``around``, summed over particles, times the Legendre polynomials of the radius from
-    rim to rim."""
+    displacements ``along`` e_R and ``around``, summed over particles, times the radius's Legendre polynomials."""
     half = ti.static(MODES // 2)
     s = (2 * body.orbit_point[k][0] - inner - outer) / (outer - inner)
     sums = ti.Vector([0.0] * MODES)

@@ -1,7 +1,8 @@
 """Stored weights of a step's particles for both mappings: eight numbers each, interleaved for four particles.
 
 They are computed for four particles at a time, and stored in that order. A block is one entry of the array: within an
-entry the compiler knows all addresses, but would compute one for each separate entry."""
+entry the compiler knows all addresses, but would compute one for each separate entry.
+"""
 
 from typing import Any
 
@@ -40,8 +41,7 @@ def concatenate(numbers: Any) -> Any:
 
 @ti.func
 def store_part(body: ti.template(), p, part: ti.template(), numbers: ti.template(), on: ti.template()):
-    """Stores a part, ``numbers``, of particle p, or of a whole block from p on: each is a vector of one or four
-    entries."""
+    """Stores a part, ``numbers``, of particle p, or of a whole block from p on: vectors of one or four entries."""
     entry = (p >> SHIFT) * ti.static(parts_per_particle(on.method)) + part
     if ti.static(numbers[0].n == BLOCK):
         body.weights[entry] = concatenate(numbers)

@@ -48,8 +48,7 @@ def symmetry_planes(low: bool, high: bool) -> dict[str, Any]:
 
     @ti.func
     def mirror(body: ti.template(), values: ti.template()):
-        """Copies the nodes' values, two vectors each, to their images beyond the planes, odd in the component
-        across."""
+        """Copies the nodes' values, two vectors each, to their images beyond planes, odd in the component across."""
         if ti.static(low):
             for j in range(G, body.active):
                 for side, k in ti.static(ghosts):

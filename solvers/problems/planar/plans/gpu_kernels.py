@@ -2,7 +2,8 @@
 
 They call the same phases as the plans of a CPU, from the kernel itself: there, Taichi makes every loop, in functions
 too, a launch with one thread per iteration. So nothing here may call them under an ``if``, which would run on a single
-thread; the host decides what is launched (``solvers.problems.planar.plans.gpu_plan``)."""
+thread; the host decides what is launched (``solvers.problems.planar.plans.gpu_plan``).
+"""
 
 from typing import Any, NamedTuple
 

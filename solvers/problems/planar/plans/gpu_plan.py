@@ -28,8 +28,8 @@ FETCHED = ("verdict", "samples", "step_margin", "memory_reals")  # what is fetch
 
 
 class CompanionOnCpu:
-    """Companion's ``body`` solved on the CPU; its nodes are written to the estimator's ``memory``, and the run's steps
-    take ``dt`` s."""
+    """Companion's ``body`` solved on the CPU; its nodes are in the estimator's ``memory``, ``dt`` is the run's step in
+    s."""
 
     def __init__(self, body: ElasticBody, memory: Mapping[str, np.ndarray], dt: float):
         self._body, self._nodes, self._dt = body, memory["companion_nodes"], dt
@@ -63,7 +63,8 @@ class DeviceArrays:
     """Copies on the GPU of ``arrays`` by name, with the types of a kernel's arguments.
 
     They free their memory themselves: Taichi 1.7.4 never frees arrays of vectors, and other arrays only in Python's
-    garbage collection, by an address at which the next program may have allocated another by then."""
+    garbage collection, by an address at which the next program may have allocated another by then.
+    """
 
     def __init__(self, arrays: dict[str, np.ndarray], types: dict[str, Any]):
         self.arrays = arrays
@@ -101,8 +102,8 @@ class GpuStepper:
     """Steps copies of the arrays on a GPU. The arrays themselves have the state of the last fetch; after steps, only
     verdict and samples are fetched.
 
-    The CPU advances an estimator ``beside`` while the GPU works through its queue. Nodes' sums are made by atomic
-    additions."""
+    The CPU advances an estimator ``beside`` while the GPU works through its queue. Nodal sums are atomic.
+    """
 
     def __init__(self, kernels: GpuKernels, State: Any, scene: Scene, arrays: InstrumentedBody, on: KernelOptions,
                  beside: CompanionOnCpu | None):
