@@ -11,7 +11,7 @@ from pathlib import Path
 
 from solvers.workers.worker_process import ProcessDied, ask_fresh
 
-CACHE_VARIABLE = "TI_OFFLINE_CACHE_FILE_PATH"  # the variable by which Taichi is told where its cache is
+CACHE_VARIABLE = "TI_OFFLINE_CACHE_FILE_PATH"  # the variable for Taichi's cache folder
 ROOT = Path(__file__).resolve().parents[2]  # where the packages lie, so that -m finds them
 TURNS = 3
 PATIENCE = 120.0  # seconds
@@ -54,5 +54,5 @@ def measure_in_worker(question: dict, answer: Callable[[dict], None]) -> None:
         built = time.process_time()  # of the processor: work only, whatever else the machine does
         solver.compile()
         compiled[name] = time.process_time() - built
-    runtime.ti.reset()  # writes the cache, which a process that is ended in the middle of things would not
+    runtime.ti.reset()  # writes the cache, which a killed process would not do
     answer({"import": imported - begun, "taichi": started - imported, "compile": compiled})

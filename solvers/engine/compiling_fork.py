@@ -32,7 +32,7 @@ class CompilingFork:
 
     def __init__(self, process_id: int, pipe: Connection, scenes: Sequence[Scene], asked_for: bool):
         self.scenes, self.asked_for, self.pipe = scenes, asked_for, pipe
-        self.compiled: Sequence[Scene] = ()  # those that it has done with
+        self.compiled: Sequence[Scene] = ()  # those that are compiled
         self.process_id, self._rests = process_id, False
 
     def can_take_over(self, announced: Callable[[], Any]) -> bool:
@@ -101,7 +101,7 @@ def fork(scenes: Sequence[Scene], asked_for: bool, prepare: Callable[[Any], None
         theirs.send(TAKEN_OVER)
         theirs.close()
         return estate
-    except (ConnectionError, EOFError):  # the parent has ended: nobody waits for what has been compiled
+    except (ConnectionError, EOFError):  # the parent has ended: the result is useless
         os._exit(1)
     except BaseException as error:
         if isinstance(error, MemoryError):

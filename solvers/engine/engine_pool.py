@@ -109,7 +109,7 @@ class SessionLink:
         self._deaths = 0
         self._closed = False
         engine.links[session] = self
-        if engine.stop_requested:  # whoever opens it now opens it for nobody
+        if engine.stop_requested:  # a new session would get no frames
             self.close()
 
     def ask(self, scene: Scene, pace: Pace = Pace(), frame: FrameOptions = FrameOptions()) -> int:

@@ -25,7 +25,7 @@ from solvers.workers import worker_process
 FIRST_PAUSE = 0.5  # seconds before the next start when an engine dies before it is ready; doubles every time
 LONGEST_PAUSE = 10.0
 FAILURES_ALLOWED = 6  # engines in a row that die before they are ready, until none is started any more
-REAP_SECONDS = 2.0  # seconds in which a process that is killed is gone
+REAP_SECONDS = 2.0  # seconds until a killed process is gone
 CANNOT_START = Message("the simulation process cannot be started; see the terminal")
 
 
@@ -64,7 +64,7 @@ class EngineProcess:
     def __init__(self, warm_up: Scene):
         self.together: Callable[[], AbstractContextManager] = nullcontext
         self.ready = threading.Event()
-        self.given_up = False  # whether it kept dying before it was ready: then it serves nobody any more
+        self.given_up = False  # whether it kept dying before it was ready, and is no longer restarted
         self.links: dict[int, Link] = {}
         self._failures = 0
         self._leaving: list[int] = []  # processes that were engines, or will end soon

@@ -32,8 +32,8 @@ from solvers.solver.base import Solver
 
 IDLE_SECONDS = 0.5
 WISHES_SECONDS = 0.03  # of a round for new wishes, after which the next has to wait; a new scene takes some 10 ms
-TOGETHER_SECONDS = 0.006  # that a frame waits for others to go with, in a round of many sessions
-BACKGROUND_SHARE = 0.2  # seconds of each second in which what nobody waits for is compiled though frames come late
+TOGETHER_SECONDS = 0.006  # that a frame waits to be sent with others, in a round of many sessions
+BACKGROUND_SHARE = 0.2  # share of the time for compiling what no visitor waits for while frames are late
 NO_MEMORY = Message("this scene needs more memory than there is: choose fewer particles")
 FAILED = Message("the simulation of this scene failed; change a setting")
 
@@ -62,9 +62,9 @@ class Worker:
         self._pipe, self._compiled = pipe, set(compiled)
         self._usual = list(usual)
         self._steppers: dict[int, Stepper] = {}
-        self._wishes: dict[int, SessionRequest] = {}  # that have been read, and not been acted on, by session
+        self._wishes: dict[int, SessionRequest] = {}  # that were read and are pending, by session
         self._waiting: dict[int, SessionRequest] = {}  # for the compiler, by session
-        self._prepared: dict[int, Solver] = {}  # in a successor, for sessions that it will get
+        self._prepared: dict[int, Solver] = {}  # in a fork, for sessions that it will get
         self._successor: CompilingFork | None = None
         self._frames: list[FrameReport] = []  # that go together, soon
         self._first = 0.0  # when the first of them was made, by perf_counter
@@ -174,7 +174,7 @@ class Worker:
         """
         wanted = [wish.scene for wish in self._waiting.values()]
         if self._successor:
-            soon = bool(self._successor.compiled)  # it prepares to take over: what is wanted now comes next
+            soon = bool(self._successor.compiled)  # it prepares to take over: new requests come next
             if soon or not wanted or kernel_key(self._successor.scenes[0]) in map(kernel_key, wanted):
                 urgent = soon or bool(wanted) or not self._late
                 self._successor.pause(not urgent and perf_counter() % 1.0 > BACKGROUND_SHARE)
@@ -222,7 +222,7 @@ class Worker:
         when it forked are reused. Also runs a garbage collection, and exempts survivors from the next ones."""
         for session, scene in announced.items():
             stepper = self._steppers.get(session)
-            with suppress(Exception):  # it will be tried again, and whoever it fails for is told
+            with suppress(Exception):  # it is tried again later, with an error message to the visitor
                 self._prepared[session] = stepper.solver if stepper and stepper.solver.scene == scene else build(scene)
         for stepper in self._steppers.values():  # as they were when it forked
             stepper.close()

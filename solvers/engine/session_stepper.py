@@ -42,9 +42,9 @@ class Stepper:
         self.wish = wish
         self.sessions = 1  # that share the engine and move
         self._seconds_a_frame = self._lateness = 0.0
-        self.partner: Stepper | None = None  # keeps together with this one (``SessionRequest.partner``), if it is there
+        self.partner: Stepper | None = None  # synchronised with this one (``SessionRequest.partner``), or None
         self._block = _attach(wish.memory)
-        shared_frames.mark_as_read(self._block)  # of what an engine has left there that has died
+        shared_frames.mark_as_read(self._block)  # left by an engine that died
         try:
             self.rebuild()
         except BaseException:
@@ -57,7 +57,7 @@ class Stepper:
         self.solver.compile()
         self._watch = SoundnessWatch(self.solver.scene)
         self._rows = [self.solver.measure()]  # samples since the last frame
-        self._measured = 0  # the last step that was measured without a sample being due
+        self._measured = 0  # the last step measured although no sample was due
         self._fresh, self._due = True, 0.0  # no frame since the build; when the next one goes out, by perf_counter
         self._goals: dict[str, dict] = {}
         self._goals_due = 0.0  # when these numbers are worked out anew, by perf_counter
@@ -266,7 +266,7 @@ class Stepper:
         self._seconds_a_step = took / steps
         self._kernel_seconds += took
         self._kernel_steps += steps
-        self._frame_wanted |= not self.solver.sound  # the last frame says why
+        self._frame_wanted |= not self.solver.sound  # the last frame has the reason
 
 
 def _attach(name: str) -> SharedMemory:

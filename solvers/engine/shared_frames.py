@@ -84,7 +84,7 @@ def write_frame(block: SharedMemory, scene: Scene, shot: Snapshot) -> None:
                "steps_since_crossing": -1 if crossing is None else np.where(crossing < 0, -1, shot.step - crossing),
                "error": np.nan if shot.error is None else shot.error, **shot.estimate,
                **{DIFFERENCE.format(name): sizes for name, sizes in shot.difference.items()}, "plotted": shot.plotted}
-    with np.errstate(over="ignore"):  # a run that has gone bad may exceed single precision
+    with np.errstate(over="ignore"):  # an unstable run may exceed single precision
         widths = _widths(scene, bool(shot.difference), shot.plotted is not None)
         for name, part in _views(_open_block(block), P, widths, HEADER).items():
             values = columns[name]

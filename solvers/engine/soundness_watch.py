@@ -21,8 +21,8 @@ class SoundnessWatch:
         self._findings: dict[str, Finding] = {}
         self._large: dict[str, LargeRelativeError] = {}
         self._followed = True
-        self._looked: np.ndarray | None = None  # the last sample (1, C) that looked for contradictions
-        self._doubts: dict[str, tuple[float, str]] = {}  # when, in s, an estimator was last found not to hold, and why
+        self._looked: np.ndarray | None = None  # the last sample (1, C) with a check for contradictions
+        self._doubts: dict[str, tuple[float, str]] = {}  # the time in s at which an estimator last failed, and why
 
     def check_samples(self, rows: np.ndarray, particles: int, goes_on: bool = False) -> None:
         """Judges new samples of so many particles, until a finding is final because no earlier one can follow.

@@ -176,7 +176,7 @@ def why_not_trusted(elements: np.ndarray, axes: tuple[int, ...], square: float) 
         return Message("not valid here: the companion solve itself has failed; choose a smaller amplitude or fewer "
                        "periods")
     missed = max(float(np.sqrt(np.mean(np.sum(unresolved_size(elements, axis) ** 2, axis=-1)))) for axis in axes)
-    if missed > MAX_ERROR_SHARE * np.sqrt(square):  # a run gone bad is as wrong as can be: then nothing is missed
+    if missed > MAX_ERROR_SHARE * np.sqrt(square):  # never for an unstable run, whose error is huge
         return Message("not valid here: the companion solve itself may be {missed:.1g} m off, against an estimated "
                        "error of {square:.1g} m", missed, np.sqrt(square))
     return None

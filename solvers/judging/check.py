@@ -15,7 +15,7 @@ from solvers.untrusted.quoting import FileError
 SCHEMA = "mpm-lab/check/1"
 CONSISTENT = "consistent"
 Progress = Callable[[float, str], None]
-#: What no motion says of itself, whatever the files hold.
+#: What cannot be seen in a motion alone, whatever the files contain.
 NOT_CHECKABLE = (
     "whether the motion is that of your problem: forces, material and boundary are not known here",
     "the balance of energy and of momentum with the forces: body forces and walls may do any work",

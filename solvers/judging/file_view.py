@@ -82,7 +82,7 @@ def table_columns(dimensions: int) -> dict[str, slice]:
 
 def judge_in_worker(question: dict, tell: Callable[[dict], None]) -> None:
     asked = ShowRequest(**question)
-    if sys.platform == "linux":  # a file may unpack to more than it seems: it is not the machine that is to run out
+    if sys.platform == "linux":  # a file may unpack to a huge size: protect the machine's memory
         import resource
         resource.setrlimit(resource.RLIMIT_AS, (MEMORY, MEMORY))
     try:
@@ -111,7 +111,7 @@ def _judge_file(asked: ShowRequest, tell: Callable[[dict], None]) -> None:
         raise FileError(asked.name, "belongs to {most:,} particles, too many to watch; give at most {most2:,} at a "
                         "time, or judge it with `mpm-lab judge`", most, asked.most)
     judged = GridJudgement(own, grid, Companions(own, tuple(grid.times.tolist())))
-    judged.check()  # where no truth is known only the companion can tell whether the origin is right
+    judged.check()  # without a known truth only the companion can check the origin
     true = judged.true
     table = _ParticleTable(own, grid, asked.table)
     table.put_frames()

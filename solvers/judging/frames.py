@@ -43,7 +43,7 @@ class RawTable:
     time: float | None = None
     cells: int | None = None
     said: SceneMetadata | None = None
-    step: float | None = None  # of its run in s, where it says that
+    step: float | None = None  # of its run in s, if known
 
 
 @dataclass(frozen=True)

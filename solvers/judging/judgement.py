@@ -113,7 +113,7 @@ class GridJudgement:
                                     for q in missing), *wrong]
 
 
-BY_PLACE = outliers.NAMES["x"]  # which is told in its own words
+BY_PLACE = outliers.NAMES["x"]  # which has a sentence of its own
 NAMES = {"x": Message("position"), "v": Message("velocity"), "sigma": Message("stress (nor F)")}
 
 
@@ -209,7 +209,7 @@ def judge(scene: Scene, files: Particles | Sequence[Particles], *, cells: Sequen
 
 def _run_methods(one: GridJudgement, on_progress: Progress) -> Iterator[ReferenceRun]:
     """Yields runs of our own methods on a grid, at the same times."""
-    from solvers.judging.reference_runs import reference_scenes, run_reference  # here: nobody else waits for Taichi
+    from solvers.judging.reference_runs import reference_scenes, run_reference  # here, so that only this needs Taichi
 
     scenes = reference_scenes(one.scene)
     for n, scene in enumerate(scenes):

@@ -18,12 +18,12 @@ from solvers.scene.scene import Scene
 from solvers.scene.validation import SceneError
 from solvers.untrusted.quoting import FileError, quote
 
-SAME = 1e-9  # of a period: two times that are nearer are one
+SAME = 1e-9  # of a period, within which times are the same
 FLAT = 1e-6  # of the longest reach of all positions: a direction in which they reach no farther is none
-SURE = 0.5  # of a cell: at the time 0 particles that are farther from where they begin are others
+SURE = 0.5  # of a cell: particles farther from their start at the time 0 do not match
 MOST_STEPS = {1: 400_000, 2: 60_000}  # of the companion, by directions: a minute or two; 680 periods of the bar
 LARGEST, LARGEST_ID = 1e100, 2.0**53  # of what a particle may have; beyond, squares are no numbers, and ids not exact
-MOST_TRIED = 400  # cells of a grid that is looked for
+MOST_TRIED = 400  # cells of candidate grids
 COUNTS = (Message("no"), Message("one"), Message("two"), Message("three"))
 RIGID = 10.0  # times the rest of the error: from there on a shift is that of an origin, and no error of a method
 

@@ -25,7 +25,7 @@ KINDS = (".csv", ".npz", ".vtk", ".vtu", ".vtp")
 COMMENT = re.compile(r"#\s*([A-Za-z]\w*)\s*[=:]\s*(\S+)\s*$")
 COMMENT_KEYS = ("t", "time", "cells", "scene")  # by comments
 MOST_REMARKS = 100_000  # lines that are no rows
-LARGEST = 250_000_000  # bytes of such a file: its text is in memory once, and what it says
+LARGEST = 250_000_000  # bytes of a text file, which is in memory together with its numbers
 OF_KIND = {".vtu": "UnstructuredGrid", ".vtp": "PolyData"}
 TIMES = ("TimeValue", "TIME", "Time", "time", "t")
 

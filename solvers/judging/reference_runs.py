@@ -13,7 +13,7 @@ from solvers.scene.scene import Scene
 from solvers.solver.snapshot import Snapshot
 
 LONGEST = 2e9  # particle-steps of one comparison: a minute or so
-ON_A_STEP = 1e-6  # of a step: a time that is nearer to one is that of the step
+ON_A_STEP = 1e-6  # of a step, within which a time is that of a step
 LONGEST_STRETCH = 4096  # steps between two looks at the progress
 
 

@@ -51,7 +51,7 @@ def resolve_scene(files: list[RawTable], asked: Scene) -> tuple[Scene, list[str]
     that was given, or another file.
     """
     notes: list[str] = []
-    by: dict[str, str] = {}  # which file said a field first
+    by: dict[str, str] = {}  # the first file with each field
     default, settled_scene = type(asked)(), asked
     for raw in files:
         if raw.said is None:

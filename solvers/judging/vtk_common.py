@@ -75,7 +75,7 @@ def parse_numbers(text: bytes, count: int) -> np.ndarray:
     if not count:
         return np.empty(0)
     with warnings.catch_warnings():
-        warnings.simplefilter("error")  # by which it tells of what is no number
+        warnings.simplefilter("error")  # raised for invalid numbers
         try:
             values = np.fromstring(text, dtype=float, sep=" ", count=count)
         except (ValueError, DeprecationWarning):

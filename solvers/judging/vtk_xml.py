@@ -27,7 +27,7 @@ TYPES = {"Float32": "f4", "Float64": "f8", "Int8": "i1", "Int16": "i2", "Int32":
 APPENDED = re.compile(rb"[^>]*>\s*_")
 AT_ONCE = 1 << 20  # letters, which are four for three bytes
 MOST_BLOCKS = 100_000
-MOST_MEMORY = 100_000_000  # bytes that unpacking may take beside what it unpacks
+MOST_MEMORY = 100_000_000  # bytes that unpacking may need beside its result
 PACKINGS: dict[str, Any] = {"vtkZLibDataCompressor": zlib.decompressobj,
                             "vtkLZMADataCompressor": lambda: lzma.LZMADecompressor(memlimit=MOST_MEMORY)}
 
@@ -41,14 +41,14 @@ class XmlReader:
 
     def __init__(self, file: IO[bytes], kind: str, ending: str, found: PointData):
         self._file, self._kind, self._ending, self._found = file, kind, ending, found
-        self._parser = expat.ParserCreate("UTF-8")  # whatever the file says of itself
+        self._parser = expat.ParserCreate("UTF-8")  # whatever encoding the file declares
         self._parser.StartElementHandler, self._parser.EndElementHandler = self._start_element, self._end_element
         self._parser.CharacterDataHandler = self._add_text
         self._parser.buffer_text = True
         self._parser.StartDoctypeDeclHandler = self._parser.EntityDeclHandler = self._refuse_doctype
         self._inside: list[str] = []
         self._elements, self._rows, self._encoding = 0, 0, NumberEncoding.from_attributes(None, "u4", None)
-        self._array: dict[str, Any] | None = None  # that is being read, of which the text comes
+        self._array: dict[str, Any] | None = None  # that is being read as text
         self._later: list[dict[str, Any]] = []  # arrays whose data are appended
         self._appended: tuple[int, bool] | None = None
 

@@ -27,8 +27,8 @@ def ensure_cache_folder() -> None:
     before Taichi is imported; otherwise does nothing."""
     below_home = os.path.join(os.environ["HOME"], ".cache") if "HOME" in os.environ else ""
     if os.name == "nt" or (_is_writable(os.environ.get(HOME, below_home)) and _is_writable(os.environ.get(KERNELS))):
-        return  # Windows has another place, and no home that is read only
-    with suppress(OSError):  # there is no room anywhere: let Taichi say so
+        return  # Windows has another folder, which is never read-only
+    with suppress(OSError):  # no folder is writable: Taichi will report it
         folder = tempfile.mkdtemp(prefix="mpm-lab-")
         atexit.register(shutil.rmtree, folder, ignore_errors=True)  # before Taichi is imported: after it has written
         os.environ[HOME] = folder

@@ -15,7 +15,7 @@ front_end.speed_up_front_end()
 
 PROCESSORS = ("x64", "arm64")  # as Taichi calls them
 
-#: What holds on to the running Taichi, and has a ``free`` to let go of it: before another one starts, and at the end.
+#: Objects with references to the running Taichi, whose ``free`` is called before it restarts, and at the end.
 holders: weakref.WeakSet[Any] = weakref.WeakSet()
 
 _started: tuple[str, int] | None = None

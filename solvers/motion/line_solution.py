@@ -11,7 +11,7 @@ from solvers.motion.exact_solution import TIME, X_AXIS
 from solvers.motion.jets import Jet, variables
 from solvers.motion.separable_field import SeparableField, separate
 
-PLACES, INSTANTS = 400, 128  # of the line and of a period, at which the size of a motion is looked at
+PLACES, INSTANTS = 400, 128  # of the line and of a period, at which a motion is evaluated
 HALF_ERROR = 0.5  # of F - 1, as RMS: for that alone no place is called lost
 MIN_WAVE_SHARE = 0.03  # of the RMS of F - 1: a wave with less does not matter
 

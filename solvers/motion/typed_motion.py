@@ -12,9 +12,9 @@ from solvers.motion.line_solution import LineSolution
 from solvers.motion.separable_field import NotPeriodic, separate
 
 NAMES = {1: ("X", "t", "w", "A"), 2: ("X", "Y", "t", "w", "A")}  # along a line, and in the plane
-LINE, INSTANTS = 20, 32  # points a side and times of a period at which the motion is looked at
+LINE, INSTANTS = 20, 32  # points a side and times of a period at which the motion is checked
 LINE_POINTS = 400  # points of a line
-MOST_QUARTERS = 160  # of the base period, among which the period is looked for
+MOST_QUARTERS = 160  # of the base period, among which the period is searched
 MOTION_TOLERANCE = 1e-9  # of the largest displacement, by which a motion may miss what it must be
 FORCE_POINTS = 40  # of the points, at which it must be possible to separate the body force
 LEAST_J = 0.05  # of det F: below, the body is next to folding over

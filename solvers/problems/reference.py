@@ -14,7 +14,7 @@ import numpy as np
 
 from solvers.estimators.standalone import ElasticBody
 
-#: Fields of a scene that say how we would solve it, and nothing of the problem.
+#: Fields of a scene that belong to our method, and not to the problem.
 METHOD_FIELDS = frozenset({"method", "linearity_preserving", "velocity", "estimators", "effects", "remedies", "arch",
                            "threads", "sample_every", "plan", "dt", "cfl"})
 

@@ -17,7 +17,7 @@ WRINKLING = 0.198  # amplitude at which the surface of the compressed ring wrink
 #: 0.13, 2.20 at 0.14 and 2.57 at 0.15: exp(GROWTH sqrt(A^2 - ONSET^2)) to that accuracy. Of larger A no more is known.
 GROWTH, ONSET, KNOWN = 9.69, 0.1139, 0.15
 FIRST_ERROR = 1e-3  # relative error in that mode after one period, as CPDI leaves it on 24 cells; 48 leave a sixth
-LARGE_ERROR = 0.1  # and the one that is called the end
+LARGE_ERROR = 0.1  # and the one at the end of a run's life
 #: Forces that send waves across the ring, whose longest half is as long as the ring is wide, in metres; the
 #: manufactured one moves it as a whole.
 WAVES, WIDTH = ("none", "two-tone"), 0.2

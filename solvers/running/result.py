@@ -82,7 +82,7 @@ class Result:
     final: Snapshot
     mid_run: Snapshot | None  # on the way, where the end has little to see (``solvers.running.run.shown_step``)
     bytes: int
-    not_valid: dict[str, str]  # estimators that do not hold here, each with a sentence that says why
+    not_valid: dict[str, str]  # estimators that do not hold here, each with the reason in a sentence
     seconds: Seconds
     arch: str
     threads: int

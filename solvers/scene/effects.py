@@ -110,7 +110,7 @@ class Effect:
         words = ", ".join(f"{number.key} {{{at}}}".strip() for at, number in enumerate(self.numbers))
         return Line(self.label, words, self.explanation)
 
-    @np.errstate(over="ignore", invalid="ignore", divide="ignore")  # of a run gone bad anything
+    @np.errstate(over="ignore", invalid="ignore", divide="ignore")  # for unstable runs
     def values(self, series: Series) -> dict[str, Any]:
         """Returns its numbers by key, None for unknown ones; for a run that had the effect switched on."""
         made = {number.key: (number.kind, number.of(series)) for number in self.numbers}
@@ -183,7 +183,7 @@ def register(effect: Effect) -> None:
     effects_of.cache_clear()
 
 
-@functools.cache  # every scene asks
+@functools.cache  # used by every scene
 def effects_of(problem: str, own: tuple[str, ...]) -> tuple[str, ...]:
     """Returns the effects of a problem: those of every problem, its ``own``, and registered ones. Raises
     :class:`~solvers.scene.extensions.ExtensionError` where an extension cannot be imported."""

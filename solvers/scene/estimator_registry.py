@@ -95,7 +95,7 @@ def register(estimator: Estimator) -> None:
     names.cache_clear()
 
 
-@functools.cache  # every scene asks
+@functools.cache  # used by every scene
 def names(problem: str, own: tuple[str, ...]) -> tuple[str, ...]:
     """Returns the estimators of a problem: its ``own`` and registered ones. Raises
     :class:`~solvers.scene.extensions.ExtensionError` where an extension cannot be imported."""

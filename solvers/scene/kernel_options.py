@@ -43,7 +43,7 @@ def method_options(on: KernelOptions) -> KernelOptions:
     return on._replace(effects=(), estimators=())
 
 
-@lru_cache(maxsize=256)  # asked again and again while somebody waits for the compiler
+@lru_cache(maxsize=256)  # used repeatedly while a visitor waits for the compiler
 def kernel_key(scene: Scene) -> tuple:
     """Returns the key of the compiled code: scenes with equal keys run the same kernels on the same processor."""
     plan = getattr(scene, "plan", None)  # of a problem that has several

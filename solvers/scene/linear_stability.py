@@ -151,7 +151,7 @@ class _StepOperators:
                 break
             before, q, Cq = q, image, self.apply_two_minus_b(image)
             size = np.sqrt(np.einsum("ni,ni->n", q, Cq))
-            size[size < 1e-9 * found] = 0.0  # nothing is left to be found
+            size[size < 1e-9 * found] = 0.0  # converged
             beside.append(size)
         return found
 

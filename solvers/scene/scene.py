@@ -37,7 +37,7 @@ LISTS = ("estimators", "effects", "remedies")
 AUTO = "auto"
 ESTIMATORS_HELP = "Error estimators, one or several"
 LEAST_CFL = 1e-9
-MOST_CFL = 10.0  # an unstable run is a result worth seeing; this only keeps the numbers finite for a while
+MOST_CFL = 10.0  # an unstable run is instructive; this only keeps the numbers finite for a while
 
 
 @dataclass(frozen=True)
@@ -92,7 +92,7 @@ class Scene(SceneDefaults, ABC):
 
     def __init_subclass__(cls, **kwargs: Any) -> None:
         super().__init_subclass__(**kwargs)
-        if "ESTIMATORS" in vars(cls):  # a scene that says nothing else asks the first
+        if "ESTIMATORS" in vars(cls):  # the first one is the default
             cls.__annotations__["estimators"] = Scene.__annotations__["estimators"]
             cls.estimators = option(cls.ESTIMATORS[:1], ESTIMATORS_HELP)
 

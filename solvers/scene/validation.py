@@ -21,7 +21,7 @@ class SceneError(ValueError):
     def __init__(self, field: str, value: object, sentence: str, /, *values: object):
         message = Message(sentence, *values)
         self.field, self.value, self.sentence = field, value, quoting.one_line(message)
-        # A number that came as text stands in its quotes, without which it would look like the number.
+        # A number given as text is shown in quotes, to distinguish it from the number.
         shown = repr(value) if isinstance(value, str) and number_parsing.is_number(value) else value
         super().__init__(quoting.one_line(Message("{field} {value}: {message}", field_label(field),
                                                   quoting.quote(shown), message)))

@@ -21,8 +21,8 @@ LARGEST_COORDINATE = 1.0  # m: no coordinate is much larger while a body does no
 def rounding(scene: Scene, quantity: str, steps: Any) -> Any:
     """Returns the largest RMS error of x, v, sigma or a, in SI, that rounding alone may cause in ``steps`` steps, a
     number or an array."""
-    # The numbers that a step adds up: of x coordinates; of v the speeds of waves and of a drift; of sigma E, and what
-    # velocities that are rounded make of F; of a the forces at a node before they cancel.
+    # Numbers that a step adds up: for x coordinates; for v speeds of waves and drift; for sigma E, and the effect
+    # of rounded velocities on F; for a the forces at a node before they cancel.
     drift, stretch = scene.drift_speed, max(1.0, scene.initial_stretch)
     stress = scene.modulus * stretch * (1 + drift * scene.time_step / scene.spacing)
     largest = {"x": LARGEST_COORDINATE + drift * scene.end_time, "v": scene.wave_speed + drift, "sigma": stress,

@@ -21,7 +21,7 @@ from solvers.scene.validation import SceneError
 from solvers.study.run_family import HIGHEST_ORDER, Family, Point
 
 REACH = 2.5  # times the finest measured grid to which an error may be carried on
-MARGIN = 0.95  # of the tolerance that is aimed at, so that a run that just meets it does not need a second try
+MARGIN = 0.95  # of the tolerance as target, so that a run rarely misses it narrowly
 CLOSE_ENOUGH = 1.05  # a candidate that has been run is taken when no other is expected to be better by this factor
 PATIENCE = 3.0  # seconds of search, in the processor's time as runs are, that no run is too short for
 SMALL_PART = 10  # of the budget, up to which runs are made to learn what cannot be met
@@ -127,7 +127,7 @@ class _Search:
         self._choices, self._goal = choices, goal
         self._on_look, self._on_point, self._recall = on_look, on_point, recall
         self._certain = len(choices)
-        self.looks = 0  # members that were looked at: run, or recalled
+        self.looks = 0  # measured members: run, or recalled
         self.predicted: dict[tuple[int, int], float] = {}
 
     def measure_scouts(self) -> None:

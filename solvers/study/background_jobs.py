@@ -23,10 +23,10 @@ from solvers.study.parameter_grid import Task, task_of
 from solvers.study.row import measure, row_of_scene
 from solvers.study.run_family import ESTIMATOR, Family, Point, forget_rates
 
-#: What a search chooses from unless it is told: the cheapest runs are often those of one particle per cell, or of steps
+#: Default choices of a search: the cheapest runs are often those of one particle per cell, or of steps
 #: near the longest that are stable.
 PARTICLES_PER_CELL, COURANT_NUMBERS = (1, 2, 3, 4), (0.1, 0.3, 0.4, 0.5, 0.6)
-READY = "ready"  # beside the fields of a job: its process shall only get ready
+READY = "ready"  # beside the fields of a job: only compile
 NO_CHOICE = Message("no method makes a valid scene with these settings")
 
 

@@ -12,7 +12,7 @@ from solvers.solver.error_norms import IGNORE_OVERFLOW
 from solvers.solver.samples import QUANTITIES
 from solvers.solver.soundness import OK
 
-WIDEST = 1e12  # errors of one study over each other: beyond, none of them says anything about the others
+WIDEST = 1e12  # ratio of errors in one study, beyond which they are incomparable
 TIME_INPUTS = ("dt", "cfl")
 STEEP = 1.5  # times the growth of second order, beyond which a step is at the brink of stability
 

@@ -23,7 +23,7 @@ from solvers.workers.worker_pool import WorkerPool
 from solvers.workers.worker_process import WorkerProcess
 
 MEASURE_ROW = f"{__name__}:measure_in_worker"
-ATTEMPTS = 3  # that a row has to lose its worker until it is given up
+ATTEMPTS = 3  # lost workers until a row is given up
 LOOK_SECONDS = 1.0
 ANSWER_SECONDS = 10.0  # for the scheduler of a cluster to answer
 PATIENCE = 60.0  # seconds without a single worker
@@ -147,7 +147,7 @@ class Cluster:
         except ImportError:
             raise ClusterUnavailable("needs the package distributed; install mpm-lab[cluster]") from None
         for name in ("distributed.client", "distributed.core", "distributed.comm", "tornado.application"):
-            logging.getLogger(name).setLevel(logging.CRITICAL)  # what goes wrong is said in one sentence
+            logging.getLogger(name).setLevel(logging.CRITICAL)  # errors are reported in one sentence
         try:
             self._client = Client(address, timeout=ANSWER_SECONDS, set_as_default=False, name="mpm-lab")
         except (OSError, ValueError, ImportError) as error:

@@ -134,7 +134,7 @@ def _prepare(directory: Path, resume: bool | None) -> None:
 
 def _lock(file: BinaryIO) -> None:
     """Locks the file, because two sweeps must not write to it. Raises :class:`StoreError` where it is locked."""
-    with contextlib.suppress(ImportError):  # elsewhere than on Unix nobody checks
+    with contextlib.suppress(ImportError):  # there are locks only on Unix
         import fcntl
         try:
             fcntl.flock(file, fcntl.LOCK_EX | fcntl.LOCK_NB)

@@ -17,7 +17,7 @@ from solvers.solver.soundness import OK
 #: By which the advisor goes. It compares methods and steps, so it needs one that sees every error of the particles
 #: whatever they are: "transport" misses that of the step, "two-grid" needs second order, "recovered" a polar lattice.
 ESTIMATOR = "companion"
-HIGHEST_ORDER = 2.0  # that is trusted beyond what was measured; the methods are of second order at best
+HIGHEST_ORDER = 2.0  # for extrapolation; the methods are of second order at best
 HOPED_ORDER = 2.5  # of a family of which one member is known: coarse grids may gain more than the order
 LEAST_ORDER = 0.3  # below which refining is not worth its price: the error has all but stopped falling
 GENTLE_CFL = 0.1
@@ -133,7 +133,7 @@ class Family:
         return self.multiple * math.ceil(cells / self.multiple - 1e-9)
 
 
-@lru_cache(maxsize=4096)  # asked for again and again, with every run that a search makes
+@lru_cache(maxsize=4096)  # used with every run of a search
 def _particle_steps(scene: Scene, cells: int) -> float:
     """Returns particles times steps of the scene with so many cells; infinite where that is invalid."""
     try:

@@ -72,7 +72,7 @@ def _rows(rows: Sequence[dict], names: Sequence[str]) -> str:
         values = row["scene"] or row["asked"]
         index, budget = row.get("index") or {}, row.get("budget") or {}
         if budget.get("not_valid"):
-            budget = {}  # shares say nothing there
+            budget = {}  # shares are meaningless there
         large = row["status"] == OK and row.get("as_large_as_itself")  # for these the status does not hold
         status = row["status"] + (f" for x, not for {', '.join(large)}" if large else "")
         lines.append([*(_cell(values.get(name)) for name in names), status,

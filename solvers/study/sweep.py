@@ -18,7 +18,7 @@ from solvers.study.parameter_grid import MOST_ROWS, plan_tasks
 from solvers.study.summary import uniform_rows
 from solvers.untrusted import quoting
 
-#: Two ways to say one input, of which one may be given.
+#: Alternative inputs, of which only one may be given.
 ALTERNATIVES = {"dt": "cfl", "cfl": "dt", "t_end": "periods", "periods": "t_end"}
 
 

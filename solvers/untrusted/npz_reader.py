@@ -17,7 +17,7 @@ from solvers.untrusted.size_limits import Limits, check_name
 
 ENDING = ".npy"
 LONGEST_READ = 1_000_000  # bytes that are read at once, of which the zip's directory is the largest part
-LONGEST_HEAD = 20_000  # bytes of what stands before the numbers; numpy reads no more than 10,000
+LONGEST_HEAD = 20_000  # bytes before the numbers; numpy reads no more than 10,000
 LONGEST_TEXT = 20_000  # letters of an array that is a text
 MOST_DIRECTIONS = 4  # of an array
 PACKINGS = (zipfile.ZIP_STORED, zipfile.ZIP_DEFLATED)  # as numpy writes them; others may take any memory to unpack
@@ -77,7 +77,7 @@ def _read_array(path: str, name: str, packed: zipfile.ZipFile, member: zipfile.Z
     if member.compress_type not in PACKINGS or member.flag_bits & ENCRYPTED:
         raise _NotPlainArrays(Message("{name} is packed in a way that numpy does not use", quote(name)))
     with packed.open(member) as content:
-        begun = io.BytesIO(content.read(LONGEST_HEAD))  # no more, however long the head says it is
+        begun = io.BytesIO(content.read(LONGEST_HEAD))  # no more, whatever length the header claims
         shape, in_columns, dtype = _read_header(path, name, begun)
         limits.check_numbers(path, *shape)
         data = bytearray(int(np.prod(shape, dtype=object)) * dtype.itemsize)

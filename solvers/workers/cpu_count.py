@@ -2,7 +2,7 @@
 
 import os
 
-MOST_PROCESSES = 64  # that a command starts without being told so
+MOST_PROCESSES = 64  # that a command starts by default
 
 
 def available_cpus() -> int:

@@ -18,7 +18,7 @@ from typing import TypeVar
 from solvers.workers.worker_process import ProcessDied, WorkerProcess
 
 T = TypeVar("T")
-NICENESS = 10  # of a process that gives way, more than that of the one that asks
+NICENESS = 10  # of a low-priority process, relative to its parent
 
 Listener = Callable[[dict], object]
 
@@ -65,7 +65,7 @@ class WorkerPool:
             if process:
                 self._resting.remove(process)
         if process:
-            with contextlib.suppress(OSError, ProcessDied):  # as the future will say
+            with contextlib.suppress(OSError, ProcessDied):  # the future has the error
                 process.start()
             threading.Thread(target=self._answer_questions, args=(process,), name="worker-pool", daemon=True).start()
         return future

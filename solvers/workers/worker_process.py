@@ -24,12 +24,12 @@ from typing import IO, cast
 
 from solvers.message import from_json, to_json
 
-#: What such a process does first: it looks for modules where it is told to, and takes these ones from their own place.
+#: Start of such a process: it sets the search path for modules, and takes these ones from their own place.
 HOME = Path(__file__).resolve().parents[2]
 START = ("import sys; sys.path[:] = sys.argv[2:]; import solvers.workers.worker_process as p; del sys.path[0]; "
          "p.serve(sys.argv[1])")
 
-SHUTDOWN_SECONDS = 1.5  # seconds that a process may take to put away what it has compiled
+SHUTDOWN_SECONDS = 1.5  # seconds that a process may take to store compiled kernels
 LINUX = sys.platform == "linux"
 KILL_SIGNAL = getattr(signal, "SIGKILL", signal.SIGTERM)  # on Windows there is no other end
 PARENT_DEATH_SIGNAL, SUBREAPER = 1, 36  # options of Linux's prctl
@@ -172,7 +172,7 @@ def ask_fresh(work: str, question: Mapping | None = None, environment: Mapping[s
 def serve(work: str) -> None:
     """Runs a worker process: answers questions until its parent is gone, or the work fails. A thread of its own reads:
     without the parent, results are useless. Compiled kernels are stored on disk."""
-    signal.signal(signal.SIGINT, signal.SIG_IGN)  # Ctrl-C is for whoever started this
+    signal.signal(signal.SIGINT, signal.SIG_IGN)  # Ctrl-C is for the parent
     output = os.fdopen(os.dup(1), "w")
     os.dup2(2, 1)  # what native code prints is not an answer
     questions: queue.SimpleQueue[str | None] = queue.SimpleQueue()
@@ -181,7 +181,7 @@ def serve(work: str) -> None:
         for line in sys.stdin:
             questions.put(line)
         questions.put(None)
-        time.sleep(SHUTDOWN_SECONDS)  # it rests, and ends by itself; else nobody wants what is being done
+        time.sleep(SHUTDOWN_SECONDS)  # an idle process ends by itself; otherwise its result is not needed
         os._exit(0)
 
     def say(**message: object) -> None:
@@ -199,7 +199,7 @@ def serve(work: str) -> None:
             runtime.leave()
     except Exception as error:
         say(failure=f"failed: {type(error).__name__}: {error}")
-    os._exit(1)  # at once: nothing here is worth tidying up
+    os._exit(1)  # at once, without clean-up
 
 
 def adopt_orphans() -> None:

@@ -13,7 +13,7 @@ from solvers.judging.findings.outliers import Deviation
 from solvers.judging.findings.time_fits import rms
 
 FIGURES = "rounding of the positions in the files"
-ROUNDED = 0.1  # of the error, from where on rounding is part of what is judged
+ROUNDED = 0.1  # of the error, from which on rounding is significant
 
 
 @dataclass(frozen=True)
@@ -37,7 +37,7 @@ def _for_quantity(look: Callable[[Motion, str], Finding], key: str) -> Callable[
 
 
 INSIDE_OUT = FindingGroup((deformation.INSIDE_OUT,), lambda motion: [deformation.check_inverted(motion)], "F")
-#: What is looked at of particles that have neighbours.
+#: Checks of particles with neighbours.
 MOTION_FINDINGS = (
     FindingGroup((deformation.OVERTAKEN,), lambda motion: [deformation.check_overtaken(motion)]),
     FindingGroup(deformation.NAMES_OF_F, deformation.check_f, "gradient"),

@@ -15,16 +15,16 @@ from solvers.scene.scene import Scene
 from solvers.scene.validation import SceneError
 
 NAME, UNIT = "part of the body that no particle stands for", "of the body"
-ON_LATTICE = 1e-3  # of the distance of particles: a place that is nearer to one of a lattice is that one
+ON_LATTICE = 1e-3  # of the distance of particles, within which a place coincides with one of a lattice
 MOST_EMPTY = 20  # times as many places as particles: with more of them empty the lattice is none of theirs
-MOST_PLACES, FEW = 2_000_000, 100  # of a lattice that is tried; particles that it is tried with first
-MOST_EACH_WAY = 8  # particles in a cell of lattices that are tried
+MOST_PLACES, FEW = 2_000_000, 100  # of a candidate lattice; particles of a first test
+MOST_EACH_WAY = 8  # particles per direction in a cell of candidate lattices
 STAIRS = 0.5  # of a particle may be too much or too little at each place of a rim, by chance
-LEAST = 0.02  # of the body that is missed without a word
+LEAST = 0.02  # of the body that may be missing unreported
 FOURTH = 4  # of the nearest others: on any lattice, and by chance, little of the body is far beyond its distance
 VACANT = 0.35  # of their distance: a place where a particle should be, with none so near
 AT_A_HOLE = 1.5  # times the particles' distance: farther from the next is a hole
-POINTS = 4000  # of the body, about, from which holes are looked for
+POINTS = 4000  # of the body, about, at which holes are searched
 
 
 @dataclass(frozen=True)

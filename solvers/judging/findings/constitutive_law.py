@@ -20,7 +20,7 @@ UNIT = "of the stress"
 OTHER_LAW = 1e-3  # of the run's stress: a file whose stress is farther from what its F gives has another law
 ROUNDINGS = 2.0  # times what rounding makes of it may be off
 EXPLAINS = 0.3  # of the difference, at most, is left by what explains it
-RATIOS = np.linspace(0.0, 0.49, 50)  # Poisson's ratios that are tried
+RATIOS = np.linspace(0.0, 0.49, 50)  # candidates of Poisson's ratio
 
 
 def check(evidence: Evidence) -> Finding:

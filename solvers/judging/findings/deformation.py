@@ -15,8 +15,8 @@ from solvers.judging.findings.neighbours import departures
 
 NAMES_OF_F = "F against where neighbours stand", "F against the gradient of x", "F summed up against x"
 GAP, FOLLOWS, TORN = NAMES_OF_F
-#: Of the amplitude of the motion, from where on neighbours are not where their F says: as the lab's own verdict has it
-#: (``neighbour_gap``, 0.2 of the largest displacement), and from where on nothing is left of it.
+#: Shares of the motion's amplitude from which on neighbours are not where F implies, as in the verdict on our own runs
+#: (``neighbour_gap``, 0.2 of the largest displacement), and from which on F is meaningless.
 MOST_GAP, NO_GAP = 0.25, 0.5
 MOST_OFF, NO_F = 0.5, 1.0  # the same of F itself, RMS: good runs of ours reach 0.4
 MOST_TORN, NO_SUM = 0.35, 0.5  # the same summed up (``displacement_mismatch``)

@@ -11,11 +11,11 @@ from solvers.judging.frames import Frame
 from solvers.message import Message
 from solvers.scene.scene import Scene
 
-MOST_FOLLOWED, MOST_TIMES = 4000, 400  # particles and times that are followed over time
+MOST_FOLLOWED, MOST_TIMES = 4000, 400  # particles and times in trajectories
 LOOKED_AT, OF_EACH = 1024, 64  # numbers of a quantity; particles of a frame
-FEWEST = 16  # different ones, from which on their figures tell how all were written
-ALL_FIGURES = 15  # of a number in double precision, from which on nothing was cut off
-FIGURES_OF_SINGLE = 9  # that a number in single precision is written with
+FEWEST = 16  # distinct numbers from which on the precision can be detected
+ALL_FIGURES = 15  # digits of a double from which on it is not rounded
+FIGURES_OF_SINGLE = 9  # digits of a number written in single precision
 SINGLE, DOUBLE = 2.0**-24, 2.0**-53  # of a number: half its last bit
 
 
@@ -26,7 +26,7 @@ class Tracks:
 
     time: np.ndarray
     material_position: np.ndarray  # (P, D)
-    own: dict[str, np.ndarray]  # by quantity, x, v and sigma, and F and stress where the files say them
+    own: dict[str, np.ndarray]  # by quantity, x, v and sigma, and F and stress if in the files
     exact: dict[str, np.ndarray]  # by quantity: x, v and sigma
 
 

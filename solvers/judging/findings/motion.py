@@ -15,11 +15,11 @@ from solvers.judging.frames import RawTable, group_rows_by_time, row_times
 from solvers.judging.particle_matching import FLAT, LARGEST, LARGEST_ID
 from solvers.untrusted.quoting import FileError, quote
 
-MOST_MOMENTS = 32  # that are looked at one by one, spread over all
-BOXES = 10  # of which a large body is looked at
+MOST_MOMENTS = 32  # that are checked one by one, evenly spread
+BOXES = 10  # that represent a large body
 VECTORS, TENSORS, SCALARS = ("x", "v"), ("F", "sigma"), ("mass", "volume")
 NUMBERS, WHO = "all numbers are finite", "each particle is there once at every moment"
-SAME_PLACE = 1e-9  # of the body's size: two reference positions that are nearer are of one particle
+SAME_PLACE = 1e-9  # of the body's size, within which reference positions are the same
 SAME_TIME = 1e-12  # of the last time
 FEWEST = 3  # particles
 

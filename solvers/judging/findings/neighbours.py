@@ -6,13 +6,13 @@ from dataclasses import dataclass
 import numpy as np
 
 IN_A_BIN = 3.0  # points, about: nine bins of the plane then hold some thirty
-MOST_IN_A_BIN = 64  # of one bin that are looked at; more of them on one spot tell nothing new
-MOST_ASKED = 50_000  # points of many: what they say all would
-AT_ONCE = 2_000_000  # candidates that are looked at in one go
-NEIGHBOURS = {1: 6, 2: 12, 3: 26}  # that a particle is held against, by dimensions
+MOST_IN_A_BIN = 64  # points of one bin that are evaluated
+MOST_ASKED = 50_000  # points that represent a larger number
+AT_ONCE = 2_000_000  # candidates per batch
+NEIGHBOURS = {1: 6, 2: 12, 3: 26}  # that a particle is compared with, by dimensions
 MOST = 200_000  # particles at a time: some 300 MB and a few seconds
-ROUNDS = 40  # of taking the worst out, each of many particles at once
-SUSPECT = 12.0  # times the usual departure, from where on a particle is not to spoil what is said of others
+ROUNDS = 40  # of removing the worst, each of many particles at once
+SUSPECT = 12.0  # times the usual departure, from which on a particle is excluded for others
 USUAL = 0.9  # of all particles depart less than what the last word is measured by
 TINY = 1e-300
 

@@ -14,7 +14,7 @@ from solvers.judging.frames import Frame
 from solvers.message import Message
 from solvers.scene.scene import Scene
 
-MOST_FRAMES = 24  # in which velocities and stresses are looked at, spread over all
+MOST_FRAMES = 24  # in which velocities and stresses are checked, evenly spread
 LEAST_APART = 0.02  # of a cell; rims and crossings of sound runs of ours leave less on evenly laid particles
 NAMES = {"x": "x of each particle against its neighbours'", "v": "v of each particle against its neighbours'",
          "sigma": "stress of each particle against its neighbours'"}

@@ -29,7 +29,7 @@ SAME_PLACE = 1e-3  # of the distance of particles
 FITS = 0.3  # of the error, that another reading of the file leaves at most
 LOOKED_AT = 4  # frames
 PLACES, SPEEDS = "x at t = 0", "v at t = 0"
-FROM_START = 0.05  # of a cell: a particle that is given X to fewer figures is nearer
+FROM_START = 0.05  # of a cell, which allows for rounded X
 OTHER_SPEED = 0.05  # of the velocity; that of half a step before the start, with which leapfrog begins, is nearer
 POWERS = 7.0  # powers of ten that one unit may be of another
 NONE = "no data at t = 0 in the files"

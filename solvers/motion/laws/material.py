@@ -10,7 +10,7 @@ from solvers.motion.laws.law import MaterialLaw, determinant, kirchhoff, piola, 
 
 LAWS: dict[str, MaterialLaw] = {one.LAW.name: one.LAW for one in (neo_hookean, st_venant_kirchhoff)}
 NEO_HOOKEAN = neo_hookean.LAW.name
-ANGLES = np.linspace(0, np.pi, 24, endpoint=False)[:, None]  # of directions in which waves are looked at
+ANGLES = np.linspace(0, np.pi, 24, endpoint=False)[:, None]  # of directions of waves
 
 
 class Material(NamedTuple):

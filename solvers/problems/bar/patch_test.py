@@ -24,15 +24,15 @@ from solvers.scene.scene import Scene
 from solvers.scene.validation import SceneError, require_number
 
 VIBRATE, PATCH = "vibrate", "patch"
-STRETCH, VELOCITY = 1.02, 1.0  # F0, and v0 in m/s, of a patch test that is told nothing else
+STRETCH, VELOCITY = 1.02, 1.0  # defaults of F0, and v0 in m/s
 STRETCHES = (0.1, 10.0)
-LEAST_STRAIN = 1e-6  # below it round-off is no longer small beside the stress
+LEAST_STRAIN = 1e-6  # below it round-off is not small beside the stress
 MOST_VELOCITY = 1000.0  # m/s
 COUNT_TOLERANCE = 1e-6  # of a particle, by which their number may miss a whole one: 2.3333333 is 7/3
 NOTHING_TO_SEARCH = Message("a search makes no sense for a patch test: its error is round-off, or does not fall with "
                             "the cells; compare methods with mpm-lab sweep bar --motion patch")
 EDGE_TOLERANCE = 1e-10  # cells
-MOST_EDGE_STEPS = 10_000  # that are looked ahead
+MOST_EDGE_STEPS = 10_000  # that are searched ahead
 FAILED_FROM = 0.1  # of the stress: an error beyond which a patch test counts as failed
 
 
@@ -98,7 +98,7 @@ def repeating_unit(scene: Scene) -> tuple[int, int]:
     return scene.cells // times, scene.particles // times
 
 
-@functools.lru_cache(maxsize=64)  # the page asks again and again
+@functools.lru_cache(maxsize=64)  # used by the page repeatedly
 def first_edge_step(scene: Scene, velocity: float) -> int | None:
     """Returns the first step after which a particle lies on a cell boundary up to rounding, which then decides on its
     cell: with hat functions its force may be counted twice or not at all. None where that never happens."""

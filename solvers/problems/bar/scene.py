@@ -197,7 +197,7 @@ class BarScene(TypedMotionScene, Scene):
         the first metre."""
         if not self.is_patch:
             return position
-        with np.errstate(invalid="ignore"):  # a run gone bad holds anything
+        with np.errstate(invalid="ignore"):  # for unstable runs
             return position - np.floor(position)
 
     def warnings(self) -> list[str]:

@@ -44,7 +44,7 @@ class BarSolver(Solver):
             before = t - scene.time_step if self.step else 0.0
             true_a = a.acceleration - exact_solution.acceleration(scene, X, before) \
                 if self._switches.acceleration and self.step else np.zeros_like(X)
-            with np.errstate(over="ignore", invalid="ignore"):  # a run gone bad holds anything
+            with np.errstate(over="ignore", invalid="ignore"):  # for unstable runs
                 u, v = (a.position - X - exact_solution.displacement(scene, X, t),
                         a.velocity - exact_solution.velocity(scene, X, t))
                 stretch = F - exact_solution.deformation_gradient(scene, X, t)
@@ -60,7 +60,7 @@ class BarSolver(Solver):
 
     def plotted(self, quantity: str) -> np.ndarray:
         scene, a, X, t = self.scene, self._arrays, self._arrays.material_position, self.time
-        with np.errstate(over="ignore", invalid="ignore"):  # a run gone bad holds anything
+        with np.errstate(over="ignore", invalid="ignore"):  # for unstable runs
             moved = exact_solution.displacement(scene, X, t) if scene.is_patch else 0.0
             values = {"x": a.position - X - moved, "v": a.velocity,
                       "sigma": a.modulus * (a.deformation_gradient - a.unstretched),

@@ -13,7 +13,7 @@ from solvers.scene.remedies import PIECES
 from solvers.scene.scene import Scene
 from solvers.scene.step_bound import StepBound, circle_bound, motion_bound, motion_parts, stencil
 
-MOST_PARTICLES = 600  # of the bar that are looked at; a finer one has the same cells, only more of them
+MOST_PARTICLES = 600  # of the bar that are evaluated; a finer bar has more cells of the same kind
 PATCH_POSITIONS = 17  # of a patch test in its cell
 DRIFT_INSTANTS = 2000  # of a period
 INSTANTS_PER_PERIOD = 33  # moments of a typed motion

@@ -33,7 +33,7 @@ def breakdown(scene: BarScene, a: InstrumentedBar, particle: int, step: int, bef
     if scene.body_force == "node":
         body = node_mass * a.force_scale * np.sin(a.angular_frequency * time) * a.node_sine[g]
     internal = a.node_sums[g, 2]
-    if scene.linearity_preserving:  # corrected by what is nowhere kept
+    if scene.linearity_preserving:  # corrected by sums that are not stored
         internal = node_mass * acceleration - body
 
     def column(values: np.ndarray) -> np.ndarray:

@@ -21,12 +21,12 @@ from solvers.scene.momentum_balance import MODES, Moments
 from solvers.scene.remedies import COUPLED, FILTER, FROZEN
 from solvers.scene.validation import require_number
 
-LINE, INSTANTS = 24, 16  # points a side and times of a period at which the motion is looked at
-NEWTON_STEPS, NEWTON_END = 20, 1e-9  # of the material point that has come to a node, in m: it converges quadratically
+LINE, INSTANTS = 24, 16  # points a side and times of a period at which the motion is evaluated
+NEWTON_STEPS, NEWTON_END = 20, 1e-9  # for the material point at a node; tolerance in m, with quadratic convergence
 FINE_ORDER = 7  # order of the companion's elements beside another code, on the finer of two meshes
 #: Of the companion: from how many cells on, elements a side, and their order; the last are for motions of short waves.
 COMPANION_ELEMENTS = ((0, 3, 5), (25, 4, 5), (65, 4, 6), (math.inf, 6, 6), (math.inf, 8, 6), (math.inf, 10, 6))
-STILL, FAR = 0.05, 1.4  # cells that particles move: where they stand in theirs hardly changes, or often
+STILL, FAR = 0.05, 1.4  # cells that particles move: their place in a cell hardly changes, or often
 TEST_POINTS = 7  # an element, at which a mesh is held against the displacement
 MAX_UNRESOLVED = 3e-4  # of the displacement: RMS that a mesh may leave out
 

@@ -27,7 +27,7 @@ STEPS_A_PERIOD = 60  # of the loads, at least
 MAX_UNRESOLVED = 0.05  # of the amplitude: what the element's polynomials leave out, up to which they are to be trusted
 MOST_STEPS = 200_000  # of one scene, some five seconds; a motion that needs more is not followed to its end
 MOST_INSTANTS = 20_000  # instants of a run that goes on and on
-STEPS_PER_BATCH = 16  # steps whose loads are found together, and between two looks at how stiff the body has become
+STEPS_PER_BATCH = 16  # steps whose loads are computed together, and between two updates of the stiffness
 TO_COMPLEX = np.array([1, 1j])  # what makes a number of a vector
 
 

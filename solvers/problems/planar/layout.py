@@ -73,7 +73,7 @@ def box_stretch(method: str, F: np.ndarray) -> np.ndarray:
     |F_xx| and |F_yy|, or V_xx and V_yy of the spatial stretch V = sqrt(F F^T), which no rotation changes."""
     if method != "cpgimp-v":
         return np.abs(F[:, [0, 1], [0, 1]])
-    with np.errstate(all="ignore"):  # a run gone bad holds anything
+    with np.errstate(all="ignore"):  # for unstable runs
         b = F @ F.transpose(0, 2, 1)
         J = np.sqrt(np.linalg.det(b))  # sqrt(b) = (b + J I)/sqrt(tr b + 2 J), by Cayley and Hamilton
         return (b[:, [0, 1], [0, 1]] + J[:, None]) / np.sqrt(b[:, 0, 0] + b[:, 1, 1] + 2 * J)[:, None]

@@ -55,9 +55,9 @@ class PlanarScene(Scene):
     BEYOND_RIMS: ClassVar[bool] = False  # whether the displacement's formula is of use there, to grid nodes
     #: Of the companion of a body whose motion is the same all around: up to so many cells, elements across, order.
     COMPANION_MESHES: ClassVar[tuple[tuple[float, int, int], ...]]
-    ESCAPE_SENTENCE: ClassVar[str]  # what a particle did that is farther than it may be, as the end of a sentence
+    ESCAPE_SENTENCE: ClassVar[str]  # description of a particle beyond the limits, as the end of a sentence
     NOT_LINEARITY_PRESERVING: ClassVar[str]  # why, as the end of a sentence
-    MENDS: ClassVar[str]  # what of the other remedies frozen weights have no need of
+    MENDS: ClassVar[str]  # the effects of other remedies that frozen weights do not need
 
     @abstractmethod
     def displacement_at(self, X: Any, Y: Any, t: Any) -> tuple[Any, Any]:

@@ -19,7 +19,7 @@ Parts = tuple[np.ndarray, ...] | None
 Errors = list[Parts]  # of x, v, sigma and a
 
 
-@np.errstate(all="ignore")  # a run gone bad holds anything
+@np.errstate(all="ignore")  # for unstable runs
 def true_fields(scene: Any, a: PlanarBody, step: int) -> Errors:
     """Returns the true errors of x, v, sigma and, with the effect, a after ``step`` steps."""
     time = step * scene.time_step

@@ -98,7 +98,7 @@ class PlanarSolver(Solver):
         said = {TRUTH: true_fields(self.scene, a, self.step)} if on.truth else {}
         said |= {name: estimated_fields(a, k) for k, name in enumerate(on.estimators)}
         motion, X = a.position_velocity, a.material_position
-        with np.errstate(all="ignore"):  # a run gone bad holds anything
+        with np.errstate(all="ignore"):  # for unstable runs
             stress = cauchy_stress_of(self.scene, a)
         return Fields(X.copy(), a.mass.copy(), a.mass / self.scene.density,
                       error_columns([(motion[:, 0] - X[:, 0], motion[:, 1] - X[:, 1]), tuple(motion.T[2:]), stress]),

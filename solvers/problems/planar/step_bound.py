@@ -15,7 +15,7 @@ from solvers.scene.linear_stability import Configurations, Fields, NodeLinks, lo
 from solvers.scene.scene import Scene
 from solvers.scene.step_bound import StepBound, circle_bound, motion_bound, motion_parts, stencil
 
-#: Particles of a quarter of the body that are looked at: at every moment, and at a few.
+#: Largest numbers of particles in a quarter of the body: for every moment, and for a few.
 MOST_PARTICLES, MOST_AT_FEW_MOMENTS = 500, 6000
 IDENTITY = np.eye(2)
 STRETCH_INSTANTS = 9  # of the motion, for the largest stretch

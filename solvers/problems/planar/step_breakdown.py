@@ -10,7 +10,7 @@ from solvers.problems.planar.weights import Grid, nodes_of, weights_of
 from solvers.solver.step_breakdown import Image, ParticleState, StepBreakdown, find_links, mirror_tensors
 
 
-@np.errstate(all="ignore")  # a run gone bad holds anything
+@np.errstate(all="ignore")  # for unstable runs
 def particle_state(scene: PlanarScene, a: InstrumentedBody) -> ParticleState:
     """Returns a copy of the particles' present state."""
     (xx, xy, yy), q = cauchy_stress_of(scene, a), a.position_velocity

@@ -9,7 +9,7 @@ from solvers.study.coverage.random_runs import AFTER, BEFORE, IMPOSSIBLE, QUANTI
 from solvers.study.markdown import markdown_table
 
 NOTHING = "–"
-CLOSE = 0.1  # to 1: a multiple of which more digits are told
+CLOSE = 0.1  # to 1: a multiple that is shown with more digits
 GOALS = {DISPLACEMENT: "displacement of a point", STRESS: "mean stress", ENERGY: "kinetic energy"}
 PARTS = {"x": "x", "v": "v", "sigma": "σ"}
 

@@ -64,7 +64,7 @@ class DrawRanges:
     ppc: tuple[int, int]
     amplitude: tuple[float, float]
     periods: tuple[float, float] = (0.1, 3.0)
-    step: tuple[float, float] = (0.1, 0.8)  # of the longest that the motion ahead bears
+    step: tuple[float, float] = (0.1, 0.8)  # of the longest stable step
     work: float = 1e6
 
 
@@ -72,7 +72,7 @@ DRAW_RANGES = {"bar": DrawRanges((16, 128), (1, 6), (1e-4, 0.12)),
                "ring": DrawRanges((32, 64), (1, 3), (1e-3, 0.15), periods=(0.1, 2.0)),
                "vortex": DrawRanges((32, 64), (1, 3), (1e-2, 1.0), periods=(0.02, 1.0)),
                "square": DrawRanges((32, 64), (1, 3), (1e-3, 0.08), periods=(0.1, 1.5))}
-#: How likely a choice is that is not as likely as the others of its field.
+#: Probabilities of choices that are not as likely as the others of their field.
 SHARES: Mapping[str, Mapping[Any, float]] = {"velocity": {"grid": 0.8}, "linearity_preserving": {False: 0.75},
                                              "body_force": {"material": 0.7}, "layout": {"polar": 0.75}}
 FORCES = {"bar": ("material", "node")}  # with exact solutions; elsewhere only that at material points

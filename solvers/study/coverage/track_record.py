@@ -25,7 +25,7 @@ from solvers.study.coverage.coverage_counts import CENTRAL, FACTORS, NORMAL, TWO
 from solvers.study.coverage.random_runs import QUANTITIES, refusal_kind, unrefused
 
 FOLDER = Path(__file__).parents[3] / "assets" / "coverage"
-FEWEST = 20  # runs: of fewer nothing is said
+FEWEST = 20  # runs: no statement for fewer
 GCI, RICHARDSON = "GCI", "two-grid"
 ESTIMATORS = ("companion", "recovered", RICHARDSON, "transport")
 JUDGES = (*ESTIMATORS, GCI)

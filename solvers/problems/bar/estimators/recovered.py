@@ -263,7 +263,7 @@ def find_errors(bar: ti.template(), length, since):
         U, V, A = recovery.reference_at(bar.recovered_nodes[entry(bar, MOTION, i)], before, length, since, bar.dt)
         mean = bar.recovered_nodes[entry(bar, GATHERED, i)]
         if bar.recovered_numbers[TURNS] == BEGUN:
-            A = mean[2]  # the start's own says nothing of how a changes since: it was up to 250 times the error
+            A = mean[2]  # without the rate of a, which is unknown there: it was up to 250 times the error
         bar.recovered_nodes[entry(bar, GATHERED, i)] = mean - ti.Vector([U, V, A, U])
     extend_nodes(bar, GATHERED)
     nodes_to_nodes(bar, SMOOTHING, GATHERED, ERRORS)

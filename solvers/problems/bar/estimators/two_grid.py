@@ -25,7 +25,7 @@ MEMORY = {
     **{"coarse_" + name: kind for name, kind in BarBody.types().items()},
     **two_grid.memory_types(quads),
     "two_grid_before": quads,  # F and a of the second bar a step ago, a two steps ago, and nothing
-    "two_grid_noisy": ti.i32,  # whether nothing is said of a
+    "two_grid_noisy": ti.i32,  # whether a is not estimated
 }
 
 

@@ -45,7 +45,7 @@ def find_weights(bar: ti.template(), on: ti.template()):
         width = half_width(bar, load(bar.deformation_gradient, p), on)
         first, left, right, slope_left, slope_right = outer_weights(on.method, (x - ti.floor(x)) * per, width)
         slope_left, slope_right = slope_left * per, slope_right * per
-        # A run that goes bad has positions anywhere: stay inside the arrays until the check stops it.
+        # Positions of an unstable run are arbitrary: stay inside the arrays until the check stops it.
         node = ti.min(ti.max(first, -1.0), float(bar.cells)) + 1
         for k in ti.static(range(LANES)):
             bar.first_node[p + k] = ti.cast(node[k], ti.i32)

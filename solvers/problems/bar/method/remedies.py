@@ -11,7 +11,7 @@ import taichi as ti
 from solvers.problems.bar.method.nodes import EMPTY, GHOSTS, fold, stencil_of, unfold
 
 PASSES = 8  # of the coupling: u_i = sum over l < 8 of (I - S^+ S)^l S^+ (x - X)
-MOST_GRADIENT = 0.9  # du/dx beyond which F = 1/(1 - du/dx) says nothing
+MOST_GRADIENT = 0.9  # du/dx beyond which F = 1/(1 - du/dx) is meaningless
 
 
 @ti.func

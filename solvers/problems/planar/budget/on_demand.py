@@ -52,7 +52,7 @@ class PlanarBudget:
         for k, wanted in enumerate(steps):
             while run.solver.step < wanted:
                 if not run.step():
-                    run.solver.measure()  # which says whether it is the particles that are bad
+                    run.solver.measure()  # which checks the particles
                     return out, run.solver
                 if on_progress:
                     on_progress(run.solver.step / float(steps[-1]))

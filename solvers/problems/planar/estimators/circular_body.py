@@ -11,7 +11,7 @@ from solvers.motion.laws.law import determinant
 from solvers.problems.planar.body_force import tabulate_body_force
 from solvers.problems.planar.layout import on_axis
 
-INSTANTS = 16  # of a period, at which the stiffest deformation is looked for
+INSTANTS = 16  # of a period, at which the stiffest deformation is searched
 
 
 def sector_masses(elements: Elements) -> np.ndarray:
@@ -64,7 +64,7 @@ class CircularBody(ElasticBody):
         return slope.real, -hoop.imag, slope.imag, hoop.real
 
     def accelerations(self, u: np.ndarray, t: float) -> np.ndarray:
-        with np.errstate(all="ignore"):  # a motion that is lost, which its end tells
+        with np.errstate(all="ignore"):  # for a lost motion, which the caller detects
             internal = self.internal_acceleration(self._R + u[:, 0] + 1j * u[:, 1])
         return self.force(t) + np.stack([internal.real, internal.imag], axis=1)
 

@@ -10,7 +10,7 @@ from solvers.estimators.standalone import ElasticBody
 from solvers.problems.planar.body_force import tabulate_body_force
 
 _frequencies: dict[tuple, float] = {}  # of bodies at rest by mesh, moduli and mass: sliders ask for the same again
-INSTANTS = 8  # of a period, at which the stiffest deformation is looked for
+INSTANTS = 8  # of a period, at which the stiffest deformation is searched
 
 
 class PatchMap(NamedTuple):

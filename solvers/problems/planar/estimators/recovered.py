@@ -35,7 +35,7 @@ MEMORY = {
     **recovery.table_types(op.TABLES),
     "recovered_count": ti.i32, "recovered_line_nodes": ti.i32,  # nodes of the error grid, and those on a line
     "recovered_line": ti.i32,  # particles on a line
-    "recovered_silent": ti.i32,  # of how many quantities nothing is said: 1 of a, 2 of sigma too
+    "recovered_silent": ti.i32,  # how many quantities are not estimated: 1 is a, 2 also sigma
     "recovered_nodes": quads,  # nodal values, block by block
     "recovered_particles": quads,  # fields at particles, and half-way values on radii with nodes on them
 }

@@ -29,7 +29,7 @@ class PlanarBody(Members):
     particles: Integer
     nodes: Integer
     row: Integer  # nodes in a row
-    active: Integer  # rows in which a sound run can have mass; the others are neither cleared nor visited
+    active: Integer  # rows that can have mass in a sound run; others are neither cleared nor visited
     slabs: Integer
     orbits: Integer
     spacing: Real

@@ -29,7 +29,7 @@ def find_weights(body: ti.template(), some: ti.template(), on: ti.template()):
         xx, xy, yx, yy = [load_component(body.deformation_gradient, some, k) for k in ti.static(range(4))]
         ax, ay, bx, by = xx * ax + xy * ay, yx * ax + yy * ay, xx * bx + xy * by, yx * bx + yy * by
     last = float(body.active - 2)
-    # Clamped: a run that goes bad has positions anywhere until the check stops it.
+    # Clamped: positions of an unstable run are arbitrary until the check stops it.
     corner_x = [x + CORNERS[c][0] * ax + CORNERS[c][1] * bx for c in ti.static(range(4))]
     corner_y = [y + CORNERS[c][0] * ay + CORNERS[c][1] * by for c in ti.static(range(4))]
     i = [ti.min(ti.max(ti.floor(corner_x[c]), 0.0), last) for c in ti.static(range(4))]

@@ -32,7 +32,7 @@ def half_widths(body: ti.template(), some: ti.template(), c: ti.template(), on: 
 def find_weights(body: ti.template(), some: ti.template(), on: ti.template()):
     """Stores the stencils of some particles for both mappings of the step."""
     x, y = stencil_along(body, some, 0, on), stencil_along(body, some, 1, on)
-    # A run that goes bad has positions anywhere: stay inside the arrays until the check stops it.
+    # Positions of an unstable run are arbitrary: stay inside the arrays until the check stops it.
     last = float(body.active - 3)
     node = ti.min(ti.max(y[0], 0.0), last) * float(body.row) + ti.min(ti.max(x[0], 0.0), last)
     for k in ti.static(range(some.n)):

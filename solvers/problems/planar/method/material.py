@@ -12,7 +12,7 @@ from solvers.kernels.elementary_functions import log
 from solvers.motion.laws import law
 from solvers.motion.laws.material import LAWS as IN_NUMPY
 
-MIN_LOG_JACOBIAN = 1e-300  # det F below which its logarithm is not asked for: the run is at its end
+MIN_LOG_JACOBIAN = 1e-300  # least det F whose logarithm is taken: the run is unstable
 
 
 def strip_annotations(formula: FunctionType) -> Callable:

@@ -10,7 +10,7 @@ from solvers.problems.planar.method import cpdi, gimp
 from solvers.problems.planar.method.phases import active_particles, gather
 
 PASSES = 4  # of the coupling: u_i = sum over l < 4 of (I - S^+ S)^l S^+ (x - X)
-LEAST_JACOBIAN = 0.1  # of I - grad u, below which its inverse says nothing
+LEAST_JACOBIAN = 0.1  # of I - grad u, below which its inverse is meaningless
 
 
 @ti.func

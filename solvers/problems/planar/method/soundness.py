@@ -16,7 +16,7 @@ from solvers.solver import field_tables
 from solvers.solver.field_tables import MOTION, size_of
 from solvers.solver.samples import column_index
 
-SAME = 1e-12  # of itself, by which a distance may differ when it is found twice, in loops that are compiled otherwise
+SAME = 1e-12  # relative difference of a distance computed twice, in loops compiled differently
 
 
 def make_circle_look(inner: float, outer: float, turns: bool) -> Callable:
@@ -97,7 +97,7 @@ def record_neighbour_gaps(body: ti.template(), row):
                         worst, place = miss, p
                 elif miss > worst:  # for fewer atomic operations
                     ti.atomic_max(worst, miss)
-    if ti.static(not runtime.runs_on_cpu()):  # which of those that are all looked at at once it was
+    if ti.static(not runtime.runs_on_cpu()):  # find the particle again, because all are checked in parallel
         place = body.particles
         for p in range(body.particles):
             for side in ti.static(range(2)):

@@ -82,7 +82,7 @@ def make_gpu_kernels(State: Any, parts: PlanarParts) -> GpuKernels:
     def to_nodes(step: ti.i32, body: State, on: ti.template()):
         """Runs the first half of the step after ``step`` steps: particles to nodes, and the nodes' new motion."""
         count = phases.active_particles(body)
-        side = body.active * ti.min(count, 1)  # a run gone bad keeps its last nodes
+        side = body.active * ti.min(count, 1)  # an unstable run keeps its last nodes
         for place in range(side * side):
             body.node_sums[place // body.active * body.row + place % body.active] = ti.Vector([0.0] * 8)
         TRAITS.forces(body, step * body.dt, on)

@@ -90,7 +90,7 @@ class DeviceArrays:
     def free(self) -> None:
         """Frees the copies, when they are no longer used or Taichi is about to end."""
         if self.copies:
-            ti.sync()  # what is queued may use them
+            ti.sync()  # queued kernels may use them
             program = ti.lang.impl.get_runtime().prog
             for device_copy in self.copies.values():
                 program.delete_ndarray(device_copy.arr)
