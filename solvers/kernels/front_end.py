@@ -1,16 +1,15 @@
-"""Taichi's front end without work whose result nobody reads: half of what a kernel costs that the cache holds.
+"""Taichi's front end without unused results, which are half the cost of a cached kernel.
 
-The front end (Taichi 1.7.4, which ``pyproject.toml`` pins) translates a kernel at its first call in each process, also
-where the machine code comes from the cache of compiled kernels. For every node of the syntax tree it draws the line of
-source with the node underlined, wrapped to 80 columns, in case of an error. For every call of a function it reads and
-tokenizes the function's source again. And for every function decorated it looks through all modules for the source
-around it, to see whether it belongs to a class. Here an error names file, line and function, source is read once, and
-no function belongs to a class. What is compiled is the same to the bit.
+The front end (Taichi 1.7.4, pinned in ``pyproject.toml``) translates a kernel at its first call in each process, even
+if the machine code comes from the cache of compiled kernels. For every node of the syntax tree it formats the source
+line with the node underlined, wrapped to 80 columns, in case of an error. For every call of a function it reads and
+tokenizes the function's source again. And for every decorated function it searches all modules for the source around
+it, to see whether it belongs to a class. Here an error message has file, line and function, source is read once, and
+no function belongs to a class. The compiled code is the same to the bit.
 
-And it writes down a number again wherever it is used, a thousand times in a kernel. The compiler then merges equal ones
-one by one, each with two walks through the whole kernel: that is most of its time. Here the numbers that are used most
-are variables that a kernel sets before all else; these the compiler replaces by their values at once, for all kernels
-alike, to the same code.
+The front end also emits a constant again at every use, a thousand times in a kernel. The compiler then merges equal
+ones one by one, each with two passes over the whole kernel: that is most of its time. Here the most frequent constants
+are variables that a kernel sets first; the compiler replaces these by their values in one pass, with the same result.
 
 An argument pack is made with every solver, and twice. For each of its members Taichi counts anew which of those before
 it are arrays, a step for every pair of members: nearly half of what a run costs before its first step.

@@ -1,7 +1,7 @@
-"""A state as kernels see it, with every number read once.
+"""Scalar hoisting: a state for kernels whose numbers are all read once.
 
-A number in an argument pack is read anew wherever it is named, hundreds of times in a kernel, and the compiler then
-merges the readings one by one, each with a look through the whole kernel.
+A number in an argument pack is read again at every use, hundreds of times in a kernel, and the compiler then merges
+these reads one by one, each with a pass over the whole kernel.
 """
 
 from typing import Any

@@ -1,7 +1,7 @@
-"""Several particles at a time, as a vector of one number of each: what a processor's register holds.
+"""SIMD: several particles at a time, as a vector with one number of each, in one register of a CPU.
 
-The compiler does not do so by itself. After every number that is written it reads again where each array lies, since
-that might have changed, and so it finds no loop to put into vectors.
+The compiler does not vectorise by itself: after every store it reloads the address of each array, which might have
+changed, and so it finds no loop to vectorise.
 """
 
 import taichi as ti

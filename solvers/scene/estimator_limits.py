@@ -18,11 +18,11 @@ class Limit:
     """Row of the table: an ``estimator`` holds only while a ``quantity`` of the scene stays within these limits.
 
     A limit is a value, or a quantity as well: ``least`` and ``most`` may be reached, ``below`` may not, all in units
-    ``of`` another quantity. Where some are ``allowed``, the quantity is one of them, or all of it are. The row is for
-    scenes ``where`` quantities have a value, or one of several, and one is ``above`` a number. ``impossible`` says that
-    beyond the limit the estimator cannot run at all. ``why`` is the end of a sentence, in whose places stand what the
-    ``scene`` has, the ``value``, ``least``, ``most``, ``above``, the ``names`` that are not allowed, and what is to
-    ``give``: functions of the scene and the value.
+    ``of`` another quantity. If some values are ``allowed``, the quantity must be one of them, or consist of them. The
+    row applies to scenes ``where`` quantities have a value, or one of several, and one is ``above`` a number.
+    ``impossible`` is whether the estimator cannot run at all beyond the limit. ``why`` is the end of a sentence with
+    places for attributes of the ``scene``, the ``value``, ``least``, ``most``, ``above``, the ``names`` that are not
+    allowed, and suggestions ``give``: functions of the scene and the value.
     """
 
     estimator: str

@@ -1,17 +1,17 @@
 """The longest stable step by linear theory, for one configuration of particles and grid and for a whole motion.
 
 One step of the method, linearised about a configuration, with a = -M^-1 K u, K the tangent stiffness and M the lumped
-mass of the nodes: F takes the nodes' velocity v + dt a, but the particles take dt a by way of the weights and give it
-back by way of the weights, which leaves B a of it, B = M^-1 S^T m S the smoothing of that way (eigenvalues from 0 to
-1). A disturbance of alternating sign neither grows nor decays where dt^2 (2 - B) M^-1 K has the eigenvalue 4:
+mass of the nodes: F is updated with the nodes' velocity v + dt a, but dt a is mapped to the particles and back by the
+weights, which leaves B a of it, with the smoothing B = M^-1 S^T m S (eigenvalues from 0 to 1). A disturbance of
+alternating sign neither grows nor decays where dt^2 (2 - B) M^-1 K has the eigenvalue 4:
 
     dt <= 2/sqrt(largest eigenvalue of (2 - B) M^-1 K).
 
-With B = 1 this is the leapfrog scheme's 2/w; a mode that the particles do not see (B = 0) stands 0.71 of that.
+With B = 1 this is the leapfrog scheme's 2/w; for a mode that the particles do not see (B = 0) it is 0.71 of that.
 Measured at small amplitude: 0.93 to 0.97 of the step from which on runs of two or three periods break.
 
-A step that is too long for a moment does no harm if the moment is short: a mode without B grows by 2 (dt/limit)^2 - 1
-a step. A motion bears the step with which this comes to ``GROWTH`` on the way from one extreme to the other and back.
+A step that is too long for a short time is harmless: a mode without B grows by 2 (dt/limit)^2 - 1 per step. The longest
+step of a motion is that for which this amounts to ``GROWTH`` on the way from one extreme to the other and back.
 
 Sources: Berzins, Comp. Part. Mech. 5 (2018), for the linearisation; Lanczos, J. Res. Natl. Bur. Stand. 45 (1950).
 """

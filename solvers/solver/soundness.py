@@ -1,4 +1,4 @@
-"""Whether a run can be believed: contradictions within it, seen without an exact solution, and its known error.
+"""Soundness of a run: contradictions within it, which need no exact solution, and its known error.
 
 A run is *unstable* where a particle is inverted, crushed, far away or not finite (``solvers.solver.base`` stops it),
 *lost* where its particles no longer represent the motion, though every number is finite. A rule below finds it lost at

@@ -1,12 +1,11 @@
-"""A whole sweep or search as the work of one process (``solvers.workers``), which says how it goes. Its messages::
+"""A whole sweep or search in one worker process (``solvers.workers``), with messages about its progress::
 
-    {"row": a row}                                   of a sweep
-    {"row": a row, "known": bool, "point": {...}}    of a search: what it knows of a run that it has made, or that was
-                                                     known; the point, where something has been measured, is what
-                                                     another search may be told
-    {"look": n, "certain": m, "task": a task}        of a search: run n begins; m at least will be made or are known
-    {"advice": {...}}                                what the search found; its task has every effect
-    {"trouble": a sentence}                          why nothing can be found
+    {"row": a row}                                   a row of a sweep
+    {"row": a row, "known": bool, "point": {...}}    a run of a search, ``known`` if it was recalled; the point, if
+                                                     measured, can be passed to another search
+    {"look": n, "certain": m, "task": a task}        run n of a search begins; at least m will be made or are known
+    {"advice": {...}}                                the result of a search; its task has every effect
+    {"trouble": a sentence}                          why there can be no result
 """
 
 import math

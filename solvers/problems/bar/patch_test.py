@@ -1,12 +1,12 @@
 """Patch test of the bar: evenly stretched and moving at constant speed, so that nothing should change.
 
 A bar of rest length 1/F0 is stretched by F0 until it fills the periodic metre, and moves at v0: the stress stays
-E (F0 - 1), the acceleration zero, whatever the grid. Particles stand evenly, as many to a cell as one likes: with a
-whole number each cell holds equally many at all times, and whatever a method does wrong at a cell's boundary cancels.
+E (F0 - 1), the acceleration zero, whatever the grid. Particles are evenly spaced, with any number per cell: with a
+whole number each cell always contains equally many, and errors of a method at cell boundaries cancel.
 
-Solver and exact solution count from the stretched bar, in which X is where a particle begins: with G = F/F0 the
-deformation since then, the stress is E F0 (G - 1/F0), the density rho/F0, and all else as in a bar at rest. So a scene
-has a modulus, a density and a deformation at rest as the solver sees them; of a vibrating bar F0 = 1.
+The reference configuration of solver and exact solution is the stretched bar, in which X is the start of a particle:
+with the deformation G = F/F0 since then, the stress is E F0 (G - 1/F0), the density rho/F0, and all else as in a bar at
+rest. So a scene has the solver's modulus, density and deformation at rest; F0 = 1 for a vibrating bar.
 
 Source: Bardenhagen & Kober (2004) for hats and GIMP; Steffen, Kirby & Berzins (2008) for B-splines.
 """

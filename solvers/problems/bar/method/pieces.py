@@ -1,5 +1,4 @@
-"""The bar cut into pieces, one a particle, that leave no gap: what a particle would stand for without being counted
-whole in the cell of its centre.
+"""The bar cut into pieces without gaps, one per particle, which are not counted whole in the cell of their centre.
 
 Piece p lies between the corners p and p + 1, a corner half way between two neighbours, x(X) taken as a cubic through
 four: c_p = (9 (x_{p-1} + x_p) - x_{p-2} - x_{p+1})/16. With the method's base function B (the hat, or the quadratic
@@ -9,14 +8,14 @@ B-spline) the force of pieces at a node is exact for a stress that is constant i
 
 and so vanishes for a constant stress, wherever the particles are.
 
-The budget of errors takes from it what is called a crossing. As a remedy it is the method: the forces of pieces by
+The error budget defines crossings by it. As a remedy it replaces the method: the forces of pieces by
 their own stress, and for the velocity gradient the mean over the piece,
 
     L_p = sum_i v_i (B_i(c_{p+1}) - B_i(c_p))/(c_{p+1} - c_p),
 
 the transpose of that force, so that the work of the nodes is what the pieces store as far as their length is F V0.
 Mass, momentum and the motion of particles keep the method's weights. (F += dt (c_{p+1} - c_p) L_p/V0 stores it to
-the last digit and is not better: over 100 periods both lose the same, and F parts from x sooner.)
+the last digit and is not better: over 100 periods both lose the same, and F deviates from x sooner.)
 """
 
 import taichi as ti

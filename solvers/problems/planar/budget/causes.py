@@ -1,15 +1,15 @@
 """The errors of each cause: their sources in a step, and their propagation.
 
-The exact solution, put through one step of the run, misses itself. With f the method's force of the exact stress at the
-nodes, f~ that of the same stress in pieces, and "down" the mass-weighted mean over the particles of a node, it misses
-its own acceleration there by
+The exact solution has a defect under one step of the run. With f the method's force of the exact stress at the nodes,
+f~ that of the same stress in pieces, and "down" the mass-weighted mean over the particles of a node, the defect of the
+acceleration is
 
-    crossings    (f - f~)/m            a particle, or its domain, is counted where a part of its piece does not lie
-    coarse grid  f~/m - down(a0 - b)   pieces of constant stress, and hats to see them with
+    crossings    (f - f~)/m            a particle, or its domain, counts where a part of its piece does not lie
+    coarse grid  f~/m - down(a0 - b)   pieces of constant stress, seen by hats
 
-and beside that: the gradient of the velocity seen from particles and not from pieces (crossings), the way of v and a to
-the nodes and back (coarse grid), and symplectic Euler (time step). The body force acts at material points and misses
-nothing.
+and beside that there are: the velocity gradient at particles instead of pieces (crossings), the mapping of v and a to
+the nodes and back (coarse grid), and symplectic Euler (time step). The body force acts at material points, without a
+defect.
 """
 
 from typing import NamedTuple
@@ -21,7 +21,7 @@ from solvers.problems.planar.budget.exact_state import ExactState
 from solvers.problems.planar.budget.pieces import Pieces
 from solvers.problems.planar.weights import StepWeights
 
-#: The causes that there are here, of ``solvers.scene.error_causes``: a body force at material points makes no error.
+#: The causes of ``solvers.scene.error_causes`` that exist here: a body force at material points makes no error.
 LOCAL_CAUSES = ("crossings", "coarse_grid", "time_step")
 CROSSINGS, COARSE_GRID, TIME_STEP = range(len(LOCAL_CAUSES))
 

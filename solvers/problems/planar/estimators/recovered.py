@@ -14,8 +14,8 @@ the recovered gradient less that of the error. In a step the gradient is recover
 over a patch.
 
 Assumptions: as on the bar; the particles began on a polar lattice, of four particles or more across. It fails where the
-solution varies within a fit of four cells. Nothing is said of sigma and a where the particles are so uneven that the
-fit follows them: one particle per cell, or particles moved with their own velocity (eq 24 as printed).
+solution varies within a fit of four cells. sigma and a are not estimated where the particles are so uneven that the fit
+follows them: one particle per cell, or particles moved with their own velocity (eq 24 as printed).
 """
 
 import taichi as ti

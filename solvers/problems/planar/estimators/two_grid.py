@@ -6,9 +6,8 @@ radii at least, for cubics). Lattices go on beyond the symmetry planes as mirror
 plane are odd; at free surfaces fits are one-sided.
 
 CPDI on a ring at A = 0.1, one period, 12 to 96 cells: indices of x .97-1.00 (distance .23 to .07), v .99-1.13 (.86 to
-.13), sigma .98-1.14 (1.0 to .4), at 6-18 % of the running time. Nothing is said of a: its error is noise of a cell's
-length, which each grid has in other places, so that no difference of the two tells where it is (distances of .5 to
-1.3).
+.13), sigma .98-1.14 (1.0 to .4), at 6-18 % of the running time. a is not estimated: its error is noise of a cell's
+length, at other places on each grid, so that the difference does not locate it (distances of .5 to 1.3).
 """
 
 import functools
